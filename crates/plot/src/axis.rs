@@ -11,15 +11,19 @@ pub struct Axis {
     pub(super) max: f64,
     ticks: Ticks,
     minor: usize,
-    decimals: Option<usize>,
     pub(super) numbered: bool,
 }
 
 #[derive(Clone, Debug)]
 enum Ticks {
-    Auto,
     Step(f64),
     At(Vec<(f64, String)>),
+}
+
+impl From<f64> for Ticks {
+    fn from(step: f64) -> Self {
+        Ticks::Step(step)
+    }
 }
 
 /// How many intervals an axis left to itself is divided into, about.
@@ -32,9 +36,8 @@ impl Axis {
             label: label.to_owned(),
             min,
             max,
-            ticks: Ticks::Auto,
+            ticks: Ticks::Step(nice_step((max - min) / AUTO_INTERVALS)),
             minor: 1,
-            decimals: None,
             numbered: true,
         }
     }
@@ -55,32 +58,17 @@ impl Axis {
         Axis::new(label, low, high).ticks(&ticks)
     }
 
-    /// Ticks at multiples of `step`.
-    pub fn step(mut self, step: f64) -> Self {
-        self.ticks = Ticks::Step(step);
-        self
+    setters! {
+        /// Ticks at multiples of a step.
+        step: f64 => ticks;
+        /// Intervals the space between two ticks is divided into by short ticks; 1 for none.
+        minor: usize => minor;
     }
 
     /// Ticks at the values given, with labels in markup (an empty one leaves the tick bare).
     pub fn ticks(mut self, ticks: &[(f64, &str)]) -> Self {
-        self.ticks = Ticks::At(
-            ticks
-                .iter()
-                .map(|(v, text)| (*v, (*text).to_owned()))
-                .collect(),
-        );
-        self
-    }
-
-    /// Intervals the space between two ticks is divided into by short ticks; 1 for none.
-    pub fn minor(mut self, intervals: usize) -> Self {
-        self.minor = intervals;
-        self
-    }
-
-    /// Digits after the decimal point; by default as many as the step has.
-    pub fn decimals(mut self, decimals: usize) -> Self {
-        self.decimals = Some(decimals);
+        let ticks = ticks.iter().map(|(v, text)| (*v, (*text).to_owned()));
+        self.ticks = Ticks::At(ticks.collect());
         self
     }
 
@@ -106,35 +94,25 @@ impl Axis {
 
     /// Places and labels of the long ticks.
     pub(super) fn major(&self) -> Vec<(f64, String)> {
-        let step = match &self.ticks {
+        match &self.ticks {
             Ticks::At(ticks) => {
-                return ticks
-                    .iter()
-                    .filter(|(v, _)| self.holds(*v))
-                    .cloned()
-                    .collect();
+                let inside = ticks.iter().filter(|(v, _)| self.holds(*v));
+                inside.cloned().collect()
             }
-            Ticks::Step(step) => *step,
-            Ticks::Auto => nice_step((self.max - self.min) / AUTO_INTERVALS),
-        };
-        let decimals = self.decimals.unwrap_or_else(|| decimals_of(step));
-        self.multiples(step)
-            .into_iter()
-            .map(|v| (v, number(v, decimals)))
-            .collect()
+            Ticks::Step(step) => {
+                let (decimals, places) = (decimals_of(*step), self.multiples(*step));
+                let numbered = places.into_iter().map(|v| (v, number(v, decimals)));
+                numbered.collect()
+            }
+        }
     }
 
     /// Places of the short ticks.
     pub(super) fn minor_ticks(&self) -> Vec<f64> {
-        let step = match &self.ticks {
-            Ticks::At(_) => return vec![],
-            Ticks::Step(step) => *step,
-            Ticks::Auto => nice_step((self.max - self.min) / AUTO_INTERVALS),
-        };
-        if self.minor < 2 {
-            return vec![];
+        match &self.ticks {
+            Ticks::Step(step) if self.minor > 1 => self.multiples(step / self.minor as f64),
+            _ => vec![],
         }
-        self.multiples(step / self.minor as f64)
     }
 
     fn multiples(&self, step: f64) -> Vec<f64> {

@@ -90,11 +90,10 @@ impl<'a> Canvas<'a> {
         if points.len() < 2 {
             return Ok(());
         }
-        self.out.push_str("<path d=\"");
-        self.trace(points)?;
+        self.path(points, "")?;
         write!(
             self.out,
-            "\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"",
+            " fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"",
             pen.color.hex(),
             units(pen.width)
         )?;
@@ -113,28 +112,26 @@ impl<'a> Canvas<'a> {
     /// A marker.
     pub(super) fn symbol(&mut self, (x, y): BackendCoord, symbol: &Symbol) -> fmt::Result {
         let r = units(symbol.size / 2.0);
-        let polygon = match symbol.shape {
+        let mut fill = symbol.fill.hex();
+        let corners = match symbol.shape {
             Shape::Circle => {
                 write!(self.out, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\"")?;
-                None
+                vec![]
             }
             // Sides and heights are chosen so that the areas look equal to the circle's.
             Shape::Square => {
                 let h = units(symbol.size * 0.45);
-                Some(vec![(-h, -h), (h, -h), (h, h), (-h, h)])
+                vec![(-h, -h), (h, -h), (h, h), (-h, h)]
             }
             Shape::Diamond => {
                 let h = units(symbol.size * 0.62);
-                Some(vec![(0, -h), (h, 0), (0, h), (-h, 0)])
+                vec![(0, -h), (h, 0), (0, h), (-h, 0)]
             }
             Shape::Up | Shape::Down => {
                 let (w, tall) = (units(symbol.size * 0.58), units(symbol.size * 0.67));
                 let sign = if symbol.shape == Shape::Up { 1 } else { -1 };
-                Some(vec![
-                    (0, -sign * tall),
-                    (w, sign * tall / 2),
-                    (-w, sign * tall / 2),
-                ])
+                let base = sign * tall / 2;
+                vec![(0, -sign * tall), (w, base), (-w, base)]
             }
             Shape::Cross => {
                 let h = units(symbol.size * 0.42);
@@ -145,21 +142,14 @@ impl<'a> Canvas<'a> {
                     y - h,
                     d = 2 * h
                 )?;
-                None
+                fill = "none".to_owned();
+                vec![]
             }
         };
-        if let Some(corners) = polygon {
-            let corners: Vec<BackendCoord> =
-                corners.iter().map(|(dx, dy)| (x + dx, y + dy)).collect();
-            self.out.push_str("<path d=\"");
-            self.trace(&corners)?;
-            self.out.push_str("z\"");
+        if !corners.is_empty() {
+            let corners: Vec<_> = corners.iter().map(|(dx, dy)| (x + dx, y + dy)).collect();
+            self.path(&corners, "z")?;
         }
-        let fill = if symbol.shape == Shape::Cross {
-            "none".to_owned()
-        } else {
-            symbol.fill.hex()
-        };
         writeln!(
             self.out,
             " fill=\"{fill}\" stroke=\"{}\" stroke-width=\"{}\"/>",
@@ -172,7 +162,8 @@ impl<'a> Canvas<'a> {
     /// A text with markup, at `at`.
     pub(super) fn words(&mut self, at: BackendCoord, words: &Words) -> fmt::Result {
         // Vertical placement is by baseline: viewers disagree about `dominant-baseline`.
-        let drop = match words.v {
+        let (h, v) = words.anchor;
+        let drop = match v {
             VPos::Top => metrics::CAP_HEIGHT,
             VPos::Center => metrics::CAP_HEIGHT / 2.0,
             VPos::Bottom => 0.0,
@@ -183,7 +174,7 @@ impl<'a> Canvas<'a> {
         } else {
             (at.0, at.1 + drop)
         };
-        let anchor = match words.h {
+        let anchor = match h {
             HPos::Left => "start",
             HPos::Center => "middle",
             HPos::Right => "end",
@@ -262,13 +253,8 @@ impl<'a> Canvas<'a> {
         self.out.push_str("<path d=\"");
         for pair in corners.chunks_exact(2) {
             let ((x, y), (right, bottom)) = (pair[0], pair[1]);
-            write!(
-                self.out,
-                "M{x} {y}h{}v{}h{}z",
-                right - x,
-                bottom - y,
-                x - right
-            )?;
+            let (wide, tall) = (right - x, bottom - y);
+            write!(self.out, "M{x} {y}h{wide}v{tall}h{}z", -wide)?;
         }
         // Smoothed edges would let the paper shine through between neighbours.
         writeln!(
@@ -283,9 +269,8 @@ impl<'a> Canvas<'a> {
         if corners.len() < 3 {
             return Ok(());
         }
-        self.out.push_str("<path d=\"");
-        self.trace(corners)?;
-        writeln!(self.out, "z\" fill=\"{}\"/>", color.hex())
+        self.path(corners, "z")?;
+        writeln!(self.out, " fill=\"{}\"/>", color.hex())
     }
 
     /// A rectangle: filled, or with an edge of this many backend units. The corners come in any order, because
@@ -300,21 +285,21 @@ impl<'a> Canvas<'a> {
         let (x, y) = (left.min(right), top.min(bottom));
         let (w, h) = (left.abs_diff(right), top.abs_diff(bottom));
         let color = color.hex();
-        write!(
+        let style = match edge {
+            None => format!("fill=\"{color}\""),
+            Some(width) => {
+                format!("fill=\"none\" stroke=\"{color}\" stroke-width=\"{width}\"")
+            }
+        };
+        writeln!(
             self.out,
-            "<rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\""
-        )?;
-        match edge {
-            None => writeln!(self.out, " fill=\"{color}\"/>"),
-            Some(width) => writeln!(
-                self.out,
-                " fill=\"none\" stroke=\"{color}\" stroke-width=\"{width}\"/>"
-            ),
-        }
+            "<rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" {style}/>"
+        )
     }
 
-    /// Path data: one absolute point, then differences, which are shorter.
-    fn trace(&mut self, points: &[BackendCoord]) -> fmt::Result {
+    /// Begins a path: one absolute point, then differences, which are shorter.
+    fn path(&mut self, points: &[BackendCoord], end: &str) -> fmt::Result {
+        self.out.push_str("<path d=\"");
         let mut before: Option<BackendCoord> = None;
         for &(x, y) in points {
             match before {
@@ -322,13 +307,11 @@ impl<'a> Canvas<'a> {
                 Some((x0, y0)) if (x, y) != (x0, y0) => {
                     // A minus sign separates by itself.
                     let (dx, dy) = (x - x0, y - y0);
-                    let first = if self.out.ends_with('l') || dx < 0 {
-                        ""
-                    } else {
-                        " "
-                    };
-                    let second = if dy < 0 { "" } else { " " };
-                    write!(self.out, "{first}{dx}{second}{dy}")?;
+                    if dx >= 0 && !self.out.ends_with('l') {
+                        self.out.push(' ');
+                    }
+                    let between = if dy < 0 { "" } else { " " };
+                    write!(self.out, "{dx}{between}{dy}")?;
                 }
                 Some(_) => {}
             }
@@ -338,7 +321,7 @@ impl<'a> Canvas<'a> {
         if self.out.ends_with('l') {
             self.out.push_str("0 0");
         }
-        Ok(())
+        write!(self.out, "{end}\"")
     }
 }
 
@@ -436,9 +419,11 @@ impl DrawingBackend for Canvas<'_> {
 
     fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, at: BackendCoord) -> Drawn {
         let anchor = style.anchor();
-        let words = Words::new(text, style.size() / UNITS)
-            .color(style.color().into())
-            .anchor(anchor.h_pos, anchor.v_pos);
+        let size = style.size() / UNITS;
+        let words = Words {
+            color: style.color().into(),
+            ..Words::new(text, size, (anchor.h_pos, anchor.v_pos))
+        };
         drawn(self.words(at, &words))
     }
 }
@@ -460,6 +445,10 @@ mod tests {
         out
     }
 
+    fn lower_left(markup: &str) -> Words {
+        Words::new(markup, 10.0, (HPos::Left, VPos::Bottom))
+    }
+
     #[test]
     fn the_document_is_named_and_escaped() {
         let svg = document(|_| Ok(()));
@@ -473,7 +462,7 @@ mod tests {
 
     #[test]
     fn subscripts_return_to_the_line() {
-        let svg = document(|canvas| drawn(canvas.words((50, 50), &Words::new("*x*_1 + 2", 10.0))));
+        let svg = document(|canvas| drawn(canvas.words((50, 50), &lower_left("*x*_1 + 2"))));
         let document = roxmltree::Document::parse(&svg).unwrap();
         let runs = document
             .descendants()
@@ -498,7 +487,7 @@ mod tests {
     #[test]
     fn a_text_is_as_wide_as_computed_in_any_font() {
         let given = |markup: &str| -> Vec<i32> {
-            let svg = document(|canvas| drawn(canvas.words((50, 50), &Words::new(markup, 10.0))));
+            let svg = document(|canvas| drawn(canvas.words((50, 50), &lower_left(markup))));
             let lengths = svg.split(" textLength=\"").skip(1);
             let digits = lengths.map(|rest| rest.split('"').next().unwrap());
             digits.map(|wide| wide.parse().unwrap()).collect()

@@ -30,8 +30,6 @@ pub const MID_GREY: Color = Color(185, 185, 185);
 pub const LIGHT_GREY: Color = Color(228, 228, 228);
 /// A second shading, told from [`LIGHT_GREY`] by hue and lightness.
 pub const LIGHT_ORANGE: Color = Color(252, 232, 196);
-/// A third shading.
-pub const LIGHT_BLUE: Color = Color(212, 232, 245);
 
 impl Color {
     /// `#rrggbb`, as SVG wants it.
@@ -43,14 +41,6 @@ impl Color {
     pub fn pale(self) -> Self {
         let mixed = |part: u8| (255 - (255 - u16::from(part)) * 2 / 5) as u8;
         Self(mixed(self.0), mixed(self.1), mixed(self.2))
-    }
-
-    /// The form plotters' backends exchange.
-    pub(super) fn backend(self) -> BackendColor {
-        BackendColor {
-            alpha: 1.0,
-            rgb: (self.0, self.1, self.2),
-        }
     }
 }
 

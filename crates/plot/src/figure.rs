@@ -39,20 +39,13 @@ impl Cell {
     fn margins(&self, width: f64) -> Result<Margins, PlotError> {
         match self {
             Cell::Panel(panel) => panel.margins(width),
-            Cell::Table(_) => Ok(Margins {
-                left: 0.0,
-                right: 0.0,
-                top: 0.0,
-                bottom: 0.0,
-            }),
+            Cell::Table(_) => Ok(Margins::default()),
         }
     }
 }
 
-struct Row {
-    weight: f64,
-    cells: Vec<(f64, Cell)>,
-}
+/// Things beside or above one another, each with its share of the room.
+type Shares<T> = Vec<(f64, T)>;
 
 /// A figure of one or more panels.
 pub struct Figure {
@@ -60,7 +53,7 @@ pub struct Figure {
     title: String,
     description: String,
     size: (f64, f64),
-    rows: Vec<Row>,
+    rows: Shares<Shares<Cell>>,
 }
 
 /// Where a cell of the page lies and which margins it keeps.
@@ -68,6 +61,12 @@ struct Placed<'f> {
     frame: Frame,
     margins: Margins,
     cell: &'f Cell,
+}
+
+impl Placed<'_> {
+    fn is_panel(&self) -> bool {
+        matches!(self.cell, Cell::Panel(_))
+    }
 }
 
 impl Figure {
@@ -90,7 +89,7 @@ impl Figure {
 
     /// Adds a row of several cells, each with its share of the width.
     pub fn columns(mut self, weight: f64, cells: Vec<(f64, Cell)>) -> Self {
-        self.rows.push(Row { weight, cells });
+        self.rows.push((weight, cells));
         self
     }
 
@@ -124,18 +123,11 @@ impl Figure {
     /// Divides the page. Panels under one another get the same margins, so that their frames line up.
     fn layout(&self) -> Result<Vec<Placed<'_>>, PlotError> {
         let (width, height) = self.size;
-        let weights: f64 = self.rows.iter().map(|row| row.weight).sum();
-        let gaps = GAP * self.rows.len().saturating_sub(1) as f64;
-        let room = height - 2.0 * BORDER - gaps;
-        let mut rows: Vec<Vec<Placed<'_>>> = Vec::new();
-        let mut top = BORDER;
-        for row in &self.rows {
-            let bottom = top + room * row.weight / weights;
-            rows.push(place_row(row, width, top, bottom)?);
-            top = bottom + GAP;
+        let mut placed = Vec::new();
+        for (row, ends) in divided(&self.rows, height) {
+            placed.append(&mut place_row(row, width, ends)?);
         }
-        line_up(&mut rows);
-        let placed: Vec<Placed<'_>> = rows.into_iter().flatten().collect();
+        line_up(&mut placed);
         for place in &placed {
             let width = place.frame.width() - place.margins.left - place.margins.right;
             let height = place.frame.height() - place.margins.top - place.margins.bottom;
@@ -151,59 +143,51 @@ impl Figure {
     }
 }
 
+/// Where each of the things begins and ends along an edge of the page.
+fn divided<T>(shares: &[(f64, T)], edge: f64) -> impl Iterator<Item = (&T, (f64, f64))> {
+    let weights: f64 = shares.iter().map(|(weight, _)| weight).sum();
+    let room = edge - 2.0 * BORDER - GAP * shares.len().saturating_sub(1) as f64;
+    let mut next = BORDER;
+    shares.iter().map(move |(weight, thing)| {
+        let ends = (next, next + room * weight / weights);
+        next = ends.1 + GAP;
+        (thing, ends)
+    })
+}
+
 fn place_row(
-    row: &Row,
-    page_width: f64,
-    top: f64,
-    bottom: f64,
+    cells: &[(f64, Cell)],
+    width: f64,
+    (top, bottom): (f64, f64),
 ) -> Result<Vec<Placed<'_>>, PlotError> {
-    let weights: f64 = row.cells.iter().map(|(weight, _)| weight).sum();
-    let room = page_width - 2.0 * BORDER - GAP * row.cells.len().saturating_sub(1) as f64;
-    let mut left = BORDER;
     let mut placed = Vec::new();
-    for (weight, cell) in &row.cells {
-        let right = left + room * weight / weights;
+    for (cell, (left, right)) in divided(cells, width) {
         placed.push(Placed {
-            frame: Frame {
-                left,
-                top,
-                right,
-                bottom,
-            },
+            frame: Frame::between((left, top), (right, bottom)),
             margins: cell.margins(right - left)?,
             cell,
         });
-        left = right + GAP;
     }
     // Frames beside one another begin and end at the same height.
     let above = placed.iter().map(|p| p.margins.top).fold(0.0, f64::max);
     let below = placed.iter().map(|p| p.margins.bottom).fold(0.0, f64::max);
-    for place in &mut placed {
-        if matches!(place.cell, Cell::Panel(_)) {
-            place.margins.top = above;
-            place.margins.bottom = below;
-        }
+    for place in placed.iter_mut().filter(|p| p.is_panel()) {
+        place.margins.top = above;
+        place.margins.bottom = below;
     }
     Ok(placed)
 }
 
 /// Gives panels whose cells begin (or end) at the same abscissa the same left (or right) margin.
-fn line_up(rows: &mut [Vec<Placed<'_>>]) {
-    let cells: Vec<(f64, f64, Margins)> = rows
-        .iter()
-        .flatten()
-        .filter(|p| matches!(p.cell, Cell::Panel(_)))
-        .map(|p| (p.frame.left, p.frame.right, p.margins))
-        .collect();
-    for place in rows.iter_mut().flatten() {
-        if matches!(place.cell, Cell::Table(_)) {
-            continue;
-        }
-        for (left, right, margins) in &cells {
-            if (left - place.frame.left).abs() < 0.5 {
+fn line_up(placed: &mut [Placed<'_>]) {
+    let mut panels: Vec<&mut Placed<'_>> = placed.iter_mut().filter(|p| p.is_panel()).collect();
+    let cells: Vec<(Frame, Margins)> = panels.iter().map(|p| (p.frame, p.margins)).collect();
+    for place in &mut panels {
+        for (frame, margins) in &cells {
+            if (frame.left - place.frame.left).abs() < 0.5 {
                 place.margins.left = place.margins.left.max(margins.left);
             }
-            if (right - place.frame.right).abs() < 0.5 {
+            if (frame.right - place.frame.right).abs() < 0.5 {
                 place.margins.right = place.margins.right.max(margins.right);
             }
         }
@@ -242,10 +226,6 @@ mod tests {
             (Band::x(0.2, 0.3).into(), "<rect"),
             (Band::y(0.2, 0.3).into(), "<rect"),
             (Band::bar((0.2, 0.3), 0.5, 6.0).into(), "<rect"),
-            (
-                Band::rect((0.2, 0.3), (0.2, 0.3)).outline(BLUE, 1.0).into(),
-                "#0072b2",
-            ),
             (
                 Curve::new(line).color(BLUE).dash(Dash::Dotted).into(),
                 "stroke-dasharray",

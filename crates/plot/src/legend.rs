@@ -2,8 +2,8 @@
 
 use plotters_backend::text_anchor::{HPos, VPos};
 
-use super::color::{BLACK, Color, WHITE};
-use super::elements::{Symbol, Words};
+use super::color::{Color, WHITE};
+use super::elements::{Ink, Words};
 use super::metrics;
 use super::pen::Pen;
 use super::plot::{Drawn, Frame, Sheet};
@@ -31,27 +31,17 @@ pub enum Legend {
     Below,
 }
 
-/// What stands before the text.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Key {
-    Line(Pen),
-    Symbol(Symbol),
-    Area(Color),
-}
-
-/// One line of a legend.
-#[derive(Clone, Debug)]
+/// One line of a legend: a text, and before it a piece of what is drawn.
 pub(super) struct Entry {
     text: String,
-    key: Key,
+    ink: Ink,
 }
 
 impl Entry {
-    pub(super) fn new(text: &str, key: Key) -> Self {
-        Self {
-            text: text.to_owned(),
-            key,
-        }
+    /// None without a text.
+    pub(super) fn new(text: &str, ink: Ink) -> Option<Self> {
+        let text = text.to_owned();
+        (!text.is_empty()).then_some(Self { text, ink })
     }
 }
 
@@ -63,25 +53,23 @@ const COLUMN_GAP: f64 = 18.0;
 const PADDING: f64 = 5.0;
 const INSET: f64 = 7.0;
 
-/// A legend below a panel, laid out for its width.
-struct Columns {
-    count: usize,
-    width: f64,
+/// Width of the widest entry, px.
+fn widest(entries: &[Entry]) -> Result<f64, PlotError> {
+    let widths = entries
+        .iter()
+        .map(|entry| metrics::width(&entry.text, SIZE));
+    let widths: Vec<f64> = widths.collect::<Result<_, _>>()?;
+    Ok(KEY + KEY_GAP + widths.into_iter().fold(0.0, f64::max))
 }
 
-fn columns(entries: &[Entry], available: f64) -> Result<Columns, PlotError> {
-    let mut widest: f64 = 0.0;
-    for entry in entries {
-        widest = widest.max(KEY + KEY_GAP + metrics::width(&entry.text, SIZE)?);
-    }
+/// Number and width of the columns of a legend below a panel.
+fn columns(entries: &[Entry], available: f64) -> Result<(usize, f64), PlotError> {
+    let widest = widest(entries)?;
     let fit = ((available + COLUMN_GAP) / (widest + COLUMN_GAP)).floor() as usize;
     let fit = fit.clamp(1, entries.len().max(1));
     // As many lines as that takes, but spread evenly over them: 4 entries make 2 + 2, not 3 + 1.
     let lines = entries.len().div_ceil(fit);
-    Ok(Columns {
-        count: entries.len().div_ceil(lines.max(1)).max(1),
-        width: widest,
-    })
+    Ok((entries.len().div_ceil(lines.max(1)).max(1), widest))
 }
 
 /// Height a legend below a panel takes, px.
@@ -89,8 +77,8 @@ pub(super) fn height_below(entries: &[Entry], available: f64) -> Result<f64, Plo
     if entries.is_empty() {
         return Ok(0.0);
     }
-    let columns = columns(entries, available)?;
-    Ok(entries.len().div_ceil(columns.count) as f64 * LINE + PADDING)
+    let (count, _) = columns(entries, available)?;
+    Ok(entries.len().div_ceil(count) as f64 * LINE + PADDING)
 }
 
 /// Draws the legend under a panel: centred between `left` and `right`, from `top` down.
@@ -103,7 +91,7 @@ pub(super) fn draw_below(
     if entries.is_empty() {
         return Ok(());
     }
-    let Columns { count, width } = columns(entries, right - left)?;
+    let (count, width) = columns(entries, right - left)?;
     let total = count as f64 * (width + COLUMN_GAP) - COLUMN_GAP;
     let start = left + ((right - left) - total) / 2.0;
     for (i, entry) in entries.iter().enumerate() {
@@ -124,11 +112,7 @@ pub(super) fn draw_inside(
     if entries.is_empty() {
         return Ok(());
     }
-    let mut widest: f64 = 0.0;
-    for entry in entries {
-        widest = widest.max(metrics::width(&entry.text, SIZE)?);
-    }
-    let width = KEY + KEY_GAP + widest + 2.0 * PADDING;
+    let width = widest(entries)? + 2.0 * PADDING;
     let height = entries.len() as f64 * LINE + PADDING;
     let left = match place {
         Legend::UpperLeft | Legend::LowerLeft => plot.left + INSET,
@@ -139,12 +123,7 @@ pub(super) fn draw_inside(
         Legend::UpperLeft | Legend::UpperMiddle | Legend::UpperRight => plot.top + INSET,
         _ => plot.bottom - INSET - height,
     };
-    let frame = Frame {
-        left,
-        top,
-        right: left + width,
-        bottom: top + height,
-    };
+    let frame = Frame::new((left, top), (width, height));
     sheet.rect(&frame, WHITE)?;
     sheet.outline(&frame, &Pen::new(Color(190, 190, 190), 0.6))?;
     for (i, entry) in entries.iter().enumerate() {
@@ -155,22 +134,15 @@ pub(super) fn draw_inside(
 }
 
 fn draw_entry(sheet: &Sheet<'_, '_>, entry: &Entry, x: f64, y: f64) -> Drawn {
-    match &entry.key {
-        Key::Line(pen) => sheet.stroke(&[(x, y), (x + KEY, y)], pen)?,
-        Key::Symbol(symbol) => sheet.symbol((x + KEY / 2.0, y), symbol)?,
-        Key::Area(color) => {
-            let swatch = Frame {
-                left: x + 2.0,
-                top: y - 4.5,
-                right: x + KEY - 2.0,
-                bottom: y + 4.5,
-            };
+    match &entry.ink {
+        Ink::Area(color) => {
+            let swatch = Frame::between((x + 2.0, y - 4.5), (x + KEY - 2.0, y + 4.5));
             sheet.rect(&swatch, *color)?;
             sheet.outline(&swatch, &Pen::new(Color(150, 150, 150), 0.5))?;
         }
+        Ink::Line(_) => sheet.draw(&[(x, y), (x + KEY, y)], entry.ink.clone())?,
+        _ => sheet.draw(&[(x + KEY / 2.0, y)], entry.ink.clone())?,
     }
-    let words = Words::new(&entry.text, SIZE)
-        .color(BLACK)
-        .anchor(HPos::Left, VPos::Center);
+    let words = Words::new(&entry.text, SIZE, (HPos::Left, VPos::Center));
     sheet.words((x + KEY + KEY_GAP, y), words)
 }

@@ -32,6 +32,17 @@
 //! # Ok::<(), plot::PlotError>(())
 //! ```
 
+/// Methods that set a field each, for chains of calls.
+macro_rules! setters {
+    ($($(#[$doc:meta])* $name:ident: $type:ty => $($field:ident).+;)*) => {$(
+        $(#[$doc])*
+        pub fn $name(mut self, value: $type) -> Self {
+            self.$($field).+ = value.into();
+            self
+        }
+    )*};
+}
+
 mod arrow;
 mod axis;
 mod canvas;
@@ -52,8 +63,8 @@ mod table;
 
 pub use axis::{Axis, number};
 pub use color::{
-    BLACK, BLUE, Color, GREEN, GREY, LIGHT_BLUE, LIGHT_GREY, LIGHT_ORANGE, MID_GREY, ORANGE,
-    PURPLE, SKY, VERMILLION, WHITE,
+    BLACK, BLUE, Color, GREEN, GREY, LIGHT_GREY, LIGHT_ORANGE, MID_GREY, ORANGE, PURPLE, SKY,
+    VERMILLION, WHITE,
 };
 pub use elements::Shape;
 pub use error::PlotError;
@@ -64,5 +75,5 @@ pub use layers::{
 pub use legend::Legend;
 pub use metrics::FACES;
 pub use panel::Panel;
-pub use pen::{Dash, Pen};
+pub use pen::Dash;
 pub use table::Table;

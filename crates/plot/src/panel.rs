@@ -24,12 +24,19 @@ const FRAME_WIDTH: f64 = 0.9;
 const DESCENT: f64 = 5.0;
 
 /// Space around the plot rectangle for numbers and labels, px.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Margins {
     pub(super) left: f64,
     pub(super) right: f64,
     pub(super) top: f64,
     pub(super) bottom: f64,
+}
+
+impl Axis {
+    /// Height of the numbers of a lower axis, px.
+    fn numbers(&self) -> f64 {
+        if self.numbered { TICK_TEXT + 2.0 } else { 0.0 }
+    }
 }
 
 /// Axes, layers, legend, label.
@@ -55,22 +62,13 @@ impl Panel {
         }
     }
 
-    /// Label above the upper left corner, such as `(a)`; set in bold.
-    pub fn label(mut self, label: &str) -> Self {
-        self.label = label.to_owned();
-        self
-    }
-
-    /// Heading after the label, in markup.
-    pub fn title(mut self, title: &str) -> Self {
-        self.title = title.to_owned();
-        self
-    }
-
-    /// Where the legend stands. The caller knows which corner is free.
-    pub fn legend(mut self, place: Legend) -> Self {
-        self.legend = place;
-        self
+    setters! {
+        /// Label above the upper left corner, such as `(a)`; set in bold.
+        label: &str => label;
+        /// Heading after the label, in markup.
+        title: &str => title;
+        /// Where the legend stands. The caller knows which corner is free.
+        legend: Legend => legend;
     }
 
     /// Adds a layer on top of those already there.
@@ -96,6 +94,15 @@ impl Panel {
             (true, false) => self.title.clone(),
             (false, false) => format!("**{}**  {}", self.label, self.title),
         }
+    }
+
+    /// Height of numbers and label below the plot rectangle, px.
+    fn below(&self) -> f64 {
+        let label = match self.x.label.as_str() {
+            "" => 0.0,
+            _ => AXIS_TEXT + DESCENT + 1.0,
+        };
+        TICK_GAP + self.x.numbers() + label
     }
 
     /// The space this panel needs around its plot rectangle in a cell of the given width.
@@ -126,13 +133,7 @@ impl Panel {
         } else {
             PANEL_TEXT + 8.0
         };
-        let mut bottom = TICK_GAP;
-        if self.x.numbered {
-            bottom += TICK_TEXT + 2.0;
-        }
-        if !self.x.label.is_empty() {
-            bottom += AXIS_TEXT + DESCENT + 1.0;
-        }
+        let mut bottom = self.below();
         if self.legend == Legend::Below {
             bottom += legend::height_below(&self.entries(), cell_width - left - right)?;
         }
@@ -156,8 +157,8 @@ impl Panel {
         for layer in &self.layers {
             layer.draw(&plot)?;
         }
-        self.draw_x_axis(&plot)?;
-        self.draw_y_axis(&plot, cell.left)?;
+        self.draw_axis(&plot, &self.x, None)?;
+        self.draw_axis(&plot, &self.y, Some(cell.left))?;
         let pen = Pen::new(BLACK, FRAME_WIDTH);
         plot.sheet.outline(&frame, &pen)?;
         for layer in &self.layers {
@@ -168,66 +169,52 @@ impl Panel {
         if heading.is_empty() {
             return Ok(());
         }
-        let words = Words::new(&heading, PANEL_TEXT).anchor(HPos::Left, VPos::Bottom);
+        let words = Words::new(&heading, PANEL_TEXT, (HPos::Left, VPos::Bottom));
         plot.sheet.words((frame.left, frame.top - 7.0), words)
     }
 
-    fn draw_x_axis(&self, plot: &Plot<'_, '_>) -> Drawn {
+    /// Ticks, numbers and label: below the plot rectangle, or left of it with the label from
+    /// `label_left` on.
+    fn draw_axis(&self, plot: &Plot<'_, '_>, axis: &Axis, label_left: Option<f64>) -> Drawn {
         let pen = Pen::new(BLACK, FRAME_WIDTH);
-        let bottom = plot.frame.bottom;
-        for v in self.x.minor_ticks() {
-            let (x, _) = plot.px((v, plot.bounds.y.0));
-            plot.sheet
-                .stroke(&[(x, bottom), (x, bottom - MINOR_TICK)], &pen)?;
-        }
-        for (v, text) in self.x.major() {
-            let (x, _) = plot.px((v, plot.bounds.y.0));
-            plot.sheet
-                .stroke(&[(x, bottom), (x, bottom - TICK)], &pen)?;
-            if self.x.numbered {
-                let words = Words::new(&text, TICK_TEXT).anchor(HPos::Center, VPos::Top);
-                plot.sheet.words((x, bottom + TICK_GAP + 1.0), words)?;
-            }
-        }
-        if self.x.label.is_empty() {
-            return Ok(());
-        }
-        let numbers = if self.x.numbered {
-            TICK_TEXT + 2.0
-        } else {
-            0.0
+        let (frame, is_lower) = (&plot.frame, label_left.is_none());
+        let tick = |v: f64, length: f64| {
+            let (x, y) = plot.px((v, v));
+            let ends = if is_lower {
+                [(x, frame.bottom), (x, frame.bottom - length)]
+            } else {
+                [(frame.left, y), (frame.left + length, y)]
+            };
+            plot.sheet.stroke(&ends, &pen).map(|()| ends[0])
         };
-        let at = (
-            (plot.frame.left + plot.frame.right) / 2.0,
-            bottom + TICK_GAP + numbers + 3.0,
-        );
-        let words = Words::new(&self.x.label, AXIS_TEXT).anchor(HPos::Center, VPos::Top);
-        plot.sheet.words(at, words)
-    }
-
-    fn draw_y_axis(&self, plot: &Plot<'_, '_>, cell_left: f64) -> Drawn {
-        let pen = Pen::new(BLACK, FRAME_WIDTH);
-        let left = plot.frame.left;
-        for v in self.y.minor_ticks() {
-            let (_, y) = plot.px((plot.bounds.x.0, v));
-            plot.sheet
-                .stroke(&[(left, y), (left + MINOR_TICK, y)], &pen)?;
+        for v in axis.minor_ticks() {
+            tick(v, MINOR_TICK)?;
         }
-        for (v, text) in self.y.major() {
-            let (_, y) = plot.px((plot.bounds.x.0, v));
-            plot.sheet.stroke(&[(left, y), (left + TICK, y)], &pen)?;
-            if self.y.numbered {
-                let words = Words::new(&text, TICK_TEXT).anchor(HPos::Right, VPos::Center);
-                plot.sheet.words((left - TICK_GAP, y), words)?;
+        for (v, text) in axis.major() {
+            let (x, y) = tick(v, TICK)?;
+            let (at, anchor) = if is_lower {
+                ((x, y + TICK_GAP + 1.0), (HPos::Center, VPos::Top))
+            } else {
+                ((x - TICK_GAP, y), (HPos::Right, VPos::Center))
+            };
+            if axis.numbered {
+                plot.sheet.words(at, Words::new(&text, TICK_TEXT, anchor))?;
             }
         }
-        if self.y.label.is_empty() {
+        if axis.label.is_empty() {
             return Ok(());
         }
-        let at = (cell_left, (plot.frame.top + plot.frame.bottom) / 2.0);
-        let words = Words::new(&self.y.label, AXIS_TEXT)
-            .anchor(HPos::Center, VPos::Top)
-            .upwards();
+        let at = match label_left {
+            Some(left) => (left, (frame.top + frame.bottom) / 2.0),
+            None => (
+                (frame.left + frame.right) / 2.0,
+                frame.bottom + TICK_GAP + axis.numbers() + 3.0,
+            ),
+        };
+        let words = Words {
+            upwards: !is_lower,
+            ..Words::new(&axis.label, AXIS_TEXT, (HPos::Center, VPos::Top))
+        };
         plot.sheet.words(at, words)
     }
 
@@ -236,13 +223,7 @@ impl Panel {
         match self.legend {
             Legend::Hidden => Ok(()),
             Legend::Below => {
-                let mut top = frame.bottom + TICK_GAP;
-                if self.x.numbered {
-                    top += TICK_TEXT + 2.0;
-                }
-                if !self.x.label.is_empty() {
-                    top += AXIS_TEXT + DESCENT + 1.0;
-                }
+                let top = frame.bottom + self.below();
                 legend::draw_below(sheet, &entries, (frame.left, frame.right), top)
             }
             corner => legend::draw_inside(sheet, &entries, frame, corner),

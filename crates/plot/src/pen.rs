@@ -18,41 +18,28 @@ pub enum Dash {
     DashDot,
 }
 
-/// Colour, width (px) and line style of a line.
+/// Colour, width (px at the figure's nominal size) and line style of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pen {
-    /// Colour.
-    pub color: Color,
-    /// Width, px at the figure's nominal size.
-    pub width: f64,
-    /// Line style.
-    pub dash: Dash,
+pub(super) struct Pen {
+    pub(super) color: Color,
+    pub(super) width: f64,
+    pub(super) dash: Dash,
 }
 
 impl Default for Pen {
     fn default() -> Self {
-        Self {
-            color: BLACK,
-            width: 1.4,
-            dash: Dash::Solid,
-        }
+        Self::new(BLACK, 1.4)
     }
 }
 
 impl Pen {
     /// A solid pen.
-    pub fn new(color: Color, width: f64) -> Self {
+    pub(super) fn new(color: Color, width: f64) -> Self {
         Self {
             color,
             width,
             dash: Dash::Solid,
         }
-    }
-
-    /// The same pen with another line style.
-    pub fn dash(mut self, dash: Dash) -> Self {
-        self.dash = dash;
-        self
     }
 
     /// Lengths of strokes and gaps, px; empty for a solid line. They grow with the width, so that a bold dotted
@@ -70,7 +57,11 @@ impl Pen {
 
 impl BackendStyle for Pen {
     fn color(&self) -> BackendColor {
-        self.color.backend()
+        let Color(red, green, blue) = self.color;
+        BackendColor {
+            alpha: 1.0,
+            rgb: (red, green, blue),
+        }
     }
 
     fn stroke_width(&self) -> u32 {

@@ -12,7 +12,7 @@ use plotters::style::{RGBColor, ShapeStyle};
 use super::axis::Axis;
 use super::canvas::{Canvas, units};
 use super::color::Color;
-use super::elements::{Label, Mark, Stroke, Symbol, Tiles, Words};
+use super::elements::{Element, Ink, Symbol, Words};
 use super::pen::Pen;
 use super::polyline::{self, Bounds, Point};
 use crate::error::PlotError;
@@ -39,12 +39,37 @@ pub(super) struct Frame {
 }
 
 impl Frame {
+    /// With this upper left corner.
+    pub(super) fn new((left, top): Point, (width, height): Point) -> Self {
+        Self {
+            left,
+            top,
+            right: left + width,
+            bottom: top + height,
+        }
+    }
+
+    /// Between two opposite corners.
+    pub(super) fn between(a: Point, b: Point) -> Self {
+        Self {
+            left: a.0.min(b.0),
+            top: a.1.min(b.1),
+            right: a.0.max(b.0),
+            bottom: a.1.max(b.1),
+        }
+    }
+
     pub(super) fn width(&self) -> f64 {
         self.right - self.left
     }
 
     pub(super) fn height(&self) -> f64 {
         self.bottom - self.top
+    }
+
+    /// Upper left and lower right.
+    pub(super) fn corners(&self) -> [Point; 2] {
+        [(self.left, self.top), (self.right, self.bottom)]
     }
 
     /// The point at fractions of width (from the left) and height (from below).
@@ -62,9 +87,17 @@ pub(super) struct Sheet<'p, 'a> {
 }
 
 impl Sheet<'_, '_> {
-    pub(super) fn stroke(&self, points: &[Point], pen: &Pen) -> Drawn {
+    pub(super) fn draw(&self, points: &[Point], ink: Ink) -> Drawn {
         let points = points.iter().map(backend).collect();
-        Ok(self.page.draw(&Stroke { points, pen: *pen })?)
+        Ok(self.page.draw(&Element { points, ink })?)
+    }
+
+    pub(super) fn stroke(&self, points: &[Point], pen: &Pen) -> Drawn {
+        self.draw(points, Ink::Line(*pen))
+    }
+
+    pub(super) fn words(&self, at: Point, words: Words) -> Drawn {
+        self.draw(&[at], Ink::Words(words))
     }
 
     pub(super) fn fill(&self, points: &[Point], color: Color) -> Drawn {
@@ -73,53 +106,15 @@ impl Sheet<'_, '_> {
     }
 
     pub(super) fn rect(&self, frame: &Frame, color: Color) -> Drawn {
-        let corners = [
-            backend(&(frame.left, frame.top)),
-            backend(&(frame.right, frame.bottom)),
-        ];
+        let corners = frame.corners().map(|corner| backend(&corner));
         Ok(self.page.draw(&Rectangle::new(corners, solid(color)))?)
     }
 
-    /// Rectangles as one area.
-    pub(super) fn rects(&self, frames: &[Frame], color: Color) -> Drawn {
-        let corners = |frame: &Frame| {
-            [
-                backend(&(frame.left, frame.top)),
-                backend(&(frame.right, frame.bottom)),
-            ]
-        };
-        let corners = frames.iter().flat_map(corners).collect();
-        Ok(self.page.draw(&Tiles { corners, color })?)
-    }
-
     pub(super) fn outline(&self, frame: &Frame, pen: &Pen) -> Drawn {
-        let Frame {
-            left,
-            top,
-            right,
-            bottom,
-        } = *frame;
-        self.stroke(
-            &[
-                (left, top),
-                (right, top),
-                (right, bottom),
-                (left, bottom),
-                (left, top),
-                (right, top),
-            ],
-            pen,
-        )
-    }
-
-    pub(super) fn words(&self, at: Point, words: Words) -> Drawn {
-        let at = backend(&at);
-        Ok(self.page.draw(&Label { at, words })?)
-    }
-
-    pub(super) fn symbol(&self, at: Point, symbol: &Symbol) -> Drawn {
-        let (at, symbol) = (backend(&at), *symbol);
-        Ok(self.page.draw(&Mark { at, symbol })?)
+        let [(left, top), (right, bottom)] = frame.corners();
+        let around = [(left, top), (right, top), (right, bottom), (left, bottom)];
+        // Over the first side once more, so that its beginning has a joint, too.
+        self.stroke(&[&around[..], &around[..2]].concat(), pen)
     }
 }
 
@@ -173,7 +168,8 @@ impl<'p, 'a> Plot<'p, 'a> {
     pub(super) fn stroke(&self, points: &[Point], pen: &Pen) -> Drawn {
         for piece in polyline::clip_line(points, &self.bounds) {
             let points = polyline::thin(&piece, self.scale(), TOLERANCE);
-            self.data.draw(&Stroke { points, pen: *pen })?;
+            let ink = Ink::Line(*pen);
+            self.data.draw(&Element { points, ink })?;
         }
         Ok(())
     }
@@ -188,15 +184,11 @@ impl<'p, 'a> Plot<'p, 'a> {
         Ok(self.data.draw(&Polygon::new(corners, solid(color)))?)
     }
 
-    /// A marker at a data point; nothing if the point lies outside the frame.
-    pub(super) fn symbol(&self, at: Point, symbol: &Symbol) -> Drawn {
-        if self.bounds.contains(at) {
-            self.data.draw(&Mark {
-                at,
-                symbol: *symbol,
-            })?;
-        }
-        Ok(())
+    /// Markers at those of the data points that lie inside the frame.
+    pub(super) fn symbols(&self, points: &[Point], symbol: &Symbol) -> Drawn {
+        let inside = points.iter().filter(|at| self.bounds.contains(**at));
+        let (points, ink) = (inside.copied().collect(), Ink::Symbol(*symbol));
+        Ok(self.data.draw(&Element { points, ink })?)
     }
 }
 

@@ -36,7 +36,7 @@ impl Level {
 }
 
 /// Text set in one way.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Run {
     /// The characters.
     pub(super) text: String,
@@ -55,34 +55,30 @@ pub(super) fn parse(markup: &str) -> Vec<Run> {
     while let Some(c) = chars.next() {
         match c {
             '\\' => {
-                if let Some(next) = chars.next() {
-                    parser.push(next);
-                }
+                parser.run.text.extend(chars.next());
             }
             '*' if chars.peek() == Some(&'*') => {
                 chars.next();
                 parser.flush();
-                parser.bold = !parser.bold;
+                parser.run.bold = !parser.run.bold;
             }
             '*' => {
                 parser.flush();
-                parser.italic = !parser.italic;
+                parser.run.italic = !parser.run.italic;
             }
             '_' | '^' if !parser.in_group => {
                 parser.flush();
-                parser.level = if c == '_' { Level::Sub } else { Level::Sup };
+                parser.run.level = if c == '_' { Level::Sub } else { Level::Sup };
                 if chars.peek() == Some(&'{') {
                     chars.next();
                     parser.in_group = true;
                 } else {
-                    if let Some(next) = chars.next() {
-                        parser.push(next);
-                    }
+                    parser.run.text.extend(chars.next());
                     parser.return_to_line();
                 }
             }
             '}' if parser.in_group => parser.return_to_line(),
-            _ => parser.push(c),
+            _ => parser.run.text.push(c),
         }
     }
     parser.flush();
@@ -97,32 +93,22 @@ pub(super) fn plain(markup: &str) -> String {
 #[derive(Default)]
 struct Parser {
     runs: Vec<Run>,
-    text: String,
-    italic: bool,
-    bold: bool,
-    level: Level,
+    /// The one that goes on.
+    run: Run,
     in_group: bool,
 }
 
 impl Parser {
-    fn push(&mut self, c: char) {
-        self.text.push(c);
-    }
-
     fn flush(&mut self) {
-        if !self.text.is_empty() {
-            self.runs.push(Run {
-                text: std::mem::take(&mut self.text),
-                italic: self.italic,
-                bold: self.bold,
-                level: self.level,
-            });
+        if !self.run.text.is_empty() {
+            self.runs.push(self.run.clone());
+            self.run.text.clear();
         }
     }
 
     fn return_to_line(&mut self) {
         self.flush();
-        self.level = Level::Base;
+        self.run.level = Level::Base;
         self.in_group = false;
     }
 }

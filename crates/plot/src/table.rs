@@ -30,10 +30,9 @@ impl Table {
         }
     }
 
-    /// A heading, in markup.
-    pub fn title(mut self, title: &str) -> Self {
-        self.title = title.to_owned();
-        self
+    setters! {
+        /// A heading, in markup.
+        title: &str => title;
     }
 
     /// Adds a row.
@@ -62,7 +61,7 @@ impl Table {
         let right = left + total;
         let mut top = cell.top;
         if !self.title.is_empty() {
-            let words = Words::new(&self.title, SIZE + 1.0).anchor(HPos::Left, VPos::Top);
+            let words = Words::new(&self.title, SIZE + 1.0, (HPos::Left, VPos::Top));
             sheet.words((left, top), words)?;
             top += TITLE;
         }
@@ -78,8 +77,7 @@ impl Table {
                 } else {
                     (x + width, HPos::Right)
                 };
-                let words = Words::new(cell, SIZE).anchor(h, VPos::Center);
-                sheet.words((at, middle), words)?;
+                sheet.words((at, middle), Words::new(cell, SIZE, (h, VPos::Center)))?;
                 x += width + COLUMN_GAP;
             }
         }

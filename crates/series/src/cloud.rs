@@ -4,9 +4,10 @@ use super::error::DataError;
 use super::matrix::{Matrix, distance2};
 use super::series::Series;
 
-/// Longest Theiler window the automatic choice makes, as a fraction of the series: four fifths of
-/// the points are left to be neighbours.
-const LONGEST_WINDOW: usize = 10;
+/// Longest lag that is looked at, as a part of the series: of a Theiler window as long four fifths
+/// of the points are left to be neighbours, and of a delay ten vectors of two values follow one
+/// another.
+const LONGEST_PART: usize = 10;
 /// Terms in the estimate of an autocorrelation, whose standard error is then 1/64.
 const TERMS: usize = 4096;
 
@@ -73,17 +74,12 @@ impl Cloud {
     /// 1/e, or the longest that is looked at.
     pub(crate) fn decorrelation(&self) -> usize {
         let at = self.uncorrelated_at(libm::exp(-1.0));
-        at.unwrap_or(self.longest_lag())
+        at.unwrap_or(longest_lag(self.points.len()))
     }
 
     /// Decorrelation time and spread of all columns together, in the unit of the data.
     pub(crate) fn scales(&self) -> (usize, f64) {
         (self.decorrelation(), self.unit * self.spread)
-    }
-
-    /// The longest lag that is looked at.
-    fn longest_lag(&self) -> usize {
-        (self.points.len() / LONGEST_WINDOW).max(1)
     }
 
     /// The first lag at which the autocorrelation of the series, all columns together, is below the
@@ -103,11 +99,16 @@ impl Cloud {
                 sums
             })
         };
-        (1..self.longest_lag()).find(|&lag| {
+        (1..longest_lag(points.len())).find(|&lag| {
             let (product, square) = correlation(lag);
             product < threshold * square
         })
     }
+}
+
+/// The longest lag that is looked at in so many rows.
+pub(crate) fn longest_lag(rows: usize) -> usize {
+    (rows / LONGEST_PART).max(1)
 }
 
 fn mean(points: &Matrix) -> Vec<f64> {

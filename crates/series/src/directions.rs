@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::cloud::Cloud;
 use super::fit::Scratch;
 use super::matrix::Row;
-use super::neighbours::{Finder, Neighbour};
+use super::neighbours::{Finder, LARGEST_PART, Neighbour};
 use super::settings::DataSettings;
 use crate::statistics::{power, upper_median};
 
@@ -20,10 +20,8 @@ pub const LEVELS: usize = 4;
 /// twentieth of the scatter.
 const SAMPLES: usize = 512;
 /// The largest neighbourhood has so many times the points of the smallest, in two dimensions four
-/// times the radius and in four twice,
+/// times the radius and in four twice, but not more than [`LARGEST_PART`] of the series.
 const RANGE: usize = 16;
-/// but not more than this part of the series.
-const LARGEST_PART: usize = 20;
 /// Half way between the slopes 0 of noise and 1 of a tangent direction,
 const NOISE: f64 = 0.5;
 /// and between that and the 2 of curvature.
@@ -176,7 +174,6 @@ fn direction(votes: &[Vote], i: usize, unit: f64) -> Direction {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::tests::plain;
     use crate::series::{MAX_COLUMNS, Series};
 
     #[test]
@@ -197,11 +194,16 @@ mod tests {
         let finder = Finder::new(&cloud, 1, 0).unwrap();
         let (mut scratch, mut found) = (Scratch::default(), Vec::new());
         let counts = counts(20, 300);
+        // Nothing is cut off.
+        let settings = DataSettings {
+            rank_tolerance: 0.0,
+            ..DataSettings::default()
+        };
         let mut has_vote = |j| {
             vote(
                 &cloud,
                 &finder,
-                &plain(),
+                &settings,
                 &counts,
                 j,
                 &mut scratch,

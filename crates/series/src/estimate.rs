@@ -70,7 +70,16 @@ pub fn data_spectrum_with(
     let cloud = Cloud::new(series);
     let decorrelation = || cloud.as_ref().map_or(0, Cloud::decorrelation);
     let theiler = settings.theiler.unwrap_or_else(decorrelation);
-    enough(series.len(), settings, theiler)?;
+    let (rows, needed) = (series.len(), settings.fewest_points(theiler));
+    if rows < needed {
+        return Err(DataError::TooFew {
+            rows,
+            needed,
+            neighbours: settings.neighbours.fewest(),
+            theiler,
+            step,
+        });
+    }
     let cloud = cloud?;
     let finder = Finder::new(&cloud, step, theiler)?;
     let directions =
@@ -88,14 +97,19 @@ pub fn data_spectrum_with(
         Estimator::Extrapolated { degree } if dimension > 0 => {
             Some(Plan::new(&cloud, settings, degree, dimension))
         }
-        Estimator::Extrapolated { .. } | Estimator::SanoSawada => None,
+        _ => None,
     };
-    let search = Search {
-        finder: &finder,
-        settings,
-        spread: cloud.spread,
-        times: if sensitivity { 2 } else { 1 },
-        furthest: plan.as_ref().map(Plan::furthest),
+    let times = if sensitivity { 2 } else { 1 };
+    let furthest = plan.as_ref().map_or(0, Plan::furthest);
+    // The neighbourhood of Eq. (25), among so many of the nearest as are extrapolated from.
+    let around = |j: usize, found: &mut Found| {
+        let (from, neighbours) = ((found.of.replace(j), j), &settings.neighbours);
+        let (found, spread) = (&mut found.neighbours, cloud.spread);
+        if furthest < neighbours.most() {
+            return finder.select(from, neighbours, (times, furthest), spread, found);
+        }
+        finder.follow(from, furthest, f64::INFINITY, found);
+        Selection::of(found, neighbours, spread)
     };
     let count = settings.chains();
     let images = Images::of(&cloud.points, step);
@@ -115,7 +129,7 @@ pub fn data_spectrum_with(
                 },
                 |(scratch, fitter, found), i| {
                     let j = settings.reference(i);
-                    let selection = search.around(j, found);
+                    let selection = around(j, found);
                     let neighbours = &found.neighbours[..selection.count];
                     let (wide, decomposed) = if sensitivity {
                         let both = [found.neighbours.as_slice(), neighbours];
@@ -136,7 +150,7 @@ pub fn data_spectrum_with(
                     let fixed = decomposed.map(fixed_rank, settings);
                     let directions = decomposed.into_directions();
                     let maps = plan.as_ref().map(|plan| {
-                        let nearest = search.furthest(j, found);
+                        let nearest = &found.neighbours;
                         let maps = plan.fit(fitter, j, nearest, &directions);
                         // Judged by what the exponents come from.
                         if let Neighbourhood::Ball { eps, .. } = settings.neighbours {
@@ -194,13 +208,12 @@ pub fn data_spectrum_with(
             )
         })
         .collect();
-    let sum = match &corrected {
-        Some(corrected) => corrected.sum,
-        None => volume(&full.stretches, dimension, tau),
-    };
-    let running = match &corrected {
-        Some(corrected) => corrected.running.clone(),
-        None => running(&full.stretches, columns, tau),
+    let (sum, running) = match &corrected {
+        Some(corrected) => (corrected.sum, corrected.running.clone()),
+        None => (
+            volume(&full.stretches, dimension, tau),
+            running(&full.stretches, columns, tau),
+        ),
     };
     let time = |count: usize| settings.reference(count) as f64 * series.dt();
     let distances: f64 = points.iter().map(|point| point.radius).sum();
@@ -245,60 +258,7 @@ pub fn data_spectrum_with(
 #[derive(Default)]
 struct Found {
     neighbours: Vec<Neighbour>,
-    /// None where nothing can be told from them.
     of: Option<usize>,
-}
-
-/// Looks for what the maps around a point are fitted to.
-struct Search<'a> {
-    finder: &'a Finder<'a>,
-    settings: &'a DataSettings,
-    spread: f64,
-    times: usize,
-    /// Neighbours of the largest neighbourhood that is extrapolated from.
-    furthest: Option<usize>,
-}
-
-impl Search<'_> {
-    /// The neighbourhood of Eq. (25), among others of the nearest where these are looked for
-    /// anyway.
-    fn around(&self, j: usize, found: &mut Found) -> Selection {
-        let neighbours = &self.settings.neighbours;
-        let from = (found.of, j);
-        match self.furthest {
-            Some(wanted) if neighbours.most() <= wanted => {
-                self.finder
-                    .follow(from, wanted, f64::INFINITY, &mut found.neighbours);
-                found.of = Some(j);
-                Selection::of(&found.neighbours, neighbours, self.spread)
-            }
-            Some(_) => {
-                // Other points are looked for in between.
-                found.of = None;
-                self.select((None, j), found)
-            }
-            None => {
-                found.of = Some(j);
-                self.select(from, found)
-            }
-        }
-    }
-
-    fn select(&self, from: (Option<usize>, usize), found: &mut Found) -> Selection {
-        let (neighbours, times) = (&self.settings.neighbours, self.times);
-        self.finder
-            .select(from, neighbours, times, self.spread, &mut found.neighbours)
-    }
-
-    /// The nearest points, after [`Search::around`].
-    fn furthest<'f>(&self, j: usize, found: &'f mut Found) -> &'f [Neighbour] {
-        if found.of != Some(j) {
-            let wanted = self.furthest.unwrap_or(0);
-            self.finder
-                .nearest(j, wanted, f64::INFINITY, &mut found.neighbours);
-        }
-        &found.neighbours
-    }
 }
 
 /// What is kept of a reference point.
@@ -329,19 +289,3 @@ fn references(rows: usize, settings: &DataSettings) -> usize {
 /// The smallest neighbourhood in which directions are measured has so many points, or twice as many
 /// as there are columns.
 const SMALLEST_LEVEL: usize = 20;
-
-/// # Errors
-/// [`DataError::TooFew`] if there are fewer points than the search needs to be able to succeed.
-fn enough(rows: usize, settings: &DataSettings, theiler: usize) -> Result<(), DataError> {
-    let needed = settings.fewest_points(theiler);
-    if rows < needed {
-        return Err(DataError::TooFew {
-            rows,
-            needed,
-            neighbours: settings.neighbours.fewest(),
-            theiler,
-            step: settings.step,
-        });
-    }
-    Ok(())
-}

@@ -18,7 +18,7 @@ use super::chain::{Chains, Stretch};
 use super::cloud::Cloud;
 use super::fit::LocalMap;
 use super::matrix::{Matrix, Row};
-use super::neighbours::Neighbour;
+use super::neighbours::{LARGEST_PART, Neighbour};
 use super::polynomial::{Degree, Fitter, Polynomial};
 use super::settings::DataSettings;
 use super::statistics::upper_median;
@@ -28,8 +28,6 @@ const PER_UNKNOWN: usize = 3;
 /// This part of a chain is left out: its vectors begin with the directions of a neighbourhood and
 /// have to turn to those that they keep.
 const SETTLING: usize = 20;
-/// The larger size holds no more than this part of the points.
-const LARGEST_PART: usize = 20;
 
 /// The sizes and what is fitted at them.
 #[derive(Clone, Copy, Debug, PartialEq)]

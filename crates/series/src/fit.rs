@@ -238,13 +238,13 @@ impl Decomposed {
 }
 
 #[cfg(test)]
-pub(crate) mod tests {
+mod tests {
     use super::*;
     use crate::neighbours::Finder;
     use crate::series::Series;
 
     /// A linear fit that cuts nothing off.
-    pub(crate) fn plain() -> DataSettings {
+    fn plain() -> DataSettings {
         DataSettings {
             rank_tolerance: 0.0,
             ..DataSettings::default()

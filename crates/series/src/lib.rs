@@ -102,7 +102,6 @@
 //! Maps are computed in parallel, each on its own; everything that adds up over points is sequential. Distances are compared
 //! with ties broken by index. The result does not depend on the number of threads or on the machine.
 
-mod absorb;
 mod averages;
 mod chain;
 mod cloud;

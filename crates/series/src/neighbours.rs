@@ -10,6 +10,10 @@ use super::tree::Tree;
 /// rounding or the tolerance of an integrator, and tells nothing of the dynamics.
 const REPEAT: f64 = 1e-9;
 
+/// One over the part of the points that a neighbourhood holds at most: a larger one is no small part
+/// of the attractor.
+pub(crate) const LARGEST_PART: usize = 20;
+
 /// A neighbour: squared distance and index.
 pub(crate) type Neighbour = (f64, u32);
 
@@ -74,14 +78,14 @@ impl<'c> Finder<'c> {
         })
     }
 
-    /// The neighbours of point `j` in a neighbourhood `times` the size, nearest first, and how many
-    /// of them are the neighbourhood itself. `found` are those of the point `before`, if there is
-    /// one.
+    /// The neighbours of point `j` in a neighbourhood `times` the size, nearest first, or so many of
+    /// the nearest where it holds fewer; and how many of them are the neighbourhood itself. `found`
+    /// are those of the point `before`, if there is one.
     pub(crate) fn select(
         &self,
         (before, j): (Option<usize>, usize),
         neighbours: &Neighbourhood,
-        times: usize,
+        (times, fewest): (usize, usize),
         spread: f64,
         found: &mut Vec<Neighbour>,
     ) -> Selection {
@@ -93,6 +97,7 @@ impl<'c> Finder<'c> {
             Neighbourhood::Ball { eps, min, max } => {
                 let (least, most) = (min.saturating_mul(times), max.saturating_mul(times));
                 self.follow((before, j), most, times as f64 * eps * spread, found);
+                let least = least.max(fewest);
                 if found.len() < least {
                     self.nearest(j, least, f64::INFINITY, found);
                 }

@@ -9,12 +9,11 @@
 
 use pulp::Arch;
 
-use super::absorb::Absorb;
 use super::fit::{ABOVE_ROUNDING, LocalMap};
 use super::matrix::{Matrix, Row};
 use super::neighbours::Neighbour;
 use super::series::MAX_COLUMNS;
-use super::svd::dot;
+use super::svd::{dot, reflect_below};
 
 /// A direction that is not tangent is left out where less than this part of the widest is left of
 /// it by the quadratic forms: what cubic terms do to such a small rest would pass for a derivative.
@@ -22,6 +21,12 @@ const THIN: f64 = 1e-3;
 /// Most unknowns of one image's component: six columns, all their 21 forms and a constant. With
 /// more columns the forms are of the widest directions only.
 const MOST_UNKNOWNS: usize = 28;
+
+/// A column of which less than this part is left by those before it is a combination of them: the
+/// default of the rank tolerance.
+const DEPENDENT: f64 = 1e-10;
+/// Rows are filled up with zeros, which change no sum, so that no vector is broken.
+const VECTOR: usize = 4;
 
 /// Degree of local maps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -168,18 +173,120 @@ impl<'a> Fitter<'a> {
     ) -> Derivative {
         self.count += further.len();
         if !further.is_empty() {
-            self.left += Arch::new().dispatch(Absorb {
-                fitted: &self.images.fitted,
-                triangle: &mut self.triangle,
-                rows: &mut self.rows,
-                points: self.points,
-                j,
-                further,
-                directions,
-                polynomial,
-            });
+            // With the machine's vectors, which change no bit: the partial sums of [`dot`] are lanes
+            // of one.
+            self.left += Arch::new().dispatch(
+                #[inline(always)]
+                || self.absorb(j, further, directions, polynomial),
+            );
         }
         self.derivative(directions, polynomial)
+    }
+
+    /// Writes the columns, each of `long` rows.
+    #[inline(always)]
+    fn fill(
+        &mut self,
+        j: usize,
+        further: &[Neighbour],
+        directions: &Matrix,
+        polynomial: &Polynomial,
+        long: usize,
+    ) {
+        let (forms, affine) = (polynomial.forms, polynomial.affine);
+        let components = self.points.columns();
+        let unknowns = polynomial.unknowns(components);
+        // Differences to the point come last, for a while.
+        let columns = unknowns + self.images.fitted.len();
+        let cells = (columns + components) * long;
+        if self.rows.len() < cells {
+            self.rows.resize(cells, 0.0);
+        }
+        let (columns, differences) = self.rows[..cells].split_at_mut(columns * long);
+        let (known, images) = columns.split_at_mut(unknowns * long);
+        let (before, along) = known.split_at_mut((unknowns - components) * long);
+        let count = further.len();
+        let origin = &self.points[j];
+        let image = &self.points[j + polynomial.step];
+        for (row, &(_, k)) in further.iter().enumerate() {
+            let point = &self.points[k as usize];
+            for (c, (v, origin)) in point.iter().zip(origin).enumerate() {
+                differences[c * long + row] = v - origin;
+            }
+            let ahead = &self.points[k as usize + polynomial.step];
+            for (i, &c) in self.images.fitted.iter().enumerate() {
+                images[i * long + row] = ahead[c] - image[c];
+            }
+        }
+        let written = images.chunks_exact_mut(long);
+        for column in written.chain(differences.chunks_exact_mut(long)) {
+            column[count..].fill(0.0);
+        }
+        for (along, direction) in along.chunks_exact_mut(long).zip(directions.rows()) {
+            along.fill(0.0);
+            for (part, column) in direction.iter().zip(differences.chunks_exact(long)) {
+                for (sum, difference) in along.iter_mut().zip(column) {
+                    *sum += part * difference;
+                }
+            }
+        }
+        let mut columns = before.chunks_exact_mut(long);
+        if affine && let Some(ones) = columns.next() {
+            ones[..count].fill(1.0);
+            ones[count..].fill(0.0);
+        }
+        let pairs = (0..forms).flat_map(|a| (a..forms).map(move |b| (a, b)));
+        for (column, (a, b)) in columns.zip(pairs) {
+            let factors = along[a * long..][..long].iter().zip(&along[b * long..]);
+            for (product, (a, b)) in column.iter_mut().zip(factors) {
+                *product = a * b;
+            }
+        }
+    }
+
+    /// Adds neighbours to the triangle, by reflections that take their rows to zero, and returns the sum
+    /// of squares of what is left of their images. A column that depends on those before it gets a zero
+    /// corner and is passed over.
+    #[inline(always)]
+    fn absorb(
+        &mut self,
+        j: usize,
+        further: &[Neighbour],
+        directions: &Matrix,
+        polynomial: &Polynomial,
+    ) -> f64 {
+        let long = further.len().next_multiple_of(VECTOR);
+        self.fill(j, further, directions, polynomial, long);
+        let unknowns = polynomial.unknowns(self.points.columns());
+        let columns = self.triangle.len() / unknowns;
+        let rows = &mut self.rows[..columns * long];
+        for i in 0..unknowns {
+            let above: f64 = (0..i)
+                .map(|row| self.triangle[row * columns + i])
+                .map(|v| v * v)
+                .sum();
+            let row = &mut self.triangle[i * columns..][..columns];
+            let (done, rest) = rows.split_at_mut((i + 1) * long);
+            let mirror = &done[i * long..];
+            let below = dot(mirror, mirror);
+            let square = row[i] * row[i] + below;
+            let norm = square.sqrt();
+            if norm <= DEPENDENT * (above + square).sqrt() {
+                row[i] = 0.0;
+                continue;
+            }
+            let corner = if row[i] > 0.0 { -norm } else { norm };
+            let first = row[i] - corner;
+            row[i] = corner;
+            reflect_below(
+                mirror,
+                (first, first * first + below),
+                &mut row[i + 1..],
+                rest,
+            );
+        }
+        let images = &rows[unknowns * long..];
+        dot(images, images)
     }
 
     /// The linear part by back substitution in the last rows of the triangle.

@@ -103,10 +103,8 @@ pub fn reversal(
         let all = spectrum.exponents.iter();
         all.filter_map(|exponent| exponent.fixed_rank).collect()
     });
-    let turned: Vec<(f64, f64)> = reversed
-        .iter()
-        .map(|&(value, stderr)| (-value, stderr))
-        .collect();
+    let turned = reversed.iter().map(|&(value, stderr)| (-value, stderr));
+    let turned: Vec<(f64, f64)> = turned.collect();
     let of_a_map = FIT / (step as f64 * embedded.dt());
     let first = forward.first().map_or(0.0, |first| first.0.abs());
     let scale = if first < of_a_map {
@@ -114,34 +112,26 @@ pub fn reversal(
     } else {
         first
     };
-    let is_conclusive = backward.residual_ratio < UNPREDICTABLE
-        && forward.first().is_some_and(|first| {
-            turned
-                .iter()
-                .any(|other| gap(*first, *other, scale).is_some())
-        });
+    let is_again = |first: &(f64, f64)| {
+        let mut turned = turned.iter();
+        turned.any(|other| gap(*first, *other, scale).is_some())
+    };
+    let is_conclusive =
+        backward.residual_ratio < UNPREDICTABLE && forward.first().is_some_and(is_again);
     let noisy = spectrum.residual_ratio > UNPREDICTABLE;
-    let full: Vec<(f64, f64)> = spectrum
-        .exponents
-        .iter()
-        .map(|exponent| (exponent.value, exponent.stderr))
-        .collect();
+    let full = spectrum.exponents.iter();
+    let full: Vec<(f64, f64)> = full.map(|one| (one.value, one.stderr)).collect();
     let determined = spectrum.dimension;
-    let mut found = matched(&full, &forward, scale, determined);
-    if is_conclusive {
-        let also = matched(&full, &turned, scale, determined);
-        found
-            .iter_mut()
-            .zip(also)
-            .for_each(|(one, other)| *one |= other);
-    }
+    let found = matched(&full, &forward, scale, determined);
+    let also = matched(&full, &turned, scale, determined);
     // A fit of full rank has room for the embedding's own, too, and tells nothing of what it has
     // not.
     let is_judged = is_conclusive || forward.len() < full.len();
-    let origins = full.iter().zip(found).map(|(exponent, found)| {
+    let origins = full.iter().zip(found.into_iter().zip(also));
+    let origins = origins.map(|(exponent, (found, also))| {
         if forward.is_empty() || noisy || !exponent.0.is_finite() {
             Origin::Unknown
-        } else if found {
+        } else if found || is_conclusive && also {
             Origin::System
         } else if is_judged {
             Origin::Spurious

@@ -90,6 +90,12 @@ impl Series {
         self.dt
     }
 
+    /// The values of a column.
+    pub(crate) fn column(&self, column: usize) -> impl Iterator<Item = f64> + Clone + '_ {
+        let values = self.values.iter().copied().skip(column);
+        values.step_by(self.columns)
+    }
+
     /// The values, row after row.
     pub fn values(&self) -> &[f64] {
         &self.values

@@ -14,6 +14,13 @@ pub(crate) fn upper_median(values: impl IntoIterator<Item = f64>) -> f64 {
     middle_two(values).map_or(f64::NAN, |[_, upper]| upper)
 }
 
+/// Places of values in ascending order, equal ones by place.
+pub(crate) fn order(values: &[f64]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_unstable_by(|&a, &b| values[a].total_cmp(&values[b]).then(a.cmp(&b)));
+    order
+}
+
 /// The power of `x` that `y` goes with: the slope of the line of least squares through the
 /// logarithms of positive numbers.
 pub(crate) fn power(points: impl Iterator<Item = (f64, f64)>) -> f64 {

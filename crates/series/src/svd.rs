@@ -4,7 +4,7 @@
 //! in a fixed order. The triangle is found from the neighbour matrix itself and never from `Σ y
 //! yᵀ`, whose condition number is the square.
 
-use pulp::{Arch, NullaryFnOnce};
+use pulp::Arch;
 
 use super::matrix::{Matrix, Row};
 use super::series::MAX_COLUMNS;
@@ -37,59 +37,44 @@ pub(crate) fn triangle(
     rows: usize,
     columns: usize,
 ) -> (Matrix, Matrix) {
-    Arch::new().dispatch(Triangle {
-        left,
-        right,
-        rows,
-        columns,
-    })
+    // With the machine's vectors, which change no bit: the partial sums of [`dot`] are lanes of one.
+    Arch::new().dispatch(
+        #[inline(always)]
+        || plain_triangle(left, right, rows, columns),
+    )
 }
 
-struct Triangle<'a> {
-    left: &'a mut [f64],
-    right: &'a mut [f64],
+#[inline(always)]
+fn plain_triangle(
+    left: &mut [f64],
+    right: &mut [f64],
     rows: usize,
     columns: usize,
-}
-
-/// With the machine's vectors, which change no bit: the partial sums of [`dot`] are lanes of one
-/// vector.
-impl NullaryFnOnce for Triangle<'_> {
-    type Output = (Matrix, Matrix);
-
-    #[inline(always)]
-    fn call(self) -> Self::Output {
-        let Self {
-            left,
-            right,
-            rows,
-            columns,
-        } = self;
-        let mut r = Matrix::zeros(columns, columns);
-        let mut c = Matrix::zeros(columns, columns);
-        for i in 0..columns {
-            let (done, rest) = left.split_at_mut((i + 1) * rows);
-            let mirror = &mut done[i * rows + i..];
-            let norm = dot(mirror, mirror).sqrt();
-            if norm > 0.0 {
-                let corner = if mirror[0] > 0.0 { -norm } else { norm };
-                mirror[0] -= corner;
-                let square = dot(mirror, mirror);
-                reflect_all(mirror, square, rest, (rows, i));
-                reflect_all(mirror, square, right, (rows, i));
-                r[i][i] = corner;
-            }
-            for (k, column) in rest.chunks_exact(rows).enumerate() {
-                r[i][i + 1 + k] = column[i];
-            }
+) -> (Matrix, Matrix) {
+    let mut r = Matrix::zeros(columns, columns);
+    let mut c = Matrix::zeros(columns, columns);
+    for i in 0..columns {
+        let (done, rest) = left.split_at_mut((i + 1) * rows);
+        let mirror = &mut done[i * rows + i..];
+        let norm = dot(mirror, mirror).sqrt();
+        if norm > 0.0 {
+            let corner = if mirror[0] > 0.0 { -norm } else { norm };
+            mirror[0] -= corner;
+            let square = dot(mirror, mirror);
+            reflect_all(mirror, square, rest, (rows, i));
+            reflect_all(mirror, square, right, (rows, i));
+            r[i][i] = corner;
         }
-        for (k, column) in right.chunks_exact(rows).enumerate() {
-            for i in 0..columns {
-                c[i][k] = column[i];
-            }
+        for (k, column) in rest.chunks_exact(rows).enumerate() {
+            r[i][i + 1 + k] = column[i];
         }
-        (r, c)
     }
+    for (k, column) in right.chunks_exact(rows).enumerate() {
+        for i in 0..columns {
+            c[i][k] = column[i];
+        }
+    }
+    (r, c)
 }
 
 /// Columns that are reflected together: their sums do not wait for one another.
@@ -413,17 +398,11 @@ mod tests {
     fn the_machine_s_vectors_change_no_bit() {
         let mut draw = SplitMix::new(14);
         let columns: Vec<f64> = (0..8 * 37).map(|_| draw.between(-1.0, 1.0)).collect();
-        let triangle = |left, right| Triangle {
-            left,
-            right,
-            rows: 37,
-            columns: 4,
-        };
         let [mut plain, mut vectors] = [columns.clone(), columns];
         let (left, right) = plain.split_at_mut(4 * 37);
-        let by_plain = triangle(left, right).call();
+        let by_plain = plain_triangle(left, right, 37, 4);
         let (left, right) = vectors.split_at_mut(4 * 37);
-        let by_vectors = Arch::new().dispatch(triangle(left, right));
+        let by_vectors = triangle(left, right, 37, 4);
         assert_eq!(by_plain, by_vectors);
         assert_eq!(plain, vectors);
     }

@@ -5,7 +5,9 @@
 //! inside the search, this costs nothing; from outside of it more points had to be asked for, often
 //! several times, and half of the time of a spectrum went there.
 
-use pulp::{Arch, NullaryFnOnce};
+use std::cmp::Ordering;
+
+use pulp::Arch;
 
 use super::matrix::Matrix;
 use super::neighbours::Neighbour;
@@ -198,43 +200,24 @@ impl Tree {
         if wanted == 0 {
             return;
         }
-        Arch::new().dispatch(Search {
-            tree: self,
-            centre,
-            wanted,
-            between,
-            admissible,
-            found,
-        });
+        // With the machine's vectors, which change no bit: a distance is a lane.
+        Arch::new().dispatch(
+            #[inline(always)]
+            || self.collect(centre, wanted, between, admissible, found),
+        );
         sort(found, wanted);
     }
-}
 
-/// A search of [`Tree::nearest`], which leaves those found unsorted, and some beyond the wanted
-/// ones.
-struct Search<'a, A> {
-    tree: &'a Tree,
-    centre: &'a [f64],
-    wanted: usize,
-    between: (f64, f64),
-    admissible: A,
-    found: &'a mut Vec<Neighbour>,
-}
-
-/// With the machine's vectors, which change no bit: a distance is a lane.
-impl<A: Fn(u32) -> bool> NullaryFnOnce for Search<'_, A> {
-    type Output = ();
-
+    /// What [`Tree::nearest`] looks for, unsorted, and some beyond the wanted ones.
     #[inline(always)]
-    fn call(self) {
-        let Self {
-            tree,
-            centre,
-            wanted,
-            between: (repeat2, radius2),
-            admissible,
-            found,
-        } = self;
+    fn collect(
+        &self,
+        centre: &[f64],
+        wanted: usize,
+        (repeat2, radius2): (f64, f64),
+        admissible: impl Fn(u32) -> bool,
+        found: &mut Vec<Neighbour>,
+    ) {
         let mut furthest = (radius2, u32::MAX);
         // Candidates are collected until they are twice as many, and those that are too far then go
         // together; the first time as soon as they tell a distance, where none is known.
@@ -243,15 +226,15 @@ impl<A: Fn(u32) -> bool> NullaryFnOnce for Search<'_, A> {
         } else {
             wanted
         };
-        let child = |node: usize| (node, tree.bounds(node).distance2(centre));
+        let child = |node: usize| (node, self.bounds(node).distance2(centre));
         // One of each level and the root's other child: no more levels are needed for all indices.
         let mut open = Vec::with_capacity(u32::BITS as usize);
         open.push((0, 0.0));
         while let Some((node, least)) = open.pop() {
-            if tree.bounds(node).has_none(centre, least, repeat2, furthest) {
+            if self.bounds(node).has_none(centre, least, repeat2, furthest) {
                 continue;
             }
-            if node < tree.first_leaf {
+            if node < self.first_leaf {
                 let (left, right) = (child(2 * node + 1), child(2 * node + 2));
                 // The nearer one is looked at first.
                 open.extend(if left.1 <= right.1 {
@@ -261,9 +244,9 @@ impl<A: Fn(u32) -> bool> NullaryFnOnce for Search<'_, A> {
                 });
                 continue;
             }
-            let leaf = (node - tree.first_leaf) * BLOCKS;
+            let leaf = (node - self.first_leaf) * BLOCKS;
             for block in leaf..leaf + BLOCKS {
-                let squares = tree.distances2(block, centre);
+                let squares = self.distances2(block, centre);
                 // Most blocks hold none that is near enough: these are passed over.
                 let is_any = squares
                     .iter()
@@ -278,7 +261,7 @@ impl<A: Fn(u32) -> bool> NullaryFnOnce for Search<'_, A> {
                 while near != 0 {
                     let lane = near.trailing_zeros() as usize;
                     near &= near - 1;
-                    let (square, index) = (squares[lane], tree.indices[block][lane]);
+                    let (square, index) = (squares[lane], self.indices[block][lane]);
                     let is_near = square < furthest.0 || index <= furthest.1;
                     if is_near && admissible(index) {
                         found.push((square, index));
@@ -286,7 +269,7 @@ impl<A: Fn(u32) -> bool> NullaryFnOnce for Search<'_, A> {
                 }
             }
             if found.len() >= full {
-                furthest = *found.select_nth_unstable_by_key(wanted - 1, order).1;
+                furthest = *found.select_nth_unstable_by(wanted - 1, order).1;
                 found.truncate(wanted);
                 full = wanted.saturating_mul(2);
             }
@@ -294,41 +277,15 @@ impl<A: Fn(u32) -> bool> NullaryFnOnce for Search<'_, A> {
     }
 }
 
-/// Bits of a distance that a position takes while neighbours are sorted: 40 bits of it are left,
-/// and 4096 neighbours have place.
-const POSITION_BITS: u32 = 12;
-
-/// Sorts by [`order`] and keeps the first so many. Numbers are sorted in half of the time that
-/// pairs take: the last bits of the distances make place for where the pair stands, and those that
-/// differ in these bits only, which are few, are sorted once more.
+/// Sorts by distance and then by index, and keeps the first so many.
 fn sort(found: &mut Vec<Neighbour>, wanted: usize) {
-    const POSITION: u64 = (1 << POSITION_BITS) - 1;
-    if found.len() > 1 << POSITION_BITS {
-        found.sort_unstable_by_key(order);
-        found.truncate(wanted);
-        return;
-    }
-    let pairs = found.iter().zip(0..);
-    let mut keys: Vec<u64> = pairs
-        .map(|(neighbour, position)| neighbour.0.to_bits() & !POSITION | position)
-        .collect();
-    keys.sort_unstable();
-    let pair = |key: &u64| found[(key & POSITION) as usize];
-    let mut sorted: Vec<Neighbour> = keys.iter().map(pair).collect();
-    let is_same = |a: &Neighbour, b: &Neighbour| (a.0.to_bits() ^ b.0.to_bits()) & !POSITION == 0;
-    for same in sorted.chunk_by_mut(is_same) {
-        if same.len() > 1 {
-            same.sort_unstable_by_key(order);
-        }
-    }
-    found.clear();
-    found.extend(sorted.into_iter().take(wanted));
+    found.sort_unstable_by(order);
+    found.truncate(wanted);
 }
 
-/// By distance and then by index, as one number: the bits of positive numbers are in the order of
-/// the numbers.
-fn order(neighbour: &Neighbour) -> u128 {
-    u128::from(neighbour.0.to_bits()) << u32::BITS | u128::from(neighbour.1)
+/// By distance and then by index.
+fn order(a: &Neighbour, b: &Neighbour) -> Ordering {
+    a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
 }
 
 #[cfg(test)]
@@ -381,7 +338,7 @@ mod tests {
         agrees_with_brute_force(10);
     }
 
-    /// In few places, a few units in the last place apart, and more than there are positions for.
+    /// In few places, a few units in the last place apart.
     #[test]
     fn neighbours_are_sorted_by_distance_and_then_by_index() {
         let mut draw = SplitMix::new(7);

@@ -2,7 +2,7 @@
 //! names, options as they are given on the command line.
 
 use stickslip::Error;
-use stickslip::error::readable;
+use stickslip::error::{Point, readable};
 use stickslip_kernels::file::{FileError, SettingError, System};
 use stickslip_series::DataError;
 
@@ -81,6 +81,7 @@ fn with_names(error: &Error, name: &dyn Fn(usize) -> String) -> String {
         let names: Vec<String> = contacts.iter().map(|&contact| name(contact)).collect();
         names.join(", ")
     };
+    let at = |t: &f64, x: &Point| format!("at t = {}, x = {x}", readable(*t));
     match error {
         Error::Option {
             name: option,
@@ -109,23 +110,23 @@ fn with_names(error: &Error, name: &dyn Fn(usize) -> String) -> String {
                 }
             };
             format!(
-                "the contacts {} stand at zero at t = {t}, x = {x}, and {motions}; friction there may push apart, or one contact's force act on \
+                "the contacts {} stand at zero {}, and {motions}; friction there may push apart, or one contact's force act on \
                  another too strongly: look at the field with each of them on either side (--at-repelling has no effect with several contacts)",
                 names(contacts),
-                t = readable(*t)
+                at(t, x)
             )
         }
         Error::TooManyContacts { t, x, contacts } => format!(
-            "the contacts {} stand at zero together at t = {t}, x = {x}: more than eight are too many to try where friction at one does not resist \
+            "the contacts {} stand at zero together {}: more than eight are too many to try where friction at one does not resist \
              all of them as Coulomb's does; move their boundaries apart, or write their friction without coupling",
             names(contacts),
-            t = readable(*t)
+            at(t, x)
         ),
         Error::DependentContacts { t, x, contacts } => format!(
-            "the boundaries of the contacts {} have gradients at t = {t}, x = {x} that are zero or depend on each other; each contact needs a \
+            "the boundaries of the contacts {} have gradients {} that are zero or depend on each other; each contact needs a \
              boundary of its own",
             names(contacts),
-            t = readable(*t)
+            at(t, x)
         ),
         Error::StaticBelowKinetic {
             t,
@@ -133,10 +134,10 @@ fn with_names(error: &Error, name: &dyn Fn(usize) -> String) -> String {
             contact,
             ratio,
         } => format!(
-            "the static friction of the contact {} at t = {t}, x = {x} is {ratio} times the kinetic; it must be at least as large",
+            "the static friction of the contact {} {} is {} times the kinetic; it must be at least as large",
             name(*contact),
-            t = readable(*t),
-            ratio = readable(*ratio)
+            at(t, x),
+            readable(*ratio)
         ),
         Error::HoldsElsewhere {
             t,
@@ -144,18 +145,18 @@ fn with_names(error: &Error, name: &dyn Fn(usize) -> String) -> String {
             held,
             slipping,
         } => format!(
-            "with the contact {} at rest at t = {t}, x = {x}, its static friction changes the friction of the contact {}, which slips; only \
+            "with the contact {} at rest {}, its static friction changes the friction of the contact {}, which slips; only \
              contacts at rest have static friction",
             name(*held),
-            name(*slipping),
-            t = readable(*t)
+            at(t, x),
+            name(*slipping)
         ),
         Error::NotAdditive { t, x, pair } => format!(
-            "the friction of the contacts {} and {} does not add at t = {t}, x = {x}: what one does depends on the side of the other; \
+            "the friction of the contacts {} and {} does not add {}: what one does depends on the side of the other; \
              in a file each contact's friction must depend on its own side only",
             name(pair.0),
             name(pair.1),
-            t = readable(*t)
+            at(t, x)
         ),
         Error::NotConverged { .. } => format!(
             "{error}, after a longer --transient or by another --start; the motion may also be quasi-periodic or chaotic, which `stickslip \
@@ -164,9 +165,9 @@ fn with_names(error: &Error, name: &dyn Fn(usize) -> String) -> String {
         Error::Escaped { .. } => format!("{error} (--escape)"),
         Error::TooMany { name, .. } => format!("{error} (--{})", name.replace('_', "-")),
         Error::NoUniqueFuture { t, x } => format!(
-            "the orbit has no unique future after t = {t}, x = {x}: both fields lead away from the boundary; choose one with \
+            "the orbit has no unique future after t = {}, x = {x}: both fields lead away from the boundary; choose one with \
              --at-repelling below or above, or start elsewhere",
-            t = readable(*t)
+            readable(*t)
         ),
         other => other.to_string(),
     }

@@ -240,16 +240,11 @@ impl Line {
     /// Tangent points and zones on a branch.
     fn on_branch(&self, system: &System) -> OnLine {
         let (low, high) = self.range;
-        let mut rates = Vec::with_capacity(FINENESS + 1);
-        let mut holding = Vec::with_capacity(FINENESS + 1);
-        for &[s, _] in &self.path {
-            if let Some(rate) = self.rates(system, Fields::Slip, s) {
-                rates.push((s, rate));
-            }
-            if let Some(rate) = self.rates(system, Fields::Holding, s) {
-                holding.push((s, rate));
-            }
-        }
+        let [rates, holding] = [Fields::Slip, Fields::Holding].map(|fields| {
+            let along = self.path.iter().map(|at| at[0]);
+            let rates = along.filter_map(|s| Some((s, self.rates(system, fields, s)?)));
+            rates.collect::<Vec<_>>()
+        });
         let mut points = Vec::new();
         let mut ends = vec![low, high];
         for (index, side) in [(0, Side::Below), (1, Side::Above)] {
@@ -352,14 +347,8 @@ impl Line {
         let x = self.state(system, s)?;
         let rates = [Side::Below, Side::Above].map(|side| {
             let velocity = self.velocity(system, (fields, side), &x, (self.t, &x[..]));
-            let moving: Vec<Dual<f64>> = x
-                .iter()
-                .zip(&velocity)
-                .map(|(&x, &v)| Dual::new(x, v))
-                .collect();
-            system
-                .boundary(self.contact, Dual::new(self.t, 1.0), &moving)
-                .eps
+            let (time, moving) = (Dual::new(self.t, 1.0), moving(&x, &velocity));
+            system.boundary(self.contact, time, &moving).eps
         });
         rates.iter().all(|rate| rate.is_finite()).then_some(rates)
     }
@@ -402,58 +391,32 @@ impl Line {
         side: usize,
         sampled: &[(f64, [f64; 2])],
     ) -> Vec<f64> {
-        let mut roots = Vec::new();
-        let mut last: Option<(f64, f64)> = None;
-        for &(s, rates) in sampled {
-            let rate = rates[side];
-            if rate == 0.0 {
-                continue;
+        let root = |((mut a, rate_at_a), (mut b, _)): ((f64, f64), (f64, f64))| {
+            for _ in 0..HALVINGS {
+                let middle = 0.5 * (a + b);
+                match self.rates(system, fields, middle) {
+                    Some(rates) if rates[side] == 0.0 => return middle,
+                    Some(rates) if rates[side] * rate_at_a > 0.0 => a = middle,
+                    _ => b = middle,
+                }
             }
-            if let Some((before, rate_before)) = last
-                && rate * rate_before < 0.0
-            {
-                roots.push(self.root(system, fields, side, (before, s), rate_before));
-            }
-            last = Some((s, rate));
-        }
-        roots
-    }
-
-    fn root(
-        &self,
-        system: &System,
-        fields: Fields,
-        side: usize,
-        (mut a, mut b): (f64, f64),
-        rate_at_a: f64,
-    ) -> f64 {
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (a + b);
-            match self.rates(system, fields, middle) {
-                Some(rates) if rates[side] == 0.0 => return middle,
-                Some(rates) if rates[side] * rate_at_a > 0.0 => a = middle,
-                _ => b = middle,
-            }
-        }
-        b
+            b
+        };
+        let rates = sampled.iter().map(|(s, rates)| (*s, rates[side]));
+        let rates: Vec<(f64, f64)> = rates.filter(|(_, rate)| *rate != 0.0).collect();
+        let pairs = rates.iter().copied().zip(rates.iter().copied().skip(1));
+        let changes = pairs.filter(|((_, before), (_, rate))| rate * before < 0.0);
+        changes.map(root).collect()
     }
 
     /// By the sign of the second derivative of the boundary function along the field.
     fn visibility(&self, system: &System, side: Side, x: &[f64]) -> Visibility {
         let of = (Fields::Slip, side);
         let velocity = self.velocity(system, of, x, (self.t, x));
-        let moving: Vec<Dual<f64>> = x
-            .iter()
-            .zip(&velocity)
-            .map(|(&x, &v)| Dual::new(x, v))
-            .collect();
-        let rates = self.velocity(system, of, x, (Dual::new(self.t, 1.0), &moving[..]));
-        let twice: Vec<Dual<Dual<f64>>> = moving
-            .iter()
-            .zip(&rates)
-            .map(|(&x, &v)| Dual::new(x, v))
-            .collect();
-        let time = Dual::new(Dual::new(self.t, 1.0), Dual::one());
+        let once = moving(x, &velocity);
+        let rates = self.velocity(system, of, x, (Dual::new(self.t, 1.0), &once[..]));
+        let (time, twice) = (Dual::new(self.t, 1.0), moving(&once, &rates));
+        let time = Dual::new(time, Dual::one());
         let bending = system.boundary(self.contact, time, &twice).eps.eps;
         // What is left of two terms of the acceleration that cancel.
         let size: f64 = rates.iter().map(|rate| rate.eps.abs()).fold(1.0, f64::max);
@@ -465,4 +428,10 @@ impl Line {
             Visibility::Invisible
         }
     }
+}
+
+/// A state that moves with a velocity.
+fn moving<T: Scalar>(x: &[T], velocity: &[T]) -> Vec<Dual<T>> {
+    let pairs = x.iter().zip(velocity);
+    pairs.map(|(&x, &v)| Dual::new(x, v)).collect()
 }

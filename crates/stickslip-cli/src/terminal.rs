@@ -2,11 +2,11 @@
 
 use std::io::{self, Write};
 use std::process::ExitCode;
+use std::sync::OnceLock;
 use std::sync::mpsc::RecvTimeoutError;
-use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::failure::Failure;
 use crate::render::Answer;
@@ -73,10 +73,8 @@ impl Patience {
             let bar = ProgressBar::new(all)
                 .with_position(done)
                 .with_elapsed(self.begin.elapsed());
-            let bar = match ProgressStyle::with_template(&self.template) {
-                Ok(style) => bar.with_style(style),
-                Err(_) => bar,
-            };
+            let style = ProgressStyle::with_template(&self.template);
+            let bar = bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
             // What was there before took no time: the time to come is reckoned from here on.
             bar.tick();
             bar.reset_eta();
@@ -95,37 +93,33 @@ impl Patience {
 }
 
 /// The line shown of a computation that cannot say how far it is.
-pub(crate) struct Status(Mutex<String>);
+pub(crate) struct Status(ProgressBar);
 
 impl Status {
     /// Shows this from now on.
     pub(crate) fn set(&self, words: String) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = words;
+        self.0.set_message(words);
     }
 }
 
 /// Runs what cannot say how far it is, under something that moves once it has taken a while.
 pub(crate) fn patiently<T: Send>(what: &str, work: impl FnOnce(&Status) -> T + Send) -> T {
     const TICK: Duration = Duration::from_millis(120);
-    let status = Status(Mutex::new(what.to_owned()));
+    let status = Status(ProgressBar::new_spinner().with_message(what.to_owned()));
+    status.0.set_draw_target(ProgressDrawTarget::hidden());
     std::thread::scope(|scope| {
         let (done, wait) = std::sync::mpsc::channel::<()>();
-        let status = &status;
+        let spinner = status.0.clone();
         scope.spawn(move || {
             // The end of the work closes the channel.
-            if wait.recv_timeout(PATIENCE) != Err(RecvTimeoutError::Timeout) {
-                return;
+            if wait.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
+                spinner.set_draw_target(ProgressDrawTarget::stderr());
+                spinner.enable_steady_tick(TICK);
+                let _ = wait.recv();
+                spinner.finish_and_clear();
             }
-            let spinner = ProgressBar::new_spinner();
-            while wait.recv_timeout(TICK) == Err(RecvTimeoutError::Timeout) {
-                let words = status.0.lock().unwrap_or_else(PoisonError::into_inner);
-                spinner.set_message(words.clone());
-                drop(words);
-                spinner.tick();
-            }
-            spinner.finish_and_clear();
         });
-        let result = work(status);
+        let result = work(&status);
         drop(done);
         result
     })

@@ -2,7 +2,8 @@
 
 use super::Layer;
 use crate::color::{BLUE, Color};
-use crate::legend::{Entry, Key};
+use crate::elements::Ink;
+use crate::legend::Entry;
 use crate::plot::{Drawn, Frame, Plot};
 
 /// The cells of a grid that are set, in one colour. A picture of several kinds of cells is a layer for each kind.
@@ -13,7 +14,7 @@ pub struct Cells {
     columns: usize,
     set: Vec<bool>,
     fill: Color,
-    legend: Option<String>,
+    legend: String,
 }
 
 impl Cells {
@@ -31,20 +32,15 @@ impl Cells {
             columns: columns.max(1),
             set: set.into_iter().collect(),
             fill: BLUE,
-            legend: None,
+            legend: String::new(),
         }
     }
 
-    /// Colour.
-    pub fn fill(mut self, color: Color) -> Self {
-        self.fill = color;
-        self
-    }
-
-    /// Text in the legend, in markup.
-    pub fn legend(mut self, text: &str) -> Self {
-        self.legend = Some(text.to_owned());
-        self
+    setters! {
+        /// Colour.
+        fill: Color => fill;
+        /// Text in the legend, in markup.
+        legend: &str => legend;
     }
 
     /// Rectangles that cover the set cells, as ranges of columns and of rows: neighbours in a row together, and equal ones above one another.
@@ -82,14 +78,13 @@ impl Layer for Cells {
             low + (high - low) * k as f64 / of as f64
         };
         let frame = &plot.frame;
-        let mut frames = Vec::new();
+        let mut tiles = Vec::new();
         for [columns, rows_of] in self.rectangles() {
             let corner = |column, row| {
                 let x = part(self.x, column, self.columns);
                 plot.px((x, part(self.y, row, rows)))
             };
-            let found =
-                super::frame_between(corner(columns.0, rows_of.0), corner(columns.1, rows_of.1));
+            let found = Frame::between(corner(columns.0, rows_of.0), corner(columns.1, rows_of.1));
             let cut = Frame {
                 left: found.left.max(frame.left),
                 top: found.top.max(frame.top),
@@ -97,15 +92,14 @@ impl Layer for Cells {
                 bottom: found.bottom.min(frame.bottom),
             };
             if cut.left < cut.right && cut.top < cut.bottom {
-                frames.push(cut);
+                tiles.extend(cut.corners());
             }
         }
-        plot.sheet.rects(&frames, self.fill)
+        plot.sheet.draw(&tiles, Ink::Area(self.fill))
     }
 
     fn legend(&self) -> Option<Entry> {
-        let text = self.legend.as_ref()?;
-        Some(Entry::new(text, Key::Area(self.fill)))
+        Entry::new(&self.legend, Ink::Area(self.fill))
     }
 }
 

@@ -2,7 +2,8 @@
 
 use super::Layer;
 use crate::color::Color;
-use crate::legend::{Entry, Key};
+use crate::elements::Ink;
+use crate::legend::Entry;
 use crate::pen::{Dash, Pen};
 use crate::plot::{Drawn, Plot};
 
@@ -11,7 +12,7 @@ use crate::plot::{Drawn, Plot};
 pub struct Curve {
     points: Vec<(f64, f64)>,
     pen: Pen,
-    legend: Option<String>,
+    legend: String,
 }
 
 impl Curve {
@@ -20,32 +21,19 @@ impl Curve {
         Self {
             points: points.into_iter().collect(),
             pen: Pen::default(),
-            legend: None,
+            legend: String::new(),
         }
     }
 
-    /// Colour.
-    pub fn color(mut self, color: Color) -> Self {
-        self.pen.color = color;
-        self
-    }
-
-    /// Width, px.
-    pub fn width(mut self, width: f64) -> Self {
-        self.pen.width = width;
-        self
-    }
-
-    /// Line style.
-    pub fn dash(mut self, dash: Dash) -> Self {
-        self.pen.dash = dash;
-        self
-    }
-
-    /// Text in the legend, in markup.
-    pub fn legend(mut self, text: &str) -> Self {
-        self.legend = Some(text.to_owned());
-        self
+    setters! {
+        /// Colour.
+        color: Color => pen.color;
+        /// Width, px.
+        width: f64 => pen.width;
+        /// Line style.
+        dash: Dash => pen.dash;
+        /// Text in the legend, in markup.
+        legend: &str => legend;
     }
 }
 
@@ -55,8 +43,6 @@ impl Layer for Curve {
     }
 
     fn legend(&self) -> Option<Entry> {
-        self.legend
-            .as_ref()
-            .map(|text| Entry::new(text, Key::Line(self.pen)))
+        Entry::new(&self.legend, Ink::Line(self.pen))
     }
 }

@@ -1,6 +1,7 @@
 //! Lengths, as in a technical drawing.
 
-use super::note::anchor_of;
+use plotters_backend::text_anchor::{HPos, VPos};
+
 use super::{Layer, TEXT};
 use crate::arrow;
 use crate::color::BLACK;
@@ -8,13 +9,15 @@ use crate::elements::Words;
 use crate::pen::Pen;
 use crate::plot::{Drawn, Plot};
 
+/// How far above the arrow its text stands, px.
+const ABOVE: f64 = 4.0;
+
 /// A double-headed arrow between two points, with a text.
 #[derive(Clone, Debug)]
 pub struct Dimension {
     from: (f64, f64),
     to: (f64, f64),
     text: String,
-    offset: (f64, f64),
     shift: f64,
 }
 
@@ -25,22 +28,14 @@ impl Dimension {
             from,
             to,
             text: text.to_owned(),
-            offset: (0.0, 4.0),
             shift: 0.0,
         }
     }
 
-    /// Where the text stands relative to the middle of the arrow, `(right, up)` px.
-    pub fn offset(mut self, right: f64, up: f64) -> Self {
-        self.offset = (right, up);
-        self
-    }
-
-    /// Moves the arrow by this many px to the left of its direction (upwards for one that points right) and
-    /// draws thin lines from its ends to the points.
-    pub fn shift(mut self, px: f64) -> Self {
-        self.shift = px;
-        self
+    setters! {
+        /// Moves the arrow by this many px to the left of its direction (upwards for one that points right) and
+        /// draws thin lines from its ends to the points.
+        shift: f64 => shift;
     }
 
     /// Both ends on the page after the shift, px.
@@ -70,10 +65,8 @@ impl Layer for Dimension {
 
     fn annotate(&self, plot: &Plot<'_, '_>) -> Drawn {
         let [a, b] = self.ends(plot);
-        let (right, up) = self.offset;
-        let (h, v) = anchor_of(right, up);
-        let words = Words::new(&self.text, TEXT).anchor(h, v).halo();
-        let middle = ((a.0 + b.0) / 2.0, (a.1 + b.1) / 2.0);
-        plot.sheet.words((middle.0 + right, middle.1 - up), words)
+        let words = Words::new(&self.text, TEXT, (HPos::Center, VPos::Bottom)).halo();
+        let above = ((a.0 + b.0) / 2.0, (a.1 + b.1) / 2.0 - ABOVE);
+        plot.sheet.words(above, words)
     }
 }

@@ -2,8 +2,8 @@
 
 use super::{Layer, TEXT};
 use crate::color::{Color, GREY};
-use crate::elements::Words;
-use crate::legend::{Entry, Key};
+use crate::elements::{Ink, Words};
+use crate::legend::Entry;
 use crate::pen::{Dash, Pen};
 use crate::plot::{Drawn, Plot};
 use plotters_backend::text_anchor::{HPos, VPos};
@@ -15,7 +15,7 @@ pub struct Guide {
     value: f64,
     pen: Pen,
     label: Option<(String, f64)>,
-    legend: Option<String>,
+    legend: String,
 }
 
 impl Guide {
@@ -33,40 +33,30 @@ impl Guide {
         Self {
             horizontal,
             value,
-            pen: Pen::new(GREY, 0.8).dash(Dash::Dashed),
+            pen: Pen {
+                dash: Dash::Dashed,
+                ..Pen::new(GREY, 0.8)
+            },
             label: None,
-            legend: None,
+            legend: String::new(),
         }
     }
 
-    /// Colour.
-    pub fn color(mut self, color: Color) -> Self {
-        self.pen.color = color;
-        self
-    }
-
-    /// Width, px.
-    pub fn width(mut self, width: f64) -> Self {
-        self.pen.width = width;
-        self
-    }
-
-    /// Line style.
-    pub fn dash(mut self, dash: Dash) -> Self {
-        self.pen.dash = dash;
-        self
+    setters! {
+        /// Colour.
+        color: Color => pen.color;
+        /// Width, px.
+        width: f64 => pen.width;
+        /// Line style.
+        dash: Dash => pen.dash;
+        /// Text in the legend, in markup.
+        legend: &str => legend;
     }
 
     /// A text in markup beside the line, at a fraction of its length: above a horizontal line, to the right
     /// of a vertical one.
     pub fn label(mut self, text: &str, fraction: f64) -> Self {
         self.label = Some((text.to_owned(), fraction));
-        self
-    }
-
-    /// Text in the legend, in markup.
-    pub fn legend(mut self, text: &str) -> Self {
-        self.legend = Some(text.to_owned());
         self
     }
 }
@@ -88,19 +78,15 @@ impl Layer for Guide {
         };
         let (fx, fy) = plot.frame.at(*fraction, *fraction);
         let (x, y) = plot.px((self.value, self.value));
-        let words = Words::new(text, TEXT).halo();
-        if self.horizontal {
-            plot.sheet
-                .words((fx, y - 4.0), words.anchor(HPos::Center, VPos::Bottom))
+        let (at, anchor) = if self.horizontal {
+            ((fx, y - 4.0), (HPos::Center, VPos::Bottom))
         } else {
-            plot.sheet
-                .words((x + 5.0, fy), words.anchor(HPos::Left, VPos::Center))
-        }
+            ((x + 5.0, fy), (HPos::Left, VPos::Center))
+        };
+        plot.sheet.words(at, Words::new(text, TEXT, anchor).halo())
     }
 
     fn legend(&self) -> Option<Entry> {
-        self.legend
-            .as_ref()
-            .map(|text| Entry::new(text, Key::Line(self.pen)))
+        Entry::new(&self.legend, Ink::Line(self.pen))
     }
 }

@@ -1,9 +1,9 @@
 //! A small panel inside a panel.
 
-use super::{Layer, frame_between};
+use super::Layer;
 use crate::color::WHITE;
 use crate::panel::Panel;
-use crate::plot::{Drawn, Plot};
+use crate::plot::{Drawn, Frame, Plot};
 
 /// A panel drawn over a part of another, on white, such as an enlarged detail.
 pub struct Inset {
@@ -27,7 +27,7 @@ impl Layer for Inset {
 
     /// All of it is drawn with the texts, so that no curve of the outer panel runs through it.
     fn annotate(&self, plot: &Plot<'_, '_>) -> Drawn {
-        let cell = frame_between(
+        let cell = Frame::between(
             plot.frame.at(self.from.0, self.from.1),
             plot.frame.at(self.to.0, self.to.1),
         );

@@ -2,8 +2,8 @@
 
 use super::{Layer, TEXT};
 use crate::color::{BLACK, Color, WHITE};
-use crate::elements::{Shape, Symbol, Words};
-use crate::legend::{Entry, Key};
+use crate::elements::{Ink, Shape, Symbol, Words};
+use crate::legend::Entry;
 use crate::plot::{Drawn, Plot};
 
 use super::note::anchor_of;
@@ -13,15 +13,9 @@ use super::note::anchor_of;
 pub struct Markers {
     points: Vec<(f64, f64)>,
     symbol: Symbol,
-    labels: Vec<Beside>,
-    legend: Option<String>,
-}
-
-#[derive(Clone, Debug)]
-struct Beside {
-    index: usize,
-    text: String,
-    offset: (f64, f64),
+    /// Texts beside points: of which point, and how far away.
+    labels: Vec<(usize, String, (f64, f64))>,
+    legend: String,
 }
 
 impl Markers {
@@ -37,20 +31,17 @@ impl Markers {
                 edge_width: 1.2,
             },
             labels: Vec::new(),
-            legend: None,
+            legend: String::new(),
         }
     }
 
-    /// Outline.
-    pub fn shape(mut self, shape: Shape) -> Self {
-        self.symbol.shape = shape;
-        self
-    }
-
-    /// Diameter, px.
-    pub fn size(mut self, size: f64) -> Self {
-        self.symbol.size = size;
-        self
+    setters! {
+        /// Outline.
+        shape: Shape => symbol.shape;
+        /// Diameter, px.
+        size: f64 => symbol.size;
+        /// Text in the legend, in markup.
+        legend: &str => legend;
     }
 
     /// Colour of edge and inside.
@@ -69,49 +60,29 @@ impl Markers {
     /// A text in markup beside the point `index`, `(right, up)` px away from it. Of an index that does not
     /// exist nothing is drawn.
     pub fn label(mut self, index: usize, text: &str, offset: (f64, f64)) -> Self {
-        self.labels.push(Beside {
-            index,
-            text: text.to_owned(),
-            offset,
-        });
-        self
-    }
-
-    /// Text in the legend, in markup.
-    pub fn legend(mut self, text: &str) -> Self {
-        self.legend = Some(text.to_owned());
+        self.labels.push((index, text.to_owned(), offset));
         self
     }
 }
 
 impl Layer for Markers {
     fn draw(&self, plot: &Plot<'_, '_>) -> Drawn {
-        for point in &self.points {
-            plot.symbol(*point, &self.symbol)?;
-        }
-        Ok(())
+        plot.symbols(&self.points, &self.symbol)
     }
 
     fn annotate(&self, plot: &Plot<'_, '_>) -> Drawn {
-        for label in &self.labels {
-            let Some(&point) = self.points.get(label.index) else {
-                continue;
-            };
-            if !plot.bounds.contains(point) {
-                continue;
+        for (index, text, (right, up)) in &self.labels {
+            let point = self.points.get(*index);
+            if let Some(&point) = point.filter(|point| plot.bounds.contains(**point)) {
+                let (x, y) = plot.px(point);
+                let words = Words::new(text, TEXT, anchor_of(*right, *up)).halo();
+                plot.sheet.words((x + right, y - up), words)?;
             }
-            let (x, y) = plot.px(point);
-            let (dx, dy) = label.offset;
-            let (h, v) = anchor_of(dx, dy);
-            let words = Words::new(&label.text, TEXT).anchor(h, v).halo();
-            plot.sheet.words((x + dx, y - dy), words)?;
         }
         Ok(())
     }
 
     fn legend(&self) -> Option<Entry> {
-        self.legend
-            .as_ref()
-            .map(|text| Entry::new(text, Key::Symbol(self.symbol)))
+        Entry::new(&self.legend, Ink::Symbol(self.symbol))
     }
 }

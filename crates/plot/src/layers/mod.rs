@@ -22,7 +22,7 @@ pub use note::Note;
 pub use region::Region;
 
 use super::legend::Entry;
-use super::plot::{Drawn, Frame, Plot};
+use super::plot::{Drawn, Plot};
 use super::polyline::Point;
 
 /// Font size of texts inside a panel, px.
@@ -81,15 +81,5 @@ impl Place {
             Place::Data(x, y) => plot.px((x, y)),
             Place::Fraction(fx, fy) => plot.frame.at(fx, fy),
         }
-    }
-}
-
-/// The frame between two corners given as places.
-fn frame_between(a: Point, b: Point) -> Frame {
-    Frame {
-        left: a.0.min(b.0),
-        top: a.1.min(b.1),
-        right: a.0.max(b.0),
-        bottom: a.1.max(b.1),
     }
 }

@@ -10,6 +10,7 @@ use crate::error::PlotError;
 use crate::metrics;
 use crate::pen::Pen;
 use crate::plot::{Drawn, Frame, Plot};
+use crate::polyline::Point;
 
 /// Space between a text and its arrow, px.
 const CLEARANCE: f64 = 3.0;
@@ -47,36 +48,34 @@ impl Note {
         self
     }
 
-    /// Font size, px.
-    pub fn size(mut self, size: f64) -> Self {
-        self.size = size;
-        self
-    }
-
-    /// Colour of the text.
-    pub fn color(mut self, color: Color) -> Self {
-        self.color = color;
-        self
+    setters! {
+        /// Font size, px.
+        size: f64 => size;
+        /// Colour of the text.
+        color: Color => color;
     }
 
     /// Adds an arrow from the text to a place.
     pub fn arrow(mut self, target: impl Into<Place>) -> Self {
         self.target = Some(target.into());
-        self.head = true;
         self
     }
 
     /// Adds a thin line without a head from the text to a place.
     pub fn leader(mut self, target: impl Into<Place>) -> Self {
-        self.target = Some(target.into());
         self.head = false;
-        self
+        self.arrow(target)
     }
 
-    /// The box the text fills on the page, and how it is anchored.
-    fn layout(&self, plot: &Plot<'_, '_>) -> Result<(Frame, HPos, VPos), PlotError> {
+    /// Where the text is put on the page.
+    fn anchored(&self, plot: &Plot<'_, '_>) -> Point {
         let (x, y) = self.at.px(plot);
-        let (x, y) = (x + self.offset.0, y - self.offset.1);
+        (x + self.offset.0, y - self.offset.1)
+    }
+
+    /// The box the text fills on the page.
+    fn frame(&self, plot: &Plot<'_, '_>) -> Result<Frame, PlotError> {
+        let (x, y) = self.anchored(plot);
         let width = metrics::width(&self.text, self.size)?;
         let height = metrics::CAP_HEIGHT * self.size;
         let (h, v) = anchor_of(self.offset.0, self.offset.1);
@@ -90,13 +89,7 @@ impl Note {
             VPos::Center => y - height / 2.0,
             VPos::Bottom => y - height,
         };
-        let frame = Frame {
-            left,
-            top,
-            right: left + width,
-            bottom: top + height,
-        };
-        Ok((frame, h, v))
+        Ok(Frame::new((left, top), (width, height)))
     }
 }
 
@@ -105,7 +98,7 @@ impl Layer for Note {
         let Some(target) = self.target else {
             return Ok(());
         };
-        let (text, _, _) = self.layout(plot)?;
+        let text = self.frame(plot)?;
         let target = target.px(plot);
         let centre = text.at(0.5, 0.5);
         let (dx, dy) = (target.0 - centre.0, target.1 - centre.1);
@@ -128,22 +121,12 @@ impl Layer for Note {
     }
 
     fn annotate(&self, plot: &Plot<'_, '_>) -> Drawn {
-        let (text, h, v) = self.layout(plot)?;
-        let x = match h {
-            HPos::Left => text.left,
-            HPos::Center => (text.left + text.right) / 2.0,
-            HPos::Right => text.right,
+        let anchor = anchor_of(self.offset.0, self.offset.1);
+        let words = Words {
+            color: self.color,
+            ..Words::new(&self.text, self.size, anchor).halo()
         };
-        let y = match v {
-            VPos::Top => text.top,
-            VPos::Center => (text.top + text.bottom) / 2.0,
-            VPos::Bottom => text.bottom,
-        };
-        let words = Words::new(&self.text, self.size)
-            .color(self.color)
-            .anchor(h, v)
-            .halo();
-        plot.sheet.words((x, y), words)
+        plot.sheet.words(self.anchored(plot), words)
     }
 }
 

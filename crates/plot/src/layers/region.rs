@@ -2,7 +2,8 @@
 
 use super::Layer;
 use crate::color::{Color, LIGHT_GREY};
-use crate::legend::{Entry, Key};
+use crate::elements::Ink;
+use crate::legend::Entry;
 use crate::plot::{Drawn, Plot};
 
 /// A filled area, such as a stick zone whose ends oscillate.
@@ -10,7 +11,7 @@ use crate::plot::{Drawn, Plot};
 pub struct Region {
     outline: Vec<(f64, f64)>,
     fill: Color,
-    legend: Option<String>,
+    legend: String,
 }
 
 impl Region {
@@ -26,20 +27,15 @@ impl Region {
         Self {
             outline,
             fill: LIGHT_GREY,
-            legend: None,
+            legend: String::new(),
         }
     }
 
-    /// Colour.
-    pub fn fill(mut self, color: Color) -> Self {
-        self.fill = color;
-        self
-    }
-
-    /// Text in the legend, in markup.
-    pub fn legend(mut self, text: &str) -> Self {
-        self.legend = Some(text.to_owned());
-        self
+    setters! {
+        /// Colour.
+        fill: Color => fill;
+        /// Text in the legend, in markup.
+        legend: &str => legend;
     }
 }
 
@@ -49,8 +45,6 @@ impl Layer for Region {
     }
 
     fn legend(&self) -> Option<Entry> {
-        self.legend
-            .as_ref()
-            .map(|text| Entry::new(text, Key::Area(self.fill)))
+        Entry::new(&self.legend, Ink::Area(self.fill))
     }
 }

@@ -8,7 +8,7 @@
 
 mod straight;
 
-use pulp::{Arch, NullaryFnOnce};
+use pulp::Arch;
 use rayon::prelude::*;
 
 use super::cloud::Cloud;
@@ -24,8 +24,9 @@ use straight::straight_part;
 /// Points that are followed, spread evenly over the series: a mean logarithm of so many is known to
 /// some hundredths.
 const SAMPLES: usize = 1000;
-/// With fewer points there is nothing to follow: eight blocks would hold fewer than seven each.
-const FEWEST: usize = 50;
+/// With fewer points there is nothing to follow, as eight blocks would hold fewer than seven each,
+/// and nothing is embedded unasked.
+pub(crate) const FEWEST: usize = 50;
 /// Points of time they are followed over, at most,
 const LONGEST: usize = 2048;
 /// and as a part of the series.
@@ -350,11 +351,11 @@ impl Follow<'_> {
                 .into_par_iter()
                 .step_by(LANES)
                 .map(|ahead| {
-                    Arch::new().dispatch(Lanes {
-                        follow: self,
-                        counts: &counts,
-                        ahead,
-                    })
+                    // With the machine's vectors, which change no bit: every point of time is a lane.
+                    Arch::new().dispatch(
+                        #[inline(always)]
+                        || self.sums(&counts, ahead),
+                    )
                 })
                 .collect();
             for (course, open) in open.iter_mut().enumerate() {
@@ -409,31 +410,16 @@ impl Follow<'_> {
         }
         squares.map(f64::sqrt)
     }
-}
 
-/// Some points of time that are followed together: the logarithms of the mean distances of the
-/// neighbours, for each curve and block of reference points. Distances of zero are passed over.
-struct Lanes<'a> {
-    follow: &'a Follow<'a>,
-    /// For each curve how many neighbours are followed, and how many reference points have any.
-    counts: &'a [(&'a [usize], usize)],
-    ahead: usize,
-}
-
-/// With the machine's vectors, which change no bit: every point of time is a lane.
-impl NullaryFnOnce for Lanes<'_> {
-    type Output = Vec<[SumsOfLogarithms; BLOCKS]>;
-
+    /// Some points of time that are followed together: the logarithms of the mean distances of the
+    /// neighbours, for each curve and block of reference points. Distances of zero are passed over.
+    /// `counts` holds for each curve how many neighbours are followed, and how many reference points
+    /// have any.
     #[inline(always)]
-    fn call(self) -> Self::Output {
-        let Self {
-            follow,
-            counts,
-            ahead,
-        } = self;
+    fn sums(&self, counts: &[(&[usize], usize)], ahead: usize) -> Vec<[SumsOfLogarithms; BLOCKS]> {
         let mut sums = vec![[SumsOfLogarithms::new(); BLOCKS]; counts.len()];
         let mut orders = vec![0; counts.len()];
-        for (i, &j) in follow.references.iter().enumerate() {
+        for (i, &j) in self.references.iter().enumerate() {
             let mut total = [0.0; LANES];
             let mut done = 0;
             // Each curve's neighbours are the nearest so many, and each curve has more than the one
@@ -446,8 +432,8 @@ impl NullaryFnOnce for Lanes<'_> {
                 if count < done {
                     (total, done) = ([0.0; LANES], 0);
                 }
-                for &(_, k) in &follow.found[i][done..count] {
-                    let distances = follow.distances(j, k as usize, ahead);
+                for &(_, k) in &self.found[i][done..count] {
+                    let distances = self.distances(j, k as usize, ahead);
                     for (total, distance) in total.iter_mut().zip(distances) {
                         *total += distance;
                     }

@@ -20,7 +20,7 @@ const DISTANCE_RATIO: f64 = 15.0;
 /// (Kennel's second criterion).
 const SPREADS: f64 = 2.0;
 
-/// What one dimension shows.
+/// What one dimension shows, or the nearest neighbour of one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Level {
     /// Part of the nearest neighbours that are false.
@@ -63,7 +63,7 @@ pub(crate) fn level(
     let every = points.div_ceil(SAMPLES).max(1);
     let columns = series.columns();
     let ahead = embedding.delay * embedding.dimension;
-    let votes: Vec<Option<Vote>> = (0..points.div_ceil(every))
+    let votes: Vec<Option<Level>> = (0..points.div_ceil(every))
         .into_par_iter()
         .map_init(Vec::new, |found, i| {
             let j = i * every;
@@ -80,28 +80,20 @@ pub(crate) fn level(
                 next_largest = next_largest.max(difference.abs());
             }
             let is_far = (square + next_square).sqrt() > SPREADS * spread / cloud.unit;
-            Some(Vote {
-                is_false: next_square > DISTANCE_RATIO * DISTANCE_RATIO * square || is_far,
+            let is_false = next_square > DISTANCE_RATIO * DISTANCE_RATIO * square || is_far;
+            Some(Level {
+                false_part: f64::from(u8::from(is_false)),
                 stretching: largest.max(next_largest) / largest,
                 next_difference: next_largest * cloud.unit,
             })
         })
         .collect();
-    let votes: Vec<Vote> = votes.into_iter().flatten().collect();
-    if votes.is_empty() {
-        return Ok(None);
-    }
+    let votes: Vec<Level> = votes.into_iter().flatten().collect();
     let count = votes.len() as f64;
-    Ok(Some(Level {
-        false_part: votes.iter().filter(|vote| vote.is_false).count() as f64 / count,
-        stretching: votes.iter().map(|vote| vote.stretching).sum::<f64>() / count,
-        next_difference: votes.iter().map(|vote| vote.next_difference).sum::<f64>() / count,
+    let mean = |of: fn(&Level) -> f64| votes.iter().map(of).sum::<f64>() / count;
+    Ok((!votes.is_empty()).then(|| Level {
+        false_part: mean(|vote| vote.false_part),
+        stretching: mean(|vote| vote.stretching),
+        next_difference: mean(|vote| vote.next_difference),
     }))
-}
-
-/// What the nearest neighbour of one point shows.
-struct Vote {
-    is_false: bool,
-    stretching: f64,
-    next_difference: f64,
 }

@@ -4,6 +4,7 @@
 use rayon::prelude::*;
 
 use crate::series::Series;
+use crate::statistics::order;
 
 /// Pairs that are counted at most: 32 for each cell of the most classes.
 const PAIRS: usize = 1 << 15;
@@ -32,13 +33,12 @@ impl Classes {
         let columns = (0..series.columns())
             .into_par_iter()
             .map(|column| {
-                let value = |row: usize| series.values()[row * series.columns() + column];
-                let mut order: Vec<usize> = (0..rows).collect();
-                order.sort_unstable_by(|&a, &b| value(a).total_cmp(&value(b)).then(a.cmp(&b)));
+                let values: Vec<f64> = series.column(column).collect();
+                let order = order(&values);
                 let mut classes = vec![0; rows];
                 let mut first_equal = 0;
                 for (rank, &row) in order.iter().enumerate() {
-                    if value(row) != value(order[first_equal]) {
+                    if values[row] != values[order[first_equal]] {
                         first_equal = rank;
                     }
                     // At most 31.

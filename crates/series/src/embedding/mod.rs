@@ -5,7 +5,8 @@ mod delay;
 mod false_neighbours;
 mod information;
 
-use crate::cloud::Cloud;
+use crate::cloud::{Cloud, longest_lag};
+use crate::divergence::FEWEST;
 use crate::error::DataError;
 use crate::series::Series;
 pub use delay::Embedding;
@@ -13,9 +14,6 @@ use delay::most_dimensions;
 use false_neighbours::{Level, level};
 use information::Classes;
 
-/// Longest delay that is looked at, as a part of the series: ten vectors of two values then follow
-/// one another.
-const LONGEST_PART: usize = 10;
 /// Lags that are looked at, at most: a bound on the time that it takes.
 const MOST_LAGS: usize = 2000;
 /// A minimum is one if the information rises behind it by this part of what it is at the first lag.
@@ -148,9 +146,6 @@ pub struct EmbeddingChoice {
     pub is_noise: bool,
 }
 
-/// With fewer points nothing is embedded unasked.
-const FEWEST_POINTS: usize = 50;
-
 /// The embedding that the settings ask for or the data need; `None` if the columns are the state as
 /// they are.
 ///
@@ -166,7 +161,7 @@ pub fn needed_embedding(
     progress: &dyn Fn(usize, usize),
 ) -> Result<Option<EmbeddingChoice>, DataError> {
     let asked = settings.delay.is_some() || settings.dimension.is_some();
-    let is_short = series.len() < FEWEST_POINTS;
+    let is_short = series.len() < FEWEST;
     if !asked && (is_short || series.columns() > 1 && !lacks_columns(series, settings.theiler)?) {
         return Ok(None);
     }
@@ -194,7 +189,7 @@ pub fn choose_embedding(
         dimension: settings.dimension.unwrap_or(1),
     }
     .of(series)?;
-    let longest = longest_delay(series.len());
+    let longest = longest_lag(series.len());
     if let (Some(delay), None) = (settings.delay, settings.dimension)
         && delay > longest
     {
@@ -207,17 +202,7 @@ pub fn choose_embedding(
     let (decorrelation, spread) = Cloud::new(series)?.scales();
     let theiler = settings.theiler.unwrap_or(decorrelation);
     progress(0, most + 1);
-    let Delay {
-        points: delay,
-        reason: delay_reason,
-        information,
-    } = delay(
-        &Classes::new(series),
-        series.len(),
-        decorrelation,
-        settings.delay,
-        || first_zero(series),
-    )?;
+    let (information, (delay, delay_reason)) = delay(series, decorrelation, settings.delay)?;
 
     let mut levels: Vec<Level> = Vec::new();
     let mut dimensions: Vec<DimensionEvidence> = Vec::new();
@@ -272,33 +257,18 @@ pub fn lacks_columns(series: &Series, theiler: Option<usize>) -> Result<bool, Da
     }
 }
 
-/// The longest delay that leaves something to choose a dimension by.
-fn longest_delay(rows: usize) -> usize {
-    (rows / LONGEST_PART).max(1)
-}
+/// Mutual information over the lag.
+type Information = Vec<(usize, f64)>;
 
-/// The first zero of the autocorrelation, if there is one within a tenth of the series.
-fn first_zero(series: &Series) -> Result<Option<usize>, DataError> {
-    Ok(Cloud::new(series)?.uncorrelated_at(0.0))
-}
-
-/// A delay and why it is this one.
-struct Delay {
-    points: usize,
-    reason: DelayReason,
-    /// At all lags that were looked at.
-    information: Vec<(usize, f64)>,
-}
-
+/// A delay and why it is this one, with the information at all lags that were looked at.
 fn delay(
-    classes: &Classes,
-    rows: usize,
+    series: &Series,
     decorrelation: usize,
     given: Option<usize>,
-    zero: impl Fn() -> Result<Option<usize>, DataError>,
-) -> Result<Delay, DataError> {
-    let longest = longest_delay(rows).min(MOST_LAGS);
-    let mut curve: Vec<(usize, f64)> = Vec::new();
+) -> Result<(Information, (usize, DelayReason)), DataError> {
+    let classes = Classes::new(series);
+    let longest = longest_lag(series.len()).min(MOST_LAGS);
+    let mut curve = Information::new();
     let mut found = given.map(|delay| (delay, DelayReason::Given));
     if found.is_none() && decorrelation <= 1 {
         found = Some((1, DelayReason::Uncorrelated));
@@ -328,32 +298,31 @@ fn delay(
             found = Some((least.0, DelayReason::FirstMinimum));
         } else if on_curve && has_risen && lag >= longest.min(PERIOD.saturating_mul(decorrelation))
         {
-            let zero = zero()?.filter(|&lag| lag <= longest);
-            found = Some(match zero {
+            let zero = Cloud::new(series)?.uncorrelated_at(0.0);
+            found = Some(match zero.filter(|&lag| lag <= longest) {
                 Some(lag) => (lag, DelayReason::OnCurve),
                 None => (longest, DelayReason::NoMinimum),
             });
         }
     }
-    let (points, reason) = found.unwrap_or((longest, DelayReason::NoMinimum));
-    Ok(Delay {
-        points,
-        reason,
-        information: curve,
-    })
+    Ok((curve, found.unwrap_or((longest, DelayReason::NoMinimum))))
 }
 
 fn evidence(levels: &[Level]) -> Vec<DimensionEvidence> {
-    (1..)
-        .zip(levels)
-        .enumerate()
-        .map(|(i, (dimension, level))| DimensionEvidence {
-            dimension,
+    let of_each = levels.iter().enumerate().map(|(i, level)| {
+        // How a quantity changes from one dimension to the next.
+        let ratio = |quantity: fn(&Level) -> f64| {
+            let next = levels.get(i + 1);
+            next.map_or(f64::NAN, |next| quantity(next) / quantity(level))
+        };
+        DimensionEvidence {
+            dimension: i + 1,
             false_neighbours: level.false_part,
-            e1: ratio(levels, i, |level| level.stretching),
-            e2: ratio(levels, i, |level| level.next_difference),
-        })
-        .collect()
+            e1: ratio(|level| level.stretching),
+            e2: ratio(|level| level.next_difference),
+        }
+    });
+    of_each.collect()
 }
 
 /// Whether Cao's E2 is 1 at all dimensions.
@@ -379,14 +348,6 @@ fn without_false_neighbours(dimensions: &[DimensionEvidence]) -> (usize, Dimensi
         .min_by(|a, b| a.false_neighbours.total_cmp(&b.false_neighbours));
     let dimension = fewest.map_or(1, |one| one.dimension);
     (dimension, DimensionReason::FewestFalse)
-}
-
-/// How a quantity changes from one dimension to the next.
-fn ratio(levels: &[Level], i: usize, quantity: impl Fn(&Level) -> f64) -> f64 {
-    match levels.get(i + 1) {
-        Some(next) => quantity(next) / quantity(&levels[i]),
-        None => f64::NAN,
-    }
 }
 
 fn cao(dimensions: &[DimensionEvidence]) -> Option<usize> {

@@ -11,7 +11,7 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 
 use crate::error::DataError;
 use crate::series::Series;
-use crate::statistics::SplitMix;
+use crate::statistics::{SplitMix, order};
 
 /// Iterations after which a surrogate is taken as it is.
 const ITERATIONS: usize = 100;
@@ -44,16 +44,10 @@ impl Randomiser {
         let original = periodic_part(series)?;
         let rows = original.len();
         let mut planner = RealFftPlanner::new();
-        let (forward, backward) = (
-            planner.plan_fft_forward(rows),
-            planner.plan_fft_inverse(rows),
-        );
+        let forward = planner.plan_fft_forward(rows);
+        let backward = planner.plan_fft_inverse(rows);
         let columns = (0..original.columns()).map(|column| {
-            let values: Vec<f64> = original.values()[column..]
-                .iter()
-                .step_by(original.columns())
-                .copied()
-                .collect();
+            let values: Vec<f64> = original.column(column).collect();
             let mut sorted = values.clone();
             sorted.sort_by(f64::total_cmp);
             let ranks = ranks(&values);
@@ -126,11 +120,9 @@ impl Randomiser {
             let values = order.iter().map(|&rank| column.sorted[rank]).collect();
             let mut spectrum = transform(&*self.forward, values)?;
             for (c, modulus) in spectrum.iter_mut().zip(&column.moduli) {
-                let own = c.norm_sqr().sqrt();
-                *c = if own > 0.0 {
-                    *c * (modulus / own)
-                } else {
-                    Complex::new(*modulus, 0.0)
+                *c = match c.norm_sqr().sqrt() {
+                    own if own > 0.0 => *c * (modulus / own),
+                    _ => Complex::new(*modulus, 0.0),
                 };
             }
             let next = ranks(&self.back(spectrum)?);
@@ -180,10 +172,8 @@ fn failed(rows: usize, error: &realfft::FftError) -> DataError {
 
 /// Rank of each value, equal ones in order.
 fn ranks(values: &[f64]) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..values.len()).collect();
-    order.sort_unstable_by(|&a, &b| values[a].total_cmp(&values[b]).then(a.cmp(&b)));
     let mut ranks = vec![0; values.len()];
-    for (rank, at) in order.into_iter().enumerate() {
+    for (rank, at) in order(values).into_iter().enumerate() {
         ranks[at] = rank;
     }
     ranks
@@ -220,15 +210,14 @@ fn periodic_part(series: &Series) -> Result<Series, DataError> {
 
 /// One over the variance of each column.
 fn weights(series: &Series) -> Vec<f64> {
-    let columns = series.columns();
     let weight = |column: usize| {
-        let values = || series.values()[column..].iter().step_by(columns);
+        let values = || series.column(column);
         let count = series.len() as f64;
         let mean = values().sum::<f64>() / count;
         let variance = values().map(|v| (v - mean) * (v - mean)).sum::<f64>() / count;
         if variance > 0.0 { 1.0 / variance } else { 0.0 }
     };
-    (0..columns).map(weight).collect()
+    (0..series.columns()).map(weight).collect()
 }
 
 #[cfg(test)]

@@ -38,11 +38,8 @@ pub(super) struct SystemArguments {
 impl SystemArguments {
     pub(super) fn system(&self) -> Result<System, Failure> {
         let file = SystemFile::open(&self.file)?;
-        let mut settings = Vec::with_capacity(self.set.len());
-        for setting in &self.set {
-            settings.push(assignment("--set", setting)?);
-        }
-        Ok(file.with(&settings)?)
+        let settings = self.set.iter().map(|setting| assignment("--set", setting));
+        Ok(file.with(&settings.collect::<Result<Vec<_>, _>>()?)?)
     }
 }
 
@@ -92,11 +89,8 @@ pub(super) struct StartArguments {
 impl StartArguments {
     /// Whether the value of this state at the start is given.
     pub(super) fn sets(&self, state: &str) -> bool {
-        let given = self
-            .start
-            .iter()
-            .filter_map(|text| text.split_once('=').map(|(name, _)| name.trim()));
-        given.map(normal).any(|name| name == state)
+        let mut given = self.start.iter().filter_map(|text| text.split_once('='));
+        given.any(|(name, _)| normal(name.trim()) == state)
     }
 
     /// Time and state at the start.
@@ -118,15 +112,15 @@ impl StartArguments {
             }
             given[number] = Some(value);
         }
-        let mut start = Vec::with_capacity(given.len());
-        for (name, value) in names().zip(given) {
-            start.push(value.ok_or_else(|| {
+        let start = names().zip(given).map(|(name, value)| {
+            value.ok_or_else(|| {
                 Failure::Usage(format!(
                     "the start has no value of `{name}`; add [start] to the file, or --start {name}=0"
                 ))
-            })?);
-        }
-        Ok((self.t_start.unwrap_or(system.built.t_start), start))
+            })
+        });
+        let t = self.t_start.unwrap_or(system.built.t_start);
+        Ok((t, start.collect::<Result<_, _>>()?))
     }
 
     /// The state at the start of what is looked at from time 0 on, as the attractors are.

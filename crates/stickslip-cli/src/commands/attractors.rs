@@ -49,13 +49,11 @@ pub(super) fn reached_from_one_of_many(
         modes: Modes::new(&vec![Mode::Stick; system.contacts()]),
         left_at: (0.0, x.to_vec()),
     };
-    match sought(system, x, settings, options) {
-        Err(Error::Escaped { .. }) => Ok(at_once(Motion::Escape)),
-        Err(error @ Error::StartOutsideDomain { .. }) => {
-            Ok(at_once(Motion::Failure(in_words(&error, system))))
-        }
-        outcome => outcome.map_err(|error| Failure::from(error).of(system)),
-    }
+    sought(system, x, settings, options).or_else(|error| match error {
+        Error::Escaped { .. } => Ok(at_once(Motion::Escape)),
+        Error::StartOutsideDomain { .. } => Ok(at_once(Motion::Failure(in_words(&error, system)))),
+        error => Err(Failure::from(error).of(system)),
+    })
 }
 
 /// The phases of a period, the same text wherever in the cycle they were found to begin, or the modes of a rest, as signs; of other motions, whose
@@ -105,20 +103,18 @@ pub(super) fn columns<'a, R>(
         Motion::Periodic { returns, .. } => Some(returns),
         _ => None,
     };
-    let is_there = |outcome: &&Outcome| !outcome.points.is_empty();
+    fn there(outcome: &Outcome) -> Option<&Outcome> {
+        (!outcome.points.is_empty()).then_some(outcome)
+    }
     table
         .column("motion", move |row| of(row).motion.word())
         .column("period", move |row| {
             known_period(&of(row).motion, of(row).period_uncertainty)
         })
         .column("returns", move |row| returns(of(row)))
-        .column("phases", move |row| {
-            Some(of(row)).filter(is_there).map(sequence)
-        })
+        .column("phases", move |row| there(of(row)).map(sequence))
         .column("in_stick", move |row| {
-            Some(of(row))
-                .filter(is_there)
-                .map(|outcome| outcome.in_stick)
+            there(of(row)).map(|outcome| outcome.in_stick)
         })
 }
 
@@ -132,17 +128,11 @@ pub(super) fn known_period(motion: &Motion, uncertainty: f64) -> Option<f64> {
 
 /// Whether it is an attractor, and not an orbit that has come to none: that escapes, ends, fails, or is undecided.
 pub(super) fn is_attractor(motion: &Motion) -> bool {
-    match motion {
-        Motion::Equilibrium
-        | Motion::EquilibriumSet
-        | Motion::Periodic { .. }
-        | Motion::Recurrent => true,
-        Motion::Escape
-        | Motion::Repelling
-        | Motion::TwoFold
-        | Motion::Failure(_)
-        | Motion::Undecided => false,
-    }
+    use Motion::{Equilibrium, EquilibriumSet, Periodic, Recurrent};
+    matches!(
+        motion,
+        Equilibrium | EquilibriumSet | Periodic { .. } | Recurrent
+    )
 }
 
 /// The state at which an orbit rests, if it does.

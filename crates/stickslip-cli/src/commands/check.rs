@@ -69,15 +69,13 @@ fn understood(system: &System) -> Report {
     });
     report.list("field", rates);
 
-    let period = built
-        .period
-        .map(|period| format!(", period {}", readable(period)));
-    let depends = if built.depends_on_time {
-        "depends"
-    } else {
-        "does not depend"
+    let period = built.period.map_or(String::new(), |period| {
+        format!(", period {}", readable(period))
+    });
+    let depends = match built.depends_on_time {
+        true => "depends",
+        false => "does not depend",
     };
-    let period = period.unwrap_or_default();
     report
         .line("time", format!("the system {depends} on time{period}"))
         .field(
@@ -93,15 +91,9 @@ fn understood(system: &System) -> Report {
     report.field("section", Value::Null);
     if let Some(section) = &file.section {
         let (function, direction) = (&section.function.text, direction_name(section.direction));
-        report
-            .line(
-                "section",
-                format!("where {function} = 0, passed {direction}"),
-            )
-            .field(
-                "section",
-                json!({ "function": function, "direction": direction }),
-            );
+        let line = format!("where {function} = 0, passed {direction}");
+        let object = json!({ "function": function, "direction": direction });
+        report.line("section", line).field("section", object);
     }
     if let Some(start) = start {
         let lines = file.contacts.iter().enumerate().map(|(k, contact)| {
@@ -192,18 +184,17 @@ fn contacts(report: &mut Report, system: &System) {
         let holding = text(&contact.holding);
         let force = text(&contact.normal_force);
         report.line("contact", format!("{name}: Σ is where {boundary} = 0"));
-        for (what, text, note) in [
-            ("friction in slip  ", &friction, ""),
-            ("static friction   ", &holding, ""),
-            (
-                "normal force      ",
-                &force,
-                "; without it no contact and no friction",
-            ),
-        ] {
-            let line = text.iter().map(|text| format!("{what}{text}{note}"));
-            report.lines("", line);
-        }
+        let note = "; without it no contact and no friction";
+        let slip = friction
+            .as_ref()
+            .map(|text| format!("friction in slip  {text}"));
+        let stick = holding
+            .as_ref()
+            .map(|text| format!("static friction   {text}"));
+        let normal = force
+            .as_ref()
+            .map(|text| format!("normal force      {text}{note}"));
+        report.lines("", [slip, stick, normal].into_iter().flatten());
         let start = system.built.start.as_deref().map(|start| {
             let (side, height) = whereabouts(system, k, start);
             json!({ "side": side, "height": height })
@@ -257,15 +248,11 @@ fn doubts(system: &System) -> Vec<String> {
     let contacts = (0..system.contacts()).flat_map(|contact| doubts_of(system, contact));
     let dependent = system.dependent_boundaries();
     let dependent = dependent.map(|(contacts, x)| {
-        let (t, contacts) = (system.built.t_start, contacts.to_vec());
-        let x = Point(x);
+        let (t, x) = (system.built.t_start, Point(x));
         in_words(&Error::DependentContacts { t, x, contacts }, system)
     });
-    period
-        .into_iter()
-        .chain(contacts)
-        .chain(dependent)
-        .collect()
+    let doubts = period.into_iter().chain(contacts);
+    doubts.chain(dependent).collect()
 }
 
 fn doubts_of(system: &System, contact: usize) -> Vec<String> {

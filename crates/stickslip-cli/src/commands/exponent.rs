@@ -60,15 +60,11 @@ impl Largest {
         let (t, x) = &outcome.left_at;
         // On the attractor already: only the frame has to turn to it.
         let settings = SpectrumOptions::over(0.1 * duration, duration).solver(*options);
-        match lyapunov_spectrum(system.dynamics(), (*t, x.as_slice()), &settings) {
-            Ok(spectrum) => match spectrum.exponents.first() {
-                Some(&Exponent::Finite { value, std_error }) => {
-                    Largest::Finite { value, std_error }
-                }
-                Some(Exponent::Annihilated) => Largest::Annihilated,
-                None => Largest::Unmeasured,
-            },
-            Err(_) => Largest::Unmeasured,
+        let spectrum = lyapunov_spectrum(system.dynamics(), (*t, x.as_slice()), &settings).ok();
+        match spectrum.as_ref().and_then(|found| found.exponents.first()) {
+            Some(&Exponent::Finite { value, std_error }) => Largest::Finite { value, std_error },
+            Some(Exponent::Annihilated) => Largest::Annihilated,
+            None => Largest::Unmeasured,
         }
     }
 }

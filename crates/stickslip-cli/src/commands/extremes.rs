@@ -42,25 +42,16 @@ impl Watcher for Extremes {
         let at = |k: u32| {
             step.t_start + (step.t_end - step.t_start) * f64::from(k) / f64::from(PER_STEP)
         };
-        let mut best = vec![[0; 2]; self.found.len()];
-        let mut values = vec![[f64::INFINITY, f64::NEG_INFINITY]; self.found.len()];
-        for k in 0..=PER_STEP {
-            for (i, &value) in solution(at(k)).iter().enumerate() {
-                if value < values[i][0] {
-                    (values[i][0], best[i][0]) = (value, k);
-                }
-                if value > values[i][1] {
-                    (values[i][1], best[i][1]) = (value, k);
-                }
-            }
-        }
-        for i in 0..self.found.len() {
-            for (which, sign) in [(0, -1.0), (1, 1.0)] {
-                let k = best[i][which];
+        let samples: Vec<Vector> = (0..=PER_STEP).map(|k| solution(at(k))).collect();
+        for (i, (low, high)) in self.found.iter_mut().enumerate() {
+            for sign in [-1.0, 1.0] {
+                let heights = (0_u32..).zip(samples.iter().map(|x| sign * x[i]));
+                let (k, highest) = heights.fold((0, f64::NEG_INFINITY), |best, next| {
+                    if next.1 > best.1 { next } else { best }
+                });
                 let around = (at(k.saturating_sub(1)), at((k + 1).min(PER_STEP)));
                 let height = |t: f64| sign * solution(t)[i];
-                let value = sign * greatest(&height, around).max(sign * values[i][which]);
-                let (low, high) = &mut self.found[i];
+                let value = sign * greatest(&height, around).max(highest);
                 (*low, *high) = (low.min(value), high.max(value));
             }
         }

@@ -390,66 +390,56 @@ fn kinds(found: &MapResults, until: f64) -> Vec<Layer> {
     classes.into_iter().map(layer).collect()
 }
 
-/// The layers that have cells.
-fn filled(layers: Vec<Layer>) -> Vec<Layer> {
-    let is_filled = |layer: &Layer| layer.set.contains(&true);
-    layers.into_iter().filter(is_filled).collect()
+/// The cells of which something holds, if there are any.
+fn layer(
+    cells: &[CellShown],
+    is_in: impl Fn(&CellShown) -> bool,
+    colour: Color,
+    legend: impl Into<String>,
+) -> Option<Layer> {
+    let set: Vec<bool> = cells.iter().map(is_in).collect();
+    set.contains(&true).then(|| Layer {
+        set,
+        colour,
+        legend: legend.into(),
+    })
+}
+
+/// The exponents of one sign in quarters, from zero on.
+fn quarters(cells: &[CellShown], sign: f64, colours: [Color; 4]) -> Vec<Option<Layer>> {
+    let size = |cell: &CellShown| match cell.largest {
+        Largest::Finite { value, .. } if !cell.largest.is_zero() => Some(sign * value),
+        _ => None,
+    };
+    let most = cells.iter().filter_map(size).fold(0.0, f64::max);
+    let quarter = |(k, colour): (usize, Color)| {
+        let [low, high] = [k, k + 1].map(|k| most * k as f64 / colours.len() as f64);
+        let is_last = k + 1 == colours.len();
+        // The largest is in the last, whatever rounding does to its end.
+        let holds = |size: f64| size > low && (size <= high || is_last);
+        let ends = if sign < 0.0 {
+            [-high, -low]
+        } else {
+            [low, high]
+        };
+        let [from, to] = ends.map(|end| plot::number(end, decimals(most)));
+        let legend = format!("{from} to {to}");
+        layer(cells, |cell| size(cell).is_some_and(holds), colour, legend)
+    };
+    colours.into_iter().enumerate().map(quarter).collect()
 }
 
 fn exponents(cells: &[CellShown]) -> Vec<Layer> {
-    let finite = |cell: &CellShown| match cell.largest {
-        Largest::Finite { value, .. } if !cell.largest.is_zero() => Some(value),
-        _ => None,
-    };
-    let layer = |is_in: &dyn Fn(&CellShown) -> bool, colour, legend: String| Layer {
-        set: cells.iter().map(is_in).collect(),
-        colour,
-        legend,
-    };
-    let mut layers = vec![layer(
-        &|cell| cell.largest == Largest::Annihilated,
-        PURPLE,
-        "−∞: stick takes all".to_owned(),
-    )];
+    let is = |what: Largest| move |cell: &CellShown| cell.largest == what;
+    let annihilated = is(Largest::Annihilated);
+    let zero = |cell: &CellShown| cell.largest.is_zero();
+    let mut layers = vec![layer(cells, annihilated, PURPLE, "−∞: stick takes all")];
     // The most negative first.
-    for (sign, colours) in [(-1.0, BLUES), (1.0, REDS)] {
-        let values = || cells.iter().filter_map(finite).map(move |v| sign * v);
-        let most = values().fold(0.0, f64::max);
-        let mut of_sign = Vec::new();
-        for (k, colour) in colours.into_iter().enumerate() {
-            let [low, high] = [k, k + 1].map(|k| most * k as f64 / colours.len() as f64);
-            let is_last = k + 1 == colours.len();
-            let is_in = |cell: &CellShown| {
-                let value = finite(cell).map(|value| sign * value);
-                // The largest is in the last, whatever rounding does to its end.
-                value.is_some_and(|value| value > low && (value <= high || is_last))
-            };
-            let ends = if sign < 0.0 {
-                [-high, -low]
-            } else {
-                [low, high]
-            };
-            let [from, to] = ends.map(|end| plot::number(end, decimals(most)));
-            of_sign.push(layer(&is_in, colour, format!("{from} to {to}")));
-        }
-        if sign < 0.0 {
-            of_sign.reverse();
-            layers.extend(of_sign);
-            layers.push(layer(
-                &|cell| cell.largest.is_zero(),
-                LIGHT_GREY,
-                "0 within its error".to_owned(),
-            ));
-        } else {
-            layers.extend(of_sign);
-        }
-    }
-    layers.push(layer(
-        &|cell| cell.largest == Largest::Unmeasured,
-        WHITE,
-        "no attractor".to_owned(),
-    ));
-    filled(layers)
+    layers.extend(quarters(cells, -1.0, BLUES).into_iter().rev());
+    layers.push(layer(cells, zero, LIGHT_GREY, "0 within its error"));
+    layers.extend(quarters(cells, 1.0, REDS));
+    layers.push(layer(cells, is(Largest::Unmeasured), WHITE, "no attractor"));
+    layers.into_iter().flatten().collect()
 }
 
 /// Decimal places that tell the quarters of a value apart.
@@ -464,26 +454,21 @@ fn decimals(most: f64) -> usize {
 }
 
 fn sticks(cells: &[CellShown]) -> Vec<Layer> {
-    let layer = |is_in: &dyn Fn(f64) -> bool, colour, legend: &str| Layer {
-        set: cells
-            .iter()
-            .map(|cell| cell.in_stick.is_some_and(is_in))
-            .collect(),
-        colour,
-        legend: legend.to_owned(),
-    };
+    type IsIn = fn(f64) -> bool;
     let [first, second, third, fourth] = REDS;
-    filled(vec![
-        layer(&|part| part <= 0.0, LIGHT_GREY, "no stick"),
-        layer(&|part| part > 0.0 && part <= 0.25, first, "up to 25 %"),
-        layer(&|part| part > 0.25 && part <= 0.5, second, "25 to 50 %"),
-        layer(&|part| part > 0.5 && part <= 0.75, third, "50 to 75 %"),
-        layer(&|part| part > 0.75 && part < 1.0, fourth, "75 to 100 %"),
-        layer(&|part| part >= 1.0, SKY, "always in stick"),
-        Layer {
-            set: cells.iter().map(|cell| cell.in_stick.is_none()).collect(),
-            colour: WHITE,
-            legend: "no attractor".to_owned(),
-        },
-    ])
+    let parts: [(IsIn, Color, &str); 6] = [
+        (|part| part <= 0.0, LIGHT_GREY, "no stick"),
+        (|part| part > 0.0 && part <= 0.25, first, "up to 25 %"),
+        (|part| part > 0.25 && part <= 0.5, second, "25 to 50 %"),
+        (|part| part > 0.5 && part <= 0.75, third, "50 to 75 %"),
+        (|part| part > 0.75 && part < 1.0, fourth, "75 to 100 %"),
+        (|part| part >= 1.0, SKY, "always in stick"),
+    ];
+    let parts = parts.map(|(is_in, colour, legend)| {
+        let is_in = |cell: &CellShown| cell.in_stick.is_some_and(is_in);
+        layer(cells, is_in, colour, legend)
+    });
+    let none = |cell: &CellShown| cell.in_stick.is_none();
+    let none = layer(cells, none, WHITE, "no attractor");
+    parts.into_iter().chain([none]).flatten().collect()
 }

@@ -116,13 +116,11 @@ impl Watcher for Recording {
             Moment { t, x }
         };
         let mut from = at(0);
-        for k in 1..=PER_STEP {
-            let to = if k == PER_STEP {
-                let (t, x) = (step.t_end, step.x_end.clone());
-                Moment { t, x }
-            } else {
-                at(k)
-            };
+        let end = Moment {
+            t: step.t_end,
+            x: step.x_end.clone(),
+        };
+        for to in (1..PER_STEP).map(at).chain([end]) {
             self.part(solution, &from, to.clone(), MOST_HALVINGS);
             from = to;
         }
@@ -152,16 +150,20 @@ impl Watcher for Recording {
     }
 }
 
+/// Kinds of transitions in the order in which they are counted, and what tables call them.
+pub(super) const KINDS: [(TransitionKind, &str); 6] = [
+    (TransitionKind::StickEntry, "stick entry"),
+    (TransitionKind::StickExit, "stick exit"),
+    (TransitionKind::Crossing, "crossing"),
+    (TransitionKind::Touch, "touch"),
+    (TransitionKind::ContactLoss, "contact loss"),
+    (TransitionKind::ContactGain, "contact gain"),
+];
+
 /// A kind of transition in a table.
 pub(super) fn kind_name(kind: TransitionKind) -> &'static str {
-    match kind {
-        TransitionKind::Crossing => "crossing",
-        TransitionKind::StickEntry => "stick entry",
-        TransitionKind::StickExit => "stick exit",
-        TransitionKind::Touch => "touch",
-        TransitionKind::ContactLoss => "contact loss",
-        TransitionKind::ContactGain => "contact gain",
-    }
+    let named = KINDS.iter().find(|(one, _)| *one == kind);
+    named.map_or("", |(_, name)| name)
 }
 
 /// A direction in a table.

@@ -6,7 +6,7 @@ use stickslip::error::{Point, readable};
 use stickslip::{Ending, Error, TransitionKind};
 
 use super::arguments::{Ready, RunArguments};
-use super::recording::{self, Recording, direction_name, kind_name};
+use super::recording::{self, KINDS, Recording, direction_name};
 use super::trajectory::{self, transitions};
 use crate::failure::{Failure, in_words};
 use crate::render::{Answer, Report, Table, by_state};
@@ -93,16 +93,6 @@ fn ending(ended: Option<&Summary>) -> &'static str {
     }
 }
 
-/// Transition kinds in the order in which they are counted.
-const KINDS: [TransitionKind; 6] = [
-    TransitionKind::StickEntry,
-    TransitionKind::StickExit,
-    TransitionKind::Crossing,
-    TransitionKind::Touch,
-    TransitionKind::ContactLoss,
-    TransitionKind::ContactGain,
-];
-
 fn found(system: &System, recording: &Recording, ended: Option<&Summary>) -> Report {
     let points = &recording.points;
     let [from, to] =
@@ -118,10 +108,10 @@ fn found(system: &System, recording: &Recording, ended: Option<&Summary>) -> Rep
     let phases = recording.phases.len();
     report.line("phases", phases).field("phases", phases);
 
-    let count = |&kind: &TransitionKind| {
+    let count = |&(kind, name): &(TransitionKind, &str)| {
         let these = recording.transitions.iter().filter(|at| at.kind == kind);
         let count = these.count();
-        (count > 0).then(|| format!("{count} × {}", kind_name(kind)))
+        (count > 0).then(|| format!("{count} × {name}"))
     };
     let counts: Vec<String> = KINDS.iter().filter_map(count).collect();
     let counts = match &counts[..] {

@@ -13,7 +13,9 @@ use stickslip::analysis::RecurrenceSettings;
 use super::arguments::{RunArguments, count};
 use crate::failure::Failure;
 use crate::render::{Answer, OutputArguments, OutputError, Report, Table};
-use crate::sweep::{BlockError, Computed, Plan, Share, Store, SweepError, Task, run, write_whole};
+use crate::sweep::{
+    BlockError, Computed, Definition, Plan, Share, Store, SweepError, Task, run, write_whole,
+};
 use crate::terminal::Patience;
 use stickslip_kernels::file::{Source, System, SystemFile};
 
@@ -213,15 +215,9 @@ fn plan<S: Sweep>(wanted: &S, system: &System) -> Result<Plan, Failure> {
         .zip(system.values.iter().copied())
         .collect();
     arguments.insert(PARAMETERS.to_owned(), json!(values));
-    let (chains, length) = wanted.size();
-    Ok(Plan {
-        command: S::COMMAND.to_owned(),
-        arguments,
-        system: system.file.source.name.clone(),
-        system_text: system.file.source.text.clone(),
-        chains,
-        length,
-    })
+    let Source { name, text } = system.file.source.clone();
+    let definition = Definition::new(name, text);
+    Ok(Plan::new(S::COMMAND, arguments, wanted.size(), definition))
 }
 
 fn of_plan<S: Sweep>(plan: &Plan) -> Result<(S, System), Failure> {
@@ -236,8 +232,8 @@ fn of_plan<S: Sweep>(plan: &Plan) -> Result<(S, System), Failure> {
     let parameters: BTreeMap<String, f64> = serde_json::from_value(parameters).map_err(wrong)?;
     let wanted = serde_json::from_value(json!(arguments)).map_err(wrong)?;
     let file = SystemFile::parse(Source {
-        name: plan.system.clone(),
-        text: plan.system_text.clone(),
+        name: plan.system.name().to_owned(),
+        text: plan.system.text().to_owned(),
     })?;
     let parameters: Vec<(String, f64)> = parameters.into_iter().collect();
     Ok((wanted, file.with(&parameters)?))

@@ -54,10 +54,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let found = line.scan(&system);
     let [low, high, t] = [line.range.0, line.range.1, line.t].map(readable);
     let states = &system.file.states;
-    let (contact, along) = (
-        &system.file.contacts[line.contact].name,
-        &states[line.along].name,
-    );
+    let contact = &system.file.contacts[line.contact].name;
+    let along = &states[line.along].name;
     let what = format!("boundary of {contact} along {along} from {low} to {high}, t = {t}");
     let mut report = Report::of(&system, what);
     for (k, state) in states.iter().enumerate() {
@@ -68,12 +66,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     for row in listing(&system, &line, &found) {
         report.note(row);
     }
-    if let Value::Object(fields) = json(&system, &line, &found) {
-        for (key, value) in fields {
-            report.field(&key, value);
-        }
-    }
     report
+        .fields(json(&system, &line, &found))
         .table(points(&system, &line).csv("tangents", numbered(&found, |on_it| &on_it.points))?)
         .table(zones(&system, &line).csv("zones", numbered(&found, |on_it| &on_it.zones))?)
         .figure("tangents", &figure(&system, &line, &found))?;
@@ -87,21 +81,16 @@ impl Arguments {
             let message = "the system has no contact, and so no boundary with tangent points";
             return Err(Failure::Usage(message.to_owned()));
         }
-        let contacts = system
-            .file
-            .contacts
-            .iter()
-            .map(|contact| contact.name.as_str());
-        let contact = self.contact.as_deref();
-        let contact = contact
-            .map(|name| position("contact", name, contacts))
-            .transpose()?
-            .unwrap_or(0);
-        let states = system.file.states.iter().map(|state| state.name.as_str());
-        let along = self.along.as_deref();
-        let along = along
-            .map(|name| position("state", name, states))
-            .transpose()?;
+        let contacts = system.file.contacts.iter().map(|contact| &*contact.name);
+        let contact = match &self.contact {
+            Some(name) => position("contact", name, contacts)?,
+            None => 0,
+        };
+        let states = system.file.states.iter().map(|state| &*state.name);
+        let along = match &self.along {
+            Some(name) => Some(position("state", name, states)?),
+            None => None,
+        };
         let whole = (f64::NEG_INFINITY, f64::INFINITY);
         let line = Line::through(system, contact, along, whole, start).ok_or_else(|| {
             Failure::Usage(
@@ -273,11 +262,8 @@ fn figure(system: &System, line: &Line, found: &Branches) -> Figure {
             panel.add(if k == 0 { curve.legend(name) } else { curve });
         }
     }
-    for visibility in [
-        Visibility::Visible,
-        Visibility::Invisible,
-        Visibility::Degenerate,
-    ] {
+    use Visibility::{Degenerate, Invisible, Visible};
+    for visibility in [Visible, Invisible, Degenerate] {
         let points = found.iter().flat_map(|(_, on_it)| &on_it.points);
         let points: Vec<(f64, f64)> = points
             .filter(|point| point.visibility == visibility)
@@ -289,9 +275,9 @@ fn figure(system: &System, line: &Line, found: &Branches) -> Figure {
         let name = format!("{} tangent point", visibility_name(visibility));
         let markers = Markers::new(points).color(BLACK).legend(&name);
         panel.add(match visibility {
-            Visibility::Visible => markers,
-            Visibility::Invisible => markers.open(),
-            Visibility::Degenerate => markers.shape(Shape::Cross),
+            Visible => markers,
+            Invisible => markers.open(),
+            Degenerate => markers.shape(Shape::Cross),
         });
     }
     let title = format!("{}: boundary of {}", system.file.name, boundary.name);

@@ -74,18 +74,11 @@ fn portrait(system: &System, recording: &Recording) -> Figure {
     let mut panel = Panel::new(axis(&label(0), component(0)), axis(&label(1), component(1)))
         .legend(Legend::Below);
     let curve = |keep: &dyn Fn(f64) -> bool| {
-        let points: Vec<(f64, f64)> = recording
-            .points
-            .iter()
-            .map(|point| {
-                if keep(point.t) {
-                    (point.x[0], point.x[1])
-                } else {
-                    (f64::NAN, f64::NAN)
-                }
-            })
-            .collect();
-        Curve::new(points)
+        let points = recording.points.iter();
+        Curve::new(points.map(|point| match keep(point.t) {
+            true => (point.x[0], point.x[1]),
+            false => (f64::NAN, f64::NAN),
+        }))
     };
     panel.add(curve(&|_| true).color(BLUE).width(1.2).legend("orbit"));
     let contacts = &system.file.contacts;
@@ -112,33 +105,22 @@ fn portrait(system: &System, recording: &Recording) -> Figure {
         panel.add(markers.color(STICKS[k % STICKS.len()]));
     }
     if let Some(first) = recording.points.first() {
-        panel.add(
-            Markers::new([(first.x[0], first.x[1])])
-                .color(BLACK)
-                .open()
-                .legend("start"),
-        );
+        let start = Markers::new([(first.x[0], first.x[1])]).color(BLACK);
+        panel.add(start.open().legend("start"));
     }
     if !recording.passages.is_empty() {
         let points = recording.passages.iter().map(|at| (at.x[0], at.x[1]));
-        panel.add(
-            Markers::new(points)
-                .size(4.0)
-                .color(VERMILLION)
-                .legend("section"),
-        );
+        let section = Markers::new(points).size(4.0).color(VERMILLION);
+        panel.add(section.legend("section"));
     }
+    let phases = recording.phases.iter();
     let description = format!(
         "Phase portrait of {}: {} against {}, from t = {} on. It sticks {} times.",
         system.file.name,
         states[1].name,
         states[0].name,
         recording.points.first().map_or(0.0, |point| point.t),
-        recording
-            .phases
-            .iter()
-            .filter(|phase| phase.mode.any_sticks())
-            .count()
+        phases.filter(|phase| phase.mode.any_sticks()).count()
     );
     let title = format!("{}: phase portrait", system.file.name);
     Figure::new("portrait", (560.0, 480.0), &title, &description).row(1.0, panel)
@@ -169,11 +151,9 @@ fn standing(recording: &Recording, contact: usize) -> Vec<(f64, f64)> {
 
 /// All states against time, and when each contact sticks.
 fn history(system: &System, recording: &Recording) -> Figure {
-    let times = || recording.points.iter().map(|point| point.t);
-    let (from, to) = (
-        times().next().unwrap_or(0.0),
-        times().next_back().unwrap_or(1.0),
-    );
+    let points = &recording.points;
+    let from = points.first().map_or(0.0, |point| point.t);
+    let to = points.last().map_or(1.0, |point| point.t);
     let time = |label: &str| Axis::new(label, from, to);
     let states = &system.file.states;
     // The word beside them wants as much.
@@ -185,14 +165,11 @@ fn history(system: &System, recording: &Recording) -> Figure {
     };
     let height = (HISTORY + BETWEEN) * panels + strips + AXIS;
     let title = format!("{}: time history", system.file.name);
+    let names: Vec<&str> = states.iter().map(|state| state.name.as_str()).collect();
     let description = format!(
         "Time history of {} from t = {from} to {to}: {}{}.",
         system.file.name,
-        states
-            .iter()
-            .map(|state| state.name.as_str())
-            .collect::<Vec<_>>()
-            .join(", "),
+        names.join(", "),
         match system.contacts() {
             0 => "",
             _ => "; under them when each contact sticks",
@@ -203,7 +180,7 @@ fn history(system: &System, recording: &Recording) -> Figure {
         .map(|contact| recording.sticks_of(contact))
         .collect();
     for (k, state) in states.iter().enumerate() {
-        let values = recording.points.iter().map(|point| point.x[k]);
+        let values = points.iter().map(|point| point.x[k]);
         let label = with_unit(&state.name, &state.unit);
         // Without contacts the last state's panel has the time below it.
         let is_lowest = all_sticks.is_empty() && k + 1 == states.len();
@@ -217,12 +194,8 @@ fn history(system: &System, recording: &Recording) -> Figure {
                 panel.add(Band::x(begin, end).fill(LIGHT_ORANGE));
             }
         }
-        let curve = recording.points.iter().map(|point| (point.t, point.x[k]));
-        panel.add(
-            Curve::new(curve)
-                .color(COLOURS[k % COLOURS.len()])
-                .width(1.2),
-        );
+        let curve = Curve::new(points.iter().map(|point| (point.t, point.x[k])));
+        panel.add(curve.color(COLOURS[k % COLOURS.len()]).width(1.2));
         figure = figure.row(height, panel);
     }
     let rows = system.contacts();
@@ -231,17 +204,10 @@ fn history(system: &System, recording: &Recording) -> Figure {
     }
     // The first contact stands at the top.
     let floor = |contact: usize| (rows - 1 - contact) as f64;
-    let names: Vec<(f64, String)> = system
-        .file
-        .contacts
-        .iter()
-        .enumerate()
-        .map(|(k, contact)| (floor(k) + 0.5, symbol(&contact.name)))
-        .collect();
-    let ticks: Vec<(f64, &str)> = names
-        .iter()
-        .map(|(at, name)| (*at, name.as_str()))
-        .collect();
+    let contacts = system.file.contacts.iter();
+    let names: Vec<String> = contacts.map(|contact| symbol(&contact.name)).collect();
+    let ticks = names.iter().enumerate();
+    let ticks: Vec<(f64, &str)> = ticks.map(|(k, name)| (floor(k) + 0.5, &**name)).collect();
     let y = Axis::new("stick", 0.0, rows as f64).ticks(&ticks);
     let mut strips = Panel::new(time(&time_label(system)), y);
     for (k, sticks) in all_sticks.iter().enumerate() {

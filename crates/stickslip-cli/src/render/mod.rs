@@ -88,6 +88,7 @@ fn if_not_built(error: &PngError) -> &'static str {
 }
 
 /// What a command has found, for people and for programs, with its tables and figures.
+#[derive(Default)]
 pub(crate) struct Report {
     text: String,
     /// Columns before the title of a line, and those that the title takes.
@@ -123,11 +124,7 @@ impl Report {
         Self {
             text,
             margin,
-            json: Map::new(),
-            tables: Vec::new(),
-            figures: Vec::new(),
-            there: Vec::new(),
-            failure: None,
+            ..Self::default()
         }
     }
 
@@ -170,6 +167,14 @@ impl Report {
     /// A value for programs.
     pub(crate) fn field(&mut self, key: &str, value: impl Serialize) -> &mut Self {
         self.json.insert(key.to_owned(), json!(value));
+        self
+    }
+
+    /// The members of an object, for programs.
+    pub(crate) fn fields(&mut self, object: Json) -> &mut Self {
+        if let Json::Object(members) = object {
+            self.json.extend(members);
+        }
         self
     }
 
@@ -235,8 +240,7 @@ impl Report {
         self.text.push('\n');
         self.text.push_str(&output::listing(&paths));
         let paths = paths.iter().map(|path| path.display().to_string());
-        let paths: Vec<String> = paths.collect();
-        self.field("files", paths);
+        self.field("files", paths.collect::<Json>());
         Ok(self.answer(output.json))
     }
 }

@@ -1,10 +1,8 @@
 //! Joins the shares of a sweep that were computed in folders of their own.
 
-use std::fs::File;
 use std::path::Path;
 
 use super::error::SweepError;
-use super::manifest::Manifest;
 use super::plan::Share;
 use super::store::{Store, Writer};
 
@@ -18,8 +16,6 @@ pub struct Merged {
     pub store: Store,
     /// Blocks that more than one folder had, all with the same bytes.
     pub repeated: usize,
-    // Nobody else computes or merges the sweep in this folder until its tables are written.
-    _lock: File,
 }
 
 /// Joins the blocks of the sweep whose shares are in `folders`, in the folder `out`, which may be one of them. Everything is checked
@@ -44,12 +40,17 @@ pub fn merge(out: &Path, folders: &[impl AsRef<Path>]) -> Result<Merged, SweepEr
         source.check_names()?;
     }
     let (mut missing, mut damaged, mut repeated) = (Vec::new(), Vec::new(), 0);
+    let mut picked = Vec::with_capacity(first.plan().blocks());
     for block in 0..first.plan().blocks() {
-        let picked = pick(&sources, block)?;
-        repeated += usize::from(picked.copies > 1);
-        if picked.content.is_none() {
-            missing.push(block);
-            damaged.extend(picked.damaged);
+        match pick(&sources, block)? {
+            Ok((source, copies)) => {
+                picked.push(source);
+                repeated += usize::from(copies > 1);
+            }
+            Err(there) => {
+                missing.push(block);
+                damaged.extend(there);
+            }
         }
     }
     if !missing.is_empty() {
@@ -65,12 +66,8 @@ pub fn merge(out: &Path, folders: &[impl AsRef<Path>]) -> Result<Merged, SweepEr
         });
     }
     let writer = Writer::open(out, first.plan(), Share::WHOLE)?;
-    for block in 0..first.plan().blocks() {
-        let (content, source) = match pick(&sources, block)?.content {
-            Some(found) => found,
-            // Taken away since it was checked, and told as that.
-            None => (first.block(block)?, first),
-        };
+    for (block, source) in picked.into_iter().enumerate() {
+        let content = source.block(block)?;
         match writer.store.find(block)? {
             Some(Ok(there)) if there == content => {}
             Some(Ok(_)) => {
@@ -83,16 +80,12 @@ pub fn merge(out: &Path, folders: &[impl AsRef<Path>]) -> Result<Merged, SweepEr
             Some(Err(_)) | None => writer.put(block, &content)?,
         }
     }
-    Ok(Merged {
-        store: writer.store,
-        repeated,
-        _lock: writer.lock,
-    })
+    let store = writer.store;
+    Ok(Merged { store, repeated })
 }
 
 fn same_sweep(first: &Store, second: &Store) -> Result<(), SweepError> {
-    let (one, two) = (Manifest::of(first.plan()), Manifest::of(second.plan()));
-    match one.difference(&two) {
+    match first.plan().difference(second.plan()) {
         None => Ok(()),
         Some((what, one, two)) => Err(SweepError::StrangeShare {
             first: first.folder().to_owned(),
@@ -104,44 +97,31 @@ fn same_sweep(first: &Store, second: &Store) -> Result<(), SweepError> {
     }
 }
 
-/// What the folders have of a block.
-struct Picked<'a> {
-    content: Option<(Vec<u8>, &'a Store)>,
-    copies: usize,
-    damaged: Vec<String>,
-}
+/// The first folder that has a block whole, and how many have; if none has, which are damaged.
+type Picked<'a> = Result<(&'a Store, usize), Vec<String>>;
 
 fn pick(sources: &[Store], block: usize) -> Result<Picked<'_>, SweepError> {
-    let mut picked = Picked {
-        content: None,
-        copies: 0,
-        damaged: Vec::new(),
-    };
+    let (mut whole, mut damaged) = (Vec::new(), Vec::new());
     for source in sources {
-        let content = match source.find(block)? {
-            None => continue,
+        match source.find(block)? {
+            Some(Ok(content)) => whole.push((source, content)),
             Some(Err(damage)) => {
-                let path = source.path(block);
-                let damaged = format!("{} is {damage}", path.display());
-                picked.damaged.push(damaged);
-                continue;
+                damaged.push(format!("{} is {damage}", source.path(block).display()));
             }
-            Some(Ok(content)) => content,
-        };
-        picked.copies += 1;
-        match &picked.content {
-            None => picked.content = Some((content, source)),
-            Some((same, _)) if *same == content => {}
-            Some((_, other)) => {
-                return Err(SweepError::Overlap {
-                    block,
-                    one: source.folder().to_owned(),
-                    other: other.folder().to_owned(),
-                });
-            }
+            None => {}
         }
     }
-    Ok(picked)
+    let Some((first, content)) = whole.first() else {
+        return Ok(Err(damaged));
+    };
+    match whole.iter().find(|(_, other)| other != content) {
+        None => Ok(Ok((first, whole.len()))),
+        Some((other, _)) => Err(SweepError::Overlap {
+            block,
+            one: other.folder().to_owned(),
+            other: first.folder().to_owned(),
+        }),
+    }
 }
 
 /// Ascending indices as text: `0-3, 7`.

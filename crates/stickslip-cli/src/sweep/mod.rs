@@ -14,7 +14,6 @@
 
 mod block;
 mod error;
-mod manifest;
 mod merge;
 mod plan;
 mod run;
@@ -22,6 +21,6 @@ mod store;
 
 pub use error::{BlockError, SweepError};
 pub use merge::{Merged, merge};
-pub use plan::{Chain, Plan, Share};
+pub use plan::{Definition, Plan, Share};
 pub use run::{Computed, Task, run};
 pub use store::{Store, write_whole};

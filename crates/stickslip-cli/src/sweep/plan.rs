@@ -1,64 +1,212 @@
-//! What a sweep is, everything its blocks depend on; and a share of it, which one of several
-//! processes or machines computes.
+//! What a sweep is, everything its blocks depend on, and how the folder of its blocks says so; and a
+//! share of it, which one of several processes or machines computes.
 
 use std::collections::BTreeMap;
 use std::fmt;
+use std::fs;
+use std::io;
 use std::num::NonZeroUsize;
 use std::ops::Range;
+use std::path::Path;
 use std::str::FromStr;
 
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use super::block::digest;
 use super::error::SweepError;
 
-/// A sweep. Two sweeps with the same plan have the same blocks, bit for bit.
-#[derive(Clone, Debug, PartialEq)]
+/// Name of the file that says of which sweep the blocks in a folder are.
+pub(super) const MANIFEST: &str = "manifest.json";
+
+/// Version of the files' form.
+const FORMAT: u32 = 6;
+
+/// The program and its version: another one may have other bits.
+const PROGRAM: &str = concat!("stickslip ", env!("CARGO_PKG_VERSION"));
+
+/// A sweep. Two sweeps with the same plan have the same blocks, bit for bit. As JSON it is the
+/// file `manifest.json`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Plan {
+    format: u32,
+    program: String,
     /// What is computed, such as `basin`.
     pub command: String,
     /// Every argument that a block depends on, by name.
     pub arguments: BTreeMap<String, Value>,
-    /// Name of the system.
-    pub system: String,
-    /// Its definition: the whole file.
-    pub system_text: String,
     /// Number of chains.
     pub chains: NonZeroUsize,
     /// Blocks of a chain. Where blocks do not depend on each other, each is a chain of its own.
+    #[serde(rename = "blocks_in_chain")]
     pub length: NonZeroUsize,
+    /// The system.
+    pub system: Definition,
 }
 
-/// Blocks of which each begins where the one before has ended. They are computed one after the other, by one thread.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Chain {
-    first: usize,
-    length: usize,
+/// A system: the whole file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Definition {
+    name: String,
+    sha256: String,
+    text: String,
 }
 
-impl Chain {
-    /// The indices of its blocks.
-    pub fn blocks(&self) -> Range<usize> {
-        self.first..self.first + self.length
+impl Definition {
+    /// From the file's name and text.
+    pub fn new(name: String, text: String) -> Self {
+        let sha256 = digest(text.as_bytes());
+        Self { name, sha256, text }
+    }
+
+    /// The file's name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The file's text.
+    pub fn text(&self) -> &str {
+        &self.text
     }
 }
 
 impl Plan {
+    /// So many chains, of so many blocks each.
+    pub fn new(
+        command: &str,
+        arguments: BTreeMap<String, Value>,
+        (chains, length): (NonZeroUsize, NonZeroUsize),
+        system: Definition,
+    ) -> Self {
+        Self {
+            format: FORMAT,
+            program: PROGRAM.to_owned(),
+            command: command.to_owned(),
+            arguments,
+            chains,
+            length,
+            system,
+        }
+    }
+
+    /// The plan of the blocks in `folder`, if there is one.
+    ///
+    /// # Errors
+    /// [`SweepError::Read`], [`SweepError::BadManifest`].
+    pub(super) fn read(folder: &Path) -> Result<Option<Self>, SweepError> {
+        let path = folder.join(MANIFEST);
+        let bytes = match fs::read(&path) {
+            Ok(bytes) => bytes,
+            Err(error) if is_absent(&error) => return Ok(None),
+            Err(source) => return Err(SweepError::Read { path, source }),
+        };
+        let bad = |reason: String| SweepError::BadManifest {
+            path: path.clone(),
+            reason,
+        };
+        // The version is asked first: another one may have other fields.
+        let value: Value =
+            serde_json::from_slice(&bytes).map_err(|error| bad(error.to_string()))?;
+        match value.get("format").and_then(Value::as_u64) {
+            Some(format) if format == u64::from(FORMAT) => {}
+            Some(format) => {
+                return Err(bad(format!(
+                    "its format is {format}, and this program reads {FORMAT}"
+                )));
+            }
+            None => return Err(bad("it has no format".to_owned())),
+        }
+        let plan: Self = serde_json::from_value(value).map_err(|error| bad(error.to_string()))?;
+        if digest(plan.system.text.as_bytes()) != plan.system.sha256 {
+            return Err(bad(
+                "the system's text in it is not the one that its hash is of".to_owned(),
+            ));
+        }
+        Ok(Some(plan))
+    }
+
+    /// The bytes on disk.
+    ///
+    /// # Errors
+    /// [`SweepError::BadManifest`] if it cannot be written down.
+    pub(super) fn bytes(&self, folder: &Path) -> Result<Vec<u8>, SweepError> {
+        let mut bytes =
+            serde_json::to_vec_pretty(self).map_err(|error| SweepError::BadManifest {
+                path: folder.join(MANIFEST),
+                reason: error.to_string(),
+            })?;
+        bytes.push(b'\n');
+        Ok(bytes)
+    }
+
+    /// What its blocks are marked with. The system's name is that of a file, and says nothing of what is in it.
+    ///
+    /// # Errors
+    /// As [`Plan::bytes`].
+    pub(super) fn fingerprint(&self, folder: &Path) -> Result<String, SweepError> {
+        let mut nameless = self.clone();
+        nameless.system.name.clear();
+        nameless.bytes(folder).map(|bytes| digest(&bytes))
+    }
+
+    /// What differs first between two sweeps: what it is, its value here and its value in the other; nothing if their blocks are the same.
+    pub(super) fn difference(&self, other: &Self) -> Option<(String, String, String)> {
+        let (old, new) = (self.parts(), other.parts());
+        let value = |parts: &[(String, String)], name: &String| {
+            let part = parts.iter().find(|part| part.0 == *name);
+            part.map_or("absent".to_owned(), |part| part.1.clone())
+        };
+        let names = old.iter().chain(&new).map(|part| &part.0);
+        let mut both = names.map(|name| (name.clone(), value(&old, name), value(&new, name)));
+        both.find(|(_, old, new)| old != new)
+    }
+
+    /// Everything that blocks depend on, as names and values.
+    fn parts(&self) -> Vec<(String, String)> {
+        let named = [
+            ("the program", &self.program),
+            ("the command", &self.command),
+        ];
+        let named = named.map(|(name, text)| (name.to_owned(), format!("`{text}`")));
+        let arguments = self.arguments.iter();
+        let arguments =
+            arguments.map(|(name, value)| (format!("the argument `{name}`"), value.to_string()));
+        let lines = (1..).zip(self.system.text.split('\n'));
+        let lines = lines.map(|(k, line)| (format!("line {k} of the system"), format!("{line:?}")));
+        let counts = [
+            ("the number of chains", self.chains),
+            ("the number of blocks in a chain", self.length),
+        ];
+        let counts = counts.map(|(name, count)| (name.to_owned(), count.to_string()));
+        let parts = named.into_iter().chain(arguments).chain(lines);
+        parts.chain(counts).collect()
+    }
+
     /// Number of blocks.
     pub fn blocks(&self) -> usize {
         self.chains.get() * self.length.get()
     }
 
-    /// Chain `index`.
-    pub fn chain(&self, index: usize) -> Chain {
+    /// The blocks of chain `index`, of which each begins where the one before has ended. They are
+    /// computed one after the other, by one thread.
+    pub fn chain(&self, index: usize) -> Range<usize> {
         let length = self.length.get();
-        let first = index * length;
-        Chain { first, length }
+        index * length..(index + 1) * length
     }
 
     /// The block that `block` goes on from.
     pub fn before(&self, block: usize) -> Option<usize> {
         (!block.is_multiple_of(self.length.get())).then(|| block - 1)
     }
+}
+
+/// Whether a file could not be read because there is none; a file in the place of a folder above it
+/// is told when the folder is made.
+pub(super) fn is_absent(error: &io::Error) -> bool {
+    use io::ErrorKind::{NotADirectory, NotFound};
+    matches!(error.kind(), NotFound | NotADirectory)
 }
 
 /// Share `number` of `of`, counted from 1: every `of`-th chain, so that dear and cheap parts of a
@@ -93,7 +241,7 @@ impl Share {
 
     /// Its chains, in order. There are none if the sweep has fewer chains than there are shares
     /// before this one.
-    pub fn chains(self, plan: &Plan) -> impl Iterator<Item = Chain> {
+    pub fn chains(self, plan: &Plan) -> impl Iterator<Item = Range<usize>> {
         let all = self.number - 1..plan.chains.get();
         all.step_by(self.of).map(|index| plan.chain(index))
     }

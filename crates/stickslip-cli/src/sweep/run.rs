@@ -1,14 +1,14 @@
 //! Computes the blocks of a share that are not on disk yet.
 
-use std::fs::File;
 use std::num::NonZeroUsize;
+use std::ops::Range;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
 use super::error::{BlockError, SweepError};
-use super::plan::{Chain, Plan, Share};
+use super::plan::{Plan, Share};
 use super::store::{Store, Writer};
 
 /// What is to be computed, and where it goes.
@@ -35,8 +35,6 @@ pub struct Computed {
     pub old: usize,
     /// Blocks that were on disk and damaged, and were computed anew, each with what was wrong.
     pub repaired: Vec<(usize, &'static str)>,
-    // Held until all is written that is made of the blocks.
-    _lock: File,
 }
 
 /// Whether a block is there, and whole.
@@ -66,10 +64,10 @@ where
             reason: error.to_string(),
         })?;
     let writer = Writer::open(task.folder, task.plan, task.share)?;
-    let chains: Vec<Chain> = task.share.chains(task.plan).collect();
+    let chains: Vec<Range<usize>> = task.share.chains(task.plan).collect();
     // What there is of each block before the run; contents are read again where they are needed.
-    let inspect = |chain: &Chain| -> Result<Vec<State>, SweepError> {
-        let states = chain.blocks().map(|block| writer.store.find(block));
+    let inspect = |chain: &Range<usize>| -> Result<Vec<State>, SweepError> {
+        let states = chain.clone().map(|block| writer.store.find(block));
         let states = states.map(|found| Ok(found?.map(|whole| whole.map(drop))));
         states.collect()
     };
@@ -81,9 +79,9 @@ where
     let all = states().count();
     let done = AtomicUsize::new(old);
     report(old, all);
-    let work = |(chain, states): (&Chain, &Vec<State>)| -> Result<(), SweepError> {
+    let work = |(chain, states): (&Range<usize>, &Vec<State>)| -> Result<(), SweepError> {
         let mut before: Option<Vec<u8>> = None;
-        for (block, state) in chain.blocks().zip(states) {
+        for (block, state) in chain.clone().zip(states) {
             let last = before.take();
             if *state == Some(Ok(())) {
                 continue;
@@ -104,7 +102,7 @@ where
     // One at a time, so that short and long ones spread evenly.
     pool.install(|| each.with_max_len(1).try_for_each(work))?;
 
-    let blocks = chains.iter().flat_map(Chain::blocks).zip(states());
+    let blocks = chains.iter().cloned().flatten().zip(states());
     let damaged = |(block, state): (usize, &State)| match state {
         Some(Err(damage)) => Some((block, *damage)),
         _ => None,
@@ -112,7 +110,6 @@ where
     let repaired = blocks.filter_map(damaged).collect();
     Ok(Computed {
         store: writer.store,
-        _lock: writer.lock,
         new: all - old,
         old,
         repaired,

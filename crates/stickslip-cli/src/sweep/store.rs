@@ -8,8 +8,7 @@ use output::{place, stage};
 
 use super::block::{Decoded, decode, encode};
 use super::error::SweepError;
-use super::manifest::{self, Manifest, is_absent};
-use super::plan::{Plan, Share};
+use super::plan::{MANIFEST, Plan, Share, is_absent};
 
 /// Name of the file that is locked.
 const LOCK: &str = "lock";
@@ -26,6 +25,9 @@ pub struct Store {
     folder: PathBuf,
     plan: Plan,
     fingerprint: String,
+    // Of a folder that blocks are written into. It is held until all is written that is made of
+    // them; the system gives it back however the process ends.
+    _lock: Option<File>,
 }
 
 /// A folder that a share's blocks are written into.
@@ -33,8 +35,6 @@ pub struct Store {
 pub(super) struct Writer {
     pub(super) store: Store,
     staging: PathBuf,
-    // Held for as long as the writer is there; the system gives it back however the process ends.
-    pub(super) lock: File,
 }
 
 impl Store {
@@ -43,19 +43,20 @@ impl Store {
     /// # Errors
     /// [`SweepError::NoSweep`], [`SweepError::Read`], [`SweepError::BadManifest`].
     pub fn open(folder: &Path) -> Result<Self, SweepError> {
-        let Some(manifest) = Manifest::read(folder)? else {
+        let Some(plan) = Plan::read(folder)? else {
             return Err(SweepError::NoSweep {
                 folder: folder.to_owned(),
             });
         };
-        Self::of(folder, manifest)
+        Self::of(folder, plan, None)
     }
 
-    fn of(folder: &Path, manifest: Manifest) -> Result<Self, SweepError> {
+    fn of(folder: &Path, plan: Plan, lock: Option<File>) -> Result<Self, SweepError> {
         Ok(Self {
             folder: folder.to_owned(),
-            fingerprint: manifest.fingerprint(folder)?,
-            plan: manifest.into_plan(),
+            fingerprint: plan.fingerprint(folder)?,
+            plan,
+            _lock: lock,
         })
     }
 
@@ -149,10 +150,8 @@ impl Writer {
     /// [`SweepError::CreateFolder`], [`SweepError::Write`], [`SweepError::Read`], [`SweepError::Busy`], [`SweepError::Differs`],
     /// [`SweepError::BadManifest`], [`SweepError::NoManifest`].
     pub(super) fn open(folder: &Path, plan: &Plan, share: Share) -> Result<Self, SweepError> {
-        let wanted = Manifest::of(plan);
         // Before anything is made: a folder of another sweep is left as it is.
-        let mut there = Manifest::read(folder)?;
-        check(folder, there.as_ref(), &wanted)?;
+        let is_new = is_free(folder, plan)?;
         let staging = folder
             .join("work")
             .join(share.to_string().replace('/', "-of-"));
@@ -165,17 +164,15 @@ impl Writer {
             &[&staging]
         };
         let lock = lock(&staging, share, folder, unfinished)?;
-        if there.is_none() {
-            let path = folder.join(manifest::NAME);
-            write_once(&path, &staging, &wanted.bytes(folder)?)?;
+        if is_new {
+            let path = folder.join(MANIFEST);
+            write_once(&path, &staging, &plan.bytes(folder)?)?;
             // Another process may have been faster, with other arguments.
-            there = Manifest::read(folder)?;
-            check(folder, there.as_ref(), &wanted)?;
+            is_free(folder, plan)?;
         }
         Ok(Self {
-            store: Store::of(folder, wanted)?,
+            store: Store::of(folder, plan.clone(), Some(lock))?,
             staging,
-            lock,
         })
     }
 
@@ -223,25 +220,20 @@ fn block_names(folder: &Path) -> Result<Vec<String>, SweepError> {
     Ok(names)
 }
 
-/// Whether the sweep that is in `folder` is the wanted one, or none.
-fn check(folder: &Path, there: Option<&Manifest>, wanted: &Manifest) -> Result<(), SweepError> {
-    let Some(there) = there else {
-        return if block_names(folder)?.is_empty() {
-            Ok(())
-        } else {
-            Err(SweepError::NoManifest {
-                folder: folder.to_owned(),
-            })
-        };
-    };
-    match there.difference(wanted) {
-        None => Ok(()),
-        Some((what, old, new)) => Err(SweepError::Differs {
-            folder: folder.to_owned(),
+/// Whether there is no sweep in `folder` yet; if there is, it must be the wanted one.
+fn is_free(folder: &Path, wanted: &Plan) -> Result<bool, SweepError> {
+    let there = Plan::read(folder)?;
+    let folder = folder.to_owned();
+    match there.as_ref().map(|there| there.difference(wanted)) {
+        Some(None) => Ok(false),
+        Some(Some((what, old, new))) => Err(SweepError::Differs {
+            folder,
             what,
             old,
             new,
         }),
+        None if block_names(&folder)?.is_empty() => Ok(true),
+        None => Err(SweepError::NoManifest { folder }),
     }
 }
 
@@ -315,15 +307,15 @@ pub fn write_whole<E: From<SweepError>>(
 }
 
 /// As [`write_whole`], but what is there already stays: whoever is first has written the file.
-/// Whether it was this call.
 ///
 /// # Errors
 /// [`SweepError::Write`].
-fn write_once(path: &Path, staging: &Path, bytes: &[u8]) -> Result<bool, SweepError> {
+fn write_once(path: &Path, staging: &Path, bytes: &[u8]) -> Result<(), SweepError> {
     let staged = stage(staging, |file| file.write_all(bytes)).map_err(SweepError::write(path))?;
     match staged.persist_noclobber(path) {
-        Ok(_) => Ok(true),
-        Err(error) if error.error.kind() == io::ErrorKind::AlreadyExists => Ok(false),
-        Err(error) => Err(SweepError::write(path)(error.error)),
+        Err(error) if error.error.kind() != ErrorKind::AlreadyExists => {
+            Err(SweepError::write(path)(error.error))
+        }
+        _ => Ok(()),
     }
 }

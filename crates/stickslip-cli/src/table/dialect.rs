@@ -2,19 +2,11 @@
 
 use std::borrow::Cow;
 
-/// What separates the columns of a line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Separator {
-    /// One character.
-    Char(char),
-    /// Any number of spaces and tabs.
-    Spaces,
-}
-
 /// Separator, and whether numbers have a decimal comma.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Dialect {
-    separator: Separator,
+    /// What separates the columns of a line; without one any number of spaces and tabs does.
+    separator: Option<char>,
     has_decimal_comma: bool,
     /// Nothing but the commas' own digits says that they are decimal ones.
     by_digits: bool,
@@ -31,10 +23,10 @@ impl Dialect {
             sample.remove(0);
         }
         let separator = separator(&sample);
-        if separator == Separator::Char(',') && are_parts(&sample) {
+        if separator == Some(',') && are_parts(&sample) {
             let alone = sample.iter().all(|line| line.matches(',').count() == 1);
             return Dialect {
-                separator: if alone { Separator::Spaces } else { separator },
+                separator: separator.filter(|_| !alone),
                 has_decimal_comma: alone,
                 by_digits: true,
             };
@@ -49,7 +41,7 @@ impl Dialect {
         let cells = || sample.iter().flat_map(|line| dialect.cells(line));
         let commas = cells().any(|cell| with_point(&cell).is_some());
         let points = cells().any(|cell| cell.contains('.') && parse(&cell).is_some());
-        dialect.has_decimal_comma = separator != Separator::Char(',') && commas && !points;
+        dialect.has_decimal_comma = separator != Some(',') && commas && !points;
         dialect
     }
 
@@ -71,9 +63,9 @@ impl Dialect {
     /// The cells of a line, without spaces around them and without quotes.
     pub(super) fn cells<'t>(&self, line: &'t str) -> Vec<Cow<'t, str>> {
         match self.separator {
-            Separator::Spaces => line.split_whitespace().map(unquoted).collect(),
-            Separator::Char(separator) if line.contains('"') => quoted(line, separator),
-            Separator::Char(separator) => line
+            None => line.split_whitespace().map(unquoted).collect(),
+            Some(separator) if line.contains('"') => quoted(line, separator),
+            Some(separator) => line
                 .split(separator)
                 .map(|cell| Cow::Borrowed(cell.trim()))
                 .collect(),
@@ -91,8 +83,8 @@ impl Dialect {
         let words = comment.split_whitespace();
         let by_spaces = words.map(|word| unquoted(word.trim_end_matches([',', ';'])));
         let separated = match self.separator {
-            Separator::Spaces => Vec::new(),
-            Separator::Char(_) => self.cells(comment),
+            None => Vec::new(),
+            Some(_) => self.cells(comment),
         };
         let names: Vec<Cow<str>> = if separated.len() == count {
             separated
@@ -119,51 +111,33 @@ impl Dialect {
     /// What the separators are called, for a message.
     pub(super) fn separated_by(&self) -> &'static str {
         match self.separator {
-            Separator::Spaces => "spaces",
-            Separator::Char(';') => "semicolons",
-            Separator::Char('\t') => "tabs",
-            Separator::Char(_) => "commas",
+            None => "spaces",
+            Some(';') => "semicolons",
+            Some('\t') => "tabs",
+            Some(_) => "commas",
         }
     }
 }
 
-fn separator(sample: &[&str]) -> Separator {
+fn separator(sample: &[&str]) -> Option<char> {
     let any = |character: char| sample.iter().any(|line| line.contains(character));
     if any(';') {
-        return Separator::Char(';');
+        return Some(';');
     }
     if any('\t') {
         // Columns that are aligned by several tabs leave empty cells in every line; a gap does so
         // in some.
         let aligned = |line: &&str| line.trim().split('\t').any(|cell| cell.trim().is_empty());
-        return if sample.iter().all(aligned) {
-            Separator::Spaces
-        } else {
-            Separator::Char('\t')
-        };
+        return (!sample.iter().all(aligned)).then_some('\t');
     }
     // Columns by commas hold no spaces inside; decimal commas between spaces do.
-    let by_commas = |line: &&str| {
-        line.split(',')
-            .all(|cell| cell.split_whitespace().count() <= 1)
-    };
-    if any(',') && sample.iter().all(by_commas) {
-        return Separator::Char(',');
+    let is_word = |cell: &str| cell.split_whitespace().count() <= 1;
+    if any(',') && sample.iter().all(|line| line.split(',').all(is_word)) {
+        return Some(',');
     }
-    let by_spaces = |line: &&str| line.split_whitespace().count() > 1;
-    let are_numbers = |line: &&str| {
-        let numbers = |cell: &str| parse(cell).is_some() || with_point(cell).is_some();
-        line.split_whitespace().any(numbers)
-    };
-    if sample
-        .iter()
-        .any(|line| by_spaces(line) && are_numbers(line))
-        && !sample.iter().any(|line| line.contains('"'))
-    {
-        Separator::Spaces
-    } else {
-        Separator::Char(',')
-    }
+    let is_number = |cell: &str| parse(cell).is_some() || with_point(cell).is_some();
+    let by_spaces = |line: &&str| !is_word(line) && line.split_whitespace().any(is_number);
+    (any('"') || !sample.iter().any(by_spaces)).then_some(',')
 }
 
 /// Whether what commas part are the two parts of numbers: digits throughout, and some that no whole

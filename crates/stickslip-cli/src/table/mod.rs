@@ -34,7 +34,7 @@ const REPEAT: f64 = 1e-9;
 const DIFFERENT: f64 = 0.5;
 
 /// The columns chosen from a file.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
     /// Where it comes from, for messages.
     pub input: String,

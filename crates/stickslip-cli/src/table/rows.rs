@@ -244,9 +244,7 @@ impl<'a> Rows<'a> {
             input: input.to_owned(),
             names: self.columns.iter().map(|&c| self.name(c)).collect(),
             values: std::mem::take(&mut self.values),
-            dt: f64::NAN,
-            time: None,
-            notes: Vec::new(),
+            ..Table::default()
         };
         table.dt = match (self.time, dt) {
             (Some(_), Some(dt)) => {

@@ -6,21 +6,24 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use serde_json::json;
-use stickslip_cli::sweep::{BlockError, Computed, Plan, Share, Store, SweepError, Task, run};
+use stickslip_cli::sweep::{
+    BlockError, Computed, Definition, Plan, Share, Store, SweepError, Task, run,
+};
 
 /// A sweep of so many chains of blocks.
 pub fn plan(chains: usize, length: usize) -> Plan {
-    Plan {
-        command: "test".to_owned(),
-        arguments: BTreeMap::from([
-            ("a b = µ".to_owned(), json!(0.1)),
-            ("grid".to_owned(), json!([3, 4])),
-        ]),
-        system: "a system".to_owned(),
-        system_text: "first\nmu = 0.3\nlast\n".to_owned(),
-        chains: NonZeroUsize::new(chains).unwrap(),
-        length: NonZeroUsize::new(length).unwrap(),
-    }
+    let arguments = BTreeMap::from([
+        ("a b = µ".to_owned(), json!(0.1)),
+        ("grid".to_owned(), json!([3, 4])),
+    ]);
+    let size = [chains, length].map(|size| NonZeroUsize::new(size).unwrap());
+    let system = definition("first\nmu = 0.3\nlast\n");
+    Plan::new("test", arguments, size.into(), system)
+}
+
+/// A system of this text.
+pub fn definition(text: &str) -> Definition {
+    Definition::new("a system".to_owned(), text.to_owned())
 }
 
 /// A block: iterates of the logistic map, which are chaotic, from the end of the block before.

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::json;
 use stickslip_cli::sweep::{Plan, Share, SweepError, Task};
 
-use super::common::{block, compute, plan, table, task, undisturbed};
+use super::common::{block, compute, definition, plan, table, task, undisturbed};
 
 /// What is said if a sweep is tried where another has been.
 fn refusal(old: &Plan, new: &Plan) -> String {
@@ -67,9 +67,10 @@ fn numbers_that_differ_in_the_last_bit_are_not_the_same() {
 #[test]
 fn another_system_is_refused_with_the_line() {
     let old = plan(2, 1);
-    let with = |text: &str| Plan {
-        system_text: text.to_owned(),
-        ..old.clone()
+    let with = |text: &str| {
+        let mut new = old.clone();
+        new.system = definition(text);
+        new
     };
     let said = refusal(&old, &with("first\nmu = 0.4\nlast\n"));
     let wanted = r#"line 2 of the system was "mu = 0.3" there and is "mu = 0.4" now"#;

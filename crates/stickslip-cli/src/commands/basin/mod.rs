@@ -261,15 +261,12 @@ fn number(
 ) -> usize {
     let attractors = Attractors::new(system.dynamics(), settings, options);
     let same = |one: &Outcome| one.is_same(&outcome, &attractors);
-    match known.iter().position(same) {
-        Some(number) => number,
-        None => {
-            // Once: each further orbit is compared with it.
-            outcome.family = Some(outcome.family(&attractors));
-            known.push(outcome);
-            known.len() - 1
-        }
-    }
+    known.iter().position(same).unwrap_or_else(|| {
+        // Once: each further orbit is compared with it.
+        outcome.family = Some(outcome.family(&attractors));
+        known.push(outcome);
+        known.len() - 1
+    })
 }
 
 /// The attractors' numbers from 1, in their order; what is none has none.

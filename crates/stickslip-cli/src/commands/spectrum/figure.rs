@@ -60,6 +60,11 @@ pub(super) fn figure(findings: &Findings, name: &str) -> Figure {
     figure
 }
 
+/// A panel with its legend below.
+fn panel(title: &str, x: Axis, y: Axis) -> Panel {
+    Panel::new(x, y).title(title).legend(Legend::Below)
+}
+
 /// Distances of neighbours over time.
 fn partings(divergence: &Divergence) -> Panel {
     let curves = || std::iter::once(&divergence.rosenstein).chain(&divergence.kantz);
@@ -68,12 +73,11 @@ fn partings(divergence: &Divergence) -> Panel {
         .map(|point| point.0)
         .fold(f64::MIN_POSITIVE, f64::max);
     let (low, high) = range(points().map(|point| point.1).chain([divergence.saturation]));
-    let mut panel = Panel::new(
+    let mut panel = panel(
+        "divergence of neighbours",
         Axis::new("*t*", 0.0, last),
         Axis::new("mean ln distance", low, high),
-    )
-    .title("divergence of neighbours")
-    .legend(Legend::Below);
+    );
     for (i, curve) in curves().enumerate() {
         let name = match curve.radius {
             Some(radius) => format!("Kantz, radius {}", brief(radius)),
@@ -115,12 +119,11 @@ fn surrogates(test: &SurrogateTest) -> Panel {
     let x = range(all().map(|one| one.residual));
     let y = range(all().map(|one| one.exponent));
     let place = |one: &Statistics| (one.residual, one.exponent);
-    Panel::new(
+    panel(
+        "surrogates",
         Axis::new("unpredicted part", x.0, x.1),
         Axis::new("first exponent", y.0, y.1),
     )
-    .title("surrogates")
-    .legend(Legend::Below)
     .with(
         Markers::new(test.surrogates.iter().map(place))
             .color(GREY)
@@ -138,20 +141,15 @@ fn surrogates(test: &SurrogateTest) -> Panel {
 /// Mutual information over the lag.
 fn delays(embedded: &Embedded) -> Panel {
     let choice = &embedded.choice;
-    let curve = || {
-        choice
-            .information
-            .iter()
-            .map(|&(lag, nats)| (lag as f64, nats))
-    };
+    let information = choice.information.iter();
+    let curve = || information.clone().map(|&(lag, nats)| (lag as f64, nats));
     let last = curve().map(|(lag, _)| lag).fold(1.0, f64::max);
     let (_, high) = range(curve().map(|(_, nats)| nats).chain([0.0]));
-    let mut panel = Panel::new(
+    let mut panel = panel(
+        "choice of the delay",
         Axis::new("lag, points", 0.0, last),
         Axis::new("mutual information, nats", 0.0, high),
-    )
-    .title("choice of the delay")
-    .legend(Legend::Below);
+    );
     let delay = choice.embedding.delay as f64;
     if delay <= last {
         let text = format!(
@@ -173,17 +171,13 @@ fn delays(embedded: &Embedded) -> Panel {
 fn dimensions(embedded: &Embedded) -> Panel {
     let choice = &embedded.choice;
     let last = choice.dimensions.len().max(2) as f64;
-    let all = choice.dimensions.iter();
-    let e2 = all
-        .map(|one| one.e2)
-        .filter(|v| v.is_finite())
-        .fold(1.0, f64::max);
-    let mut panel = Panel::new(
+    let all = choice.dimensions.iter().map(|one| one.e2);
+    let e2 = all.filter(|v| v.is_finite()).fold(1.0, f64::max);
+    let mut panel = panel(
+        "choice of the dimension",
         Axis::new("delayed values of a column", 0.5, last + 0.5).step(1.0),
         Axis::new("part that is false; Cao's ratio", 0.0, (1.08 * e2).max(1.2)),
-    )
-    .title("choice of the dimension")
-    .legend(Legend::Below);
+    );
     let text = format!(
         "dimension {}: {}",
         choice.embedding.dimension,
@@ -220,44 +214,29 @@ fn convergence(findings: &Findings) -> Panel {
         0 => shown(i),
         _ => spectrum.exponents[i].status != Status::Unidentified && shown(i),
     };
-    let settled = spectrum
-        .convergence
-        .iter()
+    let settled = spectrum.convergence.iter();
+    let settled = settled
         .filter(|row| row.t >= SETTLED * end)
         .flat_map(|row| row.exponents.iter().enumerate())
-        .filter(|(i, _)| scales(*i))
-        .map(|(_, v)| *v);
-    let (low, high) = range(settled.chain([0.0]));
-    let mut panel = Panel::new(
+        .filter(|(i, _)| scales(*i));
+    let (low, high) = range(settled.map(|(_, v)| *v).chain([0.0]));
+    let mut panel = panel(
+        "exponents",
         Axis::new("*t*", 0.0, end),
         Axis::new("running mean, per unit of time", low, high),
-    )
-    .title("exponents")
-    .legend(Legend::Below);
+    );
     panel.add(Guide::horizontal(0.0));
     for (i, exponent) in spectrum.exponents.iter().enumerate() {
+        let value = number(exponent.value, 4);
         let (dash, text) = match exponent.status {
-            _ if findings.is_spurious(i) => (
-                Dash::Dashed,
-                format!("({}) spurious", number(exponent.value, 4)),
-            ),
-            Status::Ok => (Dash::Solid, number(exponent.value, 4)),
+            _ if findings.is_spurious(i) => (Dash::Dashed, format!("({value}) spurious")),
+            Status::Ok => (Dash::Solid, value),
             Status::Unidentified if exponent.value.is_nan() => {
                 (Dash::Dashed, "unidentified".into())
             }
-            Status::Unidentified => (
-                Dash::Dashed,
-                format!("({}) unidentified", number(exponent.value, 4)),
-            ),
-            Status::Unstable
-            | Status::Starved
-            | Status::Undetermined
-            | Status::Noisy
-            | Status::Unpredictable => (
-                Dash::Solid,
-                format!("{} {}", number(exponent.value, 4), exponent.status.word()),
-            ),
+            Status::Unidentified => (Dash::Dashed, format!("({value}) unidentified")),
             Status::Annihilated => (Dash::Dotted, "−∞ annihilated".into()),
+            other => (Dash::Solid, format!("{value} {}", other.word())),
         };
         let points = || spectrum.convergence.iter().filter(|_| shown(i));
         let is_seen = |row: &Running| (low..=high).contains(&row.exponents[i]);
@@ -285,12 +264,11 @@ fn sizes(spectrum: &DataSpectrum) -> Panel {
     let all: Vec<(f64, f64)> = spectrum.directions.iter().flat_map(points).collect();
     let x = range(all.iter().map(|p| p.0));
     let y = range(all.iter().map(|p| p.1));
-    let mut panel = Panel::new(
+    let mut panel = panel(
+        "directions of the neighbourhoods",
         Axis::decades("radius", x),
         Axis::decades("singular value / √*n*", y),
-    )
-    .title("directions of the neighbourhoods")
-    .legend(Legend::Below);
+    );
     for (i, direction) in spectrum.directions.iter().enumerate() {
         let colour = COLOURS[i % COLOURS.len()];
         let slope = if direction.slope.is_nan() {
@@ -305,12 +283,8 @@ fn sizes(spectrum: &DataSpectrum) -> Panel {
         };
         let text = format!("*s*_{{{}}}: {}{slope}", i + 1, direction.kind.word());
         let points = points(direction);
-        panel.add(
-            Curve::new(points.clone())
-                .color(colour)
-                .dash(dash)
-                .legend(&text),
-        );
+        let curve = Curve::new(points.clone()).color(colour).dash(dash);
+        panel.add(curve.legend(&text));
         let finite = points
             .into_iter()
             .filter(|p| p.0.is_finite() && p.1.is_finite());

@@ -110,52 +110,36 @@ impl Findings {
         }
         text.push('\n');
         let by_rank = format!("by rank {}", spectrum.fixed_rank);
-        let mut rows = vec![
-            [
-                "index",
-                "exponent",
-                "stderr",
-                "eps_sensitivity",
-                "status",
-                &by_rank,
-                "direction",
-                "slope",
-            ]
-            .map(str::to_owned),
-        ];
+        let mut row = |index: &str,
+                       numbers: [&str; 3],
+                       status,
+                       fixed: &str,
+                       direction,
+                       slope: &str| {
+            let [exponent, stderr, sensitivity] = numbers;
+            let _ = writeln!(
+                text,
+                "{index:>5}  {exponent:>12}  {stderr:>10}  {sensitivity:>15}  {status:<13} {fixed:>15}  {direction:<10} {slope:>5}"
+            );
+        };
+        let names = ["exponent", "stderr", "eps_sensitivity"];
+        row("index", names, "status", &by_rank, "direction", "slope");
         for (i, exponent) in spectrum.exponents.iter().enumerate() {
             let direction = &spectrum.directions[i];
             let fixed = exponent.fixed_rank.map_or(f64::NAN, |(value, _)| value);
-            let slope = direction.slope;
-            rows.push([
-                (i + 1).to_string(),
-                value(exponent, self.is_spurious(i)),
-                short(exponent.stderr),
-                short(exponent.eps_sensitivity),
-                self.status(i).to_owned(),
-                short(fixed),
-                direction.kind.word().to_owned(),
-                if slope.is_nan() {
-                    "–".to_owned()
-                } else {
-                    format!("{slope:.2}")
-                },
-            ]);
-        }
-        for [
-            index,
-            exponent,
-            stderr,
-            sensitivity,
-            status,
-            fixed,
-            kind,
-            slope,
-        ] in rows
-        {
-            let _ = writeln!(
-                text,
-                "{index:>5}  {exponent:>12}  {stderr:>10}  {sensitivity:>15}  {status:<13} {fixed:>15}  {kind:<10} {slope:>5}"
+            let value = value(exponent, self.is_spurious(i));
+            let [stderr, sensitivity] = [exponent.stderr, exponent.eps_sensitivity].map(short);
+            let slope = match direction.slope {
+                slope if slope.is_nan() => "–".to_owned(),
+                slope => format!("{slope:.2}"),
+            };
+            row(
+                &(i + 1).to_string(),
+                [&value, &stderr, &sensitivity],
+                self.status(i),
+                &short(fixed),
+                direction.kind.word(),
+                &slope,
             );
         }
         let _ = writeln!(
@@ -342,12 +326,9 @@ impl Embedded {
         } else {
             "; the reversed series does not have the first exponent again and tells nothing"
         };
-        let or_none = |list: String| {
-            if list.is_empty() {
-                "none".to_owned()
-            } else {
-                list
-            }
+        let or_none = |list: String| match list.as_str() {
+            "" => "none".to_owned(),
+            _ => list,
         };
         let unknown = match unknown.as_str() {
             "" => String::new(),

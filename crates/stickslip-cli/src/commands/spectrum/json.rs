@@ -5,15 +5,9 @@ use serde_json::{Value, json};
 use stickslip_series::{Balance, Divergence, DivergenceCurve, Neighbourhood, Statistics};
 
 use super::findings::{Embedded, Findings, UNIT};
-use crate::render::Report;
 use crate::table::Table;
 
-pub(super) fn fields(
-    report: &mut Report,
-    findings: &Findings,
-    source: &Table,
-    warnings: &[String],
-) {
+pub(super) fn fields(findings: &Findings, source: &Table, warnings: &[String]) -> Value {
     let spectrum = &findings.spectrum;
     let exponents = spectrum.exponents.iter().enumerate().map(|(i, exponent)| {
         json!({
@@ -41,86 +35,60 @@ pub(super) fn fields(
     };
     let statistics =
         |one: &Statistics| json!({ "residual_ratio": one.residual, "exponent": one.exponent });
-    report
-        .field(
-            "settings",
-            json!({
-                "estimator": settings.estimator.words(),
-                "dt": source.dt,
-                "columns": source.names,
-                "eps": eps,
-                "min_neighbours": min,
-                "max_neighbours": max,
-                "theiler": settings.theiler,
-                "step": settings.step,
-                "affine": settings.affine,
-                "rank_tolerance": settings.rank_tolerance,
-                "ridge": settings.ridge,
-                "fixed_rank": settings.fixed_rank,
-                "stride": settings.stride,
-                "references": settings.references,
-            }),
-        )
-        .field("unit", UNIT)
-        .field("exponents", exponents.collect::<Vec<_>>())
-        .field("sum", spectrum.sum.0)
-        .field("sum_stderr", spectrum.sum.1)
-        .field(
-            "balance",
-            findings.balance.as_ref().map(|(_, found)| balance(found)),
-        )
-        .field(
-            "sizes",
-            spectrum.sizes.as_ref().map(|sizes| {
-                json!({
-                    "degree": sizes.degree.word(),
-                    "neighbours": sizes.neighbours,
-                    "radius": sizes.radius,
-                })
-            }),
-        )
-        .field("dimension", spectrum.dimension)
-        .field("directions", directions.collect::<Vec<_>>())
-        .field(
-            "neighbourhoods",
-            json!({
-                "spread": spectrum.spread,
-                "mean_eps": spectrum.mean_eps,
-                "min": spectrum.neighbours.min,
-                "median": spectrum.neighbours.median,
-                "max": spectrum.neighbours.max,
-                "starved": spectrum.starved,
-            }),
-        )
-        .field("residual_ratio", spectrum.residual_ratio)
-        .field("embedding", findings.embedded.as_ref().map(embedding))
-        .field(
-            "diverging_neighbours",
-            findings.divergence.as_ref().map(diverging),
-        )
-        .field(
-            "surrogates",
-            findings.surrogates.as_ref().map(|test| {
-                json!({
-                    "p": test.p,
-                    "is_significant": test.is_significant(),
-                    "series": statistics(&test.series),
-                    "surrogates": test.surrogates.iter().map(statistics).collect::<Vec<_>>(),
-                })
-            }),
-        )
-        .field(
-            "grid",
-            source.grid().map(|grid| {
-                json!({
-                    "column": source.names[grid.column],
-                    "values": grid.values,
-                    "step": grid.step,
-                })
-            }),
-        )
-        .field("warnings", warnings)
-        .field("notes", findings.notes(source));
+    json!({
+        "settings": {
+            "estimator": settings.estimator.words(),
+            "dt": source.dt,
+            "columns": source.names,
+            "eps": eps,
+            "min_neighbours": min,
+            "max_neighbours": max,
+            "theiler": settings.theiler,
+            "step": settings.step,
+            "affine": settings.affine,
+            "rank_tolerance": settings.rank_tolerance,
+            "ridge": settings.ridge,
+            "fixed_rank": settings.fixed_rank,
+            "stride": settings.stride,
+            "references": settings.references,
+        },
+        "unit": UNIT,
+        "exponents": exponents.collect::<Value>(),
+        "sum": spectrum.sum.0,
+        "sum_stderr": spectrum.sum.1,
+        "balance": findings.balance.as_ref().map(|(_, found)| balance(found)),
+        "sizes": spectrum.sizes.as_ref().map(|sizes| json!({
+            "degree": sizes.degree.word(),
+            "neighbours": sizes.neighbours,
+            "radius": sizes.radius,
+        })),
+        "dimension": spectrum.dimension,
+        "directions": directions.collect::<Value>(),
+        "neighbourhoods": {
+            "spread": spectrum.spread,
+            "mean_eps": spectrum.mean_eps,
+            "min": spectrum.neighbours.min,
+            "median": spectrum.neighbours.median,
+            "max": spectrum.neighbours.max,
+            "starved": spectrum.starved,
+        },
+        "residual_ratio": spectrum.residual_ratio,
+        "embedding": findings.embedded.as_ref().map(embedding),
+        "diverging_neighbours": findings.divergence.as_ref().map(diverging),
+        "surrogates": findings.surrogates.as_ref().map(|test| json!({
+            "p": test.p,
+            "is_significant": test.is_significant(),
+            "series": statistics(&test.series),
+            "surrogates": test.surrogates.iter().map(statistics).collect::<Value>(),
+        })),
+        "grid": source.grid().map(|grid| json!({
+            "column": source.names[grid.column],
+            "values": grid.values,
+            "step": grid.step,
+        })),
+        "warnings": warnings,
+        "notes": findings.notes(source),
+    })
 }
 
 fn balance(found: &Balance) -> Value {
@@ -157,9 +125,9 @@ fn embedding(embedded: &Embedded) -> Value {
         "dimension_reason": choice.dimension_reason.words(),
         "cao_dimension": choice.cao,
         "mutual_information": choice.information,
-        "dimensions": dimensions.collect::<Vec<_>>(),
+        "dimensions": dimensions.collect::<Value>(),
         "reversal_is_conclusive": embedded.reversal.is_conclusive,
-        "origins": origins.map(|origin| origin.word()).collect::<Vec<_>>(),
+        "origins": origins.map(|origin| origin.word()).collect::<Value>(),
     })
 }
 
@@ -185,6 +153,6 @@ fn diverging(divergence: &Divergence) -> Value {
         "rosenstein": opinion(divergence.by_rosenstein()),
         "kantz": opinion(divergence.by_kantz()),
         "rosenstein_curve": curve(&divergence.rosenstein),
-        "kantz_curves": divergence.kantz.iter().map(curve).collect::<Vec<_>>(),
+        "kantz_curves": divergence.kantz.iter().map(curve).collect::<Value>(),
     })
 }

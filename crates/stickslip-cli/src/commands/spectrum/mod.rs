@@ -7,7 +7,6 @@ mod warnings;
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
 use clap::ValueEnum;
 use stickslip::error::readable;
@@ -29,85 +28,8 @@ const ABOUT: &str = "Lyapunov exponents of a time series: maps fitted to neighbo
     extrapolated to size zero. Tells which of the exponents the data determine. --estimator sano-sawada is the method of Sano and Sawada, \
     linear maps of one size.";
 
-const AFTER: &str = "\
-Status of an exponent:
-  ok            the series has points in its direction, and nothing else speaks against it
-  unstable      what the neighbourhoods' curvature does to it is not small: extrapolated to zero size, or by quadratic maps where linear
-                ones were asked for, it is another by more than 2 statistical errors and 5 % (sano-sawada: with neighbourhoods of
-                twice the size, by more than 4 stderr and 5 %)
-  starved       at most points the smaller neighbourhood reaches farther than 1.5 --eps, and is none (sano-sawada: most balls held too few
-                neighbours, so that the nearest were taken at any distance): give more points. A larger --eps makes exponents ok whose
-                bias nobody counted
-  undetermined  at more than 1 % of the points the neighbours do not determine the maps that are extrapolated, as where values lie on a
-                grid: give values with more digits, more points, or more --neighbours
-  noisy         noise of the points may flatten the maps by more than 2 stderr: give more --neighbours, values with less noise, or a
-                longer --step
-  unpredictable the maps do not predict the next state: noise, or columns of the state are missing
-  unidentified  the series has no points in its direction: the value, in brackets in the table, comes from curvature, noise or
-                rounding and is none of the system's
-  annihilated   minus infinity: maps that the data determine take the direction to nothing; values on a coarse grid look like that, too
-  spurious      the embedding's own, and none of the system's (only of delayed values)
-
-One column is no state: it is embedded, which is to say that x(t), x(t + delay), x(t + 2 delay), … are the state. The delay is the first
-minimum of the average mutual information behind which it rises by 1 % of its value at lag 1 (1 for a series that is uncorrelated after one point, as of a map; the first zero of
-the autocorrelation where the values lie on a curve, as of a sine, and there is no such minimum), the number of values the first with less than 1 % false nearest neighbours (Kennel), beside which Cao's method is shown. --delay and --dimension
-override them. Several columns are taken as they are; they are embedded, each in as many values, if an option asks for it, or if more than
-5 % of their nearest neighbours are false and delayed values cure that. --dimension 1 turns it off. More values than the system has
-dimensions make exponents of the embedding's own, of linear maps more than of the quadratic ones. They are told by the fit of rank r, which has no room for them, and by the
-series with the time reversed, in which only the system's change sign. With delayed values the maps are affine and go one delay ahead.
-
-Exponents are natural logarithms of growth per unit of the time that --dt is given in, of a map with --dt 1 per iteration.
-stderr holds the scatter over time and the whole way of the extrapolation to neighbourhoods of size zero; over 200 series of known
-spectrum, over one column of each, and over these states with noise of a thousandth of their spread, the true value was within two of it
-in total at least nine times in ten where the status is ok. None of these jumps: of values that wrap around, as angles or numbers modulo 1, neighbours
-are torn apart, and ok is worth nothing; give their sine and cosine (a warning tells of angles in radians and degrees only). These were 5000 points or more, with the default settings; of their states it was as often
-with 30 --references, if these reach over two Theiler windows, and a warning tells if not. With --estimator sano-sawada, the estimator of Eqs. (25) and (26) of Olejnik and Awrejcewicz (2013) without correction, it is statistical only and
-knows nothing of bias.
-eps_sensitivity (table and --json) is by how much the exponent changes with neighbourhoods of twice the size, a measure of the bias.
-Columns are used as they are, not standardised: bring them to comparable units first. Flows that are sampled densely gain from --step 5 --affine.
-
-Further columns of the table:
-  by rank r     the exponent by a linear fit restricted to the r tangent directions (r is set by --rank), never extrapolated; where it
-                differs from that of --estimator sano-sawada by much more than both errors, believe neither of these two
-  direction     what neighbours do in the direction of that number, by decreasing size: tangent (they spread in proportion to the
-                neighbourhood), curvature (with a higher power), noise (to the same extent at all sizes), flat (not at all)
-  slope         of that spread over the radius, both logarithmic: 1 tangent, 2 curvature, 0 noise
-The residual ratio is what the maps leave unexplained of the neighbours' motion: near 0 for a deterministic system, 1 for noise.
-
-Beside the spectrum stands the largest exponent by how neighbours part, without maps: by the nearest neighbour (Rosenstein) and within
-three radii (Kantz; the median, with half the range if it is more than the error). The straight part of a curve is the one with the smallest
-scatter about its line against its rise, of all that have 5 points, rise by a factor of e and by half of the whole, and end a factor of e below where
-the distances level off. --surrogates N compares the series with N series of the same spectrum and the same values, amplitude-adjusted by iterated
-phase randomisation (IAAFT): the series is told from linear noise if the maps predict it better
-than at least 95 % of all, itself among them (than all of 19); the exponents are shown beside. A clean periodic motion is told from noise, too.
-
-Exit codes: 0 done (warnings go to standard error), 1 a bad file or a failure, 2 a wrong command line.
-
-Output for machines:
-  --csv   index,exponent,stderr,status; -inf if annihilated, an empty cell where there is no value
-  --json  an object with settings and exponents, a list of {index, exponent, stderr, status, …}, warnings, and notes on what ok is worth; null for -inf and where
-          there is no value. Of an exponent also: eps_sensitivity; fixed_rank and fixed_rank_stderr, the second fit; collapses,
-          the number of reference points at which its direction is annihilated; undetermined, of those whose neighbours do not
-          determine it; sano_sawada and sano_sawada_stderr, Eqs. (25) and (26) without correction. Of the spectrum also: sum, of the
-          exponents of the tangent directions, and its sum_stderr; balance, what --divergence says of it; grid, the step of
-          rounded values; files, with --out
-
-A column named t or time is no coordinate: it gives the time step, or is held against --dt. Without names a first column that goes on
-evenly is the time, too, and of ten rows or more an error if it goes by another step than --dt, or has one to ten gaps in a hundred
-times as many rows; --columns takes it as part of the state. Of others that do a warning tells. A comma is a decimal comma where something else separates the columns and
-no number has a point, or where it is the only one in each line and what it parts cannot be whole numbers, such as -0 and 05. Lines that start with # or % are skipped; the last one above the numbers may hold the names.
-A column that never changes is left out.
-
-Examples:
-  stickslip spectrum lorenz.csv
-  stickslip spectrum lorenz.dat --dt 0.02
-  stickslip spectrum sensor.txt --dt 0.001 --out pictures
-  stickslip spectrum lorenz.dat --dt 0.02 --columns 1 --delay 8 --dimension 3
-  stickslip spectrum run.csv --dt 0.2 --columns x1,x2,x3,x4 --step 3 --out pictures
-  stickslip spectrum henon.csv --dt 1 --neighbours 30 --json
-  stickslip spectrum lorenz.csv --dt 0.02 --divergence -13.6667
-  stickslip spectrum heart.txt --dt 1 --surrogates 39
-  generate | stickslip spectrum - --dt 0.01 --csv";
+/// With `--help`.
+const AFTER: &str = include_str!("help.txt").trim_ascii_end();
 
 /// With `-h`, which has a line for each option.
 const AFTER_SHORT: &str = "\
@@ -137,8 +59,8 @@ pub(super) struct Arguments {
 
     /// Fewest and most neighbours taken from the ball, as MIN-MAX, or the number of nearest
     /// neighbours [default: 12-12; 40-40 for delayed values, fewer below 4000 points]
-    #[arg(long, value_name = "MIN-MAX|K")]
-    neighbours: Option<Count>,
+    #[arg(long, value_parser = neighbours, value_name = "MIN-MAX|K")]
+    neighbours: Option<Neighbours>,
 
     /// Delayed values of each column that make a state, 1 for the columns as they are [default: for
     /// one column the first number with less than 1 % false neighbours]
@@ -235,28 +157,18 @@ enum MapDegree {
     Quadratic,
 }
 
-/// How many neighbours.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Count {
-    /// So many in a ball.
-    Range(usize, usize),
-    /// The nearest so many.
-    Nearest(usize),
-}
+/// Fewest and most neighbours taken from a ball; without the latter the number of nearest ones.
+type Neighbours = (usize, Option<usize>);
 
-impl FromStr for Count {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let number = |part: &str| {
-            part.trim().parse::<usize>().map_err(|_| {
-                format!("'{part}' is no number of neighbours; give 30, or a range such as 20-40")
-            })
-        };
-        match text.split_once('-') {
-            Some((min, max)) => Ok(Self::Range(number(min)?, number(max)?)),
-            None => Ok(Self::Nearest(number(text)?)),
-        }
+fn neighbours(text: &str) -> Result<Neighbours, String> {
+    let number = |part: &str| {
+        part.trim().parse::<usize>().map_err(|_| {
+            format!("'{part}' is no number of neighbours; give 30, or a range such as 20-40")
+        })
+    };
+    match text.split_once('-') {
+        Some((min, max)) => Ok((number(min)?, Some(number(max)?))),
+        None => Ok((number(text)?, None)),
     }
 }
 
@@ -303,24 +215,20 @@ impl Arguments {
             references: self.references,
             ..DataSettings::default()
         };
-        match (self.neighbours, &mut settings.neighbours) {
-            (Some(Count::Nearest(count)), _) if self.eps.is_some() => {
+        if let Some((count, None)) = self.neighbours {
+            if self.eps.is_some() {
                 let twice = count.saturating_mul(2);
                 return Err(Failure::Usage(format!(
                     "--neighbours {count} takes the nearest {count} points and no ball, so that --eps has no meaning; give a range such \
                      as --neighbours {count}-{twice}, or no --eps"
                 )));
             }
-            (Some(Count::Nearest(count)), neighbours) => {
-                *neighbours = Neighbourhood::Nearest(count);
+            settings.neighbours = Neighbourhood::Nearest(count);
+        } else if let Neighbourhood::Ball { eps, min, max } = &mut settings.neighbours {
+            *eps = self.eps.unwrap_or(*eps);
+            if let Some((least, Some(most))) = self.neighbours {
+                (*min, *max) = (least, most);
             }
-            (range, Neighbourhood::Ball { eps, min, max }) => {
-                *eps = self.eps.unwrap_or(*eps);
-                if let Some(Count::Range(least, most)) = range {
-                    (*min, *max) = (least, most);
-                }
-            }
-            (_, Neighbourhood::Nearest(_)) => {}
         }
         Ok(settings)
     }
@@ -383,7 +291,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let findings = find(&series, settings, arguments)?;
     let warnings = warnings::all(&findings, &source, arguments);
     let mut report = Report::plain(findings.table(&source), (0, 0));
-    json::fields(&mut report, &findings, &source, &warnings);
+    report.fields(json::fields(&findings, &source, &warnings));
     let mut answer = match &arguments.out {
         Some(folder) => {
             report.figure("spectrum", &figure::figure(&findings, &source.input))?;
