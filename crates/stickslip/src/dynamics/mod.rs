@@ -171,6 +171,19 @@ pub trait Dynamics: Send + Sync {
         section: &Section,
     ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error>;
 
+    /// Begins an orbit that stays in a mode to its end, whatever the guards do, with contact lost
+    /// or kept as at `inside`.
+    ///
+    /// # Errors
+    /// Those of [`crate::Integration::new`].
+    fn begin_in<'a>(
+        &'a self,
+        mode: (Modes, &Moment),
+        start: &Moment,
+        t_end: f64,
+        options: &Options,
+    ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error>;
+
     /// The smooth flow of a mode, with contact lost or kept as at a moment.
     fn flow<'a>(&'a self, mode: Modes, at: &Moment) -> Box<dyn SmoothFlow + 'a>;
 
@@ -453,6 +466,22 @@ impl Orbit {
         t_end: f64,
         options: &Options,
     ) -> Result<Self, Error> {
+        match Orbit::begun(dynamics, start, t_end, options)? {
+            (orbit, None) => Ok(orbit),
+            (_, Some(error)) => Err(error),
+        }
+    }
+
+    /// Integrates and keeps everything, up to where the run fails if it does, and why.
+    ///
+    /// # Errors
+    /// Those of [`crate::Integration::new`].
+    pub fn begun(
+        dynamics: &dyn Dynamics,
+        start: &Moment,
+        t_end: f64,
+        options: &Options,
+    ) -> Result<(Self, Option<Error>), Error> {
         let mut orbit = Orbit {
             phases: Vec::new(),
             transitions: Vec::new(),
@@ -467,14 +496,19 @@ impl Orbit {
         };
         let mut run = dynamics.begin(start, t_end, options, &Section::None)?;
         loop {
-            match run.step()? {
-                Happening::Step => orbit.steps.push((run.last_step(), run.solution())),
-                Happening::PhaseEnd(phase) => orbit.phases.push(phase),
-                Happening::Transition(at) => orbit.transitions.push(at),
-                Happening::Passage(_) => {}
-                Happening::End(summary) => {
+            match run.step() {
+                Ok(Happening::Step) => orbit.steps.push((run.last_step(), run.solution())),
+                Ok(Happening::PhaseEnd(phase)) => orbit.phases.push(phase),
+                Ok(Happening::Transition(at)) => orbit.transitions.push(at),
+                Ok(Happening::Passage(_)) => {}
+                Ok(Happening::End(summary)) => {
                     orbit.end = summary;
-                    return Ok(orbit);
+                    return Ok((orbit, None));
+                }
+                Err(error) => {
+                    let Moment { t, x } = run.now();
+                    (orbit.end.t, orbit.end.x) = (t, x);
+                    return Ok((orbit, Some(error)));
                 }
             }
         }

@@ -228,6 +228,20 @@ where
         self.view().begin(start, t_end, options, section)
     }
 
+    fn begin_in<'a>(
+        &'a self,
+        (mode, inside): (Modes, &Moment),
+        start: &Moment,
+        t_end: f64,
+        options: &Options,
+    ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error> {
+        let of = self.view();
+        let held = (S::restored(mode), &of.timed(inside));
+        let start = of.timed(start);
+        let integration = Integration::held(of.system, held, start, t_end, options);
+        Ok(Box::new(of.run(integration, options)?))
+    }
+
     fn flow<'a>(&'a self, mode: Modes, at: &Moment) -> Box<dyn SmoothFlow + 'a> {
         Box::new(TypedFlow::new(self.view(), mode, at))
     }
@@ -282,23 +296,30 @@ where
         options: &Options,
         section: &Section,
     ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error> {
-        let mut run = self.run(start, t_end, options)?;
+        let mut run = self.run(self.integration(start, t_end, options), options)?;
         run.watch(section);
         Ok(Box::new(run))
     }
 
-    fn run(
+    fn integration(
         self,
         start: &Moment,
         t_end: f64,
         options: &Options,
-    ) -> Result<Run<'a, S, V, N, G>, Error> {
+    ) -> Result<Integration<'a, S, N, G>, Error> {
         let Timed { t, x } = self.timed(start);
+        Integration::new(self.system, t, x, t_end, options)
+    }
+
+    fn run(
+        self,
+        integration: Result<Integration<'a, S, N, G>, Error>,
+        options: &Options,
+    ) -> Result<Run<'a, S, V, N, G>, Error> {
+        let integration = integration.map_err(|error| error.of_states(self.states))?;
         Ok(Run {
             of: self,
-            integration: Integration::new(self.system, t, x, t_end, options)
-                .map_err(|error| error.of_states(self.states))?
-                .of_states(self.states),
+            integration: integration.of_states(self.states),
             options: *options,
             search: None,
             reported: 0,
@@ -326,7 +347,7 @@ where
         states: N,
         contacts: S::CONTACTS,
     };
-    let mut run = view.run(start, t_end, options)?;
+    let mut run = view.run(view.integration(start, t_end, options), options)?;
     run.observer = Some(observer);
     Ok(Box::new(run))
 }

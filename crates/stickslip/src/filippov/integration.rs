@@ -4,13 +4,12 @@ use super::event::Event;
 use super::flow::{Flow, GUARDS};
 use super::observer::{Phase, StepRecord, Transition, TransitionKind};
 use super::options::Options;
-use super::pile_up::PileUp;
 use super::run::{Run, Trial};
 use super::solve::Summary;
 use super::stepper::{Stepper, Work};
 use super::switched::{Next, Settled, Switched, UseFlow, Velocity};
 use crate::error::Error;
-use crate::ode::{Dense, Timed};
+use crate::ode::Timed;
 use crate::orbit::{Counters, Ending};
 use crate::system::{IntoState, Mode, State, components};
 
@@ -110,21 +109,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         stepper: Stepper<N, G>,
     ) -> Result<Self, Error> {
         system.check(&start, t_end, options)?;
-        let mut run = Run {
-            options: *options,
-            states: N,
-            counters: Counters::default(),
-            pile_up: PileUp::new(),
-            t_end,
-            h: 0.0,
-            at: start,
-            from: start,
-            orders: [0; G],
-            last: (start, start),
-            dense: Dense::resting(start.t, start.x),
-            wants_dense: true,
-            event: None,
-        };
+        let mut run = Run::new(start, t_end, options);
         let (mode, due) = match system.first_mode(&mut run)? {
             Some((mode, orders)) => {
                 run.orders = orders;
@@ -140,6 +125,32 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             branch: system.branch(&start),
             last_mode: mode,
             due,
+        })
+    }
+
+    /// An integration that stays in a mode to its end, whatever the guards do. Contact is lost or
+    /// kept as at `inside`.
+    ///
+    /// # Errors
+    /// Those of [`Integration::new`].
+    pub(crate) fn held(
+        system: &'a S,
+        (mode, inside): (S::Mode, &Timed<N>),
+        start: Timed<N>,
+        t_end: f64,
+        options: &Options,
+    ) -> Result<Self, Error> {
+        system.check(&start, t_end, options)?;
+        let mut run = Run::new(start, t_end, options);
+        run.is_held = true;
+        Ok(Integration {
+            system,
+            run,
+            stepper: Stepper::new(options),
+            mode,
+            branch: system.branch(inside),
+            last_mode: mode,
+            due: Due::Begin,
         })
     }
 

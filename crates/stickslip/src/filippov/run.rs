@@ -39,6 +39,8 @@ pub struct Run<const N: usize, const G: usize> {
     pub wants_dense: bool,
     /// The last event.
     pub event: Option<Event<N>>,
+    /// Whether the mode is kept, whatever its guards do.
+    pub is_held: bool,
 }
 
 /// What came of a try to step.
@@ -53,6 +55,26 @@ pub enum Trial {
 }
 
 impl<const N: usize, const G: usize> Run<N, G> {
+    /// A run that has yet to begin.
+    pub(crate) fn new(start: Timed<N>, t_end: f64, options: &Options) -> Self {
+        Run {
+            options: *options,
+            states: N,
+            counters: Counters::default(),
+            pile_up: PileUp::new(),
+            t_end,
+            h: 0.0,
+            at: start,
+            from: start,
+            orders: [0; G],
+            last: (start, start),
+            dense: Dense::resting(start.t, start.x),
+            wants_dense: true,
+            event: None,
+            is_held: false,
+        }
+    }
+
     /// Takes the step to `at`, and the event there, as the last one.
     #[inline(always)]
     pub(crate) fn accept(&mut self, at: Timed<N>, event: Option<&Event<N>>) -> Trial {

@@ -109,7 +109,7 @@ impl<const N: usize> Slopes<N> {
             field_calls: Cell::new(0),
         };
         // What is inside the step says no more to the search than where nobody asks for it.
-        let found = if is_far {
+        let found = if is_far || run.is_held {
             Ok(None)
         } else {
             run.first_event(&origin, &dense)

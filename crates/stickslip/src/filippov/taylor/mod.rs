@@ -320,7 +320,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         }
         let (mut at, mut rest_there) = self.end(run);
         let (kink, is_tie) = self.first_kink();
-        let event = if self.is_clear {
+        let event = if self.is_clear || run.is_held {
             Ok(None)
         } else {
             let reach = kink.map_or((1.0, at), |kink| (kink.before, piece.at(kink.before).0));
@@ -370,7 +370,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         }
         let mut jump = None;
         if kink.is_some() {
-            jump = jumped(flow, &at, &run.options);
+            jump = jumped(flow, &at, &run.options).filter(|_| !run.is_held);
             let field = flow.velocity(at.t, &at.x) * h;
             note_turn(&mut self.turns, &at, [&slope, &field], &run.options)?;
         }
