@@ -772,3 +772,73 @@ fn a_branch_ends_with_the_reason_where_static_friction_falls_below_kinetic() {
         assert_eq!(json["ends"][1]["stop"], "range");
     }
 }
+
+/// `y' = cos t - c y` touches the roof `y = p`, above which it is pushed down, at
+/// `p √(1 + c²) = 1`.
+const LAG: &str = r#"
+name = "lag"
+[time]
+period = "2*pi"
+[states]
+y = ""
+[parameters]
+p = { value = 1.1, range = [0.3, 2] }
+c = 0.5
+[contacts.roof]
+boundary = "y - p"
+[definitions]
+above = "by_side(roof, 0, 1)"
+[field]
+y = "(1 - above)*(cos(t) - c*y) - above"
+[start]
+y = 0.4
+"#;
+
+#[test]
+fn a_change_is_followed_in_two_parameters_along_its_closed_form() {
+    let top = tempfile::tempdir().unwrap();
+    let path = top.path().join("lag.toml");
+    std::fs::write(&path, LAG).unwrap();
+    let file = path.to_str().unwrap();
+    let arguments = [file, "--parameter", "p=0.5:1.2", "--also", "c=0.2:2.5"];
+    let output = program(top.path(), &arguments)
+        .arg("--json")
+        .assert()
+        .success();
+    let json: Value = serde_json::from_slice(&output.get_output().stdout).unwrap();
+    let [curve] = json["curves"].as_array().unwrap().as_slice() else {
+        panic!("{json:#}");
+    };
+    assert_eq!(curve["change"]["sequence"]["name"], "grazing-sliding");
+    assert_eq!(curve["stops"], serde_json::json!(["range", "range"]));
+    let folder = top.path().join("stickslip-output");
+    let mut table = csv::Reader::from_path(folder.join("curves.csv")).unwrap();
+    let rows: Vec<std::collections::HashMap<String, String>> =
+        table.deserialize().map(Result::unwrap).collect();
+    assert_eq!(Some(rows.len() as u64), curve["points"].as_u64());
+    assert!(rows.len() > 10);
+    let of = |row: &std::collections::HashMap<String, String>, key: &str| -> f64 {
+        row[key].parse().unwrap()
+    };
+    for row in &rows {
+        let (c, p) = (of(row, "c"), of(row, "p"));
+        assert!((p * (1.0 + c * c).sqrt() - 1.0).abs() < 1e-9, "{c} {p}");
+    }
+    // From one end of the range of c to the lower end of that of p.
+    assert!((of(&rows[0], "c") - 0.2).abs() < 1e-9);
+    assert!((of(rows.last().unwrap(), "p") - 0.5).abs() < 1e-9);
+    let svg = std::fs::read_to_string(folder.join("curves.svg")).unwrap();
+    assert!(svg.contains("grazing-sliding"));
+    // What cannot be followed is told with a remedy.
+    let wrong = [
+        ("p=0.5:1", "another parameter"),
+        ("c=1:2", "--set c="),
+        ("d=1:2", "`d`"),
+    ];
+    for (also, told) in wrong {
+        let arguments = [file, "--parameter", "p=0.5:1.2", "--also", also];
+        let output = program(top.path(), &arguments).assert().code(2);
+        let error = String::from_utf8(output.get_output().stderr.clone()).unwrap();
+        assert!(error.contains(told), "{also}: {error}");
+    }
+}

@@ -365,3 +365,44 @@ fn a_system_without_contacts_is_smooth() {
         .code(2)
         .stderr(told);
 }
+
+/// Crossing cycles about a two-fold (C24): above the boundary the field is tangent to it where
+/// `p = sin(x) + x^2`, below where `x = 1/10`, and at one parameter at the same place.
+#[test]
+fn crossing_cycles_shrink_to_a_two_fold_at_a_known_parameter() {
+    let text = r#"
+name = "two-fold"
+[states]
+x = ""
+y = ""
+[parameters]
+p = 0.3
+[contacts.edge]
+boundary = "y"
+[definitions]
+above = "by_side(edge, 0, 1)"
+[field]
+x = "2*above - 1"
+y = "above*(p - sin(x) - x^2) - (1 - above)*(x - 0.1)"
+[start]
+x = -0.9
+y = 0.05
+"#;
+    let exact = math::sin(0.1) + 0.01;
+    for method in METHODS {
+        let (_top, mut command) = program(text);
+        command.args(["continue", "system.toml", "--parameter", "p=0:0.5"]);
+        command.args(["--method", method, "--tol", "1e-12", "--json"]);
+        let output = command.assert().success().get_output().stdout.clone();
+        let found: Value = serde_json::from_slice(&output).unwrap();
+        let end = &found["ends"][0];
+        assert_eq!(end["stop"], "two-fold", "{found:#}");
+        let told = |key: &str| end["two_fold"][key].as_f64().unwrap();
+        let off = (told("parameter") - exact).abs();
+        let uncertainty = told("uncertainty");
+        assert!(
+            off <= uncertainty && uncertainty < 1e-9,
+            "{method}: {off:e} {uncertainty:e}"
+        );
+    }
+}

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::builder::{Builder, Inputs, Scope, no_number};
+use super::builder::{Builder, Freed, Inputs, Scope, no_number};
 use super::problem::Problem;
 use super::{Formula, Rate, SystemFile};
 use crate::expression::{Binary, Graph, Id, NotANumber, Tape, TooLarge};
@@ -109,9 +109,9 @@ pub(crate) fn values(file: &SystemFile) -> Vec<f64> {
 pub(crate) enum Variant {
     /// As in the file.
     AsWritten,
-    /// This parameter is a state behind those of the file, whose rate is zero. Time is measured so
-    /// that the period, if there is one, is everywhere what it is with the given values.
-    Free(usize),
+    /// These parameters are states behind those of the file, whose rates are zero. Time is measured
+    /// so that the period, if there is one, is everywhere what it is with the given values.
+    Free(Freed),
     /// Time is measured so that the period, if there is one, is this.
     InPeriod(f64),
 }
@@ -239,7 +239,7 @@ fn tape(
     roots: &[Id],
     inputs: Inputs<'_>,
 ) -> Result<Tape, Problem> {
-    let states = file.states.len() + usize::from(inputs.has_free());
+    let states = file.states.len() + inputs.count_free();
     let too_large = |error: TooLarge| Problem::new(error.to_string(), 0..0);
     Tape::new(graph, roots, states).map_err(too_large)
 }
@@ -252,9 +252,9 @@ fn inputs<'a>(
     graph: &mut Graph,
 ) -> Result<Inputs<'a>, Problem> {
     let (free, reference) = match variant {
-        Variant::AsWritten => (None, period(file, values)?),
-        Variant::Free(parameter) => (Some(parameter), period(file, values)?),
-        Variant::InPeriod(reference) => (None, Some(reference)),
+        Variant::AsWritten => ([None; 2], period(file, values)?),
+        Variant::Free(freed) => (freed, period(file, values)?),
+        Variant::InPeriod(reference) => ([None; 2], Some(reference)),
     };
     let inputs = Inputs::free(values, free);
     Ok(inputs.paced(pace(file, inputs, reference, graph)?))

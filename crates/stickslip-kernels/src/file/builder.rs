@@ -19,26 +19,29 @@ pub(super) enum Scope {
     Constant(&'static str),
 }
 
+/// Up to two parameters that are states.
+pub(crate) type Freed = [Option<usize>; 2];
+
 /// What the parameters and time are in an expression.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Inputs<'a> {
     /// Values of the parameters.
     values: &'a [f64],
-    /// A parameter that is a state behind those of the file instead.
-    free: Option<usize>,
-    /// How fast the file's time passes in the time of the expressions, where that depends on the
-    /// free parameter.
+    /// Parameters that are states behind those of the file instead, in this order.
+    free: Freed,
+    /// How fast the file's time passes in the time of the expressions, where that depends on a free
+    /// parameter.
     pace: Option<Id>,
 }
 
 impl<'a> Inputs<'a> {
     /// Every parameter has its value.
     pub(super) fn fixed(values: &'a [f64]) -> Self {
-        Self::free(values, None)
+        Self::free(values, [None; 2])
     }
 
-    /// One of the parameters may be a state.
-    pub(super) fn free(values: &'a [f64], free: Option<usize>) -> Self {
+    /// Some of the parameters may be states.
+    pub(super) fn free(values: &'a [f64], free: Freed) -> Self {
         Inputs {
             values,
             free,
@@ -46,9 +49,17 @@ impl<'a> Inputs<'a> {
         }
     }
 
-    /// Whether a parameter is a state.
-    pub(super) fn has_free(&self) -> bool {
-        self.free.is_some()
+    /// How many parameters are states.
+    pub(super) fn count_free(&self) -> usize {
+        self.free.iter().flatten().count()
+    }
+
+    /// Which of those a parameter is.
+    fn place(&self, parameter: usize) -> Option<usize> {
+        self.free
+            .iter()
+            .flatten()
+            .position(|free| *free == parameter)
     }
 
     /// The same in another time.
@@ -135,7 +146,7 @@ impl<'a> Builder<'a> {
             let rate = self.formula(formula)?;
             built.push(self.in_time(rate, formula.whole())?);
         }
-        if self.inputs.free.is_some() {
+        for _ in 0..self.inputs.count_free() {
             let none = self.graph.constant(0.0);
             built.push(none.map_err(|error| no_number(error, 0..0))?);
         }
@@ -192,10 +203,11 @@ impl<'a> Builder<'a> {
                 made.map_err(|error| no_number(error, place))
             }
             (Meaning::Parameter(number), Scope::Sides { .. } | Scope::NoSides(_))
-                if self.inputs.free == Some(number) =>
+                if self.inputs.place(number).is_some() =>
             {
                 let states = self.file.map_or(0, |file| file.states.len());
-                Ok(self.graph.state(states))
+                let behind = self.inputs.place(number).unwrap_or(0);
+                Ok(self.graph.state(states + behind))
             }
             (Meaning::Parameter(number), _) => {
                 let made = self.graph.constant(self.inputs.values[number]);

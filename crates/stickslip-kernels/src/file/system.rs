@@ -150,7 +150,20 @@ impl System {
     /// # Errors
     /// [`SettingError::File`] where the expressions are too large with one more state.
     pub fn along(&self, parameter: usize) -> Result<DynamicsRef<'static>, SettingError> {
-        self.varied(Variant::Free(parameter), self.states() + 1)
+        self.varied(Variant::Free([Some(parameter), None]), self.states() + 1)
+    }
+
+    /// [`System::along`] with two parameters as states, of which this one is the last.
+    ///
+    /// # Errors
+    /// As [`System::along`].
+    pub fn along_both(
+        &self,
+        other: usize,
+        parameter: usize,
+    ) -> Result<DynamicsRef<'static>, SettingError> {
+        let freed = [Some(other), Some(parameter)];
+        self.varied(Variant::Free(freed), self.states() + 2)
     }
 
     /// The system in a time in which the period, if it has one, is the one given.
@@ -372,7 +385,7 @@ mod tests {
             (0..count).map(line).collect()
         };
         let text = format!(
-            "name = \"many\"\n[parameters]\nk = 1\n[states]\n{}[field]\n{}{}",
+            "name = \"many\"\n[parameters]\nk = 1\nunused = 1\n[states]\n{}[field]\n{}{}",
             each(states, &|i| format!("x{i} = \"\"\n")),
             each(states, &|i| match i {
                 0 => format!(
@@ -394,6 +407,7 @@ mod tests {
         let most = system(64, 1).unwrap();
         assert_eq!(most.dynamics().states(), 64);
         assert_eq!(most.along(0).unwrap().states(), 65);
+        assert_eq!(most.along_both(1, 0).unwrap().states(), 66);
         assert_eq!(most.in_period(None).unwrap().states(), 64);
     }
 

@@ -49,7 +49,7 @@ fn of_one_contact(
         3 => sized::<3>(system, section, size),
         4 => sized::<4>(system, section, size),
         5..=8 => sized::<8>(system, section, size),
-        9..=65 => sized::<65>(system, section, size),
+        9..=66 => sized::<66>(system, section, size),
         _ => return None,
     })
 }
@@ -75,7 +75,7 @@ fn of_many_contacts(
     Some(match size {
         (0..=4, 0..=2) => sized::<4, 2>(system, section, size),
         (0..=9, 0..=4) => sized::<9, 4>(system, section, size),
-        (0..=65, 0..=16) => sized::<65, 16>(system, section, size),
+        (0..=66, 0..=16) => sized::<66, 16>(system, section, size),
         _ => return None,
     })
 }

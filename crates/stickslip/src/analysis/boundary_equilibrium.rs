@@ -2,7 +2,6 @@
 
 use super::attractors::rest::{equilibrium_near, least_guard};
 use super::critical::zero_between;
-use super::sequence::locate::Known;
 use crate::dynamics::{Dynamics, Modes, Moment, Vector};
 
 /// An orbit may end in an equilibrium that it comes to within this part of a wider one's extent.
@@ -30,43 +29,48 @@ impl Held {
     }
 }
 
+/// A periodic orbit on the way to an equilibrium.
+pub(super) struct Approach {
+    pub parameter: f64,
+    pub modes: Vec<Modes>,
+    /// The states at which the phases begin.
+    pub begins: Vec<Vector>,
+    pub extent: f64,
+}
+
 /// The parameter at which periodic orbits end in an equilibrium of one mode, and that equilibrium.
 /// Their transitions come ever nearer to it, while it comes to the edge of where its mode holds.
 /// They shrink to it, or pass by it ever more slowly.
 ///
 /// The orbits are in order. `held` has the equilibrium of a mode near a state at a parameter; the
 /// first `free` components of it are states. `widest` is how far an orbit goes that is not near.
-pub(super) fn ends_in<B>(
-    orbits: &[&Known<B>],
+pub(super) fn ends_in(
+    orbits: &[Approach],
     widest: f64,
     free: usize,
-    parameter: impl Fn(&Known<B>) -> f64,
     held: impl Fn(f64, Modes, &Vector) -> Option<Held>,
 ) -> Option<(f64, Vector)> {
-    let parts = &orbits.first()?.circuit.parts;
-    if parts.len() < 2 {
+    let modes = &orbits.first()?.modes;
+    if modes.len() < 2 {
         return None;
     }
-    parts.iter().find_map(|part| {
-        let mode = part.mode;
+    modes.iter().find_map(|&mode| {
         // The distance, and the state there.
-        let near = |one: &Known<B>| {
+        let near = |one: &Approach| {
             let away = |x: &Vector| {
-                let rest = held(parameter(one), mode, x)?.x;
+                let rest = held(one.parameter, mode, x)?.x;
                 Some(((rest - x).rows(0, free).amax(), x.clone()))
             };
-            let parts = one.circuit.parts.iter();
-            let ends = parts.filter_map(|part| part.first.as_ref());
-            let nearest = ends.filter_map(|at| away(&at.x));
+            let nearest = one.begins.iter().filter_map(away);
             nearest.min_by(|a, b| a.0.total_cmp(&b.0))
         };
         // The last ones may be as near to it as they can be computed.
-        let is_near = |one: &&Known<B>| near(one).is_some_and(|at| at.0 < SMALL * widest);
+        let is_near = |one: &Approach| near(one).is_some_and(|at| at.0 < SMALL * widest);
         let number = orbits.iter().position(is_near)?.max(1);
-        let (before, last) = (*orbits.get(number - 1)?, *orbits.get(number)?);
+        let (before, last) = (orbits.get(number - 1)?, orbits.get(number)?);
         let ((further, _), (distance, mut x)) = (near(before)?, near(last)?);
-        let here = parameter(last);
-        let way = (here - parameter(before)) * distance / (further - distance);
+        let here = last.parameter;
+        let way = (here - before.parameter) * distance / (further - distance);
         if distance * (1.0 + APART) >= further || distance >= SMALL * widest || way == 0.0 {
             return None;
         }
@@ -84,6 +88,6 @@ pub(super) fn ends_in<B>(
         let end = zero_between((here, one), (beyond, other), &mut guard)?;
         guard(end)?;
         let off = (&x - start).rows(0, free).amax();
-        (off <= NEAR * last.circuit.extent).then_some((end, x))
+        (off <= NEAR * last.extent).then_some((end, x))
     })
 }

@@ -3,7 +3,7 @@
 use nalgebra::Complex;
 
 use super::multipliers::eigenvalues;
-use crate::dynamics::{Matrix, Vector};
+use crate::dynamics::Matrix;
 
 /// The functions at one orbit.
 #[derive(Clone, Debug)]
@@ -21,26 +21,16 @@ pub(super) struct Critical {
 }
 
 impl Critical {
-    /// Of a monodromy matrix, square in the states; of a system that does not depend on time with
-    /// the vector that moves the orbit at its start. Of an orbit of a family of some dimension as
-    /// many multipliers are 1 wherever it is, and tell nothing.
-    pub fn of(matrix: &Matrix, flow: Option<&Vector>, family: usize) -> Self {
+    /// Of the derivative of the flow map over the period, across the flow where the system does not
+    /// depend on time. Of an orbit of a family of some dimension as many multipliers are 1 wherever
+    /// it is, and tell nothing.
+    pub fn of(matrix: &Matrix, family: usize) -> Self {
         let states = matrix.nrows();
         let shifted = |by: f64| matrix + Matrix::identity(states, states) * by;
-        let one = match flow {
-            _ if family > 0 => 0.0,
-            None => shifted(-1.0).determinant(),
-            Some(flow) => {
-                let mut bordered = shifted(-1.0).resize(states + 1, states + 1, 0.0);
-                // Of length 1, so that it is the same wherever on the orbit the start is.
-                let flow = flow / flow.norm();
-                for i in 0..states {
-                    bordered[(i, states)] = flow[i];
-                    bordered[(states, i)] = flow[i];
-                }
-                // Of one sign with the forced one's: the border takes the trivial multiplier's place.
-                -bordered.determinant()
-            }
+        let one = if family > 0 {
+            0.0
+        } else {
+            shifted(-1.0).determinant()
         };
         let mut multipliers = eigenvalues(matrix);
         multipliers.sort_by(|a, b| b.norm_sqr().total_cmp(&a.norm_sqr()));
@@ -50,9 +40,6 @@ impl Critical {
             nearest.map(|k| values.remove(k));
             values
         };
-        if flow.is_some() {
-            multipliers = without_nearest(multipliers);
-        }
         let others = (0..family).fold(multipliers.clone(), |others, _| without_nearest(others));
         let pairs = others.iter().filter(|value| value.im > 0.0);
         let nearest = pairs.min_by(|a, b| {
@@ -107,21 +94,4 @@ pub(super) fn zero_between(
         (b, at_b) = (next, value);
     }
     Some(b)
-}
-
-/// A function of the multipliers at an orbit, and the parameter there.
-#[derive(Clone, Copy)]
-pub(super) struct Value {
-    pub function: f64,
-    pub parameter: f64,
-}
-
-/// By how much the parameter may be off at which a function is about zero, from its value there and next to that on either side, equally far along the branch:
-/// what the value lacks of zero, by the second difference what rounding leaves of it, and what the tolerances may have it off by, over its slope.
-pub(super) fn uncertainty_of_zero(at: Value, beside: [Value; 2], by_tolerance: f64) -> f64 {
-    let [before, behind] = beside.map(|value| value.function);
-    let lacks = at.function.abs() + (behind - 2.0 * at.function + before).abs() + by_tolerance;
-    // At a fold the parameter changes by the square of the way only.
-    let ways = beside.map(|value| (value.parameter - at.parameter).abs());
-    ways[0].max(ways[1]) * (2.0 * lacks / (behind - before)).abs()
 }

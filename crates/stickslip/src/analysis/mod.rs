@@ -8,6 +8,7 @@ mod bifurcation;
 mod boundary_equilibrium;
 mod continuation;
 mod critical;
+mod cycle;
 mod destination;
 mod lagrange;
 mod lyapunov;
@@ -16,7 +17,6 @@ pub mod motion;
 mod multipliers;
 mod periodic;
 mod poincare;
-mod sequence;
 mod stability;
 mod tangency;
 mod tangent;
@@ -27,9 +27,10 @@ pub use attractors::{
 pub use basin::{Basin, Share, basin};
 pub use bifurcation::{AttractorChange, Sweep, SweepPoint, SweepSettings, WhatChanges, sweep};
 pub use continuation::{
-    Branch, BranchPoint, ContinuationSettings, Special, SpecialPoint, Stop,
-    continue_periodic_orbit, continue_periodic_orbit_while,
+    Branch, BranchPoint, ContinuationSettings, Curve, CurvePoint, CurveStop, Special, SpecialPoint,
+    Stop, continue_change, continue_periodic_orbit, continue_periodic_orbit_while,
 };
+pub use cycle::{SequenceBifurcation, SequenceChange};
 pub use destination::{Destination, destination};
 pub use lyapunov::{
     Exponent, Growth, Running, Spectrum, SpectrumOptions, lyapunov_spectrum,
@@ -39,7 +40,6 @@ pub use monodromy::{Monodromy, monodromy};
 pub use multipliers::multipliers;
 pub use periodic::{PeriodicOrbit, find_periodic_orbit, periodic_orbit, periodic_orbit_forced};
 pub use poincare::{PoincareMap, Return};
-pub use sequence::{SequenceBifurcation, SequenceChange};
 pub use stability::Stability;
 pub use tangency::{Visibility, tangency, visibility};
 pub use tangent::saltation;

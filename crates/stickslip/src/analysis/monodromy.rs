@@ -126,7 +126,7 @@ impl TangentMap {
     }
 
     /// Takes the direction of this velocity out of all columns.
-    fn take_out(&mut self, velocity: &Vector) {
+    pub(super) fn take_out(&mut self, velocity: &Vector) {
         let square = velocity.norm_squared();
         // At rest there is no direction.
         if square == 0.0 {
@@ -141,8 +141,13 @@ impl TangentMap {
         }
     }
 
+    /// The derivative without what was taken out of it, and that.
+    pub(super) fn apart(&self) -> (Matrix, Option<&Vector>) {
+        (self.matrix(), self.along.as_ref())
+    }
+
     /// With what was taken out.
-    fn whole(&self, velocity: &Vector) -> Matrix {
+    pub(super) fn whole(&self, velocity: &Vector) -> Matrix {
         match &self.along {
             Some(along) => self.matrix() + velocity * along.transpose(),
             None => self.matrix(),

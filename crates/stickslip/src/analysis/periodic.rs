@@ -2,7 +2,6 @@
 
 use super::anchor::Anchor;
 use super::monodromy::{Monodromy, Turn, turn};
-use super::sequence::determined::Closing;
 use crate::dynamics::{
     AsDynamics, Components, Dynamics, Happening, Matrix, Moment, Section, Vector,
 };
@@ -53,7 +52,7 @@ pub fn periodic_orbit_forced<Kind>(
     let system = &*system.dynamics();
     let at = Moment { t, x: x.vector() };
     let start = Anchor::at_start(system, at, t + period, options)?;
-    Ok(shoot(system, &start, period, true, options)?.0)
+    shoot(system, &start, period, true, options)
 }
 
 /// The periodic orbit near `x`, with a period near `period` (less than twice that), of a system that does not depend on time, by Newton's
@@ -82,7 +81,7 @@ pub fn periodic_orbit<Kind>(
         x: x.vector(),
     };
     let start = Anchor::at_start(system, at, period, options)?;
-    Ok(shoot(system, &start, period, false, options)?.0)
+    shoot(system, &start, period, false, options)
 }
 
 /// The periodic orbit that the orbit from `x0` comes to, of a system that does not depend on time; no guess is needed.
@@ -169,25 +168,24 @@ pub fn find_periodic_orbit<Kind>(
     let near = 2.0 * nearest.max(TOLERANCES * blurred);
     let first = returns.iter().find(|r| r.1 <= near);
     let &(period, _) = first.ok_or_else(not_found)?;
-    Ok(shoot(system, &start.at_time(0.0), period, false, options)?.0)
+    shoot(system, &start.at_time(0.0), period, false, options)
 }
 
 /// Newton's iteration from a guess; unless the system is driven, with that period, the period is unknown too, and along the flow at the
-/// guess no correction is made. A guess in stick is kept on its boundary. With it goes how it
-/// closes. Of a family the orbit is found that is nearest to the guess: the iteration goes along no
+/// guess no correction is made. A guess in stick is kept on its boundary.  Of a family the orbit is found that is nearest to the guess: the iteration goes along no
 /// direction that is free, which away from the orbit only the outcome tells.
-pub(super) fn shoot(
+fn shoot(
     system: &dyn Dynamics,
     guess: &Anchor,
     guessed: f64,
     is_forced: bool,
     options: &Options,
-) -> Result<(PeriodicOrbit, Closing), Error> {
+) -> Result<PeriodicOrbit, Error> {
     let with_free = |free| iterate(system, guess, guessed, is_forced, options, free);
     match with_free(0) {
-        Ok(found) if found.0.family > 0 => with_free(found.0.family).or(Ok(found)),
+        Ok(found) if found.family > 0 => with_free(found.family).or(Ok(found)),
         Err(error @ Error::NotConverged { .. }) => {
-            let of_family = with_free(1).ok().filter(|found| found.0.family > 0);
+            let of_family = with_free(1).ok().filter(|found| found.family > 0);
             of_family.ok_or(error)
         }
         outcome => outcome,
@@ -202,7 +200,7 @@ fn iterate(
     is_forced: bool,
     options: &Options,
     free: usize,
-) -> Result<(PeriodicOrbit, Closing), Error> {
+) -> Result<PeriodicOrbit, Error> {
     let by_tolerance = TOLERANCES * options.atol.max(options.rtol);
     let (mut residual, mut wanted) = (f64::INFINITY, by_tolerance);
     let mut at = guess.clone().begun(system, guess.t + guessed, options)?;
@@ -229,14 +227,6 @@ fn iterate(
         if size <= wanted && size >= 0.5 * residual || size == 0.0 {
             let solved = correction(&turn, &gap, phase.as_ref(), options, 0);
             let family = solved.map_or(0, |(_, free)| free);
-            let closing = Closing {
-                states: at.x.len(),
-                matrix: monodromy.matrix.clone(),
-                flow: phase.as_ref().map(|_| at.velocity(system)),
-                by_rounding: left(&gap, wanted, monodromy, &at.x),
-                by_tolerance: by_tolerance_of(&at.x, options),
-                family,
-            };
             let cycle = PeriodicOrbit {
                 t: at.t,
                 x: at.x.clone(),
@@ -245,7 +235,7 @@ fn iterate(
                 residual: size,
                 family,
             };
-            return Ok((cycle, closing));
+            return Ok(cycle);
         }
         residual = size;
         // An equilibrium repeats itself after any time; the iteration may fall into one.
@@ -274,26 +264,9 @@ fn iterate(
 
 /// What rounding may leave of a turn's gap: some units in the last place of the state for every step (the weights of a step of
 /// order 8 add up to 14), enlarged as far as the turn enlarges what is off at its start.
-pub(super) fn rounding(turn: &Monodromy, x: &Vector) -> f64 {
+fn rounding(turn: &Monodromy, x: &Vector) -> f64 {
     let size = x.amax().max(turn.summary.x.amax());
     ULPS * f64::EPSILON * turn.summary.counters.steps as f64 * size * turn.matrix.amax().max(1.0)
-}
-
-/// What may be left of an orbit's gap: where the iteration came to rounding, a few units of that or what it shows; where it did not, all that is allowed.
-pub(super) fn left(gap: &Vector, wanted: f64, turn: &Monodromy, x: &Vector) -> Vector {
-    const ULPS: f64 = 4.0;
-    if gap.amax() > rounding(turn, x) {
-        return Vector::repeat(x.len(), wanted);
-    }
-    let unit = ULPS * f64::EPSILON * turn.summary.counters.steps as f64;
-    let size = x.abs().sup(&turn.summary.x.abs());
-    gap.abs().sup(&(size * unit))
-}
-
-/// What the tolerances may have the return map off by: some of what a step may err by, which its length keeps below that.
-pub(super) fn by_tolerance_of(x: &Vector, options: &Options) -> Vector {
-    const TIMES: f64 = 10.0;
-    (x.abs() * options.rtol).add_scalar(options.atol) * TIMES
 }
 
 /// Newton's correction of state and period, and in how many directions it is free.
@@ -329,7 +302,7 @@ fn correction(
 /// How far the components go in a turn, of one that goes no way as far as the others; and how well
 /// its derivative is known, in parts of its largest singular value: by what tolerances and rounding
 /// leave of an orbit's gap.
-pub(super) fn known(turn: &Turn, options: &Options) -> (Vector, f64) {
+fn known(turn: &Turn, options: &Options) -> (Vector, f64) {
     let by_tolerance = TOLERANCES * options.atol.max(options.rtol);
     let most = turn.reach.amax();
     let other = if most > by_tolerance { most } else { 1.0 };
@@ -371,6 +344,9 @@ pub(super) fn newton_solution(
     }
     if !scaled.iter().all(|v| v.is_finite()) {
         return None;
+    }
+    if error == 0.0 {
+        return Some((matrix.lu().solve(right)?, 0));
     }
     let parts = scaled.svd(true, true);
     let mut values: Vec<f64> = parts.singular_values.iter().copied().collect();

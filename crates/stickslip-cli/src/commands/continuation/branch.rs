@@ -5,8 +5,8 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 use stickslip::analysis::{
-    Branch as Way, BranchPoint, ContinuationSettings, PeriodicOrbit, Special, SpecialPoint, Stop,
-    continue_periodic_orbit_while,
+    Branch as Way, BranchPoint, ContinuationSettings, Curve, PeriodicOrbit, SequenceChange,
+    Special, SpecialPoint, Stop, continue_change, continue_periodic_orbit_while,
 };
 use stickslip::dynamics::{DynamicsRef, Section, Summary, Vector};
 use stickslip::{Ending, Error, Options};
@@ -34,6 +34,15 @@ pub(super) struct Branch {
     pub(super) first: usize,
     /// Why it ends downwards and upwards.
     pub(super) stops: [Stop; 2],
+}
+
+/// A second parameter.
+pub(super) struct Also {
+    pub(super) range: ParameterRange,
+    /// Its value on the branch.
+    value: f64,
+    /// The system with both parameters as states.
+    both: DynamicsRef<'static>,
 }
 
 /// A system, and the parameter along which its orbits are continued.
@@ -121,6 +130,77 @@ impl<'a> Begin<'a> {
             only_begun(&mut down);
         }
         self.joined(down, up, options)
+    }
+
+    /// The system with another parameter as a state, too.
+    pub(super) fn also(&self, range: ParameterRange) -> Result<Also, Failure> {
+        let parameters = self.system.file.parameters.iter();
+        let names: Vec<&str> = parameters.map(|one| one.name.as_str()).collect();
+        let place = |name: &str| names.iter().position(|one| *one == name);
+        let (Some(other), Some(own)) = (place(&range.name), place(&self.range.name)) else {
+            return Err(Failure::Usage(format!(
+                "there is no parameter `{}`",
+                range.name
+            )));
+        };
+        let value = self.system.values[other];
+        if other == own {
+            return Err(Failure::Usage(format!(
+                "--also is for another parameter than --parameter, and both are `{}`",
+                range.name
+            )));
+        }
+        if !(range.low..=range.high).contains(&value) {
+            return Err(Failure::Usage(format!(
+                "{name} = {value} is not in the range of --also from {} to {}: curves begin at its value; choose it with --set {name}=…, or \
+                 another range",
+                range.low,
+                range.high,
+                name = range.name
+            )));
+        }
+        let both = self.system.along_both(other, own)?;
+        Ok(Also { range, value, both })
+    }
+
+    /// Each change of the phases on the branch, followed in two parameters; none where no curve goes
+    /// on from it.
+    pub(super) fn curves(
+        &self,
+        also: &Also,
+        (orbit, periods): (&PeriodicOrbit, Option<u32>),
+        branch: &Branch,
+        settings: &ContinuationSettings,
+        options: &Options,
+    ) -> Result<Vec<(SequenceChange, Option<Curve>)>, Failure> {
+        let settings = ContinuationSettings {
+            forced: periods.map(|_| orbit.period),
+            ..*settings
+        };
+        let x = self.at_zero(orbit, options)?;
+        let x = [x.as_slice(), &[also.value, self.value]].concat();
+        let change = |at: &SpecialPoint| match &at.what {
+            Special::Sequence(change) => Some((at.behind > branch.first, (**change).clone())),
+            _ => None,
+        };
+        let changes: Vec<(bool, SequenceChange)> =
+            branch.special.iter().filter_map(change).collect();
+        let below = changes.iter().filter(|(upwards, _)| !upwards).count();
+        let curve = |(k, (upwards, change)): (usize, (bool, SequenceChange))| {
+            // Each way counts from the orbit that the branch was begun with.
+            let number = if upwards { k - below } else { below - 1 - k };
+            let ranges = (&settings, (also.range.low, also.range.high));
+            let way = (orbit.period, upwards, number);
+            let found = continue_change(&also.both, &*x, way, ranges, options);
+            let told = match found {
+                Ok(curve) => Some(curve),
+                Err(Error::NotFound { .. }) => None,
+                Err(error) => return Err(Failure::from(error)),
+            };
+            Ok((change, told))
+        };
+        let changes: Vec<_> = changes.into_iter().enumerate().collect();
+        changes.into_par_iter().map(curve).collect()
     }
 
     /// A state of the orbit at a time that is a multiple of its period: there the clock of the branch begins.

@@ -136,11 +136,12 @@ fn mark(kind: &Special) -> (&'static str, Color, Shape) {
 }
 
 /// What marks ends of a branch, in the order of the legend.
-const ENDS: [(&str, Shape); 4] = [
+const ENDS: [(&str, Shape); 5] = [
     ("Hopf bifurcation", Shape::Circle),
     ("homoclinic end", Shape::Square),
     ("boundary equilibrium", Shape::Down),
     ("rest", Shape::Diamond),
+    ("two-fold", Shape::Up),
 ];
 
 /// The number of the mark of an end, if it has one.
@@ -150,6 +151,7 @@ fn mark_of_end(stop: &Stop) -> Option<usize> {
         Stop::Homoclinic { .. } => Some(1),
         Stop::BoundaryEquilibrium { .. } => Some(2),
         Stop::Rest => Some(3),
+        Stop::TwoFold { .. } => Some(4),
         _ => None,
     }
 }
@@ -158,7 +160,9 @@ fn mark_of_end(stop: &Stop) -> Option<usize> {
 fn end_mark(end: &Point, stop: &Stop, value: Value, is_extent: bool) -> (f64, f64) {
     let (least, greatest) = end.extremes[0];
     let height = match stop {
-        Stop::Equilibrium { .. } | Stop::BoundaryEquilibrium { .. } if is_extent => {
+        Stop::Equilibrium { .. } | Stop::BoundaryEquilibrium { .. } | Stop::TwoFold { .. }
+            if is_extent =>
+        {
             0.5 * (least + greatest)
         }
         _ => value(end),
@@ -166,6 +170,7 @@ fn end_mark(end: &Point, stop: &Stop, value: Value, is_extent: bool) -> (f64, f6
     let place = match *stop {
         Stop::Equilibrium { parameter, .. }
         | Stop::BoundaryEquilibrium { parameter }
+        | Stop::TwoFold { parameter, .. }
         | Stop::Homoclinic { parameter, .. } => parameter,
         _ => end.orbit.parameter,
     };

@@ -1,6 +1,7 @@
 //! `stickslip continue`: a periodic orbit followed along a parameter.
 
 mod branch;
+mod curves;
 mod figure;
 
 use std::f64::consts::TAU;
@@ -25,13 +26,18 @@ use branch::{Begin, Point};
 ///
 /// The orbit is found at the parameter's present value (that of the file, or of --set) and followed both ways by pseudo-arclength. Where a
 /// multiplier is 1 or -1 or a pair is on the unit circle, and where the phases change, the place is located and named; so is an end in an
-/// equilibrium, on the boundary or off it, a homoclinic orbit or rest. Of a driven system the parameter may be one that the period depends on. Writes
-/// branch.csv, special.csv and continue.svg.
+/// equilibrium, on the boundary or off it, a homoclinic orbit or rest. Of a driven system the parameter may be one that the period depends on. With
+/// --also each change of the phases is followed in two parameters. Writes branch.csv, special.csv and continue.svg; with --also curves.csv and
+/// curves.svg.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// The parameter and the range in which the branch is followed
     #[arg(long, value_name = "NAME=LOW:HIGH")]
     parameter: String,
+
+    /// A second parameter and its range: each change of the phases on the branch is followed in both
+    #[arg(long, value_name = "NAME=LOW:HIGH")]
+    also: Option<String>,
 
     /// First and longest step, as a part of the range and of the orbit's size
     #[arg(long, value_name = "PART", default_value_t = 0.02)]
@@ -63,6 +69,10 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<Report, Failure> {
         ..ContinuationSettings::over(range.low, range.high)
     };
     settings.check()?;
+    let also = arguments.also.as_deref();
+    let also = also.map(|text| ParameterRange::new("--also", text, system));
+    let also = also.transpose()?;
+    let also = also.map(|other| begin.also(other)).transpose()?;
     let (orbit, periods) = arguments
         .search
         .found(system, (ready.t, &ready.x), options)?;
@@ -121,6 +131,7 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<Report, Failure> {
             "error": null,
             "hopf": null,
             "boundary_equilibrium": null,
+            "two_fold": null,
             "homoclinic": null,
         });
         if let Some((key, value)) = &end.detail {
@@ -137,6 +148,12 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<Report, Failure> {
     let rows = first.into_iter().chain(special).chain(last);
     report.table(special_columns(system, name).csv("special", rows)?);
     report.figure("continue", &figure::diagram(system, &range, &branch))?;
+    if let Some(also) = also {
+        let curves = patiently("following the changes in two parameters", |_| {
+            begin.curves(&also, (&orbit, periods), &branch, &settings, options)
+        })?;
+        curves::report(&mut report, system, &range, &also, &curves)?;
+    }
     Ok(report)
 }
 
@@ -252,6 +269,21 @@ impl End {
                 ),
                 detail: Some(("boundary_equilibrium", json!(parameter))),
                 row: row("boundary equilibrium", parameter, None, None),
+            },
+            Stop::TwoFold {
+                parameter,
+                uncertainty,
+            } => End {
+                stop: "two-fold",
+                words: format!(
+                    "in a two-fold, to which it shrinks: at {name} = {}",
+                    within(parameter, uncertainty)
+                ),
+                detail: Some((
+                    "two_fold",
+                    json!({ "parameter": parameter, "uncertainty": uncertainty }),
+                )),
+                row: row("two-fold", parameter, Some(uncertainty), None),
             },
             Stop::Homoclinic {
                 parameter,

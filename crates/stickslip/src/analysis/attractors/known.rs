@@ -3,8 +3,7 @@
 use super::reached::{Kind, Reached, turns};
 use super::recurrent::is_same_set;
 use super::rest::{holds, off_by};
-use crate::analysis::periodic::shoot;
-use crate::analysis::sequence::circuit_from;
+use crate::analysis::cycle::{Outline, Shooting};
 use crate::dynamics::{AsDynamics, DynamicsRef, Modes, Moment, Vector};
 use crate::filippov::Options;
 
@@ -168,12 +167,12 @@ impl<'a> Attractors<'a> {
     fn family_near(&self, at: &Moment, period: f64, distance: f64) -> usize {
         let found = || {
             let (system, options) = (&*self.system, &self.options);
-            let guess = circuit_from(system, at, period, options)?;
-            let is_forced = self.forcing.is_some();
-            let found = shoot(system, &guess.anchor, period, is_forced, options);
-            let orbit = found.ok()?.0;
-            let is_near = (orbit.x - &guess.anchor.x).norm() < 0.5 * distance;
-            is_near.then_some(orbit.family)
+            let guess = Outline::of_run(system, at, period, options).ok()?;
+            let forced = self.forcing.is_some().then_some(period);
+            let shooting = Shooting::of(system, &guess, forced, options);
+            let orbit = shooting.nearest(&guess, None)?;
+            let way = &orbit.outline.begin.x - &guess.begin.x;
+            (way.norm() < 0.5 * distance).then_some(orbit.family)
         };
         found().unwrap_or(0)
     }

@@ -1,17 +1,16 @@
 //! A sweep of one parameter that carries the state on: bifurcation diagrams, with hysteresis by a second sweep the other way.
 
 mod change;
-mod multiplier;
+mod follow;
 mod stability;
 
 use super::attractors::{Kind, Reached, RecurrenceSettings, attractor_of};
 use super::continuation::Special;
+use super::cycle::SequenceChange;
 use super::lyapunov::{Exponent, SpectrumOptions, spectrum_of};
-use super::sequence::SequenceChange;
 use crate::dynamics::{AsDynamics, Components, DynamicsRef, Moment, Vector};
 use crate::error::Error;
 use crate::filippov::Options;
-pub(super) use change::{extrapolated, pair_for};
 
 /// Makes the system of each parameter.
 type Family<'a> = dyn Fn(f64) -> DynamicsRef<'a> + 'a;

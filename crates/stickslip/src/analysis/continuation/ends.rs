@@ -1,13 +1,16 @@
 //! Where a branch ends.
 
 use super::Stop;
-use super::corrector::{Guess, OnBranch, parameter, with_parameter};
+use super::line::unit;
 use super::rest::hopf;
-use super::walk::{RESOLUTION, Walk};
-use crate::analysis::anchor::Anchor;
+use super::walk::Walk;
+use super::{critical, parameter_of, with_parameter};
 use crate::analysis::attractors::is_same_cycle;
-use crate::analysis::boundary_equilibrium::{Held, ends_in};
-use crate::dynamics::{Moment, Orbit, Vector, run};
+use crate::analysis::boundary_equilibrium::{Approach, Held, ends_in};
+use crate::analysis::cycle::{Cycle, Site};
+use crate::analysis::lagrange::weights;
+use crate::dynamics::{Happening, Modes, Moment, Orbit, Section, Vector, run};
+use crate::filippov::Direction;
 
 /// An orbit of less than this part of the widest one's extent is about to be an equilibrium.
 const SMALL: f64 = 0.04;
@@ -15,115 +18,145 @@ const SMALL: f64 = 0.04;
 /// A driven orbit that moves by less than this part of the widest one's extent may be about to rest.
 const AT_REST: f64 = 1e-3;
 
-/// An orbit that comes so near to a state of another, in parts of its extent, may be that one: it is followed in steps of some of this.
-const NEAR: f64 = 0.1;
-
 /// So near to an end of the range, in parts of it, the orbit is at that end.
-const AT_END: f64 = 10.0 * RESOLUTION;
+const AT_END: f64 = 1e-10;
 
 /// Two orbits at one parameter that differ by less than this part are one.
 const SAME: f64 = 1e-6;
 
 impl Walk<'_> {
-    /// Whether the next orbit lies outside the range; the last one is then that at its end.
-    pub(super) fn leaves_range(&mut self, next: &OnBranch) -> Option<Stop> {
-        let (low, high) = self.settings.range;
-        let (here, there) = (self.parameter(), next.parameter());
-        if (low..=high).contains(&there) {
-            return None;
-        }
-        let end = there.clamp(low, high);
-        let part = ((end - here) / (there - here)).clamp(0.0, 1.0);
-        let (a, b) = (&self.last.circuit, &next.circuit);
-        let at = self.between(&a.anchor, &b.anchor, part);
-        let is_same = |found: &OnBranch| found.circuit.sequence() == a.sequence();
-        let corrector = &self.corrector;
-        let found = corrector
-            .orbit(&Guess::at_parameter(&at, b.period, end), 0.0)
-            .filter(is_same)
-            .or_else(|| corrector.next_at(&self.last, end).filter(is_same))
-            .or_else(|| corrector.next_at(next, end).filter(is_same));
-        match found {
-            _ if part == 0.0 => Some(Stop::Range),
-            Some(found) => {
-                self.follow(found);
-                Some(Stop::Range)
-            }
-            None => Some(Stop::NoConvergence),
-        }
-    }
-
-    /// Whether the branch has come to an end of the range, to what a parameter is located to: beyond it the system may not exist.
+    /// Whether the branch has come to an end of the range, to what a parameter is located to:
+    /// beyond it the system may not exist.
     pub(super) fn is_at_end(&self) -> bool {
         let (low, high) = self.settings.range;
-        let [before, here] = [&self.before, &self.last].map(OnBranch::parameter);
+        let [before, here] = [&self.before, &self.last].map(parameter_of);
         let end = if here > before { high } else { low };
-        here != before && (end - here).abs() <= AT_END * self.width
-    }
-
-    /// A part of the way from one orbit to the next, at the time of the second.
-    fn between(&self, from: &Anchor, to: &Anchor, part: f64) -> Anchor {
-        to.moved(&to.x - self.corrector.way(from, to) * (1.0 - part))
+        here != before && (end - here).abs() <= AT_END * self.units.width
     }
 
     /// Whether the orbit is about to be an equilibrium, or at rest.
     pub(super) fn shrinks(&self) -> Option<Stop> {
-        let circuit = &self.last.circuit;
-        let extent = circuit.extent;
-        if extent >= self.before.circuit.extent {
+        let extent = self.last.extent;
+        if extent >= self.before.extent {
             return None;
         }
         if self.settings.forced.is_some() {
             let rests = extent < AT_REST * self.widest && self.rests_further_on();
             return rests.then_some(Stop::Rest);
         }
-        let end = self.boundary_equilibrium(&[&self.before, &self.last]);
+        let end = self.boundary_equilibrium();
         if end.is_some() {
             return end;
         }
         if extent >= SMALL * self.widest {
             return None;
         }
-        let (parameter, frequency) = hopf(self.corrector.system, &self.last, self.width)?;
+        let two_fold = self.ends_at().is_none().then(|| self.two_fold());
+        if let Some(two_fold) = two_fold.flatten() {
+            return Some(two_fold);
+        }
+        let (parameter, frequency) = hopf(self.shooting, &self.last, self.units.width)?;
         Some(Stop::Equilibrium {
             parameter,
             frequency,
         })
     }
 
-    /// The parameter at which orbits end in an equilibrium that comes to the edge of where its mode
-    /// holds.
-    pub(super) fn boundary_equilibrium(&self, orbits: &[&OnBranch]) -> Option<Stop> {
-        if self.settings.forced.is_some() {
-            return None;
-        }
-        let system = self.corrector.system;
-        let states = system.states() - 1;
-        let held = |parameter: f64, mode, x: &Vector| {
-            Held::near(system, mode, &with_parameter(x.clone(), parameter), states)
-        };
-        let (parameter, _) = ends_in(orbits, self.widest, states, OnBranch::parameter, held)?;
+    /// A boundary-equilibrium bifurcation that the last two orbits come to in the range.
+    pub(super) fn boundary_equilibrium(&self) -> Option<Stop> {
+        let parameter = self.ends_at()?;
         let (low, high) = self.settings.range;
         (low..=high)
             .contains(&parameter)
             .then_some(Stop::BoundaryEquilibrium { parameter })
     }
 
+    /// The parameter at which the last two orbits end in an equilibrium that comes to the edge of
+    /// where its mode holds.
+    fn ends_at(&self) -> Option<f64> {
+        if self.settings.forced.is_some() {
+            return None;
+        }
+        let system = self.shooting.system;
+        let states = self.shooting.states;
+        let held = |parameter: f64, mode, x: &Vector| {
+            Held::near(system, mode, &with_parameter(x.clone(), parameter), states)
+        };
+        let orbits = [&self.before, &self.last].map(|cycle| Approach {
+            parameter: parameter_of(cycle),
+            modes: cycle.outline.modes(),
+            begins: cycle.begins.iter().map(|at| at.x.clone()).collect(),
+            extent: cycle.extent,
+        });
+        Some(ends_in(&orbits, self.widest, states, held)?.0)
+    }
+
+    /// The parameter at which crossing orbits shrink to a two-fold, as they do where they come to the
+    /// boundary ever more slowly from both sides. It is that of no extent, by a polynomial.
+    fn two_fold(&self) -> Option<Stop> {
+        const NODES: usize = 5;
+        // Rates that fall like the extents do so to this part.
+        const LIKE: f64 = 0.2;
+        let rates = |cycle: &Cycle| {
+            let landings = cycle.margins.iter();
+            let landings = landings.filter(|margin| margin.key.site == Site::Landing);
+            landings.map(|margin| margin.scale).collect::<Vec<f64>>()
+        };
+        let [before, last] = [&self.before, &self.last].map(rates);
+        let falls = self.last.extent / self.before.extent;
+        let is_like = |(before, last): (&f64, &f64)| (last / before / falls - 1.0).abs() < LIKE;
+        let is_crossing = !self.last.outline.modes().iter().any(Modes::any_sticks);
+        // Near an equilibrium the period would stay.
+        let periods = (&self.before.period, &self.last.period);
+        let all =
+            before.len() == last.len() && before.iter().zip(&last).chain([periods]).all(is_like);
+        if !is_crossing || last.is_empty() || !all {
+            return None;
+        }
+        // Each goes about twice as far as the one before.
+        let mut nodes: Vec<(f64, f64)> = Vec::new();
+        for (point, &extent) in self.points.iter().zip(&self.extents).rev() {
+            if nodes.last().is_none_or(|(least, _)| extent >= 2.0 * least) {
+                nodes.push((extent, point.parameter));
+            }
+            if nodes.len() == NODES {
+                break;
+            }
+        }
+        let at_nothing = |nodes: &[(f64, f64)]| -> f64 {
+            let extents: Vec<f64> = nodes.iter().map(|node| node.0).collect();
+            let weighted = weights(&extents, 0.0).into_iter().zip(nodes);
+            weighted.map(|(weight, node)| weight * node.1).sum()
+        };
+        // Not yet: the farthest of them is none of the small ones.
+        if nodes.len() < NODES || nodes[NODES - 1].0 > 0.5 * self.widest {
+            return None;
+        }
+        let parameter = at_nothing(&nodes);
+        let uncertainty = (parameter - at_nothing(&nodes[..NODES - 1])).abs();
+        // Smaller ones tell it better.
+        const RESOLVED: f64 = 1e-9;
+        (uncertainty <= RESOLVED * self.units.width).then_some(Stop::TwoFold {
+            parameter,
+            uncertainty: self.at_least(parameter, uncertainty),
+        })
+    }
+
     /// Whether an orbit a step further on begins where the last one sticks, and does so all the time.
     fn rests_further_on(&self) -> bool {
-        let circuit = &self.last.circuit;
-        let stick = circuit.parts.iter().find(|part| part.mode.any_sticks());
-        let Some(stuck) = stick.and_then(|part| part.first.as_ref()) else {
+        let segments = self.last.outline.segments.iter().zip(&self.last.begins);
+        let mut sticks = segments.filter(|(segment, _)| segment.mode.any_sticks());
+        let Some((_, stuck)) = sticks.next() else {
             return false;
         };
-        let way = self.parameter() - self.before.parameter();
-        let further = way.signum() * self.settings.step * self.width;
+        let way = self.parameter() - parameter_of(&self.before);
+        let further = way.signum() * self.settings.step * self.units.width;
         let start = Moment {
             t: stuck.t,
-            x: with_parameter(stuck.x.clone(), parameter(&stuck.x) + further),
+            x: with_parameter(stuck.x.clone(), self.parameter() + further),
         };
-        let (system, options) = (self.corrector.system, self.corrector.options);
-        let Ok(orbit) = Orbit::solve(system, &start, stuck.t + circuit.period, options) else {
+        let (system, options) = (self.shooting.system, self.shooting.options);
+        let Ok(orbit) = Orbit::solve(system, &start, stuck.t + self.last.period, options) else {
             return false;
         };
         orbit.transitions.is_empty() && orbit.phases.iter().all(|phase| phase.mode.any_sticks())
@@ -131,20 +164,17 @@ impl Walk<'_> {
 
     /// Whether the branch has come back to the first orbit, which is then its last.
     pub(super) fn closes(&mut self) -> Option<Stop> {
-        let first = &self.first;
-        let (a, b) = (&self.before.circuit, &self.last.circuit);
-        let begin = first.parameter();
-        let (from, to) = (self.before.parameter(), self.last.parameter());
+        let begin = parameter_of(&self.first);
+        let (from, to) = (parameter_of(&self.before), self.parameter());
         let passes = (from - begin) * (to - begin) <= 0.0 && from != to;
-        // Either may be anchored in another phase.
-        let is_alike = || is_same_cycle(&b.sequence(), &first.circuit.sequence());
-        if self.points.len() <= 3 || !passes || !is_alike() {
+        let [one, first] = [&self.last, &self.first].map(|cycle| cycle.outline.modes());
+        if self.points.len() <= 3 || !passes || !is_same_cycle(&one, &first) {
             return None;
         }
-        let part = (begin - from) / (to - from);
-        let at = self.between(&a.anchor, &b.anchor, part);
-        let guess = Guess::at_parameter(&at, b.period, begin);
-        let found = self.corrector.orbit(&guess, 0.0)?;
+        let row = unit(&self.last.outline, self.place());
+        let found = self
+            .shooting
+            .solve(&self.last.outline, Some((&row, begin)))?;
         if !self.is_first(&found) {
             return None;
         }
@@ -153,55 +183,51 @@ impl Walk<'_> {
         self.special
             .retain(|at| at.behind < last || (at.parameter - begin) * (from - begin) > 0.0);
         self.points.pop();
+        self.extents.pop();
         self.take(found);
         Some(Stop::Closed)
     }
 
     /// Whether an orbit at the first one's parameter is the first one.
-    fn is_first(&self, found: &OnBranch) -> bool {
-        let is_forced = self.settings.forced.is_some();
+    fn is_first(&self, found: &Cycle) -> bool {
         let first = &self.first;
         let agree = |a: f64, b: f64| (a - b).abs() <= SAME * (1.0 + b.abs());
-        if is_forced {
-            let off = |x: Vector| (x - &first.circuit.anchor.x).amax();
-            return self
-                .at_time(found, first.circuit.anchor.t)
-                .is_some_and(|x| off(x) <= SAME * first.circuit.extent);
-        }
-        // Any state of it may be the anchor.
-        let [a, b] = [found, first].map(|one| one.branch.critical(is_forced));
-        let [one, two] = [found, first].map(|one| one.circuit.period);
-        let alike = agree(one / two, 1.0) && agree(a.one, b.one) && agree(a.minus_one, b.minus_one);
-        alike && self.comes_by(found, &first.circuit.anchor.x) <= NEAR * first.circuit.extent
+        let [a, b] = [found, first].map(|cycle| critical(cycle, &self.shooting));
+        let alike = agree(found.period / first.period, 1.0)
+            && agree(a.one, b.one)
+            && agree(a.minus_one, b.minus_one);
+        // The mirror image of the first orbit is like it, but elsewhere.
+        let near = SAME * first.extent;
+        alike && self.comes_by(found).is_some_and(|off| off <= near)
     }
 
-    /// The state of a driven orbit at a time or whole periods of its own from it.
-    fn at_time(&self, orbit: &OnBranch, t: f64) -> Option<Vector> {
-        // So little of a period that the state is the same.
-        const SAME_TIME: f64 = 1e-9;
-        let (at, period) = (&orbit.circuit.anchor, orbit.circuit.period);
-        let away = (t - at.t).rem_euclid(period);
-        if away.min(period - away) <= SAME_TIME * period {
-            return Some(at.x.clone());
+    /// How near an orbit comes to the first one's anchor; of a driven one, at its time.
+    fn comes_by(&self, found: &Cycle) -> Option<f64> {
+        let (system, options) = (self.shooting.system, self.shooting.options);
+        let (start, place) = (&found.anchor, &self.first.anchor);
+        let off = |x: &Vector| (x - &place.x).norm();
+        if self.shooting.forced.is_some() {
+            let away = (place.t - start.t).rem_euclid(found.period);
+            if away == 0.0 {
+                return Some(off(&start.x));
+            }
+            return Some(off(&run(system, start, start.t + away, options).ok()?.x));
         }
-        let (system, options) = (self.corrector.system, self.corrector.options);
-        Some(run(system, at, at.t + away, options).ok()?.x)
-    }
-
-    /// How near an orbit comes to a state: the mirror image of the first orbit is like it, but elsewhere.
-    fn comes_by(&self, found: &OnBranch, place: &Vector) -> f64 {
-        const PARTS: u32 = 128;
-        let start = &found.circuit.anchor;
-        let (mut nearest, mut here) = ((&start.x - place).norm(), start.at.clone());
-        let (system, options) = (self.corrector.system, self.corrector.options);
-        for k in 1..=PARTS {
-            let t = start.t + found.circuit.period * f64::from(k) / f64::from(PARTS);
-            let Ok(part) = run(system, &here, t, options) else {
-                return f64::INFINITY;
-            };
-            here = Moment { t, x: part.x };
-            nearest = nearest.min((&here.x - place).norm());
+        let t_end = start.t + found.period;
+        let begun = system.begin(place, place.t + found.period, options, &Section::None);
+        let section = Section::Plane {
+            point: place.x.clone(),
+            normal: system.flow(begun.ok()?.mode(), place).velocity(place),
+            direction: Direction::Rising,
+        };
+        let mut orbit = system.begin(start, t_end, options, &section).ok()?;
+        let mut nearest = off(&start.x);
+        loop {
+            match orbit.step().ok()? {
+                Happening::Passage(at) => nearest = nearest.min(off(&at.x)),
+                Happening::End(_) => return Some(nearest),
+                _ => {}
+            }
         }
-        nearest
     }
 }

@@ -1,111 +1,233 @@
 //! The line along which the next orbit of a branch is sought.
 
-use super::corrector::{Guess, OnBranch, parameter, with_parameter};
-use super::walk::Walk;
-use crate::analysis::anchor::Anchor;
-use crate::analysis::bifurcation::pair_for;
+use super::{parameter_of, with_parameter};
+use crate::analysis::critical::zero_between;
+use crate::analysis::cycle::{Cycle, Outline, Shooting};
+use crate::analysis::periodic::newton_solution;
 use crate::dynamics::Vector;
 
-/// The line through the last two orbits, along which the next is sought.
+/// The line through an orbit along which the next one is sought, in the plane across it.
 #[derive(Clone)]
 pub(super) struct Line {
-    pub base: Anchor,
-    pub period: f64,
-    /// Changes for a step of length 1, at the same time.
+    /// The orbit that it begins at.
+    pub from: Outline,
+    /// Changes of the unknowns for a step of length 1.
     pub direction: Vector,
-    pub of_period: f64,
-    /// Distance between the two.
-    pub length: f64,
-    /// Weights of the components.
-    pub weights: Vector,
-    /// Whether orbits are sought at a parameter: of a family at each, the nearest one. Elsewhere in
-    /// the plane across the line.
+    /// The plane across the line: its product with the unknowns is the same.
+    row: Vector,
+    /// Whether orbits are sought at a parameter: of a family at each, the nearest one.
     is_of_families: bool,
 }
 
-impl Line {
-    /// Where the orbit is sought at a place on it.
-    pub fn guess(&self, s: f64) -> Guess {
-        let at = self.base.moved(&self.base.x + &self.direction * s);
-        let period = self.period + self.of_period * s;
-        if self.is_of_families {
-            return Guess::at_parameter(&at, period, parameter(&at.x));
+/// The units of a step.
+#[derive(Clone, Copy)]
+pub(super) struct Units {
+    /// Size of the first orbit.
+    pub size: f64,
+    /// Width of the parameter's range.
+    pub width: f64,
+    /// And of the other's, the last component but one, if there is one.
+    pub other: Option<f64>,
+}
+
+/// The cosine of the angle by which a branch turns in a step, at least.
+const BEND: f64 = 0.9;
+
+impl Units {
+    /// Weights of the squares of the unknowns.
+    fn weights(&self, cycle: &Cycle, is_forced: bool) -> Vector {
+        let n = cycle.outline.begin.x.len();
+        let states = Vector::repeat(n, (self.size * self.size).recip());
+        let mut states = with_parameter(states, (self.width * self.width).recip());
+        if let Some(width) = self.other {
+            states[n - 2] = (width * width).recip();
         }
-        let row = self.direction.component_mul(&self.weights);
-        Guess {
-            value: row.dot(&at.x),
-            at,
-            period,
-            row,
-        }
+        let by_period = (cycle.period * cycle.period).recip();
+        let count = cycle.outline.segments.len();
+        let of_begin = if is_forced { by_period } else { 0.0 };
+        let durations = std::iter::repeat_n(by_period, count);
+        let all = states.iter().copied().chain(durations).chain([of_begin]);
+        // The state at the cut follows from these.
+        let all = all.chain(std::iter::repeat_n(0.0, n));
+        Vector::from_vec(all.collect())
     }
 }
 
-impl Walk<'_> {
-    pub(super) fn line(&self) -> Line {
-        let (a, b) = (&self.before.circuit, &self.last.circuit);
-        let (state, parameter) = (1.0 / self.size, 1.0 / self.width);
-        let weights = Vector::repeat(b.anchor.x.len(), state * state);
-        let weights = with_parameter(weights, parameter * parameter);
-        let is_forced = self.settings.forced.is_some();
-        let way = self.corrector.way(&a.anchor, &b.anchor);
-        let length = way.component_mul(&way).dot(&weights).sqrt();
-        Line {
-            // Only the forcing knows the time.
-            base: b.anchor.at_time(if is_forced { b.anchor.t } else { 0.0 }),
-            period: b.period,
-            direction: way / length,
-            of_period: (b.period - a.period) / length,
-            length,
-            weights,
-            is_of_families: self.corrector.family > 0,
-        }
-    }
+/// A direction that unknowns may go in: that of the parameter, or of a duration.
+pub(super) fn unit(cycle: &Outline, number: usize) -> Vector {
+    let count = cycle.unknowns().len();
+    Vector::from_fn(count, |i, _| f64::from(u8::from(i == number)))
+}
 
-    /// The line through the last orbit along the branch's own tangent there.
-    pub(super) fn tangent(&self, line: &Line) -> Option<Line> {
-        let row = line.direction.component_mul(&line.weights);
-        let (way, of_period) = self.corrector.tangent(&self.last, &row)?;
-        let length = way.component_mul(&way).dot(&line.weights).sqrt();
-        Some(Line {
-            base: self.last.branch.start.at_time(line.base.t),
-            direction: way / length,
-            of_period: of_period / length,
-            ..line.clone()
+impl Line {
+    /// Along the branch's tangent at an orbit, the way on which the product with `row` grows.
+    pub fn tangent(
+        shooting: &Shooting<'_>,
+        units: Units,
+        cycle: &Cycle,
+        row: &Vector,
+    ) -> Option<Self> {
+        let rows = cycle.jacobian.nrows();
+        let mut matrix = cycle.jacobian.clone().insert_row(rows, 0.0);
+        let row = row.clone().resize_vertically(matrix.ncols(), 0.0);
+        matrix.set_row(rows, &row.transpose());
+        let mut right = Vector::zeros(rows + 1);
+        right[rows] = 1.0;
+        let scales = cycle.sizes.map(|size| match size {
+            0.0 => cycle.extent,
+            size => size,
+        });
+        let free = (shooting.states, shooting.family);
+        let (way, _) = newton_solution(matrix, &right, free, (scales, 0.0))?;
+        let weights = units.weights(cycle, shooting.forced.is_some());
+        let length = way.component_mul(&way).dot(&weights).sqrt();
+        let direction = way / length;
+        let is_of_families = shooting.family > 0;
+        let row = if is_of_families {
+            let number = cycle.outline.begin.x.len() - 1;
+            unit(&cycle.outline, number)
+        } else {
+            direction.component_mul(&weights)
+        };
+        (length > 0.0 && length.is_finite()).then_some(Line {
+            from: cycle.outline.clone(),
+            direction,
+            row,
+            is_of_families,
         })
     }
 
-    /// The orbit next to a place on the line, if there is one no farther from it than the place is from the last orbit; between the last
-    /// two, than these are from each other.
-    pub(super) fn on(&self, line: &Line, s: f64) -> Option<OnBranch> {
-        self.on_across(line, line.guess(s), s)
+    /// The same way from another orbit with the same sequence.
+    pub fn goes_on(&self, shooting: &Shooting<'_>, units: Units, cycle: &Cycle) -> Option<Self> {
+        if !self.is_of_families {
+            return Line::tangent(shooting, units, cycle, &self.row);
+        }
+        let heading = self.heading();
+        Line::tangent(shooting, units, cycle, &(&self.row * heading))
     }
 
-    /// The same, sought where those lead to that were found on it: next to a change a guess that is a little off lies behind it.
-    pub(super) fn on_beyond(&self, line: &Line, good: &[OnBranch], s: f64) -> Option<OnBranch> {
-        let ([one, two], part) = pair_for(good, s)?;
-        let [a, b] = [one, two].map(|one| {
-            if one.s > 0.0 {
-                &one.branch.start.x - &line.guess(one.s).at.x
-            } else {
-                // The last two of the branch are on it by themselves.
-                Vector::zeros(line.base.x.len())
-            }
-        });
-        let guess = line.guess(s);
-        let guess = Guess {
-            at: guess.at.moved(&guess.at.x + &b + (&b - a) * part),
-            period: two.circuit.period + (two.circuit.period - one.circuit.period) * part,
-            ..guess
+    /// How the parameter changes along it.
+    pub fn heading(&self) -> f64 {
+        self.direction[self.from.begin.x.len() - 1]
+    }
+
+    /// Whether another line goes on in nearly the same direction.
+    pub fn bends_little(&self, other: &Line) -> bool {
+        if self.is_of_families {
+            return self.heading() * other.heading() > 0.0;
+        }
+        self.row.dot(&other.direction) >= BEND
+    }
+
+    /// The plane across it.
+    pub fn across(&self) -> &Vector {
+        &self.row
+    }
+
+    pub fn guess(&self, s: f64) -> Outline {
+        self.from
+            .with(&(self.from.unknowns() + &self.direction * s))
+    }
+
+    /// The orbit at a place on it.
+    pub fn on(&self, shooting: &Shooting<'_>, s: f64) -> Option<Cycle> {
+        let guess = self.guess(s);
+        let is_possible = guess.segments.iter().all(|one| one.duration >= 0.0);
+        let value = self.row.dot(&guess.unknowns());
+        let found = is_possible.then(|| shooting.solve(&guess, Some((&self.row, value))));
+        found.flatten()
+    }
+
+    /// The place of an orbit with the same sequence.
+    pub fn place(&self, cycle: &Cycle) -> f64 {
+        let way = self
+            .row
+            .dot(&(cycle.outline.unknowns() - self.from.unknowns()));
+        way / self.row.dot(&self.direction)
+    }
+
+    /// The segments whose durations would vanish on it by a place, the first of them first, and
+    /// where.
+    pub fn vanishing(&self, by: f64) -> Vec<(usize, f64)> {
+        let n = self.from.begin.x.len();
+        let places = self.from.segments.iter().enumerate();
+        let places = places.map(|(k, segment)| (k, -segment.duration / self.direction[n + k]));
+        let mut places: Vec<_> = places.filter(|(_, s)| *s > 0.0 && *s <= by).collect();
+        places.sort_by(|a, b| a.1.total_cmp(&b.1));
+        places
+    }
+
+    /// Where a function of the orbits is zero, between two places at which it has different signs.
+    pub fn zero(
+        &self,
+        shooting: &Shooting<'_>,
+        (a, at_a): (f64, f64),
+        (b, at_b): (f64, f64),
+        function: impl Fn(&Cycle) -> Option<f64>,
+    ) -> Option<Zero> {
+        let value = |s: f64| function(&self.on(shooting, s)?);
+        let s = zero_between((a, at_a), (b, at_b), value)?;
+        // Where another branch meets this one none is found; next to it one is.
+        const PARTS: [f64; 5] = [0.0, 1e-10, -1e-10, 1e-9, -1e-9];
+        let place = |part: &f64| s + part * (b - a);
+        let found = |s: f64| Some((s, self.on(shooting, s)?));
+        let (s, cycle) = PARTS.iter().map(place).find_map(found)?;
+        // Of a family a function may jump.
+        const SMALL: f64 = 1e-3;
+        if function(&cycle)?.abs() > SMALL * at_a.abs().max(at_b.abs()) {
+            return None;
+        }
+        let uncertainty = self.uncertainty(shooting, (s, &cycle), (b - a).abs(), &function);
+        Some(Zero {
+            s,
+            parameter: parameter_of(&cycle),
+            cycle,
+            uncertainty,
+        })
+    }
+
+    /// By how much the parameter may be off at which a function is about zero: what its value lacks
+    /// of zero and what rounding leaves of it, over its slope, with what the tolerances do. A run
+    /// with a tenth of them tells that. Not a number where nothing tells.
+    fn uncertainty(
+        &self,
+        shooting: &Shooting<'_>,
+        (s, cycle): (f64, &Cycle),
+        length: f64,
+        function: &impl Fn(&Cycle) -> Option<f64>,
+    ) -> f64 {
+        const APART: f64 = 1e-4;
+        // Most of what a value is off by is its difference to one with a tenth of the tolerances;
+        // twice that is on the safe side.
+        const SAFE: f64 = 2.0;
+        let by_slope = || {
+            let beside = |way: f64| self.on(shooting, s + way);
+            let (one, two) = (beside(-APART * length)?, beside(APART * length)?);
+            let (value, [before, behind]) = (function(cycle)?, [function(&one)?, function(&two)?]);
+            let options = &shooting.options.finer();
+            let finer = Shooting {
+                options,
+                ..*shooting
+            };
+            let finer = self.on(&finer, s)?;
+            let by_tolerance = SAFE * (function(&finer)? - value).abs();
+            let lacks = value.abs() + (behind - 2.0 * value + before).abs() + by_tolerance;
+            let parameter = parameter_of(cycle);
+            // At a fold the parameter changes by the square of the way only.
+            let ways = [&one, &two].map(|one| (parameter_of(one) - parameter).abs());
+            let along = ways[0].max(ways[1]) * (2.0 * lacks / (behind - before)).abs();
+            Some(along + SAFE * (parameter_of(&finer) - parameter).abs())
         };
-        self.on_across(line, guess, s)
+        by_slope().unwrap_or(f64::NAN)
     }
+}
 
-    fn on_across(&self, line: &Line, guess: Guess, s: f64) -> Option<OnBranch> {
-        let found = self.corrector.orbit(&guess, s)?;
-        let off = &found.branch.start.x - &guess.at.x;
-        let distance = off.component_mul(&off).dot(&line.weights).sqrt();
-        let room = if s < 0.0 { line.length } else { s };
-        (distance <= room.max(0.1 * self.step)).then_some(found)
-    }
+/// An orbit at which a function is zero.
+pub(super) struct Zero {
+    pub s: f64,
+    /// Its parameter, and the orbit that is computed there.
+    pub parameter: f64,
+    pub cycle: Cycle,
+    /// By how much its parameter may be off; not a number where nothing tells.
+    pub uncertainty: f64,
 }

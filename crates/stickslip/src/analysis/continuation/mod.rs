@@ -1,7 +1,7 @@
 //! Periodic orbits followed along a parameter, stable or not, through folds and changes of their phases.
 
-mod corner;
-mod corrector;
+mod change;
+mod curve;
 mod ends;
 mod line;
 mod rest;
@@ -14,11 +14,13 @@ use std::ops::ControlFlow;
 
 use nalgebra::Complex;
 
-use super::sequence::SequenceChange;
+use super::critical::Critical;
+use super::cycle::{Cycle, Extra, SequenceChange, Shooting};
 use super::stability::Stability;
 use crate::dynamics::{AsDynamics, Components, Modes, Vector};
 use crate::error::Error;
 use crate::filippov::Options;
+pub use curve::{Curve, CurvePoint, CurveStop, continue_change};
 use walk::Walk;
 
 /// How far and how finely a branch is followed.
@@ -179,6 +181,14 @@ pub enum Stop {
         /// The parameter.
         parameter: f64,
     },
+    /// Crossing orbits shrink to a two-fold: a point at which the fields of both sides are tangent to
+    /// the boundary.
+    TwoFold {
+        /// The parameter, extrapolated from those of orbits that are ever smaller.
+        parameter: f64,
+        /// How far it may be off.
+        uncertainty: f64,
+    },
     /// The orbit of a driven system comes to rest: it moves by less than a thousandth of what the widest one on the branch does, and a step further on
     /// friction holds it all the time.
     Rest,
@@ -284,7 +294,25 @@ pub fn continue_periodic_orbit_while<Kind>(
 ) -> Result<Branch, Error> {
     settings.check()?;
     let system = &*system.dynamics();
-    let mut walk = Walk::begin(system, x.vector(), period, settings, options)?;
+    let mut walk = Walk::begin(system, x.vector(), period, settings, (Extra::None, options))?;
     let stop = walk.go(upwards, &mut seen);
     Ok(walk.into_branch(stop))
+}
+
+/// The parameter of an orbit.
+fn parameter_of(cycle: &Cycle) -> f64 {
+    let x = &cycle.outline.begin.x;
+    x[x.len() - 1]
+}
+
+/// A state at another parameter.
+fn with_parameter(mut x: Vector, parameter: f64) -> Vector {
+    let last = x.len() - 1;
+    x[last] = parameter;
+    x
+}
+
+/// The functions of an orbit's multipliers.
+fn critical(cycle: &Cycle, shooting: &Shooting<'_>) -> Critical {
+    Critical::of(&cycle.monodromy, shooting.family)
 }

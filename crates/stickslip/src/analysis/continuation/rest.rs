@@ -2,12 +2,12 @@
 
 use std::num::NonZeroUsize;
 
-use super::corrector::{OnBranch, with_parameter};
-use super::walk::{RESOLUTION, Walk};
-use super::{BranchPoint, Stop};
+use super::walk::Walk;
+use super::{BranchPoint, Stop, parameter_of, with_parameter};
 use crate::analysis::anchor::velocity_in;
 use crate::analysis::attractors::rest::{ZERO, equilibrium_near, holds};
 use crate::analysis::critical::zero_between;
+use crate::analysis::cycle::{Cycle, Shooting};
 use crate::analysis::multipliers::eigenvalues;
 use crate::dynamics::{Dynamics, Happening, Matrix, Modes, Moment, Section, Vector};
 use crate::math;
@@ -18,6 +18,9 @@ const SLOW: f64 = 1e-1;
 /// The saddle is no farther away than this part of the orbit's extent.
 const CLOSE: f64 = 1e-2;
 
+/// The parameter of a homoclinic orbit is told to this part of the range at best.
+const RESOLUTION: f64 = 1e-11;
+
 /// The equilibrium of a mode near a moment, and the Jacobian of the states there.
 fn rest_near(system: &dyn Dynamics, mode: Modes, t: f64, x: &Vector) -> Option<(Vector, Matrix)> {
     let free = x.len() - 1;
@@ -27,9 +30,17 @@ fn rest_near(system: &dyn Dynamics, mode: Modes, t: f64, x: &Vector) -> Option<(
 }
 
 /// The parameter near to the orbit's at which the equilibrium inside it has imaginary eigenvalues, and their size.
-pub(super) fn hopf(system: &dyn Dynamics, orbit: &OnBranch, width: f64) -> Option<(f64, f64)> {
-    let mode = orbit.circuit.parts.last()?.mode;
-    let mut x = orbit.circuit.anchor.x.clone();
+pub(super) fn hopf(
+    Shooting {
+        system, options, ..
+    }: Shooting<'_>,
+    orbit: &Cycle,
+    width: f64,
+) -> Option<(f64, f64)> {
+    let at = &orbit.anchor;
+    let mode = system.begin(at, at.t + orbit.period, options, &Section::None);
+    let mode = mode.ok()?.mode();
+    let mut x = at.x.clone();
     let mut frequency = 0.0;
     let mut leading = |parameter: f64| {
         let (rest, jacobian) = rest_near(system, mode, 0.0, &with_parameter(x.clone(), parameter))?;
@@ -40,7 +51,7 @@ pub(super) fn hopf(system: &dyn Dynamics, orbit: &OnBranch, width: f64) -> Optio
         frequency = first.im;
         Some(first.re)
     };
-    let here = orbit.parameter();
+    let here = parameter_of(orbit);
     let at_here = leading(here)?;
     // The nearest change of sign on either side.
     let mut way = 1e-4 * width;
@@ -68,8 +79,7 @@ struct Saddle {
 impl Walk<'_> {
     /// Whether the last orbit is about to be a homoclinic one: slower than the one before it, and close to a saddle, or to several.
     pub(super) fn homoclinic(&self) -> Option<Stop> {
-        let circuit = &self.last.circuit;
-        if self.settings.forced.is_some() || circuit.period <= self.before.circuit.period {
+        if self.settings.forced.is_some() || self.last.period <= self.before.period {
             return None;
         }
         let saddles = self.saddles()?;
@@ -94,24 +104,24 @@ impl Walk<'_> {
         // From an orbit that is as far away again.
         const TIMES: f64 = 2.0;
         let here = self.parameter();
-        let period = self.last.circuit.period;
+        let period = self.last.period;
         let is_further = |point: &&BranchPoint| rate * (period - point.period) >= math::ln(TIMES);
         let Some(other) = self.points.iter().rev().find(is_further) else {
             return (here, f64::NAN);
         };
         let further = math::exp(rate * (period - other.period));
         let way = (here - other.parameter) / (further - 1.0);
-        (here + way, way.abs().max(RESOLUTION * self.width))
+        (here + way, way.abs().max(RESOLUTION * self.units.width))
     }
 
     /// The saddles that the last orbit passes by slowly.
     fn saddles(&self) -> Option<Vec<Saddle>> {
-        let circuit = &self.last.circuit;
-        let (system, options) = (self.corrector.system, self.corrector.options);
-        let slow = SLOW * circuit.extent / circuit.period;
-        let near = CLOSE * circuit.extent;
-        let start = &circuit.anchor;
-        let t_end = start.t + circuit.period;
+        let cycle = &self.last;
+        let (system, options) = (self.shooting.system, self.shooting.options);
+        let slow = SLOW * cycle.extent / cycle.period;
+        let near = CLOSE * cycle.extent;
+        let start = &cycle.anchor;
+        let t_end = start.t + cycle.period;
         let mut orbit = system.begin(start, t_end, options, &Section::None).ok()?;
         let mut saddles: Vec<Saddle> = Vec::new();
         loop {
@@ -135,7 +145,7 @@ impl Walk<'_> {
 
     /// The equilibrium of a mode near a state, if the mode holds there and orbits both come to it and leave it.
     fn saddle_near(&self, mode: Modes, at: &Moment) -> Option<Saddle> {
-        let system = self.corrector.system;
+        let system = self.shooting.system;
         let (x, jacobian) = rest_near(system, mode, at.t, &at.x)?;
         let there = Moment { t: at.t, x };
         if !holds(system, mode, &there) {

@@ -1,64 +1,99 @@
 //! The special orbits between two on a branch, by their multipliers.
 
-use super::corrector::{OnBranch, parameter};
-use super::line::Line;
+use super::line::{Line, Zero};
 use super::walk::Walk;
-use super::{Special, SpecialPoint};
-use crate::analysis::critical::{Critical, Value, uncertainty_of_zero, zero_between};
+use super::{Special, SpecialPoint, critical, parameter_of};
+use crate::analysis::critical::zero_between;
+use crate::analysis::cycle::{Cycle, Shooting};
 use crate::analysis::lagrange::weights;
-use crate::analysis::sequence::of_tolerance;
 use crate::dynamics::Vector;
 
+/// A function of the orbits of a branch.
+type Function<'f> = dyn Fn(&Cycle) -> Option<f64> + 'f;
+
+/// The determinant that is zero where another branch meets this one: of the derivative of the
+/// equations, with the plane across the branch (Keller 1977).
+fn bordered(cycle: &Cycle, across: &Vector) -> f64 {
+    let rows = cycle.jacobian.nrows();
+    let mut matrix = cycle.jacobian.clone().insert_row(rows, 0.0);
+    let row = across.clone().resize_vertically(matrix.ncols(), 0.0);
+    matrix.set_row(rows, &row.transpose());
+    matrix.determinant()
+}
+
 impl Walk<'_> {
-    /// Goes on from this orbit, and tells what is special between the last one and it, by the multipliers.
-    pub(super) fn follow(&mut self, next: OnBranch) {
+    /// Goes on from this orbit on the line, and tells what is special between the last one and it,
+    /// by the multipliers.
+    pub(super) fn follow(&mut self, line: &Line, next: Cycle, onward: Option<Line>) {
         let behind = self.points.len();
-        self.take(next);
-        let line = self.line();
-        let is_forced = self.settings.forced.is_some();
-        let of = |orbit: &OnBranch| orbit.branch.critical(is_forced);
-        let (here, there) = (of(&self.before), of(&self.last));
-        type Function = fn(&Critical) -> Option<f64>;
-        let functions: [Function; 3] = [|c| Some(c.one), |c| Some(c.minus_one), |c| c.circle];
+        let shooting = self.shooting;
+        let of = |cycle: &Cycle| critical(cycle, &shooting);
+        let (here, there) = (of(&self.last), of(&next));
+        let length = line.place(&next);
+        let most = self.last.monodromy.amax().max(next.monodromy.amax());
+        // Near a homoclinic orbit what is left open of large numbers.
+        let noise = next.known * most * most;
+        let (units, across) = (self.units, line.across());
+        let heading = |cycle: &Cycle| Some(line.goes_on(&shooting, units, cycle)?.heading());
+        let parts = |cycle: &Cycle| Some(bordered(cycle, across));
+        let minus_one = |cycle: &Cycle| Some(of(cycle).minus_one);
+        let circle = |cycle: &Cycle| of(cycle).circle;
+        let is_of_one = [here.one, there.one]
+            .map(f64::abs)
+            .iter()
+            .any(|one| *one > noise);
+        let functions: [(&Function<'_>, bool); 4] = [
+            (&heading, is_of_one),
+            (&parts, is_of_one),
+            (
+                &minus_one,
+                here.minus_one.abs().max(there.minus_one.abs()) > noise,
+            ),
+            (&circle, true),
+        ];
         let mut found = Vec::new();
-        for (kind, function) in functions.into_iter().enumerate() {
-            let (Some(a), Some(b)) = (function(&here), function(&there)) else {
+        for (kind, (function, is_known)) in functions.into_iter().enumerate() {
+            let (true, Some(a), Some(b)) = (is_known, function(&self.last), function(&next)) else {
                 continue;
             };
             if a * b >= 0.0 {
                 continue;
             }
-            let value = |s: f64| self.on(&line, s).and_then(|orbit| function(&of(&orbit)));
-            let zero = zero_between((-line.length, a), (0.0, b), value);
-            let by_polynomial =
-                |rough: f64| self.interpolated(&line, rough, |orbit| function(&of(orbit)));
-            let place = zero
-                .and_then(|zero| self.next_to(&line, zero))
-                .map(|orbit| self.with_uncertainty(&line, &orbit, |one| function(&of(one))))
-                .or_else(|| by_polynomial(-line.length * b / (b - a)));
+            let by_polynomial = |rough: f64| self.interpolated(line, length, rough, function);
+            let zero = line.zero(&self.shooting, (0.0, a), (length, b), function);
+            let place = zero.as_ref().map(Place::of);
+            let place = place.or_else(|| by_polynomial(length * a / (a - b)));
             let Some(mut place) = place else {
                 continue;
             };
+            // What the orbits about it do not resolve is none: the tangent is open there.
+            let ends = [&self.last, &next].map(|one| (parameter_of(one) - place.parameter).abs());
+            let is_resolved = place.uncertainty < ends[0].max(ends[1]);
+            if kind == 0 && !is_resolved {
+                continue;
+            }
             let what = match kind {
-                0 => self.fold_or_branch(&line, &place),
-                1 => Special::Flip,
+                0 => Special::Fold,
+                1 => Special::BranchPoint,
+                2 => Special::Flip,
                 _ => Special::NeimarkSacker {
-                    angle: self
-                        .next_to(&line, place.s)
-                        .map_or(there.angle, |orbit| of(&orbit).angle),
+                    angle: line
+                        .on(&self.shooting, place.s)
+                        .map_or(there.angle, |cycle| of(&cycle).angle),
                 },
             };
             // Next to it orbits are worse than about it.
             if what == Special::BranchPoint
-                && let Some(better) = by_polynomial(place.s)
+                && let Some(other) = by_polynomial(place.s)
+                && is_better(other.uncertainty, place.uncertainty)
             {
-                place = better;
+                place = other;
             }
             found.push((
                 place.s,
                 SpecialPoint {
-                    parameter: parameter(&place.x),
-                    uncertainty: place.uncertainty,
+                    parameter: place.parameter,
+                    uncertainty: self.at_least(place.parameter, place.uncertainty),
                     what,
                     behind,
                     x: place.x,
@@ -69,139 +104,118 @@ impl Walk<'_> {
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         self.special
             .extend(found.into_iter().map(|(_, point)| point));
+        self.take(next);
+        self.line = onward;
     }
 
-    /// The place of an orbit at which a function of the multipliers is zero, with what the function lacks of it over its slope.
-    fn with_uncertainty(
-        &self,
-        line: &Line,
-        at: &OnBranch,
-        function: impl Fn(&OnBranch) -> Option<f64>,
-    ) -> Place {
-        const APART: f64 = 1e-4;
-        let way = APART * line.length;
-        let value = |orbit: &OnBranch| {
-            Some(Value {
-                function: function(orbit)?,
-                parameter: orbit.parameter(),
-            })
-        };
-        let beside = |way: f64| value(&self.on(line, at.s + way)?);
-        let by_slope = || {
-            let beside = [beside(-way)?, beside(way)?];
-            let shift = self.by_tolerance(line, at, &function)?;
-            let along = uncertainty_of_zero(value(at)?, beside, shift.function);
-            let both = along + shift.parameter;
-            both.is_finite().then_some(both)
-        };
-        let place = Place::of(at);
-        Place {
-            uncertainty: self.at_least(&place.x, by_slope()),
-            ..place
-        }
-    }
-
-    /// By how much the tolerances may have a function of the multipliers and the parameter off, at an orbit's place.
-    fn by_tolerance(
-        &self,
-        line: &Line,
-        at: &OnBranch,
-        function: impl Fn(&OnBranch) -> Option<f64>,
-    ) -> Option<Value> {
-        let finer = self.corrector.finer(&line.guess(at.s), at.s)?;
-        Some(Value {
-            function: of_tolerance(function(at)?, function(&finer)?),
-            parameter: of_tolerance(at.parameter(), finer.parameter()),
-        })
-    }
-
-    /// The orbit at a place, or, where another branch meets this one and Newton's matrix is singular, next to it.
-    fn next_to(&self, line: &Line, s: f64) -> Option<OnBranch> {
-        const PARTS: [f64; 5] = [0.0, 1e-10, -1e-10, 1e-9, -1e-9];
-        let mut places = PARTS.iter().map(|part| s + part * line.length);
-        places.find_map(|place| self.on(line, place))
-    }
-
-    /// Where a function of the multipliers is zero near a place, by a polynomial through orbits about it: where another branch meets this one Newton's matrix
-    /// is singular, and no orbit is found next to it.
+    /// Where a function of the multipliers is zero near a place, by a polynomial through orbits
+    /// about it: where another branch meets this one Newton's matrix is singular, and no orbit is
+    /// found next to it.
     fn interpolated(
         &self,
         line: &Line,
+        length: f64,
         rough: f64,
-        function: impl Fn(&OnBranch) -> Option<f64>,
+        function: impl Fn(&Cycle) -> Option<f64>,
     ) -> Option<Place> {
         // So far apart, in parts of the distance between the last two orbits, and so many each way.
-        const APART: f64 = 0.15;
+        const APART: f64 = 0.05;
         const EACH_WAY: i32 = 4;
         const FEWEST: usize = 5;
-        let wanted = self.last.circuit.sequence();
-        let mut nodes: Vec<(f64, Place)> = Vec::new();
-        let mut shift = None;
-        for k in (-EACH_WAY..=EACH_WAY).filter(|k| *k != 0) {
-            let s = rough + APART * line.length * f64::from(k);
-            let found = self.on(line, s);
-            if let Some(orbit) = found.filter(|one| one.circuit.sequence() == wanted)
-                && let Some(value) = function(&orbit)
-            {
-                shift = shift.or_else(|| self.by_tolerance(line, &orbit, &function));
-                nodes.push((value, Place::of(&orbit)));
-            }
-        }
+        let node = |s: f64, shooting: &Shooting<'_>| {
+            let cycle = line.on(shooting, s)?;
+            let value = function(&cycle)?;
+            Some((value, Place::at(s, &cycle)))
+        };
+        let places = (-EACH_WAY..=EACH_WAY).filter(|k| *k != 0);
+        let places = places.map(|k| rough + APART * length * f64::from(k));
+        let nodes: Vec<(f64, Place)> = places.filter_map(|s| node(s, &self.shooting)).collect();
         if nodes.len() < FEWEST {
             return None;
         }
         let place = zero_of_polynomial(&nodes)?;
-        let parameter = |place: &Place| parameter(&place.x);
-        let known = || {
-            let fewer = zero_of_polynomial(nodes.get(1..nodes.len() - 1)?)?;
-            let (first, last) = (nodes.first()?, nodes.last()?);
-            let slope = (last.0 - first.0) / (parameter(&last.1) - parameter(&first.1));
-            let Value {
-                function,
-                parameter: along,
-            } = shift?;
-            let lacks = (parameter(&place) - parameter(&fewer)).abs();
-            let uncertainty = lacks + (function / slope).abs() + along;
-            uncertainty.is_finite().then_some(uncertainty)
+        // Without the farthest it is as far off as the polynomial is, without the nearest as rounding
+        // makes it.
+        let without_farthest = nodes.get(1..nodes.len() - 1).and_then(zero_of_polynomial);
+        let mut nearest: Vec<f64> = nodes.iter().map(|(value, _)| value.abs()).collect();
+        nearest.sort_by(f64::total_cmp);
+        let is_apart = |node: &&(f64, Place)| node.0.abs() > nearest[1];
+        let apart: Vec<(f64, Place)> = nodes.iter().filter(is_apart).cloned().collect();
+        let both = without_farthest.zip(zero_of_polynomial(&apart));
+        let off = |other: &Place| (place.parameter - other.parameter).abs();
+        let lacks = both.map_or(f64::NAN, |(one, two)| off(&one).max(off(&two)));
+        // What the tolerances do is most at the nearest.
+        let by_tolerance = || {
+            const SAFE: f64 = 2.0;
+            let ((first, one), (last, other)) = (nodes.first()?, nodes.last()?);
+            let options = &self.shooting.options.finer();
+            let finer = Shooting {
+                options,
+                ..self.shooting
+            };
+            let nearest = nodes
+                .iter()
+                .min_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))?;
+            let (value, finer) = node(nearest.1.s, &finer)?;
+            let slope = (last - first) / (other.parameter - one.parameter);
+            let along = (finer.parameter - nearest.1.parameter).abs();
+            Some(SAFE * (((value - nearest.0) / slope).abs() + along))
         };
-        let uncertainty = self.at_least(&place.x, known());
+        let uncertainty = lacks + by_tolerance().unwrap_or(f64::NAN);
         Some(Place {
             uncertainty,
             ..place
         })
     }
 
-    /// An uncertainty, which is no less than what Newton's iteration leaves of a parameter's last places; where there is none, the place lies between the last two.
-    fn at_least(&self, x: &Vector, uncertainty: Option<f64>) -> f64 {
-        const ROUNDING: f64 = 16.0 * f64::EPSILON;
-        let [before, last] = [&self.before, &self.last].map(OnBranch::parameter);
-        let uncertainty = uncertainty.unwrap_or((last - before).abs());
-        uncertainty.max(ROUNDING * parameter(x).abs().max(self.width))
+    /// The zero of a function by orbits about it, where these tell its parameter better: next to
+    /// one with a multiplier of 1 an orbit is open by more than rounding.
+    pub(super) fn refined(
+        &self,
+        line: &Line,
+        zero: Zero,
+        length: f64,
+        function: impl Fn(&Cycle) -> Option<f64>,
+    ) -> Zero {
+        const GOOD: f64 = 100.0;
+        let options = self.shooting.options;
+        if zero.uncertainty <= GOOD * options.rtol * self.units.width {
+            return zero;
+        }
+        match self.interpolated(line, length, zero.s, function) {
+            Some(place) if is_better(place.uncertainty, zero.uncertainty) => Zero {
+                parameter: place.parameter,
+                uncertainty: place.uncertainty,
+                ..zero
+            },
+            _ => zero,
+        }
     }
 
-    /// Whether the parameter turns back at a place between the last two orbits.
-    fn fold_or_branch(&self, line: &Line, at: &Place) -> Special {
-        // Not next to it: there another branch may be.
-        let away = 0.5 * line.length;
-        let at_place = |s: f64, end: &OnBranch| {
-            let found = self.on(line, s);
-            let orbit = found.filter(|one| one.circuit.sequence() == end.circuit.sequence());
-            orbit.as_ref().unwrap_or(end).parameter()
-        };
-        let before = at_place(at.s - away, &self.before);
-        let behind = at_place(at.s + away, &self.last);
-        let here = parameter(&at.x);
-        if (before - here) * (behind - here) < 0.0 {
-            Special::BranchPoint
+    /// An uncertainty, which is no less than what Newton's iteration leaves of a parameter's last
+    /// places; where there is none, the place lies in the last step.
+    pub(super) fn at_least(&self, parameter: f64, uncertainty: f64) -> f64 {
+        const ROUNDING: f64 = 16.0 * f64::EPSILON;
+        let step = (self.parameter() - parameter_of(&self.before)).abs();
+        let known = if uncertainty.is_finite() {
+            uncertainty
         } else {
-            Special::Fold
-        }
+            step
+        };
+        known.max(ROUNDING * parameter.abs().max(self.units.width))
     }
 }
 
+/// Whether an uncertainty is less than another, which may be no number.
+fn is_better(one: f64, other: f64) -> bool {
+    one < other || other.is_nan()
+}
+
 /// A place on the branch.
+#[derive(Clone)]
 struct Place {
     s: f64,
+    parameter: f64,
     uncertainty: f64,
     /// A state on the orbit there.
     x: Vector,
@@ -209,12 +223,20 @@ struct Place {
 }
 
 impl Place {
-    fn of(orbit: &OnBranch) -> Self {
+    fn at(s: f64, cycle: &Cycle) -> Self {
         Place {
-            s: orbit.s,
+            s,
+            parameter: parameter_of(cycle),
             uncertainty: 0.0,
-            x: orbit.circuit.anchor.x.clone(),
-            period: orbit.circuit.period,
+            x: cycle.anchor.x.clone(),
+            period: cycle.period,
+        }
+    }
+
+    fn of(zero: &Zero) -> Self {
+        Place {
+            uncertainty: zero.uncertainty,
+            ..Place::at(zero.s, &zero.cycle)
         }
     }
 }
@@ -222,24 +244,23 @@ impl Place {
 /// Where the polynomial through values of a function is zero between two of them.
 fn zero_of_polynomial(nodes: &[(f64, Place)]) -> Option<Place> {
     let places: Vec<f64> = nodes.iter().map(|(_, place)| place.s).collect();
-    let value = |s: f64| -> f64 {
+    let at = |s: f64, of: fn(&(f64, Place)) -> f64| -> f64 {
         let terms = weights(&places, s).into_iter().zip(nodes);
-        terms.map(|(weight, (value, _))| weight * value).sum()
+        terms.map(|(weight, node)| weight * of(node)).sum()
     };
+    let value = |s: f64| at(s, |node| node.0);
     let mut pairs = nodes.windows(2);
     let ends = pairs.find(|two| two[0].0 * two[1].0 < 0.0)?;
     let [a, b] = [&ends[0], &ends[1]].map(|(value, place)| (place.s, *value));
     let s = zero_between(a, b, |s| Some(value(s)))?;
-    let states = nodes.first()?.1.x.len();
-    let weighted = || weights(&places, s).into_iter().zip(nodes);
+    let weighted = weights(&places, s).into_iter().zip(nodes);
+    let nothing = Vector::zeros(nodes.first()?.1.x.len());
+    let x = weighted.fold(nothing, |sum, (weight, (_, place))| sum + &place.x * weight);
     Some(Place {
         s,
+        parameter: at(s, |node| node.1.parameter),
         uncertainty: 0.0,
-        x: weighted().fold(Vector::zeros(states), |sum, (weight, (_, place))| {
-            sum + &place.x * weight
-        }),
-        period: weighted()
-            .map(|(weight, (_, place))| weight * place.period)
-            .sum(),
+        x,
+        period: at(s, |node| node.1.period),
     })
 }

@@ -2,6 +2,7 @@
 
 mod boundary_equilibria;
 mod branches;
+mod curves;
 mod on_the_boundary;
 mod several;
 mod static_friction;

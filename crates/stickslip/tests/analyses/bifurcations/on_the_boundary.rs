@@ -85,7 +85,10 @@ fn it_is_followed_round_a_fold_on_a_boundary_that_moves_with_the_parameter() {
         let [inwards, across] = point.multipliers.as_slice() else {
             panic!("{:?}", point.multipliers);
         };
-        assert!((inwards.re - multiplier).abs() < 1e-7 * multiplier.max(1.0));
+        assert!(
+            (inwards.re - multiplier).abs() < 1e-7 * multiplier.max(1.0),
+            "{k} {inwards} {across} {multiplier}"
+        );
         assert!(across.norm() < 1e-10, "{across}");
     }
 }

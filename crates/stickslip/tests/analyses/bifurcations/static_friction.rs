@@ -107,7 +107,7 @@ fn a_branch_goes_on_behind_a_jump_and_does_not_take_another_family_for_it() {
     ] {
         let settings = ContinuationSettings {
             step,
-            most_points: 160,
+            most_points: 400,
             ..ContinuationSettings::over(range.0, range.1)
         };
         let start = [0.0, -1.0, 0.0];
@@ -123,7 +123,14 @@ fn a_branch_goes_on_behind_a_jump_and_does_not_take_another_family_for_it() {
             (&up, touches, SequenceBifurcation::GrazingSliding, 0),
         ];
         for (k, (branch, place, name, phases)) in expected.into_iter().enumerate() {
-            let at = &branch.special[k % 2];
+            let at = &branch.special.get(k % 2).unwrap_or_else(|| {
+                panic!(
+                    "{k} {:?} {:?} {}",
+                    branch.stop,
+                    branch.special,
+                    branch.points.last().unwrap().parameter
+                )
+            });
             let Special::Sequence(change) = &at.what else {
                 panic!("{at:?}");
             };

@@ -2,8 +2,9 @@
 
 use std::fmt;
 
+use super::Cycle;
 use super::margin::{Margin, Rates, Site};
-use crate::dynamics::Dynamics;
+use crate::dynamics::{Dynamics, Modes, Vector};
 use crate::system::Mode;
 
 /// A change of the phases of a periodic orbit where one of its event functions comes to zero.
@@ -50,14 +51,44 @@ impl fmt::Display for SequenceBifurcation {
     }
 }
 
+/// A change of the phases of a periodic orbit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SequenceChange {
+    /// The parameter: where the event function is zero.
+    pub parameter: f64,
+    /// By how much that may be off: what the event function lacks of zero there and what rounding
+    /// leaves of it, over its slope along the branch. What the tolerances have it off by is in it, as
+    /// another orbit with a tenth of them tells; of methods with fixed steps nothing does.
+    pub uncertainty: f64,
+    /// What it is called.
+    pub bifurcation: SequenceBifurcation,
+    /// The contacts whose event function vanishes, counted from 0: two at a coincidence, none where the change has no name, or else one.
+    pub contacts: Vec<usize>,
+    /// Where on the orbit, on the boundary to rounding.
+    pub x: Vector,
+    /// The event function there on the orbit that it was located from, in units of the size that it has on this orbit.
+    pub residual: f64,
+    /// First and second derivative in time of the contact's distance from the boundary there, along the field that the orbit comes by; not
+    /// numbers where it comes by stick. At a graze the first is zero.
+    pub own: [f64; 2],
+    /// The same, positive on the other side, along that side's field. At a crossing- or switching-sliding the first is zero, and the sign of
+    /// the second tells them apart.
+    pub other: [f64; 2],
+    /// Period of the orbit.
+    pub period: f64,
+    /// The modes before it: coming from where the branch was followed; of a sweep, on the side of the value before. None where the orbit was
+    /// followed from the other side and none was found on this one.
+    pub before: Vec<Modes>,
+    /// The modes behind it, of the orbit that was found next to it: the one that it becomes there, or, where the branch turns back, the one that it
+    /// meets; none where none was found.
+    pub after: Vec<Modes>,
+}
+
 /// Fields that differ by less than this part agree.
 const AGREE: f64 = 1e-6;
 
 /// The name, and the first and second rates of the contact's distance along the fields of both sides.
-pub(super) fn name(system: &dyn Dynamics, margin: &Margin) -> (SequenceBifurcation, Rates) {
-    if !margin.vanishes() {
-        return (SequenceBifurcation::Unnamed, Rates::none());
-    }
+fn name(system: &dyn Dynamics, margin: &Margin) -> (SequenceBifurcation, Rates) {
     if margin.other.is_some() {
         return (SequenceBifurcation::Coincidence, Rates::none());
     }
@@ -85,4 +116,29 @@ pub(super) fn name(system: &dyn Dynamics, margin: &Margin) -> (SequenceBifurcati
         (false, _) => SequenceBifurcation::SwitchingSliding,
     };
     (name, rates)
+}
+
+/// Describes the change at an orbit at which a margin vanishes, to an uncertainty.
+pub(crate) fn describe(
+    system: &dyn Dynamics,
+    (at, margin): (&Cycle, &Margin),
+    (parameter, uncertainty): (f64, f64),
+    [before, after]: [Vec<Modes>; 2],
+) -> SequenceChange {
+    let (bifurcation, rates) = name(system, margin);
+    let is_named = bifurcation != SequenceBifurcation::Unnamed;
+    let contacts = [margin.contact].into_iter().chain(margin.other);
+    SequenceChange {
+        parameter,
+        uncertainty,
+        bifurcation,
+        contacts: contacts.filter(|_| is_named).collect(),
+        x: margin.at.x.clone(),
+        residual: margin.relative().abs(),
+        own: rates.own,
+        other: rates.other,
+        period: at.period,
+        before,
+        after,
+    }
 }

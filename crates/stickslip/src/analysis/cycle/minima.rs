@@ -1,7 +1,9 @@
 //! The smallest values of the guards within the phases of a periodic orbit, and at their ends where these are another contact's.
 
+use super::Outline;
 use super::margin::{Key, Margin, Site};
-use crate::dynamics::{Dynamics, Guard, Moment, Orbit, Step, Transition, Vector};
+use super::shooting::Piece;
+use crate::dynamics::{Dynamics, Guard, Moment, SmoothFlow, Step, Vector};
 
 /// Samples of a step by which the minima of its guards are sought.
 const SAMPLES: usize = 8;
@@ -9,68 +11,84 @@ const SAMPLES: usize = 8;
 /// Part of a step within which two minima are one.
 const NEXT_TO: f64 = 1e-6;
 
-/// The smallest values of all guards within the phases, and at their ends where these are another contact's.
-pub(super) fn minima(system: &dyn Dynamics, orbit: &Orbit, turns: &[Transition]) -> Vec<Margin> {
+/// The smallest values of all guards within the segments, and at their ends where these are another
+/// contact's.
+pub(super) fn minima(system: &dyn Dynamics, outline: &Outline, pieces: &[Piece]) -> Vec<Margin> {
     let mut found: Vec<Margin> = Vec::new();
-    let last = turns.len().saturating_sub(1);
-    // The period is cut in the middle of a phase: what ends with the last step goes on with the first.
-    let mut rates = match (orbit.steps.first(), orbit.steps.last()) {
-        (Some((first, _)), Some((last, solution))) if first.mode == last.mode => {
-            minima_of(system, (last, solution), &[], [None; 2]).rates
-        }
-        _ => Vec::new(),
-    };
-    let switched = |t: f64| turns.iter().find(|at| at.t == t).map(|at| at.contact);
-    for (step, solution) in &orbit.steps {
-        // Before the first transition it is the last part that goes on.
-        let passed = turns.iter().filter(|at| at.t <= step.t_start).count();
-        let part = passed.checked_sub(1).unwrap_or(last);
-        let ends = [step.t_start, step.t_end].map(switched);
-        let before = if ends[0].is_some() { &[][..] } else { &rates };
-        let of_step = minima_of(system, (step, solution), before, ends);
-        rates = of_step.rates;
-        for Minimum {
-            site,
-            guard,
-            other,
-            at,
-            value,
-            scale,
-        } in of_step.minima
-        {
-            let same = |margin: &&Margin| margin.key.part == part && margin.key.site == site;
-            // At the end of a step rounding may have seen it, and sees it again at the beginning of the next.
-            let near = NEXT_TO * (step.t_end - step.t_start);
-            let is_near = |margin: &Margin| (margin.at.t - at.t).abs() <= near;
-            if found.iter().rfind(same).is_some_and(is_near) {
-                continue;
+    let count = outline.segments.len();
+    for (part, (segment, piece)) in outline.segments.iter().zip(pieces).enumerate() {
+        let flow = system.flow(segment.mode, &segment.inside);
+        let neighbours = [outline.before(part), &outline.segments[(part + 1) % count]];
+        let bounds = [neighbours[0].end, segment.end].map(|end| Some(end?.contact));
+        let last = piece.steps.len().saturating_sub(1);
+        // An orbit without transitions goes on at its end with its beginning.
+        let mut rates = match piece.steps.last() {
+            Some((step, solution)) if segment.end.is_none() => {
+                minima_of(&*flow, (step, solution), &[], [None; 2]).rates
             }
-            let contact = guard.contact;
-            let turns_at = |t: f64| turns.iter().filter(move |turn| turn.t == t);
-            // What another contact's switch lets go, or what switches with it, leaves zero or comes to it.
-            let switches = match site {
-                Site::Begin(_) => {
-                    turns_at(at.t).any(|turn| turn.from.get(contact) != turn.to.get(contact))
-                }
-                Site::End(_) => turns_at(at.t).any(|turn| turn.contact == contact),
-                _ => false,
-            };
-            if switches {
-                continue;
+            _ => Vec::new(),
+        };
+        let mut scales = vec![f64::MIN_POSITIVE; flow.guards().len()];
+        let first = found.len();
+        for (number, (step, solution)) in piece.steps.iter().enumerate() {
+            let begin = bounds[0].filter(|_| number == 0);
+            let ends = [begin, bounds[1].filter(|_| number == last)];
+            let of_step = minima_of(&*flow, (step, solution), &rates, ends);
+            rates = of_step.rates;
+            for (scale, of_step) in scales.iter_mut().zip(&of_step.scales) {
+                *scale = of_step.max(*scale);
             }
-            let count = found.iter().filter(same).count();
-            found.push(Margin {
-                key: Key { part, site, count },
-                value,
-                scale,
-                by_rounding: 0.0,
-                off: 0.0,
-                incoming: step.mode,
-                contact,
+            for Minimum {
+                site,
+                guard,
                 other,
                 at,
-                is_contact_function: guard.goes_on,
-            });
+                value,
+            } in of_step.minima
+            {
+                let same = |margin: &&Margin| margin.key.part == part && margin.key.site == site;
+                // At the end of a step rounding may have seen it, and sees it again at the
+                // beginning of the next.
+                let near = NEXT_TO * (step.t_end - step.t_start);
+                let is_near = |margin: &Margin| (margin.at.t - at.t).abs() <= near;
+                if found.iter().rfind(same).is_some_and(is_near) {
+                    continue;
+                }
+                // What another contact's switch lets go leaves zero, or comes to it.
+                let contact = guard.contact;
+                let switches =
+                    |k: usize| neighbours[k].mode.get(contact) != segment.mode.get(contact);
+                let is_of_switch = match site {
+                    Site::Begin(_) => switches(0),
+                    Site::End(_) => switches(1),
+                    _ => false,
+                };
+                if is_of_switch {
+                    continue;
+                }
+                let count = found.iter().filter(same).count();
+                found.push(Margin {
+                    key: Key { part, site, count },
+                    value,
+                    scale: f64::MIN_POSITIVE,
+                    incoming: segment.mode,
+                    contact,
+                    other,
+                    at,
+                    is_contact_function: guard.goes_on,
+                });
+            }
+        }
+        for margin in &mut found[first..] {
+            let (Site::Minimum(number) | Site::Begin(number) | Site::End(number)) = margin.key.site
+            else {
+                continue;
+            };
+            let place = flow
+                .guards()
+                .iter()
+                .position(|guard| guard.number == number);
+            margin.scale = place.map_or(margin.scale, |place| scales[place]);
         }
     }
     found
@@ -80,7 +98,7 @@ pub(super) fn minima(system: &dyn Dynamics, orbit: &Orbit, turns: &[Transition])
 /// the rates of the guards at the end of the step before, where that is of the same phase; `ends`
 /// the contacts with whose transitions a phase begins with the step, and ends with it.
 fn minima_of(
-    system: &dyn Dynamics,
+    flow: &dyn SmoothFlow,
     (step, solution): (&Step, &dyn Fn(f64) -> Vector),
     before: &[f64],
     ends: [Option<usize>; 2],
@@ -88,10 +106,8 @@ fn minima_of(
     let length = step.t_end - step.t_start;
     let moment = |t: f64| Moment { t, x: solution(t) };
     let place = |s: f64| moment(step.t_start + s * length);
-    let middle = moment(0.5 * (step.t_start + step.t_end));
-    let flow = system.flow(step.mode, &middle);
     let mut found = Vec::new();
-    let mut rates = Vec::new();
+    let (mut rates, mut scales) = (Vec::new(), Vec::new());
     for (k, guard) in flow.guards().into_iter().enumerate() {
         let jet = |s: f64| flow.guard_jet(guard.number, &place(s));
         // A guard may leave zero without a rate where a phase begins.
@@ -103,7 +119,7 @@ fn minima_of(
             })
             .collect();
         let sizes = samples.iter().map(|(_, jet)| jet[0].abs());
-        let scale = sizes.fold(f64::MIN_POSITIVE, f64::max);
+        scales.push(sizes.fold(0.0, f64::max));
         // A step may end at a minimum, and rounding take its rate there for one of either sign.
         let falls = before.get(k).is_some_and(|rate| *rate < 0.0);
         let minimum = |site, other, s: f64| Minimum {
@@ -112,7 +128,6 @@ fn minima_of(
             other,
             at: place(s),
             value: jet(s)[0],
-            scale,
         };
         if falls && samples[0].1[1] >= 0.0 {
             found.push(minimum(Site::Minimum(guard.number), None, 0.0));
@@ -157,6 +172,7 @@ fn minima_of(
     OfStep {
         minima: found,
         rates,
+        scales,
     }
 }
 
@@ -165,6 +181,8 @@ struct OfStep {
     minima: Vec<Minimum>,
     /// The rates of the guards at its end.
     rates: Vec<f64>,
+    /// The largest sizes of the guards in it.
+    scales: Vec<f64>,
 }
 
 /// The smallest value of a guard among those around it.
@@ -175,6 +193,4 @@ struct Minimum {
     other: Option<usize>,
     at: Moment,
     value: f64,
-    /// The largest size that the guard has in the step.
-    scale: f64,
 }

@@ -1,0 +1,134 @@
+//! Changes of the phases in two parameters.
+
+use plot::{BLACK, BLUE, Curve as Line, Figure, GREEN, Legend, ORANGE, PURPLE, Panel, VERMILLION};
+use serde_json::json;
+use stickslip::analysis::{Curve, CurvePoint, CurveStop, SequenceChange};
+use stickslip_kernels::file::System;
+use stickslip_kernels::kernel::Change;
+
+use super::super::changes;
+use super::super::figures;
+use super::super::range::ParameterRange;
+use super::branch::Also;
+use crate::failure::Failure;
+use crate::render::{Report, Table, rounded};
+
+/// Tells the curves, and writes `curves.csv` and `curves.svg`.
+pub(super) fn report(
+    report: &mut Report,
+    system: &System,
+    range: &ParameterRange,
+    also: &Also,
+    curves: &[(SequenceChange, Option<Curve>)],
+) -> Result<(), Failure> {
+    let (name, other) = (&range.name, &also.range.name);
+    let mut objects = Vec::new();
+    for (change, curve) in curves {
+        let change = Change::from(change);
+        let what = changes::words(system, &change);
+        let points = curve.as_ref().map_or(&[][..], |curve| &curve.points);
+        report.note(match (curve, points.first(), points.last()) {
+            (Some(curve), Some(first), Some(last)) => {
+                let end = |point: &CurvePoint, stop: CurveStop| {
+                    let [q, p] = point.parameters.map(rounded);
+                    format!("{other} = {q}, {name} = {p} {}", words(stop))
+                };
+                format!(
+                    "in {name} and {other}, {what}: {} orbits from {} to {}",
+                    points.len(),
+                    end(first, curve.stops[0]),
+                    end(last, curve.stops[1])
+                )
+            }
+            _ => format!("in {name} and {other}, {what}: no curve was found"),
+        });
+        objects.push(json!({
+            "change": changes::json(system, &change),
+            "points": points.len(),
+            "stops": curve.as_ref().map(|curve| curve.stops.map(word)),
+        }));
+    }
+    report.field("also", &also.range);
+    report.field("curves", objects);
+    let found = || curves.iter().enumerate();
+    let rows = found().flat_map(|(number, (change, curve))| {
+        let what = changes::name(&Change::from(change));
+        let points = curve.iter().flat_map(|curve| &curve.points);
+        points.map(move |point| (number, what.clone(), point))
+    });
+    let table = Table::new()
+        .column("curve", |row: &(usize, String, &CurvePoint)| row.0)
+        .column("what", |row| row.1.clone())
+        .column(other, |row| row.2.parameters[0])
+        .column(name, |row| row.2.parameters[1])
+        .column("period", |row| row.2.period)
+        .column("t", |row| row.2.t)
+        .state(system, "", |row| {
+            let states = system.states();
+            row.2.x.as_slice()[..states].to_vec()
+        });
+    report.table(table.csv("curves", rows)?);
+    report.figure("curves", &diagram(system, range, also, curves))?;
+    Ok(())
+}
+
+/// Why a curve ends there.
+fn words(stop: CurveStop) -> &'static str {
+    match stop {
+        CurveStop::Range => "(an end of a range)",
+        CurveStop::Points => "(as many orbits as were asked for)",
+        CurveStop::AnotherChange => "(another change comes to the same orbit)",
+        CurveStop::NoConvergence => "(no further orbit was found)",
+    }
+}
+
+fn word(stop: CurveStop) -> &'static str {
+    match stop {
+        CurveStop::Range => "range",
+        CurveStop::Points => "points",
+        CurveStop::AnotherChange => "another change",
+        CurveStop::NoConvergence => "no convergence",
+    }
+}
+
+/// The curves in the plane of both parameters.
+fn diagram(
+    system: &System,
+    range: &ParameterRange,
+    also: &Also,
+    curves: &[(SequenceChange, Option<Curve>)],
+) -> Figure {
+    const COLORS: [plot::Color; 6] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, BLACK];
+    let title = format!(
+        "{}: changes of the phases in two parameters",
+        system.file.name
+    );
+    let description = format!(
+        "Curves on which the phases of a periodic orbit of {} change, over {} from {} to {} and {} from {} to {}.",
+        system.file.name,
+        range.name,
+        range.low,
+        range.high,
+        also.range.name,
+        also.range.low,
+        also.range.high
+    );
+    let axis = |range: &ParameterRange| {
+        figures::parameter_axis(system, &range.name, (range.low, range.high), true)
+    };
+    let mut panel = Panel::new(axis(range), axis(&also.range));
+    let found = curves
+        .iter()
+        .filter_map(|(change, curve)| Some((change, curve.as_ref()?)));
+    for (number, (change, curve)) in found.enumerate() {
+        let points = curve.points.iter().map(|point| {
+            let [other, own] = point.parameters;
+            (own, other)
+        });
+        let what = changes::name(&Change::from(change));
+        let line = Line::new(points.collect::<Vec<_>>()).color(COLORS[number % COLORS.len()]);
+        panel.add(line.width(1.4).legend(&format!("{} {what}", number + 1)));
+    }
+    let panel = panel.legend(Legend::Below);
+    Figure::new("curves", (640.0, 420.0), &title, &description).row(1.0, panel)
+}

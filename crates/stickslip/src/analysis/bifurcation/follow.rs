@@ -1,0 +1,529 @@
+//! Periodic orbits followed from one value of a sweep towards another, with the sequence that they
+//! have at the first.
+
+use super::change::End;
+use super::stability::NEXT_TO;
+use super::{Family, WhatChanges};
+use crate::analysis::attractors::is_same_cycle;
+use crate::analysis::boundary_equilibrium::{Approach, Held, ends_in};
+use crate::analysis::continuation::Special;
+use crate::analysis::critical::{Critical, zero_between};
+use crate::analysis::cycle::{
+    Cycle, Margin, Outline, Segment, SequenceChange, Shooting, Site, describe,
+};
+use crate::dynamics::{Moment, Vector};
+use crate::filippov::Options;
+
+/// First step on the way, as a part of it, and by how much each is longer than the one before.
+const FIRST: f64 = 1.0 / 64.0;
+const GROWTH: f64 = 1.3;
+
+/// Part of the way to which the end of an orbit is located.
+const RESOLUTION: f64 = 1e-10;
+
+/// At an end of the orbit located to that a multiplier that goes to 1 like a root is some 1e-5 from
+/// it.
+const NEAR_ONE: f64 = 1e-3;
+
+/// Distances at which orbits behind a change are sought, as parts of the way.
+const BEHIND: [f64; 4] = [1e-5, 1e-4, 1e-3, 1e-2];
+
+/// The orbits of a family, followed from the first.
+pub(super) struct Following<'a> {
+    family: &'a Family<'a>,
+    /// The period, where it is that of the forcing.
+    forced: Option<f64>,
+    /// Dimension of the families that the orbits are of.
+    free: usize,
+    options: Options,
+    first: Known,
+}
+
+/// An orbit at a parameter.
+#[derive(Clone)]
+struct Known {
+    parameter: f64,
+    cycle: Cycle,
+}
+
+/// The orbits with one sequence on the way to another value.
+pub(super) struct Way {
+    good: Vec<Known>,
+    /// Where none was found, behind the last of these.
+    lost: Option<f64>,
+    /// The change of phases that the way ends with.
+    pub change: Option<SequenceChange>,
+}
+
+/// The orbit that a function is zero at, and by how much its parameter may be off.
+struct Zero {
+    at: Known,
+    uncertainty: f64,
+}
+
+impl<'a> Following<'a> {
+    /// Begins with the orbit that was reached at a value.
+    pub fn begin(
+        family: &'a Family<'a>,
+        from: End<'_>,
+        period: f64,
+        forced: Option<f64>,
+        options: &Options,
+    ) -> Option<Self> {
+        let system = &*family(from.0);
+        // Where a phase begins in which all contacts slip, for stick forgets what came before, and
+        // with it by how much the start is off; with a forcing, where the strobe sees it.
+        let mut phases = from.1.phases.iter();
+        let slip = phases.find(|phase| forced.is_none() && !phase.mode.any_sticks());
+        let begin = slip.map(|phase| (phase.t_start, &phase.x_start));
+        let points = || from.1.points.first().map(|at| (at.t, &at.x));
+        let (t, x) = begin.or_else(points)?;
+        let start = Moment { t, x: x.clone() };
+        let period = forced.unwrap_or(period);
+        let outline = Outline::of_run(system, &start, period, options).ok()?;
+        let cycle = Shooting::of(system, &outline, forced, options).nearest(&outline, None)?;
+        Some(Following {
+            family,
+            forced,
+            free: cycle.family,
+            options: *options,
+            first: Known {
+                parameter: from.0,
+                cycle,
+            },
+        })
+    }
+
+    /// The orbit at a parameter near an outline.
+    fn solve(&self, parameter: f64, guess: &Outline, options: &Options) -> Option<Known> {
+        let system = &*(self.family)(parameter);
+        let shooting = Shooting {
+            extent: self.first.cycle.extent,
+            family: self.free,
+            ..Shooting::of(system, guess, self.forced, options)
+        };
+        let cycle = shooting.solve(guess, None)?;
+        Some(Known { parameter, cycle })
+    }
+
+    /// Where the orbit is expected at a parameter by the last two.
+    fn expected(good: &[Known], parameter: f64) -> Option<Outline> {
+        let two = good.last()?;
+        let own = two.cycle.outline.unknowns();
+        let Some(slope) = slope(good) else {
+            return Some(two.cycle.outline.clone());
+        };
+        let moved = own + slope * (parameter - two.parameter);
+        Some(two.cycle.outline.with(&moved))
+    }
+
+    fn by_line(&self, good: &[Known], parameter: f64, options: &Options) -> Option<Known> {
+        let guess = Following::expected(good, parameter)?;
+        let is_possible = guess.segments.iter().all(|one| one.duration >= 0.0);
+        is_possible
+            .then(|| self.solve(parameter, &guess, options))
+            .flatten()
+    }
+
+    /// Follows the orbit on the way to another value, to where its phases change or it is lost.
+    pub fn follow(&self, to: f64) -> Way {
+        let from = self.first.parameter;
+        let mut way = Way {
+            good: vec![self.first.clone()],
+            lost: None,
+            change: None,
+        };
+        let resolution = RESOLUTION * (to - from).abs();
+        // In small steps, so that it is this orbit that is followed and not another one near by.
+        let mut step = FIRST * (to - from);
+        while let Some(last) = way.good.last() {
+            let at = last.parameter;
+            if at == to {
+                break;
+            }
+            let goes_on = (to - at) / step > 1.0;
+            let mut next = if goes_on { at + step } else { to };
+            if let Some(place) = vanishing(&way.good, next) {
+                let change = self.vanishes(&way.good, place);
+                let is_ahead = |change: &SequenceChange| {
+                    (change.parameter - from) * (to - change.parameter) >= 0.0
+                };
+                way.change = change.filter(is_ahead);
+                if way.change.is_some() {
+                    break;
+                }
+                next = at + 0.5 * (place - at);
+            }
+            match self.by_line(&way.good, next, &self.options) {
+                Some(found) => match self.passed(&way.good, &found) {
+                    Ok(Some(change)) => {
+                        way.change = Some(change);
+                        break;
+                    }
+                    Ok(None) => {
+                        way.good.push(found);
+                        step *= GROWTH;
+                        continue;
+                    }
+                    Err(()) => {}
+                },
+                None => way.lost = Some(next),
+            }
+            step = 0.3 * (next - at);
+            if step.abs() < resolution {
+                way.lost = Some(next);
+                break;
+            }
+        }
+        if way.good.last().is_some_and(|last| last.parameter == to) || way.change.is_some() {
+            way.lost = None;
+        }
+        if let Some(lost) = way.lost {
+            way.change = self.ends_in(&way.good, lost);
+        }
+        way
+    }
+
+    fn is_violated(&self, margin: &Margin) -> bool {
+        const TOLERANCES: f64 = 100.0;
+        margin.relative() < -TOLERANCES * self.options.rtol.max(self.options.atol)
+    }
+
+    /// The first change of phases between the last orbit and another; `Err` where that is too far
+    /// away to tell.
+    fn passed(&self, good: &[Known], next: &Known) -> Result<Option<SequenceChange>, ()> {
+        let last = good.last().ok_or(())?;
+        let from = last.parameter;
+        let mut first: Option<(Zero, Margin)> = None;
+        let mut is_unclear = false;
+        let violated = next.cycle.margins.iter();
+        for margin in violated.filter(|margin| self.is_violated(margin)) {
+            let Some(before) = last.cycle.margin_like(margin) else {
+                is_unclear = true;
+                continue;
+            };
+            if before.value <= 0.0 {
+                continue;
+            }
+            let value = |one: &Cycle| Some(one.margin_like(margin)?.value);
+            let both = [last.clone(), next.clone()];
+            let zero = self.zero(&both, value).ok_or(())?;
+            let margin = zero.at.cycle.margin_like(margin).ok_or(())?.clone();
+            let way = |zero: &Zero| (zero.at.parameter - from).abs();
+            if first
+                .as_ref()
+                .is_none_or(|(first, _)| way(&zero) < way(first))
+            {
+                first = Some((zero, margin));
+            }
+        }
+        match first {
+            Some((zero, margin)) => Ok(Some(self.described(last, &zero, &margin, next.parameter))),
+            None if is_unclear => Err(()),
+            None => Ok(None),
+        }
+    }
+
+    /// Where a function of the orbits is zero between two of them.
+    fn zero(&self, both: &[Known; 2], function: impl Fn(&Cycle) -> Option<f64>) -> Option<Zero> {
+        let ends = both
+            .each_ref()
+            .map(|one| Some((one.parameter, function(&one.cycle)?)));
+        let on = |parameter: f64| self.by_line(both, parameter, &self.options);
+        let value = |parameter: f64| function(&on(parameter)?.cycle);
+        let [from, to] = [ends[0]?, ends[1]?];
+        let parameter = zero_between(from, to, value)?;
+        let width = (to.0 - from.0).abs();
+        const PARTS: [f64; 5] = [0.0, 1e-10, -1e-10, 1e-9, -1e-9];
+        let mut places = PARTS.iter().map(|part| parameter + part * width);
+        let at = places.find_map(on)?;
+        let by_slope = || {
+            const APART: f64 = 1e-4;
+            const SAFE: f64 = 2.0;
+            let beside = |way: f64| function(&on(at.parameter + way)?.cycle);
+            let [before, behind] = [beside(-APART * width)?, beside(APART * width)?];
+            let own = function(&at.cycle)?;
+            let finer = self.by_line(both, at.parameter, &self.options.finer())?;
+            let by_tolerance = SAFE * (function(&finer.cycle)? - own).abs();
+            let lacks = own.abs() + (behind - 2.0 * own + before).abs() + by_tolerance;
+            let off = APART * width * (2.0 * lacks / (behind - before)).abs();
+            off.is_finite().then_some(off)
+        };
+        // Where another branch meets it no orbit can be computed: it lies between the two.
+        let rounding = 16.0 * f64::EPSILON * parameter.abs().max(width);
+        let uncertainty = by_slope().unwrap_or(width).max(rounding);
+        Some(Zero { at, uncertainty })
+    }
+
+    /// The change at a zero of a margin, with the phases of an orbit that the system itself takes
+    /// next to it.
+    fn described(&self, last: &Known, zero: &Zero, margin: &Margin, next: f64) -> SequenceChange {
+        let Zero { at, uncertainty } = zero;
+        let way = next - last.parameter;
+        let modes = last.cycle.outline.modes();
+        let places = BEHIND.into_iter().flat_map(|part| [part, -part]);
+        let after = places.into_iter().find_map(|part| {
+            let parameter = at.parameter + part * way;
+            let beyond = at.parameter + part.abs() * way;
+            let both = [last.clone(), at.clone()];
+            let beyond = self.by_line(&both, beyond, &self.options)?;
+            let system = &*(self.family)(beyond.parameter);
+            let (start, period) = (&beyond.cycle.anchor, beyond.cycle.period);
+            let outline = Outline::of_run(system, start, period, &self.options).ok()?;
+            let found = self.solve(parameter, &outline, &self.options)?;
+            let is_valid = !found.cycle.margins.iter().any(|one| self.is_violated(one));
+            let other = found.cycle.outline.modes();
+            let is_other = !is_same_cycle(&other, &modes);
+            (is_valid && is_other).then_some(other)
+        });
+        let system = &*(self.family)(at.parameter);
+        let place = (at.parameter, *uncertainty);
+        let sides = [modes, after.unwrap_or_default()];
+        describe(system, (&at.cycle, margin), place, sides)
+    }
+
+    /// The change at which the durations of segments vanish, which would be at a place.
+    fn vanishes(&self, good: &[Known], place: f64) -> Option<SequenceChange> {
+        const AT_ONCE: f64 = 4.0;
+        let last = good.last()?;
+        let way = place - last.parameter;
+        let numbers = vanishing_by(good, last.parameter + AT_ONCE * way);
+        let numbers: Vec<usize> = numbers.into_iter().map(|(k, _)| k).collect();
+        let first = numbers.first()?;
+        let several = (numbers.len() > 1).then(|| self.vanishes_without(last, &numbers, way));
+        several
+            .flatten()
+            .or_else(|| self.vanishes_without(last, &[*first], way))
+            .or_else(|| self.coincides(good, *first, way))
+    }
+
+    /// The change at which two contacts switch in the same instant: the segment between lasts longer
+    /// and longer on either side, in one order of the two and in the other.
+    fn coincides(&self, good: &[Known], number: usize, way: f64) -> Option<SequenceChange> {
+        let last = good.last()?;
+        let orbit = |parameter: f64, options: &Options| {
+            let guess = Following::expected(good, parameter)?;
+            // Symmetric orbits have several.
+            let sign = guess.segments[number].duration.signum();
+            let durations = guess.segments.iter().map(|one| one.duration).enumerate();
+            let mut negative = durations.filter(|(_, duration)| *duration < 0.0);
+            let other = negative.try_fold(guess.clone(), |guess, (number, duration)| {
+                guess.swapped(number, -duration)
+            });
+            let found = self.solve(parameter, &other?, options)?;
+            let lasts = found.cycle.outline.segments[number].duration;
+            Some((found, sign * lasts))
+        };
+        let beyond = last.parameter + 2.0 * way;
+        let (other, at_beyond) = orbit(beyond, &self.options)?;
+        let here = last.cycle.outline.segments[number].duration;
+        let lasts = |parameter: f64| Some(orbit(parameter, &self.options)?.1);
+        let ends = ((last.parameter, here), (beyond, at_beyond));
+        let parameter = zero_between(ends.0, ends.1, lasts)?;
+        let (at, left) = orbit(parameter, &self.options)?;
+        let (_, finer) = orbit(parameter, &self.options.finer())?;
+        let slope = (at_beyond - here) / (beyond - last.parameter);
+        let off = left.abs() + 2.0 * (finer - left).abs();
+        let rounding = 16.0 * f64::EPSILON * parameter.abs().max(way.abs());
+        let is_meant =
+            |margin: &&Margin| margin.key.site == Site::Duration && margin.key.part == number;
+        let margin = at.cycle.margins.iter().find(is_meant)?;
+        let system = &*(self.family)(parameter);
+        let sides = [last, &other].map(|one| one.cycle.outline.modes());
+        let place = (parameter, (off / slope).abs().max(rounding));
+        Some(describe(system, (&at.cycle, margin), place, sides))
+    }
+
+    /// The change that the orbits end in behind which none is found: at a margin that goes to zero
+    /// like a root of the parameter.
+    fn ends_in(&self, good: &[Known], lost: f64) -> Option<SequenceChange> {
+        const NEAR: f64 = 10.0;
+        let last = good.last()?;
+        let bracket = (lost - last.parameter).abs();
+        let zero = |margin: &Margin| {
+            let square = |one: &Known| one.cycle.margin_like(margin).map(|at| at.value * at.value);
+            let own = square(last)?;
+            let apart = |one: &&Known| square(one).is_some_and(|other| other >= 2.0 * own);
+            let apart = good.iter().rev().find(apart)?;
+            let way = own * (last.parameter - apart.parameter) / (square(apart)? - own);
+            (way.abs() <= NEAR * bracket).then_some(way)
+        };
+        let arrivals = last.cycle.margins.iter();
+        let arrivals = arrivals.filter(|margin| margin.key.site == Site::Arrival);
+        let ways = arrivals.filter_map(|margin| Some((margin, zero(margin)?)));
+        let (margin, way) = ways.min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+        let guess = &last.cycle.outline;
+        let finer = self.solve(last.parameter, guess, &self.options.finer());
+        let by_tolerance = finer.and_then(|finer| {
+            let value = finer.cycle.margin_like(margin)?.value;
+            // The way goes with the square of the margin.
+            Some(4.0 * (value / margin.value - 1.0).abs() * way.abs())
+        });
+        let system = &*(self.family)(last.parameter);
+        let uncertainty = bracket.max(way.abs()) + by_tolerance.unwrap_or(0.0);
+        let sides = [last.cycle.outline.modes(), Vec::new()];
+        let place = (last.parameter + way, uncertainty);
+        Some(describe(system, (&last.cycle, margin), place, sides))
+    }
+
+    fn vanishes_without(
+        &self,
+        last: &Known,
+        numbers: &[usize],
+        way: f64,
+    ) -> Option<SequenceChange> {
+        let Known { parameter, cycle } = last;
+        let simple = cycle.outline.without(numbers, &cycle.begins)?;
+        let mut one = self.solve(*parameter, &simple, &self.options)?;
+        let margin = one.cycle.margin_about(cycle, numbers)?.clone();
+        let value = |one: &Cycle| Some(one.margin_like(&margin)?.value);
+        // By the slope, a little further than where it would be zero.
+        const FURTHER: f64 = 1.5;
+        const MOST: usize = 8;
+        let mut next = self.solve(parameter + 0.01 * way, &one.cycle.outline, &self.options)?;
+        for _ in 0..MOST {
+            let [a, b] = [value(&one.cycle)?, value(&next.cycle)?];
+            if a * b <= 0.0 {
+                let zero = self.zero(&[one, next], value)?;
+                let margin = zero.at.cycle.margin_like(&margin)?;
+                let is_valid = |other: &Margin| other.key == margin.key || !self.is_violated(other);
+                if !zero.at.cycle.margins.iter().all(is_valid) {
+                    return None;
+                }
+                let system = &*(self.family)(zero.at.parameter);
+                let sides = [cycle.outline.modes(), simple.modes()];
+                let place = (zero.at.parameter, zero.uncertainty);
+                return Some(describe(system, (&zero.at.cycle, margin), place, sides));
+            }
+            let slope = (b - a) / (next.parameter - one.parameter);
+            let further = next.parameter - FURTHER * b / slope;
+            let both = [one, next];
+            let found = self.by_line(&both, further, &self.options)?;
+            let [_, last] = both;
+            (one, next) = (last, found);
+        }
+        None
+    }
+
+    /// Where the orbits end in an equilibrium of one of several modes on the way to another value,
+    /// if they do.
+    pub fn boundary_equilibrium(&self, way: &Way, to: f64) -> Option<WhatChanges> {
+        let goes_on = way.lost.is_none() && way.change.is_none();
+        if goes_on || self.forced.is_some() {
+            return None;
+        }
+        let approach = |one: &Known| Approach {
+            parameter: one.parameter,
+            modes: one.cycle.outline.modes(),
+            begins: one.cycle.begins.iter().map(|at| at.x.clone()).collect(),
+            extent: one.cycle.extent,
+        };
+        let orbits: Vec<Approach> = way.good.iter().map(approach).collect();
+        let held = |parameter: f64, mode, x: &Vector| {
+            Held::near(&*(self.family)(parameter), mode, x, x.len())
+        };
+        let first = &self.first;
+        let states = first.cycle.sizes.len();
+        let (parameter, x) = ends_in(&orbits, first.cycle.extent, states, held)?;
+        let part = (parameter - first.parameter) / (to - first.parameter);
+        let is_on_way = part > 0.0 && part <= 1.0 + NEXT_TO;
+        is_on_way.then_some(WhatChanges::BoundaryEquilibrium { parameter, x })
+    }
+
+    /// The first of its multipliers to reach the unit circle on the way, or the fold that it ends in.
+    pub fn multiplier(&self, way: &Way) -> Option<WhatChanges> {
+        let of = |cycle: &Cycle| Critical::of(&cycle.monodromy, self.free);
+        let one = |cycle: &Cycle| Some(of(cycle).one);
+        let minus_one = |cycle: &Cycle| Some(of(cycle).minus_one);
+        let circle = |cycle: &Cycle| of(cycle).circle;
+        type Function<'f> = &'f dyn Fn(&Cycle) -> Option<f64>;
+        let functions: [Function<'_>; 3] = [&one, &minus_one, &circle];
+        for both in way.good.windows(2) {
+            let [before, behind] = both else { continue };
+            let gaps = [before, behind].map(|one| of(&one.cycle).gap_to_one());
+            // Next to a fold rounding tells the sign.
+            let is_noise = gaps[0].max(gaps[1]) < NEAR_ONE;
+            for (kind, function) in functions.into_iter().enumerate() {
+                let ends = [before, behind].map(|one| function(&one.cycle));
+                let changes = matches!(ends, [Some(a), Some(b)] if a * b < 0.0);
+                if !changes || kind == 0 && is_noise {
+                    continue;
+                }
+                let both = [before.clone(), behind.clone()];
+                let Some(Zero { at, uncertainty }) = self.zero(&both, function) else {
+                    continue;
+                };
+                let what = match kind {
+                    0 => Special::BranchPoint,
+                    1 => Special::Flip,
+                    _ => Special::NeimarkSacker {
+                        angle: of(&at.cycle).angle,
+                    },
+                };
+                return Some(changed(&at, (at.parameter, uncertainty), what));
+            }
+        }
+        let (last, lost) = (way.good.last()?, way.lost?);
+        if of(&last.cycle).gap_to_one() >= NEAR_ONE {
+            return None;
+        }
+        // There the square of the function goes to zero like the parameter.
+        let square = |one: &Known| of(&one.cycle).one * of(&one.cycle).one;
+        let own = square(last);
+        let apart = way.good.iter().rev().find(|one| square(one) >= 2.0 * own)?;
+        let slope = (last.parameter - apart.parameter) / (own - square(apart));
+        let parameter = last.parameter - own * slope;
+        let guess = &last.cycle.outline;
+        let finer = self.solve(last.parameter, guess, &self.options.finer());
+        let by_tolerance = finer.map_or(0.0, |finer| (square(&finer) - own).abs() * slope.abs());
+        let lacks = (lost - last.parameter)
+            .abs()
+            .max((parameter - last.parameter).abs());
+        Some(changed(
+            last,
+            (parameter, lacks + 2.0 * by_tolerance),
+            Special::Fold,
+        ))
+    }
+}
+
+fn changed(at: &Known, (parameter, uncertainty): (f64, f64), what: Special) -> WhatChanges {
+    WhatChanges::Multiplier {
+        parameter,
+        uncertainty,
+        what,
+        x: at.cycle.anchor.x.clone(),
+        period: at.cycle.period,
+    }
+}
+
+/// How the unknowns change by the parameter, by the last two orbits.
+fn slope(good: &[Known]) -> Option<Vector> {
+    let [.., one, two] = good else { return None };
+    let way = two.cycle.outline.unknowns() - one.cycle.outline.unknowns();
+    Some(way / (two.parameter - one.parameter))
+}
+
+/// The first place up to another at which the duration of a segment would vanish.
+fn vanishing(good: &[Known], by: f64) -> Option<f64> {
+    vanishing_by(good, by).first().map(|(_, place)| *place)
+}
+
+/// The segments whose durations would vanish up to a place, the first of them first, and where.
+fn vanishing_by(good: &[Known], by: f64) -> Vec<(usize, f64)> {
+    let (Some(last), Some(slope)) = (good.last(), slope(good)) else {
+        return Vec::new();
+    };
+    let n = last.cycle.outline.begin.x.len();
+    let segments = last.cycle.outline.segments.iter().enumerate();
+    let place = |(k, one): (usize, &Segment)| {
+        let way = -one.duration / slope[n + k];
+        let is_ahead = way * (by - last.parameter) > 0.0;
+        let is_near = way.abs() <= (by - last.parameter).abs();
+        (is_ahead && is_near).then_some((k, last.parameter + way))
+    };
+    let mut places: Vec<_> = segments.filter_map(place).collect();
+    let way = |place: f64| (place - last.parameter).abs();
+    places.sort_by(|a, b| way(a.1).total_cmp(&way(b.1)));
+    places
+}

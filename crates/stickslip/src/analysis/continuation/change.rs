@@ -1,0 +1,279 @@
+//! Changes of the phases along a branch: where, by which margin, and the orbits behind them.
+
+use super::line::{Line, Zero, unit};
+use super::parameter_of;
+use super::walk::Walk;
+use crate::analysis::attractors::is_same_cycle;
+use crate::analysis::cycle::{Cycle, Margin, Outline, SequenceChange, Shooting, Site, describe};
+use crate::dynamics::{Happening, Moment, Section};
+use crate::filippov::Direction;
+
+/// What is found of a change.
+pub(super) struct Change {
+    /// The orbit at the change.
+    pub at: Zero,
+    /// The margin that vanishes there.
+    pub margin: Margin,
+    /// The orbits behind it: the first of them, and the line on which they go on.
+    pub behind: Option<(Cycle, Line)>,
+}
+
+/// Orbits behind a change are sought this part of a step beyond it.
+pub(super) const BEYOND: [f64; 5] = [1e-3, 1e-2, 1e-4, 1e-1, 1e-5];
+
+/// A segment that begins at a change is shorter than this part of the longest.
+const SHORT: f64 = 0.2;
+
+/// An orbit has come back within this part of its extent.
+const NEAR: f64 = 0.1;
+
+/// It comes back within so many periods.
+const MOST_PERIODS: f64 = 3.0;
+
+impl Walk<'_> {
+    /// The first margin that an orbit on the line has come below zero at, and where; `Err` where
+    /// the step is too long to tell.
+    pub(super) fn passed(&self, line: &Line, next: &Cycle) -> Result<Option<Change>, ()> {
+        let s = line.place(next);
+        let mut first: Option<(Zero, Margin)> = None;
+        let mut is_unclear = false;
+        for margin in next
+            .margins
+            .iter()
+            .filter(|margin| self.shooting.is_violated(margin))
+        {
+            let Some(before) = self.last.margin_like(margin) else {
+                is_unclear = true;
+                continue;
+            };
+            if before.value <= 0.0 {
+                continue;
+            }
+            let value = |one: &Cycle| Some(one.margin_like(margin)?.value);
+            let ends = ((0.0, before.value), (s, margin.value));
+            let zero = line.zero(&self.shooting, ends.0, ends.1, value).ok_or(())?;
+            let zero = self.refined(line, zero, s, value);
+            let margin = zero.cycle.margin_like(margin).ok_or(())?.clone();
+            if first.as_ref().is_none_or(|(first, _)| zero.s < first.s) {
+                first = Some((zero, margin));
+            }
+        }
+        let Some((at, margin)) = first else {
+            return if is_unclear { Err(()) } else { Ok(None) };
+        };
+        let behind = self.behind(line, &at, s);
+        Ok(Some(Change { at, margin, behind }))
+    }
+
+    /// The orbits behind a change, in the sequence that the system itself takes from the orbit a
+    /// little beyond it.
+    fn behind(&self, line: &Line, at: &Zero, step: f64) -> Option<(Cycle, Line)> {
+        BEYOND.iter().find_map(|part| {
+            let beyond = line.on(&self.shooting, at.s + part * step)?;
+            let outline = self.run_through(&beyond)?;
+            let modes = outline.modes();
+            if is_same_cycle(&modes, &self.last.outline.modes()) {
+                return None;
+            }
+            self.enter(&outline, parameter_of(&at.cycle))
+        })
+    }
+
+    /// An orbit with a new sequence near an outline, and the line on which it goes away from the
+    /// change: the shortest segment grows, or else the parameter goes on.
+    fn enter(&self, outline: &Outline, change: f64) -> Option<(Cycle, Line)> {
+        let n = outline.begin.x.len();
+        let durations = || outline.segments.iter().map(|one| one.duration);
+        let longest = durations().fold(0.0, f64::max);
+        let shortest = durations().enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let by_duration = (shortest.1 < SHORT * longest).then(|| unit(outline, n + shortest.0));
+        let by_parameter = unit(outline, n - 1);
+        let rows = by_duration.into_iter().chain([by_parameter.clone()]);
+        rows.into_iter().find_map(|row| {
+            let value = row.dot(&outline.unknowns());
+            let found = self.shooting.solve(outline, Some((&row, value)))?;
+            let way = parameter_of(&found) - change;
+            let is_near = way.abs() <= NEAR * self.units.width;
+            let row = if row == by_parameter { row * way } else { row };
+            let line = Line::tangent(&self.shooting, self.units, &found, &row)?;
+            (is_near && self.shooting.is_valid(&found)).then_some((found, line))
+        })
+    }
+
+    /// The orbit that the system itself takes from one that is none, for a period.
+    fn run_through(&self, orbit: &Cycle) -> Option<Outline> {
+        let Shooting {
+            system, options, ..
+        } = self.shooting;
+        let start = &orbit.anchor;
+        let period = match self.shooting.forced {
+            Some(period) => period,
+            None => self.comes_back(start, orbit).unwrap_or(orbit.period),
+        };
+        Outline::of_run(system, start, period, options).ok()
+    }
+
+    /// After what time an orbit is first back near a state of it.
+    fn comes_back(&self, from: &Moment, orbit: &Cycle) -> Option<f64> {
+        let Shooting {
+            system, options, ..
+        } = self.shooting;
+        let mode = system.begin(from, from.t + orbit.period, options, &Section::None);
+        let section = Section::Plane {
+            point: from.x.clone(),
+            normal: system.flow(mode.ok()?.mode(), from).velocity(from),
+            direction: Direction::Rising,
+        };
+        let t_end = from.t + MOST_PERIODS * orbit.period;
+        let mut run = system.begin(from, t_end, options, &section).ok()?;
+        loop {
+            match run.step().ok()? {
+                Happening::Passage(at) if (&at.x - &from.x).norm() <= NEAR * orbit.extent => {
+                    return Some(at.t - from.t);
+                }
+                Happening::End(_) => return None,
+                _ => {}
+            }
+        }
+    }
+
+    /// The change at which the durations of segments vanish, of the first at a place on the line:
+    /// of several at once, if an orbit without them lies behind, or else of that one.
+    pub(super) fn vanishes(&self, line: &Line, place: f64) -> Option<Change> {
+        const AT_ONCE: f64 = 4.0;
+        let numbers = line.vanishing(AT_ONCE * place);
+        let numbers: Vec<usize> = numbers.into_iter().map(|(k, _)| k).collect();
+        let first = &numbers[..1];
+        let several = || (numbers.len() > 1).then(|| self.vanishes_without(&numbers, place));
+        let is_behind = |change: &Change| {
+            let [_, apart] = change.at.cycle.margins_about(&self.last, &numbers);
+            !apart
+                .into_iter()
+                .any(|margin| self.shooting.is_violated(margin))
+        };
+        let several = several().flatten().filter(is_behind);
+        several
+            .or_else(|| self.vanishes_without(first, place))
+            .or_else(|| self.coincides(line, &numbers, place))
+    }
+
+    /// The change at which some segments vanish, at about a place.
+    fn vanishes_without(&self, numbers: &[usize], place: f64) -> Option<Change> {
+        let outline = &self.last.outline;
+        let simple = outline.without(numbers, &self.last.begins)?;
+        let n = outline.begin.x.len();
+        let row = unit(&simple, n - 1);
+        let value = row.dot(&simple.unknowns());
+        let first = self.shooting.solve(&simple, Some((&row, value)))?;
+        let line = Line::tangent(&self.shooting, self.units, &first, &row)?;
+        let margin = first.margin_about(&self.last, numbers)?;
+        let (at, slope) = self.zero_near(&line, margin, place)?;
+        // Of a family the margin may be zero at any parameter.
+        let way = (at.parameter - parameter_of(&self.last)).abs();
+        let is_told = at.uncertainty <= 0.1 * way;
+        if !is_told {
+            return None;
+        }
+        let margin = at.cycle.margin_like(margin)?.clone();
+        let row = line.across() * slope.signum();
+        let behind = Line::tangent(&self.shooting, self.units, &at.cycle, &row)?;
+        let cycle = at.cycle.clone();
+        Some(Change {
+            at,
+            margin,
+            behind: Some((cycle, behind)),
+        })
+    }
+
+    /// The change at the last orbit, of which a segment has all but vanished and no orbit without it
+    /// was found.
+    pub(super) fn vanished(&self, line: &Line, place: f64) -> Option<Change> {
+        let (number, _) = *line.vanishing(place).first()?;
+        let is_meant =
+            |margin: &&Margin| margin.key.site == Site::Duration && margin.key.part == number;
+        let margin = self.last.margins.iter().find(is_meant)?.clone();
+        let here = parameter_of(&self.last);
+        let parameter = here + line.heading() * place;
+        let at = Zero {
+            s: 0.0,
+            parameter,
+            cycle: self.last.clone(),
+            uncertainty: (parameter - here).abs(),
+        };
+        let behind = None;
+        Some(Change { at, margin, behind })
+    }
+
+    /// Where a margin is zero near the beginning of a line, and the sign of its slope there.
+    fn zero_near(&self, line: &Line, margin: &Margin, step: f64) -> Option<(Zero, f64)> {
+        // First step, and how far beyond the zero that it tells the next one goes.
+        const FIRST: f64 = 1e-2;
+        const FURTHER: f64 = 1.5;
+        const MOST: usize = 6;
+        let value = |one: &Cycle| Some(one.margin_like(margin)?.value);
+        let (mut a, mut at_a) = (0.0, margin.value);
+        let mut b = FIRST * step;
+        for _ in 0..MOST {
+            let at_b = value(&line.on(&self.shooting, b)?)?;
+            let slope = (at_b - at_a) / (b - a);
+            if at_a * at_b <= 0.0 {
+                let zero = line.zero(&self.shooting, (a, at_a), (b, at_b), value)?;
+                let zero = self.refined(line, zero, b - a, value);
+                return Some((zero, slope));
+            }
+            let next = b - FURTHER * at_b / slope;
+            (a, at_a, b) = (b, at_b, next);
+        }
+        None
+    }
+
+    /// The change at which two contacts switch in the same instant.
+    fn coincides(&self, line: &Line, numbers: &[usize], place: f64) -> Option<Change> {
+        let &number = numbers.first()?;
+        let mut guess = line.guess(place);
+        guess.segments[number].duration = 0.0;
+        let n = guess.begin.x.len();
+        let row = unit(&guess, n + number);
+        let cycle = self.shooting.solve(&guess, Some((&row, 0.0)))?;
+        let margin = cycle.margins.iter();
+        let mut margin = margin.filter(|margin| margin.key.site == Site::Duration);
+        let margin = margin.find(|margin| margin.key.part == number)?.clone();
+        let duration = 0.1 * self.last.outline.segments[number].duration;
+        let mut numbers = numbers.iter();
+        let swapped = numbers.try_fold(cycle.outline.clone(), |outline, &number| {
+            outline.swapped(number, duration)
+        })?;
+        let uncertainty = {
+            let options = &self.shooting.options.finer();
+            let finer = Shooting {
+                options,
+                ..self.shooting
+            };
+            let finer = finer.solve(&guess, Some((&row, 0.0)))?;
+            2.0 * (parameter_of(&finer) - parameter_of(&cycle)).abs()
+        };
+        let parameter = parameter_of(&cycle);
+        let behind = self.enter(&swapped, parameter);
+        let at = Zero {
+            s: line.place(&cycle),
+            parameter,
+            cycle,
+            uncertainty,
+        };
+        Some(Change { at, margin, behind })
+    }
+
+    /// Describes a change.
+    pub(super) fn described(&self, change: &Change) -> SequenceChange {
+        let Change { at, margin, behind } = change;
+        let parameter = at.parameter;
+        let after = behind.as_ref();
+        let after = after.map_or(Vec::new(), |(cycle, _)| cycle.outline.modes());
+        describe(
+            self.shooting.system,
+            (&at.cycle, margin),
+            (parameter, self.at_least(parameter, at.uncertainty)),
+            [self.last.outline.modes(), after],
+        )
+    }
+}

@@ -1,0 +1,168 @@
+//! How far the event functions of a periodic orbit are from a change of its phases.
+
+use super::Outline;
+use super::shooting::Piece;
+use crate::dynamics::{Dynamics, Modes, Moment, SmoothFlow};
+use crate::system::{Mode, Side};
+
+/// Where on an orbit a change of its phases may begin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Site {
+    /// A guard is smallest within a phase.
+    Minimum(usize),
+    /// A guard is smallest at the end of a phase, which another contact ends.
+    End(usize),
+    /// A guard is smallest at the beginning of a phase, which begins with another contact.
+    Begin(usize),
+    /// A slip ends on the boundary, near to where stick begins or no longer does.
+    Landing,
+    /// A slip ends on the boundary ever more along it, until it passes by.
+    Arrival,
+    /// A phase is short.
+    Duration,
+}
+
+/// What tells a margin from the others of the orbit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Key {
+    pub part: usize,
+    pub site: Site,
+    /// Which of its kind in the part.
+    pub count: usize,
+}
+
+/// The value of a function that is zero at a change of the phases, and positive where the orbit has
+/// the phases of its sequence.
+#[derive(Clone, Debug)]
+pub(crate) struct Margin {
+    pub key: Key,
+    pub value: f64,
+    /// Size that such values have on this orbit.
+    pub scale: f64,
+    /// Mode before.
+    pub incoming: Modes,
+    pub contact: usize,
+    /// The contact that ends a segment, where it is not the one that begins it; or beside whose
+    /// transition a guard is smallest.
+    pub other: Option<usize>,
+    pub at: Moment,
+    pub is_contact_function: bool,
+}
+
+impl Margin {
+    /// Part of its scale.
+    pub fn relative(&self) -> f64 {
+        self.value / self.scale
+    }
+
+    /// Of the margins of an orbit of a period that of the same kind, at about the same time.
+    pub fn like<'m>(&self, margins: &'m [Margin], period: f64) -> Option<&'m Margin> {
+        const SAME_TIME: f64 = 0.1;
+        let off = |margin: &&Margin| {
+            let way = (margin.at.t - self.at.t) / period;
+            (way - way.round()).abs()
+        };
+        let is_alike =
+            |margin: &&Margin| margin.key.part == self.key.part && margin.key.site == self.key.site;
+        let alike = margins.iter().filter(is_alike);
+        let nearest = alike.min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        (off(&nearest) <= SAME_TIME).then_some(nearest)
+    }
+
+    /// Where a slip ends: the flow in which the contact would stick, and the smallest of its guards.
+    pub fn landing<'s>(
+        &self,
+        system: &'s dyn Dynamics,
+    ) -> Option<(Box<dyn SmoothFlow + 's>, usize)> {
+        let flow = system.flow(self.incoming.with(self.contact, Mode::Stick), &self.at);
+        let guards = flow.guards().into_iter();
+        let own = guards.filter(|guard| guard.contact == self.contact && !guard.goes_on);
+        let value = |number: usize| flow.guard(number, &self.at);
+        let least = own.min_by(|a, b| value(a.number).total_cmp(&value(b.number)))?;
+        Some((flow, least.number))
+    }
+}
+
+/// First and second derivative in time of a contact's distance from the boundary (positive on the side in question) along the fields of both
+/// sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Rates {
+    /// Of the side that the orbit comes from.
+    pub own: [f64; 2],
+    /// Of the other side.
+    pub other: [f64; 2],
+}
+
+impl Rates {
+    pub fn none() -> Self {
+        let none = [f64::NAN; 2];
+        Rates {
+            own: none,
+            other: none,
+        }
+    }
+
+    /// At a point of the boundary that a slip on `side` comes to.
+    pub fn at(system: &dyn Dynamics, mode: Modes, contact: usize, side: Side, at: &Moment) -> Self {
+        let of = |side| {
+            let mode = mode.with(contact, Mode::Slip(side));
+            let [_, first, second, _] = system.flow(mode, at).guard_jet(contact, at);
+            [first, second]
+        };
+        Rates {
+            own: of(side),
+            other: of(side.opposite()),
+        }
+    }
+}
+
+/// At the events: whether a slip that ends on the boundary sticks there, how fast it comes, and how
+/// long each segment lasts.
+pub(super) fn at_events(system: &dyn Dynamics, outline: &Outline, pieces: &[Piece]) -> Vec<Margin> {
+    let mut found = Vec::new();
+    let count = outline.segments.len();
+    for (part, (segment, piece)) in outline.segments.iter().zip(pieces).enumerate() {
+        let before = outline.before(part);
+        let (Some(begin), Some(end)) = (before.end, segment.end) else {
+            continue;
+        };
+        let at = &piece.begin;
+        let margin = |site, value, scale| Margin {
+            key: Key {
+                part,
+                site,
+                count: 0,
+            },
+            value,
+            scale,
+            incoming: before.mode,
+            contact: begin.contact,
+            other: None,
+            at: at.clone(),
+            is_contact_function: begin.is_of_contact,
+        };
+        // Whether a contact is lost or gained changes no mode: the segment goes on.
+        if count > 1 {
+            let other = (end.contact != begin.contact).then_some(end.contact);
+            found.push(Margin {
+                other,
+                ..margin(Site::Duration, segment.duration, outline.period())
+            });
+        }
+        if let (Mode::Slip(side), false) = (before.mode.get(begin.contact), begin.is_of_contact) {
+            let stuck = margin(Site::Landing, 0.0, 0.0).landing(system);
+            // Positive where it would stick.
+            let least = stuck.map_or(f64::NAN, |(flow, guard)| flow.guard(guard, at));
+            let sticks = segment.mode.get(begin.contact) == Mode::Stick;
+            let rates = Rates::at(system, before.mode, begin.contact, side, at);
+            let scale = rates.own[0].abs() + rates.other[0].abs();
+            let landing = if sticks { least } else { -least };
+            // Where the fields of both sides agree, no force is determined that would hold it.
+            if landing.is_finite() {
+                found.push(margin(Site::Landing, landing, scale));
+            }
+            found.push(margin(Site::Arrival, -rates.own[0], scale));
+        }
+    }
+    found
+}

@@ -1,0 +1,350 @@
+//! Periodic orbits as segments with a given sequence of modes.
+//!
+//! Each segment ends where its own event function vanishes. The unknowns are the state at which the
+//! first one begins, the time there, and the durations; the equations are that the orbit closes and
+//! that the event functions vanish (Thota & Dankowicz 2008; Dankowicz & Schilder 2013). The sequence
+//! does not react to the guards. So the orbit goes on smoothly where it touches a boundary, and a
+//! change of its phases is the zero of a margin along the branch.
+
+mod margin;
+mod minima;
+mod name;
+mod shooting;
+
+use crate::dynamics::{Dynamics, Matrix, Modes, Moment, Orbit, Transition, Vector};
+use crate::error::Error;
+use crate::filippov::{Options, TransitionKind};
+pub(super) use margin::{Margin, Site};
+pub(super) use name::describe;
+pub use name::{SequenceBifurcation, SequenceChange};
+pub(super) use shooting::{Extra, Shooting};
+
+/// What ends a segment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Event {
+    /// The guard that vanishes.
+    pub guard: usize,
+    /// The contact that it belongs to.
+    pub contact: usize,
+    /// Whether contact is lost or gained there.
+    pub is_of_contact: bool,
+}
+
+/// A part of a periodic orbit in one mode.
+#[derive(Clone, Debug)]
+pub(crate) struct Segment {
+    pub mode: Modes,
+    /// A moment inside it: contact is lost or kept as there.
+    pub inside: Moment,
+    /// What ends it; nothing where the orbit has no transition.
+    pub end: Option<Event>,
+    pub duration: f64,
+}
+
+/// A periodic orbit that is sought: its segments, and where the first of them begins.
+#[derive(Clone, Debug)]
+pub(crate) struct Outline {
+    pub segments: Vec<Segment>,
+    pub begin: Moment,
+    /// The segment that is cut in two, and the state in its middle: next to a saddle neighbours
+    /// part, and over half of the time by the root only. None before it is chosen.
+    pub cut: Option<(usize, Vector)>,
+}
+
+impl Outline {
+    /// The orbit from a state for about a period, in the modes that it goes through. It begins with
+    /// the first transition, and ends with one of the same kind about a period later.
+    ///
+    /// # Errors
+    /// Those of [`crate::solve`]; where the run ends early, what it ended with; where nothing
+    /// repeats, [`Error::NotFound`].
+    pub fn of_run(
+        system: &dyn Dynamics,
+        start: &Moment,
+        period: f64,
+        options: &Options,
+    ) -> Result<Self, Error> {
+        const SPAN: f64 = 2.5;
+        let (orbit, failed) = Orbit::begun(system, start, start.t + SPAN * period, options)?;
+        if orbit.end.t < start.t + period {
+            return Err(failed.unwrap_or_else(|| orbit.end.goes_no_further()));
+        }
+        let turns = orbit.transitions.iter();
+        let turns: Vec<&Transition> = turns
+            .filter(|at| at.kind != TransitionKind::Touch)
+            .collect();
+        let event = |at: &Transition| {
+            let here = at.moment();
+            let flow = system.flow(at.from, &here);
+            let of_contact = flow.guards().into_iter().filter(|guard| {
+                guard.contact == at.contact && guard.goes_on == is_of_contact(at.kind)
+            });
+            let value = |number: usize| flow.guard(number, &here).abs();
+            let least = of_contact.min_by(|a, b| value(a.number).total_cmp(&value(b.number)));
+            Event {
+                guard: least.map_or(at.contact, |guard| guard.number),
+                contact: at.contact,
+                is_of_contact: is_of_contact(at.kind),
+            }
+        };
+        let whole = |mode: Modes| Segment {
+            mode,
+            inside: start.clone(),
+            end: None,
+            duration: period,
+        };
+        if turns.first().is_none_or(|at| at.t > start.t + period) {
+            let middle = orbit.at(start.t + 0.5 * period)?;
+            let mode = orbit.phases.first().map(|phase| phase.mode);
+            return Ok(Outline {
+                segments: mode.map(whole).into_iter().collect(),
+                begin: start.clone(),
+                cut: Some((0, middle)),
+            });
+        }
+        // The first that comes again: the start may lie off the orbit.
+        let comes_again = |first: usize| {
+            let begin = turns[first];
+            let is_alike = |at: &Transition| {
+                (at.kind, at.contact, at.from, at.to)
+                    == (begin.kind, begin.contact, begin.from, begin.to)
+            };
+            let off = |k: usize| (turns[k].t - begin.t - period).abs();
+            let again = (first + 1..turns.len())
+                .filter(|&k| is_alike(turns[k]) && off(k) < 0.5 * period)
+                .min_by(|&a, &b| off(a).total_cmp(&off(b)))?;
+            Some((first, again))
+        };
+        let again = (0..turns.len()).find_map(comes_again);
+        let not_found = failed.unwrap_or(Error::NotFound {
+            what: "a return of the orbit",
+            t: start.t,
+            span: SPAN * period,
+        });
+        let (first, again) = again.ok_or(not_found)?;
+        let mut segments = Vec::with_capacity(again - first);
+        for pair in turns[first..=again].windows(2) {
+            let t = 0.5 * (pair[0].t + pair[1].t);
+            segments.push(Segment {
+                mode: pair[0].to,
+                inside: Moment { t, x: orbit.at(t)? },
+                end: Some(event(pair[1])),
+                duration: pair[1].t - pair[0].t,
+            });
+        }
+        Ok(Outline {
+            segments,
+            begin: turns[first].moment(),
+            cut: None,
+        })
+    }
+
+    /// The sum of the durations.
+    pub fn period(&self) -> f64 {
+        self.segments.iter().map(|segment| segment.duration).sum()
+    }
+
+    /// The unknowns: the state where the first segment begins, the durations, the time there, and
+    /// the state at the cut.
+    pub fn unknowns(&self) -> Vector {
+        let durations = self.segments.iter().map(|segment| segment.duration);
+        let all = self.begin.x.iter().copied().chain(durations);
+        let cut = self.cut.iter().flat_map(|(_, x)| x.iter().copied());
+        let all: Vec<f64> = all.chain([self.begin.t]).chain(cut).collect();
+        Vector::from_vec(all)
+    }
+
+    /// The same sequence with other unknowns.
+    pub fn with(&self, unknowns: &Vector) -> Self {
+        let n = self.begin.x.len();
+        let mut other = self.clone();
+        other.begin.x = unknowns.rows(0, n).into_owned();
+        for (k, segment) in other.segments.iter_mut().enumerate() {
+            segment.duration = unknowns[n + k];
+        }
+        let time = n + self.segments.len();
+        other.begin.t = unknowns[time];
+        if let Some((_, x)) = &mut other.cut {
+            *x = unknowns.rows(time + 1, n).into_owned();
+        }
+        other
+    }
+
+    /// The modes gone through.
+    pub fn modes(&self) -> Vec<Modes> {
+        self.segments.iter().map(|segment| segment.mode).collect()
+    }
+
+    /// The segment before one.
+    pub fn before(&self, number: usize) -> &Segment {
+        let count = self.segments.len();
+        &self.segments[(number + count - 1) % count]
+    }
+
+    /// The sequence without some segments, of which `begins` tells where each begins. What is kept
+    /// on either side of them goes on in one segment where no contact changes between them; else it
+    /// ends with the first event of a contact that does. `None` where nothing would be left, or
+    /// where two contacts change.
+    pub fn without(&self, removed: &[usize], begins: &[Moment]) -> Option<Self> {
+        let count = self.segments.len();
+        let kept: Vec<usize> = (0..count).filter(|k| !removed.contains(k)).collect();
+        let mut segments: Vec<Segment> = Vec::with_capacity(kept.len());
+        let mut begin = begins[*kept.first()?].clone();
+        // What goes on in the next one kept, and which it began with.
+        let mut open: Option<(Segment, usize)> = None;
+        // How much earlier the next one kept begins, without what is gone behind its event.
+        let mut earlier = 0.0;
+        for (number, &k) in kept.iter().enumerate() {
+            let mut own = self.segments[k].clone();
+            let mut first = k;
+            if let Some((open, began)) = open.take() {
+                own.duration += open.duration;
+                first = began;
+            }
+            own.duration += std::mem::take(&mut earlier);
+            let next = *kept.get(number + 1).unwrap_or(&kept[0]);
+            let gone = (k + 1..k + count).map(|at| at % count);
+            let gone: Vec<usize> = gone.take_while(|at| *at != next && *at != k).collect();
+            let lasts =
+                |gone: &[usize]| -> f64 { gone.iter().map(|&k| self.segments[k].duration).sum() };
+            let there = self.segments[next].mode;
+            let changes = |k: usize| {
+                let end = self.segments[k].end;
+                end.filter(|end| own.mode.get(end.contact) != there.get(end.contact))
+            };
+            let between = || std::iter::once(k).chain(gone.iter().copied());
+            let ends = between().enumerate();
+            let mut ends = ends.filter_map(|(place, k)| Some((place, changes(k)?)));
+            match ends.next() {
+                _ if gone.is_empty() => {}
+                Some((place, end)) => {
+                    if ends.any(|(_, other)| other.contact != end.contact) {
+                        return None;
+                    }
+                    let (before, behind) = gone.split_at(place);
+                    own.end = Some(end);
+                    own.duration += lasts(before);
+                    earlier = lasts(behind);
+                    if let (true, Some(&first)) = (next == kept[0], behind.first()) {
+                        begin = begins[first].clone();
+                    }
+                }
+                None if own.mode == there => {
+                    own.duration += lasts(&gone);
+                    open = Some((own, first));
+                    continue;
+                }
+                None => return None,
+            }
+            segments.push(own);
+        }
+        if let Some((open, began)) = open {
+            // It goes on in the first one, or in itself.
+            begin = begins[began].clone();
+            match segments.first_mut() {
+                Some(first) => first.duration += open.duration,
+                None => segments.push(Segment { end: None, ..open }),
+            }
+        }
+        if let Some(first) = segments.first_mut() {
+            first.duration += earlier;
+        }
+        Some(Outline {
+            segments,
+            begin,
+            cut: None,
+        })
+    }
+
+    /// The sequence in which what ends a segment comes before what begins it, as where two contacts
+    /// switch in the same instant; the segment between lasts so long. `None` where both are of one
+    /// contact.
+    pub fn swapped(&self, number: usize, duration: f64) -> Option<Self> {
+        let count = self.segments.len();
+        let (before, behind) = ((number + count - 1) % count, (number + 1) % count);
+        let [first, second] = [before, number].map(|k| self.segments[k].end);
+        let contact = second?.contact;
+        if first?.contact == contact {
+            return None;
+        }
+        let mut other = self.clone();
+        let mode = self.segments[behind].mode.get(contact);
+        other.segments[number].mode = self.segments[before].mode.with(contact, mode);
+        (other.segments[before].end, other.segments[number].end) = (second, first);
+        other.segments[number].duration = duration;
+        Some(other)
+    }
+}
+
+/// Whether a transition is a loss or gain of contact.
+fn is_of_contact(kind: TransitionKind) -> bool {
+    matches!(
+        kind,
+        TransitionKind::ContactLoss | TransitionKind::ContactGain
+    )
+}
+
+/// A periodic orbit that was found.
+#[derive(Clone, Debug)]
+pub(crate) struct Cycle {
+    pub outline: Outline,
+    /// Where each segment begins.
+    pub begins: Vec<Moment>,
+    pub period: f64,
+    /// The derivative of the equations by the unknowns.
+    pub jacobian: Matrix,
+    /// The derivative of the flow map of the states over the period from the cut, with saltation at
+    /// every event; of a system that does not depend on time across the flow.
+    pub monodromy: Matrix,
+    /// How far it is from each change of its phases.
+    pub margins: Vec<Margin>,
+    /// By how much each component moves, and that which moves most.
+    pub sizes: Vector,
+    pub extent: f64,
+    /// Where it is cut: the middle of the longest of the segments in which the fewest contacts stick.
+    pub anchor: Moment,
+    /// What tolerances and rounding leave open of its derivatives, in parts of them.
+    pub known: f64,
+    /// Iterations that it took.
+    pub iterations: usize,
+    /// Dimension of the family of orbits that it is one of.
+    pub family: usize,
+}
+
+impl Cycle {
+    /// Whether the segment that is cut is much shorter than another one by now.
+    pub fn is_badly_cut(&self) -> bool {
+        const MUCH: f64 = 0.3;
+        let durations = || self.outline.segments.iter().map(|one| one.duration);
+        let longest = durations().fold(0.0, f64::max);
+        let cut = self.outline.cut.as_ref();
+        cut.is_none_or(|(number, _)| durations().nth(*number) < Some(MUCH * longest))
+    }
+
+    /// The margin of the same kind as one of another orbit near by, at about the same time.
+    pub fn margin_like(&self, other: &Margin) -> Option<&Margin> {
+        other.like(&self.margins, self.period)
+    }
+
+    /// The margins about where another orbit has some segments, and the others.
+    pub fn margins_about(&self, other: &Cycle, numbers: &[usize]) -> [Vec<&Margin>; 2] {
+        const NEXT_TO: f64 = 1e-2;
+        let (about, apart) = self.margins.iter().partition(|margin| {
+            let is_about = |&k: &usize| {
+                let lasts = other.outline.segments[k].duration;
+                let middle = other.begins[k].t + 0.5 * lasts;
+                let way = (margin.at.t - middle) / other.period;
+                (way - way.round()).abs() <= lasts / other.period + NEXT_TO
+            };
+            margin.key.site != Site::Duration && numbers.iter().any(is_about)
+        });
+        [about, apart]
+    }
+
+    /// Of the margins about where another orbit has some segments, that which is nearest to zero.
+    pub fn margin_about(&self, other: &Cycle, numbers: &[usize]) -> Option<&Margin> {
+        let [about, _] = self.margins_about(other, numbers);
+        let off = |margin: &Margin| margin.relative().abs();
+        about.into_iter().min_by(|a, b| off(a).total_cmp(&off(b)))
+    }
+}
