@@ -28,7 +28,8 @@ pub use basin::{Basin, Share, basin};
 pub use bifurcation::{AttractorChange, Sweep, SweepPoint, SweepSettings, WhatChanges, sweep};
 pub use continuation::{
     Branch, BranchPoint, ContinuationSettings, Curve, CurvePoint, CurveStop, Special, SpecialPoint,
-    Stop, continue_change, continue_periodic_orbit, continue_periodic_orbit_while,
+    Stop, SwitchedBranch, continue_change, continue_periodic_orbit, continue_periodic_orbit_while,
+    switch_branches,
 };
 pub use cycle::{SequenceBifurcation, SequenceChange};
 pub use destination::{Destination, destination};

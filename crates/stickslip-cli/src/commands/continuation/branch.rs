@@ -13,7 +13,7 @@ use stickslip::{Ending, Error, Options};
 use stickslip_kernels::kernel::{Run, Watcher, follow};
 
 use super::super::extremes::Extremes;
-use super::super::range::ParameterRange;
+use super::super::range::{ParameterRange, with_values};
 use crate::failure::Failure;
 use crate::terminal::Status;
 use stickslip_kernels::file::System;
@@ -193,7 +193,17 @@ impl<'a> Begin<'a> {
             let way = (orbit.period, upwards, number);
             let found = continue_change(&also.both, &*x, way, ranges, options);
             let told = match found {
-                Ok(curve) => Some(curve),
+                Ok(mut curve) => {
+                    for point in &mut curve.points {
+                        let pace = self.pace_of(&[
+                            (&also.range.name, point.parameters[0]),
+                            (&self.range.name, point.parameters[1]),
+                        ])?;
+                        point.period *= pace;
+                        point.t *= pace;
+                    }
+                    Some(curve)
+                }
                 Err(Error::NotFound { .. }) => None,
                 Err(error) => return Err(Failure::from(error)),
             };
@@ -266,10 +276,14 @@ impl<'a> Begin<'a> {
 
     /// How fast the file's time passes at a value of the parameter, in the time of the branch.
     fn pace(&self, parameter: f64) -> Result<f64, Failure> {
+        self.pace_of(&[(&self.range.name, parameter)])
+    }
+
+    fn pace_of(&self, values: &[(&str, f64)]) -> Result<f64, Failure> {
         let Some(here) = self.system.built.period else {
             return Ok(1.0);
         };
-        let there = self.range.system(self.system, parameter)?;
+        let there = with_values(self.system, values)?;
         Ok(there.built.period.map_or(1.0, |there| there / here))
     }
 

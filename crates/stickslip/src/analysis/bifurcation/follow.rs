@@ -25,6 +25,10 @@ const RESOLUTION: f64 = 1e-10;
 /// it.
 const NEAR_ONE: f64 = 1e-3;
 
+/// In a step that is longer than this part of the way, margins that the last orbit lacks may be
+/// others' cause.
+const UNCLEAR: f64 = 1e-5;
+
 /// Distances at which orbits behind a change are sought, as parts of the way.
 const BEHIND: [f64; 4] = [1e-5, 1e-4, 1e-3, 1e-2];
 
@@ -155,7 +159,7 @@ impl<'a> Following<'a> {
                 next = at + 0.5 * (place - at);
             }
             match self.by_line(&way.good, next, &self.options) {
-                Some(found) => match self.passed(&way.good, &found) {
+                Some(found) => match self.passed(&way.good, &found, UNCLEAR * (to - from).abs()) {
                     Ok(Some(change)) => {
                         way.change = Some(change);
                         break;
@@ -191,7 +195,12 @@ impl<'a> Following<'a> {
 
     /// The first change of phases between the last orbit and another; `Err` where that is too far
     /// away to tell.
-    fn passed(&self, good: &[Known], next: &Known) -> Result<Option<SequenceChange>, ()> {
+    fn passed(
+        &self,
+        good: &[Known],
+        next: &Known,
+        shortest: f64,
+    ) -> Result<Option<SequenceChange>, ()> {
         let last = good.last().ok_or(())?;
         let from = last.parameter;
         let mut first: Option<(Zero, Margin)> = None;
@@ -218,6 +227,8 @@ impl<'a> Following<'a> {
             }
         }
         match first {
+            // Another one may come before, if the step is not short enough to tell.
+            Some(_) if is_unclear && (next.parameter - from).abs() > shortest => Err(()),
             Some((zero, margin)) => Ok(Some(self.described(last, &zero, &margin, next.parameter))),
             None if is_unclear => Err(()),
             None => Ok(None),

@@ -2,7 +2,7 @@
 
 use super::line::{Line, Zero, unit};
 use super::parameter_of;
-use super::walk::Walk;
+use super::walk::{SHORTEST, Walk};
 use crate::analysis::attractors::is_same_cycle;
 use crate::analysis::cycle::{Cycle, Margin, Outline, SequenceChange, Shooting, Site, describe};
 use crate::dynamics::{Happening, Moment, Section};
@@ -20,6 +20,9 @@ pub(super) struct Change {
 
 /// Orbits behind a change are sought this part of a step beyond it.
 pub(super) const BEYOND: [f64; 5] = [1e-3, 1e-2, 1e-4, 1e-1, 1e-5];
+
+/// In a step that is longer than this, margins that the last orbit lacks may be others' cause.
+const UNCLEAR: f64 = 1e-5;
 
 /// A segment that begins at a change is shorter than this part of the longest.
 const SHORT: f64 = 0.2;
@@ -46,20 +49,33 @@ impl Walk<'_> {
                 is_unclear = true;
                 continue;
             };
-            if before.value <= 0.0 {
-                continue;
-            }
             let value = |one: &Cycle| Some(one.margin_like(margin)?.value);
-            let ends = ((0.0, before.value), (s, margin.value));
-            let zero = line.zero(&self.shooting, ends.0, ends.1, value).ok_or(())?;
-            let zero = self.refined(line, zero, s, value);
+            let zero = if before.value <= 0.0 {
+                // The last orbit is at the change, as well as it is known.
+                let slope = (margin.value - before.value) / s;
+                let way = line.heading() * before.value / slope;
+                Zero {
+                    s: 0.0,
+                    parameter: parameter_of(&self.last),
+                    cycle: self.last.clone(),
+                    uncertainty: way.abs(),
+                }
+            } else {
+                let ends = ((0.0, before.value), (s, margin.value));
+                let zero = line.zero(&self.shooting, ends.0, ends.1, value).ok_or(())?;
+                self.refined(line, zero, s, value)
+            };
             let margin = zero.cycle.margin_like(margin).ok_or(())?.clone();
             if first.as_ref().is_none_or(|(first, _)| zero.s < first.s) {
                 first = Some((zero, margin));
             }
         }
+        // Another one may come before, if the step is not short enough to tell.
+        if is_unclear && (first.is_none() || s > UNCLEAR) {
+            return Err(());
+        }
         let Some((at, margin)) = first else {
-            return if is_unclear { Err(()) } else { Ok(None) };
+            return Ok(None);
         };
         let behind = self.behind(line, &at, s);
         Ok(Some(Change { at, margin, behind }))
@@ -85,7 +101,14 @@ impl Walk<'_> {
         let n = outline.begin.x.len();
         let durations = || outline.segments.iter().map(|one| one.duration);
         let longest = durations().fold(0.0, f64::max);
-        let shortest = durations().enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
+        // Of those that are new, if any is.
+        let modes = self.last.outline.modes();
+        let is_new = |k: usize| !modes.contains(&outline.segments[k].mode);
+        let any_new = (0..outline.segments.len()).any(is_new);
+        let may_grow = durations()
+            .enumerate()
+            .filter(|(k, _)| !any_new || is_new(*k));
+        let shortest = may_grow.min_by(|a, b| a.1.total_cmp(&b.1))?;
         let by_duration = (shortest.1 < SHORT * longest).then(|| unit(outline, n + shortest.0));
         let by_parameter = unit(outline, n - 1);
         let rows = by_duration.into_iter().chain([by_parameter.clone()]);
@@ -144,7 +167,7 @@ impl Walk<'_> {
         let numbers = line.vanishing(AT_ONCE * place);
         let numbers: Vec<usize> = numbers.into_iter().map(|(k, _)| k).collect();
         let first = &numbers[..1];
-        let several = || (numbers.len() > 1).then(|| self.vanishes_without(&numbers, place));
+        let several = || (numbers.len() > 1).then(|| self.vanishes_without(line, &numbers, place));
         let is_behind = |change: &Change| {
             let [_, apart] = change.at.cycle.margins_about(&self.last, &numbers);
             !apart
@@ -153,25 +176,34 @@ impl Walk<'_> {
         };
         let several = several().flatten().filter(is_behind);
         several
-            .or_else(|| self.vanishes_without(first, place))
+            .or_else(|| self.vanishes_without(line, first, place))
             .or_else(|| self.coincides(line, &numbers, place))
     }
 
     /// The change at which some segments vanish, at about a place.
-    fn vanishes_without(&self, numbers: &[usize], place: f64) -> Option<Change> {
+    fn vanishes_without(&self, known: &Line, numbers: &[usize], place: f64) -> Option<Change> {
         let outline = &self.last.outline;
         let simple = outline.without(numbers, &self.last.begins)?;
         let n = outline.begin.x.len();
         let row = unit(&simple, n - 1);
         let value = row.dot(&simple.unknowns());
         let first = self.shooting.solve(&simple, Some((&row, value)))?;
+        // Of a family the margin is zero at any parameter.
+        if first.family > self.shooting.family {
+            return None;
+        }
         let line = Line::tangent(&self.shooting, self.units, &first, &row)?;
         let margin = first.margin_about(&self.last, numbers)?;
         let (at, slope) = self.zero_near(&line, margin, place)?;
-        // Of a family the margin may be zero at any parameter.
-        let way = (at.parameter - parameter_of(&self.last)).abs();
-        let is_told = at.uncertainty <= 0.1 * way;
-        if !is_told {
+        // Elsewhere than ahead, about where the segments would vanish, it is another change.
+        const TOLD: f64 = 0.1;
+        const FURTHER: f64 = 3.0;
+        let way = at.parameter - parameter_of(&self.last);
+        let expected = known.heading() * place;
+        let is_told = at.uncertainty <= TOLD * way.abs();
+        let least = self.units.width * SHORTEST;
+        let is_ahead = way * expected > 0.0 && way.abs() <= FURTHER * expected.abs();
+        if !is_told || !is_ahead && way.abs() > least {
             return None;
         }
         let margin = at.cycle.margin_like(margin)?.clone();
@@ -194,11 +226,21 @@ impl Walk<'_> {
         let margin = self.last.margins.iter().find(is_meant)?.clone();
         let here = parameter_of(&self.last);
         let parameter = here + line.heading() * place;
+        // What the tolerances have the parameter off by at which the segment lasts as long.
+        const SAFE: f64 = 2.0;
+        let outline = &self.last.outline;
+        let row = unit(outline, outline.begin.x.len() + number);
+        let finer = Shooting {
+            options: &self.shooting.options.finer(),
+            ..self.shooting
+        };
+        let finer = finer.solve(outline, Some((&row, outline.segments[number].duration)));
+        let by_tolerance = finer.map_or(f64::NAN, |finer| (parameter_of(&finer) - here).abs());
         let at = Zero {
             s: 0.0,
             parameter,
             cycle: self.last.clone(),
-            uncertainty: (parameter - here).abs(),
+            uncertainty: (parameter - here).abs() + SAFE * by_tolerance,
         };
         let behind = None;
         Some(Change { at, margin, behind })

@@ -159,13 +159,22 @@ impl Way<'_> {
             return (points, CurveStop::NoConvergence);
         };
         let mut step = self.settings.step;
+        // Whether the duration of a segment would have vanished in the last one that was tried.
+        let mut was_vanishing = false;
         loop {
             if 2 * points.len() >= self.settings.most_points {
                 return (points, CurveStop::Points);
             }
+            let vanishes = !line.vanishing(step).is_empty();
             if step < SHORTEST {
-                return (points, CurveStop::NoConvergence);
+                let stop = if was_vanishing {
+                    CurveStop::AnotherChange
+                } else {
+                    CurveStop::NoConvergence
+                };
+                return (points, stop);
             }
+            was_vanishing = vanishes;
             let shooting = Shooting {
                 extra: Extra::Zero(&margin),
                 ..self.shooting

@@ -47,8 +47,9 @@ impl Units {
         let of_begin = if is_forced { by_period } else { 0.0 };
         let durations = std::iter::repeat_n(by_period, count);
         let all = states.iter().copied().chain(durations).chain([of_begin]);
-        // The state at the cut follows from these.
-        let all = all.chain(std::iter::repeat_n(0.0, n));
+        // The states at the cuts follow from these.
+        let rest = cycle.jacobian.ncols() - (n + count + 1);
+        let all = all.chain(std::iter::repeat_n(0.0, rest));
         Vector::from_vec(all.collect())
     }
 }
@@ -94,6 +95,25 @@ impl Line {
             direction,
             row,
             is_of_families,
+        })
+    }
+
+    /// Along a direction from an orbit.
+    pub fn along(
+        shooting: &Shooting<'_>,
+        units: Units,
+        cycle: &Cycle,
+        way: Vector,
+    ) -> Option<Self> {
+        let weights = units.weights(cycle, shooting.forced.is_some());
+        let length = way.component_mul(&way).dot(&weights).sqrt();
+        let direction = way / length;
+        let row = direction.component_mul(&weights);
+        (length > 0.0 && length.is_finite()).then_some(Line {
+            from: cycle.outline.clone(),
+            direction,
+            row,
+            is_of_families: false,
         })
     }
 

@@ -6,6 +6,7 @@ mod ends;
 mod line;
 mod rest;
 mod special;
+mod switching;
 mod walk;
 
 use std::fmt;
@@ -21,6 +22,7 @@ use crate::dynamics::{AsDynamics, Components, Modes, Vector};
 use crate::error::Error;
 use crate::filippov::Options;
 pub use curve::{Curve, CurvePoint, CurveStop, continue_change};
+pub use switching::{SwitchedBranch, switch_branches};
 use walk::Walk;
 
 /// How far and how finely a branch is followed.

@@ -1,6 +1,7 @@
 //! The special orbits between two on a branch, by their multipliers.
 
 use super::line::{Line, Zero};
+use super::switching::Junction;
 use super::walk::Walk;
 use super::{Special, SpecialPoint, critical, parameter_of};
 use crate::analysis::critical::zero_between;
@@ -82,6 +83,7 @@ impl Walk<'_> {
                         .map_or(there.angle, |cycle| of(&cycle).angle),
                 },
             };
+            let there = zero.map_or_else(|| next.clone(), |zero| zero.cycle);
             // Next to it orbits are worse than about it.
             if what == Special::BranchPoint
                 && let Some(other) = by_polynomial(place.s)
@@ -99,13 +101,32 @@ impl Walk<'_> {
                     x: place.x,
                     period: place.period,
                 },
+                there,
             ));
         }
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
-        self.special
-            .extend(found.into_iter().map(|(_, point)| point));
+        for (_, point, there) in found {
+            self.note_junction(line, there, &point.what);
+            self.special.push(point);
+        }
         self.take(next);
         self.line = onward;
+    }
+
+    /// Keeps the flip or branch point that is wanted.
+    fn note_junction(&mut self, line: &Line, cycle: Cycle, what: &Special) {
+        match self.wanted_junction {
+            _ if !matches!(what, Special::Flip | Special::BranchPoint) => {}
+            Some(0) if self.junction.is_none() => {
+                self.junction = Some(Junction {
+                    cycle,
+                    line: line.clone(),
+                    is_flip: *what == Special::Flip,
+                });
+            }
+            Some(number) => self.wanted_junction = number.checked_sub(1),
+            None => {}
+        }
     }
 
     /// Where a function of the multipliers is zero near a place, by a polynomial through orbits
@@ -143,10 +164,11 @@ impl Walk<'_> {
         let apart: Vec<(f64, Place)> = nodes.iter().filter(is_apart).cloned().collect();
         let both = without_farthest.zip(zero_of_polynomial(&apart));
         let off = |other: &Place| (place.parameter - other.parameter).abs();
-        let lacks = both.map_or(f64::NAN, |(one, two)| off(&one).max(off(&two)));
-        // What the tolerances do is most at the nearest.
+        let lacks = both.map_or(f64::NAN, |(one, two)| off(&one) + off(&two));
+        // What the tolerances do is most at the nearest. Next to a multiplier of 1 it is enlarged by
+        // what differs from orbit to orbit.
         let by_tolerance = || {
-            const SAFE: f64 = 2.0;
+            const SAFE: f64 = 8.0;
             let ((first, one), (last, other)) = (nodes.first()?, nodes.last()?);
             let options = &self.shooting.options.finer();
             let finer = Shooting {

@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use super::change::{BEYOND, Change};
 use super::line::{Line, Units, unit};
+use super::switching::Junction;
 use super::{
     Branch, BranchPoint, ContinuationSettings, Special, SpecialPoint, Stop, critical, parameter_of,
     with_parameter,
@@ -46,6 +47,9 @@ pub(super) struct Walk<'a> {
     /// The number of a change of phases to stop at, and that change.
     pub(super) wanted: Option<usize>,
     pub(super) kept: Option<Change>,
+    /// The same of a flip or branch point.
+    pub(super) wanted_junction: Option<usize>,
+    pub(super) junction: Option<Junction>,
 }
 
 impl<'a> Walk<'a> {
@@ -58,6 +62,14 @@ impl<'a> Walk<'a> {
     ) -> Result<Self, Error> {
         let period = settings.forced.unwrap_or(period);
         let start = Moment { t: 0.0, x };
+        let fewest = 2 + usize::from(!matches!(extra, Extra::None));
+        if start.x.len() < fewest {
+            return Err(Error::Parameter {
+                name: "the number of states",
+                value: start.x.len() as f64,
+                bound: "at least one state, and the parameters behind it",
+            });
+        }
         let last = start.x.len() - 1;
         // The other parameter, if there is one, is the one before the last.
         let states = last - usize::from(!matches!(extra, Extra::None));
@@ -101,18 +113,42 @@ impl<'a> Walk<'a> {
             t: start.t,
             span: period,
         })?;
+        let shooting = Shooting {
+            family: first.family,
+            extent: first.extent,
+            ..shooting
+        };
+        let units = Units {
+            size: first.extent,
+            width: high - low,
+            other: None,
+        };
+        Ok(Walk::at(shooting, settings, units, first))
+    }
+
+    /// Begins at an orbit, along a line.
+    pub fn from(
+        shooting: Shooting<'a>,
+        settings: &'a ContinuationSettings,
+        units: Units,
+        (first, line): (Cycle, Line),
+    ) -> Self {
+        Walk {
+            line: Some(line),
+            ..Walk::at(shooting, settings, units, first)
+        }
+    }
+
+    fn at(
+        shooting: Shooting<'a>,
+        settings: &'a ContinuationSettings,
+        units: Units,
+        first: Cycle,
+    ) -> Self {
         let mut walk = Walk {
-            shooting: Shooting {
-                family: first.family,
-                extent: first.extent,
-                ..shooting
-            },
+            shooting,
             settings,
-            units: Units {
-                size: first.extent,
-                width: high - low,
-                other: None,
-            },
+            units,
             widest: first.extent,
             before: first.clone(),
             first: first.clone(),
@@ -124,9 +160,11 @@ impl<'a> Walk<'a> {
             special: Vec::new(),
             wanted: None,
             kept: None,
+            wanted_junction: None,
+            junction: None,
         };
         walk.note();
-        Ok(walk)
+        walk
     }
 
     pub fn into_branch(self, stop: Stop) -> Branch {
@@ -148,7 +186,16 @@ impl<'a> Walk<'a> {
         self.line = Line::tangent(&self.shooting, self.units, &self.last, &row);
         let (low, high) = self.settings.range;
         let end = if upwards { high } else { low };
-        let mut stop = (self.parameter() == end).then_some(Stop::Range);
+        if self.parameter() == end {
+            let _ = self.points.iter().try_for_each(seen);
+            return Stop::Range;
+        }
+        self.go_on(seen)
+    }
+
+    /// Follows the branch along its line.
+    pub fn go_on(&mut self, seen: &mut dyn FnMut(&BranchPoint) -> ControlFlow<()>) -> Stop {
+        let mut stop = None;
         let mut told = 0;
         loop {
             // One step may find several.
@@ -239,6 +286,9 @@ impl<'a> Walk<'a> {
         let longer = if next.iterations <= 5 { 1.4 } else { 1.0 };
         self.step = (longer * step).min(self.settings.step);
         self.follow(&line, next, onward);
+        if self.junction.is_some() {
+            return Some(Stop::Points);
+        }
         is_outside.then_some(Stop::Range)
     }
 

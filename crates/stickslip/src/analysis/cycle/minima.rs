@@ -8,6 +8,9 @@ use crate::dynamics::{Dynamics, Guard, Moment, SmoothFlow, Step, Vector};
 /// Samples of a step by which the minima of its guards are sought.
 const SAMPLES: usize = 8;
 
+/// Part of a step behind which a guard has left zero.
+const BEHIND: f64 = 1.0 / 128.0;
+
 /// Part of a step within which two minima are one.
 const NEXT_TO: f64 = 1e-6;
 
@@ -110,13 +113,14 @@ fn minima_of(
     let (mut rates, mut scales) = (Vec::new(), Vec::new());
     for (k, guard) in flow.guards().into_iter().enumerate() {
         let jet = |s: f64| flow.guard_jet(guard.number, &place(s));
-        // A guard may leave zero without a rate where a phase begins.
-        let first = usize::from(ends[0].is_some());
-        let samples: Vec<_> = (first..=SAMPLES)
-            .map(|k| {
-                let s = k as f64 / SAMPLES as f64;
-                (s, jet(s))
+        // The guard of what a phase begins with may leave zero without a rate.
+        let leaves = ends[0] == Some(guard.contact);
+        let samples: Vec<_> = (0..=SAMPLES)
+            .map(|k| match k {
+                0 if leaves => BEHIND,
+                _ => k as f64 / SAMPLES as f64,
             })
+            .map(|s| (s, jet(s)))
             .collect();
         let sizes = samples.iter().map(|(_, jet)| jet[0].abs());
         scales.push(sizes.fold(0.0, f64::max));

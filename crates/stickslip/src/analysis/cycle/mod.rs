@@ -14,6 +14,7 @@ mod shooting;
 use crate::dynamics::{Dynamics, Matrix, Modes, Moment, Orbit, Transition, Vector};
 use crate::error::Error;
 use crate::filippov::{Options, TransitionKind};
+use crate::system::Mode;
 pub(super) use margin::{Margin, Site};
 pub(super) use name::describe;
 pub use name::{SequenceBifurcation, SequenceChange};
@@ -46,9 +47,18 @@ pub(crate) struct Segment {
 pub(crate) struct Outline {
     pub segments: Vec<Segment>,
     pub begin: Moment,
-    /// The segment that is cut in two, and the state in its middle: next to a saddle neighbours
-    /// part, and over half of the time by the root only. None before it is chosen.
-    pub cut: Option<(usize, Vector)>,
+    /// Where it is cut; none before that is chosen.
+    pub cut: Option<Cut>,
+}
+
+/// States on the orbit that are unknowns as well (multiple shooting): neighbours part on the way
+/// from one to the next only.
+#[derive(Clone, Debug)]
+pub(crate) struct Cut {
+    /// A segment that is cut in its middle, too: near a saddle neighbours part most in the longest.
+    pub number: usize,
+    /// Where each segment behind the first begins, and behind these the middle of that one.
+    pub states: Vec<Vector>,
 }
 
 impl Outline {
@@ -99,7 +109,10 @@ impl Outline {
             return Ok(Outline {
                 segments: mode.map(whole).into_iter().collect(),
                 begin: start.clone(),
-                cut: Some((0, middle)),
+                cut: Some(Cut {
+                    number: 0,
+                    states: vec![middle],
+                }),
             });
         }
         // The first that comes again: the start may lie off the orbit.
@@ -132,10 +145,17 @@ impl Outline {
                 duration: pair[1].t - pair[0].t,
             });
         }
+        // Without the run's own states what it is off by would grow from one to the next.
+        let number = to_cut(&segments);
+        let begins = turns[first + 1..again].iter().map(|at| at.x.clone());
+        let middle = segments.get(number).map(|one| one.inside.x.clone());
         Ok(Outline {
-            segments,
             begin: turns[first].moment(),
-            cut: None,
+            cut: Some(Cut {
+                number,
+                states: begins.chain(middle).collect(),
+            }),
+            segments,
         })
     }
 
@@ -145,11 +165,12 @@ impl Outline {
     }
 
     /// The unknowns: the state where the first segment begins, the durations, the time there, and
-    /// the state at the cut.
+    /// the states at the cuts.
     pub fn unknowns(&self) -> Vector {
         let durations = self.segments.iter().map(|segment| segment.duration);
         let all = self.begin.x.iter().copied().chain(durations);
-        let cut = self.cut.iter().flat_map(|(_, x)| x.iter().copied());
+        let cut = self.cut.iter().flat_map(|cut| &cut.states);
+        let cut = cut.flat_map(|x| x.iter().copied());
         let all: Vec<f64> = all.chain([self.begin.t]).chain(cut).collect();
         Vector::from_vec(all)
     }
@@ -164,10 +185,35 @@ impl Outline {
         }
         let time = n + self.segments.len();
         other.begin.t = unknowns[time];
-        if let Some((_, x)) = &mut other.cut {
-            *x = unknowns.rows(time + 1, n).into_owned();
+        for (k, x) in other
+            .cut
+            .iter_mut()
+            .flat_map(|cut| cut.states.iter_mut())
+            .enumerate()
+        {
+            *x = unknowns.rows(time + 1 + k * n, n).into_owned();
         }
         other
+    }
+
+    /// The orbit run through twice.
+    pub fn twice(&self) -> Self {
+        Outline {
+            segments: self.doubled(),
+            begin: self.begin.clone(),
+            cut: None,
+        }
+    }
+
+    fn doubled(&self) -> Vec<Segment> {
+        match self.segments.as_slice() {
+            // Without a transition it is one segment all the time.
+            [only] if only.end.is_none() => vec![Segment {
+                duration: 2.0 * only.duration,
+                ..only.clone()
+            }],
+            all => [all, all].concat(),
+        }
     }
 
     /// The modes gone through.
@@ -276,6 +322,21 @@ impl Outline {
     }
 }
 
+/// The longest of the segments in which the fewest contacts stick; a shorter one may be there by
+/// rounding alone.
+fn to_cut(segments: &[Segment]) -> usize {
+    const SHORT: f64 = 1e-2;
+    let sticks = |one: &Segment| one.mode.iter().filter(|mode| *mode == Mode::Stick).count();
+    let longest = segments.iter().map(|one| one.duration).fold(0.0, f64::max);
+    let lasting = segments.iter().enumerate();
+    let lasting = lasting.filter(|(_, one)| one.duration >= SHORT * longest);
+    let best = lasting.min_by(|(_, a), (_, b)| {
+        let longer = b.duration.total_cmp(&a.duration);
+        sticks(a).cmp(&sticks(b)).then(longer)
+    });
+    best.map_or(0, |(number, _)| number)
+}
+
 /// Whether a transition is a loss or gain of contact.
 fn is_of_contact(kind: TransitionKind) -> bool {
     matches!(
@@ -318,7 +379,7 @@ impl Cycle {
         let durations = || self.outline.segments.iter().map(|one| one.duration);
         let longest = durations().fold(0.0, f64::max);
         let cut = self.outline.cut.as_ref();
-        cut.is_none_or(|(number, _)| durations().nth(*number) < Some(MUCH * longest))
+        cut.is_none_or(|cut| durations().nth(cut.number) < Some(MUCH * longest))
     }
 
     /// The margin of the same kind as one of another orbit near by, at about the same time.

@@ -1,7 +1,7 @@
 //! Newton's iteration for a periodic orbit with a given sequence of modes.
 
 use super::minima::minima;
-use super::{Cycle, Margin, Outline, Segment, Site, margin};
+use super::{Cut, Cycle, Margin, Outline, Segment, Site, margin, to_cut};
 use crate::analysis::anchor::velocity_in;
 use crate::analysis::monodromy::TangentMap;
 use crate::analysis::periodic::newton_solution;
@@ -175,18 +175,21 @@ impl Under<'_> {
         Some(piece)
     }
 
-    /// The state at the cut is an unknown, and what comes to it is the same.
-    fn cut(&mut self, middle: &Vector) {
-        let n = middle.len();
+    /// The state at a cut with this number is an unknown, and what comes to it is the same.
+    fn cut(&mut self, number: usize) -> Option<()> {
+        let state = self.outline.cut.as_ref()?.states.get(number)?;
+        let n = state.len();
+        let place = self.time() + 1 + number * n;
         let mut by_cut = Matrix::zeros(n, self.of_state.ncols());
-        by_cut.columns_mut(self.time() + 1, n).fill_with_identity();
-        let gap = &self.at.x - middle;
+        by_cut.columns_mut(place, n).fill_with_identity();
+        let gap = &self.at.x - state;
         let rows = &self.of_state - &by_cut;
         for i in 0..n {
             self.rows.push((gap[i], rows.row(i).transpose(), 1.0));
         }
         self.of_state = by_cut;
-        self.at.x.clone_from(middle);
+        self.at.x.clone_from(state);
+        Some(())
     }
 
     /// The derivative of a function at a moment, of this gradient in the state and in time.
@@ -334,6 +337,19 @@ impl<'a> Shooting<'a> {
         }
     }
 
+    /// The equations at an orbit that solves them, whether or not they have another solution next to
+    /// it.
+    pub fn evaluated(&self, outline: &Outline) -> Option<Cycle> {
+        let outline = match outline.cut {
+            Some(_) => outline.clone(),
+            None => self.cut(outline, self.options)?,
+        };
+        let turn = self.turn(&outline, &outline, self.options)?;
+        let sizes = sizes(&turn.pieces);
+        let period = outline.period();
+        self.cycle(outline, turn, (period, sizes), (0, self.family))
+    }
+
     /// Solves the equations near a guess. `row` closes the system where a parameter is unknown: the
     /// product of the unknowns with it has a value.
     pub fn solve(&self, guess: &Outline, row: Option<(&Vector, f64)>) -> Option<Cycle> {
@@ -408,7 +424,8 @@ impl<'a> Shooting<'a> {
         let within = SAME_VELOCITY.max(TOLERANCES * by_tolerance) * start.norm();
         let has_events = outline.segments.iter().any(|one| one.end.is_some());
         let is_same = self.forced.is_some() || has_events || (end - start).norm() <= within;
-        if !is_near || !is_same || extent <= by_tolerance {
+        let is_finite = turn.monodromy.iter().all(|entry| entry.is_finite());
+        if !is_near || !is_same || !is_finite || extent <= by_tolerance {
             return None;
         }
         let margins = self.margins(&outline, &turn.pieces);
@@ -431,25 +448,23 @@ impl<'a> Shooting<'a> {
     /// The outline with a cut in the middle of the longest of the segments in which the fewest
     /// contacts stick.
     fn cut(&self, outline: &Outline, options: &Options) -> Option<Outline> {
-        let sticks = |one: &Segment| one.mode.iter().filter(|mode| *mode == Mode::Stick).count();
-        let lengths = outline.segments.iter().map(|one| one.duration);
-        let longest = lengths.fold(0.0, f64::max);
-        // A shorter one may be there by rounding alone.
-        const SHORT: f64 = 1e-2;
-        let lasting = outline.segments.iter().enumerate();
-        let lasting = lasting.filter(|(_, one)| one.duration >= SHORT * longest);
-        let (number, _) = lasting.min_by(|(_, a), (_, b)| {
-            let longer = b.duration.total_cmp(&a.duration);
-            sticks(a).cmp(&sticks(b)).then(longer)
-        })?;
+        let number = to_cut(&outline.segments);
         let mut at = outline.begin.clone();
-        for segment in &outline.segments[..number] {
+        let mut states = Vec::with_capacity(outline.segments.len());
+        let mut middle = at.x.clone();
+        for (k, segment) in outline.segments.iter().enumerate() {
+            if k > 0 {
+                states.push(at.x.clone());
+            }
+            if k == number {
+                let half = self.piece(segment, at.clone(), 0.5 * segment.duration, options)?;
+                middle = half.end.x;
+            }
             at = self.piece(segment, at, segment.duration, options)?.end;
         }
-        let segment = &outline.segments[number];
-        let half = self.piece(segment, at, 0.5 * segment.duration, options)?;
+        states.push(middle);
         Some(Outline {
-            cut: Some((number, half.end.x)),
+            cut: Some(Cut { number, states }),
             ..outline.clone()
         })
     }
@@ -458,9 +473,10 @@ impl<'a> Shooting<'a> {
     /// transitions does not go along the flow.
     fn turn(&self, outline: &Outline, guess: &Outline, options: &Options) -> Option<Turn> {
         let n = outline.begin.x.len();
-        let (cut, middle) = outline.cut.as_ref()?;
-        let time = n + outline.segments.len();
-        let unknowns = time + 1 + n;
+        let cut = outline.cut.as_ref()?;
+        let count = outline.segments.len();
+        let time = n + count;
+        let unknowns = time + 1 + n * cut.states.len();
         let mut under = Under {
             shooting: self,
             outline,
@@ -482,10 +498,13 @@ impl<'a> Shooting<'a> {
         let mut at_cut = Vector::zeros(n);
         let mut anchor = outline.begin.clone();
         let mut events = Vec::new();
-        for number in 0..outline.segments.len() {
-            let piece = if number == *cut {
+        for number in 0..count {
+            if number > 0 {
+                under.cut(number - 1)?;
+            }
+            let piece = if number == cut.number {
                 let first = under.through(number, 0.5)?;
-                under.cut(middle);
+                under.cut(count - 1)?;
                 anchor = under.at.clone();
                 at_cut = velocity(&outline.segments[number], &anchor);
                 first.followed_by(under.through(number, 0.5)?)
@@ -528,8 +547,9 @@ impl<'a> Shooting<'a> {
             Extra::Zero(margin) => Some(under.margin(margin)?),
         };
         under.rows.extend(extra);
-        let landed = self.landed(&outline.segments[*cut], &anchor, self.states).0;
-        let monodromy = self.monodromy(&mut under.maps, *cut, (landed, at_cut));
+        let segment = &outline.segments[cut.number];
+        let landed = self.landed(segment, &anchor, self.states).0;
+        let monodromy = self.monodromy(&mut under.maps, cut.number, (landed, at_cut));
         let size = under.at.x.amax().max(outline.begin.x.amax());
         let rows = under.rows;
         let off = rows.iter().map(|(value, _, size)| (value / size).abs());

@@ -7,4 +7,5 @@ mod on_the_boundary;
 mod several;
 mod static_friction;
 mod sweeps;
+mod switching;
 pub mod systems;

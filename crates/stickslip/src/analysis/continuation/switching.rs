@@ -1,0 +1,121 @@
+//! Branch switching: onto the branch of twice the period at a flip, and onto the other branch at a
+//! branch point.
+
+use std::ops::ControlFlow;
+
+use super::line::Line;
+use super::walk::Walk;
+use super::{Branch, ContinuationSettings, Special, SpecialPoint, Stop};
+use crate::analysis::cycle::{Cycle, Extra, Shooting};
+use crate::dynamics::{AsDynamics, Components, Vector};
+use crate::error::Error;
+use crate::filippov::Options;
+
+/// A branch that meets another one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SwitchedBranch {
+    /// The flip or branch point at which they meet.
+    pub at: SpecialPoint,
+    /// The branches that begin there: one of twice the period at a flip, two at a branch point.
+    pub branches: Vec<Branch>,
+}
+
+/// Where to switch: an orbit, the line that it lies on, and whether the period doubles there.
+pub(super) struct Junction {
+    pub cycle: Cycle,
+    pub line: Line,
+    pub is_flip: bool,
+}
+
+/// Follows the branches that begin at the flip or branch point with a number, counted from 0, on the
+/// branch of the periodic orbit near `x`.
+///
+/// At a flip the equations of the orbit run through twice, and at a branch point those of the orbit
+/// itself, have two tangents. The one across the known branch leads onto the other (Keller 1977;
+/// Govaerts 2000, Ch. 9).
+///
+/// # Errors
+/// Those of [`super::continue_periodic_orbit`]; [`Error::NotFound`] where the branch has no such
+/// point, or no other branch is found there.
+pub fn switch_branches<Kind>(
+    system: &impl AsDynamics<Kind>,
+    x: impl Components,
+    (period, upwards, number): (f64, bool, usize),
+    settings: &ContinuationSettings,
+    options: &Options,
+) -> Result<SwitchedBranch, Error> {
+    settings.check()?;
+    let system = &*system.dynamics();
+    let extra = (Extra::None, options);
+    let mut walk = Walk::begin(system, x.vector(), period, settings, extra)?;
+    walk.wanted_junction = Some(number);
+    walk.go(upwards, &mut |_| ControlFlow::Continue(()));
+    let not_found = |what| Error::NotFound {
+        what,
+        t: 0.0,
+        span: period,
+    };
+    let junction = walk.junction.take();
+    let junction = junction.ok_or(not_found("a flip or branch point on the branch"))?;
+    let is_meant = |at: &&SpecialPoint| matches!(at.what, Special::Flip | Special::BranchPoint);
+    let at = walk.special.iter().filter(is_meant).nth(number).cloned();
+    let at = at.ok_or(not_found("a flip or branch point on the branch"))?;
+    let times = if junction.is_flip { 2.0 } else { 1.0 };
+    let settings = &ContinuationSettings {
+        forced: settings.forced.map(|period| times * period),
+        ..*settings
+    };
+    let shooting = Shooting {
+        forced: settings.forced,
+        ..walk.shooting
+    };
+    let start = match junction.is_flip {
+        true => shooting.evaluated(&junction.cycle.outline.twice()),
+        false => Some(junction.cycle.clone()),
+    };
+    let start = start.ok_or(not_found("the orbit run through twice"))?;
+    let known = (!junction.is_flip).then_some(&junction.line);
+    let across = across(&start, known);
+    let row = across.ok_or(not_found("another branch at the point"))?;
+    // One way and the other along the branch of twice the period are the same orbits.
+    let signs: &[f64] = if junction.is_flip {
+        &[1.0]
+    } else {
+        &[1.0, -1.0]
+    };
+    let branches = signs.iter().filter_map(|sign| {
+        let units = walk.units;
+        let line = Line::along(&shooting, units, &start, &row * *sign)?;
+        let mut other = Walk::from(shooting, settings, units, (start.clone(), line));
+        let stop = other.go_on(&mut |_| ControlFlow::Continue(()));
+        let branch = other.into_branch(stop);
+        let is_found = branch.points.len() > 1 || branch.stop == Stop::Range;
+        is_found.then_some(branch)
+    });
+    let branches: Vec<Branch> = branches.collect();
+    if branches.is_empty() {
+        return Err(not_found("an orbit on the other branch"));
+    }
+    Ok(SwitchedBranch { at, branches })
+}
+
+/// The direction in which another branch leaves an orbit at which the equations have two tangents:
+/// across the known one, or, where it is not given, that along which the parameter does not change.
+fn across(cycle: &Cycle, known: Option<&Line>) -> Option<Vector> {
+    let count = cycle.jacobian.ncols();
+    let square = cycle.jacobian.clone().resize_vertically(count, 0.0);
+    let parts = square.svd(false, true);
+    let mut order: Vec<usize> = (0..count).collect();
+    order.sort_by(|&a, &b| parts.singular_values[a].total_cmp(&parts.singular_values[b]));
+    let rows = parts.v_t?;
+    let [one, two] = [*order.first()?, *order.get(1)?].map(|k| rows.row(k).transpose());
+    let number = cycle.outline.begin.x.len() - 1;
+    let of = |vector: &Vector| match known {
+        Some(line) => line.across().dot(vector),
+        None => vector[number],
+    };
+    let (a, b) = (of(&one), of(&two));
+    let way = one * b - two * a;
+    let length = way.norm();
+    (length > 0.0).then(|| way / length)
+}

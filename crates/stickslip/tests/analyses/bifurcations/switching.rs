@@ -1,0 +1,123 @@
+//! Branches that begin at flips and branch points, against closed forms.
+
+use std::f64::consts::PI;
+
+use stickslip::analysis::{
+    ContinuationSettings, Special, Stop, continue_periodic_orbit, switch_branches,
+};
+use stickslip::{Error, Filippov, Method, Options, Scalar, Side, State, math};
+
+use super::systems::Pitchfork;
+use crate::listed::{Listed, traced};
+
+traced!(3: Doubled);
+
+/// The orbit `c = (cos t, sin t)`, and about it, in a frame that turns half as fast, the rates
+/// `p u - u³` and `-w`: at `p = 0` its period doubles, to orbits at `u = ±√p`. A boundary at 0.2 is
+/// crossed, and means nothing.
+struct Doubled;
+
+impl Filippov<3> for Doubled {
+    fn field<T: Scalar>(&self, _side: Side, t: T, &[x, y, p]: &[T; 3]) -> [T; 3] {
+        let (sin, cos) = t.sin_cos();
+        let (half_sin, half_cos) = (t * 0.5).sin_cos();
+        let (a, b) = (x - cos, y - sin);
+        let (u, w) = (half_cos * a + half_sin * b, half_cos * b - half_sin * a);
+        let (along, across) = (p * u - u * u * u, -w);
+        [
+            -sin - b * 0.5 + half_cos * along - half_sin * across,
+            cos + a * 0.5 + half_sin * along + half_cos * across,
+            T::zero(),
+        ]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
+        x[0] - 0.2
+    }
+}
+
+#[test]
+fn the_branch_of_twice_the_period_begins_at_a_flip() {
+    let settings = ContinuationSettings::over(-0.2, 0.3).forced(2.0 * PI);
+    for method in [Method::Dop853, Method::Taylor] {
+        let options = Options::tol(1e-12).method(method);
+        let start = [1.0, 0.0, -0.1];
+        let found = switch_branches(
+            &Doubled.dynamics(),
+            start,
+            (2.0 * PI, true, 0),
+            &settings,
+            &options,
+        );
+        let found = found.unwrap();
+        assert_eq!(found.at.what, Special::Flip);
+        assert!(found.at.parameter.abs() < 1e-9);
+        let [branch] = found.branches.as_slice() else {
+            panic!("{:?}", found.branches);
+        };
+        assert_eq!(branch.stop, Stop::Range);
+        assert!(branch.points.len() > 10);
+        for point in &branch.points {
+            assert!((point.period - 4.0 * PI).abs() < 1e-12);
+            let on_circle = State::from([math::cos(point.t), math::sin(point.t)]);
+            let off = (point.x.rows(0, 2) - on_circle).norm_squared();
+            assert!(
+                (off - point.parameter).abs() < 1e-9,
+                "{off} {}",
+                point.parameter
+            );
+        }
+    }
+}
+
+#[test]
+fn both_ways_of_the_other_branch_begin_at_a_branch_point() {
+    let settings = ContinuationSettings::over(-0.2, 0.3);
+    let options = Options::tol(1e-12);
+    let start = [1.0, 0.0, 0.0, -0.1];
+    let system = Pitchfork;
+    let found = switch_branches(
+        &system.dynamics(),
+        start,
+        (2.0 * PI, true, 0),
+        &settings,
+        &options,
+    );
+    let found = found.unwrap();
+    assert_eq!(found.at.what, Special::BranchPoint);
+    let [one, two] = found.branches.as_slice() else {
+        panic!("{:?}", found.branches);
+    };
+    for branch in [one, two] {
+        assert_eq!(branch.stop, Stop::Range);
+        for point in &branch.points[1..] {
+            let off = point.x[2] * point.x[2] - point.parameter;
+            assert!(off.abs() < 1e-9, "{off:e} at {}", point.parameter);
+        }
+    }
+    let ends = [one, two].map(|branch| branch.points.last().unwrap().x[2]);
+    assert!(ends[0] * ends[1] < 0.0, "{ends:?}");
+    // The branch that it leaves has none of these.
+    let known = continue_periodic_orbit(
+        &system.dynamics(),
+        start,
+        2.0 * PI,
+        true,
+        &settings,
+        &options,
+    );
+    assert!(
+        known
+            .unwrap()
+            .points
+            .iter()
+            .all(|point| point.x[2].abs() < 1e-9)
+    );
+    let none = switch_branches(
+        &system.dynamics(),
+        start,
+        (2.0 * PI, false, 0),
+        &settings,
+        &options,
+    );
+    assert!(matches!(none, Err(Error::NotFound { .. })), "{none:?}");
+}
