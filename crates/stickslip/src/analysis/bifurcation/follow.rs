@@ -11,6 +11,7 @@ use crate::analysis::critical::{Critical, zero_between};
 use crate::analysis::cycle::{
     Cycle, Margin, Outline, Segment, SequenceChange, Shooting, Site, describe,
 };
+use crate::analysis::lagrange::weights;
 use crate::dynamics::{Moment, Vector};
 use crate::filippov::Options;
 
@@ -481,18 +482,48 @@ impl<'a> Following<'a> {
         // There the square of the function goes to zero like the parameter.
         let square = |one: &Known| of(&one.cycle).one * of(&one.cycle).one;
         let own = square(last);
-        let apart = way.good.iter().rev().find(|one| square(one) >= 2.0 * own)?;
-        let slope = (last.parameter - apart.parameter) / (own - square(apart));
-        let parameter = last.parameter - own * slope;
-        let guess = &last.cycle.outline;
-        let finer = self.solve(last.parameter, guess, &self.options.finer());
-        let by_tolerance = finer.map_or(0.0, |finer| (square(&finer) - own).abs() * slope.abs());
-        let lacks = (lost - last.parameter)
-            .abs()
-            .max((parameter - last.parameter).abs());
+        // Nearer to it an orbit closes within the tolerance where there is none any more.
+        const LEAST: f64 = 1e-10;
+        const APART: f64 = 4.0;
+        const NODES: usize = 4;
+        let mut nodes: Vec<(f64, &Known)> = Vec::new();
+        for one in way.good.iter().rev() {
+            let value = square(one);
+            let is_apart = nodes.last().is_none_or(|(near, _)| value >= APART * near);
+            if value >= own.max(LEAST) && is_apart && nodes.len() < NODES {
+                nodes.push((value, one));
+            }
+        }
+        let at_zero = |nodes: &[(f64, &Known)]| -> f64 {
+            let values: Vec<f64> = nodes.iter().map(|node| node.0).collect();
+            let weighted = weights(&values, 0.0).into_iter().zip(nodes);
+            weighted
+                .map(|(weight, node)| weight * node.1.parameter)
+                .sum()
+        };
+        let (value, nearest) = *nodes.first()?;
+        let (farthest, other) = *nodes.last()?;
+        let parameter = at_zero(&nodes);
+        let lacks = match nodes.len() {
+            0..NODES => (lost - nearest.parameter).abs(),
+            _ => {
+                let fewer = [&nodes[..NODES - 1], &nodes[1..]].map(at_zero);
+                fewer.iter().map(|one| (parameter - one).abs()).sum()
+            }
+        };
+        const SAFE: f64 = 2.0;
+        let slope = (nearest.parameter - other.parameter) / (value - farthest);
+        let guess = &nearest.cycle.outline;
+        let finer = self.solve(nearest.parameter, guess, &self.options.finer());
+        let by_tolerance = finer.map_or(f64::NAN, |finer| ((square(&finer) - value) * slope).abs());
+        let told = lacks + SAFE * by_tolerance;
+        let bracket = (lost - nearest.parameter).abs();
+        let told = if told.is_finite() { told } else { bracket };
+        let width = (lost - self.first.parameter).abs();
+        let rounding = 16.0 * f64::EPSILON * parameter.abs().max(width);
         Some(changed(
             last,
-            (parameter, lacks + 2.0 * by_tolerance),
+            (parameter, told.max(rounding)),
             Special::Fold,
         ))
     }
