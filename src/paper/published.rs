@@ -25,8 +25,8 @@ described! {
         Curve = "curve",
         /// A sentence.
         Statement = "statement",
-        /// What could not be otherwise: it follows from other claims or from a definition. It is listed
-        /// and not counted.
+        /// What could not be otherwise: it follows from other claims or from a definition. It is
+        /// listed and not counted.
         Identity = "identity",
     }
 }

@@ -1,5 +1,5 @@
-//! What a comparison comes to: the words of the verdicts, each of which means one thing, and what was
-//! corrected of the paper's equations where a verdict rests on a corrected reading.
+//! What a comparison comes to: the words of the verdicts, each of which means one thing, and what
+//! was corrected of the paper's equations where a verdict rests on a corrected reading.
 
 use std::fmt;
 

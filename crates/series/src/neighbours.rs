@@ -10,8 +10,8 @@ use super::tree::Tree;
 /// rounding or the tolerance of an integrator, and tells nothing of the dynamics.
 const REPEAT: f64 = 1e-9;
 
-/// One over the part of the points that a neighbourhood holds at most: a larger one is no small part
-/// of the attractor.
+/// One over the part of the points that a neighbourhood holds at most: a larger one is no small
+/// part of the attractor.
 pub(crate) const LARGEST_PART: usize = 20;
 
 /// A neighbour: squared distance and index.
@@ -78,9 +78,9 @@ impl<'c> Finder<'c> {
         })
     }
 
-    /// The neighbours of point `j` in a neighbourhood `times` the size, nearest first, or so many of
-    /// the nearest where it holds fewer; and how many of them are the neighbourhood itself. `found`
-    /// are those of the point `before`, if there is one.
+    /// The neighbours of point `j` in a neighbourhood `times` the size, nearest first, or so many
+    /// of the nearest where it holds fewer; and how many of them are the neighbourhood itself.
+    /// `found` are those of the point `before`, if there is one.
     pub(crate) fn select(
         &self,
         (before, j): (Option<usize>, usize),

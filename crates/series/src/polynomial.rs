@@ -173,8 +173,8 @@ impl<'a> Fitter<'a> {
     ) -> Derivative {
         self.count += further.len();
         if !further.is_empty() {
-            // With the machine's vectors, which change no bit: the partial sums of [`dot`] are lanes
-            // of one.
+            // With the machine's vectors, which change no bit: the partial sums of [`dot`] are
+            // lanes of one.
             self.left += Arch::new().dispatch(
                 #[inline(always)]
                 || self.absorb(j, further, directions, polynomial),
@@ -244,9 +244,9 @@ impl<'a> Fitter<'a> {
         }
     }
 
-    /// Adds neighbours to the triangle, by reflections that take their rows to zero, and returns the sum
-    /// of squares of what is left of their images. A column that depends on those before it gets a zero
-    /// corner and is passed over.
+    /// Adds neighbours to the triangle, by reflections that take their rows to zero, and returns
+    /// the sum of squares of what is left of their images. A column that depends on those before it
+    /// gets a zero corner and is passed over.
     #[inline(always)]
     fn absorb(
         &mut self,

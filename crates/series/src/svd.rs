@@ -37,7 +37,8 @@ pub(crate) fn triangle(
     rows: usize,
     columns: usize,
 ) -> (Matrix, Matrix) {
-    // With the machine's vectors, which change no bit: the partial sums of [`dot`] are lanes of one.
+    // With the machine's vectors, which change no bit: the partial sums of [`dot`] are lanes of
+    // one.
     Arch::new().dispatch(
         #[inline(always)]
         || plain_triangle(left, right, rows, columns),

@@ -13,7 +13,8 @@ use crate::render::Answer;
 
 /// Prints what the program has to say, or its error.
 ///
-/// Exit code 0 on success, 1 if something failed (`error: …` on standard error), 2 for a wrong command line or file of a system.
+/// Exit code 0 on success, 1 if something failed (`error: …` on standard error), 2 for a wrong
+/// command line or file of a system.
 pub(crate) fn finish(outcome: Result<Answer, Failure>) -> ExitCode {
     let failed = |error: &dyn std::fmt::Display, code: u8| {
         note(&format!("error: {error}"));

@@ -1,5 +1,5 @@
-//! Misprints of Sects. 2 to 4: friction as a coefficient, critical points, the Hénon steps, signs of
-//! friction and springs.
+//! Misprints of Sects. 2 to 4: friction as a coefficient, critical points, the Hénon steps, signs
+//! of friction and springs.
 
 use rayon::prelude::*;
 

@@ -1,5 +1,5 @@
-//! What the paper says of stick phases, by those of a grid of starts against the set (24) of tangent
-//! points; and that there are none without friction.
+//! What the paper says of stick phases, by those of a grid of starts against the set (24) of
+//! tangent points; and that there are none without friction.
 
 use rayon::prelude::*;
 

@@ -351,7 +351,8 @@ impl Follow<'_> {
                 .into_par_iter()
                 .step_by(LANES)
                 .map(|ahead| {
-                    // With the machine's vectors, which change no bit: every point of time is a lane.
+                    // With the machine's vectors, which change no bit: every point of time is a
+                    // lane.
                     Arch::new().dispatch(
                         #[inline(always)]
                         || self.sums(&counts, ahead),
@@ -413,8 +414,8 @@ impl Follow<'_> {
 
     /// Some points of time that are followed together: the logarithms of the mean distances of the
     /// neighbours, for each curve and block of reference points. Distances of zero are passed over.
-    /// `counts` holds for each curve how many neighbours are followed, and how many reference points
-    /// have any.
+    /// `counts` holds for each curve how many neighbours are followed, and how many reference
+    /// points have any.
     #[inline(always)]
     fn sums(&self, counts: &[(&[usize], usize)], ahead: usize) -> Vec<[SumsOfLogarithms; BLOCKS]> {
         let mut sums = vec![[SumsOfLogarithms::new(); BLOCKS]; counts.len()];

@@ -30,8 +30,8 @@ use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::terminal::finish;
 
-/// Dry-friction systems from files: orbits with exact transitions between slip and stick, tangent points, periodic orbits, Lyapunov spectra,
-/// and spectra of measured series
+/// Dry-friction systems from files: orbits with exact transitions between slip and stick, tangent
+/// points, periodic orbits, Lyapunov spectra, and spectra of measured series
 #[derive(Debug, Parser)]
 #[command(name = "stickslip", version, after_help = AFTER_HELP)]
 struct CommandLine {
@@ -78,7 +78,8 @@ fn parsed() -> CommandLine {
 
 /// Everything the program does.
 ///
-/// Exit code 0 on success, 1 if something failed (`error: …` on standard error), 2 for a wrong command line or file of a system.
+/// Exit code 0 on success, 1 if something failed (`error: …` on standard error), 2 for a wrong
+/// command line or file of a system.
 pub fn main() -> ExitCode {
     let outcome = match parsed().command {
         Command::Basin(arguments) => basin::run(&arguments),

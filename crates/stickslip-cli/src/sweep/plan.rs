@@ -1,5 +1,5 @@
-//! What a sweep is, everything its blocks depend on, and how the folder of its blocks says so; and a
-//! share of it, which one of several processes or machines computes.
+//! What a sweep is, everything its blocks depend on, and how the folder of its blocks says so; and
+//! a share of it, which one of several processes or machines computes.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -141,7 +141,8 @@ impl Plan {
         Ok(bytes)
     }
 
-    /// What its blocks are marked with. The system's name is that of a file, and says nothing of what is in it.
+    /// What its blocks are marked with. The system's name is that of a file, and says nothing of
+    /// what is in it.
     ///
     /// # Errors
     /// As [`Plan::bytes`].
@@ -151,7 +152,8 @@ impl Plan {
         nameless.bytes(folder).map(|bytes| digest(&bytes))
     }
 
-    /// What differs first between two sweeps: what it is, its value here and its value in the other; nothing if their blocks are the same.
+    /// What differs first between two sweeps: what it is, its value here and its value in the
+    /// other; nothing if their blocks are the same.
     pub(super) fn difference(&self, other: &Self) -> Option<(String, String, String)> {
         let (old, new) = (self.parts(), other.parts());
         let value = |parts: &[(String, String)], name: &String| {

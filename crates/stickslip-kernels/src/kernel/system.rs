@@ -86,7 +86,8 @@ pub struct Fields {
     make: Arc<MakeTape>,
 }
 
-/// Combinations that are kept: more than an orbit comes to. Further ones are made at every evaluation.
+/// Combinations that are kept: more than an orbit comes to. Further ones are made at every
+/// evaluation.
 const MOST_KEPT: usize = 1 << 12;
 
 impl Fields {

@@ -171,9 +171,10 @@ pub fn find_periodic_orbit<Kind>(
     shoot(system, &start.at_time(0.0), period, false, options)
 }
 
-/// Newton's iteration from a guess; unless the system is driven, with that period, the period is unknown too, and along the flow at the
-/// guess no correction is made. A guess in stick is kept on its boundary.  Of a family the orbit is found that is nearest to the guess: the iteration goes along no
-/// direction that is free, which away from the orbit only the outcome tells.
+/// Newton's iteration from a guess; unless the system is driven, with that period, the period is
+/// unknown too, and along the flow at the guess no correction is made. A guess in stick is kept on
+/// its boundary.  Of a family the orbit is found that is nearest to the guess: the iteration goes
+/// along no direction that is free, which away from the orbit only the outcome tells.
 fn shoot(
     system: &dyn Dynamics,
     guess: &Anchor,

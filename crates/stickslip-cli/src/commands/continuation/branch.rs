@@ -163,8 +163,8 @@ impl<'a> Begin<'a> {
         Ok(Also { range, value, both })
     }
 
-    /// Each change of the phases on the branch, followed in two parameters; none where no curve goes
-    /// on from it.
+    /// Each change of the phases on the branch, followed in two parameters; none where no curve
+    /// goes on from it.
     pub(super) fn curves(
         &self,
         also: &Also,

@@ -24,10 +24,12 @@ use branch::{Begin, Point};
 
 /// Continue a periodic orbit along a parameter, stable or not, through folds and changes of its phases
 ///
-/// The orbit is found at the parameter's present value (that of the file, or of --set) and followed both ways by pseudo-arclength. Where a
-/// multiplier is 1 or -1 or a pair is on the unit circle, and where the phases change, the place is located and named; so is an end in an
-/// equilibrium, on the boundary or off it, a homoclinic orbit or rest. Of a driven system the parameter may be one that the period depends on. With
-/// --also each change of the phases is followed in two parameters. Writes branch.csv, special.csv and continue.svg; with --also curves.csv and
+/// The orbit is found at the parameter's present value (that of the file, or of --set) and followed
+/// both ways by pseudo-arclength. Where a multiplier is 1 or -1 or a pair is on the unit circle,
+/// and where the phases change, the place is located and named; so is an end in an equilibrium, on
+/// the boundary or off it, a two-fold, a homoclinic orbit or rest. Of a driven system the parameter
+/// may be one that the period depends on. With --also each change of the phases is followed in two
+/// parameters. Writes branch.csv, special.csv and continue.svg; with --also curves.csv and
 /// curves.svg.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
@@ -35,7 +37,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "NAME=LOW:HIGH")]
     parameter: String,
 
-    /// A second parameter and its range: each change of the phases on the branch is followed in both
+    /// A second parameter and its range: each change of the phases on the branch is followed in
+    /// both
     #[arg(long, value_name = "NAME=LOW:HIGH")]
     also: Option<String>,
 

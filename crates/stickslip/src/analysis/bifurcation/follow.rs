@@ -309,8 +309,8 @@ impl<'a> Following<'a> {
             .or_else(|| self.coincides(good, *first, way))
     }
 
-    /// The change at which two contacts switch in the same instant: the segment between lasts longer
-    /// and longer on either side, in one order of the two and in the other.
+    /// The change at which two contacts switch in the same instant: the segment between lasts
+    /// longer and longer on either side, in one order of the two and in the other.
     fn coincides(&self, good: &[Known], number: usize, way: f64) -> Option<SequenceChange> {
         let last = good.last()?;
         let orbit = |parameter: f64, options: &Options| {
@@ -442,7 +442,8 @@ impl<'a> Following<'a> {
         is_on_way.then_some(WhatChanges::BoundaryEquilibrium { parameter, x })
     }
 
-    /// The first of its multipliers to reach the unit circle on the way, or the fold that it ends in.
+    /// The first of its multipliers to reach the unit circle on the way, or the fold that it ends
+    /// in.
     pub fn multiplier(&self, way: &Way) -> Option<WhatChanges> {
         let of = |cycle: &Cycle| Critical::of(&cycle.monodromy, self.free);
         let one = |cycle: &Cycle| Some(of(cycle).one);

@@ -217,8 +217,8 @@ impl Walk<'_> {
         })
     }
 
-    /// The change at the last orbit, of which a segment has all but vanished and no orbit without it
-    /// was found.
+    /// The change at the last orbit, of which a segment has all but vanished and no orbit without
+    /// it was found.
     pub(super) fn vanished(&self, line: &Line, place: f64) -> Option<Change> {
         let (number, _) = *line.vanishing(place).first()?;
         let is_meant =

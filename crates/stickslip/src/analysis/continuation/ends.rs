@@ -91,8 +91,8 @@ impl Walk<'_> {
         Some(ends_in(&orbits, self.widest, states, held)?.0)
     }
 
-    /// The parameter at which crossing orbits shrink to a two-fold, as they do where they come to the
-    /// boundary ever more slowly from both sides. It is that of no extent, by a polynomial.
+    /// The parameter at which crossing orbits shrink to a two-fold, as they do where they come to
+    /// the boundary ever more slowly from both sides. It is that of no extent, by a polynomial.
     fn two_fold(&self) -> Option<Stop> {
         const NODES: usize = 5;
         // Rates that fall like the extents do so to this part.

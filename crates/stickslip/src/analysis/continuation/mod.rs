@@ -183,8 +183,8 @@ pub enum Stop {
         /// The parameter.
         parameter: f64,
     },
-    /// Crossing orbits shrink to a two-fold: a point at which the fields of both sides are tangent to
-    /// the boundary.
+    /// Crossing orbits shrink to a two-fold: a point at which the fields of both sides are tangent
+    /// to the boundary.
     TwoFold {
         /// The parameter, extrapolated from those of orbits that are ever smaller.
         parameter: f64,
@@ -237,10 +237,11 @@ pub struct Branch {
 /// So the derivative with respect to it comes, like that with respect to the states, from the user's functions on dual numbers and from
 /// saltation at every transition, and nothing is differenced. For a system from a file it is one input more to the same formulas.
 ///
-/// Every orbit is found by Newton's iteration for its state, period and parameter with the monodromy matrix, in the plane across the line
-/// through the last two (Keller 1977; Govaerts & Kuznetsov for folds, flips and Neimark–Sacker bifurcations). Between orbits at which a
-/// function of the multipliers has different signs its zero is located; where the phases change, so is the zero of the event function
-/// ([`SequenceChange`]), and the branch goes on with the new phases, back if it turns there (a nonsmooth fold).
+/// Every orbit is found by Newton's iteration as segments with a given sequence of modes, in the
+/// plane across the branch's tangent (Keller 1977; Thota & Dankowicz 2008). Where a function of the
+/// multipliers (Govaerts & Kuznetsov), or the margin to a change of the phases, has another sign,
+/// its zero is located ([`SequenceChange`]). The branch goes on with the phases behind it, back if
+/// it turns there (a nonsmooth fold).
 ///
 /// # Errors
 /// Those of [`crate::Integration::new`]; [`Error::Option`] for a setting that is not allowed; [`Error::Parameter`] where the last state's

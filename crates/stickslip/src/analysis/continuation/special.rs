@@ -155,8 +155,8 @@ impl Walk<'_> {
             return None;
         }
         let place = zero_of_polynomial(&nodes)?;
-        // Without the farthest it is as far off as the polynomial is, without the nearest as rounding
-        // makes it.
+        // Without the farthest it is as far off as the polynomial is, without the nearest as
+        // rounding makes it.
         let without_farthest = nodes.get(1..nodes.len() - 1).and_then(zero_of_polynomial);
         let mut nearest: Vec<f64> = nodes.iter().map(|(value, _)| value.abs()).collect();
         nearest.sort_by(f64::total_cmp);
@@ -165,8 +165,8 @@ impl Walk<'_> {
         let both = without_farthest.zip(zero_of_polynomial(&apart));
         let off = |other: &Place| (place.parameter - other.parameter).abs();
         let lacks = both.map_or(f64::NAN, |(one, two)| off(&one) + off(&two));
-        // What the tolerances do is most at the nearest. Next to a multiplier of 1 it is enlarged by
-        // what differs from orbit to orbit.
+        // What the tolerances do is most at the nearest. Next to a multiplier of 1 it is enlarged
+        // by what differs from orbit to orbit.
         let by_tolerance = || {
             const SAFE: f64 = 8.0;
             let ((first, one), (last, other)) = (nodes.first()?, nodes.last()?);

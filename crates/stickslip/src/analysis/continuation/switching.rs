@@ -27,8 +27,8 @@ pub(super) struct Junction {
     pub is_flip: bool,
 }
 
-/// Follows the branches that begin at the flip or branch point with a number, counted from 0, on the
-/// branch of the periodic orbit near `x`.
+/// Follows the branches that begin at the flip or branch point with a number, counted from 0, on
+/// the branch of the periodic orbit near `x`.
 ///
 /// At a flip the equations of the orbit run through twice, and at a branch point those of the orbit
 /// itself, have two tangents. The one across the known branch leads onto the other (Keller 1977;

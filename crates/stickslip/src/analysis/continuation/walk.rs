@@ -331,8 +331,8 @@ impl<'a> Walk<'a> {
         end.or(Some(Stop::NoConvergence))
     }
 
-    /// Whether the system is none that can be followed from a moment for a period of the last orbit,
-    /// and why.
+    /// Whether the system is none that can be followed from a moment for a period of the last
+    /// orbit, and why.
     fn refused(&self, start: &Moment) -> Option<Stop> {
         let Shooting {
             system, options, ..

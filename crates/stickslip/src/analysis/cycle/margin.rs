@@ -69,7 +69,8 @@ impl Margin {
         (off(&nearest) <= SAME_TIME).then_some(nearest)
     }
 
-    /// Where a slip ends: the flow in which the contact would stick, and the smallest of its guards.
+    /// Where a slip ends: the flow in which the contact would stick, and the smallest of its
+    /// guards.
     pub fn landing<'s>(
         &self,
         system: &'s dyn Dynamics,
@@ -83,8 +84,8 @@ impl Margin {
     }
 }
 
-/// First and second derivative in time of a contact's distance from the boundary (positive on the side in question) along the fields of both
-/// sides.
+/// First and second derivative in time of a contact's distance from the boundary (positive on the
+/// side in question) along the fields of both sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Rates {
     /// Of the side that the orbit comes from.

@@ -1,4 +1,5 @@
-//! The smallest values of the guards within the phases of a periodic orbit, and at their ends where these are another contact's.
+//! The smallest values of the guards within the phases of a periodic orbit, and at their ends where
+//! these are another contact's.
 
 use super::Outline;
 use super::margin::{Key, Margin, Site};

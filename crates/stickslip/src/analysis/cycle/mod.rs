@@ -2,9 +2,9 @@
 //!
 //! Each segment ends where its own event function vanishes. The unknowns are the state at which the
 //! first one begins, the time there, and the durations; the equations are that the orbit closes and
-//! that the event functions vanish (Thota & Dankowicz 2008; Dankowicz & Schilder 2013). The sequence
-//! does not react to the guards. So the orbit goes on smoothly where it touches a boundary, and a
-//! change of its phases is the zero of a margin along the branch.
+//! that the event functions vanish (Thota & Dankowicz 2008; Dankowicz & Schilder 2013). The
+//! sequence does not react to the guards. So the orbit goes on smoothly where it touches a
+//! boundary, and a change of its phases is the zero of a margin along the branch.
 
 mod margin;
 mod minima;
@@ -362,7 +362,8 @@ pub(crate) struct Cycle {
     /// By how much each component moves, and that which moves most.
     pub sizes: Vector,
     pub extent: f64,
-    /// Where it is cut: the middle of the longest of the segments in which the fewest contacts stick.
+    /// Where it is cut: the middle of the longest of the segments in which the fewest contacts
+    /// stick.
     pub anchor: Moment,
     /// What tolerances and rounding leave open of its derivatives, in parts of them.
     pub known: f64,

@@ -61,8 +61,8 @@ pub(crate) struct Shooting<'a> {
     pub options: &'a Options,
 }
 
-/// An equation: what is left of it, its derivative by the unknowns, and the size of a unit of length
-/// in it.
+/// An equation: what is left of it, its derivative by the unknowns, and the size of a unit of
+/// length in it.
 type Row = (f64, Vector, f64);
 
 /// The derivative of the flow over a part of the orbit, without its part along the flow, and that:
@@ -337,8 +337,8 @@ impl<'a> Shooting<'a> {
         }
     }
 
-    /// The equations at an orbit that solves them, whether or not they have another solution next to
-    /// it.
+    /// The equations at an orbit that solves them, whether or not they have another solution next
+    /// to it.
     pub fn evaluated(&self, outline: &Outline) -> Option<Cycle> {
         let outline = match outline.cut {
             Some(_) => outline.clone(),
@@ -619,7 +619,8 @@ impl<'a> Shooting<'a> {
         margins
     }
 
-    /// A smallest value by a step that ends there: between its ends a step is off by more than there.
+    /// A smallest value by a step that ends there: between its ends a step is off by more than
+    /// there.
     fn settle(&self, outline: &Outline, pieces: &[Piece], margin: &mut Margin) {
         let Site::Minimum(guard) = margin.key.site else {
             return;

@@ -528,8 +528,9 @@ fn a_cycle_is_followed_to_its_homoclinic_end_with_the_multiplier_of_its_area() {
         }
         let exact = math::exp(log_area);
         let error = (point.multipliers[0].re / exact - 1.0).abs();
-        // A hundred tolerances of the orbit, parted over the half of the period that it spends next to the saddle. Further on
-        // the saddle's neighbourhood is less than the square root of a tolerance.
+        // A hundred tolerances of the orbit, parted over the half of the period that it spends next
+        // to the saddle. Further on the saddle's neighbourhood is less than the square root of a
+        // tolerance.
         if point.period > 33.0 {
             continue;
         }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use stickslip::analysis::{ContinuationSettings, CurveStop, SequenceBifurcation, continue_change};
-use stickslip::{Error, Filippov, Method, Options, Scalar, Side};
+use stickslip::{Error, Filippov, Method, Options, Scalar, Side, math};
 
 use crate::listed::{Listed, traced};
 
@@ -96,7 +96,7 @@ impl Filippov<4> for Touched {
 #[test]
 fn a_curve_of_grazes_goes_round_the_fold_of_the_orbits_that_graze() {
     // The outer cycle at p is left of the line at q = 5/4 up to p = (9/16)² - 1.
-    let exact = (1.25_f64 * 1.25 - 1.0).powi(2) - 1.0;
+    let exact = math::powi(1.25 * 1.25 - 1.0, 2) - 1.0;
     let settings = ContinuationSettings::over(-1.5, 0.5);
     let radius = (1.0 + 0.1_f64.sqrt()).sqrt();
     let start = [radius, 0.0, 1.25, -0.9];
@@ -118,7 +118,7 @@ fn a_curve_of_grazes_goes_round_the_fold_of_the_orbits_that_graze() {
     let mut least = f64::INFINITY;
     for point in &found.points {
         let [place, p] = point.parameters;
-        let off = (place * place - 1.0).powi(2) - 1.0 - p;
+        let off = math::powi(place * place - 1.0, 2) - 1.0 - p;
         assert!(off.abs() < 1e-10, "{place} {p}: {off:e}");
         assert!((point.period - 2.0 * PI).abs() < 1e-9);
         least = least.min(p);
