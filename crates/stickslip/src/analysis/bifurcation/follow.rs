@@ -151,7 +151,9 @@ impl<'a> Following<'a> {
             if let Some(place) = vanishing(&way.good, next) {
                 let change = self.vanishes(&way.good, place);
                 let is_ahead = |change: &SequenceChange| {
-                    (change.parameter - from) * (to - change.parameter) >= 0.0
+                    let part = (change.parameter - from) / (to - from);
+                    // The value of the sweep may hit it.
+                    (-NEXT_TO..=1.0 + NEXT_TO).contains(&part)
                 };
                 way.change = change.filter(is_ahead);
                 if way.change.is_some() {
@@ -183,15 +185,39 @@ impl<'a> Following<'a> {
         if way.good.last().is_some_and(|last| last.parameter == to) || way.change.is_some() {
             way.lost = None;
         }
-        if let Some(lost) = way.lost {
-            way.change = self.ends_in(&way.good, lost);
+        match way.lost {
+            Some(lost) => way.change = self.ends_in(&way.good, lost),
+            None if way.change.is_none() => {
+                let at_end = || self.ends_in(&way.good, to + resolution * (to - from).signum());
+                way.change = self.hit(&way.good).or_else(at_end);
+            }
+            None => {}
         }
         way
     }
 
+    /// The change that the last orbit hits: with a margin that the tolerances do not tell from zero
+    /// it has the phases of one side as well as of the other.
+    fn hit(&self, good: &[Known]) -> Option<SequenceChange> {
+        let [.., before, last] = good else {
+            return None;
+        };
+        let is_open =
+            |margin: &&Margin| margin.key.site != Site::Duration && !margin.is_told(&self.options);
+        let margin = last.cycle.margins.iter().find(is_open)?;
+        let earlier = before.cycle.margin_like(margin)?.value;
+        let slope = (margin.value - earlier) / (last.parameter - before.parameter);
+        let way = margin.value / slope;
+        let system = &*(self.family)(last.parameter);
+        let width = (last.parameter - good.first()?.parameter).abs();
+        let rounding = 16.0 * f64::EPSILON * last.parameter.abs().max(width);
+        let place = (last.parameter - way, way.abs().max(rounding));
+        let sides = [last.cycle.outline.modes(), Vec::new()];
+        Some(describe(system, (&last.cycle, margin), place, sides))
+    }
+
     fn is_violated(&self, margin: &Margin) -> bool {
-        const TOLERANCES: f64 = 100.0;
-        margin.relative() < -TOLERANCES * self.options.rtol.max(self.options.atol)
+        margin.is_violated(&self.options)
     }
 
     /// The first change of phases between the last orbit and another; `Err` where that is too far
@@ -212,12 +238,18 @@ impl<'a> Following<'a> {
                 is_unclear = true;
                 continue;
             };
-            if before.value <= 0.0 {
-                continue;
-            }
             let value = |one: &Cycle| Some(one.margin_like(margin)?.value);
             let both = [last.clone(), next.clone()];
-            let zero = self.zero(&both, value).ok_or(())?;
+            let zero = if before.value <= 0.0 {
+                // The last orbit is at the change, as well as it is known.
+                let slope = (margin.value - before.value) / (next.parameter - from);
+                Zero {
+                    at: last.clone(),
+                    uncertainty: (before.value / slope).abs(),
+                }
+            } else {
+                self.zero(&both, value).ok_or(())?
+            };
             let margin = zero.at.cycle.margin_like(margin).ok_or(())?.clone();
             let way = |zero: &Zero| (zero.at.parameter - from).abs();
             if first

@@ -10,7 +10,7 @@ use super::{
     with_parameter,
 };
 use crate::analysis::cycle::{Cycle, Extra, Outline, Shooting};
-use crate::dynamics::{Dynamics, Moment, Orbit, Vector, run};
+use crate::dynamics::{Dynamics, Moment, Vector, run};
 use crate::error::Error;
 use crate::filippov::Options;
 
@@ -95,16 +95,10 @@ impl<'a> Walk<'a> {
                 });
             }
         }
-        let orbit = Orbit::solve(system, &start, start.t + period, options)?;
-        let ends = orbit.steps.iter().map(|(step, _)| &step.x_end - &start.x);
         let shooting = Shooting {
-            system,
             states,
-            forced: settings.forced,
-            extent: ends.fold(0.0, |most: f64, way| most.max(way.amax())),
-            family: 0,
             extra,
-            options,
+            ..Shooting::of(system, &outline, settings.forced, options)
         };
         let row = unit(&outline, last);
         let first = shooting.nearest(&outline, Some((&row, value)));
@@ -243,9 +237,10 @@ impl<'a> Walk<'a> {
             }
             step = 0.5 * place;
             if step < SHORTEST {
-                return self
-                    .vanished(&line, place)
-                    .and_then(|change| self.pass(change));
+                return match self.vanished(&line, place) {
+                    Some(change) => self.pass(change),
+                    None => Some(Stop::NoConvergence),
+                };
             }
         }
         let (low, high) = self.settings.range;

@@ -1,8 +1,9 @@
 //! How far the event functions of a periodic orbit are from a change of its phases.
 
 use super::Outline;
-use super::shooting::Piece;
+use super::shooting::{Piece, TOLERANCES};
 use crate::dynamics::{Dynamics, Modes, Moment, SmoothFlow};
+use crate::filippov::Options;
 use crate::system::{Mode, Side};
 
 /// Where on an orbit a change of its phases may begin.
@@ -53,6 +54,16 @@ impl Margin {
     /// Part of its scale.
     pub fn relative(&self) -> f64 {
         self.value / self.scale
+    }
+
+    /// Whether the tolerances tell it from zero.
+    pub fn is_told(&self, options: &Options) -> bool {
+        self.relative().abs() > TOLERANCES * options.rtol.max(options.atol)
+    }
+
+    /// Whether it is below zero by more than the tolerances leave open.
+    pub fn is_violated(&self, options: &Options) -> bool {
+        self.value < 0.0 && self.is_told(options)
     }
 
     /// Of the margins of an orbit of a period that of the same kind, at about the same time.

@@ -49,6 +49,8 @@ pub(crate) struct Outline {
     pub begin: Moment,
     /// Where it is cut; none before that is chosen.
     pub cut: Option<Cut>,
+    /// How far the run went that it was taken from.
+    pub extent: f64,
 }
 
 /// States on the orbit that are unknowns as well (multiple shooting): neighbours part on the way
@@ -79,6 +81,8 @@ impl Outline {
         if orbit.end.t < start.t + period {
             return Err(failed.unwrap_or_else(|| orbit.end.goes_no_further()));
         }
+        let ways = orbit.steps.iter().map(|(step, _)| &step.x_end - &start.x);
+        let extent = ways.fold(f64::MIN_POSITIVE, |most, way| most.max(way.amax()));
         let turns = orbit.transitions.iter();
         let turns: Vec<&Transition> = turns
             .filter(|at| at.kind != TransitionKind::Touch)
@@ -113,6 +117,7 @@ impl Outline {
                     number: 0,
                     states: vec![middle],
                 }),
+                extent,
             });
         }
         // The first that comes again: the start may lie off the orbit.
@@ -156,6 +161,7 @@ impl Outline {
                 states: begins.chain(middle).collect(),
             }),
             segments,
+            extent,
         })
     }
 
@@ -202,6 +208,7 @@ impl Outline {
             segments: self.doubled(),
             begin: self.begin.clone(),
             cut: None,
+            extent: self.extent,
         }
     }
 
@@ -299,6 +306,7 @@ impl Outline {
             segments,
             begin,
             cut: None,
+            extent: self.extent,
         })
     }
 

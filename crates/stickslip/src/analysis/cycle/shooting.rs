@@ -14,7 +14,7 @@ use crate::system::{Mode, Side};
 const MOST: usize = 14;
 
 /// Tolerances within which an orbit closes and its event functions vanish.
-const TOLERANCES: f64 = 100.0;
+pub(super) const TOLERANCES: f64 = 100.0;
 
 /// Units in the last place that a step may leave of a gap.
 const ULPS: f64 = 16.0;
@@ -304,13 +304,11 @@ impl<'a> Shooting<'a> {
         forced: Option<f64>,
         options: &'a Options,
     ) -> Self {
-        let inside = outline.segments.iter().map(|one| &one.inside.x);
-        let ways = inside.map(|x| (x - &outline.begin.x).amax());
         Shooting {
             system,
             states: system.states(),
             forced,
-            extent: ways.fold(f64::MIN_POSITIVE, f64::max),
+            extent: outline.extent,
             family: 0,
             extra: Extra::None,
             options,
@@ -319,7 +317,7 @@ impl<'a> Shooting<'a> {
 
     /// Whether a margin is below zero by more than the tolerances leave open.
     pub fn is_violated(&self, margin: &Margin) -> bool {
-        margin.relative() < -TOLERANCES * self.options.rtol.max(self.options.atol)
+        margin.is_violated(self.options)
     }
 
     /// Whether an orbit has the phases of its sequence.

@@ -179,6 +179,27 @@ fn every_change_of_the_phases_is_located_and_named_on_a_branch() {
     }
 }
 
+/// `y = sin t` touches `y = p` at p = 1. A branch may begin there, or where the orbit has gone over
+/// by less than what the tolerances leave open.
+#[test]
+fn a_branch_that_begins_at_a_change_tells_it() {
+    let family = BeatFamily(Rhythm::Touch);
+    let options = Options::tol(1e-12);
+    for beyond in [0.0, 1e-12, 1e-11] {
+        let p = 1.0 - beyond;
+        let settings = ContinuationSettings::over(0.89, 1.1).forced(2.0 * PI);
+        let start = [0.0, p];
+        let found =
+            continue_periodic_orbit(&family.dynamics(), start, 6.3, false, &settings, &options);
+        let found = found.unwrap();
+        let [special] = found.special.as_slice() else {
+            panic!("{beyond:e}: {:?} {:?}", found.special, found.stop);
+        };
+        assert!((special.parameter - 1.0).abs() < 1e-9, "{special:?}");
+        assert_eq!(found.stop, Stop::Range);
+    }
+}
+
 /// What a place may be off by is told at any tolerance, by both methods; a tenth of the tolerance
 /// finds it within that.
 #[test]

@@ -48,6 +48,28 @@ fn both_ways(rhythm: Rhythm, from: f64, to: f64) -> [SequenceChange; 2] {
     })
 }
 
+/// A value of a sweep may hit the graze at p = 1, or lie where the orbit has gone over by less than
+/// what the tolerances leave open.
+#[test]
+fn a_change_that_a_value_hits_is_located() {
+    for beyond in [0.0, 1e-12] {
+        for end in [0.95, 1.05] {
+            let settings = SweepSettings::within(400.0).forced(2.0 * PI);
+            let rhythm = Rhythm::Touch;
+            let family = |p| kept(Beat { rhythm, p }).dynamics();
+            let options = Options::tol(1e-11);
+            let values = [1.05, 1.0 - beyond, 0.95];
+            let values = if end > 1.0 {
+                values
+            } else {
+                [0.95, 1.0 - beyond, 1.05]
+            };
+            let found = sweep(family, values, [-0.5], &settings, &options).unwrap();
+            check(only(&found), SequenceBifurcation::GrazingSliding, 1.0);
+        }
+    }
+}
+
 fn check(change: &SequenceChange, name: SequenceBifurcation, exact: f64) {
     assert_eq!(change.bifurcation, name, "{change:?}");
     let error = (change.parameter - exact).abs();
