@@ -2,7 +2,7 @@
 //! names, options as they are given on the command line.
 
 use stickslip::Error;
-use stickslip::error::{Point, readable};
+use stickslip::error::{Point, piled_up, readable};
 use stickslip_kernels::file::{FileError, SettingError, System};
 use stickslip_series::DataError;
 
@@ -91,6 +91,19 @@ fn with_names(error: &Error, name: &dyn Fn(usize) -> String) -> String {
             "{} {} is not allowed: it must be {bound}",
             as_given(option),
             readable(*value)
+        ),
+        Error::EventPileUp {
+            count,
+            span,
+            t,
+            x,
+            contacts,
+            accumulation,
+        } => format!(
+            "{count} transitions at the contacts {} within {span:e} before t = {}, x = {x}: {}",
+            names(contacts),
+            readable(*t),
+            piled_up(accumulation.as_deref(), "--at-pile-up rest")
         ),
         Error::NoUniqueMode {
             t,

@@ -42,6 +42,47 @@ fn told(candidates: &[String]) -> String {
     }
 }
 
+/// Where infinitely many transitions accumulate: extrapolated from the last of them, whose phases
+/// are a geometric series.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Accumulation {
+    /// Time.
+    pub t: f64,
+    /// How well that time is known: what two rounds of transitions and rounding make of it.
+    pub uncertainty: f64,
+    /// State.
+    pub x: Point,
+    /// How many times as long as the phase before a phase lasts, in the mean.
+    pub ratio: f64,
+    /// Whether friction can hold all contacts that pile up there at once.
+    pub holds: bool,
+}
+
+/// What is known of a pile-up, in words; `option` is the name of [`crate::Options::at_pile_up`].
+pub fn piled_up(accumulation: Option<&Accumulation>, option: &str) -> String {
+    let Some(Accumulation {
+        t,
+        uncertainty,
+        x,
+        ratio,
+        holds,
+    }) = accumulation
+    else {
+        return "they pile up (Zeno), by no ratio that would tell the accumulation point"
+            .to_owned();
+    };
+    let what_follows = if *holds {
+        format!("friction can hold all of them, and by {option} they rest")
+    } else {
+        "friction cannot hold all of them at once, and nothing says what follows".to_owned()
+    };
+    format!(
+        "they pile up (Zeno), each phase {ratio:.6} times as long as the one before; at the \
+         accumulation point, t = {} ± {uncertainty:.1e}, x = {x}, {what_follows}",
+        readable(*t)
+    )
+}
+
 /// Every failure of the library's computations.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -131,9 +172,10 @@ pub enum Error {
         /// State reached.
         x: Point,
     },
-    /// Transitions pile up (Zeno): ever more of them within no time.
+    /// Transitions pile up (Zeno): infinitely many of them in finite time.
     #[error(
-        "{count} transitions within {span:e} before t = {t}, x = {x}: they pile up (Zeno); the orbit cannot be followed past the accumulation point", t = readable(*t)
+        "{count} transitions at contacts {contacts:?} within {span:e} before t = {t}, x = {x}: {}",
+        piled_up(accumulation.as_deref(), "Options::at_pile_up"), t = readable(*t)
     )]
     EventPileUp {
         /// Transitions counted.
@@ -144,6 +186,10 @@ pub enum Error {
         t: f64,
         /// State reached.
         x: Point,
+        /// The contacts at which they happen, counted from 0.
+        contacts: Vec<usize>,
+        /// Where they accumulate, if they are a geometric series.
+        accumulation: Option<Box<Accumulation>>,
     },
     /// A field that branches by comparisons ([`crate::Scalar::exceeds`] and what is made of it) turns round where they change and holds the orbit
     /// there, as a discontinuity boundary does.
@@ -335,6 +381,13 @@ pub fn readable(value: f64) -> String {
 impl Error {
     /// With so many components of the state that it names: further ones only fill up a type.
     pub(crate) fn of_states(mut self, states: usize) -> Self {
+        if let Error::EventPileUp {
+            accumulation: Some(accumulation),
+            ..
+        } = &mut self
+        {
+            accumulation.x.0.truncate(states);
+        }
         match &mut self {
             Error::StartOutsideDomain { x, .. }
             | Error::NonFinite { x, .. }

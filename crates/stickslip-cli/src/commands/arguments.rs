@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 
 use clap::{Args, ValueEnum};
 use serde::{Deserialize, Serialize};
-use stickslip::{AtRepelling, Method, Options};
+use stickslip::{AtPileUp, AtRepelling, Method, Options};
 
 use crate::failure::Failure;
 use crate::render::{Answer, OutputArguments, Report};
@@ -158,6 +158,23 @@ enum Repelling {
     Above,
 }
 
+/// What to do where transitions accumulate.
+#[derive(Clone, Copy, Debug, Default, PartialEq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum PileUp {
+    /// End the run
+    #[default]
+    Stop,
+    /// Go on with all contacts that pile up in stick, where friction can hold them
+    Rest,
+}
+
+impl PileUp {
+    fn is_default(&self) -> bool {
+        *self == PileUp::default()
+    }
+}
+
 /// A bound on a size. No state is beyond the largest number, which a manifest can hold, as it
 /// cannot infinity.
 fn bound(text: &str) -> Result<f64, std::num::ParseFloatError> {
@@ -203,6 +220,11 @@ pub(super) struct SolverArguments {
     /// What to do where both fields lead away from the boundary
     #[arg(long, value_enum, default_value_t)]
     at_repelling: Repelling,
+
+    /// What to do where infinitely many transitions accumulate in finite time (Zeno)
+    #[arg(long, value_enum, default_value_t)]
+    #[serde(default, skip_serializing_if = "PileUp::is_default")]
+    at_pile_up: PileUp,
 }
 
 impl SolverArguments {
@@ -225,6 +247,10 @@ impl SolverArguments {
                 Repelling::Stop => AtRepelling::Stop,
                 Repelling::Below => AtRepelling::GoBelow,
                 Repelling::Above => AtRepelling::GoAbove,
+            })
+            .at_pile_up(match self.at_pile_up {
+                PileUp::Stop => AtPileUp::Stop,
+                PileUp::Rest => AtPileUp::Rest,
             });
         options.check()?;
         Ok(options)

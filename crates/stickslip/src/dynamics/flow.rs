@@ -35,15 +35,20 @@ where
         }
     }
 
-    /// The velocity depends on no branch.
+    /// The velocity of one contact depends on no branch.
     fn of_field<U: UseFlow<N>>(&self, user: U) -> U::Output {
+        if S::CONTACTS > 1 {
+            return self.of_guards(user);
+        }
         let branch = S::Branch::default();
         self.of.system.with_flow(self.mode, branch, user)
     }
 
     fn of_guards<U: UseFlow<N>>(&self, user: U) -> U::Output {
         let system = self.of.system;
-        let branch = *self.branch.get_or_init(|| system.branch(&self.at));
+        let branch = *self
+            .branch
+            .get_or_init(|| system.branch(self.mode, &self.at));
         system.with_flow(self.mode, branch, user)
     }
 

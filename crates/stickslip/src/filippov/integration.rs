@@ -3,13 +3,14 @@
 use super::event::Event;
 use super::flow::{Flow, GUARDS};
 use super::observer::{Phase, StepRecord, Transition, TransitionKind};
-use super::options::Options;
+use super::options::{AtPileUp, Options};
+use super::pile_up::{PileUp, Series};
 use super::run::{Run, Trial};
 use super::solve::Summary;
 use super::stepper::{Stepper, Work};
-use super::switched::{Next, Settled, Switched, UseFlow, Velocity};
+use super::switched::{Next, Rest, Settled, Switched, UseFlow, Velocity};
 use crate::error::Error;
-use crate::ode::Timed;
+use crate::ode::{Dense, Timed};
 use crate::orbit::{Counters, Ending};
 use crate::system::{IntoState, Mode, State, components};
 
@@ -58,6 +59,9 @@ pub struct Integration<'a, S: Switched<N, G>, const N: usize, const G: usize = G
     pub(super) branch: S::Branch,
     /// The last step's mode.
     last_mode: S::Mode,
+    pile_up: PileUp<N, S::Mode>,
+    /// How the run goes on where transitions accumulate, while it is led there, and a contact of these.
+    rest: Option<(Rest<S::Mode, S::Branch, N, G>, usize)>,
     due: Due,
 }
 
@@ -74,6 +78,8 @@ enum Due {
     Event,
     /// The phase has ended at the event; the rules decide what follows.
     Switch,
+    /// The way to where transitions accumulate.
+    Rest,
     /// Nothing but to say that the phase under way has ended with the run.
     PhaseEnd(Ending),
     /// Nothing: the run has ended.
@@ -122,8 +128,10 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             run,
             stepper,
             mode,
-            branch: system.branch(&start),
+            branch: system.branch(mode, &start),
             last_mode: mode,
+            pile_up: PileUp::new(),
+            rest: None,
             due,
         })
     }
@@ -148,8 +156,10 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             run,
             stepper: Stepper::new(options),
             mode,
-            branch: system.branch(inside),
+            branch: system.branch(mode, inside),
             last_mode: mode,
+            pile_up: PileUp::new(),
+            rest: None,
             due: Due::Begin,
         })
     }
@@ -214,7 +224,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
                 self.run.check_escape()?;
                 return Ok(false);
             }
-            Due::Event | Due::Switch | Due::End(_) => return Ok(false),
+            Due::Event | Due::Switch | Due::Rest | Due::End(_) => return Ok(false),
         }
         if self.run.at.t >= self.run.t_end {
             self.due = Due::PhaseEnd(Ending::EndTime);
@@ -247,11 +257,18 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     pub(super) fn say(&mut self) -> Result<Progress<N, S::Mode>, Error> {
         if let (Due::Event | Due::Switch, Some(event)) = (self.due, self.run.event) {
             match self.conclude(&event) {
-                Err(error) => self.due = self.after(error)?,
+                Err(error) => {
+                    let is_between = matches!(self.due, Due::Switch);
+                    self.due = self.after(error)?;
+                    if is_between && let Due::Rest = self.due {
+                        return Ok(self.on_the_way(&event));
+                    }
+                }
                 said => return said,
             }
         }
         match self.due {
+            Due::Rest => Ok(self.to_rest()),
             Due::PhaseEnd(ending) => {
                 let phase = self.phase_so_far();
                 self.due = Due::End(ending);
@@ -262,34 +279,103 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         }
     }
 
-    /// What a step that has failed means: an event that no step resolves, or an ending; if it is neither, the error.
+    /// What a step that has failed means: an event that no step resolves, a pile-up or an ending; if it is none, the error.
     #[cold]
     fn after(&mut self, error: Error) -> Result<Due, Error> {
-        match error {
-            Error::StepCollapse { .. } => {
-                let guard = self
-                    .system
-                    .guard_at_collapse(&self.run, self.mode)
-                    .ok_or(error)?;
-                self.run.event = Some(Event {
-                    guard,
-                    at: self.run.at,
-                    is_touch: false,
-                    residual: 0.0,
-                });
-                Ok(Due::Event)
-            }
-            Error::EventPileUp { .. } => {
-                let two_fold = self.system.ending_of_pile_up(&self.run, self.mode);
-                let shrunk = || self.run.pile_up.shrinks().then_some(Ending::Shrunk);
-                let ending = two_fold.or_else(shrunk).ok_or(error)?;
-                Ok(match self.phase() {
-                    Some(_) => Due::PhaseEnd(ending),
-                    None => Due::End(ending),
-                })
-            }
-            other => Err(other),
+        let (t, options) = (self.run.at.t, &self.run.options);
+        // Near an accumulation point contacts are not told apart by tolerance any more, nor steps by rounding.
+        let series = match &error {
+            Error::EventPileUp { .. } => return self.piled_up(self.pile_up.series()),
+            Error::StepCollapse { .. } => self.pile_up.under_way(t, options),
+            Error::NoUniqueMode { contacts, .. } => self.pile_up.of_contacts(t, contacts),
+            _ => None,
+        };
+        if series.is_some() {
+            return self.piled_up(series);
         }
+        if let Error::StepCollapse { .. } = error
+            && let Some(guard) = self.system.guard_at_collapse(&self.run, self.mode)
+        {
+            self.run.event = Some(Event {
+                guard,
+                at: self.run.at,
+                is_touch: false,
+                residual: 0.0,
+            });
+            return Ok(Due::Event);
+        }
+        Err(error)
+    }
+
+    /// What follows transitions that pile up: rest where they accumulate, an ending, or the error.
+    fn piled_up(&mut self, series: Option<Series<N>>) -> Result<Due, Error> {
+        let rest = series.as_ref().and_then(|series| {
+            let run = &mut self.run;
+            let rest = self
+                .system
+                .rest(run, self.mode, &series.contacts, &series.at)?;
+            let off = (rest.at.x - series.at.x).amax();
+            (off <= series.distance + run.slack()).then_some((rest, series.contacts[0]))
+        });
+        let holds = rest.is_some();
+        if holds && self.run.options.at_pile_up == AtPileUp::Rest {
+            self.rest = rest;
+            return Ok(Due::Rest);
+        }
+        let two_fold = self.system.ending_of_pile_up(&self.run, self.mode);
+        let shrinks = series.is_none() && self.pile_up.shrinks();
+        let ending = two_fold.or(shrinks.then_some(Ending::Shrunk));
+        let Some(ending) = ending else {
+            let (at, options) = (&self.run.at, &self.run.options);
+            return Err(self.pile_up.error(at, series.as_ref(), holds, options));
+        };
+        Ok(match self.phase() {
+            Some(_) => Due::PhaseEnd(ending),
+            None => Due::End(ending),
+        })
+    }
+
+    /// The transition at an event behind which the run is led to where transitions accumulate.
+    fn on_the_way(&mut self, event: &Event<N>) -> Progress<N, S::Mode> {
+        let from = self.mode;
+        self.mode = self.pile_up.mode_after(event.at.t).unwrap_or(from);
+        self.run.from = self.run.at;
+        let contact = S::contact_of(event.guard);
+        let of = |mode| S::erased(mode, S::CONTACTS).get(contact);
+        let kind = TransitionKind::between(of(from), of(self.mode));
+        self.transition((kind, contact), from, event.residual)
+    }
+
+    /// The step to where transitions accumulate, or as far as the run goes.
+    fn to_rest(&mut self) -> Progress<N, S::Mode> {
+        let from = self.run.at;
+        let Some((rest, contact)) = &self.rest else {
+            return Progress::End(self.summary(Ending::Failed));
+        };
+        let to = Timed {
+            t: rest.at.t.max(from.t),
+            x: rest.at.x,
+        };
+        self.stepper.begin();
+        self.run.dense = Dense::straight(&from, &to);
+        self.run.counters.steps += 1;
+        self.last_mode = self.mode;
+        if to.t > self.run.t_end {
+            let t = self.run.t_end;
+            let x = self.run.dense.at_time(t);
+            self.run.accept(Timed { t, x }, None);
+            self.due = Due::PhaseEnd(Ending::EndTime);
+            return Progress::Step;
+        }
+        let event = Event {
+            guard: *contact,
+            at: to,
+            is_touch: false,
+            residual: 0.0,
+        };
+        self.run.accept(to, Some(&event));
+        self.due = Due::Event;
+        Progress::Step
     }
 
     /// Cuts the last step short at a state inside it, where the run ends.
@@ -328,7 +414,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         let mode = self.mode;
         let (guard, residual) = (event.guard, event.residual);
         if event.is_touch {
-            self.note_event(mode)?;
+            self.note_event(S::contact_of(guard), mode)?;
             self.run.orders[guard] = 2;
             self.due = Due::Step;
             let touch = (TransitionKind::Touch, S::contact_of(guard));
@@ -339,7 +425,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             self.due = Due::Switch;
             return Ok(Progress::PhaseEnd(self.phase_so_far()));
         };
-        self.note_event(mode)?;
+        self.note_event(S::contact_of(guard), mode)?;
         self.branch = branch;
         self.run.orders[guard] = 1;
         self.due = Due::Begin;
@@ -349,14 +435,35 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     /// From the end of a phase to the next mode or to the end of the run.
     fn switch(&mut self, event: &Event<N>) -> Result<Progress<N, S::Mode>, Error> {
         let from = self.mode;
-        let next = match self.system.switch(&mut self.run, from, event)? {
+        if let Some((rest, contact)) = self.rest.take() {
+            self.pile_up = PileUp::new();
+            self.note_event(contact, rest.to)?;
+            (self.mode, self.branch) = (rest.to, rest.branch);
+            self.run.orders = rest.orders;
+            self.run.from = self.run.at;
+            self.due = Due::Begin;
+            return Ok(self.transition((TransitionKind::StickEntry, contact), from, 0.0));
+        }
+        // At a two-fold of one contact the rules would end the run, or let it stick as far as rounding does.
+        if self.run.options.at_pile_up == AtPileUp::Rest
+            && self.system.ending_of_pile_up(&self.run, from).is_some()
+            && let Some(series) = self.pile_up.under_way(event.at.t, &self.run.options)
+        {
+            return Err(self
+                .pile_up
+                .error(&event.at, Some(&series), false, &self.run.options));
+        }
+        let next = match self
+            .system
+            .switch(&mut self.run, from, &mut self.branch, event)?
+        {
             Next::Mode(next) => next,
             Next::End(ending) => {
                 self.due = Due::End(ending);
                 return Ok(Progress::End(self.summary(ending)));
             }
         };
-        self.note_event(next.to)?;
+        self.note_event(next.contact, next.to)?;
         self.mode = next.to;
         self.run.orders = next.orders;
         self.run.from = self.run.at;
@@ -383,12 +490,17 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         })
     }
 
-    /// Counts a transition into `mode`.
-    fn note_event(&mut self, mode: S::Mode) -> Result<(), Error> {
+    /// Counts a transition of a contact into `mode`.
+    fn note_event(&mut self, contact: usize, mode: S::Mode) -> Result<(), Error> {
+        self.run.note_event()?;
         let Timed { t, x } = self.run.at;
         let velocity = Velocity(t, components(&x));
-        let velocity = self.system.with_flow(mode, self.branch, velocity);
-        self.run.note_event(&velocity.into())
+        let velocity = self.system.with_flow(mode, self.branch, velocity).into();
+        let (at, options) = (&self.run.at, &self.run.options);
+        if self.pile_up.note(at, (contact, mode), &velocity, options) {
+            return Err(self.pile_up.error(at, None, false, options));
+        }
+        Ok(())
     }
 }
 

@@ -35,7 +35,7 @@ pub use integration::{Integration, Progress};
 pub use observer::{
     Observer, Phase, PhaseOf, StepRecord, Transition, TransitionKind, TransitionOf,
 };
-pub use options::{AtRepelling, Locator, Method, Options};
+pub use options::{AtPileUp, AtRepelling, Locator, Method, Options};
 pub(crate) use rules::LieDerivatives;
 pub use rules::{Fate, Visibility, fate};
 pub use scan::first_zero;

@@ -2,7 +2,9 @@
 
 use super::check::check;
 use super::event::Event;
-use super::flow::{CONTACT, GUARDS, Slip, Stick, boundary_gradient, normal_component};
+use super::flow::{
+    CONTACT, GUARDS, Slip, Stick, boundary_gradient, flow_path, normal_component, sliding_field,
+};
 use super::observer::{Transition, TransitionKind};
 use super::options::{AtRepelling, Options};
 use super::rules::{
@@ -10,12 +12,12 @@ use super::rules::{
 };
 use super::run::Run;
 use super::switch::{kind, next_mode};
-use super::switched::{Next, Switch, Switched, UseFlow, Vanishes};
+use super::switched::{Next, Rest, Switch, Switched, UseFlow, Vanishes, gradient};
 use super::two_fold::two_fold;
 use crate::dual::Dual;
 use crate::dynamics::Modes;
 use crate::error::{Error, Point};
-use crate::ode::Timed;
+use crate::ode::{Linear, Timed};
 use crate::orbit::Ending;
 use crate::scalar::Scalar;
 use crate::system::{Filippov, Mode, Side, State, components};
@@ -31,7 +33,7 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
     }
 
     /// Sign of the contact function; where it is zero, of its rate along the mean of the two fields.
-    fn branch(&self, at: &Timed<N>) -> f64 {
+    fn branch(&self, _mode: Mode, at: &Timed<N>) -> f64 {
         let x = components(&at.x);
         let below = self.field(Side::Below, at.t, x);
         let above = self.field(Side::Above, at.t, x);
@@ -91,6 +93,7 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
         &self,
         run: &mut Run<N, GUARDS>,
         from: Mode,
+        _branch: &mut f64,
         event: &Event<N>,
     ) -> Result<Next<Mode, GUARDS>, Error> {
         if from == Mode::Stick
@@ -112,7 +115,11 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
             }
         }
         let vanishes = from == Mode::Stick
-            && self.with_flow(from, self.branch(&run.at), Vanishes(event, &run.options));
+            && self.with_flow(
+                from,
+                self.branch(from, &run.at),
+                Vanishes(event, &run.options),
+            );
         let tangent = vanishes.then(|| Stick::<S>::side_of_guard(event.guard));
         let departure = departs(self, run, tangent)?;
         let next = next_mode(departure, run.options.at_repelling);
@@ -133,6 +140,39 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
 
     fn ending_of_pile_up(&self, run: &Run<N, GUARDS>, mode: Mode) -> Option<Ending> {
         two_fold(self, run, mode).map(Ending::TwoFold)
+    }
+
+    fn rest(
+        &self,
+        run: &mut Run<N, GUARDS>,
+        _mode: Mode,
+        _contacts: &[usize],
+        at: &Timed<N>,
+    ) -> Option<Rest<Mode, f64, N, GUARDS>> {
+        let at = Timed {
+            t: at.t,
+            x: onto_two_fold(self, at),
+        };
+        let held = AtRest(self);
+        let slack = run.slack();
+        let of = |side| Leading::new(&held, side, at.t, &at.x, slack, false);
+        let [below, above] = [Side::Below, Side::Above].map(of);
+        run.counters.field_calls += below.calls + above.calls;
+        let departure = departure(below, above, None);
+        // Where both normal components vanish no weight is more tangent than another, and the mean may lead away.
+        let [along] = LieDerivatives::along(at.t, &at.x, slack, |t, x| {
+            let path = flow_path(t, x, |t, x| sliding_field(self, t, x));
+            [self.boundary(path.0, &path.1)]
+        });
+        let [below, above] = [Side::Below, Side::Above]
+            .map(|side| LieDerivatives::new(&held, side, at.t, &at.x, slack));
+        let holds = departure.fate == Fate::Stick && along.holds_beside([&below, &above]);
+        holds.then(|| Rest {
+            at,
+            to: Mode::Stick,
+            branch: self.branch(Mode::Stick, &at),
+            orders: departure.orders,
+        })
     }
 
     fn jumps_at(&self, at: &Transition<N>) -> Option<usize> {
@@ -187,6 +227,45 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
         }
     }
 }
+
+/// From near a two-fold onto it, by Newton steps for the boundary function and for the mean of its
+/// rates along both fields.
+fn onto_two_fold<S: Filippov<N>, const N: usize>(system: &S, at: &Timed<N>) -> State<N> {
+    let mut here = *at;
+    for _ in 0..ONTO {
+        let (normal, _) = gradient(|t, x| system.boundary(t, x), &here);
+        let (slope, _) = gradient(
+            |t, x| {
+                let rate = |side| normal_component(system, t, x, &system.holding(side, t, x));
+                (rate(Side::Below) + rate(Side::Above)) * 0.5
+            },
+            &here,
+        );
+        let x = components(&here.x);
+        let rate = |side| normal_component(system, here.t, x, &system.holding(side, here.t, x));
+        let (h, rate) = (
+            system.boundary(here.t, x),
+            0.5 * (rate(Side::Below) + rate(Side::Above)),
+        );
+        let (aa, bb, ab) = (
+            normal.norm_squared(),
+            slope.norm_squared(),
+            normal.dot(&slope),
+        );
+        let determinant = aa * bb - ab * ab;
+        if determinant <= SAME * aa * bb {
+            break;
+        }
+        here.x = here
+            .x
+            .add_scaled((ab * rate - bb * h) / determinant, &normal)
+            .add_scaled((ab * h - aa * rate) / determinant, &slope);
+    }
+    here.x
+}
+
+/// Newton steps from an extrapolated point onto boundaries: each squares what it is off.
+const ONTO: usize = 3;
 
 /// Static over kinetic friction at a point of Σ, each by how far the normal components of its two fields lie apart; 1 where the fields are
 /// the same.

@@ -60,6 +60,20 @@ pub enum AtRepelling {
     GoAbove,
 }
 
+/// What to do where infinitely many transitions accumulate in finite time (Zeno).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum AtPileUp {
+    /// End there, with [`crate::Error::EventPileUp`] or, at a two-fold of one contact, with [`crate::Ending::TwoFold`].
+    #[default]
+    Stop,
+    /// Go on from the accumulation point with all contacts that pile up there in stick, if their
+    /// friction can hold them all at once; where it cannot, end as by default.
+    ///
+    /// The last phase leads straight to that point, and one transition into the mode of rest follows, a
+    /// [`crate::TransitionKind::StickEntry`]. The flow has no derivative there.
+    Rest,
+}
+
 /// Settings of the solver; `Options::default()` suits most systems.
 ///
 /// ```
@@ -89,6 +103,8 @@ pub struct Options {
     pub escape: f64,
     /// What to do where Σ repels; default stop.
     pub at_repelling: AtRepelling,
+    /// What to do where transitions accumulate; default stop.
+    pub at_pile_up: AtPileUp,
     /// A contact with Σ that reaches no deeper than this many tolerances is a touch, not a pair of crossings: the
     /// solution itself is known no better. Default 10.
     pub touch: f64,
@@ -114,6 +130,7 @@ impl Default for Options {
             first_step: None,
             escape: f64::INFINITY,
             at_repelling: AtRepelling::Stop,
+            at_pile_up: AtPileUp::Stop,
             touch: 10.0,
             pile_up_count: 100,
             pile_up_span: 1e-7,
@@ -173,6 +190,15 @@ impl Options {
     pub fn at_repelling(self, choice: AtRepelling) -> Self {
         Options {
             at_repelling: choice,
+            ..self
+        }
+    }
+
+    /// With this choice where transitions accumulate.
+    #[must_use]
+    pub fn at_pile_up(self, choice: AtPileUp) -> Self {
+        Options {
+            at_pile_up: choice,
             ..self
         }
     }

@@ -1,19 +1,27 @@
-//! Notices when transitions pile up (Zeno), or the branchings of a field.
+//! Notices when transitions pile up (Zeno), or the branchings of a field, and tells where they accumulate.
+//!
+//! Near an accumulation point every round of phases is the one before, made smaller by a ratio: the
+//! durations are a geometric series. Aitken's extrapolation gives its limit.
+
+use std::collections::VecDeque;
 
 use super::options::Options;
-use crate::error::{Error, Point};
+use crate::error::{Accumulation, Error, Point};
 use crate::ode::Timed;
 use crate::system::State;
 
 /// A phase over which no component moves by more than so many tolerances is not resolved.
 const UNRESOLVED: f64 = 100.0;
 
-/// So many transitions within the span of a pile-up, and then a step too short for the time, are one as well.
-const FEWEST: usize = 10;
+/// So many of the last transitions are kept: three rounds of up to 21.
+const KEPT: usize = 64;
 
-/// Phases that shrink geometrically to less than this part of the first within [`FEWEST`]
-/// accumulate.
-const LASTS: f64 = 0.9;
+/// Part of the time that is left to which the extrapolations by two rounds must agree. Durations that
+/// are no geometric series differ by about the whole.
+const AGREEING: f64 = 0.1;
+
+/// Units in the last place by which rounding is taken to blur the time of a transition.
+const ULPS: f64 = 4.0;
 
 /// How many times something has happened within no time.
 pub struct Burst {
@@ -29,16 +37,10 @@ impl Burst {
         }
     }
 
-    /// Whether `t` is within the span of a pile-up from when it began.
-    #[inline]
-    fn lasts(&self, t: f64, options: &Options) -> bool {
-        t - self.since <= options.pile_up_span * t.abs().max(1.0)
-    }
-
     /// Counts one more, at time `t`; how many there are, and within what time.
     #[inline]
     pub(crate) fn note(&mut self, t: f64, options: &Options) -> (usize, f64) {
-        if !self.lasts(t, options) {
+        if t - self.since > no_time(t, options) {
             (self.since, self.count) = (t, 0);
         }
         self.count += 1;
@@ -46,77 +48,223 @@ impl Burst {
     }
 }
 
-/// Transitions pile up when many of them happen within no time, or when many phases in a row are too short for error control
-/// to tell their ends apart: then a loose tolerance has stopped the orbit short of the accumulation point.
-pub struct PileUp<const N: usize> {
-    burst: Burst,
-    last: Option<Timed<N>>,
-    /// Phases in a row that are not resolved, the length of the first, and how many last as long.
-    unresolved: usize,
-    first: f64,
-    lasting: usize,
+/// The span that counts as no time at `t`.
+fn no_time(t: f64, options: &Options) -> f64 {
+    options.pile_up_span * t.abs().max(1.0)
 }
 
-impl<const N: usize> PileUp<N> {
+/// A transition that is kept.
+struct Passage<const N: usize, K> {
+    at: Timed<N>,
+    contact: usize,
+    to: K,
+}
+
+/// The geometric series that the last transitions are.
+pub struct Series<const N: usize> {
+    /// Where it accumulates.
+    pub at: Timed<N>,
+    /// How well that time is known.
+    pub uncertainty: f64,
+    /// How far the state is yet to move, by the largest component.
+    pub distance: f64,
+    /// How many times as long as the phase before a phase lasts, in the mean of a round.
+    ratio: f64,
+    /// The contacts of a round, in order.
+    pub contacts: Vec<usize>,
+}
+
+/// Transitions pile up when many of them happen within no time, or when many phases in a row are too short for error control
+/// to tell their ends apart: then a loose tolerance has stopped the orbit short of the accumulation point.
+pub struct PileUp<const N: usize, K> {
+    burst: Burst,
+    /// Phases in a row that are not resolved.
+    unresolved: usize,
+    last: VecDeque<Passage<N, K>>,
+}
+
+impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
     pub(crate) fn new() -> Self {
         PileUp {
             burst: Burst::new(),
-            last: None,
             unresolved: 0,
-            first: 0.0,
-            lasting: 0,
+            last: VecDeque::new(),
         }
     }
 
-    /// Counts a transition, where the state moves with `velocity`.
+    /// Counts a transition of a contact into the mode `to`, where the state moves with `velocity`; whether it is one of a pile-up.
     pub(crate) fn note(
         &mut self,
         at: &Timed<N>,
+        (contact, to): (usize, K),
         velocity: &State<N>,
         options: &Options,
-    ) -> Result<(), Error> {
+    ) -> bool {
         let (count, _) = self.burst.note(at.t, options);
-        let time = self.last.map_or(f64::INFINITY, |last| at.t - last.t);
-        let resolved = self.last.is_none_or(|last| {
+        let resolved = self.last.back().is_none_or(|last| {
             // A body on a floor stands still at either end of a slip: what it has moved by tells, not how fast it is.
+            let (time, last) = (at.t - last.at.t, last.at.x);
             (0..N).any(|i| {
-                let moved = f64::max((at.x[i] - last.x[i]).abs(), time * velocity[i].abs());
+                let moved = f64::max((at.x[i] - last[i]).abs(), time * velocity[i].abs());
                 moved > UNRESOLVED * (options.atol + options.rtol * at.x[i].abs())
             })
         });
         self.unresolved = if resolved { 0 } else { self.unresolved + 1 };
-        if self.unresolved == 1 {
-            (self.first, self.lasting) = (time, 0);
-        } else if time >= LASTS * self.first {
-            self.lasting += 1;
+        if self.last.len() == KEPT {
+            self.last.pop_front();
         }
-        self.last = Some(*at);
-        let most = options.pile_up_count;
-        if count < most && self.unresolved < most {
-            return Ok(());
-        }
-        Err(self.error(at.t, &at.x))
+        self.last.push_back(Passage {
+            at: *at,
+            contact,
+            to,
+        });
+        count.max(self.unresolved) >= options.pile_up_count
     }
 
-    /// The pile-up that the transitions so far are.
-    fn error(&self, t: f64, x: &State<N>) -> Error {
+    /// The series that the last transitions are, if they are one: three rounds in a row that shrink
+    /// by the same ratio, as far as it takes to know the time that is left. Of all rounds the one
+    /// counts by which that is known best.
+    pub(crate) fn series(&self) -> Option<Series<N>> {
+        let newest = self.last.len().checked_sub(1)?;
+        let best = |best: Option<Series<N>>, round| {
+            let one = self.by_rounds_of(round, newest);
+            match (&best, &one) {
+                (Some(found), Some(other)) if other.uncertainty >= found.uncertainty => best,
+                (_, None) => best,
+                _ => one,
+            }
+        };
+        (1..=newest / 3).fold(None, best)
+    }
+
+    /// The series by the last three rounds of so many transitions.
+    fn by_rounds_of(&self, round: usize, newest: usize) -> Option<Series<N>> {
+        let contact = |back: usize| self.last[newest - back].contact;
+        if !(0..2 * round).all(|back| contact(back) == contact(back + round)) {
+            return None;
+        }
+        let at = |rounds: usize| &self.last[newest - rounds * round].at;
+        let [d0, d1, d2] = [0, 1, 2].map(|rounds| at(rounds).t - at(rounds + 1).t);
+        let [moved, moved_before] = [0, 1].map(|rounds| at(rounds).x - at(rounds + 1).x);
+        let (ratio, before) = (d0 / d1, d1 / d2);
+        let shrunk_by = moved.amax() / moved_before.amax();
+        // An orbit that shrinks towards a point which it reaches in no finite time has phases that last.
+        let shrinks = |ratio: f64| 0.0 < ratio && ratio < 1.0;
+        let lasts = ratio > shrunk_by.sqrt();
+        if !shrinks(ratio) || !shrinks(before) || !shrinks(shrunk_by) || lasts {
+            return None;
+        }
+        let rounds_left = |ratio: f64| ratio / (1.0 - ratio);
+        let left = d0 * rounds_left(ratio);
+        let now = at(0);
+        let blur = ULPS * f64::EPSILON * now.t.abs();
+        let by_rounding = blur * (1.0 + 2.0 / ((1.0 - ratio) * (1.0 - ratio)));
+        let uncertainty = (left - d0 * rounds_left(before)).abs() + by_rounding;
+        if uncertainty > AGREEING * left {
+            return None;
+        }
+        // No component comes to its limit slower than time does; one that moves to and fro has a negative ratio.
+        let rest = State::from(std::array::from_fn::<_, N, _>(|i| {
+            let own = moved[i] / moved_before[i];
+            if own.is_finite() {
+                moved[i] * rounds_left(own.clamp(-ratio, ratio))
+            } else {
+                0.0
+            }
+        }));
+        let mut contacts: Vec<usize> = (0..round).map(contact).collect();
+        contacts.sort_unstable();
+        contacts.dedup();
+        Some(Series {
+            at: Timed {
+                t: now.t + left,
+                x: now.x + rest,
+            },
+            uncertainty,
+            distance: rounds_left(ratio) * moved.amax(),
+            ratio: crate::math::pow(ratio, 1.0 / round as f64),
+            contacts,
+        })
+    }
+
+    /// The mode after the transition under way, at time `t`: as it was noted, or as it was the last
+    /// time that the one before led where it does now.
+    pub(crate) fn mode_after(&self, t: f64) -> Option<K> {
+        let (newest, before) = self.last.iter().next_back().map(|newest| {
+            let before = self.last.iter().rev().skip(1);
+            (newest, before)
+        })?;
+        if newest.at.t == t {
+            return Some(newest.to);
+        }
+        let mut next = newest.to;
+        for passage in before {
+            if passage.to == newest.to {
+                return Some(next);
+            }
+            next = passage.to;
+        }
+        None
+    }
+
+    /// The pile-up that the transitions up to `(t, x)` are; `holds` as in [`Accumulation`].
+    pub(crate) fn error(
+        &self,
+        at: &Timed<N>,
+        series: Option<&Series<N>>,
+        holds: bool,
+        options: &Options,
+    ) -> Error {
+        let kept = self.last.len();
+        let since = |count: usize| {
+            let first = self.last.get(kept.saturating_sub(count));
+            (count, at.t - first.map_or(at.t, |first| first.at.t))
+        };
+        let (count, span) = if self.burst.count >= options.pile_up_count {
+            (self.burst.count, at.t - self.burst.since)
+        } else {
+            since(kept)
+        };
+        let mut contacts: Vec<usize> = self.last.iter().map(|passage| passage.contact).collect();
+        contacts.sort_unstable();
+        contacts.dedup();
         Error::EventPileUp {
-            count: self.burst.count.max(self.unresolved),
-            span: t - self.burst.since,
-            t,
-            x: Point::from(x),
+            count,
+            span,
+            t: at.t,
+            x: Point::from(&at.x),
+            contacts: series.map_or(contacts, |series| series.contacts.clone()),
+            accumulation: series.map(|series| {
+                Box::new(Accumulation {
+                    t: series.at.t,
+                    uncertainty: series.uncertainty,
+                    x: Point::from(&series.at.x),
+                    ratio: series.ratio,
+                    holds,
+                })
+            }),
         }
     }
 
-    /// Whether phases that are not resolved last as long as the first of them: the orbit shrinks to
-    /// a point that it reaches in no finite time.
+    /// Whether phases that are not resolved last: the orbit shrinks to a point that it reaches in no
+    /// finite time.
     pub(crate) fn shrinks(&self) -> bool {
-        self.unresolved >= FEWEST && self.lasting >= FEWEST
+        let count = self.unresolved.min(self.last.len());
+        let t = |back: usize| self.last[self.last.len() - 1 - back].at.t;
+        let half = count.saturating_sub(1) / 2;
+        half > 0 && t(0) - t(half) >= 0.5 * (t(half) - t(2 * half))
     }
 
-    /// The pile-up that a run is in whose steps have become too short.
-    pub(crate) fn under_way(&self, t: f64, x: &State<N>, options: &Options) -> Option<Error> {
-        let is_under_way = self.burst.count >= FEWEST && self.burst.lasts(t, options);
-        is_under_way.then(|| self.error(t, x))
+    /// The pile-up in which a run is at time `t` whose steps have become too short.
+    pub(crate) fn under_way(&self, t: f64, options: &Options) -> Option<Series<N>> {
+        let series = self.series()?;
+        (series.at.t - t <= no_time(t, options)).then_some(series)
+    }
+
+    /// The pile-up in which exactly these contacts come to zero together.
+    pub(crate) fn of_contacts(&self, t: f64, contacts: &[usize]) -> Option<Series<N>> {
+        let series = self.series()?;
+        let is_it = series.contacts == contacts && t <= series.at.t + series.uncertainty;
+        is_it.then_some(series)
     }
 }

@@ -123,6 +123,20 @@ impl LieDerivatives {
             .map_or((4, 0.0), |k| (k, self.values[k].signum()))
     }
 
+    /// Whether a combination of fields holds the function at zero, whose derivatives these are:
+    /// beside those of the fields themselves they vanish, up to the first that do not there.
+    pub(crate) fn holds_beside(&self, fields: [&Self; 2]) -> bool {
+        let size = |k: usize| f64::max(fields[0].values[k].abs(), fields[1].values[k].abs());
+        let is_moved = |k: &usize| {
+            let stands_out = |of: &&Self| stands_out(of.values[*k], of.floors[*k]);
+            fields.iter().any(stands_out)
+        };
+        let vanishes = |k: usize| !stands_out(self.values[k], self.floors[k].max(SAME * size(k)));
+        (1..4)
+            .find(is_moved)
+            .is_none_or(|first| (1..=first).all(vanishes))
+    }
+
     /// How the field of `side`, if it is tangent to Σ here, lies.
     pub(crate) fn visibility(&self, side: Side) -> Visibility {
         if self.values[2].abs() <= self.floors[2] {

@@ -5,7 +5,6 @@ use super::flow::Flow;
 use super::leaving::has_left;
 use super::observer::StepRecord;
 use super::options::Options;
-use super::pile_up::PileUp;
 use crate::error::{Error, Point};
 use crate::ode::control::first_step;
 use crate::ode::{Dense, Timed};
@@ -21,7 +20,6 @@ pub struct Run<const N: usize, const G: usize> {
     /// How many of the type's states the system has.
     pub states: usize,
     pub counters: Counters,
-    pub pile_up: PileUp<N>,
     pub t_end: f64,
     /// Next step to try; 0 until the first is chosen. It is kept over events: the new field is usually as fast as the
     /// old, and error control corrects it where it is not.
@@ -61,7 +59,6 @@ impl<const N: usize, const G: usize> Run<N, G> {
             options: *options,
             states: N,
             counters: Counters::default(),
-            pile_up: PileUp::new(),
             t_end,
             h: 0.0,
             at: start,
@@ -144,14 +141,6 @@ impl<const N: usize, const G: usize> Run<N, G> {
         !is_last && h <= SHORTEST * self.at.t.abs() || h < f64::MIN_POSITIVE
     }
 
-    /// What a step says that has shrunk until time no longer moves, right behind transitions that pile up: each was resolved.
-    pub(crate) fn collapsed(&self, slope: &State<N>, step: f64) -> Error {
-        let Timed { t, x } = &self.at;
-        self.pile_up
-            .under_way(*t, x, &self.options)
-            .unwrap_or_else(|| self.collapse(slope, step))
-    }
-
     /// The step shrank until time no longer moves.
     pub(crate) fn collapse(&self, slope: &State<N>, step: f64) -> Error {
         if slope.iter().any(|v| !v.is_finite()) {
@@ -219,15 +208,14 @@ impl<const N: usize, const G: usize> Run<N, G> {
         })
     }
 
-    /// Counts a transition; too many within no time are a pile-up.
-    pub(crate) fn note_event(&mut self, velocity: &State<N>) -> Result<(), Error> {
+    /// Counts a transition.
+    pub(crate) fn note_event(&mut self) -> Result<(), Error> {
         self.counters.events += 1;
         self.check_most(
             self.counters.events,
             self.options.most_events,
             "most_events",
-        )?;
-        self.pile_up.note(&self.at, velocity, &self.options)
+        )
     }
 
     /// Notes which guards have left their zero by now.

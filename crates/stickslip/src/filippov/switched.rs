@@ -39,9 +39,9 @@ pub trait Switched<const N: usize, const G: usize> {
     #[doc(hidden)]
     fn check(&self, start: &Timed<N>, t_end: f64, options: &Options) -> Result<(), Error>;
 
-    /// The branch at a start.
+    /// The branch of a mode at a point.
     #[doc(hidden)]
-    fn branch(&self, at: &Timed<N>) -> Self::Branch;
+    fn branch(&self, mode: Self::Mode, at: &Timed<N>) -> Self::Branch;
 
     /// Hands the flow of a mode to who uses it.
     #[doc(hidden)]
@@ -64,12 +64,13 @@ pub trait Switched<const N: usize, const G: usize> {
     #[doc(hidden)]
     fn passed(&self, guard: usize, branch: &mut Self::Branch) -> Option<TransitionKind>;
 
-    /// Where the run goes from the end of a mode.
+    /// Where the run goes from the end of a mode; the branch may become another one.
     #[doc(hidden)]
     fn switch(
         &self,
         run: &mut Run<N, G>,
         from: Self::Mode,
+        branch: &mut Self::Branch,
         event: &Event<N>,
     ) -> Result<Next<Self::Mode, G>, Error>;
 
@@ -84,6 +85,17 @@ pub trait Switched<const N: usize, const G: usize> {
     fn ending_of_pile_up(&self, _run: &Run<N, G>, _mode: Self::Mode) -> Option<Ending> {
         None
     }
+
+    /// How the run goes on from near the point `at`, where transitions of these contacts accumulate,
+    /// with all of them in stick; `None` where they do not all hold there.
+    #[doc(hidden)]
+    fn rest(
+        &self,
+        run: &mut Run<N, G>,
+        mode: Self::Mode,
+        contacts: &[usize],
+        at: &Timed<N>,
+    ) -> Option<Rest<Self::Mode, Self::Branch, N, G>>;
 
     /// The guard whose zero a transition is, where the field jumps there: the transition then changes tangent vectors.
     #[doc(hidden)]
@@ -148,6 +160,15 @@ pub struct Switch<K, const G: usize> {
     pub orders: [usize; G],
     pub kind: TransitionKind,
     pub contact: usize,
+}
+
+/// Contacts that hold where their transitions accumulate.
+pub struct Rest<K, B, const N: usize, const G: usize> {
+    pub at: Timed<N>,
+    pub to: K,
+    pub branch: B,
+    /// As of [`Switch`].
+    pub orders: [usize; G],
 }
 
 /// Something done with the flow of a mode.

@@ -1,6 +1,6 @@
 //! Dense output: the solution inside a step as a polynomial.
 
-use super::linear::Linear;
+use super::linear::{Linear, Timed};
 use super::step::{Stages, weigh};
 use super::tableau::RungeKutta;
 use crate::interval::Interval;
@@ -68,6 +68,16 @@ impl<const N: usize> Dense<N> {
             h: 1.0,
             polynomial: Polynomial::Hermite(c),
         }
+    }
+
+    /// The straight way between two states.
+    pub(crate) fn straight(from: &Timed<N>, to: &Timed<N>) -> Self {
+        let mut dense = Dense::resting(from.t, from.x);
+        dense.h = to.t - from.t;
+        if let Polynomial::Hermite(c) = &mut dense.polynomial {
+            c[1] = to.x - from.x;
+        }
+        dense
     }
 
     /// Becomes the series of a Taylor step: coefficients of the powers of `s`.

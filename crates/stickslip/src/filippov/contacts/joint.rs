@@ -2,9 +2,10 @@
 
 use super::Contacts;
 use super::equations::solve;
-use crate::dual::Dual;
-use crate::filippov::flow::Flow;
-use crate::ode::Linear;
+use crate::dual::{Dual, Dual3};
+use crate::filippov::flow::{Flow, flow_path};
+use crate::filippov::rules::LieDerivatives;
+use crate::ode::{Linear, Timed};
 use crate::scalar::Scalar;
 use crate::system::{Mode, Side, State, components};
 
@@ -25,6 +26,8 @@ pub(super) struct Joint<'a, S, const M: usize> {
     /// Those that hold, in front.
     held: [usize; M],
     pub(super) count: usize,
+    /// Whether they share what loads them; see [`Joint::shared`].
+    shares_load: bool,
 }
 
 /// The combination of fields that keeps the contacts that hold where they are.
@@ -77,6 +80,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
             at_rest: [false; M],
             held: [0; M],
             count: 0,
+            shares_load: false,
         };
         for (i, mode) in modes.iter().enumerate() {
             match mode {
@@ -94,6 +98,13 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
     /// The same with static friction at these contacts and no others.
     pub(super) fn with_static_friction_at(mut self, contacts: &[bool; M]) -> Self {
         self.at_rest = *contacts;
+        self
+    }
+
+    /// The same with contacts that share what loads them, or each with its own.
+    #[inline(always)]
+    pub(super) fn with_shared_load(mut self, shared: bool) -> Self {
+        self.shares_load = shared;
         self
     }
 
@@ -166,6 +177,9 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         S: Contacts<N, M>,
     {
         let affine = self.affine(t, x);
+        if self.shares_load {
+            return self.shared(affine);
+        }
         let mut matrix = [[T::zero(); M]; M];
         let mut shares = [T::zero(); M];
         for (j, &contact) in self.held().iter().enumerate() {
@@ -180,6 +194,16 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
             let field = self.multi_affine(t, x, &shares).0;
             return Combination { field, shares };
         }
+        self.combined(affine, shares)
+    }
+
+    /// The combination with these shares.
+    #[inline(always)]
+    fn combined<T: Scalar, const N: usize>(
+        &self,
+        affine: Affine<T, N, M>,
+        shares: [T; M],
+    ) -> Combination<T, N, M> {
         let mut field = affine.base;
         let each = shares.iter().zip(&affine.changes).take(self.count);
         for (share, change) in each {
@@ -188,6 +212,82 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
             }
         }
         Combination { field, shares }
+    }
+
+    /// The combination in which contacts hold together of which some have no force on their own
+    /// rates, as a place and the velocity there: such a rate is zero and stays so by what the others
+    /// hold. The shares are not determined by that. Of all there are those nearest to the middle are
+    /// taken, each measured by what its contact can do, so that one contact alone is never at its
+    /// limit while others that act on the same rate are not.
+    #[inline(never)]
+    fn shared<T: Scalar, const N: usize>(&self, affine: Affine<T, N, M>) -> Combination<T, N, M> {
+        let held = self.held();
+        // Strength of each contact, by which its column is divided.
+        let mut weights = [T::zero(); M];
+        for (place, weight) in weights.iter_mut().enumerate().take(self.count) {
+            for &contact in held {
+                *weight = *weight + Scalar::abs(affine.slopes[contact][place]);
+            }
+            *weight = T::one().divided_or(*weight, 0.0);
+        }
+        let (mut matrix, mut loads) = ([[T::zero(); M]; M], [T::zero(); M]);
+        for (j, &row) in held.iter().enumerate() {
+            let slopes = &affine.slopes[row];
+            loads[j] = -affine.rates[row];
+            for place in 0..self.count {
+                loads[j] = loads[j] - slopes[place] * 0.5;
+                let weighted = slopes[place] * weights[place];
+                for (k, &column) in held.iter().enumerate() {
+                    matrix[j][k] = matrix[j][k] + weighted * affine.slopes[column][place];
+                }
+            }
+            // A rate that no contact acts on is left as it is.
+            let inverse = T::one().divided_or(matrix[j][j], 0.0);
+            matrix[j][j] = T::one().divided_or(inverse, 1.0);
+        }
+        solve(&mut matrix, &mut loads, self.count);
+        let mut shares = [T::constant(0.5); M];
+        for place in 0..self.count {
+            for (j, &row) in held.iter().enumerate() {
+                shares[place] =
+                    shares[place] + weights[place] * affine.slopes[row][place] * loads[j];
+            }
+        }
+        self.combined(affine, shares)
+    }
+
+    /// Whether all that hold at a point can, and stay on their boundaries there.
+    pub(super) fn rests<const N: usize>(&self, at: &Timed<N>, slack: f64) -> bool
+    where
+        S: Contacts<N, M>,
+    {
+        if self.shares_load && S::MULTI_AFFINE {
+            return false;
+        }
+        let shares = self.combination(at.t, components(&at.x)).shares;
+        let is_within = |share: &f64| 0.0 < *share && *share < 1.0;
+        let along = self.boundaries_along(at, slack, |t, x| self.field(t, x));
+        let [below, above] = [false, true].map(|is_above| {
+            self.boundaries_along(at, slack, |t, x| self.corner(|_| is_above, t, x))
+        });
+        let stays = |&i: &usize| along[i].holds_beside([&below[i], &above[i]]);
+        shares[..self.count].iter().all(is_within) && self.held().iter().all(stays)
+    }
+
+    /// Lie derivatives of the boundary functions along a field.
+    fn boundaries_along<const N: usize>(
+        &self,
+        at: &Timed<N>,
+        slack: f64,
+        field: impl Fn(Dual3<Dual<f64>>, &[Dual3<Dual<f64>>; N]) -> [Dual3<Dual<f64>>; N],
+    ) -> [LieDerivatives; M]
+    where
+        S: Contacts<N, M>,
+    {
+        LieDerivatives::along(at.t, &at.x, slack, |t, x| {
+            let path = flow_path(t, x, &field);
+            self.system.boundaries(path.0, &path.1)
+        })
     }
 
     /// One step of Newton's iteration for the shares of a multi-affine combination.

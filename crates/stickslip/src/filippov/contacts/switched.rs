@@ -1,7 +1,7 @@
 //! A system of several contacts as a switched system.
 
 use super::decision::Decision;
-use super::joint::{Joint, gradients};
+use super::joint::{Joint, gradients, rates};
 use super::{Contacts, Several};
 use crate::dynamics::Modes;
 use crate::error::{Error, Point};
@@ -12,7 +12,7 @@ use crate::filippov::observer::{Transition, TransitionKind};
 use crate::filippov::options::Options;
 use crate::filippov::run::Run;
 use crate::filippov::switch::kind;
-use crate::filippov::switched::{Next, Switch, Switched, UseFlow, Vanishes};
+use crate::filippov::switched::{Next, Rest, Switch, Switched, UseFlow, Vanishes};
 use crate::filippov::uncertainty::{ULPS, uncertainties};
 use crate::ode::Timed;
 use crate::scalar::Scalar;
@@ -20,7 +20,8 @@ use crate::system::{Mode, Side, State, components};
 
 impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Several<S> {
     type Mode = [Mode; M];
-    type Branch = ();
+    /// Whether contacts that hold share what loads them, since some have no force on their own rates.
+    type Branch = bool;
     const UNDECIDED: [Mode; M] = [Mode::Stick; M];
 
     fn check(&self, start: &Timed<N>, t_end: f64, options: &Options) -> Result<(), Error> {
@@ -54,11 +55,18 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
         Ok(())
     }
 
-    fn branch(&self, _at: &Timed<N>) {}
+    fn branch(&self, mode: [Mode; M], at: &Timed<N>) -> bool {
+        let joint = Joint::new(&self.0, &mode);
+        joint.count > 1 && {
+            let slopes = joint.affine(at.t, components(&at.x)).slopes;
+            let is_moved_by_none = |i: &usize| slopes[*i][..joint.count] == [0.0; M][..joint.count];
+            joint.held().iter().any(is_moved_by_none)
+        }
+    }
 
     #[inline(always)]
-    fn with_flow<U: UseFlow<N>>(&self, mode: [Mode; M], _branch: (), user: U) -> U::Output {
-        user.with(&Joint::new(&self.0, &mode))
+    fn with_flow<U: UseFlow<N>>(&self, mode: [Mode; M], shared: bool, user: U) -> U::Output {
+        user.with(&Joint::new(&self.0, &mode).with_shared_load(shared))
     }
 
     fn slip_field<T: Scalar>(&self, modes: [Mode; M], t: T, x: &[T; N]) -> Option<[T; N]> {
@@ -90,7 +98,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
         decision.mode(run).map(Some)
     }
 
-    fn passed(&self, _guard: usize, _branch: &mut ()) -> Option<TransitionKind> {
+    fn passed(&self, _guard: usize, _branch: &mut bool) -> Option<TransitionKind> {
         None
     }
 
@@ -98,15 +106,30 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
         &self,
         run: &mut Run<N, M>,
         from: [Mode; M],
+        branch: &mut bool,
         event: &Event<N>,
     ) -> Result<Next<[Mode; M], M>, Error> {
         let contact = event.guard;
+        let shared = std::mem::take(branch);
+        if shared && let Some((to, still_shared)) = self.beside_rest(run, from, contact) {
+            *branch = still_shared;
+            let mut orders = [0; M];
+            orders[contact] = 1;
+            return Ok(Next::Mode(Switch {
+                to,
+                orders,
+                kind: kind(from[contact], to[contact]),
+                contact,
+            }));
+        }
         let mut open = self.at_zero(run, &from);
         let mut modes = from;
         let mut released = None;
-        if from[contact] == Mode::Stick && self.with_flow(from, (), Vanishes(event, &run.options)) {
+        if from[contact] == Mode::Stick
+            && self.with_flow(from, shared, Vanishes(event, &run.options))
+        {
             let Timed { t, x } = run.at;
-            let joint = Joint::new(&self.0, &from);
+            let joint = Joint::new(&self.0, &from).with_shared_load(shared);
             modes[contact] = Mode::Slip(joint.nearest_side(contact, t, &x));
             released = Some(contact);
         }
@@ -126,6 +149,36 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
             kind: kind(from[contact], to[contact]),
             contact,
         }))
+    }
+
+    fn rest(
+        &self,
+        run: &mut Run<N, M>,
+        mut modes: [Mode; M],
+        contacts: &[usize],
+        at: &Timed<N>,
+    ) -> Option<Rest<[Mode; M], bool, N, M>> {
+        for &i in contacts {
+            modes[i] = Mode::Stick;
+        }
+        let joint = Joint::new(&self.0, &modes);
+        let onto = |x: State<N>, _| joint.project(joint.held(), at.t, x);
+        let at = Timed {
+            t: at.t,
+            x: (0..ONTO).fold(at.x, onto),
+        };
+        let branch = self.branch(modes, &at);
+        let joint = joint.with_shared_load(branch);
+        run.counters.field_calls += joint.field_calls() * 6;
+        if !joint.rests(&at, run.slack()) {
+            return None;
+        }
+        Some(Rest {
+            at,
+            to: modes,
+            branch,
+            orders: [0; M],
+        })
     }
 
     fn jumps_at(&self, at: &Transition<N, [Mode; M]>) -> Option<usize> {
@@ -201,6 +254,41 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
 }
 
 impl<S> Several<S> {
+    /// The mode behind an event of one contact while others share what loads them, if these hold on
+    /// whatever it does.
+    fn beside_rest<const N: usize, const M: usize>(
+        &self,
+        run: &Run<N, M>,
+        from: [Mode; M],
+        contact: usize,
+    ) -> Option<([Mode; M], bool)>
+    where
+        S: Contacts<N, M>,
+    {
+        let Timed { t, x } = run.at;
+        let candidates = match from[contact] {
+            Mode::Slip(side) => [Mode::Slip(side.opposite()), Mode::Stick],
+            Mode::Stick => {
+                let joint = Joint::new(&self.0, &from).with_shared_load(true);
+                [Mode::Slip(joint.nearest_side(contact, t, &x)); 2]
+            }
+        };
+        candidates.into_iter().find_map(|mode| {
+            let mut to = from;
+            to[contact] = mode;
+            let shared = self.branch(to, &run.at);
+            let joint = Joint::new(&self.0, &to).with_shared_load(shared);
+            let leads_there = match mode {
+                Mode::Slip(side) => {
+                    let field = joint.field(t, components(&x));
+                    rates(&self.0, (t, 1.0), components(&x), &field)[contact] * side.sign() > 0.0
+                }
+                Mode::Stick => true,
+            };
+            (shared && leads_there && joint.rests(&run.at, run.slack())).then_some((to, shared))
+        })
+    }
+
     /// The contacts that stand at zero: those that hold, and those whose boundary function is rounding, though they may be just leaving.
     fn at_zero<const N: usize, const M: usize>(
         &self,
@@ -226,6 +314,9 @@ impl<S> Several<S> {
         })
     }
 }
+
+/// Newton steps from an extrapolated point onto boundaries: each squares what it is off.
+const ONTO: usize = 3;
 
 /// A contact that holds is at its end, to what can be said of it afterwards, where what is left of its guard is less: it is 1/4 midway.
 const NEAR_THE_END: f64 = 1e-6;

@@ -314,7 +314,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             // Coefficients that have overflowed are numbers over a shorter step, unless the values had.
             run.reject_undefined(SHRINK * self.scale)?;
             if self.expansion.overflowed || run.is_too_short(run.h, false) {
-                return Err(run.collapsed(&flow.velocity(t, &x), run.h));
+                return Err(run.collapse(&flow.velocity(t, &x), run.h));
             }
             return Ok(Trial::NoStep);
         }
