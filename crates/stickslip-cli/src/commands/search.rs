@@ -166,20 +166,20 @@ impl Search<'_> {
             None => self.comes_back(t, &x, period)?,
         };
         let period = f64::from(count) * period;
-        let orbit = periodic_orbit_forced(self.system.dynamics(), t, &x, period, self.options)?;
-        if self.rests(&orbit)? {
-            let place = state_words(orbit.x.as_slice());
+        if self.rests((t, &x), period)? {
+            let place = state_words(x.as_slice());
             return Err(comes_to(&format!(
                 "rest at {place}, where friction holds it against the drive"
             )));
         }
+        let orbit = periodic_orbit_forced(self.system.dynamics(), t, &x, period, self.options)?;
         Ok((orbit, Some(count)))
     }
 
     /// Whether nothing moves in a period.
-    fn rests(&self, orbit: &PeriodicOrbit) -> Result<bool, Error> {
-        let mut extremes = Extremes::from(orbit.x.as_slice());
-        self.follow((orbit.t, &orbit.x), orbit.period, &mut extremes)?;
+    fn rests(&self, (t, x): (f64, &Vector), period: f64) -> Result<bool, Error> {
+        let mut extremes = Extremes::from(x.as_slice());
+        self.follow((t, x), period, &mut extremes)?;
         let found = extremes.found();
         Ok(found.iter().all(|(low, high)| low == high))
     }

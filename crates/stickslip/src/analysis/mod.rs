@@ -1,7 +1,6 @@
 //! Analyses of systems and orbits: tangent points, monodromy by saltation, periodic orbits and their branches, attractors and basins,
 //! bifurcations, Lyapunov spectra, classes of motion.
 
-mod anchor;
 mod attractors;
 mod basin;
 mod bifurcation;

@@ -1,6 +1,5 @@
 //! The derivative of the flow map, through slips, sticks and the transitions between them.
 
-use super::anchor::velocity_in;
 use super::tangent::{Tangent, flatten};
 use crate::dynamics::{
     AsDynamics, Components, Dynamics, Happening, Matrix, Modes, Moment, Section, Step, Summary,
@@ -40,19 +39,15 @@ pub fn monodromy<Kind>(
         t: t0,
         x: x0.vector(),
     };
-    Ok(turn(&*system.dynamics(), &start, t_end, options, false)?.monodromy)
+    turn(&*system.dynamics(), &start, t_end, options, false)
 }
 
-/// An orbit from a start to an end, as shooting needs it.
-pub(super) struct Turn {
-    pub monodromy: Monodromy,
-    /// The vector that moves the end state, of the mode that the orbit is in.
-    pub velocity: Vector,
-    /// How far each component has gone from the start.
-    pub reach: Vector,
+/// The vector that moves a state in a mode.
+pub(super) fn velocity_in(system: &dyn Dynamics, mode: Modes, at: &Moment) -> Vector {
+    system.flow(mode, at).velocity(at)
 }
 
-/// The monodromy matrix and the velocity at the end. The flow of a system that does not depend on time carries its own direction along exactly.
+/// The monodromy matrix. The flow of a system that does not depend on time carries its own direction along exactly.
 /// So that direction is taken out of what is carried and put back at the end: near an equilibrium, where an orbit is slow and neighbours part
 /// fast, what a step errs along the flow would else grow beyond all that is asked for.
 ///
@@ -64,7 +59,7 @@ pub(super) fn turn(
     t_end: f64,
     options: &Options,
     is_autonomous: bool,
-) -> Result<Turn, Error> {
+) -> Result<Monodromy, Error> {
     let tangent = Tangent::new(system, options);
     let mut orbit = system.begin(start, t_end, options, &Section::None)?;
     let mut map = TangentMap::identity(system.states());
@@ -72,26 +67,20 @@ pub(super) fn turn(
     if is_autonomous {
         map.take_out(&velocity_in(system, orbit.mode(), start));
     }
-    let mut reach = Vector::zeros(system.states());
     loop {
         match orbit.step()? {
             Happening::Step => {
                 let step = orbit.last_step();
                 map.through_step(&tangent, &step);
-                reach = (step.x_end - &start.x).abs().sup(&reach);
             }
             Happening::Transition(at) => map.through_transition(&tangent, &at)?,
             Happening::PhaseEnd(_) | Happening::Passage(_) => {}
             Happening::End(summary) => {
                 let velocity = velocity_in(system, orbit.mode(), &orbit.now());
-                return Ok(Turn {
-                    monodromy: Monodromy {
-                        matrix: map.whole(&velocity),
-                        stick_entries: map.stick_entries,
-                        summary,
-                    },
-                    velocity,
-                    reach,
+                return Ok(Monodromy {
+                    matrix: map.whole(&velocity),
+                    stick_entries: map.stick_entries,
+                    summary,
                 });
             }
         }

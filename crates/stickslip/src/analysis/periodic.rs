@@ -1,9 +1,10 @@
 //! Periodic orbits by shooting.
 
-use super::anchor::Anchor;
-use super::monodromy::{Monodromy, Turn, turn};
+use super::attractors::is_same_cycle;
+use super::cycle::{Cycle, Outline, Shooting};
+use super::monodromy::{turn, velocity_in};
 use crate::dynamics::{
-    AsDynamics, Components, Dynamics, Happening, Matrix, Moment, Section, Vector,
+    AsDynamics, Components, Dynamics, Happening, Matrix, Modes, Moment, Section, Vector, run,
 };
 use crate::error::Error;
 use crate::filippov::{Direction, Options};
@@ -28,20 +29,24 @@ pub struct PeriodicOrbit {
     pub family: usize,
 }
 
-/// Iterations allowed.
-const MOST: usize = 30;
+/// Sequences of phases that are tried.
+const SEQUENCES: usize = 8;
 
-/// Tolerances within which an orbit has come back.
+/// Tolerances within which returns are equally near.
 const TOLERANCES: f64 = 100.0;
 
-/// Units in the last place that a step may leave of a gap.
-const ULPS: f64 = 16.0;
-
-/// The periodic orbit near `x` of a system with period `period` in time (a forced one), by Newton's iteration on
-/// `x(t + period) − x` with the monodromy matrix.
+/// The periodic orbit near `x` of a system with period `period` in time (a forced one), at the time
+/// `t`.
+///
+/// It is found by Newton's iteration for its segments, with the sequence of phases that the run from
+/// `x` has. An orbit that has not this sequence itself is sought again with its own. Where there is
+/// none the run goes on for a period: eight sequences are tried.
 ///
 /// # Errors
-/// Those of [`crate::run`]; [`Error::NoUniqueFuture`] and [`Error::TangentSingular`] as for [`crate::analysis::monodromy`]; [`Error::NotConverged`] when the iteration reaches neither 100 tolerances nor what rounding leaves.
+/// Those of [`crate::run`]; [`Error::NoUniqueFuture`] and [`Error::TangentSingular`] as for
+/// [`crate::analysis::monodromy`]; [`Error::NotFound`] where none of the sequences has an orbit that
+/// closes to 100 tolerances or to what rounding of state and time leaves, and moves by more;
+/// [`Error::NotConverged`] where the run from the orbit found does not come back to it.
 pub fn periodic_orbit_forced<Kind>(
     system: &impl AsDynamics<Kind>,
     t: f64,
@@ -49,17 +54,17 @@ pub fn periodic_orbit_forced<Kind>(
     period: f64,
     options: &Options,
 ) -> Result<PeriodicOrbit, Error> {
-    let system = &*system.dynamics();
     let at = Moment { t, x: x.vector() };
-    let start = Anchor::at_start(system, at, t + period, options)?;
-    shoot(system, &start, period, true, options)
+    orbit_near(&*system.dynamics(), &at, (period, true), options)
 }
 
-/// The periodic orbit near `x`, with a period near `period` (less than twice that), of a system that does not depend on time, by Newton's
-/// iteration for state and period together. From an `x` on Σ that sticks, to rounding, the orbit is sought on Σ.
+/// The periodic orbit near `x`, with a period near `period` (within three tenths of it), of a system
+/// that does not depend on time; as [`periodic_orbit_forced`], with the period unknown too.
+///
+/// The state returned is where the orbit passes the plane through `x` that is across the flow there.
 ///
 /// # Errors
-/// Those of [`crate::run`]; [`Error::NoUniqueFuture`] and [`Error::TangentSingular`] as for [`crate::analysis::monodromy`]; [`Error::NotConverged`] when the iteration reaches neither 100 tolerances nor what rounding leaves.
+/// As [`periodic_orbit_forced`].
 ///
 /// ```
 /// use stickslip::{analysis::{periodic_orbit, multipliers}, models::BeltOscillator, Options};
@@ -75,13 +80,13 @@ pub fn periodic_orbit<Kind>(
     period: f64,
     options: &Options,
 ) -> Result<PeriodicOrbit, Error> {
-    let system = &*system.dynamics();
-    let at = Moment {
-        t: 0.0,
-        x: x.vector(),
-    };
-    let start = Anchor::at_start(system, at, period, options)?;
-    shoot(system, &start, period, false, options)
+    let (t, x) = (0.0, x.vector());
+    orbit_near(
+        &*system.dynamics(),
+        &Moment { t, x },
+        (period, false),
+        options,
+    )
 }
 
 /// The periodic orbit that the orbit from `x0` comes to, of a system that does not depend on time; no guess is needed.
@@ -116,8 +121,8 @@ pub fn find_periodic_orbit<Kind>(
         t: transient,
         span: longest,
     };
-    let mut fewest: Option<(usize, Anchor)> = None;
-    let start = loop {
+    let mut fewest: Option<(usize, Place)> = None;
+    let (start, mode) = loop {
         match orbit.step()? {
             Happening::Step => {
                 let step = orbit.last_step();
@@ -126,22 +131,23 @@ pub fn find_periodic_orbit<Kind>(
                     continue;
                 }
                 let t = step.t_start + 0.5 * length;
-                let here = Anchor::new(t, orbit.solution()(t), step.mode);
-                let stick = system.normals(step.mode, &here).len();
+                let x = orbit.solution()(t);
+                let here = (Moment { t, x }, step.mode);
+                let stick = system.normals(step.mode, &here.0).len();
                 // In the middle of a slip it is not on Σ.
                 if stick == 0 {
                     break here;
                 }
                 if fewest.as_ref().is_none_or(|(least, _)| stick < *least) {
-                    fewest = Some((stick, here.settled(system)));
+                    fewest = Some((stick, (settled(system, &here), step.mode)));
                 }
             }
             Happening::End(summary) if summary.ending == Ending::EndTime => {
-                let moves = |(_, here): &(usize, Anchor)| {
-                    here.velocity(system).amax() * longest > f64::EPSILON * here.x.amax()
+                let moves = |(_, (at, mode)): &(usize, Place)| {
+                    velocity_in(system, *mode, at).amax() * longest > f64::EPSILON * at.x.amax()
                 };
                 let (_, here) = fewest.filter(moves).ok_or_else(not_found)?;
-                orbit = system.begin(&here, t_end, options, &Section::None)?;
+                orbit = system.begin(&here.0, t_end, options, &Section::None)?;
                 break here;
             }
             Happening::End(summary) => return Err(summary.goes_no_further()),
@@ -150,7 +156,7 @@ pub fn find_periodic_orbit<Kind>(
     };
     orbit.watch(&Section::Plane {
         point: start.x.clone(),
-        normal: start.velocity(system),
+        normal: velocity_in(system, mode, &start),
         direction: Direction::Rising,
     });
     let mut returns = Vec::new();
@@ -168,202 +174,147 @@ pub fn find_periodic_orbit<Kind>(
     let near = 2.0 * nearest.max(TOLERANCES * blurred);
     let first = returns.iter().find(|r| r.1 <= near);
     let &(period, _) = first.ok_or_else(not_found)?;
-    shoot(system, &start.at_time(0.0), period, false, options)
+    let start = Moment { t: 0.0, ..start };
+    orbit_near(system, &start, (period, false), options)
 }
 
-/// Newton's iteration from a guess; unless the system is driven, with that period, the period is
-/// unknown too, and along the flow at the guess no correction is made. A guess in stick is kept on
-/// its boundary.  Of a family the orbit is found that is nearest to the guess: the iteration goes
-/// along no direction that is free, which away from the orbit only the outcome tells.
-fn shoot(
-    system: &dyn Dynamics,
-    guess: &Anchor,
-    guessed: f64,
-    is_forced: bool,
-    options: &Options,
-) -> Result<PeriodicOrbit, Error> {
-    let with_free = |free| iterate(system, guess, guessed, is_forced, options, free);
-    match with_free(0) {
-        Ok(found) if found.family > 0 => with_free(found.family).or(Ok(found)),
-        Err(error @ Error::NotConverged { .. }) => {
-            let of_family = with_free(1).ok().filter(|found| found.family > 0);
-            of_family.ok_or(error)
-        }
-        outcome => outcome,
-    }
+/// A state of an orbit, and the mode that it is in there.
+type Place = (Moment, Modes);
+
+/// On the boundary of what sticks in its mode, near to which it lies.
+fn settled(system: &dyn Dynamics, (at, mode): &Place) -> Moment {
+    let onto = |at: Moment| Moment {
+        x: system.flow(*mode, &at).settled(&at),
+        ..at
+    };
+    // The first leaves the rounding of the state that it came from, which next to zero is more than
+    // the boundary's own.
+    onto(onto(at.clone()))
 }
 
-/// The same with so many directions that it does not go along.
-fn iterate(
+/// The periodic orbit near a start, in the sequence of phases that the run from there has. Where no
+/// orbit has it, that of the run a period later is taken; where the orbit found has another one
+/// itself, that one.
+fn orbit_near(
     system: &dyn Dynamics,
-    guess: &Anchor,
-    guessed: f64,
-    is_forced: bool,
+    start: &Moment,
+    (period, is_forced): (f64, bool),
     options: &Options,
-    free: usize,
 ) -> Result<PeriodicOrbit, Error> {
-    let by_tolerance = TOLERANCES * options.atol.max(options.rtol);
-    let (mut residual, mut wanted) = (f64::INFINITY, by_tolerance);
-    let mut at = guess.clone().begun(system, guess.t + guessed, options)?;
-    let mut period = guessed;
-    let phase = (!is_forced).then(|| at.velocity(system));
-    for _ in 0..MOST {
-        let turn = turn(system, &at, at.t + period, options, !is_forced)?;
-        let Turn { monodromy, .. } = &turn;
-        if monodromy.summary.ending != Ending::EndTime {
-            return Err(monodromy.summary.goes_no_further());
+    let forced = is_forced.then_some(period);
+    let mut from = start.clone();
+    let mut wrong: Option<Vec<Modes>> = None;
+    for _ in 0..SEQUENCES {
+        let outline = Outline::of_run(system, &from, period, options)?;
+        let shooting = Shooting::of(system, &outline, forced, options);
+        let is_own = |modes: &Vec<Modes>| is_same_cycle(modes, &outline.modes());
+        let found = shooting.nearest(&outline, None);
+        match found {
+            Some(cycle) if shooting.is_valid(&cycle) || wrong.as_ref().is_some_and(is_own) => {
+                return whole(&shooting, &cycle, start);
+            }
+            Some(cycle) => {
+                wrong = Some(outline.modes());
+                from = cycle.anchor;
+            }
+            None => from = a_period_later(system, &from, period, options)?,
         }
-        let gap = &monodromy.summary.x - &at.x;
-        let size = gap.amax();
-        wanted = by_tolerance.max(rounding(monodromy, &at.x));
-        let speed = phase
-            .as_ref()
-            .map_or(f64::INFINITY, |_| at.velocity(system).amax());
-        // What moves no further in a turn than it may be off repeats itself because it rests.
-        if speed * period <= wanted {
-            residual = size;
-            break;
-        }
-        // The last halvings of the residual are rounding: stop at the first iterate that is no better.
-        if size <= wanted && size >= 0.5 * residual || size == 0.0 {
-            let solved = correction(&turn, &gap, phase.as_ref(), options, 0);
-            let family = solved.map_or(0, |(_, free)| free);
-            let cycle = PeriodicOrbit {
-                t: at.t,
-                x: at.x.clone(),
-                period,
-                monodromy: monodromy.matrix.clone(),
-                residual: size,
-                family,
-            };
-            return Ok(cycle);
-        }
-        residual = size;
-        // An equilibrium repeats itself after any time; the iteration may fall into one.
-        if speed * period < 1e-3 * at.x.amax().max(1e-3) {
-            break;
-        }
-        let Some(((dx, change), _)) = correction(&turn, &gap, phase.as_ref(), options, free) else {
-            break;
-        };
-        let moved = guess.moved(&at.x + dx);
-        period += change;
-        // A bad guess may ask for any period, and as long a run.
-        let is_near = (period - guessed).abs() < guessed;
-        if !(is_near && moved.x.iter().all(|v| v.is_finite())) {
-            break;
-        }
-        at = moved.begun(system, guess.t + period, options)?;
     }
-    Err(Error::NotConverged {
-        what: "the periodic orbit",
-        iterations: MOST,
-        residual,
-        wanted,
+    Err(Error::NotFound {
+        what: "a periodic orbit near the start",
+        t: start.t,
+        span: period,
     })
 }
 
-/// What rounding may leave of a turn's gap: some units in the last place of the state for every step (the weights of a step of
-/// order 8 add up to 14), enlarged as far as the turn enlarges what is off at its start.
-fn rounding(turn: &Monodromy, x: &Vector) -> f64 {
-    let size = x.amax().max(turn.summary.x.amax());
-    ULPS * f64::EPSILON * turn.summary.counters.steps as f64 * size * turn.matrix.amax().max(1.0)
-}
-
-/// Newton's correction of state and period, and in how many directions it is free.
-fn correction(
-    turn: &Turn,
-    gap: &Vector,
-    phase: Option<&Vector>,
+fn a_period_later(
+    system: &dyn Dynamics,
+    from: &Moment,
+    period: f64,
     options: &Options,
-    free: usize,
-) -> Option<((Vector, f64), usize)> {
-    let states = gap.len();
-    let unknowns = states + usize::from(phase.is_some());
-    let mut matrix = Matrix::zeros(unknowns, unknowns);
-    let mut right = Vector::zeros(unknowns);
-    for i in 0..states {
-        for j in 0..states {
-            matrix[(i, j)] = turn.monodromy.matrix[(i, j)] - f64::from(u8::from(i == j));
-        }
-        right[i] = -gap[i];
+) -> Result<Moment, Error> {
+    let t = from.t + period;
+    let ended = run(system, from, t, options)?;
+    match ended.ending {
+        Ending::EndTime => Ok(Moment { t, x: ended.x }),
+        _ => Err(ended.goes_no_further()),
     }
-    if let Some(direction) = phase {
-        for i in 0..states {
-            matrix[(i, states)] = turn.velocity[i];
-            matrix[(states, i)] = direction[i];
-        }
-    }
-    let (solution, free) = newton_solution(matrix, &right, (states, free), known(turn, options))?;
-    let dx = solution.rows(0, states).into_owned();
-    let change = solution.get(states).copied().unwrap_or(0.0);
-    Some(((dx, change), free))
 }
 
-/// How far the components go in a turn, of one that goes no way as far as the others; and how well
-/// its derivative is known, in parts of its largest singular value: by what tolerances and rounding
-/// leave of an orbit's gap.
-fn known(turn: &Turn, options: &Options) -> (Vector, f64) {
-    let by_tolerance = TOLERANCES * options.atol.max(options.rtol);
-    let most = turn.reach.amax();
-    let other = if most > by_tolerance { most } else { 1.0 };
-    let size = |size: f64| if size > by_tolerance { size } else { other };
-    let steps = turn.monodromy.summary.counters.steps as f64;
-    (
-        turn.reach.map(size),
-        by_tolerance.max(ULPS * f64::EPSILON * steps),
-    )
+/// A periodic orbit from its state next to the start, by the run that the system takes from there.
+fn whole(shooting: &Shooting<'_>, cycle: &Cycle, start: &Moment) -> Result<PeriodicOrbit, Error> {
+    let Shooting {
+        system, options, ..
+    } = *shooting;
+    let t = match shooting.forced {
+        Some(_) => start.t,
+        None => passes(system, cycle, start, options)?.unwrap_or(cycle.anchor.t),
+    };
+    let place = shooting.place(cycle, t).ok_or(Error::NotFound {
+        what: "the state of the periodic orbit",
+        t,
+        span: cycle.period,
+    })?;
+    let at = Moment {
+        t: start.t,
+        ..settled(system, &place)
+    };
+    let is_autonomous = shooting.forced.is_none();
+    let t_end = at.t + cycle.period;
+    let found = turn(system, &at, t_end, options, is_autonomous)?;
+    if found.summary.ending != Ending::EndTime {
+        return Err(found.summary.goes_no_further());
+    }
+    let residual = (&found.summary.x - &at.x).amax();
+    // What every segment leaves open is carried to the end of the period.
+    let segments = cycle.outline.segments.len() as f64;
+    let wanted = segments * cycle.closes_to * found.matrix.amax().max(1.0);
+    if residual > wanted {
+        return Err(Error::NotConverged {
+            what: "the periodic orbit",
+            iterations: cycle.iterations,
+            residual,
+            wanted,
+        });
+    }
+    Ok(PeriodicOrbit {
+        t: at.t,
+        x: at.x,
+        period: cycle.period,
+        monodromy: found.matrix,
+        residual,
+        family: cycle.family,
+    })
 }
 
-/// Solves the equations of a Newton step, of which the first are those of so many states. They may
-/// leave directions free, to how well they are known: the place of a block that nothing depends on,
-/// the energy of a pendulum. The solution does not go those ways, and at least so many are left
-/// out. With it goes how many these are.
-pub(super) fn newton_solution(
-    matrix: Matrix,
-    right: &Vector,
-    (states, least_free): (usize, usize),
-    (sizes, error): (Vector, f64),
-) -> Option<(Vector, usize)> {
-    let count = matrix.nrows();
-    let mut scaled = matrix.clone();
-    let mut units = Vector::repeat(count, 1.0);
-    let mut right_scaled = right.clone();
-    for (k, size) in sizes.iter().take(states).enumerate() {
-        units[k] = *size;
-        scaled.column_mut(k).scale_mut(*size);
-        scaled.row_mut(k).unscale_mut(*size);
-        right_scaled[k] /= *size;
-    }
-    // Of other unknowns and equations the size is that of what stands in them.
-    for k in states..count {
-        units[k] = scaled.column(k).norm().max(f64::MIN_POSITIVE).recip();
-        scaled.column_mut(k).scale_mut(units[k]);
-        let row = scaled.row(k).norm().max(f64::MIN_POSITIVE);
-        scaled.row_mut(k).unscale_mut(row);
-        right_scaled[k] /= row;
-    }
-    if !scaled.iter().all(|v| v.is_finite()) {
-        return None;
-    }
-    if error == 0.0 {
-        return Some((matrix.lu().solve(right)?, 0));
-    }
-    let parts = scaled.svd(true, true);
-    let mut values: Vec<f64> = parts.singular_values.iter().copied().collect();
-    values.sort_by(f64::total_cmp);
-    let known = error.max(count as f64 * f64::EPSILON) * parts.singular_values.max();
-    let bound = values
-        .iter()
-        .take(least_free)
-        .copied()
-        .fold(known, f64::max);
-    let free = values.iter().filter(|value| **value <= bound);
-    match free.count() {
-        0 => Some((matrix.lu().solve(right)?, 0)),
-        free => {
-            let solution = parts.solve(&right_scaled, bound).ok()?;
-            Some((solution.component_mul(&units), free))
+/// When a periodic orbit passes the plane through a state that is across the flow there, nearest to
+/// that state.
+fn passes(
+    system: &dyn Dynamics,
+    cycle: &Cycle,
+    state: &Moment,
+    options: &Options,
+) -> Result<Option<f64>, Error> {
+    let t_end = state.t + cycle.period;
+    let mode = system.begin(state, t_end, options, &Section::None)?.mode();
+    let plane = Section::Plane {
+        point: state.x.clone(),
+        normal: velocity_in(system, mode, state),
+        direction: Direction::Rising,
+    };
+    let start = &cycle.anchor;
+    let mut run = system.begin(start, start.t + cycle.period, options, &plane)?;
+    let mut nearest: Option<(f64, f64)> = None;
+    loop {
+        match run.step()? {
+            Happening::Passage(at) => {
+                let off = (&at.x - &state.x).norm();
+                if nearest.is_none_or(|(least, _)| off < least) {
+                    nearest = Some((off, at.t));
+                }
+            }
+            Happening::End(_) => return Ok(nearest.map(|(_, t)| t)),
+            _ => {}
         }
     }
 }

@@ -1,7 +1,6 @@
 //! The map that takes each passage of a section to the next one.
 
-use super::anchor::velocity_in;
-use super::monodromy::TangentMap;
+use super::monodromy::{TangentMap, velocity_in};
 use super::tangent::{Tangent, singular};
 use crate::dynamics::{
     Components, Dynamics, DynamicsRef, Happening, Matrix, Modes, Moment, OrbitUnderWay, Passage,

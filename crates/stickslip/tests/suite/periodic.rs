@@ -99,6 +99,56 @@ fn den_hartog_s_orbits_are_refined_to_what_rounding_allows() {
     }
 }
 
+/// Late on the clock a unit in its last place is more than the tolerance: it is what the orbit closes
+/// to.
+#[test]
+fn an_orbit_late_on_the_clock_closes_to_what_its_time_is_rounded_to() {
+    let system = DenHartog {
+        frequency: 0.6,
+        friction: 0.3,
+    };
+    let v = 1.0 / (1.0 - 0.36);
+    let angle = PI / 0.6;
+    let u = math::sin(angle) / (0.6 * (1.0 + math::cos(angle)));
+    let exact = (v * v - 0.09 * u * u).sqrt();
+    let period = 2.0 * PI / 0.6;
+    for method in [Method::Dop853, Method::Taylor] {
+        for t0 in [0.0, 2e3, 5e3, 1e4] {
+            for start in [[1.0, 0.0], [0.0, 0.0], [-1.0, 0.3]] {
+                let options = Options::tol(1e-15).method(method);
+                let t = t0 + 5.0 * period;
+                let settled = run(&system, t0, start, t, &options, &mut ()).unwrap();
+                let cycle = periodic_orbit_forced(&system, t, settled.x, period, &options).unwrap();
+                let unit = f64::EPSILON * t;
+                assert!(cycle.residual < 1e-13 + 8.0 * unit, "{:e}", cycle.residual);
+                let turn = solve(&system, t, &cycle.x, t + period, &options).unwrap();
+                assert_eq!(turn.transitions.len(), 2);
+                for turned in &turn.transitions {
+                    let off = (turned.x[0].abs() - exact).abs();
+                    assert!(off < 2e-12 + 8.0 * unit, "{t0} {start:?}: {off:e}");
+                }
+            }
+        }
+    }
+}
+
+/// Far from the orbit the block turns back more often than twice a period.
+#[test]
+fn a_start_whose_run_has_other_phases_leads_to_the_orbit_too() {
+    let system = DenHartog {
+        frequency: 0.6,
+        friction: 0.3,
+    };
+    let period = 2.0 * PI / 0.6;
+    let options = Options::tol(1e-12);
+    let start = [3.0, 1.0];
+    let near = solve(&system, 0.0, start, 2.0 * period, &options).unwrap();
+    assert_ne!(near.transitions.len(), 4);
+    let cycle = periodic_orbit_forced(&system, 0.0, start, period, &options).unwrap();
+    let turn = solve(&system, 0.0, &cycle.x, period, &options).unwrap();
+    assert_eq!((turn.transitions.len(), turn.sticks().count()), (2, 0));
+}
+
 #[test]
 fn the_multipliers_of_a_matrix_are_its_eigenvalues_the_nearest_to_1_first() {
     // Similar to a block of turn and size 0.9 beside 1.02 and -0.3.

@@ -2,8 +2,7 @@
 
 use super::{parameter_of, with_parameter};
 use crate::analysis::critical::zero_between;
-use crate::analysis::cycle::{Cycle, Outline, Shooting};
-use crate::analysis::periodic::newton_solution;
+use crate::analysis::cycle::{Cycle, Outline, Shooting, newton_solution};
 use crate::dynamics::Vector;
 
 /// The line through an orbit along which the next one is sought, in the plane across it.

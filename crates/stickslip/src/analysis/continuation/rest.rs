@@ -4,10 +4,10 @@ use std::num::NonZeroUsize;
 
 use super::walk::Walk;
 use super::{BranchPoint, Stop, parameter_of, with_parameter};
-use crate::analysis::anchor::velocity_in;
 use crate::analysis::attractors::rest::{ZERO, equilibrium_near, holds};
 use crate::analysis::critical::zero_between;
 use crate::analysis::cycle::{Cycle, Shooting};
+use crate::analysis::monodromy::velocity_in;
 use crate::analysis::multipliers::eigenvalues;
 use crate::dynamics::{Dynamics, Happening, Matrix, Modes, Moment, Section, Vector};
 use crate::math;

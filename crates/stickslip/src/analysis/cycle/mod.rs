@@ -9,6 +9,7 @@
 mod margin;
 mod minima;
 mod name;
+mod newton;
 mod shooting;
 
 use crate::dynamics::{Dynamics, Matrix, Modes, Moment, Orbit, Transition, Vector};
@@ -18,6 +19,7 @@ use crate::system::Mode;
 pub(super) use margin::{Margin, Site};
 pub(super) use name::describe;
 pub use name::{SequenceBifurcation, SequenceChange};
+pub(super) use newton::newton_solution;
 pub(super) use shooting::{Extra, Shooting};
 
 /// What ends a segment.
@@ -373,6 +375,8 @@ pub(crate) struct Cycle {
     /// Where it is cut: the middle of the longest of the segments in which the fewest contacts
     /// stick.
     pub anchor: Moment,
+    /// What may be left of its equations, in units of length.
+    pub closes_to: f64,
     /// What tolerances and rounding leave open of its derivatives, in parts of them.
     pub known: f64,
     /// Iterations that it took.

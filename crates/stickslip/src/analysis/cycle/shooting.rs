@@ -1,12 +1,11 @@
 //! Newton's iteration for a periodic orbit with a given sequence of modes.
 
 use super::minima::minima;
+use super::newton::newton_solution;
 use super::{Cut, Cycle, Margin, Outline, Segment, Site, margin, to_cut};
-use crate::analysis::anchor::velocity_in;
-use crate::analysis::monodromy::TangentMap;
-use crate::analysis::periodic::newton_solution;
+use crate::analysis::monodromy::{TangentMap, velocity_in};
 use crate::analysis::tangent::Tangent;
-use crate::dynamics::{Dynamics, Happening, Matrix, Moment, Solution, Step, Vector};
+use crate::dynamics::{Dynamics, Happening, Matrix, Modes, Moment, Solution, Step, Vector};
 use crate::filippov::Options;
 use crate::system::{Mode, Side};
 
@@ -375,7 +374,7 @@ impl<'a> Shooting<'a> {
                 matrix.set_row(rows, &row.transpose());
                 right = right.insert_row(rows, off);
             }
-            let wanted = by_tolerance.max(turn.rounding.min(CLOSED * self.extent));
+            let wanted = self.closes_to(&turn);
             let closes =
                 turn.off <= wanted && is_on && (turn.off >= 0.5 * last_off || turn.off == 0.0);
             let sizes = sizes(&turn.pieces);
@@ -407,6 +406,22 @@ impl<'a> Shooting<'a> {
         None
     }
 
+    /// What may be left of the equations, in units of length.
+    fn closes_to(&self, turn: &Turn) -> f64 {
+        let by_tolerance = TOLERANCES * self.options.atol.max(self.options.rtol);
+        by_tolerance.max(turn.rounding.min(CLOSED * self.extent))
+    }
+
+    /// State and mode of an orbit at a time, or whole periods before or behind it.
+    pub fn place(&self, cycle: &Cycle, t: f64) -> Option<(Moment, Modes)> {
+        let behind = |at: &Moment| (t - at.t).rem_euclid(cycle.period);
+        let begins = cycle.begins.iter().zip(&cycle.outline.segments);
+        let last = begins.min_by(|(a, _), (b, _)| behind(a).total_cmp(&behind(b)));
+        let (begin, segment) = last?;
+        let piece = self.piece(segment, begin.clone(), behind(begin), self.options)?;
+        Some((piece.end, segment.mode))
+    }
+
     fn cycle(
         &self,
         outline: Outline,
@@ -427,6 +442,7 @@ impl<'a> Shooting<'a> {
             return None;
         }
         let margins = self.margins(&outline, &turn.pieces);
+        let closes_to = self.closes_to(&turn);
         Some(Cycle {
             anchor: turn.anchor,
             begins: turn.pieces.iter().map(|one| one.begin.clone()).collect(),
@@ -437,6 +453,7 @@ impl<'a> Shooting<'a> {
             sizes,
             extent,
             outline,
+            closes_to,
             known: by_tolerance.max(ULPS * f64::EPSILON * turn.steps as f64),
             iterations,
             family,
@@ -549,6 +566,10 @@ impl<'a> Shooting<'a> {
         let landed = self.landed(segment, &anchor, self.states).0;
         let monodromy = self.monodromy(&mut under.maps, cut.number, (landed, at_cut));
         let size = under.at.x.amax().max(outline.begin.x.amax());
+        // A state at a time that is rounded is off by how fast it moves.
+        let speed = under.maps.iter().map(|map| map.velocity.amax());
+        let speed = speed.fold(begins.amax(), f64::max);
+        let by_time = under.at.t.abs().max(outline.begin.t.abs()) * speed;
         let rows = under.rows;
         let off = rows.iter().map(|(value, _, size)| (value / size).abs());
         let steps = under.pieces.iter().map(|piece| piece.steps.len()).sum();
@@ -560,7 +581,7 @@ impl<'a> Shooting<'a> {
             monodromy,
             anchor,
             velocities: [begins, ends],
-            rounding: ULPS * f64::EPSILON * steps as f64 * size * under.growth,
+            rounding: f64::EPSILON * steps as f64 * (ULPS * size + by_time) * under.growth,
             steps,
         })
     }

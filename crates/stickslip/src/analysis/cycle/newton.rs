@@ -1,0 +1,56 @@
+//! The equations of a Newton step, which may leave directions free.
+
+use crate::dynamics::{Matrix, Vector};
+
+/// Solves the equations of a Newton step, of which the first are those of so many states. They may
+/// leave directions free, to how well they are known: the place of a block that nothing depends on,
+/// the energy of a pendulum. The solution does not go those ways, and at least so many are left
+/// out. With it goes how many these are.
+pub(in crate::analysis) fn newton_solution(
+    matrix: Matrix,
+    right: &Vector,
+    (states, least_free): (usize, usize),
+    (sizes, error): (Vector, f64),
+) -> Option<(Vector, usize)> {
+    let count = matrix.nrows();
+    let mut scaled = matrix.clone();
+    let mut units = Vector::repeat(count, 1.0);
+    let mut right_scaled = right.clone();
+    for (k, size) in sizes.iter().take(states).enumerate() {
+        units[k] = *size;
+        scaled.column_mut(k).scale_mut(*size);
+        scaled.row_mut(k).unscale_mut(*size);
+        right_scaled[k] /= *size;
+    }
+    // Of other unknowns and equations the size is that of what stands in them.
+    for k in states..count {
+        units[k] = scaled.column(k).norm().max(f64::MIN_POSITIVE).recip();
+        scaled.column_mut(k).scale_mut(units[k]);
+        let row = scaled.row(k).norm().max(f64::MIN_POSITIVE);
+        scaled.row_mut(k).unscale_mut(row);
+        right_scaled[k] /= row;
+    }
+    if !scaled.iter().all(|v| v.is_finite()) {
+        return None;
+    }
+    if error == 0.0 {
+        return Some((matrix.lu().solve(right)?, 0));
+    }
+    let parts = scaled.svd(true, true);
+    let mut values: Vec<f64> = parts.singular_values.iter().copied().collect();
+    values.sort_by(f64::total_cmp);
+    let known = error.max(count as f64 * f64::EPSILON) * parts.singular_values.max();
+    let bound = values
+        .iter()
+        .take(least_free)
+        .copied()
+        .fold(known, f64::max);
+    let free = values.iter().filter(|value| **value <= bound);
+    match free.count() {
+        0 => Some((matrix.lu().solve(right)?, 0)),
+        free => {
+            let solution = parts.solve(&right_scaled, bound).ok()?;
+            Some((solution.component_mul(&units), free))
+        }
+    }
+}
