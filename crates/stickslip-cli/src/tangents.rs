@@ -374,13 +374,7 @@ impl Line {
             Fields::Holding if system.built.has_static => 1 << self.contact,
             _ => 0,
         };
-        let mut velocity = vec![T::zero(); x.len()];
-        let combination = Combination { above, held };
-        system
-            .built
-            .fields
-            .evaluate(combination, t, x, &mut velocity);
-        velocity
+        system.field(Combination { above, held }, t, x)
     }
 
     /// Where the rate of one side changes its sign, by bisection.

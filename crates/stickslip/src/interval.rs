@@ -12,7 +12,9 @@ use crate::scalar::Scalar;
 /// function branches and the range does not decide which way, the result holds for one branch only: [`Interval::decided`] tells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
+    /// Lower bound.
     pub low: f64,
+    /// Upper bound.
     pub high: f64,
 }
 
@@ -45,11 +47,13 @@ impl Interval {
         Interval::new(f(self.low, other.low), f(self.high, other.high))
     }
 
+    /// All numbers between two.
     #[inline(always)]
     pub fn new(low: f64, high: f64) -> Self {
         Interval { low, high }
     }
 
+    /// All numbers nearer to one than a radius.
     #[inline(always)]
     pub fn around(middle: f64, radius: f64) -> Self {
         Interval::new(middle - radius, middle + radius)

@@ -4,6 +4,7 @@ use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 pub use crate::dual::Dual;
+pub use crate::interval::Interval;
 
 use crate::math;
 

@@ -1,7 +1,7 @@
 //! `stickslip check`: what was understood of a file.
 
-use serde_json::{Value, json};
-use stickslip::Error;
+use serde_json::{Map, Value, json};
+use stickslip::{Direction, Error};
 use stickslip::error::{Point, readable};
 
 use super::arguments::SystemArguments;
@@ -11,7 +11,7 @@ use super::tangents;
 use crate::failure::{Failure, in_words};
 use crate::render::{Answer, Report, rounded};
 use crate::tangents::{Jumps, Line, OnLine};
-use stickslip_kernels::file::{Formula, Rate, System};
+use stickslip_kernels::file::{Formula, InputShape, Rate, System};
 
 /// Say what was understood of a file
 #[derive(Debug, clap::Args)]
@@ -45,6 +45,7 @@ fn understood(system: &System) -> Report {
     states(&mut report, system);
     parameters(&mut report, system);
     contacts(&mut report, system);
+    jumps_and_inputs(&mut report, system);
 
     let definitions = file.definitions.iter().map(|one| {
         let (name, text) = (&one.name, &one.formula.text);
@@ -209,6 +210,61 @@ fn contacts(report: &mut Report, system: &System) {
         }));
     }
     report.field("contacts", objects);
+}
+
+fn jumps_and_inputs(report: &mut Report, system: &System) {
+    let file = &system.file;
+    let jumps = file.jumps.iter().map(|jump| {
+        let states = file.states.iter().zip(&jump.set);
+        let set = states.filter_map(|(state, to)| Some((&state.name, &to.as_ref()?.text)));
+        let words: Vec<String> = set
+            .clone()
+            .map(|(state, to)| format!("{state} becomes {to}"))
+            .chain(jump.most.map(|most| match most {
+                1 => "the run ends".to_owned(),
+                most => format!("the run ends with number {most}"),
+            }))
+            .collect();
+        let (when, direction) = (&jump.when.text, direction_name(jump.direction));
+        let way = match jump.direction {
+            Direction::Both => String::new(),
+            _ => format!(", {direction}"),
+        };
+        let line = format!("{}: where {when} = 0{way}: {}", jump.name, words.join(", "));
+        let set: Map<String, Value> = set.map(|(state, to)| (state.clone(), json!(to))).collect();
+        let object = json!({
+            "name": jump.name,
+            "when": when,
+            "direction": direction,
+            "set": set,
+            "count": jump.most,
+        });
+        (line, object)
+    });
+    report.list("jumps", jumps);
+    let inputs = file.inputs.iter().map(|input| {
+        let name = &input.name;
+        match &input.shape {
+            InputShape::Periodic { period, phase, .. } => {
+                let phase = phase.as_ref().map(|phase| &phase.text);
+                let behind = phase.map_or_else(String::new, |phase| format!(", phase {phase}"));
+                (
+                    format!("{name}: period {}{behind}", period.text),
+                    json!({ "name": name, "period": period.text, "phase": phase }),
+                )
+            }
+            InputShape::Table(pieces) => {
+                let points = pieces.len() - 1;
+                let line = format!("{name}: a table of {points} points in time");
+                (line, json!({ "name": name, "points": points }))
+            }
+            InputShape::Switch(function) => (
+                format!("{name}: the sign of {}", function.text),
+                json!({ "name": name, "function": function.text }),
+            ),
+        }
+    });
+    report.list("inputs", inputs);
 }
 
 /// On which side of a boundary the start is, and how high over it.

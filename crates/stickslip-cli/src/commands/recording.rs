@@ -151,13 +151,14 @@ impl Watcher for Recording {
 }
 
 /// Kinds of transitions in the order in which they are counted, and what tables call them.
-pub(super) const KINDS: [(TransitionKind, &str); 6] = [
+pub(super) const KINDS: [(TransitionKind, &str); 7] = [
     (TransitionKind::StickEntry, "stick entry"),
     (TransitionKind::StickExit, "stick exit"),
     (TransitionKind::Crossing, "crossing"),
     (TransitionKind::Touch, "touch"),
     (TransitionKind::ContactLoss, "contact loss"),
     (TransitionKind::ContactGain, "contact gain"),
+    (TransitionKind::Jump, "jump"),
 ];
 
 /// A kind of transition in a table.

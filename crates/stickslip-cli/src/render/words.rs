@@ -70,8 +70,9 @@ pub(crate) fn state_words(x: &[f64]) -> String {
 
 /// The name of a contact; empty where it is not one of the system's.
 pub(crate) fn contact_name(system: &System, contact: usize) -> String {
-    let contact = system.file.contacts.get(contact);
-    contact.map_or_else(String::new, |contact| contact.name.clone())
+    let contacts = system.file.contacts.iter().map(|contact| &contact.name);
+    let mut all = contacts.chain(system.file.jumps.iter().map(|jump| &jump.name));
+    all.nth(contact).cloned().unwrap_or_default()
 }
 
 /// Something of each state, by names.

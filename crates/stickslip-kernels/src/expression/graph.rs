@@ -308,6 +308,11 @@ impl Graph {
         self.depends(root, |input| input == 0)
     }
 
+    /// Whether a number depends on one of these states.
+    pub fn depends_on_states(&self, root: Id, wanted: impl Fn(usize) -> bool) -> bool {
+        self.depends(root, |input| input > 0 && wanted(usize::from(input) - 1))
+    }
+
     /// Whether a number depends on the state.
     pub fn depends_on_state(&self, root: Id) -> bool {
         self.depends(root, |input| input > 0)

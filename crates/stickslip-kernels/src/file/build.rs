@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use super::builder::{Builder, Freed, Inputs, Scope, no_number};
 use super::problem::Problem;
-use super::{Formula, Rate, SystemFile};
+use super::{Formula, InputShape, Rate, SystemFile};
 use crate::expression::{Binary, Graph, Id, NotANumber, Tape, TooLarge};
-use crate::kernel::{Combination, Fields, sides_to_check};
+use crate::kernel::{Combination, Fields, HELD, Input, Jump, Shape, Switching, sides_to_check};
 
 /// The tapes of a system.
 #[derive(Clone, Debug)]
@@ -31,6 +31,8 @@ pub struct Built {
     pub period: Option<f64>,
     /// Whether field or boundaries depend on time.
     pub depends_on_time: bool,
+    /// Jumps and inputs.
+    pub switching: Switching,
 }
 
 /// The value of an expression of numbers alone.
@@ -165,11 +167,16 @@ pub(crate) fn built(
                 contact.name
             );
             return Err(Problem::new(message, contact.boundary.whole())
-                .help("a boundary is where a function of the states is zero, as in \"v - vp\""));
+                .help(
+                    "a boundary is where a function of the states is zero, as in \"v - vp\"; what \
+                     switches with time alone is written as [switches.NAME] with function = \"…\"",
+                ));
         }
         depends_on_time |= graph.depends_on_time(height);
         heights.push(height);
     }
+    let (switching, is_timed) = switching(file, inputs, &mut graph)?;
+    depends_on_time |= is_timed || !switching.inputs.is_empty();
     if heights.is_empty() {
         // Without a contact there is one side.
         heights.extend(graph.constant(1.0));
@@ -214,7 +221,88 @@ pub(crate) fn built(
         t_end,
         period,
         depends_on_time,
+        switching,
     })
+}
+
+/// The tapes of jumps and inputs, and whether a jump depends on time.
+fn switching(
+    file: &SystemFile,
+    inputs: Inputs<'_>,
+    graph: &mut Graph,
+) -> Result<(Switching, bool), Problem> {
+    let mut is_timed = false;
+    let mut sets = Vec::with_capacity(file.jumps.len());
+    let mut jumps = Vec::with_capacity(file.jumps.len());
+    for entry in &file.jumps {
+        let scope = Scope::NoSides("a jump");
+        let when = Builder::new(file, inputs, graph, scope).formula(&entry.when)?;
+        if !graph.depends_on_state(when) && !graph.depends_on_time(when) {
+            let message = format!("`when` of the jump `{}` is constant", entry.name);
+            return Err(Problem::new(message, entry.when.whole())
+                .help("it is a function of states or of time, and its zero is where they jump"));
+        }
+        let mut set = Vec::with_capacity(entry.set.len());
+        for (number, formula) in entry.set.iter().enumerate() {
+            set.push(match formula {
+                Some(formula) => Builder::new(file, inputs, graph, scope).formula(formula)?,
+                None => graph.state(number),
+            });
+        }
+        let all = set.iter().chain([&when]);
+        is_timed |= all.into_iter().any(|&id| graph.depends_on_time(id));
+        jumps.push(Jump {
+            when: tape(file, graph, &[when], inputs)?,
+            direction: entry.direction,
+            set: tape(file, graph, &set, inputs)?,
+            most: entry.most,
+        });
+        sets.push(set);
+    }
+    let mut made = Vec::with_capacity(file.inputs.len());
+    for entry in &file.inputs {
+        let scope = Scope::NoSides("an input");
+        let clock = Builder::new(file, inputs, graph, scope).clock(entry)?;
+        let is_free = inputs.count_free() > 0;
+        if graph.depends_on_state(clock) && !is_free || !graph.depends_on_time(clock) {
+            let message = format!("the input `{}` does not depend on time alone", entry.name);
+            return Err(Problem::new(message, entry.place.clone())
+                .help("what depends on states is a contact, or a jump that sets a discrete state"));
+        }
+        made.push(Input {
+            clock: tape(file, graph, &[clock], inputs)?,
+            shape: match &entry.shape {
+                InputShape::Periodic { pieces, .. } => Shape::Repeated(pieces.clone()),
+                InputShape::Table(pieces) => Shape::Once(pieces.clone()),
+                InputShape::Switch(_) => Shape::Sign,
+            },
+        });
+    }
+    let switching = Switching {
+        jumps,
+        inputs: made,
+        states: file.states.len() + inputs.count_free(),
+        discrete: discrete(file, graph, &sets),
+    };
+    Ok((switching, is_timed))
+}
+
+/// The states that jumps set to one of some values: to what is made of numbers and such states.
+fn discrete(file: &SystemFile, graph: &Graph, sets: &[Vec<Id>]) -> Vec<bool> {
+    let mut discrete: Vec<bool> = file.states.iter().map(|state| state.is_discrete).collect();
+    loop {
+        let is_held = |state: usize| {
+            let depends = |&id: &Id| {
+                let known = |of: usize| discrete.get(of) == Some(&true);
+                graph.depends_on_time(id) || graph.depends_on_states(id, |of| !known(of))
+            };
+            discrete[state] && sets.iter().any(|set| depends(&set[state]))
+        };
+        match (0..discrete.len()).find(|&state| is_held(state)) {
+            Some(state) => discrete[state] = false,
+            None => return discrete,
+        }
+    }
 }
 
 /// The tape of the field of one combination, and whether it depends on time.
@@ -239,7 +327,7 @@ fn tape(
     roots: &[Id],
     inputs: Inputs<'_>,
 ) -> Result<Tape, Problem> {
-    let states = file.states.len() + inputs.count_free();
+    let states = file.states.len() + inputs.count_free() + HELD * file.inputs.len();
     let too_large = |error: TooLarge| Problem::new(error.to_string(), 0..0);
     Tape::new(graph, roots, states).map_err(too_large)
 }

@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use super::names::{FURTHER_FUNCTIONS, Meaning, did_you_mean, is_function};
 use super::problem::Problem;
-use super::{Formula, Rate, SystemFile};
+use super::{Formula, InputEntry, InputShape, Rate, SystemFile};
+use crate::kernel::HELD;
 use crate::expression::{Binary, Expression, FUNCTIONS, Function, Graph, Id, Kind, NotANumber};
 
 /// What may occur in an expression.
@@ -213,7 +214,7 @@ impl<'a> Builder<'a> {
                 let made = self.graph.constant(self.inputs.values[number]);
                 made.map_err(|error| no_number(error, place))
             }
-            (Meaning::Time | Meaning::State(_), Scope::Constant(what)) => {
+            (Meaning::Time | Meaning::State(_) | Meaning::Input(_), Scope::Constant(what)) => {
                 let message = format!(
                     "{what} cannot depend on `{name}`, which is {}",
                     meaning.told()
@@ -226,6 +227,12 @@ impl<'a> Builder<'a> {
                 self.in_time(time, place)
             }
             (Meaning::State(number), _) => Ok(self.graph.state(number)),
+            (Meaning::Input(number), _) => self.input(number, place),
+            (Meaning::Jump(_), _) => Err(Problem::new(
+                format!("`{name}` is a jump and has no value"),
+                place,
+            )
+            .help("a discrete state that the jump sets can stand here")),
             (Meaning::Definition(number), _) => self.definition(number),
             (Meaning::Contact(number), _) => {
                 let above = self.side(number, place.clone())?;
@@ -235,6 +242,46 @@ impl<'a> Builder<'a> {
                     .map_err(|error| no_number(error, place))
             }
         }
+    }
+
+    /// An input: what it holds, and its slope times its clock.
+    fn input(&mut self, number: usize, place: Range<usize>) -> Made {
+        let Some(entry) = self.file.and_then(|file| file.inputs.get(number)) else {
+            return Err(Problem::new("there are no inputs here", place));
+        };
+        let states = self.file.map_or(0, |file| file.states.len()) + self.inputs.count_free();
+        let held = states + HELD * number;
+        let value = self.graph.state(held);
+        let pieces = match &entry.shape {
+            InputShape::Switch(_) => return Ok(value),
+            InputShape::Periodic { pieces, .. } | InputShape::Table(pieces) => pieces,
+        };
+        if pieces.iter().all(|piece| piece.slope == 0.0) {
+            return Ok(value);
+        }
+        let (slope, clock) = (self.graph.state(held + 1), self.clock(entry)?);
+        let made = self.graph.binary(Binary::Product, slope, clock);
+        let made = made.and_then(|product| self.graph.binary(Binary::Sum, value, product));
+        made.map_err(|error| no_number(error, place))
+    }
+
+    /// The clock of an input; of a switch the function whose sign it is.
+    pub(super) fn clock(&mut self, entry: &InputEntry) -> Made {
+        let time = self.graph.time();
+        let time = self.in_time(time, entry.place.clone())?;
+        let (period, phase) = match &entry.shape {
+            InputShape::Switch(function) => return self.formula(function),
+            InputShape::Table(_) => return Ok(time),
+            InputShape::Periodic { period, phase, .. } => (self.formula(period)?, phase),
+        };
+        let made = self.graph.binary(Binary::Quotient, time, period);
+        let mut made = made.map_err(|error| no_number(error, entry.place.clone()))?;
+        if let Some(phase) = phase {
+            let phase = self.formula(phase)?;
+            let sum = self.graph.binary(Binary::Sum, made, phase);
+            made = sum.map_err(|error| no_number(error, entry.place.clone()))?;
+        }
+        Ok(made)
     }
 
     fn meaning(&self, name: &str) -> Option<Meaning> {
@@ -256,7 +303,7 @@ impl<'a> Builder<'a> {
             );
         };
         problem.help(file.names.like(name).unwrap_or_else(|| {
-            "names are states, parameters, definitions, contacts, t (time) and pi".to_owned()
+            "names are states, parameters, definitions, contacts, inputs, t (time) and pi".to_owned()
         }))
     }
 
@@ -469,7 +516,13 @@ impl<'a> Builder<'a> {
             .chain(FURTHER_FUNCTIONS);
         problem.help(match function {
             "sgn" | "sign" | "signum" => {
-                "friction is written by side: the name of a contact is the sign of its side"
+                "friction is written by side: the name of a contact is the sign of its side; the sign \
+                 of a function of time is a switch, [switches.NAME] with function = \"…\""
+                    .to_owned()
+            }
+            "mod" | "floor" | "ceil" | "round" | "square" | "triangle" | "sawtooth" | "pulse" => {
+                "what repeats in time is an input: [inputs.NAME] with shape = \"sawtooth\" and \
+                 period = \"…\""
                     .to_owned()
             }
             "log" => "the natural logarithm is ln; the decimal one is ln(…)/ln(10)".to_owned(),

@@ -38,6 +38,7 @@ mod formula;
 mod names;
 mod problem;
 mod read;
+mod switching;
 mod system;
 mod table;
 
@@ -52,6 +53,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use stickslip::Direction;
+
+use crate::kernel::Piece;
 
 /// The models that come with the crate: names and files, in the order in which they are listed.
 const SHIPPED: [(&str, &str); 6] = [
@@ -85,6 +88,10 @@ pub struct SystemFile {
     pub definitions: Vec<Named>,
     /// Contacts.
     pub contacts: Vec<Contact>,
+    /// Jumps, in the order in which they are done where several happen at one time.
+    pub jumps: Vec<JumpEntry>,
+    /// Inputs that depend on time alone.
+    pub inputs: Vec<InputEntry>,
     /// Rates of the states, in their order.
     pub field: Vec<Rate>,
     /// Poincaré section.
@@ -119,6 +126,8 @@ pub struct StateEntry {
     pub start: Option<Formula>,
     /// The part that figures and scans show.
     pub range: Option<(f64, f64)>,
+    /// Whether it changes by jumps only.
+    pub is_discrete: bool,
 }
 
 /// A parameter.
@@ -162,6 +171,52 @@ pub struct Contact {
     pub normal_force: Option<Formula>,
     /// Where it stands.
     pub place: Range<usize>,
+}
+
+/// A jump: where a function of the state passes through zero the state is mapped.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JumpEntry {
+    /// Name.
+    pub name: String,
+    /// The function.
+    pub when: Formula,
+    /// Which way it passes through zero.
+    pub direction: Direction,
+    /// What the states become; those without a formula stay.
+    pub set: Vec<Option<Formula>>,
+    /// The run ends with so many.
+    pub most: Option<u64>,
+    /// Where it stands.
+    pub place: Range<usize>,
+}
+
+/// An input that depends on time alone.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InputEntry {
+    /// Name.
+    pub name: String,
+    /// What it is.
+    pub shape: InputShape,
+    /// Where it stands.
+    pub place: Range<usize>,
+}
+
+/// What an input is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum InputShape {
+    /// The same again in each period.
+    Periodic {
+        /// What it is over a period, in parts of it.
+        pieces: Vec<Piece>,
+        /// The period.
+        period: Formula,
+        /// The part of the period that has passed at time 0; none unless given.
+        phase: Option<Formula>,
+    },
+    /// Through points in time.
+    Table(Vec<Piece>),
+    /// The sign of a function of time.
+    Switch(Formula),
 }
 
 /// The rate of a state.

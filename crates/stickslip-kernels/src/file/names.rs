@@ -21,6 +21,10 @@ pub enum Meaning {
     Definition(usize),
     /// A contact: the sign of its side.
     Contact(usize),
+    /// An input, or a switch of time.
+    Input(usize),
+    /// A jump.
+    Jump(usize),
 }
 
 impl Meaning {
@@ -32,6 +36,8 @@ impl Meaning {
             Meaning::Parameter(_) => "a parameter",
             Meaning::Definition(_) => "a definition",
             Meaning::Contact(_) => "a contact",
+            Meaning::Input(_) => "an input",
+            Meaning::Jump(_) => "a jump",
         }
     }
 }

@@ -5,13 +5,14 @@ use toml::de::DeTable;
 
 use super::names::{Meaning, Names, did_you_mean};
 use super::problem::{Problem, Source};
+use super::switching;
 use super::table::{Entry, Table, listed};
-use super::{Contact, Named, Parameter, Rate, SectionEntry, StateEntry, SystemFile, Time};
+use super::{Contact, Formula, Named, Parameter, Rate, SectionEntry, StateEntry, SystemFile, Time};
 use crate::expression::normal;
 use crate::kernel::{MOST_CONTACTS, MOST_STATES};
 
 /// The tables and entries of a file.
-const ENTRIES: [&str; 11] = [
+const ENTRIES: [&str; 15] = [
     "name",
     "description",
     "time",
@@ -19,6 +20,10 @@ const ENTRIES: [&str; 11] = [
     "parameters",
     "definitions",
     "contacts",
+    "discrete",
+    "jumps",
+    "inputs",
+    "switches",
     "field",
     "start",
     "section",
@@ -38,10 +43,24 @@ pub(super) fn read(source: &Source) -> Result<SystemFile, Problem> {
     let parameters = parameters(&file, &mut names)?;
     let contacts = contacts(&file, &mut names)?;
     let definitions = definitions(&file, &mut names)?;
-    let field = field(&file, &states, contacts.len())?;
+    let mut field = field(&file, &states, contacts.len())?;
     start(&file, &mut states)?;
+    let continuous = states.len();
+    states.extend(switching::discrete(&file, &mut names, continuous)?);
+    if states.len() > MOST_STATES {
+        let message = format!("{} states, discrete ones among them", states.len());
+        return Err(Problem::new(message, 0..0)
+            .help(format!("a file can have {MOST_STATES} states")));
+    }
+    // What is discrete stands still between jumps.
+    let none = || Rate::Same(Formula::number(0.0, 0..0));
+    field.extend(states[continuous..].iter().map(|_| none()));
+    let jumps = switching::jumps(&file, &mut names, &states)?;
+    let inputs = switching::inputs(source, &file, &mut names)?;
     ranges(&file, &mut states)?;
     Ok(SystemFile {
+        jumps,
+        inputs,
         name: name.text()?.to_owned(),
         description: text(&file, "description")?,
         time: time(&file)?,
@@ -126,6 +145,7 @@ fn states(file: &Table<'_>, names: &mut Names) -> Result<Vec<StateEntry>, Proble
             meaning,
             start: None,
             range: None,
+            is_discrete: false,
         });
     }
     if states.is_empty() {
@@ -277,7 +297,7 @@ fn field(file: &Table<'_>, states: &[StateEntry], contacts: usize) -> Result<Vec
 }
 
 /// The entries of a table whose names are states, in the order of the states.
-fn by_state<'a>(
+pub(super) fn by_state<'a>(
     table: &Table<'a>,
     states: &[StateEntry],
 ) -> Result<Vec<Option<Entry<'a>>>, Problem> {
@@ -331,26 +351,27 @@ fn section(file: &Table<'_>) -> Result<Option<SectionEntry>, Problem> {
     let function = table
         .need("function", "an expression that is zero on the section")?
         .formula()?;
-    let direction = match table.get("direction") {
-        None => Direction::Both,
-        Some(entry) => match entry.text()? {
-            "rising" => Direction::Rising,
-            "falling" => Direction::Falling,
-            "both" => Direction::Both,
-            other => {
-                let known = ["rising", "falling", "both"];
-                let help = did_you_mean(other, known)
-                    .unwrap_or_else(|| format!("it can be {}", listed(&known)));
-                return Err(Problem::new(
-                    format!("there is no direction `{other}`"),
-                    entry.place(),
-                )
-                .help(help));
-            }
-        },
-    };
     Ok(Some(SectionEntry {
         function,
-        direction,
+        direction: direction(table.get("direction"))?,
     }))
+}
+
+/// Which way a function passes through zero.
+pub(super) fn direction(entry: Option<Entry<'_>>) -> Result<Direction, Problem> {
+    let Some(entry) = entry else {
+        return Ok(Direction::Both);
+    };
+    match entry.text()? {
+        "rising" => Ok(Direction::Rising),
+        "falling" => Ok(Direction::Falling),
+        "both" => Ok(Direction::Both),
+        other => {
+            let known = ["rising", "falling", "both"];
+            let help = did_you_mean(other, known)
+                .unwrap_or_else(|| format!("it can be {}", listed(&known)));
+            let message = format!("there is no direction `{other}`");
+            Err(Problem::new(message, entry.place()).help(help))
+        }
+    }
 }

@@ -11,7 +11,7 @@ use stickslip::{Direction, Scalar};
 use super::build::{self, Built, Variant};
 use super::{FileError, Problem, Source, SystemFile, did_you_mean};
 use crate::kernel::{
-    Combination, Equations, ManyContacts, OneContact, Section, dynamics, sides_to_check,
+    Combination, Equations, HELD, ManyContacts, OneContact, Section, dynamics, sides_to_check,
 };
 
 /// States at which a period is tried.
@@ -189,13 +189,10 @@ impl System {
     pub fn is_periodic(&self) -> Option<bool> {
         let period = self.built.period?;
         let at = |t: f64, x: &[f64]| -> Vec<f64> {
-            let mut values = vec![0.0; self.contacts()];
-            self.built.boundaries.evaluate(t, x, &mut values);
+            let heights = (0..self.contacts()).map(|contact| self.boundary(contact, t, x));
+            let mut values: Vec<f64> = heights.collect();
             for above in sides_to_check(self.contacts()) {
-                let mut rates = vec![0.0; self.states()];
-                let sides = Combination { above, held: 0 };
-                self.built.fields.evaluate(sides, t, x, &mut rates);
-                values.extend(rates);
+                values.extend(self.field(Combination { above, held: 0 }, t, x));
             }
             values
         };
@@ -294,8 +291,17 @@ impl System {
     /// The boundary function of a contact on any number.
     pub fn boundary<T: Scalar>(&self, contact: usize, t: T, x: &[T]) -> T {
         let mut heights = vec![T::zero(); self.contacts()];
-        self.built.boundaries.evaluate(t, x, &mut heights);
+        let x = self.built.switching.extended(t.value(), x);
+        self.built.boundaries.evaluate(t, &x, &mut heights);
         heights[contact]
+    }
+
+    /// The field of a combination of sides on any number.
+    pub fn field<T: Scalar>(&self, of: Combination, t: T, x: &[T]) -> Vec<T> {
+        let mut rates = vec![T::zero(); x.len()];
+        let x = self.built.switching.extended(t.value(), x);
+        self.built.fields.evaluate(of, t, &x, &mut rates);
+        rates
     }
 
     /// The boundary function of a contact, and its derivative by one state.
@@ -336,12 +342,22 @@ fn solver(
     states: usize,
 ) -> Result<DynamicsRef<'static>, FileError> {
     let contacts = file.contacts.len();
-    let solver = dynamics(equations(built), section, (states, contacts));
+    let switching = built.switching.clone();
+    let room = switching.room();
+    let solver = dynamics(equations(built), section, switching, (states, contacts));
     // What the reader lets through has no more states and contacts than the solver has room for.
     solver.filter(|_| contacts <= states).ok_or_else(|| {
-        let message = format!(
-            "{contacts} contacts are too many for {states} states: their boundaries cannot be independent"
-        );
+        let message = if contacts > states {
+            format!(
+                "{contacts} contacts are too many for {states} states: their boundaries cannot be independent"
+            )
+        } else {
+            format!(
+                "{states} states and {} inputs are too many: each input counts as {HELD} states, and there is room for {}",
+                file.inputs.len(),
+                states + 66 - room.min(66)
+            )
+        };
         wrong(Problem::new(message, 0..0), &file.source)
     })
 }

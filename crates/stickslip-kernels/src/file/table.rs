@@ -180,6 +180,31 @@ impl<'a> Entry<'a> {
         }
     }
 
+    /// True or false.
+    pub(super) fn flag(self) -> Result<bool, Problem> {
+        match self.value.get_ref() {
+            DeValue::Boolean(flag) => Ok(*flag),
+            _ => Err(self.wrong("true or false")),
+        }
+    }
+
+    /// A whole number from 1 on.
+    pub(super) fn count(self) -> Result<u64, Problem> {
+        match self.number() {
+            Some(value) if value >= 1.0 && value.fract() == 0.0 => Ok(value as u64),
+            _ => Err(self.wrong("a whole number from 1 on")),
+        }
+    }
+
+    /// A list of finite numbers.
+    pub(super) fn list(self) -> Result<Vec<f64>, Problem> {
+        let DeValue::Array(array) = self.value.get_ref() else {
+            return Err(self.wrong("a list of numbers"));
+        };
+        let entries = array.iter().map(|value| Entry { value, ..self });
+        entries.map(Entry::finite).collect()
+    }
+
     /// An expression: a text, or a number.
     pub(super) fn formula(self) -> Result<Formula, Problem> {
         match self.value.get_ref() {

@@ -3,6 +3,7 @@
 use stickslip::dynamics::{Dynamics, DynamicsRef, Typed};
 use stickslip::{Filippov, Several};
 
+use super::inputs::Switching;
 use super::system::{Equations, ManyContacts, OneContact, OwnSection, Section};
 
 /// Functions whose zeros end a mode of a system of one contact.
@@ -14,12 +15,13 @@ const GUARDS: usize = 3;
 pub fn dynamics(
     equations: Equations,
     section: Option<Section>,
+    switching: Switching,
     size: (usize, usize),
 ) -> Option<DynamicsRef<'static>> {
-    let section = OwnSection(section);
+    let extras = (OwnSection(section), switching);
     let dynamics = match equations {
-        Equations::OneContact(system) => of_one_contact(*system, section, size),
-        Equations::ManyContacts(system) => of_many_contacts(system, section, size),
+        Equations::OneContact(system) => of_one_contact(*system, extras, size),
+        Equations::ManyContacts(system) => of_many_contacts(system, extras, size),
     };
     dynamics.map(DynamicsRef::Owned)
 }
@@ -27,29 +29,29 @@ pub fn dynamics(
 /// The dynamics of a system of one contact, or of none; `None` for more states than any size has.
 fn of_one_contact(
     system: OneContact,
-    section: OwnSection,
+    extras: (OwnSection, Switching),
     (states, contacts): (usize, usize),
 ) -> Option<Box<dyn Dynamics>> {
     fn sized<const N: usize>(
         system: OneContact,
-        section: OwnSection,
+        (section, switching): (OwnSection, Switching),
         (states, contacts): (usize, usize),
     ) -> Box<dyn Dynamics>
     where
         OneContact: Filippov<N>,
     {
-        let system = (system, section);
-        Box::new(Typed::<_, OneContact, _, N, GUARDS>::padded(
+        let system = (system, section, switching);
+        Box::new(Typed::<_, OneContact, _, _, N, GUARDS>::padded(
             system, states, contacts,
         ))
     }
-    let size = (states, contacts);
-    Some(match states {
-        0..=2 => sized::<2>(system, section, size),
-        3 => sized::<3>(system, section, size),
-        4 => sized::<4>(system, section, size),
-        5..=8 => sized::<8>(system, section, size),
-        9..=66 => sized::<66>(system, section, size),
+    let (size, room) = ((states, contacts), extras.1.room());
+    Some(match room {
+        0..=2 => sized::<2>(system, extras, size),
+        3 => sized::<3>(system, extras, size),
+        4 => sized::<4>(system, extras, size),
+        5..=8 => sized::<8>(system, extras, size),
+        9..=66 => sized::<66>(system, extras, size),
         _ => return None,
     })
 }
@@ -58,24 +60,24 @@ fn of_one_contact(
 /// size has.
 fn of_many_contacts(
     system: ManyContacts,
-    section: OwnSection,
+    extras: (OwnSection, Switching),
     (states, contacts): (usize, usize),
 ) -> Option<Box<dyn Dynamics>> {
     fn sized<const N: usize, const M: usize>(
         system: ManyContacts,
-        section: OwnSection,
+        (section, switching): (OwnSection, Switching),
         (states, contacts): (usize, usize),
     ) -> Box<dyn Dynamics> {
-        let system = (Several(system), section);
-        Box::new(Typed::<_, Several<ManyContacts>, _, N, M>::padded(
+        let system = (Several(system), section, switching);
+        Box::new(Typed::<_, Several<ManyContacts>, _, _, N, M>::padded(
             system, states, contacts,
         ))
     }
-    let size = (states, contacts);
-    Some(match size {
-        (0..=4, 0..=2) => sized::<4, 2>(system, section, size),
-        (0..=9, 0..=4) => sized::<9, 4>(system, section, size),
-        (0..=66, 0..=16) => sized::<66, 16>(system, section, size),
+    let (size, room) = ((states, contacts), extras.1.room());
+    Some(match (room, contacts) {
+        (0..=4, 0..=2) => sized::<4, 2>(system, extras, size),
+        (0..=9, 0..=4) => sized::<9, 4>(system, extras, size),
+        (0..=66, 0..=16) => sized::<66, 16>(system, extras, size),
         _ => return None,
     })
 }

@@ -2,6 +2,7 @@
 
 mod change;
 mod compiled;
+mod inputs;
 mod reached;
 mod system;
 
@@ -15,6 +16,7 @@ use stickslip::{Ending, Error, Options, TransitionKind};
 
 pub use change::Change;
 pub use compiled::dynamics;
+pub use inputs::{HELD, Input, Jump, Piece, Shape, Switching};
 pub use reached::{Motion, Outcome, PhaseThere, TransitionThere};
 pub use system::{
     Combination, Equations, Fields, ManyContacts, OneContact, Section, sides_to_check,

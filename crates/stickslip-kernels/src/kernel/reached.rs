@@ -96,6 +96,7 @@ enum KindOnDisk {
     Touch,
     ContactLoss,
     ContactGain,
+    Jump,
 }
 
 /// A phase of an attractor.

@@ -62,7 +62,7 @@ pub(super) fn turn(
 ) -> Result<Monodromy, Error> {
     let tangent = Tangent::new(system, options);
     let mut orbit = system.begin(start, t_end, options, &Section::None)?;
-    let mut map = TangentMap::identity(system.states());
+    let mut map = TangentMap::identity(system);
     map.begin(system, orbit.mode(), start);
     if is_autonomous {
         map.take_out(&velocity_in(system, orbit.mode(), start));
@@ -97,8 +97,13 @@ pub(super) struct TangentMap {
 }
 
 impl TangentMap {
-    pub(super) fn identity(states: usize) -> Self {
-        let matrix = Matrix::identity(states, states);
+    /// At a start; along discrete states there is no change.
+    pub(super) fn identity(system: &dyn Dynamics) -> Self {
+        let states = system.states();
+        let mut matrix = Matrix::identity(states, states);
+        for state in (0..states).filter(|&state| system.is_discrete(state)) {
+            matrix[(state, state)] = 0.0;
+        }
         TangentMap {
             columns: matrix
                 .column_iter()

@@ -79,7 +79,7 @@ impl<'a> PoincareMap<'a> {
         S: Switched<N, G> + Send + Sync,
         V: EventFunctions<N, 1> + Send + Sync,
     {
-        let typed = Typed::<&S, S, &V, N, G>::with_section(system, section);
+        let typed = Typed::<&S, S, &V, _, N, G>::with_section(system, section);
         let at = moment(start);
         let options = bounded(longest, options)?;
         let orbit = watched(&typed, &at, &options)?;
@@ -173,7 +173,7 @@ impl<'a> PoincareMap<'a> {
     /// As [`PoincareMap::step`]; [`Error::TangentSingular`] where the orbit does not pass through the section with a rate, which is a return
     /// all the same and the start of the next derivative, and where the flow up to there has no derivative.
     pub fn step_with_derivative(&mut self) -> Result<(Return, Matrix), Error> {
-        let mut map = TangentMap::identity(self.dynamics.states());
+        let mut map = TangentMap::identity(&*self.dynamics);
         map.begin(&*self.dynamics, self.orbit.mode(), &self.at);
         let passage = self.advance(Some(&mut map))?;
         let flow = map.matrix();

@@ -3,9 +3,9 @@
 
 use nalgebra::SMatrix;
 
-use crate::dynamics::{Carrying, Dynamics, Matrix, Modes, Step, Transition, Vector};
+use crate::dynamics::{Carrying, Dynamics, Matrix, Modes, Moment, Step, Transition, Vector};
 use crate::error::{Error, Point};
-use crate::filippov::{Options, boundary_gradient};
+use crate::filippov::{Options, TransitionKind, boundary_gradient};
 use crate::system::{Filippov, State};
 
 /// The saltation matrix of a transition at `(t, x)` from the vector `before` to `after`:
@@ -40,13 +40,11 @@ fn entry([gradient, before, after]: [&[f64]; 3], in_time: f64) -> impl Fn(usize,
 pub(crate) struct Jump {
     /// Saltation matrix.
     pub matrix: Matrix,
-    /// Field after less field before.
+    /// Field after less field before; at a mapping of the state, less the image of that.
     pub kick: Vector,
-    /// Rate of the boundary function before.
-    pub rate_before: f64,
-    /// The same after: zero on entry into stick.
-    pub rate_after: f64,
-    /// Gradient of the boundary function.
+    /// Its determinant: zero on entry into stick.
+    pub determinant: f64,
+    /// Gradient of the function that is zero there.
     pub gradient: Vector,
 }
 
@@ -74,6 +72,34 @@ impl<'a> Tangent<'a> {
         }
     }
 
+    /// What a mapping of the state does (Müller 1995, Eq. 11): with the map's derivative `D`,
+    /// `S = D + (f⁺ − D f⁻ − ∂R/∂t) ∇hᵀ / (∂h/∂t + ∇h·f⁻)`.
+    ///
+    /// # Errors
+    /// [`Error::TangentSingular`] where the orbit grazes what it jumps at.
+    fn reset(&self, at: &Transition) -> Result<Jump, Error> {
+        let here = at.moment();
+        let reset = self.system.reset(at.contact, &here);
+        let behind = Moment {
+            t: at.t,
+            x: reset.after,
+        };
+        let before = self.system.flow(at.from, &here).velocity(&here);
+        let after = self.system.flow(at.to, &behind).velocity(&behind);
+        let kick = after - &reset.by_state * &before - &reset.by_time;
+        let rate = reset.in_time + reset.gradient.dot(&before);
+        let matrix = &reset.by_state + &kick * reset.gradient.transpose() / rate;
+        if matrix.iter().any(|entry| !entry.is_finite()) {
+            return Err(singular(at.t, &at.x));
+        }
+        Ok(Jump {
+            determinant: matrix.determinant(),
+            matrix,
+            kick,
+            gradient: reset.gradient,
+        })
+    }
+
     /// What the transition does, or `None` where it changes no vector: on leaving stick, at a touch,
     /// where contact is lost or gained, and where the two fields agree (friction without normal force): the
     /// saltation matrix is the limit there, the identity, though its formula may read 0/0.
@@ -81,6 +107,9 @@ impl<'a> Tangent<'a> {
     /// # Errors
     /// [`Error::TangentSingular`] where two contacts come to zero in the same instant: which comes first depends on the change.
     pub(crate) fn jump(&self, at: &Transition) -> Result<Option<Jump>, Error> {
+        if at.kind == TransitionKind::Jump {
+            return self.reset(at).map(Some);
+        }
         let Some(guard) = self.system.jumps_at(at) else {
             return Ok(None);
         };
@@ -99,8 +128,8 @@ impl<'a> Tangent<'a> {
         let n = gradient.len();
         Ok(Some(Jump {
             matrix: Matrix::from_fn(n, n, entry(slices, in_time)),
-            rate_before: in_time + gradient.dot(&before),
-            rate_after: in_time + gradient.dot(&after),
+            // det(I + u vᵀ) = 1 + v·u.
+            determinant: (in_time + gradient.dot(&after)) / (in_time + gradient.dot(&before)),
             kick,
             gradient,
         }))
@@ -126,7 +155,6 @@ pub(crate) fn flatten(gradient: &Vector, vector: &mut Vector) {
 mod tests {
     use super::*;
     use crate::dynamics::AsDynamics;
-    use crate::filippov::TransitionKind;
     use crate::scalar::Scalar;
     use crate::system::{Mode, Side};
 

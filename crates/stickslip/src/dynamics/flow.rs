@@ -3,30 +3,36 @@
 use std::cell::OnceCell;
 use std::marker::PhantomData;
 
+use super::jumps::Jumps;
 use super::typed::View;
 use super::{Carrying, Guard, Modes, Moment, SmoothFlow, Step, Vector};
 use crate::dual::Dual;
-use crate::filippov::{Flow, GuardGradient, Method, Settled, Switched, UseFlow, Velocity};
+use crate::filippov::{
+    Direction, Flow, GuardGradient, Method, Settled, Switched, UseFlow, Velocity, flow_path,
+    gradient,
+};
 use crate::interval::Interval;
+use crate::scalar::Scalar;
 use crate::ode::control::squared_error;
 use crate::ode::{Dop853, Rk4, RungeKutta, Stages, Timed, Tolerance, stages};
 use crate::system::{State, components};
 
 /// The flow of one mode of a typed system.
-pub(super) struct TypedFlow<'a, S: Switched<N, G>, V, const N: usize, const G: usize> {
-    of: View<'a, S, V, N, G>,
+pub(super) struct TypedFlow<'a, S: Switched<N, G>, V, J, const N: usize, const G: usize> {
+    of: View<'a, S, V, J, N, G>,
     mode: S::Mode,
     /// Where contact is asked for.
     at: Timed<N>,
     branch: OnceCell<S::Branch>,
 }
 
-impl<'a, S, V, const N: usize, const G: usize> TypedFlow<'a, S, V, N, G>
+impl<'a, S, V, J, const N: usize, const G: usize> TypedFlow<'a, S, V, J, N, G>
 where
     S: Switched<N, G>,
+    J: Jumps<N>,
 {
     /// The flow of a mode, with contact lost or kept as at a moment.
-    pub(super) fn new(of: View<'a, S, V, N, G>, mode: Modes, at: &Moment) -> Self {
+    pub(super) fn new(of: View<'a, S, V, J, N, G>, mode: Modes, at: &Moment) -> Self {
         TypedFlow {
             of,
             mode: S::restored(mode),
@@ -52,6 +58,34 @@ where
         system.with_flow(self.mode, branch, user)
     }
 
+    /// Whether the state is where a jump may happen next: on the side that its function passes
+    /// through zero from.
+    fn may_happen(&self, jump: usize) -> bool {
+        let value = self.of.jumps.when(jump, self.at.t, components(&self.at.x));
+        match self.of.jumps.direction(jump) {
+            Direction::Rising => value < 0.0,
+            Direction::Falling => value > 0.0,
+            Direction::Both => true,
+        }
+    }
+
+    /// The function of the jump of a guard, if it is one's.
+    fn jump(&self, guard: usize) -> Option<JumpGuard<'_, J>> {
+        let (jumps, number) = (self.of.jumps, guard.checked_sub(G)?);
+        let value = jumps.when(number, self.at.t, components(&self.at.x));
+        let sign = match jumps.direction(number) {
+            Direction::Rising => -1.0,
+            Direction::Falling => 1.0,
+            Direction::Both if value < 0.0 => -1.0,
+            Direction::Both => 1.0,
+        };
+        Some(JumpGuard {
+            jumps,
+            number,
+            sign,
+        })
+    }
+
     /// Ranges of all components of the type's state.
     fn ranges(&self, x: &[Interval]) -> [Interval; N] {
         let zero = Interval::around(0.0, 0.0);
@@ -59,9 +93,10 @@ where
     }
 }
 
-impl<S, V, const N: usize, const G: usize> SmoothFlow for TypedFlow<'_, S, V, N, G>
+impl<S, V, J, const N: usize, const G: usize> SmoothFlow for TypedFlow<'_, S, V, J, N, G>
 where
     S: Switched<N, G>,
+    J: Jumps<N>,
 {
     fn velocity(&self, at: &Moment) -> Vector {
         let Timed { t, x } = self.of.timed(at);
@@ -88,30 +123,48 @@ where
             number,
             contact: S::contact_of(number),
             goes_on: system.passed(number, &mut S::Branch::default()).is_some(),
+            is_of_jump: false,
         };
         let guards = self.of_field(Guards).iter().copied().map(guard);
-        guards
-            .filter(|guard| guard.contact < self.of.contacts)
-            .collect()
+        let guards = guards.filter(|guard| guard.contact < self.of.contacts);
+        let jumps = (0..self.of.jumps.count()).filter(|&jump| self.may_happen(jump));
+        let jumps = jumps.map(|jump| Guard {
+            number: G + jump,
+            contact: self.of.contacts + jump,
+            goes_on: false,
+            is_of_jump: true,
+        });
+        guards.chain(jumps).collect()
     }
 
     fn guard(&self, number: usize, at: &Moment) -> f64 {
+        if let Some(jump) = self.jump(number) {
+            let Timed { t, x } = self.of.timed(at);
+            return jump.guard(t, components(&x));
+        }
         self.of_guards(Value(number, self.of.timed(at)))
     }
 
     fn guard_gradient(&self, number: usize, at: &Moment) -> (Vector, f64) {
+        if let Some(jump) = self.jump(number) {
+            let (slopes, in_time) = gradient(|t, x| jump.guard(t, x), &self.of.timed(at));
+            return (self.of.vector(&slopes), in_time);
+        }
         let (gradient, in_time) = self.of_guards(GuardGradient(number, self.of.timed(at)));
         (self.of.vector(&gradient), in_time)
     }
 
     fn guard_jet(&self, number: usize, at: &Moment) -> [f64; 4] {
+        if let Some(jump) = self.jump(number) {
+            return self.of_field(JumpJet(&jump, self.of.timed(at)));
+        }
         self.of_guards(Jet(number, self.of.timed(at)))
     }
 
     fn carried(&self, step: &Step, vector: &Vector, how: Carrying) -> Vector {
         let piece = Piece {
             t: step.t_start,
-            x: self.of.state(step.x_start.as_slice()),
+            x: self.of.timed(&step.start()).x,
             h: step.t_end - step.t_start,
             states: self.of.states,
         };
@@ -137,7 +190,12 @@ where
     }
 
     fn is_clear(&self, t: Interval, x: &[Interval]) -> bool {
-        self.of_guards(StaysClear(t, &self.ranges(x)))
+        let x = self.ranges(x);
+        let is_clear = |jump: usize| {
+            let over = Interval::decided(|| self.of.jumps.when(jump, t, &x));
+            over.is_some_and(|over| over.low > 0.0 || over.high < 0.0)
+        };
+        self.of_guards(StaysClear(t, &x)) && (0..self.of.jumps.count()).all(is_clear)
     }
 
     fn velocity_over(&self, t: Interval, x: &[Interval]) -> Option<Vec<Interval>> {
@@ -157,6 +215,36 @@ where
         let velocity = Interval::decided(velocity).flatten()?;
         let derivatives = velocity.iter().take(self.of.states);
         Some(derivatives.map(|component| component.eps).collect())
+    }
+}
+
+/// The function of a jump, positive where the state is before it.
+struct JumpGuard<'a, J> {
+    jumps: &'a J,
+    number: usize,
+    sign: f64,
+}
+
+impl<J> JumpGuard<'_, J> {
+    fn guard<T: Scalar, const N: usize>(&self, t: T, x: &[T; N]) -> T
+    where
+        J: Jumps<N>,
+    {
+        self.jumps.when(self.number, t, x) * self.sign
+    }
+}
+
+/// Value and derivatives in time of the function of a jump.
+struct JumpJet<'a, J, const N: usize>(&'a JumpGuard<'a, J>, Timed<N>);
+
+impl<J: Jumps<N>, const N: usize> UseFlow<N> for JumpJet<'_, J, N> {
+    type Output = [f64; 4];
+
+    fn with<F: Flow<N>>(self, flow: &F) -> [f64; 4] {
+        let JumpJet(jump, Timed { t, x }) = self;
+        let path = flow_path(t, components(&x), |t, x| flow.field(t, x));
+        let g = jump.guard(path.0, &path.1);
+        [g.re, g.v1, g.v2, g.v3]
     }
 }
 

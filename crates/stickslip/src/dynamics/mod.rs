@@ -4,6 +4,7 @@
 //! [`Dynamics`]. A call costs a virtual call for each step, never for each evaluation of the field.
 
 mod flow;
+mod jumps;
 mod modes;
 mod typed;
 
@@ -16,6 +17,7 @@ use crate::interval::Interval;
 use crate::orbit::{Counters, Ending};
 use crate::system::{Filippov, State};
 
+pub use jumps::{Jumps, NoJumps, Reset, WithJumps};
 pub use modes::Modes;
 pub use typed::{NoSection, Typed};
 pub(crate) use typed::{observed, watched};
@@ -94,6 +96,11 @@ impl Step {
         before
     }
 
+    /// The moment at its start.
+    pub(crate) fn start(&self) -> Moment {
+        Moment::new(self.t_start, &self.x_start)
+    }
+
     /// The moment at its end.
     pub(crate) fn end(&self) -> Moment {
         Moment::new(self.t_end, &self.x_end)
@@ -142,10 +149,12 @@ pub enum Section {
 pub struct Guard {
     /// Number among the guards of the system.
     pub number: usize,
-    /// The contact that it belongs to.
+    /// The contact that it belongs to; of a jump, its number behind those of the contacts.
     pub contact: usize,
     /// Whether the mode goes on behind its zero, as where contact is lost.
     pub goes_on: bool,
+    /// Whether the state jumps at its zero.
+    pub is_of_jump: bool,
 }
 
 /// A system with its solver, of numbers of states and contacts known at run time.
@@ -201,6 +210,19 @@ pub trait Dynamics: Send + Sync {
 
     /// The mode of a run that ends where it starts, since its future is not unique.
     fn undecided(&self) -> Modes;
+
+    /// Number of jumps.
+    fn jumps(&self) -> usize;
+
+    /// Whether a state takes one of some values that jumps set, with none near by.
+    fn is_discrete(&self, state: usize) -> bool;
+
+    /// Whether an input kinks at a moment.
+    fn is_kink(&self, at: &Moment) -> bool;
+
+    /// What a jump does at a moment before it; its number is behind those of the contacts, as that
+    /// of its transitions.
+    fn reset(&self, number: usize, at: &Moment) -> Reset;
 
     /// Gradient of a section's function in the state, and its time derivative.
     fn section_gradient(&self, section: &Section, at: &Moment) -> (Vector, f64);
@@ -346,14 +368,14 @@ pub struct AtRunTime;
 
 impl<S: Filippov<N> + Send + Sync, const N: usize> AsDynamics<OneContact<N>> for S {
     fn dynamics(&self) -> DynamicsRef<'_> {
-        DynamicsRef::Owned(Box::new(Typed::<&S, S, _, N, _>::new(self)))
+        DynamicsRef::Owned(Box::new(Typed::<&S, S, _, _, N, _>::new(self)))
     }
 
     fn into_dynamics<'a>(self) -> DynamicsRef<'a>
     where
         S: 'a,
     {
-        DynamicsRef::Owned(Box::new(Typed::<S, S, _, N, _>::new(self)))
+        DynamicsRef::Owned(Box::new(Typed::<S, S, _, _, N, _>::new(self)))
     }
 }
 
@@ -362,14 +384,36 @@ where
     S: Contacts<N, M> + Send + Sync,
 {
     fn dynamics(&self) -> DynamicsRef<'_> {
-        DynamicsRef::Owned(Box::new(Typed::<&Self, Self, _, N, M>::new(self)))
+        DynamicsRef::Owned(Box::new(Typed::<&Self, Self, _, _, N, M>::new(self)))
     }
 
     fn into_dynamics<'a>(self) -> DynamicsRef<'a>
     where
         S: 'a,
     {
-        DynamicsRef::Owned(Box::new(Typed::<Self, Self, _, N, M>::new(self)))
+        DynamicsRef::Owned(Box::new(Typed::<Self, Self, _, _, N, M>::new(self)))
+    }
+}
+
+/// [`WithJumps`] of a [`Filippov`] system of `N` states, as a kind of [`AsDynamics`].
+pub struct OneContactAndJumps<const N: usize>;
+
+impl<S, J, const N: usize> AsDynamics<OneContactAndJumps<N>> for WithJumps<S, J>
+where
+    S: Filippov<N> + Send + Sync,
+    J: Jumps<N> + Send + Sync,
+{
+    fn dynamics(&self) -> DynamicsRef<'_> {
+        let system = (&self.system, NoSection, &self.jumps);
+        DynamicsRef::Owned(Box::new(Typed::<&S, S, _, _, N, _>::padded(system, N, 1)))
+    }
+
+    fn into_dynamics<'a>(self) -> DynamicsRef<'a>
+    where
+        Self: 'a,
+    {
+        let system = (self.system, NoSection, self.jumps);
+        DynamicsRef::Owned(Box::new(Typed::<S, S, _, _, N, _>::padded(system, N, 1)))
     }
 }
 

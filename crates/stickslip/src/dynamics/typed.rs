@@ -1,22 +1,25 @@
 //! A system whose numbers of states and contacts are in its type, as [`Dynamics`].
 
 use std::borrow::Borrow;
+use std::collections::VecDeque;
 use std::marker::PhantomData;
 
 use super::flow::TypedFlow;
+use super::jumps::{Jumping, Jumps, NoJumps, Reset};
 use super::{
-    Dynamics, Happening, Modes, Moment, OrbitUnderWay, Passage, Phase, Section, SmoothFlow,
+    Dynamics, Happening, Matrix, Modes, Moment, OrbitUnderWay, Passage, Phase, Section, SmoothFlow,
     Solution, Step, Summary, Transition, Vector,
 };
+use crate::dual::Dual;
 use crate::error::Error;
 use crate::filippov::{
     Direction, EventFunctions, EventOf, EventRecord, EventSearch, Integration, Observer, Options,
-    PhaseOf, Progress, Strobe, SummaryOf, Switched, TransitionOf, Velocity, gradient, tell,
+    PhaseOf, Progress, Strobe, SummaryOf, Switched, TransitionKind, TransitionOf, Velocity, gradient, tell,
 };
 use crate::ode::Timed;
 use crate::orbit::Counters;
 use crate::scalar::Scalar;
-use crate::system::State;
+use crate::system::{State, components};
 
 /// An event function of no system's own.
 #[derive(Clone, Copy, Debug)]
@@ -33,15 +36,16 @@ impl<const N: usize> EventFunctions<N, 1> for NoSection {
 ///
 /// The type may have room for more states and contacts than the system has. The other states are
 /// zero and stay so; the other contacts slip above and are never at zero.
-pub struct Typed<T, S, V, const N: usize, const G: usize> {
+pub struct Typed<T, S, V, J, const N: usize, const G: usize> {
     system: T,
     section: V,
+    jumps: J,
     states: usize,
     contacts: usize,
     kind: PhantomData<fn() -> S>,
 }
 
-impl<T, S, const N: usize, const G: usize> Typed<T, S, NoSection, N, G>
+impl<T, S, const N: usize, const G: usize> Typed<T, S, NoSection, NoJumps, N, G>
 where
     T: Borrow<S>,
     S: Switched<N, G>,
@@ -52,32 +56,40 @@ where
     }
 }
 
-impl<T, S, V, const N: usize, const G: usize> Typed<T, S, V, N, G>
+impl<T, S, V, const N: usize, const G: usize> Typed<T, S, V, NoJumps, N, G>
 where
     T: Borrow<S>,
     S: Switched<N, G>,
 {
     /// The system with an event function of its own.
     pub fn with_section(system: T, section: V) -> Self {
-        Typed::padded((system, section), N, S::CONTACTS)
+        Typed::padded((system, section, NoJumps), N, S::CONTACTS)
     }
+}
 
-    /// A system and its own event function, of fewer states and contacts than the type has room
-    /// for: the first ones count.
-    pub fn padded((system, section): (T, V), states: usize, contacts: usize) -> Self {
+impl<T, S, V, J, const N: usize, const G: usize> Typed<T, S, V, J, N, G>
+where
+    T: Borrow<S>,
+    S: Switched<N, G>,
+{
+    /// A system, its own event function and its jumps, of fewer states and contacts than the type
+    /// has room for: the first ones count.
+    pub fn padded((system, section, jumps): (T, V, J), states: usize, contacts: usize) -> Self {
         Typed {
             system,
             section,
+            jumps,
             states: states.min(N),
             contacts: contacts.min(S::CONTACTS),
             kind: PhantomData,
         }
     }
 
-    fn view(&self) -> View<'_, S, V, N, G> {
+    fn view(&self) -> View<'_, S, V, J, N, G> {
         View {
             system: self.system.borrow(),
             own: &self.section,
+            jumps: &self.jumps,
             states: self.states,
             contacts: self.contacts,
         }
@@ -85,22 +97,27 @@ where
 }
 
 /// A typed system as it is seen from outside: conversions there and back.
-pub(super) struct View<'a, S, V, const N: usize, const G: usize> {
+pub(super) struct View<'a, S, V, J, const N: usize, const G: usize> {
     pub(super) system: &'a S,
     own: &'a V,
+    pub(super) jumps: &'a J,
     pub(super) states: usize,
     pub(super) contacts: usize,
 }
 
-impl<S, V, const N: usize, const G: usize> Clone for View<'_, S, V, N, G> {
+impl<S, V, J, const N: usize, const G: usize> Clone for View<'_, S, V, J, N, G> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<S, V, const N: usize, const G: usize> Copy for View<'_, S, V, N, G> {}
+impl<S, V, J, const N: usize, const G: usize> Copy for View<'_, S, V, J, N, G> {}
 
-impl<'a, S: Switched<N, G>, V, const N: usize, const G: usize> View<'a, S, V, N, G> {
+impl<'a, S, V, J, const N: usize, const G: usize> View<'a, S, V, J, N, G>
+where
+    S: Switched<N, G>,
+    J: Jumps<N>,
+{
     /// Of a wrong number of components none is a number, which every run refuses.
     pub(super) fn state(&self, x: &[f64]) -> State<N> {
         let is_right = x.len() == self.states;
@@ -111,11 +128,11 @@ impl<'a, S: Switched<N, G>, V, const N: usize, const G: usize> View<'a, S, V, N,
         })
     }
 
+    /// With what inputs hold at that time.
     pub(super) fn timed(&self, at: &Moment) -> Timed<N> {
-        Timed {
-            t: at.t,
-            x: self.state(at.x.as_slice()),
-        }
+        let (t, mut x) = (at.t, self.state(at.x.as_slice()));
+        self.jumps.hold(t, x.as_mut_slice());
+        Timed { t, x }
     }
 
     pub(super) fn vector(&self, x: &State<N>) -> Vector {
@@ -126,7 +143,7 @@ impl<'a, S: Switched<N, G>, V, const N: usize, const G: usize> View<'a, S, V, N,
         S::erased(mode, self.contacts)
     }
 
-    fn phase(&self, phase: &PhaseOf<State<N>, S::Mode>) -> Phase {
+    pub(super) fn phase(&self, phase: &PhaseOf<State<N>, S::Mode>) -> Phase {
         Phase {
             mode: self.modes(phase.mode),
             t_start: phase.t_start,
@@ -136,14 +153,17 @@ impl<'a, S: Switched<N, G>, V, const N: usize, const G: usize> View<'a, S, V, N,
         }
     }
 
-    fn transition(&self, at: &TransitionOf<State<N>, S::Mode>) -> Transition {
+    pub(super) fn transition(&self, at: &TransitionOf<State<N>, S::Mode>) -> Transition {
         Transition {
             t: at.t,
             x: self.vector(&at.x),
             kind: at.kind,
             from: self.modes(at.from),
             to: self.modes(at.to),
-            contact: at.contact,
+            contact: match at.kind {
+                TransitionKind::Jump => self.contacts + at.contact,
+                _ => at.contact,
+            },
             residual: at.residual,
         }
     }
@@ -151,7 +171,7 @@ impl<'a, S: Switched<N, G>, V, const N: usize, const G: usize> View<'a, S, V, N,
     fn typed_transition(&self, at: &Transition) -> TransitionOf<State<N>, S::Mode> {
         TransitionOf {
             t: at.t,
-            x: self.state(at.x.as_slice()),
+            x: self.timed(&at.moment()).x,
             kind: at.kind,
             from: S::restored(at.from),
             to: S::restored(at.to),
@@ -180,7 +200,7 @@ impl<'a, S: Switched<N, G>, V, const N: usize, const G: usize> View<'a, S, V, N,
         }
     }
 
-    fn section(&self, section: &Section) -> TypedSection<'a, S, V, N, G> {
+    fn section(&self, section: &Section) -> TypedSection<'a, S, V, J, N, G> {
         let what = match section {
             Section::None => What::Nothing,
             Section::Plane {
@@ -196,19 +216,30 @@ impl<'a, S: Switched<N, G>, V, const N: usize, const G: usize> View<'a, S, V, N,
             Section::Turning => What::Turning,
             Section::Own => What::Own,
         };
+        self.function(what)
+    }
+
+    fn function(&self, what: What<N>) -> TypedSection<'a, S, V, J, N, G> {
         TypedSection {
             system: self.system,
             own: self.own,
+            jumps: self.jumps,
             what,
         }
     }
+
+    /// The function of a jump.
+    pub(super) fn when(&self, jump: usize) -> TypedSection<'a, S, V, J, N, G> {
+        self.function(What::Jump(jump))
+    }
 }
 
-impl<T, S, V, const N: usize, const G: usize> Dynamics for Typed<T, S, V, N, G>
+impl<T, S, V, J, const N: usize, const G: usize> Dynamics for Typed<T, S, V, J, N, G>
 where
     T: Borrow<S> + Send + Sync,
     S: Switched<N, G>,
     V: EventFunctions<N, 1> + Send + Sync,
+    J: Jumps<N> + Send + Sync,
 {
     fn states(&self) -> usize {
         self.states
@@ -239,7 +270,7 @@ where
         let held = (S::restored(mode), &of.timed(inside));
         let start = of.timed(start);
         let integration = Integration::held(of.system, held, start, t_end, options);
-        Ok(Box::new(of.run(integration, options)?))
+        Ok(Box::new(of.run(integration, t_end, options)?))
     }
 
     fn flow<'a>(&'a self, mode: Modes, at: &Moment) -> Box<dyn SmoothFlow + 'a> {
@@ -276,6 +307,47 @@ where
         self.view().modes(S::UNDECIDED)
     }
 
+    fn jumps(&self) -> usize {
+        self.jumps.count()
+    }
+
+    fn is_discrete(&self, state: usize) -> bool {
+        self.jumps.is_discrete(state)
+    }
+
+    fn is_kink(&self, at: &Moment) -> bool {
+        const ULPS: f64 = 64.0;
+        let Timed { t, x } = self.view().timed(at);
+        let blur = ULPS * f64::EPSILON * t.abs().max(f64::MIN_POSITIVE);
+        self.jumps.next_kink(t - blur, components(&x), t + blur) <= t + blur
+    }
+
+    fn reset(&self, number: usize, at: &Moment) -> Reset {
+        let (of, jump) = (self.view(), number - self.contacts);
+        let Timed { t, x } = of.timed(at);
+        let states = self.states;
+        // Column `states` is the derivative by time.
+        let along = |k: usize| {
+            let seed = |is_it: bool| f64::from(u8::from(is_it));
+            let x = std::array::from_fn(|i| Dual::new(x[i], seed(i == k)));
+            self.jumps.set(jump, Dual::new(t, seed(k == states)), &x)
+        };
+        let by_state = (0..states).map(along);
+        let columns: Vec<Vector> = by_state
+            .chain([along(states)])
+            .map(|column| Vector::from_fn(states, |i, _| column[i].eps))
+            .collect();
+        let (gradient, in_time) = gradient(|t, x| self.jumps.when(jump, t, x), &Timed { t, x });
+        Reset {
+            after: of.vector(&self.jumps.set(jump, t, components(&x)).into()),
+            by_state: Matrix::from_fn(states, states, |i, j| columns[j][i]),
+            by_time: columns[states].clone(),
+            value: self.jumps.when(jump, t, components(&x)),
+            gradient: of.vector(&gradient),
+            in_time,
+        }
+    }
+
     fn section_gradient(&self, section: &Section, at: &Moment) -> (Vector, f64) {
         let of = self.view();
         let section = of.section(section);
@@ -284,10 +356,11 @@ where
     }
 }
 
-impl<'a, S, V, const N: usize, const G: usize> View<'a, S, V, N, G>
+impl<'a, S, V, J, const N: usize, const G: usize> View<'a, S, V, J, N, G>
 where
     S: Switched<N, G>,
     V: EventFunctions<N, 1>,
+    J: Jumps<N>,
 {
     fn begin(
         self,
@@ -296,7 +369,8 @@ where
         options: &Options,
         section: &Section,
     ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error> {
-        let mut run = self.run(self.integration(start, t_end, options), options)?;
+        let integration = self.integration(start, t_end, options);
+        let mut run = self.run(integration, t_end, options)?;
         run.watch(section);
         Ok(Box::new(run))
     }
@@ -314,12 +388,16 @@ where
     fn run(
         self,
         integration: Result<Integration<'a, S, N, G>, Error>,
+        t_end: f64,
         options: &Options,
-    ) -> Result<Run<'a, S, V, N, G>, Error> {
+    ) -> Result<Run<'a, S, V, J, N, G>, Error> {
         let integration = integration.map_err(|error| error.of_states(self.states))?;
+        let mut integration = integration.of_states(self.states);
         Ok(Run {
             of: self,
-            integration: integration.of_states(self.states),
+            jumping: Jumping::of(&self, &mut integration, options, t_end),
+            told: VecDeque::new(),
+            integration,
             options: *options,
             search: None,
             reported: 0,
@@ -344,17 +422,18 @@ where
     let view = View {
         system,
         own: &NoSection,
+        jumps: &NoJumps,
         states: N,
         contacts: S::CONTACTS,
     };
-    let mut run = view.run(view.integration(start, t_end, options), options)?;
+    let mut run = view.run(view.integration(start, t_end, options), t_end, options)?;
     run.observer = Some(observer);
     Ok(Box::new(run))
 }
 
 /// An orbit of a borrowed system, of which the passages of a section of its own are reported.
 pub(crate) fn watched<'a, S, V, const N: usize, const G: usize>(
-    of: &Typed<&'a S, S, &'a V, N, G>,
+    of: &Typed<&'a S, S, &'a V, NoJumps, N, G>,
     start: &Moment,
     options: &Options,
 ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error>
@@ -365,6 +444,7 @@ where
     let view = View {
         system: of.system,
         own: of.section,
+        jumps: &NoJumps,
         states: of.states,
         contacts: of.contacts,
     };
@@ -372,9 +452,10 @@ where
 }
 
 /// A section over typed states.
-struct TypedSection<'a, S, V, const N: usize, const G: usize> {
+pub(super) struct TypedSection<'a, S, V, J, const N: usize, const G: usize> {
     system: &'a S,
     own: &'a V,
+    jumps: &'a J,
     what: What<N>,
 }
 
@@ -389,12 +470,15 @@ enum What<const N: usize> {
     Strobe(Strobe),
     Turning,
     Own,
+    Jump(usize),
 }
 
-impl<S, V, const N: usize, const G: usize> EventFunctions<N, 1> for TypedSection<'_, S, V, N, G>
+impl<S, V, J, const N: usize, const G: usize> EventFunctions<N, 1>
+    for TypedSection<'_, S, V, J, N, G>
 where
     S: Switched<N, G>,
     V: EventFunctions<N, 1>,
+    J: Jumps<N>,
 {
     #[inline(always)]
     fn values<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; 1] {
@@ -413,6 +497,7 @@ where
                 [velocity[0]]
             }
             What::Own => self.own.values(t, x),
+            What::Jump(number) => [self.jumps.when(number, t, x)],
         }
     }
 
@@ -422,16 +507,21 @@ where
             What::Turning => Direction::Falling,
             What::Nothing | What::Strobe(_) => Direction::Both,
             What::Own => self.own.direction(number),
+            What::Jump(number) => self.jumps.direction(number),
         }
     }
 }
 
 /// An integration under way, with the search for passages of a section.
-struct Run<'a, S: Switched<N, G>, V, const N: usize, const G: usize> {
-    of: View<'a, S, V, N, G>,
+struct Run<'a, S: Switched<N, G>, V, J, const N: usize, const G: usize> {
+    of: View<'a, S, V, J, N, G>,
     integration: Integration<'a, S, N, G>,
+    /// Of a system with jumps or inputs.
+    jumping: Option<Jumping<'a, S, V, J, N, G>>,
+    /// What is reported before the run goes on.
+    told: VecDeque<Happening>,
     options: Options,
-    search: Option<EventSearch<'a, S, TypedSection<'a, S, V, N, G>, N, 1, G>>,
+    search: Option<EventSearch<'a, S, TypedSection<'a, S, V, J, N, G>, N, 1, G>>,
     /// How many passages of the last step have been reported.
     reported: usize,
     observer: Option<&'a mut dyn Observer<N, S::Mode>>,
@@ -440,10 +530,43 @@ struct Run<'a, S: Switched<N, G>, V, const N: usize, const G: usize> {
     is_stopping: bool,
 }
 
-impl<S, V, const N: usize, const G: usize> OrbitUnderWay for Run<'_, S, V, N, G>
+impl<S, V, J, const N: usize, const G: usize> Run<'_, S, V, J, N, G>
 where
     S: Switched<N, G>,
     V: EventFunctions<N, 1>,
+    J: Jumps<N>,
+{
+    /// Does what is due between two steps of a run with jumps or inputs.
+    fn leap(&mut self) -> Result<Option<Happening>, Error> {
+        let Some(jumping) = &mut self.jumping else {
+            return Ok(None);
+        };
+        while self.told.is_empty() {
+            if jumping.is_due() {
+                // The phase before it is reported first.
+                if self.integration.ends_phase() {
+                    return Ok(None);
+                }
+                let jump = jumping.jump(&mut self.integration)?;
+                if let Some(search) = &mut self.search {
+                    search.set_side(0.0);
+                }
+                return Ok(jump.map(|at| Happening::Transition(self.of.transition(&at))));
+            }
+            if !jumping.is_at_kink(&self.integration) {
+                return Ok(None);
+            }
+            jumping.pass_kink(&mut self.integration, &self.of, &mut self.told)?;
+        }
+        Ok(self.told.pop_front())
+    }
+}
+
+impl<S, V, J, const N: usize, const G: usize> OrbitUnderWay for Run<'_, S, V, J, N, G>
+where
+    S: Switched<N, G>,
+    V: EventFunctions<N, 1>,
+    J: Jumps<N>,
 {
     fn step(&mut self) -> Result<Happening, Error> {
         if let Some(search) = &self.search
@@ -459,11 +582,17 @@ where
                 return Ok(Happening::End(self.of.summary(&summary)));
             }
         }
+        if let Some(happening) = self.leap().map_err(|error| error.of_states(self.of.states))? {
+            return Ok(happening);
+        }
         let progress = self.integration.step();
         let progress = progress.map_err(|error| error.of_states(self.of.states))?;
         self.unobserved = self.observer.is_some().then_some(progress);
         Ok(match &progress {
             Progress::Step => {
+                if let Some(jumping) = &mut self.jumping {
+                    jumping.look(&mut self.integration);
+                }
                 if let Some(search) = &mut self.search {
                     search.in_step(&self.integration.last_step());
                     self.reported = 0;

@@ -29,7 +29,7 @@ mod uncertainty;
 
 pub use contacts::{Contacts, Several};
 pub use ensemble::{Start, ensemble};
-pub(crate) use flow::Flow;
+pub(crate) use flow::{Flow, flow_path};
 pub use flow::{boundary_gradient, normal_component, sliding_field};
 pub use integration::{Integration, Progress};
 pub use observer::{

@@ -56,6 +56,9 @@ pub enum TransitionKind {
     ContactLoss,
     /// The contact function rises above zero again; the mode goes on.
     ContactGain,
+    /// The state is mapped: [`crate::dynamics::Jumps`]. The transition tells the state before, and
+    /// in place of a contact the number of the jump, behind those of the contacts.
+    Jump,
 }
 
 impl TransitionKind {

@@ -188,9 +188,10 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
                 })
             }
             // At a loss of contact they kink, they do not jump.
-            TransitionKind::Touch | TransitionKind::ContactLoss | TransitionKind::ContactGain => {
-                None
-            }
+            TransitionKind::Touch
+            | TransitionKind::ContactLoss
+            | TransitionKind::ContactGain
+            | TransitionKind::Jump => None,
         }
     }
 
@@ -212,6 +213,10 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
 
     fn any_sticks(mode: Mode) -> bool {
         mode == Mode::Stick
+    }
+
+    fn change(from: Mode, to: Mode) -> (TransitionKind, usize) {
+        (kind(from, to), 0)
     }
 
     const CONTACTS: usize = 1;

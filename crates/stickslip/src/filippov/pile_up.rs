@@ -121,6 +121,15 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         count.max(self.unresolved) >= options.pile_up_count
     }
 
+    /// Whether the last two transitions are of one contact at one time.
+    pub(crate) fn repeats_at_once(&self) -> bool {
+        let mut last = self.last.iter().rev();
+        let (Some(one), Some(other)) = (last.next(), last.next()) else {
+            return false;
+        };
+        one.at.t == other.at.t && one.contact == other.contact
+    }
+
     /// The series that the last transitions are, if they are one: three rounds in a row that shrink
     /// by the same ratio, as far as it takes to know the time that is left. Of all rounds the one
     /// counts by which that is known best.

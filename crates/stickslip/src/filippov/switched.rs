@@ -113,6 +113,10 @@ pub trait Switched<const N: usize, const G: usize> {
         0
     }
 
+    /// What a change of mode is called, and the first contact whose mode changes.
+    #[doc(hidden)]
+    fn change(from: Self::Mode, to: Self::Mode) -> (TransitionKind, usize);
+
     /// The mode that a run is said to be in which ends where it starts, since nothing decides its future there.
     #[doc(hidden)]
     const UNDECIDED: Self::Mode;

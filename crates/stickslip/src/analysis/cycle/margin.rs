@@ -48,6 +48,8 @@ pub(crate) struct Margin {
     pub other: Option<usize>,
     pub at: Moment,
     pub is_contact_function: bool,
+    /// Whether it is of the function of a jump.
+    pub is_of_jump: bool,
 }
 
 impl Margin {
@@ -152,6 +154,7 @@ pub(super) fn at_events(system: &dyn Dynamics, outline: &Outline, pieces: &[Piec
             other: None,
             at: at.clone(),
             is_contact_function: begin.is_of_contact,
+            is_of_jump: begin.is_of_jump,
         };
         // Whether a contact is lost or gained changes no mode: the segment goes on.
         if count > 1 {

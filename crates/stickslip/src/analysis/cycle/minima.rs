@@ -80,6 +80,7 @@ pub(super) fn minima(system: &dyn Dynamics, outline: &Outline, pieces: &[Piece])
                     other,
                     at,
                     is_contact_function: guard.goes_on,
+                    is_of_jump: guard.is_of_jump,
                 });
             }
         }
@@ -139,7 +140,9 @@ fn minima_of(
         }
         // Where another contact switches it may jump.
         let others = ends.map(|one| one.filter(|one| *one != guard.contact));
-        if others[0].is_some() && jet(0.0)[1] > 0.0 {
+        // What a jump's function is beyond already does not happen.
+        let is_before = !guard.is_of_jump || samples[0].1[0] > 0.0;
+        if others[0].is_some() && is_before && jet(0.0)[1] > 0.0 {
             found.push(minimum(Site::Begin(guard.number), others[0], 0.0));
         }
         if others[1].is_some() && jet(1.0)[1] < 0.0 {

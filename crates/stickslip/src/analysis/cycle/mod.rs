@@ -23,14 +23,18 @@ pub(super) use newton::newton_solution;
 pub(super) use shooting::{Extra, Shooting};
 
 /// What ends a segment.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Event {
     /// The guard that vanishes.
     pub guard: usize,
-    /// The contact that it belongs to.
+    /// The contact that it belongs to; of a jump, its number behind those of the contacts.
     pub contact: usize,
     /// Whether contact is lost or gained there.
     pub is_of_contact: bool,
+    /// Whether the state jumps there.
+    pub is_of_jump: bool,
+    /// When it is, where not its own function but the kink of an input decides that.
+    pub at_kink: Option<f64>,
 }
 
 /// A part of a periodic orbit in one mode.
@@ -89,9 +93,11 @@ impl Outline {
         let turns: Vec<&Transition> = turns
             .filter(|at| at.kind != TransitionKind::Touch)
             .collect();
-        let event = |at: &Transition| {
+        let event = |at: &Transition, inside: &Moment| {
             let here = at.moment();
-            let flow = system.flow(at.from, &here);
+            let is_of_jump = at.kind == TransitionKind::Jump;
+            // Which way a jump's function comes to zero is seen before it has.
+            let flow = system.flow(at.from, if is_of_jump { inside } else { &here });
             let of_contact = flow.guards().into_iter().filter(|guard| {
                 guard.contact == at.contact && guard.goes_on == is_of_contact(at.kind)
             });
@@ -101,7 +107,14 @@ impl Outline {
                 guard: least.map_or(at.contact, |guard| guard.number),
                 contact: at.contact,
                 is_of_contact: is_of_contact(at.kind),
+                is_of_jump,
+                at_kink: (is_of_jump && system.is_kink(&here)).then_some(at.t),
             }
+        };
+        // The state that a transition leaves behind.
+        let behind = |at: &Transition| match at.kind {
+            TransitionKind::Jump => system.reset(at.contact, &at.moment()).after,
+            _ => at.x.clone(),
         };
         let whole = |mode: Modes| Segment {
             mode,
@@ -145,19 +158,23 @@ impl Outline {
         let mut segments = Vec::with_capacity(again - first);
         for pair in turns[first..=again].windows(2) {
             let t = 0.5 * (pair[0].t + pair[1].t);
+            let inside = Moment { t, x: orbit.at(t)? };
             segments.push(Segment {
                 mode: pair[0].to,
-                inside: Moment { t, x: orbit.at(t)? },
-                end: Some(event(pair[1])),
+                end: Some(event(pair[1], &inside)),
+                inside,
                 duration: pair[1].t - pair[0].t,
             });
         }
         // Without the run's own states what it is off by would grow from one to the next.
         let number = to_cut(&segments);
-        let begins = turns[first + 1..again].iter().map(|at| at.x.clone());
+        let begins = turns[first + 1..again].iter().map(|at| behind(at));
         let middle = segments.get(number).map(|one| one.inside.x.clone());
         Ok(Outline {
-            begin: turns[first].moment(),
+            begin: Moment {
+                t: turns[first].t,
+                x: behind(turns[first]),
+            },
             cut: Some(Cut {
                 number,
                 states: begins.chain(middle).collect(),
@@ -268,6 +285,11 @@ impl Outline {
                 end.filter(|end| own.mode.get(end.contact) != there.get(end.contact))
             };
             let between = || std::iter::once(k).chain(gone.iter().copied());
+            // No orbit without a jump is next to one with it.
+            let jumps = |k: usize| self.segments[k].end.is_some_and(|end| end.is_of_jump);
+            if !gone.is_empty() && between().any(jumps) {
+                return None;
+            }
             let ends = between().enumerate();
             let mut ends = ends.filter_map(|(place, k)| Some((place, changes(k)?)));
             match ends.next() {

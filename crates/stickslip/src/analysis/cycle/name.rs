@@ -36,6 +36,9 @@ pub enum SequenceBifurcation {
     /// Two contacts change in the same instant: to one side one of them does so first, to the other
     /// the other. Of contacts that do not act on each other nothing else changes.
     Coincidence,
+    /// The function of a jump touches zero (Nordmark 1991): to one side the state does not jump, to
+    /// the other it does, with a derivative that grows without bound towards the graze.
+    JumpGrazing,
     /// None of the event functions explains it.
     Unnamed,
 }
@@ -50,6 +53,7 @@ impl fmt::Display for SequenceBifurcation {
             SequenceBifurcation::Grazing => "grazing",
             SequenceBifurcation::ContactGrazing => "grazing of the contact function",
             SequenceBifurcation::Coincidence => "coincidence",
+            SequenceBifurcation::JumpGrazing => "grazing of a jump",
             SequenceBifurcation::Unnamed => "unnamed",
         })
     }
@@ -100,6 +104,9 @@ const AGREE: f64 = 1e-6;
 fn name(system: &dyn Dynamics, margin: &Margin) -> (SequenceBifurcation, Rates) {
     if margin.other.is_some() {
         return (SequenceBifurcation::Coincidence, Rates::none());
+    }
+    if margin.is_of_jump {
+        return (SequenceBifurcation::JumpGrazing, Rates::none());
     }
     if margin.is_contact_function {
         return (SequenceBifurcation::ContactGrazing, Rates::none());

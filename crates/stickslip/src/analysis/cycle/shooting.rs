@@ -84,6 +84,24 @@ impl Map {
         let by_guard = gradient.tr_mul(&self.across) / rate;
         self.across += kick * by_guard;
         self.velocity += kick;
+        self.take_out();
+    }
+
+    /// Behind a jump of the state, by the derivative of its map; the kick is that of the saltation.
+    fn reset(
+        &mut self,
+        by_state: &Matrix,
+        (kick, gradient, rate): (&Vector, &Vector, f64),
+        velocity: Vector,
+    ) {
+        let by_guard = gradient.tr_mul(&self.across) / rate;
+        self.across = by_state * &self.across + kick * by_guard;
+        self.velocity = velocity;
+        self.take_out();
+    }
+
+    /// Takes out what has come in along the flow.
+    fn take_out(&mut self) {
         let square = self.velocity.norm_squared();
         if self.is_autonomous && square > 0.0 {
             let part = self.across.tr_mul(&self.velocity) / square;
@@ -216,11 +234,30 @@ impl Under<'_> {
         let system = self.shooting.system;
         let flow = system.flow(segment.mode, &segment.inside);
         let velocity = flow.velocity(&self.at);
-        let value = flow.guard(event.guard, &self.at);
-        let (gradient, in_time) = flow.guard_gradient(event.guard, &self.at);
+        let (value, (gradient, in_time)) = match event.at_kink {
+            Some(t) => (self.at.t - t, (Vector::zeros(velocity.len()), 1.0)),
+            None => (
+                flow.guard(event.guard, &self.at),
+                flow.guard_gradient(event.guard, &self.at),
+            ),
+        };
         let next = &outline.segments[(number + 1) % outline.segments.len()];
-        let kick = system.flow(next.mode, &next.inside).velocity(&self.at) - &velocity;
+        let next = system.flow(next.mode, &next.inside);
         let rate = in_time + gradient.dot(&velocity);
+        if event.is_of_jump {
+            let row = self.row(value, (&gradient, in_time), (&self.of_state, &self.of_time));
+            let reset = system.reset(event.contact, &self.at);
+            self.at.x = reset.after;
+            self.of_state =
+                &reset.by_state * &self.of_state + &reset.by_time * self.of_time.transpose();
+            let after = next.velocity(&self.at);
+            let kick = &after - &reset.by_state * &velocity - &reset.by_time;
+            if let Some(map) = self.maps.last_mut() {
+                map.reset(&reset.by_state, (&kick, &gradient, rate), after);
+            }
+            return Some(row);
+        }
+        let kick = next.velocity(&self.at) - &velocity;
         if kick.amax() > f64::EPSILON * velocity.amax()
             && let Some(map) = self.maps.last_mut()
         {
@@ -717,7 +754,7 @@ impl<'a> Shooting<'a> {
         let n = piece.begin.x.len();
         let is_autonomous = self.forced.is_none();
         let flow = self.system.flow(segment.mode, &segment.inside);
-        let mut map = TangentMap::identity(n);
+        let mut map = TangentMap::identity(self.system);
         if is_autonomous {
             map.take_out(&velocity_in(self.system, segment.mode, &piece.begin));
         }

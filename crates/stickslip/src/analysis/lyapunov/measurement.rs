@@ -14,6 +14,9 @@ use crate::math;
 /// Part of its length by which a vector may be off the boundary of what sticks: its length is then off by the square of that.
 const OFF: f64 = 1e-12;
 
+/// Part of its size by which a map of the state may be off: it comes of dual numbers.
+const ROUNDING: f64 = 1e-13;
+
 /// The frame, and what is summed up of it.
 pub(super) struct Measurement<'a> {
     tangent: Tangent<'a>,
@@ -139,7 +142,38 @@ impl<'a> Measurement<'a> {
     }
 }
 
+/// Whether a map of the state annihilates a direction, to rounding.
+fn is_singular(jump: &Jump) -> bool {
+    let size = jump.matrix.amax();
+    let products = (0..jump.matrix.nrows()).fold(1.0, |all, _| all * size);
+    jump.determinant.abs() <= ROUNDING * products
+}
+
 impl Measurement<'_> {
+    /// Takes the frame through a map of the state that annihilates directions, as one that sets a
+    /// component to a constant does.
+    fn annihilate(&mut self, jump: &Jump) -> Option<()> {
+        let svd = jump.matrix.clone().svd(false, true);
+        let (values, rows) = (&svd.singular_values, svd.v_t?);
+        let zero = ROUNDING * values.amax();
+        for (value, row) in values.iter().zip(rows.row_iter()) {
+            if *value <= zero {
+                self.collapses += 1;
+                self.collapse(&row.transpose());
+            }
+        }
+        self.frame.change_living(|q| *q = &jump.matrix * &*q);
+        let lengths = self.frame.orthonormalise_living()?;
+        for (j, length) in lengths.iter().enumerate() {
+            if self.frame.is_alive(j) {
+                let log = math::ln(*length);
+                self.growth.logs[j] += log;
+                self.log_volume += log;
+            }
+        }
+        Some(())
+    }
+
     /// A run that begins in stick was on Σ before: nothing across it survives. (From where it came decides along which
     /// direction it was projected, and no exponent depends on that.)
     fn begin_on_boundary(&mut self, step: &Step) -> Option<()> {
@@ -225,12 +259,13 @@ impl Measurement<'_> {
         let passed = if enters {
             self.collapses += 1;
             self.enter_stick(&jump)
+        } else if at.kind == TransitionKind::Jump && is_singular(&jump) {
+            self.annihilate(&jump)
         } else {
             for q in self.frame.columns_mut() {
                 *q = &jump.matrix * &*q;
             }
-            // det(I + u vᵀ) = 1 + v·u.
-            self.book(math::ln((jump.rate_after / jump.rate_before).abs()))
+            self.book(math::ln(jump.determinant.abs()))
         };
         passed.ok_or_else(|| singular(at.t, &at.x))
     }

@@ -196,7 +196,9 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
             TransitionKind::StickExit | TransitionKind::Touch => {
                 changed(at).any(|i| at.from[i] != Mode::Stick || decision.has_static_friction(i))
             }
-            TransitionKind::ContactLoss | TransitionKind::ContactGain => false,
+            TransitionKind::ContactLoss | TransitionKind::ContactGain | TransitionKind::Jump => {
+                false
+            }
         };
         jumps.then_some(at.contact)
     }
@@ -233,6 +235,11 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
 
     fn any_sticks(mode: [Mode; M]) -> bool {
         mode.contains(&Mode::Stick)
+    }
+
+    fn change(from: [Mode; M], to: [Mode; M]) -> (TransitionKind, usize) {
+        let first = (0..M).find(|&i| from[i] != to[i]).unwrap_or(0);
+        (kind(from[first], to[first]), first)
     }
 
     const CONTACTS: usize = M;

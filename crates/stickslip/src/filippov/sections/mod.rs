@@ -30,7 +30,7 @@ pub enum Direction {
 
 impl Direction {
     /// Whether a passage the way `passed` is one that is asked for.
-    fn includes(self, passed: Direction) -> bool {
+    pub(crate) fn includes(self, passed: Direction) -> bool {
         self == Direction::Both || self == passed
     }
 }

@@ -91,11 +91,16 @@ where
         self.found.truncate(count);
     }
 
-    fn search(&mut self, step: &StepRecord<N, S::Mode>) {
+    /// Notes how large the components are over a step.
+    fn note_size(&mut self, [start, end]: [&State<N>; 2]) {
         for i in 0..N {
-            let now = f64::max(step.x_start[i].abs(), step.x_end[i].abs());
+            let now = f64::max(start[i].abs(), end[i].abs());
             self.size[i] = now.max(0.5 * self.size[i]);
         }
+    }
+
+    fn search(&mut self, step: &StepRecord<N, S::Mode>) {
+        self.note_size([&step.x_start, &step.x_end]);
         let found = &mut self.found;
         for number in 0..E {
             let asked = self.events.direction(number);
@@ -124,5 +129,41 @@ where
             self.sides[number] = crossings.side;
         }
         found.sort_by(|one, other| (one.t.total_cmp(&other.t)).then(one.number.cmp(&other.number)));
+    }
+}
+
+/// What a search for the zeros of one function knows from the steps so far.
+pub(crate) struct Memory<const N: usize> {
+    side: f64,
+    size: State<N>,
+}
+
+impl<S, V, const N: usize, const G: usize> EventSearch<'_, S, V, N, 1, G>
+where
+    S: Switched<N, G>,
+    V: EventFunctions<N, 1>,
+{
+    /// The sign that the only function has had last; 0 where that is not known.
+    pub(crate) fn side(&self) -> f64 {
+        self.sides[0]
+    }
+
+    /// What it knows from the steps so far.
+    pub(crate) fn memory(&self) -> Memory<N> {
+        Memory {
+            side: self.sides[0],
+            size: self.size,
+        }
+    }
+
+    /// Forgets the last step behind a state in it, at which that was cut.
+    pub(crate) fn cut(&mut self, before: Memory<N>, start: &State<N>, at: &State<N>) {
+        (self.sides[0], self.size) = (before.side, before.size);
+        self.note_size([start, at]);
+    }
+
+    /// Sets the sign that the only function has had last; 0 where the state starts anew.
+    pub(crate) fn set_side(&mut self, side: f64) {
+        self.sides[0] = side;
     }
 }

@@ -10,7 +10,7 @@ pub(super) use end::Ends;
 use end::{End, sums};
 use kink::{jumped, note_turn};
 use piece::{Piece, Polynomial, nowhere, powers};
-pub(super) use step_size::step_ratio;
+pub(super) use step_size::{GROW_MOST, step_ratio};
 
 use super::flow::Flow;
 use super::options::Options;
@@ -280,7 +280,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         if self.is_new {
             self.enter(run, flow);
         }
-        self.scale = run.h.min(run.options.longest_step);
+        // Where the series ends, as of a constant field, nothing else bounds it.
+        self.scale = run.h.min(run.options.longest_step).min(f64::MAX.sqrt());
         self.is_expanded = false;
         run.counters.field_calls += flow.field_calls() * (self.piece.order as u64 + 1);
     }

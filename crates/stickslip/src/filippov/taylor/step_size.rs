@@ -12,7 +12,7 @@ const SAFETY: f64 = 0.1;
 /// Growth of the step from one to the next at most. The series of a polynomial solution ends and would allow any; but over a step that is too
 /// long by this factor a guard that bends is known to rounding times its square, and no better are its grazes. One very near the start of
 /// a very long step is badly resolved.
-const GROW_MOST: f64 = 64.0;
+pub(in crate::filippov) const GROW_MOST: f64 = 64.0;
 
 /// Longest step in units of the radius of convergence as the terms' own ratio tells it: beyond it a series means nothing,
 /// however small its terms.

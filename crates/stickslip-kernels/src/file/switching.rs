@@ -1,0 +1,245 @@
+//! What a file says of discrete states, jumps, and inputs that depend on time alone.
+
+use std::path::Path;
+
+use super::names::{Meaning, Names, did_you_mean};
+use super::problem::{Problem, Source};
+use super::table::{Entry, Table, listed};
+use super::{InputEntry, InputShape, JumpEntry, StateEntry};
+use crate::kernel::Piece;
+
+/// The shapes that repeat, and what each is over a period.
+const SHAPES: [&str; 5] = ["square", "triangle", "sawtooth", "pulse", "table"];
+
+/// Discrete states: they change by jumps only.
+pub(super) fn discrete(
+    file: &Table<'_>,
+    names: &mut Names,
+    states: usize,
+) -> Result<Vec<StateEntry>, Problem> {
+    let Some(table) = file.table("discrete")? else {
+        return Ok(Vec::new());
+    };
+    let entries = table.entries().enumerate();
+    let discrete = entries.map(|(number, (name, place, entry))| {
+        Ok(StateEntry {
+            name: names.add(name, place, Meaning::State(states + number))?,
+            unit: String::new(),
+            meaning: None,
+            start: Some(entry.formula()?),
+            range: None,
+            is_discrete: true,
+        })
+    });
+    discrete.collect()
+}
+
+/// The jumps.
+pub(super) fn jumps(
+    file: &Table<'_>,
+    names: &mut Names,
+    states: &[StateEntry],
+) -> Result<Vec<JumpEntry>, Problem> {
+    let Some(table) = file.table("jumps")? else {
+        return Ok(Vec::new());
+    };
+    let entries = table.entries().enumerate();
+    let jumps = entries.map(|(number, (name, place, entry))| {
+        let name = names.add(name, place.clone(), Meaning::Jump(number))?;
+        jump(entry.table("jumps", &name)?, name.clone(), states)
+    });
+    jumps.collect()
+}
+
+fn jump(table: Table<'_>, name: String, states: &[StateEntry]) -> Result<JumpEntry, Problem> {
+    table.only(&["when", "direction", "set", "stop", "count"])?;
+    let when = "an expression whose zero it is, as in when = \"x - gap\"";
+    let most = match (table.get("stop"), table.get("count")) {
+        (Some(_), Some(count)) => {
+            return Err(
+                Problem::new("`stop` and `count` say the same", count.place())
+                    .help("stop = true is count = 1; write one of them"),
+            );
+        }
+        (Some(stop), None) => stop.flag()?.then_some(1),
+        (None, Some(count)) => Some(count.count()?),
+        (None, None) => None,
+    };
+    let mut set = vec![None; states.len()];
+    if let Some(entry) = table.get("set") {
+        let rows = super::read::by_state(&entry.table(&format!("jumps.{name}"), "set")?, states)?;
+        for (set, row) in set.iter_mut().zip(rows) {
+            *set = row.map(Entry::formula).transpose()?;
+        }
+    }
+    if most.is_none() && set.iter().all(Option::is_none) {
+        let message = format!("the jump `{name}` sets no state");
+        return Err(Problem::new(message, table.place.clone())
+            .help("write set = { v = \"-r*v\" }, or stop = true to end the run there"));
+    }
+    Ok(JumpEntry {
+        when: table.need("when", when)?.formula()?,
+        direction: super::read::direction(table.get("direction"))?,
+        set,
+        most,
+        place: table.place.clone(),
+        name,
+    })
+}
+
+/// The inputs: those that repeat, those of tables, and switches.
+pub(super) fn inputs(
+    source: &Source,
+    file: &Table<'_>,
+    names: &mut Names,
+) -> Result<Vec<InputEntry>, Problem> {
+    let mut inputs = Vec::new();
+    if let Some(table) = file.table("inputs")? {
+        for (name, place, entry) in table.entries() {
+            let name = names.add(name, place.clone(), Meaning::Input(inputs.len()))?;
+            let shape = input(source, &entry.table("inputs", &name)?)?;
+            inputs.push(InputEntry { name, shape, place });
+        }
+    }
+    if let Some(table) = file.table("switches")? {
+        for (name, place, entry) in table.entries() {
+            let name = names.add(name, place.clone(), Meaning::Input(inputs.len()))?;
+            let table = entry.table("switches", &name)?;
+            table.only(&["function"])?;
+            let function = "an expression of time whose sign it is, as in function = \"sin(w*t)\"";
+            let shape = InputShape::Switch(table.need("function", function)?.formula()?);
+            inputs.push(InputEntry { name, shape, place });
+        }
+    }
+    Ok(inputs)
+}
+
+fn input(source: &Source, table: &Table<'_>) -> Result<InputShape, Problem> {
+    let wanted = "what it is over a period: square, triangle, sawtooth or pulse; or table";
+    let entry = table.need("shape", wanted)?;
+    let shape = entry.text()?;
+    let piece = |from: f64, value: f64, slope: f64| Piece { from, value, slope };
+    let pieces = match shape {
+        "square" => vec![piece(0.0, 1.0, 0.0), piece(0.5, -1.0, 0.0)],
+        "triangle" => vec![
+            piece(0.0, 0.0, 4.0),
+            piece(0.25, 1.0, -4.0),
+            piece(0.75, -1.0, 4.0),
+        ],
+        "sawtooth" => vec![piece(0.0, 0.0, 1.0)],
+        "pulse" => {
+            table.only(&["shape", "period", "phase", "width"])?;
+            let width = table.need("width", "the part of the period in which it is 1")?;
+            let part = width.finite()?;
+            if !(part > 0.0 && part < 1.0) {
+                let message = format!("the width {part} is not between 0 and 1");
+                return Err(Problem::new(message, width.place())
+                    .help("it is the part of the period in which the pulse is 1"));
+            }
+            vec![piece(0.0, 1.0, 0.0), piece(part, 0.0, 0.0)]
+        }
+        "table" => return points(source, table),
+        other => {
+            let help = did_you_mean(other, SHAPES)
+                .unwrap_or_else(|| format!("it can be {}", listed(&SHAPES)));
+            let message = format!("there is no shape `{other}`");
+            return Err(Problem::new(message, entry.place()).help(help));
+        }
+    };
+    if shape != "pulse" {
+        table.only(&["shape", "period", "phase"])?;
+    }
+    let period = table.need("period", "an expression, as in period = \"2*pi/w\"")?;
+    Ok(InputShape::Periodic {
+        pieces,
+        period: period.formula()?,
+        phase: table.get("phase").map(Entry::formula).transpose()?,
+    })
+}
+
+/// An input that goes through points.
+fn points(source: &Source, table: &Table<'_>) -> Result<InputShape, Problem> {
+    table.only(&["shape", "times", "values", "file", "between"])?;
+    let place = table.place.clone();
+    let (times, values, place) = match (table.get("file"), table.get("times"), table.get("values")) {
+        (Some(file), None, None) => {
+            let (times, values) = from_file(source, file)?;
+            (times, values, file.place())
+        }
+        (None, Some(times), Some(values)) => (times.list()?, values.list()?, times.place()),
+        _ => {
+            return Err(Problem::new("a table has times and values, or a file", place)
+                .help("times = [0, 1], values = [0, 5]; or file = \"force.csv\" beside this file"));
+        }
+    };
+    if times.len() != values.len() || times.is_empty() {
+        let message = format!("{} times and {} values", times.len(), values.len());
+        return Err(Problem::new(message, place).help("each time has its value"));
+    }
+    if let Some(pair) = times.windows(2).find(|pair| pair[0] >= pair[1]) {
+        let message = format!("the times are not in order: {} comes before {}", pair[0], pair[1]);
+        return Err(Problem::new(message, place).help("each time is larger than the one before"));
+    }
+    let between = table.get("between");
+    let is_linear = match between.map(|entry| Ok((entry.text()?, entry))).transpose()? {
+        None | Some(("linear", _)) => true,
+        Some(("constant", _)) => false,
+        Some((other, entry)) => {
+            let message = format!("between points a table cannot be `{other}`");
+            return Err(Problem::new(message, entry.place()).help("it is linear or constant"));
+        }
+    };
+    // Before the first point it is as there, and behind the last.
+    let first = Piece {
+        from: f64::NEG_INFINITY,
+        value: values[0],
+        slope: 0.0,
+    };
+    let part = |k: usize| Piece {
+        from: times[k],
+        value: values[k],
+        slope: match times.get(k + 1) {
+            Some(next) if is_linear => (values[k + 1] - values[k]) / (next - times[k]),
+            _ => 0.0,
+        },
+    };
+    let pieces = std::iter::once(first).chain((0..times.len()).map(part));
+    Ok(InputShape::Table(pieces.collect()))
+}
+
+/// Times and values from the first two columns of a file beside that of the system.
+fn from_file(source: &Source, entry: Entry<'_>) -> Result<(Vec<f64>, Vec<f64>), Problem> {
+    let name = entry.text()?;
+    let folder = Path::new(&source.name).parent().unwrap_or(Path::new(""));
+    let path = folder.join(name);
+    let wrong = |message: String| Problem::new(message, entry.place());
+    let reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .trim(csv::Trim::All)
+        .comment(Some(b'#'))
+        .from_path(&path);
+    let mut reader =
+        reader.map_err(|error| wrong(format!("cannot read {}: {error}", path.display())))?;
+    let (mut times, mut values) = (Vec::new(), Vec::new());
+    for (row, record) in reader.records().enumerate() {
+        let record = record.map_err(|error| wrong(format!("{}: {error}", path.display())))?;
+        let number = |column: usize| {
+            let cell = record.get(column).unwrap_or_default();
+            cell.parse::<f64>().ok().filter(|value| value.is_finite())
+        };
+        match (number(0), number(1)) {
+            (Some(t), Some(value)) => {
+                times.push(t);
+                values.push(value);
+            }
+            // Names of columns.
+            _ if row == 0 => {}
+            _ => {
+                let message = format!("{}: row {} has no time and value", path.display(), row + 1);
+                return Err(wrong(message).help("two numbers, with a comma between them"));
+            }
+        }
+    }
+    Ok((times, values))
+}

@@ -1,0 +1,387 @@
+//! Jumps: where a function of the state passes through zero the state is mapped.
+
+use std::collections::VecDeque;
+
+use super::typed::{TypedSection, View};
+use super::{Happening, Vector};
+use crate::dual::Dual;
+use crate::error::Error;
+use crate::filippov::{
+    Direction, EventFunctions, EventSearch, Integration, Options, Switched, Transition,
+    TransitionKind, gradient,
+};
+use crate::ode::Timed;
+use crate::orbit::Ending;
+use crate::scalar::Scalar;
+use crate::system::{State, components};
+
+/// The jumps of a system of `N` states, and its inputs that kink at known times.
+///
+/// A jump happens where its function passes through zero the way that is asked for, by the motion,
+/// by another jump or by a kink. A state that is left at zero by the jump itself does not jump
+/// again before it has left zero. Jumps of the same instant are done in their order.
+///
+/// ```
+/// use stickslip::dynamics::{AsDynamics, Happening, Jumps, Moment, Section, WithJumps};
+/// use stickslip::{Direction, Filippov, Options, Scalar, Side, TransitionKind};
+///
+/// /// A ball that falls, far from a boundary that does nothing.
+/// struct Fall;
+/// impl Filippov<2> for Fall {
+///     fn field<T: Scalar>(&self, _: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+///         [x[1], T::constant(-9.81)]
+///     }
+///     fn boundary<T: Scalar>(&self, _t: T, _x: &[T; 2]) -> T {
+///         T::one()
+///     }
+/// }
+/// /// It comes back from the ground with half its speed.
+/// struct Bounce;
+/// impl Jumps<2> for Bounce {
+///     fn count(&self) -> usize {
+///         1
+///     }
+///     fn direction(&self, _: usize) -> Direction {
+///         Direction::Falling
+///     }
+///     fn when<T: Scalar>(&self, _: usize, _t: T, x: &[T; 2]) -> T {
+///         x[0]
+///     }
+///     fn set<T: Scalar>(&self, _: usize, _t: T, x: &[T; 2]) -> [T; 2] {
+///         [T::zero(), x[1] * -0.5]
+///     }
+/// }
+/// let ball = WithJumps { system: Fall, jumps: Bounce };
+/// let dynamics = ball.dynamics();
+/// let start = Moment { t: 0.0, x: vec![1.0, 0.0].into() };
+/// let mut orbit = dynamics.begin(&start, 1.0, &Options::default(), &Section::None)?;
+/// let first = loop {
+///     if let Happening::Transition(at) = orbit.step()? {
+///         break at;
+///     }
+/// };
+/// assert_eq!(first.kind, TransitionKind::Jump);
+/// assert!((first.t - (2.0_f64 / 9.81).sqrt()).abs() < 1e-12);
+/// # Ok::<(), stickslip::Error>(())
+/// ```
+pub trait Jumps<const N: usize> {
+    /// Number of jumps.
+    fn count(&self) -> usize;
+
+    /// Which way the function of a jump passes through zero where it happens.
+    fn direction(&self, _jump: usize) -> Direction {
+        Direction::Both
+    }
+
+    /// The function whose zero a jump is.
+    fn when<T: Scalar>(&self, jump: usize, t: T, x: &[T; N]) -> T;
+
+    /// The state behind a jump, from that before it.
+    fn set<T: Scalar>(&self, jump: usize, t: T, x: &[T; N]) -> [T; N];
+
+    /// The run ends with so many of a jump; with none by default.
+    fn most(&self, _jump: usize) -> Option<u64> {
+        None
+    }
+
+    /// Whether a state takes one of some values that jumps set, with none near by: tangent vectors
+    /// have no component along it.
+    fn is_discrete(&self, _state: usize) -> bool {
+        false
+    }
+
+    /// The next time behind `t` at which an input may kink; infinite, or behind `t_end`, if none
+    /// does before that.
+    fn next_kink(&self, _t: f64, _x: &[f64], _t_end: f64) -> f64 {
+        f64::INFINITY
+    }
+
+    /// Sets the components of the state that inputs hold from `t` to their next kink.
+    fn hold(&self, _t: f64, _x: &mut [f64]) {}
+}
+
+/// No jumps.
+#[derive(Clone, Copy, Debug)]
+pub struct NoJumps;
+
+impl<const N: usize> Jumps<N> for NoJumps {
+    fn count(&self) -> usize {
+        0
+    }
+
+    fn when<T: Scalar>(&self, _jump: usize, _t: T, _x: &[T; N]) -> T {
+        T::one()
+    }
+
+    fn set<T: Scalar>(&self, _jump: usize, _t: T, x: &[T; N]) -> [T; N] {
+        *x
+    }
+}
+
+impl<J: Jumps<N>, const N: usize> Jumps<N> for &J {
+    fn count(&self) -> usize {
+        (**self).count()
+    }
+    fn direction(&self, jump: usize) -> Direction {
+        (**self).direction(jump)
+    }
+    fn when<T: Scalar>(&self, jump: usize, t: T, x: &[T; N]) -> T {
+        (**self).when(jump, t, x)
+    }
+    fn set<T: Scalar>(&self, jump: usize, t: T, x: &[T; N]) -> [T; N] {
+        (**self).set(jump, t, x)
+    }
+    fn most(&self, jump: usize) -> Option<u64> {
+        (**self).most(jump)
+    }
+    fn is_discrete(&self, state: usize) -> bool {
+        (**self).is_discrete(state)
+    }
+    fn next_kink(&self, t: f64, x: &[f64], t_end: f64) -> f64 {
+        (**self).next_kink(t, x, t_end)
+    }
+    fn hold(&self, t: f64, x: &mut [f64]) {
+        (**self).hold(t, x)
+    }
+}
+
+/// A system with jumps, which every analysis takes as it takes the system alone.
+#[derive(Clone, Copy, Debug)]
+pub struct WithJumps<S, J> {
+    /// What moves between jumps.
+    pub system: S,
+    /// The jumps.
+    pub jumps: J,
+}
+
+/// What a jump does at a moment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reset {
+    /// The state behind it.
+    pub after: Vector,
+    /// The derivative of that state by the state before, square in the states.
+    pub by_state: super::Matrix,
+    /// The derivative of that state by time.
+    pub by_time: Vector,
+    /// The function whose zero it is.
+    pub value: f64,
+    /// The gradient of that function in the state.
+    pub gradient: Vector,
+    /// Its time derivative.
+    pub in_time: f64,
+}
+
+/// Units in the last place by which the times of one instant may differ.
+const SAME_TIME: f64 = 4.0 * f64::EPSILON;
+
+/// The search for jumps along a run, and what they do to it.
+pub(super) struct Jumping<'a, S: Switched<N, G>, V, J, const N: usize, const G: usize> {
+    jumps: &'a J,
+    /// One for each jump.
+    searches: Vec<EventSearch<'a, S, TypedSection<'a, S, V, J, N, G>, N, 1, G>>,
+    counts: Vec<u64>,
+    /// Number of contacts, behind which jumps are counted.
+    contacts: usize,
+    /// When the run ends.
+    t_end: f64,
+    /// When an input kinks next.
+    kink: f64,
+    /// The jumps that are to be done, in their order.
+    due: VecDeque<usize>,
+    is_held: bool,
+}
+
+impl<'a, S, V, J, const N: usize, const G: usize> Jumping<'a, S, V, J, N, G>
+where
+    S: Switched<N, G>,
+    V: EventFunctions<N, 1>,
+    J: Jumps<N>,
+{
+    /// The jumps of a run that has not begun; `None` of a system without any.
+    pub(super) fn of(
+        view: &View<'a, S, V, J, N, G>,
+        integration: &mut Integration<'a, S, N, G>,
+        options: &Options,
+        t_end: f64,
+    ) -> Option<Self> {
+        let jumps = view.jumps;
+        let (t, x) = (integration.t(), components(integration.x()));
+        let kink = jumps.next_kink(t, x, t_end);
+        if jumps.count() == 0 && kink == f64::INFINITY {
+            return None;
+        }
+        integration.end_at(t_end.min(kink));
+        let is_held = integration.is_held();
+        let count = if is_held { 0 } else { jumps.count() };
+        let search = |number| EventSearch::new(view.system, view.when(number), options);
+        Some(Jumping {
+            jumps,
+            searches: (0..count).map(search).collect(),
+            counts: vec![0; count],
+            contacts: view.contacts,
+            t_end,
+            kink,
+            due: VecDeque::new(),
+            is_held,
+        })
+    }
+
+    /// Cuts the last step short where a jump happens in it.
+    pub(super) fn look(&mut self, integration: &mut Integration<'a, S, N, G>) {
+        if self.searches.is_empty() {
+            return;
+        }
+        let step = integration.last_step();
+        let memories: Vec<_> = self.searches.iter().map(EventSearch::memory).collect();
+        for search in &mut self.searches {
+            search.in_step(&step);
+        }
+        let firsts = self.searches.iter().map(|search| search.found().first());
+        let earliest = firsts.flatten().min_by(|a, b| a.t.total_cmp(&b.t));
+        let Some(Timed { t, x }) = earliest.map(|at| Timed { t: at.t, x: at.x }) else {
+            return;
+        };
+        integration.stop_at(Timed { t, x });
+        for (number, (search, memory)) in self.searches.iter_mut().zip(memories).enumerate() {
+            let found = search.found().first();
+            if found.is_some_and(|at| at.t - t <= SAME_TIME * t.abs()) {
+                self.due.push_back(number);
+            }
+            search.cut(memory, &step.x_start, &x);
+        }
+    }
+
+    /// Whether a jump is to be done.
+    pub(super) fn is_due(&self) -> bool {
+        !self.due.is_empty()
+    }
+
+    /// Whether a run has come to a kink. One at its end is passed, too: a run from there goes on.
+    pub(super) fn is_at_kink(&self, integration: &Integration<'a, S, N, G>) -> bool {
+        integration.is_at_end() && integration.t() >= self.kink
+    }
+
+    /// Does the next jump that is due.
+    ///
+    /// # Errors
+    /// Those of [`Integration::new`] at the state behind it, and those of too many transitions.
+    pub(super) fn jump(
+        &mut self,
+        integration: &mut Integration<'a, S, N, G>,
+    ) -> Result<Option<Transition<N, S::Mode>>, Error> {
+        let Some(number) = self.due.pop_front() else {
+            return Ok(None);
+        };
+        let (t, before, from) = (integration.t(), *integration.x(), integration.mode());
+        let residual = self.jumps.when(number, t, components(&before)).abs();
+        let after: State<N> = self.jumps.set(number, t, components(&before)).into();
+        self.counts[number] += 1;
+        let most = self.jumps.most(number);
+        if most.is_some_and(|most| self.counts[number] >= most) {
+            self.due.clear();
+            integration.leap(self.contacts + number, after, Some(Ending::Stopped))?;
+        } else {
+            integration.leap(self.contacts + number, after, None)?;
+            let side = self.leaves_to(number, integration);
+            self.searches[number].set_side(side);
+            self.find_edges(t, [&before, &after], Some(number));
+        }
+        Ok(Some(Transition {
+            t,
+            x: before,
+            kind: TransitionKind::Jump,
+            from,
+            to: integration.mode(),
+            contact: number,
+            residual,
+        }))
+    }
+
+    /// The sign that the function of a jump has just behind it; 0 where its rate does not tell.
+    fn leaves_to(&self, number: usize, integration: &Integration<'a, S, N, G>) -> f64 {
+        let (t, x) = (integration.t(), *integration.x());
+        let at = sign(self.jumps, number, &Timed { t, x });
+        if at != 0.0 {
+            return at;
+        }
+        let velocity = integration.velocity();
+        let along = std::array::from_fn(|i| Dual::new(x[i], velocity[i]));
+        let rate = self.jumps.when(number, Dual::new(t, 1.0), &along).eps;
+        let (slopes, in_time) = gradient(|t, x| self.jumps.when(number, t, x), &Timed { t, x });
+        let size = slopes.abs().dot(&velocity.abs()) + in_time.abs();
+        if rate.abs() > ULPS * f64::EPSILON * size {
+            rate.signum()
+        } else {
+            0.0
+        }
+    }
+
+    /// Goes on behind the kink of an input. Reports what ends with it: a contact may stick no more.
+    ///
+    /// # Errors
+    /// Those of [`Integration::new`].
+    pub(super) fn pass_kink(
+        &mut self,
+        integration: &mut Integration<'a, S, N, G>,
+        view: &View<'a, S, V, J, N, G>,
+        told: &mut VecDeque<Happening>,
+    ) -> Result<(), Error> {
+        let (t, before) = (integration.t(), *integration.x());
+        let mut after = before;
+        self.jumps.hold(t, after.as_mut_slice());
+        self.kink = self.jumps.next_kink(t, components(&after), self.t_end);
+        integration.end_at(self.t_end.min(self.kink));
+        let phase = integration.phase();
+        let changed = integration.kink(after)?;
+        self.find_edges(t, [&before, &after], None);
+        if changed.is_some() || self.is_due() || integration.phase().is_none() {
+            told.extend(phase.map(|phase| Happening::PhaseEnd(view.phase(&phase))));
+            integration.begin_phase();
+        }
+        told.extend(changed.map(|at| Happening::Transition(view.transition(&at))));
+        Ok(())
+    }
+
+    /// Finds the jumps whose functions have passed through zero between two states of one instant.
+    fn find_edges(&mut self, t: f64, [before, after]: [&State<N>; 2], but: Option<usize>) {
+        if self.is_held {
+            return;
+        }
+        for (number, search) in self.searches.iter_mut().enumerate() {
+            if Some(number) == but || self.due.contains(&number) {
+                continue;
+            }
+            let at = |x: &State<N>| sign(self.jumps, number, &Timed { t, x: *x });
+            let (side, now) = (search.side(), at(after));
+            let side = if side == 0.0 { at(before) } else { side };
+            if now == 0.0 {
+                search.set_side(side);
+                continue;
+            }
+            search.set_side(now);
+            let way = if now > 0.0 {
+                Direction::Rising
+            } else {
+                Direction::Falling
+            };
+            if side * now < 0.0 && self.jumps.direction(number).includes(way) {
+                self.due.push_back(number);
+            }
+        }
+    }
+}
+
+/// Units in the last place by which rounding blurs a jump's function, and its rate.
+const ULPS: f64 = 16.0;
+
+/// The sign of a jump's function, beyond rounding.
+fn sign<J: Jumps<N>, const N: usize>(jumps: &J, number: usize, at: &Timed<N>) -> f64 {
+    let value = jumps.when(number, at.t, components(&at.x));
+    let (slopes, in_time) = gradient(|t, x| jumps.when(number, t, x), at);
+    let size = slopes.abs().dot(&at.x.abs()) + in_time.abs() * at.t.abs();
+    if value.abs() > ULPS * f64::EPSILON * size {
+        value.signum()
+    } else {
+        0.0
+    }
+}
