@@ -14,7 +14,7 @@ use crate::dual::Dual;
 use crate::error::Error;
 use crate::filippov::{
     Direction, EventFunctions, EventOf, EventRecord, EventSearch, Integration, Observer, Options,
-    PhaseOf, Progress, Strobe, SummaryOf, Switched, TransitionKind, TransitionOf, Velocity, gradient, tell,
+    PhaseOf, Progress, Strobe, Stepper, SummaryOf, Switched, TransitionKind, TransitionOf, Velocity, gradient, tell,
 };
 use crate::ode::Timed;
 use crate::orbit::Counters;
@@ -268,7 +268,7 @@ where
     ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error> {
         let of = self.view();
         let held = (S::restored(mode), &of.timed(inside));
-        let start = of.timed(start);
+        let start = (of.timed(start), of.states);
         let integration = Integration::held(of.system, held, start, t_end, options);
         Ok(Box::new(of.run(integration, t_end, options)?))
     }
@@ -381,8 +381,8 @@ where
         t_end: f64,
         options: &Options,
     ) -> Result<Integration<'a, S, N, G>, Error> {
-        let Timed { t, x } = self.timed(start);
-        Integration::new(self.system, t, x, t_end, options)
+        let (start, stepper) = (self.timed(start), Stepper::new(options));
+        Integration::with_stepper(self.system, (start, self.states), t_end, options, stepper)
     }
 
     fn run(
@@ -391,8 +391,7 @@ where
         t_end: f64,
         options: &Options,
     ) -> Result<Run<'a, S, V, J, N, G>, Error> {
-        let integration = integration.map_err(|error| error.of_states(self.states))?;
-        let mut integration = integration.of_states(self.states);
+        let mut integration = integration.map_err(|error| error.of_states(self.states))?;
         Ok(Run {
             of: self,
             jumping: Jumping::of(&self, &mut integration, options, t_end),

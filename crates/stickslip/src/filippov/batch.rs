@@ -61,7 +61,7 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
         stepper.forget();
         let (t, x) = (start.t, start.x);
         let begun =
-            Integration::with_stepper(&start.system, Timed { t, x }, t_end, options, stepper);
+            Integration::with_stepper(&start.system, (Timed { t, x }, N), t_end, options, stepper);
         let mut member = Member {
             number,
             class,

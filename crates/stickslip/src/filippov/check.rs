@@ -21,7 +21,7 @@ pub(super) fn check<S: Filippov<N>, const N: usize>(
         x: Point::from(&x),
         what,
     };
-    check_run(start, t_end, options)?;
+    check_run(start, t_end)?;
     let h = system.boundary(t, components(&x));
     if !h.is_finite() {
         return Err(outside("the boundary function is not finite there"));
@@ -53,11 +53,10 @@ pub(super) fn check<S: Filippov<N>, const N: usize>(
     Ok(())
 }
 
-/// Checks what does not depend on the system: times, the start as a number, and the escape bound.
+/// Checks what does not depend on the system: times, and the start as a number.
 pub(super) fn check_run<const N: usize>(
     start: &Timed<N>,
     t_end: f64,
-    options: &Options,
 ) -> Result<(), Error> {
     let Timed { t, x } = *start;
     if !(t.is_finite() && t_end.is_finite() && t < t_end) {
@@ -69,10 +68,6 @@ pub(super) fn check_run<const N: usize>(
             x: Point::from(&x),
             what: "the start itself is not finite",
         });
-    }
-    if x.iter().any(|v| v.abs() > options.escape) {
-        let (x, bound) = (Point::from(&x), options.escape);
-        return Err(Error::Escaped { t, x, bound });
     }
     Ok(())
 }

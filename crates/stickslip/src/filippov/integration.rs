@@ -104,19 +104,19 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             t: t0,
             x: x0.into_state(),
         };
-        Self::with_stepper(system, start, t_end, options, Stepper::new(options))
+        Self::with_stepper(system, (start, N), t_end, options, Stepper::new(options))
     }
 
-    /// [`Integration::new`] with a stepper's room that another integration with the same options has left.
-    pub(super) fn with_stepper(
+    /// [`Integration::new`] of a system of so many states, which may be fewer than its type has room
+    /// for. It takes a stepper's room that another integration with the same options has left.
+    pub(crate) fn with_stepper(
         system: &'a S,
-        start: Timed<N>,
+        (start, states): (Timed<N>, usize),
         t_end: f64,
         options: &Options,
         stepper: Stepper<N, G>,
     ) -> Result<Self, Error> {
-        system.check(&start, t_end, options)?;
-        let mut run = Run::new(start, t_end, options);
+        let mut run = Run::checked(system, (start, states), t_end, options)?;
         let (mode, due) = match system.first_mode(&mut run)? {
             Some((mode, orders)) => {
                 run.orders = orders;
@@ -145,12 +145,11 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     pub(crate) fn held(
         system: &'a S,
         (mode, inside): (S::Mode, &Timed<N>),
-        start: Timed<N>,
+        start: (Timed<N>, usize),
         t_end: f64,
         options: &Options,
     ) -> Result<Self, Error> {
-        system.check(&start, t_end, options)?;
-        let mut run = Run::new(start, t_end, options);
+        let mut run = Run::checked(system, start, t_end, options)?;
         run.is_held = true;
         Ok(Integration {
             system,
@@ -163,12 +162,6 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             rest: None,
             due: Due::Begin,
         })
-    }
-
-    /// Of a system with fewer states than its type has room for.
-    pub(crate) fn of_states(mut self, states: usize) -> Self {
-        self.run.states = states;
-        self
     }
 
     /// Takes the next step and says so, or says what the last one has led to, one thing a call: the end of a phase, then the
@@ -424,15 +417,15 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         self.run.h = self.run.h.min(GROW_MOST * (to.t - from.t));
         self.begin_phase();
         self.decide()?;
+        // What happens again in no time is not resolved any more.
+        if self.pile_up.was_at(number, self.run.at.t) {
+            return Err(self.accumulated());
+        }
         self.note_event(number, self.mode)
             .map_err(|error| match error {
                 Error::EventPileUp { .. } => self.accumulated(),
                 other => other,
             })?;
-        // What happens again in no time is not resolved any more.
-        if self.pile_up.repeats_at_once() {
-            return Err(self.accumulated());
-        }
         if let Some(ending) = ending {
             self.due = Due::End(ending);
         }

@@ -44,6 +44,7 @@ pub use sections::{
     Plane, Strobe, Watched, solve_with_events,
 };
 pub(crate) use solve::tell;
+pub(crate) use stepper::Stepper;
 pub use solve::{Failure, Summary, SummaryOf, run, solve};
 pub use switched::Switched;
 pub(crate) use switched::{GuardGradient, Settled, UseFlow, Velocity, gradient};

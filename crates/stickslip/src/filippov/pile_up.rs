@@ -121,13 +121,10 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         count.max(self.unresolved) >= options.pile_up_count
     }
 
-    /// Whether the last two transitions are of one contact at one time.
-    pub(crate) fn repeats_at_once(&self) -> bool {
-        let mut last = self.last.iter().rev();
-        let (Some(one), Some(other)) = (last.next(), last.next()) else {
-            return false;
-        };
-        one.at.t == other.at.t && one.contact == other.contact
+    /// Whether the last transition was of this contact at this time.
+    pub(crate) fn was_at(&self, contact: usize, t: f64) -> bool {
+        let last = self.last.back();
+        last.is_some_and(|last| last.at.t == t && last.contact == contact)
     }
 
     /// The series that the last transitions are, if they are one: three rounds in a row that shrink

@@ -5,6 +5,7 @@ use super::flow::Flow;
 use super::leaving::has_left;
 use super::observer::StepRecord;
 use super::options::Options;
+use super::switched::Switched;
 use crate::error::{Error, Point};
 use crate::ode::control::first_step;
 use crate::ode::{Dense, Timed};
@@ -53,11 +54,20 @@ pub enum Trial {
 }
 
 impl<const N: usize, const G: usize> Run<N, G> {
-    /// A run that has yet to begin.
-    pub(crate) fn new(start: Timed<N>, t_end: f64, options: &Options) -> Self {
-        Run {
+    /// A run of a system of so many states that has yet to begin.
+    ///
+    /// # Errors
+    /// Those of a run that cannot begin.
+    pub(crate) fn checked<S: Switched<N, G>>(
+        system: &S,
+        (start, states): (Timed<N>, usize),
+        t_end: f64,
+        options: &Options,
+    ) -> Result<Self, Error> {
+        system.check(&start, t_end, options)?;
+        let run = Run {
             options: *options,
-            states: N,
+            states,
             counters: Counters::default(),
             t_end,
             h: 0.0,
@@ -69,7 +79,9 @@ impl<const N: usize, const G: usize> Run<N, G> {
             wants_dense: true,
             event: None,
             is_held: false,
-        }
+        };
+        run.check_escape()?;
+        Ok(run)
     }
 
     /// Takes the step to `at`, and the event there, as the last one.
@@ -178,7 +190,8 @@ impl<const N: usize, const G: usize> Run<N, G> {
 
     pub(crate) fn check_escape(&self) -> Result<(), Error> {
         let bound = self.options.escape;
-        if self.at.x.iter().all(|v| v.abs() <= bound) {
+        let mut states = self.at.x.iter().take(self.states);
+        if states.all(|v| v.abs() <= bound) {
             return Ok(());
         }
         Err(Error::Escaped {

@@ -32,7 +32,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
             x: Point::from(&start.x),
             what,
         };
-        check_run(start, t_end, options)?;
+        check_run(start, t_end)?;
         let x = components(&start.x);
         let h = self.0.boundaries(start.t, x);
         if h.iter().any(|h| !h.is_finite()) {
