@@ -794,6 +794,63 @@ y = "(1 - above)*(cos(t) - c*y) - above"
 y = 0.4
 "#;
 
+/// `u' = p + q u - u³` about `cos t`, without a contact: folds where `p² = 4 (q/3)³`.
+const CUSP: &str = r#"
+name = "Cusp"
+[time]
+period = "2*pi"
+[states]
+y = ""
+[parameters]
+p = 0
+q = 0.75
+[definitions]
+u = "y - cos(t)"
+[field]
+y = "p + q*u - u*u*u - sin(t)"
+[start]
+y = 1.9
+"#;
+
+#[test]
+fn folds_are_followed_in_two_parameters_round_their_cusp() {
+    let top = tempfile::tempdir().unwrap();
+    let path = top.path().join("cusp.toml");
+    std::fs::write(&path, CUSP).unwrap();
+    let file = path.to_str().unwrap();
+    let arguments = [file, "--parameter", "p=-1:1", "--also", "q=-0.5:1"];
+    let output = program(top.path(), &arguments)
+        .arg("--json")
+        .assert()
+        .success();
+    let json: Value = serde_json::from_slice(&output.get_output().stdout).unwrap();
+    // Both folds of the branch lie on one curve.
+    let [one, two] = json["curves"].as_array().unwrap().as_slice() else {
+        panic!("{json:#}");
+    };
+    for curve in [one, two] {
+        assert_eq!(
+            (&curve["what"], &curve["change"]),
+            (&"fold".into(), &Value::Null)
+        );
+        assert_eq!(curve["stops"], serde_json::json!(["range", "range"]));
+    }
+    let folder = top.path().join("stickslip-output");
+    let mut table = csv::Reader::from_path(folder.join("curves.csv")).unwrap();
+    let rows: Vec<std::collections::HashMap<String, String>> =
+        table.deserialize().map(Result::unwrap).collect();
+    for row in &rows {
+        let [p, q] = ["p", "q"].map(|key| row[key].parse::<f64>().unwrap());
+        let third = q / 3.0;
+        assert!(
+            (p * p - 4.0 * third * third * third).abs() < 1e-9,
+            "{p} {q}"
+        );
+        assert_eq!(row["what"], "fold");
+    }
+    assert!(rows.len() > 40);
+}
+
 #[test]
 fn a_change_is_followed_in_two_parameters_along_its_closed_form() {
     let top = tempfile::tempdir().unwrap();

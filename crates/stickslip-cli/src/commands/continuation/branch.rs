@@ -5,8 +5,8 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 use stickslip::analysis::{
-    Branch as Way, BranchPoint, ContinuationSettings, Curve, PeriodicOrbit, SequenceChange,
-    Special, SpecialPoint, Stop, continue_change, continue_periodic_orbit_while,
+    Branch as Way, BranchPoint, ContinuationSettings, Curve, PeriodicOrbit, Special, SpecialPoint,
+    Stop, continue_change, continue_periodic_orbit_while,
 };
 use stickslip::dynamics::{DynamicsRef, Section, Summary, Vector};
 use stickslip::{Ending, Error, Options};
@@ -163,8 +163,8 @@ impl<'a> Begin<'a> {
         Ok(Also { range, value, both })
     }
 
-    /// Each change of the phases on the branch, followed in two parameters; none where no curve
-    /// goes on from it.
+    /// Each special orbit on the branch but branch points, followed in two parameters; none where no
+    /// curve goes on from it.
     pub(super) fn curves(
         &self,
         also: &Also,
@@ -172,22 +172,18 @@ impl<'a> Begin<'a> {
         branch: &Branch,
         settings: &ContinuationSettings,
         options: &Options,
-    ) -> Result<Vec<(SequenceChange, Option<Curve>)>, Failure> {
+    ) -> Result<Vec<(SpecialPoint, Option<Curve>)>, Failure> {
         let settings = ContinuationSettings {
             forced: periods.map(|_| orbit.period),
             ..*settings
         };
         let x = self.at_zero(orbit, options)?;
         let x = [x.as_slice(), &[also.value, self.value]].concat();
-        let change = |at: &SpecialPoint| match &at.what {
-            Special::Sequence(change) => Some((at.behind > branch.first, (**change).clone())),
-            _ => None,
-        };
-        let changes: Vec<(bool, SequenceChange)> =
-            branch.special.iter().filter_map(change).collect();
-        let below = changes.iter().filter(|(upwards, _)| !upwards).count();
-        let curve = |(k, (upwards, change)): (usize, (bool, SequenceChange))| {
+        let is_above = |at: &SpecialPoint| at.behind > branch.first;
+        let below = branch.special.iter().filter(|at| !is_above(at)).count();
+        let curve = |(k, at): (usize, &SpecialPoint)| {
             // Each way counts from the orbit that the branch was begun with.
+            let upwards = is_above(at);
             let number = if upwards { k - below } else { below - 1 - k };
             let ranges = (&settings, (also.range.low, also.range.high));
             let way = (orbit.period, upwards, number);
@@ -207,10 +203,13 @@ impl<'a> Begin<'a> {
                 Err(Error::NotFound { .. }) => None,
                 Err(error) => return Err(Failure::from(error)),
             };
-            Ok((change, told))
+            Ok((at.clone(), told))
         };
-        let changes: Vec<_> = changes.into_iter().enumerate().collect();
-        changes.into_par_iter().map(curve).collect()
+        let followed = branch.special.iter().enumerate();
+        let followed: Vec<_> = followed
+            .filter(|(_, at)| at.what != Special::BranchPoint)
+            .collect();
+        followed.into_par_iter().map(curve).collect()
     }
 
     /// A state of the orbit at a time that is a multiple of its period: there the clock of the branch begins.

@@ -1,15 +1,14 @@
-//! Changes of the phases in two parameters.
+//! Special orbits in two parameters.
 
 use plot::{BLACK, BLUE, Curve as Line, Figure, GREEN, Legend, ORANGE, PURPLE, Panel, VERMILLION};
 use serde_json::json;
-use stickslip::analysis::{Curve, CurvePoint, CurveStop, SequenceChange};
+use stickslip::analysis::{Curve, CurvePoint, CurveStop, SpecialPoint};
 use stickslip_kernels::file::System;
-use stickslip_kernels::kernel::Change;
 
-use super::super::changes;
 use super::super::figures;
 use super::super::range::ParameterRange;
 use super::branch::Also;
+use super::{json as special_json, what, words as special_words};
 use crate::failure::Failure;
 use crate::render::{Report, Table, rounded};
 
@@ -19,13 +18,12 @@ pub(super) fn report(
     system: &System,
     range: &ParameterRange,
     also: &Also,
-    curves: &[(SequenceChange, Option<Curve>)],
+    curves: &[(SpecialPoint, Option<Curve>)],
 ) -> Result<(), Failure> {
     let (name, other) = (&range.name, &also.range.name);
     let mut objects = Vec::new();
-    for (change, curve) in curves {
-        let change = Change::from(change);
-        let what = changes::words(system, &change);
+    for (at, curve) in curves {
+        let what = special_words(at, system);
         let points = curve.as_ref().map_or(&[][..], |curve| &curve.points);
         report.note(match (curve, points.first(), points.last()) {
             (Some(curve), Some(first), Some(last)) => {
@@ -42,17 +40,16 @@ pub(super) fn report(
             }
             _ => format!("in {name} and {other}, {what}: no curve was found"),
         });
-        objects.push(json!({
-            "change": changes::json(system, &change),
-            "points": points.len(),
-            "stops": curve.as_ref().map(|curve| curve.stops.map(word)),
-        }));
+        let mut object = special_json(at, system);
+        object["points"] = json!(points.len());
+        object["stops"] = json!(curve.as_ref().map(|curve| curve.stops.map(word)));
+        objects.push(object);
     }
     report.field("also", &also.range);
     report.field("curves", objects);
     let found = || curves.iter().enumerate();
-    let rows = found().flat_map(|(number, (change, curve))| {
-        let what = changes::name(&Change::from(change));
+    let rows = found().flat_map(|(number, (at, curve))| {
+        let what = what(at);
         let points = curve.iter().flat_map(|curve| &curve.points);
         points.map(move |point| (number, what.clone(), point))
     });
@@ -96,15 +93,15 @@ fn diagram(
     system: &System,
     range: &ParameterRange,
     also: &Also,
-    curves: &[(SequenceChange, Option<Curve>)],
+    curves: &[(SpecialPoint, Option<Curve>)],
 ) -> Figure {
     const COLORS: [plot::Color; 6] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, BLACK];
     let title = format!(
-        "{}: changes of the phases in two parameters",
+        "{}: special periodic orbits in two parameters",
         system.file.name
     );
     let description = format!(
-        "Curves on which the phases of a periodic orbit of {} change, over {} from {} to {} and {} from {} to {}.",
+        "Curves of special periodic orbits of {}, over {} from {} to {} and {} from {} to {}.",
         system.file.name,
         range.name,
         range.low,
@@ -119,13 +116,13 @@ fn diagram(
     let mut panel = Panel::new(axis(range), axis(&also.range));
     let found = curves
         .iter()
-        .filter_map(|(change, curve)| Some((change, curve.as_ref()?)));
-    for (number, (change, curve)) in found.enumerate() {
+        .filter_map(|(at, curve)| Some((at, curve.as_ref()?)));
+    for (number, (at, curve)) in found.enumerate() {
         let points = curve.points.iter().map(|point| {
             let [other, own] = point.parameters;
             (own, other)
         });
-        let what = changes::name(&Change::from(change));
+        let what = what(at);
         let line = Line::new(points.collect::<Vec<_>>()).color(COLORS[number % COLORS.len()]);
         panel.add(line.width(1.4).legend(&format!("{} {what}", number + 1)));
     }

@@ -28,8 +28,8 @@ use branch::{Begin, Point};
 /// both ways by pseudo-arclength. Where a multiplier is 1 or -1 or a pair is on the unit circle,
 /// and where the phases change, the place is located and named; so is an end in an equilibrium, on
 /// the boundary or off it, a two-fold, a homoclinic orbit or rest. Of a driven system the parameter
-/// may be one that the period depends on. With --also each change of the phases is followed in two
-/// parameters. Writes branch.csv, special.csv and continue.svg; with --also curves.csv and
+/// may be one that the period depends on. With --also each of these places on the branch, but for
+/// branch points, is followed in two parameters. Writes branch.csv, special.csv and continue.svg; with --also curves.csv and
 /// curves.svg.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
@@ -37,8 +37,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "NAME=LOW:HIGH")]
     parameter: String,
 
-    /// A second parameter and its range: each change of the phases on the branch is followed in
-    /// both
+    /// A second parameter and its range: each fold, flip, Neimark-Sacker bifurcation and change of
+    /// the phases on the branch is followed in both
     #[arg(long, value_name = "NAME=LOW:HIGH")]
     also: Option<String>,
 
@@ -152,7 +152,7 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<Report, Failure> {
     report.table(special_columns(system, name).csv("special", rows)?);
     report.figure("continue", &figure::diagram(system, &range, &branch))?;
     if let Some(also) = also {
-        let curves = patiently("following the changes in two parameters", |_| {
+        let curves = patiently("following the special orbits in two parameters", |_| {
             begin.curves(&also, (&orbit, periods), &branch, &settings, options)
         })?;
         curves::report(&mut report, system, &range, &also, &curves)?;

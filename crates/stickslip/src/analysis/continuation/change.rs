@@ -62,7 +62,7 @@ impl Walk<'_> {
                 }
             } else {
                 let ends = ((0.0, before.value), (s, margin.value));
-                let zero = line.zero(&self.shooting, ends.0, ends.1, value).ok_or(())?;
+                let zero = line.zero(&self.shooting, ends, value).ok_or(())?;
                 self.refined(line, zero, s, value)
             };
             let margin = zero.cycle.margin_like(margin).ok_or(())?.clone();
@@ -248,25 +248,13 @@ impl Walk<'_> {
 
     /// Where a margin is zero near the beginning of a line, and the sign of its slope there.
     fn zero_near(&self, line: &Line, margin: &Margin, step: f64) -> Option<(Zero, f64)> {
-        // First step, and how far beyond the zero that it tells the next one goes.
-        const FIRST: f64 = 1e-2;
-        const FURTHER: f64 = 1.5;
-        const MOST: usize = 6;
         let value = |one: &Cycle| Some(one.margin_like(margin)?.value);
-        let (mut a, mut at_a) = (0.0, margin.value);
-        let mut b = FIRST * step;
-        for _ in 0..MOST {
-            let at_b = value(&line.on(&self.shooting, b)?)?;
-            let slope = (at_b - at_a) / (b - a);
-            if at_a * at_b <= 0.0 {
-                let zero = line.zero(&self.shooting, (a, at_a), (b, at_b), value)?;
-                let zero = self.refined(line, zero, b - a, value);
-                return Some((zero, slope));
-            }
-            let next = b - FURTHER * at_b / slope;
-            (a, at_a, b) = (b, at_b, next);
-        }
-        None
+        let begin = (margin.value, step);
+        let [a, b] = line.bracket(&self.shooting, begin, value)?;
+        let slope = (b.1 - a.1) / (b.0 - a.0);
+        let zero = line.zero(&self.shooting, (a, b), value)?;
+        let zero = self.refined(line, zero, b.0 - a.0, value);
+        Some((zero, slope))
     }
 
     /// The change at which two contacts switch in the same instant.

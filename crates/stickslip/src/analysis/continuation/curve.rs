@@ -1,17 +1,17 @@
-//! Curves of a change of the phases in two parameters.
+//! Curves of special orbits in two parameters.
 
 use std::ops::ControlFlow;
 
-use super::change::Change;
 use super::line::{Line, Units, unit};
-use super::walk::{SHORTEST, Walk};
-use super::{ContinuationSettings, Special, Stop, parameter_of};
-use crate::analysis::cycle::{Cycle, Extra, Margin, SequenceChange, Shooting};
+use super::walk::{By, Kept, SHORTEST, Walk};
+use super::{ContinuationSettings, Special, SpecialPoint, critical, parameter_of};
+use crate::analysis::critical::Critical;
+use crate::analysis::cycle::{Cycle, Extra, Margin, Outline, Shooting};
 use crate::dynamics::{AsDynamics, Components, Vector};
 use crate::error::Error;
 use crate::filippov::Options;
 
-/// An orbit on a curve of changes.
+/// An orbit on a curve of special ones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CurvePoint {
     /// The two parameters, which are the last two states: the one of the branch last.
@@ -37,11 +37,11 @@ pub enum CurveStop {
     NoConvergence,
 }
 
-/// A curve on which the phases of a periodic orbit change, in two parameters.
+/// A curve of special periodic orbits in two parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// The change that it begins with.
-    pub change: SequenceChange,
+    /// The orbit that it begins with.
+    pub at: SpecialPoint,
     /// The orbits, from one end of the curve to the other.
     pub points: Vec<CurvePoint>,
     /// Which of them it was begun with.
@@ -50,17 +50,19 @@ pub struct Curve {
     pub stops: [CurveStop; 2],
 }
 
-/// Follows the change of the phases with a number, counted from 0, that a branch of periodic orbits
-/// meets, in two parameters.
+/// Follows the special orbit with a number, counted from 0, that a branch of periodic orbits meets,
+/// in two parameters: a change of the phases, a fold, a flip or a Neimark–Sacker bifurcation.
 ///
 /// **The parameters are the last two states**, of which the last is that of the branch, as in
 /// [`super::continue_periodic_orbit`]; the other keeps its value on the branch and has the range
-/// `other`. The margin that is zero at the change is added to the equations, with its gradient from
-/// dual numbers, so that the curve passes its own folds (Thota & Dankowicz 2008).
+/// `other`. A margin that is zero at a change of the phases is added to the equations, with its
+/// gradient from dual numbers (Thota & Dankowicz 2008). A function of the multipliers is zero at one
+/// orbit of those in the plane across the curve, which make up a branch; it is located like that on
+/// any branch. So curves pass their own folds, and those of folds their cusps.
 ///
 /// # Errors
 /// Those of [`super::continue_periodic_orbit`]; [`Error::NotFound`] where the branch does not come
-/// to such a change, or no curve goes on from it.
+/// to such an orbit, or no curve goes on from it: a branch point has none.
 pub fn continue_change<Kind>(
     system: &impl AsDynamics<Kind>,
     x: impl Components,
@@ -79,53 +81,41 @@ pub fn continue_change<Kind>(
             bound: "at least 3: one state, and two parameters behind it",
         });
     };
-    let fixed = Extra::Fixed(place, x[place]);
-    let start = x.clone();
+    let value = x[place];
+    let by_other = Vector::from_fn(place + 1, |i, _| f64::from(u8::from(i == place)));
+    let fixed = Extra::Plane(&by_other, value);
     let mut walk = Walk::begin(system, x, period, settings, (fixed, options))?;
-    walk.wanted = Some(number);
-    let stop = walk.go(upwards, &mut |_| ControlFlow::Continue(()));
+    walk.wanted = Some((|_| true, number));
+    walk.go(upwards, &mut |_| ControlFlow::Continue(()));
     let not_found = |what| Error::NotFound {
         what,
         t: 0.0,
         span: period,
     };
-    let found = walk.kept.take().filter(|_| stop == Stop::Points);
-    let Change { at, margin, .. } =
-        found.ok_or(not_found("a change of the phases on the branch"))?;
-    let changes = walk.special.iter().rev();
-    let mut changes = changes.filter_map(|special| match &special.what {
-        Special::Sequence(change) => Some((**change).clone()),
-        _ => None,
-    });
-    let change = changes.next();
-    let change = change.ok_or(not_found("a change of the phases on the branch"))?;
-    let shooting = Shooting {
-        extra: Extra::Zero(&margin),
-        ..walk.shooting
+    let kept = walk.kept.take();
+    let Kept { at, cycle, by } = kept.ok_or(not_found("a special orbit on the branch"))?;
+    let condition = Condition::of(&at.what, by);
+    let condition = condition.ok_or(not_found("a curve through the branch point"))?;
+    let way = Way {
+        shooting: walk.shooting,
+        units: Units {
+            other: Some(other.1 - other.0),
+            ..walk.units
+        },
+        settings,
+        place,
+        other,
     };
-    let mut units = walk.units;
-    units.other = Some(other.1 - other.0);
-    let by_other = unit(&at.cycle.outline, place);
-    let row = Some((&by_other, start[place]));
-    let first = shooting.solve(&at.cycle.outline, row);
-    let first = first.ok_or(not_found("an orbit at the change of the phases"))?;
-    let follow = |sign: f64| {
-        let line = Line::tangent(&shooting, units, &first, &(&by_other * sign));
-        Way {
-            shooting: walk.shooting,
-            units,
-            settings,
-            other,
-        }
-        .follow(line, &margin)
-    };
+    let first = way.solve(&condition, &cycle.outline, (&by_other, value));
+    let (first, condition) = first.ok_or(not_found("an orbit to begin the curve with"))?;
+    let follow = |sign: f64| way.follow(&first, condition.clone(), sign);
     let ((mut points, before), (behind, after)) = (follow(-1.0), follow(1.0));
     points.reverse();
     let begun = points.len();
     points.push(point(&first));
     points.extend(behind);
     Ok(Curve {
-        change,
+        at,
         points,
         first: begun,
         stops: [before, after],
@@ -142,20 +132,117 @@ fn point(cycle: &Cycle) -> CurvePoint {
     }
 }
 
+/// What is zero on a curve.
+#[derive(Clone)]
+enum Condition {
+    /// A margin, which moves along the orbit.
+    Margin(Margin),
+    /// A function of the multipliers, and the line across the curve on which it was located.
+    Multiplier(fn(&Critical) -> Option<f64>, Line),
+}
+
+impl Condition {
+    fn of(what: &Special, by: By) -> Option<Self> {
+        let function: fn(&Critical) -> Option<f64> = match what {
+            Special::Fold => |of| Some(of.one),
+            Special::Flip => |of| Some(of.minus_one),
+            Special::NeimarkSacker { .. } => |of| of.circle,
+            Special::BranchPoint | Special::Sequence(_) => |_| None,
+        };
+        match by {
+            By::Margin(margin) => Some(Condition::Margin(margin)),
+            By::Multiplier(_) if *what == Special::BranchPoint => None,
+            By::Multiplier(line) => Some(Condition::Multiplier(function, line)),
+        }
+    }
+}
+
 /// One way along a curve.
 struct Way<'a> {
     shooting: Shooting<'a>,
     units: Units,
     settings: &'a ContinuationSettings,
+    /// Which component the other parameter is, and its range.
+    place: usize,
     other: (f64, f64),
 }
 
 impl Way<'_> {
-    fn follow(&self, line: Option<Line>, margin: &Margin) -> (Vec<CurvePoint>, CurveStop) {
+    fn with<'b>(&'b self, extra: Extra<'b>) -> Shooting<'b> {
+        Shooting {
+            extra,
+            ..self.shooting
+        }
+    }
+
+    /// The orbit of the curve near a guess for which the product of the unknowns with `row` has a
+    /// value, with what is zero there.
+    fn solve(
+        &self,
+        condition: &Condition,
+        guess: &Outline,
+        (row, value): (&Vector, f64),
+    ) -> Option<(Cycle, Condition)> {
+        match condition {
+            Condition::Margin(margin) => {
+                let shooting = self.with(Extra::Zero(margin));
+                let found = shooting.solve(guess, Some((row, value)))?;
+                let moved = found.margin_like(margin).unwrap_or(margin).clone();
+                Some((found, Condition::Margin(moved)))
+            }
+            Condition::Multiplier(function, line) => {
+                let shooting = self.with(Extra::Plane(row, value));
+                let value = |cycle: &Cycle| function(&critical(cycle, &shooting));
+                let row = line.across();
+                let begin = shooting.solve(guess, Some((row, row.dot(&guess.unknowns()))))?;
+                let line = Line::tangent(&shooting, self.units, &begin, row)?;
+                let near = (value(&begin)?, self.settings.step);
+                let [a, b] = line.bracket(&shooting, near, value)?;
+                let (s, found) = line.root(&shooting, (a, b), value)?;
+                let is_near = s.abs() <= self.settings.step;
+                is_near.then_some((found, Condition::Multiplier(*function, line)))
+            }
+        }
+    }
+
+    /// The line on which the curve goes on from an orbit behind another one.
+    fn goes_on(&self, condition: &Condition, from: &Line, next: &Cycle) -> Option<Line> {
+        match condition {
+            Condition::Margin(margin) => {
+                from.goes_on(&self.with(Extra::Zero(margin)), self.units, next)
+            }
+            Condition::Multiplier(..) => {
+                let way = next.outline.unknowns() - from.from.unknowns();
+                Line::along(&self.shooting, self.units, next, way)
+            }
+        }
+    }
+
+    /// The line on which the curve leaves its first orbit, one way.
+    fn leaves(&self, first: &Cycle, condition: &Condition, sign: f64) -> Option<Line> {
+        // So short a part of a step that the curve is straight.
+        const SHORT: f64 = 1e-2;
+        let row = unit(&first.outline, self.place);
+        if let Condition::Margin(margin) = condition {
+            let shooting = self.with(Extra::Zero(margin));
+            return Line::tangent(&shooting, self.units, first, &(row * sign));
+        }
+        let short = sign * SHORT * self.settings.step * (self.other.1 - self.other.0);
+        let there = first.outline.unknowns() + &row * short;
+        let guess = first.outline.with(&there);
+        let (next, _) = self.solve(condition, &guess, (&row, row.dot(&there)))?;
+        let way = next.outline.unknowns() - first.outline.unknowns();
+        Line::along(&self.shooting, self.units, first, way)
+    }
+
+    fn follow(
+        &self,
+        first: &Cycle,
+        mut condition: Condition,
+        sign: f64,
+    ) -> (Vec<CurvePoint>, CurveStop) {
         let mut points = Vec::new();
-        // It moves along the orbit.
-        let mut margin = margin.clone();
-        let Some(mut line) = line else {
+        let Some(mut line) = self.leaves(first, &condition, sign) else {
             return (points, CurveStop::NoConvergence);
         };
         let mut step = self.settings.step;
@@ -175,24 +262,20 @@ impl Way<'_> {
                 return (points, stop);
             }
             was_vanishing = vanishes;
-            let shooting = Shooting {
-                extra: Extra::Zero(&margin),
-                ..self.shooting
-            };
-            let found = line.on(&shooting, step);
-            let onward = found.as_ref().and_then(|next| {
-                let onward = line.goes_on(&shooting, self.units, next)?;
-                line.bends_little(&onward).then_some(onward)
+            let found = line.plane(step).and_then(|(guess, value)| {
+                let (next, moved) = self.solve(&condition, &guess, (line.across(), value))?;
+                let onward = self.goes_on(&condition, &line, &next)?;
+                line.bends_little(&onward).then_some((next, moved, onward))
             });
-            let (Some(next), Some(onward)) = (found, onward) else {
+            let Some((next, moved, onward)) = found else {
                 step *= 0.3;
                 continue;
             };
-            if let Some(end) = self.at_end(&shooting, &line, step, &next) {
+            if let Some(end) = self.at_end(&condition, &line, step, &next) {
                 points.extend(end.as_ref().map(point));
                 return (points, CurveStop::Range);
             }
-            if !shooting.is_valid(&next) {
+            if !self.shooting.is_valid(&next) {
                 if step > self.settings.step * 1e-3 {
                     step *= 0.3;
                     continue;
@@ -200,9 +283,7 @@ impl Way<'_> {
                 return (points, CurveStop::AnotherChange);
             }
             points.push(point(&next));
-            if let Some(moved) = next.margin_like(&margin) {
-                margin = moved.clone();
-            }
+            condition = moved;
             let longer = if next.iterations <= 5 { 1.4 } else { 1.0 };
             step = (longer * step).min(self.settings.step);
             line = onward;
@@ -212,14 +293,14 @@ impl Way<'_> {
     /// The orbit at the end of the range that an orbit lies beyond, if it does.
     fn at_end(
         &self,
-        shooting: &Shooting<'_>,
+        condition: &Condition,
         line: &Line,
         step: f64,
         next: &Cycle,
     ) -> Option<Option<Cycle>> {
         let n = next.outline.begin.x.len();
         let own = (n - 1, parameter_of(next), self.settings.range);
-        let other = (n - 2, next.outline.begin.x[n - 2], self.other);
+        let other = (self.place, next.outline.begin.x[self.place], self.other);
         let is_beyond =
             |&(_, value, (low, high)): &(usize, f64, (f64, f64))| !(low..=high).contains(&value);
         let (place, value, (low, high)) = [own, other].into_iter().find(is_beyond)?;
@@ -227,6 +308,7 @@ impl Way<'_> {
         let before = line.from.begin.x[place];
         let guess = line.guess(step * (end - before) / (value - before));
         let row = unit(&guess, place);
-        Some(shooting.solve(&guess, Some((&row, end))))
+        let found = self.solve(condition, &guess, (&row, end));
+        Some(found.map(|(cycle, _)| cycle))
     }
 }

@@ -148,13 +148,18 @@ impl Line {
             .with(&(self.from.unknowns() + &self.direction * s))
     }
 
-    /// The orbit at a place on it.
-    pub fn on(&self, shooting: &Shooting<'_>, s: f64) -> Option<Cycle> {
+    /// The plane across it at a place: an outline in it, and its product with the unknowns.
+    pub fn plane(&self, s: f64) -> Option<(Outline, f64)> {
         let guess = self.guess(s);
         let is_possible = guess.segments.iter().all(|one| one.duration >= 0.0);
         let value = self.row.dot(&guess.unknowns());
-        let found = is_possible.then(|| shooting.solve(&guess, Some((&self.row, value))));
-        found.flatten()
+        is_possible.then_some((guess, value))
+    }
+
+    /// The orbit at a place on it.
+    pub fn on(&self, shooting: &Shooting<'_>, s: f64) -> Option<Cycle> {
+        let (guess, value) = self.plane(s)?;
+        shooting.solve(&guess, Some((&self.row, value)))
     }
 
     /// The place of an orbit with the same sequence.
@@ -176,14 +181,57 @@ impl Line {
         places
     }
 
-    /// Where a function of the orbits is zero, between two places at which it has different signs.
+    /// Two places at which a function of the orbits has different signs, or is zero, near the
+    /// beginning of the line, where it has a value; they are less than a step apart as a rule.
+    pub fn bracket(
+        &self,
+        shooting: &Shooting<'_>,
+        (at_begin, step): (f64, f64),
+        function: impl Fn(&Cycle) -> Option<f64>,
+    ) -> Option<[(f64, f64); 2]> {
+        // First step, and how far beyond the zero that it tells the next one goes.
+        const FIRST: f64 = 1e-2;
+        const FURTHER: f64 = 1.5;
+        const MOST: usize = 6;
+        let (mut a, mut at_a) = (0.0, at_begin);
+        let mut b = FIRST * step;
+        for _ in 0..MOST {
+            let at_b = function(&self.on(shooting, b)?)?;
+            if at_a * at_b <= 0.0 {
+                return Some([(a, at_a), (b, at_b)]);
+            }
+            let slope = (at_b - at_a) / (b - a);
+            (a, at_a, b) = (b, at_b, b - FURTHER * at_b / slope);
+        }
+        None
+    }
+
+    /// Where a function of the orbits is zero, between two places at which it has different signs,
+    /// and by how much that may be off.
     pub fn zero(
         &self,
         shooting: &Shooting<'_>,
-        (a, at_a): (f64, f64),
-        (b, at_b): (f64, f64),
+        (a, b): ((f64, f64), (f64, f64)),
         function: impl Fn(&Cycle) -> Option<f64>,
     ) -> Option<Zero> {
+        let (s, cycle) = self.root(shooting, (a, b), &function)?;
+        let length = (b.0 - a.0).abs();
+        let uncertainty = self.uncertainty(shooting, (s, &cycle), length, &function);
+        Some(Zero {
+            s,
+            parameter: parameter_of(&cycle),
+            cycle,
+            uncertainty,
+        })
+    }
+
+    /// The same without how much that may be off.
+    pub fn root(
+        &self,
+        shooting: &Shooting<'_>,
+        ((a, at_a), (b, at_b)): ((f64, f64), (f64, f64)),
+        function: impl Fn(&Cycle) -> Option<f64>,
+    ) -> Option<(f64, Cycle)> {
         let value = |s: f64| function(&self.on(shooting, s)?);
         let s = zero_between((a, at_a), (b, at_b), value)?;
         // Where another branch meets this one none is found; next to it one is.
@@ -193,16 +241,8 @@ impl Line {
         let (s, cycle) = PARTS.iter().map(place).find_map(found)?;
         // Of a family a function may jump.
         const SMALL: f64 = 1e-3;
-        if function(&cycle)?.abs() > SMALL * at_a.abs().max(at_b.abs()) {
-            return None;
-        }
-        let uncertainty = self.uncertainty(shooting, (s, &cycle), (b - a).abs(), &function);
-        Some(Zero {
-            s,
-            parameter: parameter_of(&cycle),
-            cycle,
-            uncertainty,
-        })
+        let is_zero = function(&cycle)?.abs() <= SMALL * at_a.abs().max(at_b.abs());
+        is_zero.then_some((s, cycle))
     }
 
     /// By how much the parameter may be off at which a function is about zero: what its value lacks

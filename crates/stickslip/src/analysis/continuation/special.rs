@@ -1,8 +1,7 @@
 //! The special orbits between two on a branch, by their multipliers.
 
 use super::line::{Line, Zero};
-use super::switching::Junction;
-use super::walk::Walk;
+use super::walk::{By, Walk};
 use super::{Special, SpecialPoint, critical, parameter_of};
 use crate::analysis::critical::zero_between;
 use crate::analysis::cycle::{Cycle, Shooting};
@@ -61,7 +60,7 @@ impl Walk<'_> {
                 continue;
             }
             let by_polynomial = |rough: f64| self.interpolated(line, length, rough, function);
-            let zero = line.zero(&self.shooting, (0.0, a), (length, b), function);
+            let zero = line.zero(&self.shooting, ((0.0, a), (length, b)), function);
             let place = zero.as_ref().map(Place::of);
             let place = place.or_else(|| by_polynomial(length * a / (a - b)));
             let Some(mut place) = place else {
@@ -106,27 +105,10 @@ impl Walk<'_> {
         }
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         for (_, point, there) in found {
-            self.note_junction(line, there, &point.what);
-            self.special.push(point);
+            self.note_special(point, there, By::Multiplier(line.clone()));
         }
         self.take(next);
         self.line = onward;
-    }
-
-    /// Keeps the flip or branch point that is wanted.
-    fn note_junction(&mut self, line: &Line, cycle: Cycle, what: &Special) {
-        match self.wanted_junction {
-            _ if !matches!(what, Special::Flip | Special::BranchPoint) => {}
-            Some(0) if self.junction.is_none() => {
-                self.junction = Some(Junction {
-                    cycle,
-                    line: line.clone(),
-                    is_flip: *what == Special::Flip,
-                });
-            }
-            Some(number) => self.wanted_junction = number.checked_sub(1),
-            None => {}
-        }
     }
 
     /// Where a function of the multipliers is zero near a place, by a polynomial through orbits

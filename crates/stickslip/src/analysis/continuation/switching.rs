@@ -4,7 +4,7 @@
 use std::ops::ControlFlow;
 
 use super::line::Line;
-use super::walk::Walk;
+use super::walk::{By, Kept, Walk};
 use super::{Branch, ContinuationSettings, Special, SpecialPoint, Stop};
 use crate::analysis::cycle::{Cycle, Extra, Shooting};
 use crate::dynamics::{AsDynamics, Components, Vector};
@@ -18,13 +18,6 @@ pub struct SwitchedBranch {
     pub at: SpecialPoint,
     /// The branches that begin there: one of twice the period at a flip, two at a branch point.
     pub branches: Vec<Branch>,
-}
-
-/// Where to switch: an orbit, the line that it lies on, and whether the period doubles there.
-pub(super) struct Junction {
-    pub cycle: Cycle,
-    pub line: Line,
-    pub is_flip: bool,
 }
 
 /// Follows the branches that begin at the flip or branch point with a number, counted from 0, on
@@ -48,19 +41,19 @@ pub fn switch_branches<Kind>(
     let system = &*system.dynamics();
     let extra = (Extra::None, options);
     let mut walk = Walk::begin(system, x.vector(), period, settings, extra)?;
-    walk.wanted_junction = Some(number);
+    let is_meant = |what: &Special| matches!(what, Special::Flip | Special::BranchPoint);
+    walk.wanted = Some((is_meant, number));
     walk.go(upwards, &mut |_| ControlFlow::Continue(()));
     let not_found = |what| Error::NotFound {
         what,
         t: 0.0,
         span: period,
     };
-    let junction = walk.junction.take();
-    let junction = junction.ok_or(not_found("a flip or branch point on the branch"))?;
-    let is_meant = |at: &&SpecialPoint| matches!(at.what, Special::Flip | Special::BranchPoint);
-    let at = walk.special.iter().filter(is_meant).nth(number).cloned();
-    let at = at.ok_or(not_found("a flip or branch point on the branch"))?;
-    let times = if junction.is_flip { 2.0 } else { 1.0 };
+    let kept = walk.kept.take();
+    let kept = kept.ok_or(not_found("a flip or branch point on the branch"))?;
+    let Kept { at, cycle, by } = kept;
+    let is_flip = at.what == Special::Flip;
+    let times = if is_flip { 2.0 } else { 1.0 };
     let settings = &ContinuationSettings {
         forced: settings.forced.map(|period| times * period),
         ..*settings
@@ -69,20 +62,19 @@ pub fn switch_branches<Kind>(
         forced: settings.forced,
         ..walk.shooting
     };
-    let start = match junction.is_flip {
-        true => shooting.evaluated(&junction.cycle.outline.twice()),
-        false => Some(junction.cycle.clone()),
+    let start = match is_flip {
+        true => shooting.evaluated(&cycle.outline.twice()),
+        false => Some(cycle),
     };
     let start = start.ok_or(not_found("the orbit run through twice"))?;
-    let known = (!junction.is_flip).then_some(&junction.line);
+    let known = match &by {
+        By::Multiplier(line) if !is_flip => Some(line),
+        _ => None,
+    };
     let across = across(&start, known);
     let row = across.ok_or(not_found("another branch at the point"))?;
     // One way and the other along the branch of twice the period are the same orbits.
-    let signs: &[f64] = if junction.is_flip {
-        &[1.0]
-    } else {
-        &[1.0, -1.0]
-    };
+    let signs: &[f64] = if is_flip { &[1.0] } else { &[1.0, -1.0] };
     let branches = signs.iter().filter_map(|sign| {
         let units = walk.units;
         let line = Line::along(&shooting, units, &start, &row * *sign)?;

@@ -4,12 +4,11 @@ use std::ops::ControlFlow;
 
 use super::change::{BEYOND, Change};
 use super::line::{Line, Units, unit};
-use super::switching::Junction;
 use super::{
     Branch, BranchPoint, ContinuationSettings, Special, SpecialPoint, Stop, critical, parameter_of,
     with_parameter,
 };
-use crate::analysis::cycle::{Cycle, Extra, Outline, Shooting};
+use crate::analysis::cycle::{Cycle, Extra, Margin, Outline, Shooting};
 use crate::dynamics::{Dynamics, Moment, Vector, run};
 use crate::error::Error;
 use crate::filippov::Options;
@@ -44,12 +43,23 @@ pub(super) struct Walk<'a> {
     /// How far each of them goes.
     pub(super) extents: Vec<f64>,
     pub(super) special: Vec<SpecialPoint>,
-    /// The number of a change of phases to stop at, and that change.
-    pub(super) wanted: Option<usize>,
-    pub(super) kept: Option<Change>,
-    /// The same of a flip or branch point.
-    pub(super) wanted_junction: Option<usize>,
-    pub(super) junction: Option<Junction>,
+    /// What special orbit to stop at, and how many such come before; and that one.
+    pub(super) wanted: Option<(fn(&Special) -> bool, usize)>,
+    pub(super) kept: Option<Kept>,
+}
+
+/// A special orbit from which a curve or another branch is followed.
+pub(super) struct Kept {
+    pub at: SpecialPoint,
+    pub cycle: Cycle,
+    pub by: By,
+}
+
+/// What is zero at a special orbit.
+pub(super) enum By {
+    Margin(Margin),
+    /// A function of the multipliers, on a line on which the orbit lies.
+    Multiplier(Line),
 }
 
 impl<'a> Walk<'a> {
@@ -154,8 +164,6 @@ impl<'a> Walk<'a> {
             special: Vec::new(),
             wanted: None,
             kept: None,
-            wanted_junction: None,
-            junction: None,
         };
         walk.note();
         walk
@@ -281,7 +289,7 @@ impl<'a> Walk<'a> {
         let longer = if next.iterations <= 5 { 1.4 } else { 1.0 };
         self.step = (longer * step).min(self.settings.step);
         self.follow(&line, next, onward);
-        if self.junction.is_some() {
+        if self.kept.is_some() {
             return Some(Stop::Points);
         }
         is_outside.then_some(Stop::Range)
@@ -365,19 +373,19 @@ impl<'a> Walk<'a> {
     /// Gets behind a change of phases.
     fn pass(&mut self, change: Change) -> Option<Stop> {
         let described = self.described(&change);
-        self.special.push(SpecialPoint {
+        let point = SpecialPoint {
             parameter: described.parameter,
             uncertainty: described.uncertainty,
             behind: self.points.len(),
             x: change.at.cycle.anchor.x.clone(),
             period: change.at.cycle.period,
             what: Special::Sequence(Box::new(described)),
-        });
-        if self.wanted == Some(0) {
-            self.kept = Some(change);
+        };
+        let cycle = change.at.cycle.clone();
+        self.note_special(point, cycle, By::Margin(change.margin.clone()));
+        if self.kept.is_some() {
             return Some(Stop::Points);
         }
-        self.wanted = self.wanted.map(|number| number - 1);
         let Some((next, line)) = change.behind else {
             let way = (change.at.parameter - self.parameter()).signum() * self.units.width;
             let beyond = |at: &Moment, part: &f64| Moment {
@@ -405,6 +413,21 @@ impl<'a> Walk<'a> {
         self.shooting.extent = self.widest;
         self.before = std::mem::replace(&mut self.last, next);
         self.note();
+    }
+
+    /// Notes a special orbit, and keeps it if it is the one to stop at.
+    pub(super) fn note_special(&mut self, at: SpecialPoint, cycle: Cycle, by: By) {
+        self.special.push(at.clone());
+        match &mut self.wanted {
+            Some((is_meant, number)) if is_meant(&at.what) => match number.checked_sub(1) {
+                Some(less) => *number = less,
+                None => {
+                    self.wanted = None;
+                    self.kept = Some(Kept { at, cycle, by });
+                }
+            },
+            _ => {}
+        }
     }
 
     fn note(&mut self) {

@@ -132,8 +132,8 @@ struct Base {
 pub(crate) enum Extra<'a> {
     #[default]
     None,
-    /// A component of the state has a value.
-    Fixed(usize, f64),
+    /// The product of the unknowns with a row has a value.
+    Plane(&'a Vector, f64),
     /// A margin is zero.
     Zero(&'a Margin),
 }
@@ -593,8 +593,10 @@ impl<'a> Shooting<'a> {
         }
         let extra = match self.extra {
             Extra::None => None,
-            Extra::Fixed(place, value) => {
-                Some((outline.begin.x[place] - value, unit(unknowns, place), 1.0))
+            Extra::Plane(row, value) => {
+                let row = row.clone().resize_vertically(unknowns, 0.0);
+                let size = row.amax();
+                Some((row.dot(&outline.unknowns()) - value, row, size))
             }
             Extra::Zero(margin) => Some(under.margin(margin)?),
         };

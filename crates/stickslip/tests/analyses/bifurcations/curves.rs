@@ -1,14 +1,29 @@
-//! Curves of changes of the phases in two parameters, against closed forms.
+//! Curves of special orbits in two parameters, against closed forms.
 
 use std::f64::consts::PI;
 
-use stickslip::analysis::{ContinuationSettings, CurveStop, SequenceBifurcation, continue_change};
+use stickslip::analysis::{
+    ContinuationSettings, Curve, CurveStop, SequenceBifurcation, SequenceChange, Special,
+    continue_change,
+};
 use stickslip::{Error, Filippov, Method, Options, Scalar, Side, math};
 
 use crate::listed::{Listed, traced};
 
 traced!(3: Lag);
 traced!(4: Touched);
+traced!(4: Rings);
+traced!(3: Cusp);
+traced!(4: Doubled);
+traced!(4: Turned);
+
+/// The change of the phases that a curve begins with.
+fn change(curve: &Curve) -> &SequenceChange {
+    match &curve.at.what {
+        Special::Sequence(change) => change,
+        other => panic!("{other}"),
+    }
+}
 
 /// `y' = -c y + cos t` below `y = p`, above which all falls: it touches where `p √(1 + c²) = 1`.
 struct Lag;
@@ -47,7 +62,7 @@ fn a_curve_of_grazes_has_a_closed_form_by_both_methods_at_any_tolerance() {
             );
             let found = found.unwrap();
             assert_eq!(
-                found.change.bifurcation,
+                change(&found).bifurcation,
                 SequenceBifurcation::GrazingSliding
             );
             assert_eq!(
@@ -110,11 +125,11 @@ fn a_curve_of_grazes_goes_round_the_fold_of_the_orbits_that_graze() {
     );
     let found = found.unwrap();
     assert!(
-        (found.change.parameter - exact).abs() < 1e-9,
+        (change(&found).parameter - exact).abs() < 1e-9,
         "{exact} {:?}",
-        found.change
+        found.at
     );
-    assert_eq!(found.change.bifurcation, SequenceBifurcation::Grazing);
+    assert_eq!(change(&found).bifurcation, SequenceBifurcation::Grazing);
     let mut least = f64::INFINITY;
     for point in &found.points {
         let [place, p] = point.parameters;
@@ -130,6 +145,175 @@ fn a_curve_of_grazes_goes_round_the_fold_of_the_orbits_that_graze() {
         (ends[0] - 0.3).abs() < 1e-9 && (ends[1] - 1.35).abs() < 1e-9,
         "{ends:?}"
     );
+}
+
+/// `r' = r (p + q r² - r⁴)`, `θ' = 1`: cycles fold where `p = -q²/4`, at `r² = q/2`. A boundary at
+/// x = 0.1 is crossed, and means nothing.
+struct Rings;
+
+impl Filippov<4> for Rings {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, &[x, y, q, p]: &[T; 4]) -> [T; 4] {
+        let square = x * x + y * y;
+        let grows = p + q * square - square * square;
+        [x * grows - y, y * grows + x, T::zero(), T::zero()]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 4]) -> T {
+        x[0] - 0.1
+    }
+}
+
+#[test]
+fn a_curve_of_folds_has_a_closed_form_by_both_methods_at_any_tolerance() {
+    let settings = ContinuationSettings::over(-3.0, 0.0);
+    for method in [Method::Dop853, Method::Taylor] {
+        for tolerance in [1e-9, 1e-12] {
+            let options = Options::tol(tolerance).method(method);
+            let start = [(1.0 + 0.5_f64.sqrt()).sqrt(), 0.0, 2.0, -0.5];
+            let ranges = (&settings, (0.5, 3.0));
+            let found =
+                continue_change(&Rings.dynamics(), start, (6.3, false, 0), ranges, &options);
+            let found = found.unwrap();
+            assert_eq!(found.at.what, Special::Fold);
+            assert_eq!(found.stops, [CurveStop::Range; 2]);
+            for point in &found.points {
+                let [q, p] = point.parameters;
+                let off = (p + 0.25 * q * q).abs();
+                assert!(
+                    off < 100.0 * tolerance,
+                    "{method:?} {tolerance:e} at {q}: {off:e}"
+                );
+                assert!((point.period - 2.0 * PI).abs() < 1e3 * tolerance);
+            }
+            let ends = [found.points.first(), found.points.last()];
+            let ends = ends.map(|point| point.unwrap().parameters[0]);
+            assert!((ends[0] - 0.5).abs() < 1e-9 && (ends[1] - 3.0).abs() < 1e-9);
+            assert!(found.points.len() > 30, "{}", found.points.len());
+        }
+    }
+}
+
+/// `u' = p + q u - u³` about `cos t`: folds where `p = -2 u³` and `q = 3 u²`, with a cusp at
+/// `p = q = 0`. A boundary at 0.2 is crossed, and means nothing.
+struct Cusp;
+
+impl Filippov<3> for Cusp {
+    fn field<T: Scalar>(&self, _side: Side, t: T, &[x, q, p]: &[T; 3]) -> [T; 3] {
+        let (sin, cos) = t.sin_cos();
+        let u = x - cos;
+        [p + q * u - u * u * u - sin, T::zero(), T::zero()]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
+        x[0] - 0.2
+    }
+}
+
+#[test]
+fn a_curve_of_folds_goes_round_its_cusp() {
+    let settings = ContinuationSettings::over(-1.0, 1.0).forced(2.0 * PI);
+    for method in [Method::Dop853, Method::Taylor] {
+        let options = Options::tol(1e-12).method(method);
+        let start = [1.0 + 0.75_f64.sqrt(), 0.75, 0.0];
+        let ranges = (&settings, (-0.5, 1.0));
+        let found = continue_change(&Cusp.dynamics(), start, (6.3, false, 0), ranges, &options);
+        let found = found.unwrap();
+        assert_eq!(found.at.what, Special::Fold);
+        assert!((found.at.parameter + 0.25).abs() < 1e-9);
+        assert_eq!(found.stops, [CurveStop::Range; 2]);
+        let mut least = f64::INFINITY;
+        for point in &found.points {
+            let [q, p] = point.parameters;
+            let u = point.x[0] - math::cos(point.t);
+            let off = [p + 2.0 * u * u * u, q - 3.0 * u * u].map(f64::abs);
+            assert!(off[0].max(off[1]) < 1e-9, "{u} {q} {p}: {off:?}");
+            least = least.min(q);
+        }
+        assert!(least < 1e-2, "{least}");
+        let ends = [found.points.first(), found.points.last()].map(|point| point.unwrap());
+        assert!(
+            ends.iter()
+                .all(|end| (end.parameters[0] - 1.0).abs() < 1e-9)
+        );
+        assert!(ends[0].parameters[1] * ends[1].parameters[1] < -0.1);
+    }
+}
+
+/// The orbit `c = (cos t, sin t)`, and about it, in a frame that turns half as fast, the rates
+/// `(p + q²) u - u³` and `-w`: its period doubles where `p = -q²`.
+struct Doubled;
+
+impl Filippov<4> for Doubled {
+    fn field<T: Scalar>(&self, _side: Side, t: T, &[x, y, q, p]: &[T; 4]) -> [T; 4] {
+        let (sin, cos) = t.sin_cos();
+        let (half_sin, half_cos) = (t * 0.5).sin_cos();
+        let (a, b) = (x - cos, y - sin);
+        let (u, w) = (half_cos * a + half_sin * b, half_cos * b - half_sin * a);
+        let (along, across) = ((p + q * q) * u - u * u * u, -w);
+        [
+            -sin - b * 0.5 + half_cos * along - half_sin * across,
+            cos + a * 0.5 + half_sin * along + half_cos * across,
+            T::zero(),
+            T::zero(),
+        ]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 4]) -> T {
+        x[0] - 0.2
+    }
+}
+
+/// The same orbit, about which deviations turn at the rate 0.3 and grow at `p + q²`, less by their
+/// square: a torus is shed where `p = -q²`, at an angle of 0.6 π.
+struct Turned;
+
+impl Filippov<4> for Turned {
+    fn field<T: Scalar>(&self, _side: Side, t: T, &[x, y, q, p]: &[T; 4]) -> [T; 4] {
+        let (sin, cos) = t.sin_cos();
+        let (a, b) = (x - cos, y - sin);
+        let grows = p + q * q - a * a - b * b;
+        [
+            grows * a - b * 0.3 - sin,
+            grows * b + a * 0.3 + cos,
+            T::zero(),
+            T::zero(),
+        ]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 4]) -> T {
+        x[0] - 0.2
+    }
+}
+
+#[test]
+fn curves_of_flips_and_of_tori_have_closed_forms_by_both_methods() {
+    let settings = ContinuationSettings::over(-0.4, 0.3).forced(2.0 * PI);
+    let (start, way) = ([1.0, 0.0, 0.3, -0.3], (6.3, true, 0));
+    let ranges = (&settings, (-0.5, 0.5));
+    for method in [Method::Dop853, Method::Taylor] {
+        for tolerance in [1e-9, 1e-12] {
+            let options = Options::tol(tolerance).method(method);
+            let flips = continue_change(&Doubled.dynamics(), start, way, ranges, &options);
+            let tori = continue_change(&Turned.dynamics(), start, way, ranges, &options);
+            let [flips, tori] = [flips.unwrap(), tori.unwrap()];
+            assert_eq!(flips.at.what, Special::Flip);
+            let Special::NeimarkSacker { angle } = tori.at.what else {
+                panic!("{}", tori.at.what);
+            };
+            assert!((angle - 0.6 * PI).abs() < 1e-5, "{angle}");
+            for curve in [flips, tori] {
+                assert_eq!(curve.stops, [CurveStop::Range; 2]);
+                for point in &curve.points {
+                    let [q, p] = point.parameters;
+                    let off = (p + q * q).abs();
+                    // As far as the multipliers are known.
+                    assert!(
+                        off < 1e3 * tolerance,
+                        "{method:?} {tolerance:e} at {q}: {off:e}"
+                    );
+                }
+                let ends = [curve.points.first(), curve.points.last()];
+                let ends = ends.map(|point| point.unwrap().parameters[0]);
+                assert!((ends[0] + 0.5).abs() < 1e-9 && (ends[1] - 0.5).abs() < 1e-9);
+            }
+        }
+    }
 }
 
 #[test]
