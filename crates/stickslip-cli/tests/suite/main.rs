@@ -6,6 +6,7 @@ mod command_line;
 mod continuation;
 mod families;
 mod known_answers;
+mod pile_ups;
 mod public_cases;
 mod readme;
 mod recorded;

@@ -7,13 +7,13 @@ use predicates::str::contains;
 use serde_json::Value;
 use stickslip::math;
 
-const METHODS: [&str; 2] = ["taylor", "dop853"];
+pub const METHODS: [&str; 2] = ["taylor", "dop853"];
 
 /// A transition: time, kind, contact.
-type Transition = (f64, String, String);
+pub type Transition = (f64, String, String);
 
 /// The program, in a folder that has the system in `text` as `system.toml`.
-fn program(text: &str) -> (tempfile::TempDir, Command) {
+pub fn program(text: &str) -> (tempfile::TempDir, Command) {
     let top = tempfile::tempdir().unwrap();
     std::fs::write(top.path().join("system.toml"), text).unwrap();
     let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
@@ -22,7 +22,7 @@ fn program(text: &str) -> (tempfile::TempDir, Command) {
 }
 
 /// What `stickslip simulate` finds of the system in `text`, and its transitions.
-fn simulated(text: &str, method: &str, arguments: &[&str]) -> (Value, Vec<Transition>) {
+pub fn simulated(text: &str, method: &str, arguments: &[&str]) -> (Value, Vec<Transition>) {
     let (top, mut command) = program(text);
     command.args([
         "simulate",
@@ -52,7 +52,7 @@ fn simulated(text: &str, method: &str, arguments: &[&str]) -> (Value, Vec<Transi
     (found, rows.collect())
 }
 
-fn end(found: &Value, state: &str) -> f64 {
+pub fn end(found: &Value, state: &str) -> f64 {
     found["x_end"][state].as_f64().unwrap()
 }
 

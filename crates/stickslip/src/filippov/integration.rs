@@ -131,7 +131,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             mode,
             branch: system.branch(mode, &start),
             last_mode: mode,
-            pile_up: PileUp::new(),
+            pile_up: PileUp::new(&start, mode),
             rest: None,
             due,
         })
@@ -158,7 +158,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             mode,
             branch: system.branch(mode, inside),
             last_mode: mode,
-            pile_up: PileUp::new(),
+            pile_up: PileUp::new(inside, mode),
             rest: None,
             due: Due::Begin,
         })
@@ -550,7 +550,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     fn switch(&mut self, event: &Event<N>) -> Result<Progress<N, S::Mode>, Error> {
         let from = self.mode;
         if let Some((rest, contact)) = self.rest.take() {
-            self.pile_up = PileUp::new();
+            self.pile_up = PileUp::new(&self.run.at, rest.to);
             self.note_event(contact, rest.to)?;
             (self.mode, self.branch) = (rest.to, rest.branch);
             self.run.orders = rest.orders;

@@ -110,6 +110,8 @@ pub struct Options {
     pub touch: f64,
     /// So many consecutive transitions are a pile-up when they happen within `pile_up_span · max(1, |t|)`, or when no component
     /// moves by more than 100 tolerances between any of them; by [`Method::Taylor`] where a comparison in the field turns it round, too. Default 100.
+    /// Fewer are one where their durations are a geometric series and the steps collapse behind
+    /// them, or contacts come so near to each other's boundaries that tolerance takes them as one.
     pub pile_up_count: usize,
     /// See `pile_up_count`; default 1e-7.
     pub pile_up_span: f64,

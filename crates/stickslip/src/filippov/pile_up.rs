@@ -3,8 +3,6 @@
 //! Near an accumulation point every round of phases is the one before, made smaller by a ratio: the
 //! durations are a geometric series. Aitken's extrapolation gives its limit.
 
-use std::collections::VecDeque;
-
 use super::options::Options;
 use crate::error::{Accumulation, Error, Point};
 use crate::ode::Timed;
@@ -13,8 +11,8 @@ use crate::system::State;
 /// A phase over which no component moves by more than so many tolerances is not resolved.
 const UNRESOLVED: f64 = 100.0;
 
-/// So many of the last transitions are kept: three rounds of up to 21.
-const KEPT: usize = 64;
+/// So many of the last transitions are kept, in place: three rounds of up to 15.
+const KEPT: usize = 46;
 
 /// Part of the time that is left to which the extrapolations by two rounds must agree. Durations that
 /// are no geometric series differ by about the whole.
@@ -54,6 +52,7 @@ fn no_time(t: f64, options: &Options) -> f64 {
 }
 
 /// A transition that is kept.
+#[derive(Clone, Copy)]
 struct Passage<const N: usize, K> {
     at: Timed<N>,
     contact: usize,
@@ -78,18 +77,38 @@ pub struct Series<const N: usize> {
 /// to tell their ends apart: then a loose tolerance has stopped the orbit short of the accumulation point.
 pub struct PileUp<const N: usize, K> {
     burst: Burst,
-    /// Phases in a row that are not resolved.
+    /// Phases in a row that are not resolved, and how long the first lasted.
     unresolved: usize,
-    last: VecDeque<Passage<N, K>>,
+    first: f64,
+    /// How many transitions there were, and the last of them: number `i` at place `i % KEPT`.
+    count: usize,
+    last: [Passage<N, K>; KEPT],
 }
 
 impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
-    pub(crate) fn new() -> Self {
+    /// Before any transition; `at` and `mode` only fill places.
+    pub(crate) fn new(at: &Timed<N>, mode: K) -> Self {
+        let nowhere = Passage {
+            at: *at,
+            contact: 0,
+            to: mode,
+        };
         PileUp {
             burst: Burst::new(),
             unresolved: 0,
-            last: VecDeque::new(),
+            first: 0.0,
+            count: 0,
+            last: [nowhere; KEPT],
         }
+    }
+
+    fn kept(&self) -> usize {
+        self.count.min(KEPT)
+    }
+
+    /// The last transition but so many, of those that are kept.
+    fn back(&self, back: usize) -> &Passage<N, K> {
+        &self.last[(self.count + KEPT - 1 - back) % KEPT]
     }
 
     /// Counts a transition of a contact into the mode `to`, where the state moves with `velocity`; whether it is one of a pile-up.
@@ -101,38 +120,38 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         options: &Options,
     ) -> bool {
         let (count, _) = self.burst.note(at.t, options);
-        let resolved = self.last.back().is_none_or(|last| {
-            // A body on a floor stands still at either end of a slip: what it has moved by tells, not how fast it is.
-            let (time, last) = (at.t - last.at.t, last.at.x);
-            (0..N).any(|i| {
-                let moved = f64::max((at.x[i] - last[i]).abs(), time * velocity[i].abs());
-                moved > UNRESOLVED * (options.atol + options.rtol * at.x[i].abs())
-            })
-        });
+        let before = self.back(0).at;
+        // A body on a floor stands still at either end of a slip: what it has moved by tells, not how fast it is.
+        let is_resolved = |i: usize| {
+            let by_rate = (at.t - before.t) * velocity[i].abs();
+            let moved = f64::max((at.x[i] - before.x[i]).abs(), by_rate);
+            moved > UNRESOLVED * (options.atol + options.rtol * at.x[i].abs())
+        };
+        let resolved = self.count == 0 || (0..N).any(is_resolved);
         self.unresolved = if resolved { 0 } else { self.unresolved + 1 };
-        if self.last.len() == KEPT {
-            self.last.pop_front();
+        if self.unresolved == 1 {
+            self.first = at.t - before.t;
         }
-        self.last.push_back(Passage {
+        self.last[self.count % KEPT] = Passage {
             at: *at,
             contact,
             to,
-        });
+        };
+        self.count += 1;
         count.max(self.unresolved) >= options.pile_up_count
     }
 
     /// Whether the last transition was of this contact at this time.
     pub(crate) fn was_at(&self, contact: usize, t: f64) -> bool {
-        let last = self.last.back();
-        last.is_some_and(|last| last.at.t == t && last.contact == contact)
+        let last = self.back(0);
+        self.count > 0 && last.at.t == t && last.contact == contact
     }
 
     /// The series that the last transitions are, if they are one: three rounds in a row that shrink
-    /// by the same ratio, as far as it takes to know the time that is left. Of all rounds the one
-    /// counts by which that is known best.
+    /// by the same ratio, as far as it takes to know the time that is left. Of all rounds those
+    /// count by which that is known best: the very last ones may be rounding.
     pub(crate) fn series(&self) -> Option<Series<N>> {
-        let newest = self.last.len().checked_sub(1)?;
-        let best = |best: Option<Series<N>>, round| {
+        let best = |best: Option<Series<N>>, (newest, round)| {
             let one = self.by_rounds_of(round, newest);
             match (&best, &one) {
                 (Some(found), Some(other)) if other.uncertainty >= found.uncertainty => best,
@@ -140,16 +159,18 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
                 _ => one,
             }
         };
-        (1..=newest / 3).fold(None, best)
+        let phases = self.kept().saturating_sub(1);
+        let rounds = |newest: usize| (1..=(phases - newest) / 3).map(move |round| (newest, round));
+        (0..phases).flat_map(rounds).fold(None, best)
     }
 
-    /// The series by the last three rounds of so many transitions.
+    /// The series by three rounds of so many transitions before the last but so many.
     fn by_rounds_of(&self, round: usize, newest: usize) -> Option<Series<N>> {
-        let contact = |back: usize| self.last[newest - back].contact;
+        let contact = |back: usize| self.back(newest + back).contact;
         if !(0..2 * round).all(|back| contact(back) == contact(back + round)) {
             return None;
         }
-        let at = |rounds: usize| &self.last[newest - rounds * round].at;
+        let at = |rounds: usize| &self.back(newest + rounds * round).at;
         let [d0, d1, d2] = [0, 1, 2].map(|rounds| at(rounds).t - at(rounds + 1).t);
         let [moved, moved_before] = [0, 1].map(|rounds| at(rounds).x - at(rounds + 1).x);
         let (ratio, before) = (d0 / d1, d1 / d2);
@@ -166,7 +187,8 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         let blur = ULPS * f64::EPSILON * now.t.abs();
         let by_rounding = blur * (1.0 + 2.0 / ((1.0 - ratio) * (1.0 - ratio)));
         let uncertainty = (left - d0 * rounds_left(before)).abs() + by_rounding;
-        if uncertainty > AGREEING * left {
+        let is_behind = now.t + left + uncertainty >= self.back(0).at.t;
+        if uncertainty > AGREEING * left || !is_behind {
             return None;
         }
         // No component comes to its limit slower than time does; one that moves to and fro has a negative ratio.
@@ -196,21 +218,13 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
     /// The mode after the transition under way, at time `t`: as it was noted, or as it was the last
     /// time that the one before led where it does now.
     pub(crate) fn mode_after(&self, t: f64) -> Option<K> {
-        let (newest, before) = self.last.iter().next_back().map(|newest| {
-            let before = self.last.iter().rev().skip(1);
-            (newest, before)
-        })?;
+        let newest = self.back(0);
         if newest.at.t == t {
             return Some(newest.to);
         }
-        let mut next = newest.to;
-        for passage in before {
-            if passage.to == newest.to {
-                return Some(next);
-            }
-            next = passage.to;
-        }
-        None
+        let mut earlier = 1..self.kept();
+        let like_it = earlier.find(|&back| self.back(back).to == newest.to)?;
+        Some(self.back(like_it - 1).to)
     }
 
     /// The pile-up that the transitions up to `(t, x)` are; `holds` as in [`Accumulation`].
@@ -221,17 +235,13 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         holds: bool,
         options: &Options,
     ) -> Error {
-        let kept = self.last.len();
-        let since = |count: usize| {
-            let first = self.last.get(kept.saturating_sub(count));
-            (count, at.t - first.map_or(at.t, |first| first.at.t))
-        };
+        let kept = self.kept();
         let (count, span) = if self.burst.count >= options.pile_up_count {
             (self.burst.count, at.t - self.burst.since)
         } else {
-            since(kept)
+            (kept, at.t - self.back(kept.saturating_sub(1)).at.t)
         };
-        let mut contacts: Vec<usize> = self.last.iter().map(|passage| passage.contact).collect();
+        let mut contacts: Vec<usize> = (0..kept).map(|back| self.back(back).contact).collect();
         contacts.sort_unstable();
         contacts.dedup();
         Error::EventPileUp {
@@ -252,13 +262,11 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         }
     }
 
-    /// Whether phases that are not resolved last: the orbit shrinks to a point that it reaches in no
-    /// finite time.
+    /// Whether phases that are not resolved last, the latest in the mean half as long as the first:
+    /// the orbit shrinks to a point that it reaches in no finite time.
     pub(crate) fn shrinks(&self) -> bool {
-        let count = self.unresolved.min(self.last.len());
-        let t = |back: usize| self.last[self.last.len() - 1 - back].at.t;
-        let half = count.saturating_sub(1) / 2;
-        half > 0 && t(0) - t(half) >= 0.5 * (t(half) - t(2 * half))
+        let phases = self.unresolved.min(self.kept().saturating_sub(1));
+        phases > 0 && self.back(0).at.t - self.back(phases).at.t >= 0.5 * self.first * phases as f64
     }
 
     /// The pile-up in which a run is at time `t` whose steps have become too short.

@@ -131,10 +131,13 @@ impl LieDerivatives {
             let stands_out = |of: &&Self| stands_out(of.values[*k], of.floors[*k]);
             fields.iter().any(stands_out)
         };
-        let vanishes = |k: usize| !stands_out(self.values[k], self.floors[k].max(SAME * size(k)));
-        (1..4)
-            .find(is_moved)
-            .is_none_or(|first| (1..=first).all(vanishes))
+        let vanishes = |k: usize| self.values[k].abs() <= self.floors[k].max(SAME * size(k));
+        // Where a field is undefined nothing holds.
+        let is_defined = self.values.iter().all(|value| value.is_finite());
+        is_defined
+            && (1..4)
+                .find(is_moved)
+                .is_none_or(|first| (1..=first).all(vanishes))
     }
 
     /// How the field of `side`, if it is tangent to Σ here, lies.

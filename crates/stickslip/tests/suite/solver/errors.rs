@@ -5,7 +5,8 @@ use std::time::{Duration, Instant};
 use stickslip::analysis::Visibility;
 use stickslip::error::readable;
 use stickslip::{
-    Approach, Ending, Error, Failure, Method, Options, Orbit, State, TransitionKind, TwoFold, math,
+    Approach, AtPileUp, Ending, Error, Failure, Method, Options, Orbit, State, TransitionKind,
+    TwoFold, math,
 };
 
 use crate::any_system::solve;
@@ -307,12 +308,44 @@ fn crossings_that_pile_up_are_told_with_their_number() {
         100.0,
         &options,
     );
-    let Error::EventPileUp { count, span, .. } = failure.error else {
+    let Error::EventPileUp {
+        count,
+        span,
+        ref contacts,
+        ref accumulation,
+        ..
+    } = failure.error
+    else {
         panic!("{}", failure.error)
     };
     assert!(count == 20 && span <= 10.0 * failure.reached.t_end.max(1.0));
+    assert_eq!(contacts, &[0]);
     assert_says(&failure.error, &["20 transitions", "Zeno", "accumulation"]);
     assert_kept(&failure.reached);
+    // Where they accumulate is told from far off: it is where they end if they are followed.
+    let accumulation = accumulation.as_deref().expect("a geometric series");
+    let start = State::from([0.0, 1.0]);
+    let orbit = solve(&Zeno { brake: 0.1 }, 0.0, start, 100.0, &super::tol(1e-12)).expect("runs");
+    let off = (accumulation.t - orbit.t_end).abs();
+    assert!(accumulation.t > failure.reached.t_end + 1.0);
+    assert!(
+        off < 1e-8 && accumulation.uncertainty < 1e-9,
+        "{accumulation:?}"
+    );
+    assert!(accumulation.x.0.iter().all(|x| x.abs() < 1e-6));
+}
+
+#[test]
+fn a_contact_does_not_rest_where_the_field_is_undefined() {
+    // The brake is 0/0 at the two-fold.
+    let options = super::tol(1e-12).at_pile_up(AtPileUp::Rest);
+    let start = State::from([0.0, 1.0]);
+    let orbit = solve(&Zeno { brake: 0.1 }, 0.0, start, 100.0, &options).expect("runs");
+    assert!(
+        matches!(orbit.ending, Ending::TwoFold(_)),
+        "{:?}",
+        orbit.ending
+    );
 }
 
 #[test]

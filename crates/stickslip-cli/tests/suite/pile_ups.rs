@@ -1,0 +1,332 @@
+//! Infinitely many transitions in finite time, from files, with answers in closed form; by both
+//! methods.
+
+use serde_json::Value;
+
+use crate::public_cases::{METHODS, Transition, end, program, simulated};
+
+/// A system of these states, contacts (name and boundary) and rates from a start.
+fn system(end: f64, contacts: &[(&str, &str)], rates: &[(&str, &str)], start: &[f64]) -> String {
+    let contacts = contacts
+        .iter()
+        .map(|(name, boundary)| format!("[contacts.{name}]\nboundary = \"{boundary}\"\n"));
+    let states: String = rates
+        .iter()
+        .map(|(state, _)| format!("{state} = \"\"\n"))
+        .collect();
+    let field = rates
+        .iter()
+        .map(|(state, rate)| format!("{state} = \"{rate}\"\n"));
+    let start = rates
+        .iter()
+        .zip(start)
+        .map(|((state, _), x)| format!("{state} = {x}\n"));
+    format!(
+        "name = \"case\"\n[time]\nend = {end}\n[states]\n{states}{}[field]\n{}[start]\n{}",
+        contacts.collect::<String>(),
+        field.collect::<String>(),
+        start.collect::<String>()
+    )
+}
+
+/// Filippov's spiral: |x| + |y| falls at the rate 2 a.
+fn spiral(a: f64, end: f64) -> String {
+    let x = format!("-by_side(left, -{a}, {a}) + by_side(low, -52, 52)");
+    let y = format!("-by_side(left, -52, 52) - by_side(low, -{a}, {a})");
+    let contacts = [("left", "x"), ("low", "y")];
+    system(end, &contacts, &[("x", &x), ("y", &y)], &[3.0, 3.0])
+}
+
+/// Twisting control, `x'' = push - 10 sgn x - b sgn x'`.
+fn twisting(b: f64, push: &str, end: f64) -> String {
+    let v = format!("{push} - by_side(place, -10, 10) - by_side(speed, -{b}, {b})");
+    let contacts = [("place", "x"), ("speed", "v")];
+    system(end, &contacts, &[("x", "v"), ("v", &v)], &[10.0, 10.0])
+}
+
+/// When it accumulates from (10, 10) without a push, and the ratio of two phases each: it brakes by
+/// `10 + b` away from the place and falls back by `10 - b`.
+fn of_twisting(b: f64) -> (f64, f64) {
+    let (away, back) = (10.0 + b, 10.0 - b);
+    let highest = 10.0 + 50.0 / away;
+    let speed = (2.0 * back * highest).sqrt();
+    let ratio = (back / away).sqrt();
+    let first = 10.0 / away + speed / back;
+    let each = speed / away + speed / (away * back).sqrt();
+    (first + each / (1.0 - ratio), ratio.sqrt())
+}
+
+/// The spiral drives a third contact to and fro, which comes to zero with it.
+fn three_contacts() -> String {
+    let rates = [
+        ("x", "-by_side(a, -2, 2) + by_side(b, -52, 52)"),
+        ("y", "-by_side(a, -52, 52) - by_side(b, -2, 2)"),
+        ("z", "by_side(a, -50, 50) - by_side(c, -4, 4)"),
+    ];
+    let contacts = [("a", "x"), ("b", "y"), ("c", "z")];
+    system(3.0, &contacts, &rates, &[3.0, 3.0, 0.5])
+}
+
+/// Flights above `x = 0` that give back the speed, and below that give back half of it.
+fn flights(back: f64, contacts: &[(&str, &str)], more: &str) -> String {
+    let x = "v + by_side(line, 3, 0)*max(v, 0)";
+    let v = format!("-by_side(line, -1, {back}){more}");
+    system(9.0, contacts, &[("x", x), ("v", &v)], &[0.0, 1.0])
+}
+
+/// What a run says that fails.
+fn failed(text: &str, arguments: &[&str]) -> String {
+    let (_top, mut command) = program(text);
+    command.args(["simulate", "system.toml", "--json"]);
+    let output = command
+        .args(arguments)
+        .assert()
+        .code(1)
+        .get_output()
+        .clone();
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    found["error"].as_str().unwrap().to_owned()
+}
+
+/// The number behind `label`.
+fn number(words: &str, label: &str) -> f64 {
+    let rest = words
+        .split(label)
+        .nth(1)
+        .unwrap_or_else(|| panic!("{label}: {words}"));
+    let until = |c: char| !(c.is_ascii_digit() || "+-.e".contains(c));
+    rest.split(until).next().unwrap().parse().unwrap()
+}
+
+/// Files, the names of the contacts that pile up, when, and the mean ratio of successive phases if
+/// it is known.
+fn cases() -> Vec<(String, &'static [&'static str], f64, Option<f64>)> {
+    let (twisted, ratio) = of_twisting(3.0);
+    let (strong, strong_ratio) = of_twisting(9.9);
+    assert!((twisted - 12.264208764654).abs() < 1e-12, "{twisted}");
+    vec![
+        (spiral(2.0, 3.0), &["left", "low"], 1.5, Some(50.0 / 54.0)),
+        // More than four thousand crossings.
+        (spiral(0.1, 40.0), &["left", "low"], 30.0, Some(51.9 / 52.1)),
+        (
+            twisting(3.0, "0", 20.0),
+            &["place", "speed"],
+            twisted,
+            Some(ratio),
+        ),
+        // Tolerance leaves sixteen.
+        (
+            twisting(9.9, "0", 20.0),
+            &["place", "speed"],
+            strong,
+            Some(strong_ratio),
+        ),
+        (three_contacts(), &["a", "b", "c"], 1.5, None),
+    ]
+}
+
+#[test]
+fn a_pile_up_is_told_with_its_contacts_and_the_point() {
+    for (text, contacts, t, ratio) in cases() {
+        for method in METHODS {
+            let words = failed(&text, &["--method", method]);
+            let names: Vec<String> = contacts.iter().map(|name| format!("`{name}`")).collect();
+            let names = format!("transitions at the contacts {} within", names.join(", "));
+            assert!(words.contains(&names), "{method}: {words}");
+            let told = number(&words, "accumulation point, t = ");
+            let uncertainty = number(&words, " ± ");
+            assert!((told - t).abs() < 2e-11, "{method}: {t}: {words}");
+            assert!(uncertainty < 1e-10, "{method}: {words}");
+            let x = words
+                .split("± ")
+                .nth(1)
+                .and_then(|rest| rest.split('(').nth(1))
+                .unwrap();
+            for x in x.split(')').next().unwrap().split(", ") {
+                assert!(x.parse::<f64>().unwrap().abs() < 1e-11, "{method}: {words}");
+            }
+            if let Some(ratio) = ratio {
+                let told = number(&words, "each phase ");
+                assert!((told - ratio).abs() < 1e-5, "{method}: {ratio}: {words}");
+            }
+            assert!(words.ends_with("by --at-pile-up rest they rest"), "{words}");
+        }
+    }
+}
+
+/// Those that are one of `contacts`'s entries into stick.
+fn entries(transitions: &[Transition]) -> Vec<(f64, &str)> {
+    let entries = transitions.iter().filter(|at| at.1 == "stick entry");
+    entries
+        .map(|(t, _, contact)| (*t, contact.as_str()))
+        .collect()
+}
+
+#[test]
+fn contacts_that_can_hold_rest_where_they_pile_up() {
+    for (text, contacts, t, _) in cases() {
+        for method in METHODS {
+            let (found, transitions) = simulated(&text, method, &["--at-pile-up", "rest"]);
+            assert_eq!(found["ending"], "end time", "{method}");
+            let entries = entries(&transitions);
+            let names: Vec<&str> = entries.iter().map(|entry| entry.1).collect();
+            assert_eq!(names, contacts, "{method}");
+            for (at, name) in entries {
+                assert!((at - t).abs() < 2e-11, "{method}: {name} at {at}, not {t}");
+            }
+            for (state, x) in found["x_end"].as_object().unwrap() {
+                assert_eq!(x.as_f64(), Some(0.0), "{method}: {state}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_rests_leaves_when_all_contacts_together_cannot_hold() {
+    // The place takes 10 of the push and the speed 3: together up to t = 27.
+    let text = twisting(3.0, "max(0, t - 14)", 28.0);
+    for method in METHODS {
+        let (found, transitions) = simulated(&text, method, &["--at-pile-up", "rest"]);
+        let (entered, _) = of_twisting(3.0);
+        for (t, _) in entries(&transitions) {
+            assert!((t - entered).abs() < 1e-11, "{method}: {t}");
+        }
+        for (t, kind, _) in &transitions[transitions.len() - 2..] {
+            assert_eq!(kind, "stick exit", "{method}");
+            assert!((t - 27.0).abs() < 1e-11, "{method}: {t}");
+        }
+        assert!((end(&found, "v") - 0.5).abs() < 1e-11, "{method}");
+        assert!((end(&found, "x") - 1.0 / 6.0).abs() < 1e-11, "{method}");
+    }
+}
+
+#[test]
+fn a_body_beside_what_rests_slips_and_sticks_as_without_it() {
+    let rates = [
+        ("x", "v"),
+        ("v", "-by_side(place, -10, 10) - by_side(speed, -3, 3)"),
+        ("y", "w"),
+        ("w", "-y - by_side(block, -0.1, 0.1)"),
+    ];
+    let contacts = [("place", "x"), ("speed", "v"), ("block", "w")];
+    let text = system(40.0, &contacts, &rates, &[10.0, 10.0, 2.05, 0.0]);
+    for method in METHODS {
+        let (found, transitions) = simulated(&text, method, &["--at-pile-up", "rest"]);
+        let of_block = transitions.iter().filter(|at| at.2 == "block");
+        let of_block: Vec<(f64, &str)> = of_block.map(|at| (at.0, at.1.as_str())).collect();
+        // Half turns of π, each of which takes 0.2 off the amplitude of 2.05.
+        assert_eq!(of_block.len(), 10, "{method}: {of_block:?}");
+        for (half, (t, kind)) in of_block.iter().enumerate() {
+            let expected = std::f64::consts::PI * (half + 1) as f64;
+            assert!((t - expected).abs() < 1e-9, "{method}: {t}");
+            assert_eq!(*kind, ["crossing", "stick entry"][usize::from(half == 9)]);
+        }
+        assert!((end(&found, "y") - 0.05).abs() < 1e-9, "{method}");
+        assert_eq!((end(&found, "x"), end(&found, "v")), (0.0, 0.0), "{method}");
+    }
+}
+
+#[test]
+fn one_contact_rests_at_the_two_fold_where_its_crossings_accumulate() {
+    // Slopes do not see the kink of the field below at the top of a flight.
+    for (method, within) in [("taylor", 1e-12), ("dop853", 1e-5)] {
+        let line = [("line", "x")];
+        let text = flights(1.0, &line, "");
+        // Flights of 2 and 1 + 1/2 times the speed, which is then half of it.
+        let (found, transitions) = simulated(&text, method, &["--at-pile-up", "rest"]);
+        let entries = entries(&transitions);
+        assert_eq!(entries.len(), 1, "{method}");
+        assert!((entries[0].0 - 7.0).abs() < within, "{method}: {entries:?}");
+        assert_eq!((end(&found, "x"), end(&found, "v")), (0.0, 0.0), "{method}");
+        assert_eq!(found["ending"], "end time", "{method}");
+        let stopped = "no unique future: a two-fold";
+        assert_eq!(
+            simulated(&text, method, &[]).0["ending"],
+            stopped,
+            "{method}"
+        );
+        // The pushes from above and below differ: their mean does not hold.
+        let text = flights(2.0, &line, "");
+        let (found, transitions) = simulated(&text, method, &["--at-pile-up", "rest"]);
+        assert_eq!(found["ending"], stopped, "{method}");
+        assert!(
+            (found["t_end"].as_f64().unwrap() - 5.0).abs() < 1e-5,
+            "{method}"
+        );
+        assert!(transitions.iter().all(|at| at.1 == "crossing"), "{method}");
+    }
+}
+
+#[test]
+fn contacts_that_cannot_hold_end_the_run_with_the_words_for_that() {
+    // As one contact whose pushes differ, in a system that has another one far off.
+    let contacts = [("line", "x"), ("far", "x - 100 + 0*v")];
+    let text = flights(2.0, &contacts, " - by_side(far, 0, 1)");
+    for (method, within) in [("taylor", 1e-12), ("dop853", 1e-5)] {
+        for choice in ["stop", "rest"] {
+            let words = failed(&text, &["--method", method, "--at-pile-up", choice]);
+            assert!(
+                words.contains("transitions at the contacts `line` within"),
+                "{words}"
+            );
+            let t = number(&words, "accumulation point, t = ");
+            assert!((t - 5.0).abs() < within, "{method}: {words}");
+            assert!(
+                words.contains("friction cannot hold all of them at once"),
+                "{words}"
+            );
+        }
+    }
+}
+
+#[test]
+fn crossings_on_the_way_to_a_pole_are_no_pile_up() {
+    // `u' = u²` is infinite at 1, and y and z turn through `-ln(1 - t)`: their crossings accumulate
+    // there by a ratio, but the state does not.
+    let rates = [
+        ("u", "u*u"),
+        ("y", "u*z - by_side(line, -0.1, 0.1)"),
+        ("z", "-u*y - by_side(other, -0.1, 0.1)"),
+    ];
+    let contacts = [("line", "y"), ("other", "z")];
+    let text = system(2.0, &contacts, &rates, &[1.0, 0.0, 1.0]);
+    for method in METHODS {
+        let words = failed(&text, &["--method", method, "--escape", "1e300"]);
+        assert!(words.starts_with("the step collapsed"), "{method}: {words}");
+    }
+}
+
+#[test]
+fn a_run_may_end_between_the_last_crossing_and_the_accumulation_point() {
+    // The last crossing that is followed is at 12.26420869.
+    for method in METHODS {
+        let arguments = ["--at-pile-up", "rest", "--t-end", "12.26420874"];
+        let (found, transitions) = simulated(&twisting(3.0, "0", 20.0), method, &arguments);
+        assert_eq!(found["ending"], "end time", "{method}");
+        assert_eq!(found["t_end"], 12.26420874, "{method}");
+        assert!(entries(&transitions).is_empty(), "{method}");
+        assert!(end(&found, "v").abs() < 1e-6, "{method}");
+    }
+}
+
+#[test]
+fn starts_whose_orbits_rest_belong_to_the_equilibrium_there() {
+    let (_top, mut command) = program(&twisting(3.0, "0", 20.0));
+    command.args([
+        "basin",
+        "system.toml",
+        "--json",
+        "--grid",
+        "4x4",
+        "--at-pile-up",
+        "rest",
+    ]);
+    command.args(["--x", "x=-9:9", "--y", "v=-8:8"]);
+    let output = command.assert().success().get_output().stdout.clone();
+    let found: Value = serde_json::from_slice(&output).unwrap();
+    let attractors = found["attractors"].as_array().unwrap();
+    assert_eq!(attractors.len(), 1, "{attractors:?}");
+    let motion = attractors[0]["motion"].as_str().unwrap();
+    assert!(motion.starts_with("equilibrium"), "{motion}");
+    assert_eq!(attractors[0]["share"], 1.0);
+}
