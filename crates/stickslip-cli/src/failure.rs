@@ -100,7 +100,7 @@ fn with_names(error: &Error, name: &dyn Fn(usize) -> String) -> String {
             contacts,
             accumulation,
         } => format!(
-            "{count} transitions at the contacts {} within {span:e} before t = {}, x = {x}: {}",
+            "{count} transitions at {} within {span:e} before t = {}, x = {x}: {}",
             names(contacts),
             readable(*t),
             piled_up(accumulation.as_deref(), "--at-pile-up rest")

@@ -74,7 +74,7 @@ pub fn piled_up(accumulation: Option<&Accumulation>, option: &str) -> String {
     let what_follows = if *holds {
         format!("friction can hold all of them, and by {option} they rest")
     } else {
-        "friction cannot hold all of them at once, and nothing says what follows".to_owned()
+        "nothing holds all of them at once, and nothing says what follows".to_owned()
     };
     format!(
         "they pile up (Zeno), each phase {ratio:.6} times as long as the one before; at the \
@@ -186,7 +186,7 @@ pub enum Error {
         t: f64,
         /// State reached.
         x: Point,
-        /// The contacts at which they happen, counted from 0.
+        /// The contacts at which they happen, counted from 0; behind these come the jumps.
         contacts: Vec<usize>,
         /// Where they accumulate, if they are a geometric series.
         accumulation: Option<Box<Accumulation>>,

@@ -131,7 +131,7 @@ fn a_pile_up_is_told_with_its_contacts_and_the_point() {
         for method in METHODS {
             let words = failed(&text, &["--method", method]);
             let names: Vec<String> = contacts.iter().map(|name| format!("`{name}`")).collect();
-            let names = format!("transitions at the contacts {} within", names.join(", "));
+            let names = format!("transitions at {} within", names.join(", "));
             assert!(words.contains(&names), "{method}: {words}");
             let told = number(&words, "accumulation point, t = ");
             let uncertainty = number(&words, " ± ");
@@ -266,13 +266,13 @@ fn contacts_that_cannot_hold_end_the_run_with_the_words_for_that() {
         for choice in ["stop", "rest"] {
             let words = failed(&text, &["--method", method, "--at-pile-up", choice]);
             assert!(
-                words.contains("transitions at the contacts `line` within"),
+                words.contains("transitions at `line` within"),
                 "{words}"
             );
             let t = number(&words, "accumulation point, t = ");
             assert!((t - 5.0).abs() < within, "{method}: {words}");
             assert!(
-                words.contains("friction cannot hold all of them at once"),
+                words.contains("nothing holds all of them at once"),
                 "{words}"
             );
         }
