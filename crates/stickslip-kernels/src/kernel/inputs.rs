@@ -201,6 +201,14 @@ pub struct Switching {
 }
 
 impl Switching {
+    /// Neither, of a system of so many states.
+    pub fn none(states: usize) -> Self {
+        Switching {
+            states,
+            ..Switching::default()
+        }
+    }
+
     /// Room for states and what inputs hold.
     pub fn room(&self) -> usize {
         self.states + HELD * self.inputs.len()

@@ -3,7 +3,7 @@
 
 use stickslip::dynamics::DynamicsRef;
 use stickslip::{Error, Filippov, Scalar, Side};
-use stickslip_kernels::kernel::{Equations, OneContact, dynamics};
+use stickslip_kernels::kernel::{Equations, OneContact, Switching, dynamics};
 use stickslip_kernels::trace::trace;
 
 /// A system that goes into the solver by its formulas, or, where it branches on values, by a type
@@ -53,7 +53,7 @@ impl<const N: usize> Traced<N> {
 
     pub fn dynamics(self) -> DynamicsRef<'static> {
         let equations = Equations::OneContact(Box::new(self.formulas));
-        dynamics(equations, None, (N, 1)).expect("few states")
+        dynamics(equations, None, Switching::none(N), (N, 1)).expect("few states")
     }
 }
 
