@@ -51,6 +51,11 @@ fn no_time(t: f64, options: &Options) -> f64 {
     options.pile_up_span * t.abs().max(1.0)
 }
 
+/// How well rounding lets a time be known.
+fn blur(t: f64) -> f64 {
+    ULPS * f64::EPSILON * t.abs()
+}
+
 /// A transition that is kept.
 #[derive(Clone, Copy)]
 struct Passage<const N: usize, K> {
@@ -160,8 +165,12 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
             }
         };
         let phases = self.kept().saturating_sub(1);
-        let rounds = |newest: usize| (1..=(phases - newest) / 3).map(move |round| (newest, round));
-        (0..phases).flat_map(rounds).fold(None, best)
+        // Of phases as short as rounding no ratio is known.
+        let blur = blur(self.back(0).at.t) / (AGREEING * AGREEING);
+        let lasts = |k: usize| self.back(k).at.t - self.back(k + 1).at.t;
+        let newest = (0..phases).find(|&k| lasts(k) > blur)?;
+        let rounds = 1..=(phases - newest) / 3;
+        rounds.map(|round| (newest, round)).fold(None, best)
     }
 
     /// The series by three rounds of so many transitions before the last but so many.
@@ -184,8 +193,7 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         let rounds_left = |ratio: f64| ratio / (1.0 - ratio);
         let left = d0 * rounds_left(ratio);
         let now = at(0);
-        let blur = ULPS * f64::EPSILON * now.t.abs();
-        let by_rounding = blur * (1.0 + 2.0 / ((1.0 - ratio) * (1.0 - ratio)));
+        let by_rounding = blur(now.t) * (1.0 + 2.0 / ((1.0 - ratio) * (1.0 - ratio)));
         let uncertainty = (left - d0 * rounds_left(before)).abs() + by_rounding;
         let is_behind = now.t + left + uncertainty >= self.back(0).at.t;
         if uncertainty > AGREEING * left || !is_behind {
