@@ -48,7 +48,8 @@ fn told(candidates: &[String]) -> String {
 pub struct Accumulation {
     /// Time.
     pub t: f64,
-    /// How well that time is known: what two rounds of transitions and rounding make of it.
+    /// How well the extrapolation knows that time, by two rounds of transitions and by rounding. What
+    /// the steps before are off by is not in it.
     pub uncertainty: f64,
     /// State.
     pub x: Point,

@@ -210,6 +210,7 @@ fn a_body_beside_what_rests_slips_and_sticks_as_without_it() {
     ];
     let contacts = [("place", "x"), ("speed", "v"), ("block", "w")];
     let text = system(40.0, &contacts, &rates, &[10.0, 10.0, 2.05, 0.0]);
+    let held = system(40.0, &contacts, &rates, &[10.0, 10.0, 0.05, 0.0]);
     for method in METHODS {
         let (found, transitions) = simulated(&text, method, &["--at-pile-up", "rest"]);
         let of_block = transitions.iter().filter(|at| at.2 == "block");
@@ -223,6 +224,20 @@ fn a_body_beside_what_rests_slips_and_sticks_as_without_it() {
         }
         assert!((end(&found, "y") - 0.05).abs() < 1e-9, "{method}");
         assert_eq!((end(&found, "x"), end(&found, "v")), (0.0, 0.0), "{method}");
+        // One that sticks throughout stands at zero with the others.
+        let words = failed(&held, &["--method", method]);
+        assert!(
+            words.contains("at the contacts `place`, `speed` within"),
+            "{words}"
+        );
+        let (found, transitions) = simulated(&held, method, &["--at-pile-up", "rest"]);
+        let names: Vec<&str> = entries(&transitions).iter().map(|entry| entry.1).collect();
+        assert_eq!(names, ["place", "speed"], "{method}");
+        assert_eq!(
+            (end(&found, "x"), end(&found, "y")),
+            (0.0, 0.05),
+            "{method}"
+        );
     }
 }
 

@@ -61,8 +61,8 @@ pub struct Integration<'a, S: Switched<N, G>, const N: usize, const G: usize = G
     /// The last step's mode.
     last_mode: S::Mode,
     pile_up: PileUp<N, S::Mode>,
-    /// How the run goes on where transitions accumulate, while it is led there, and a contact of these.
-    rest: Option<(Rest<S::Mode, S::Branch, N, G>, usize)>,
+    /// How the run goes on where transitions accumulate, while it is led there.
+    rest: Option<Rest<S::Mode, S::Branch, N, G>>,
     due: Due,
 }
 
@@ -262,7 +262,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             }
         }
         match self.due {
-            Due::Rest => Ok(self.to_rest()),
+            Due::Rest => Ok(self.come_to_rest()),
             Due::PhaseEnd(ending) => {
                 let phase = self.phase_so_far();
                 self.due = Due::End(ending);
@@ -309,7 +309,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
                 .system
                 .rest(run, self.mode, &series.contacts, &series.at)?;
             let off = (rest.at.x - series.at.x).amax();
-            (off <= series.distance + run.slack()).then_some((rest, series.contacts[0]))
+            (off <= series.distance + run.slack()).then_some(rest)
         });
         let holds = rest.is_some();
         if holds && self.run.options.at_pile_up == AtPileUp::Rest {
@@ -341,9 +341,9 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     }
 
     /// The step to where transitions accumulate, or as far as the run goes.
-    fn to_rest(&mut self) -> Progress<N, S::Mode> {
+    fn come_to_rest(&mut self) -> Progress<N, S::Mode> {
         let from = self.run.at;
-        let Some((rest, contact)) = &self.rest else {
+        let Some(rest) = &self.rest else {
             return Progress::End(self.summary(Ending::Failed));
         };
         let to = Timed {
@@ -362,7 +362,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             return Progress::Step;
         }
         let event = Event {
-            guard: *contact,
+            guard: rest.contact,
             at: to,
             is_touch: false,
             residual: 0.0,
@@ -549,14 +549,15 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     /// From the end of a phase to the next mode or to the end of the run.
     fn switch(&mut self, event: &Event<N>) -> Result<Progress<N, S::Mode>, Error> {
         let from = self.mode;
-        if let Some((rest, contact)) = self.rest.take() {
+        if let Some(rest) = self.rest.take() {
             self.pile_up = PileUp::new(&self.run.at, rest.to);
-            self.note_event(contact, rest.to)?;
+            self.note_event(rest.contact, rest.to)?;
             (self.mode, self.branch) = (rest.to, rest.branch);
             self.run.orders = rest.orders;
             self.run.from = self.run.at;
             self.due = Due::Begin;
-            return Ok(self.transition((TransitionKind::StickEntry, contact), from, 0.0));
+            let entry = (TransitionKind::StickEntry, rest.contact);
+            return Ok(self.transition(entry, from, 0.0));
         }
         // At a two-fold of one contact the rules would end the run, or let it stick as far as rounding does.
         if self.run.options.at_pile_up == AtPileUp::Rest

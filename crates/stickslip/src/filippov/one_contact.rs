@@ -172,6 +172,7 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
             to: Mode::Stick,
             branch: self.branch(Mode::Stick, &at),
             orders: departure.orders,
+            contact: 0,
         })
     }
 

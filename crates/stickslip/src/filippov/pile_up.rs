@@ -11,6 +11,12 @@ use crate::system::State;
 /// A phase over which no component moves by more than so many tolerances is not resolved.
 const UNRESOLVED: f64 = 100.0;
 
+/// An orbit shrinks that has so many phases which are not resolved and last …
+const FEWEST: usize = 10;
+
+/// … this part of the first of them at least.
+const LASTS: f64 = 0.9;
+
 /// So many of the last transitions are kept, in place: three rounds of up to 15.
 const KEPT: usize = 46;
 
@@ -82,9 +88,10 @@ pub struct Series<const N: usize> {
 /// to tell their ends apart: then a loose tolerance has stopped the orbit short of the accumulation point.
 pub struct PileUp<const N: usize, K> {
     burst: Burst,
-    /// Phases in a row that are not resolved, and how long the first lasted.
+    /// Phases in a row that are not resolved, the length of the first, and how many last as long.
     unresolved: usize,
     first: f64,
+    lasting: usize,
     /// How many transitions there were, and the last of them: number `i` at place `i % KEPT`.
     count: usize,
     last: [Passage<N, K>; KEPT],
@@ -102,6 +109,7 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
             burst: Burst::new(),
             unresolved: 0,
             first: 0.0,
+            lasting: 0,
             count: 0,
             last: [nowhere; KEPT],
         }
@@ -116,6 +124,14 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         &self.last[(self.count + KEPT - 1 - back) % KEPT]
     }
 
+    /// The contacts of so many of the last transitions, in order.
+    fn contacts(&self, count: usize) -> Vec<usize> {
+        let mut contacts: Vec<usize> = (0..count).map(|back| self.back(back).contact).collect();
+        contacts.sort_unstable();
+        contacts.dedup();
+        contacts
+    }
+
     /// Counts a transition of a contact into the mode `to`, where the state moves with `velocity`; whether it is one of a pile-up.
     pub(crate) fn note(
         &mut self,
@@ -126,16 +142,19 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
     ) -> bool {
         let (count, _) = self.burst.note(at.t, options);
         let before = self.back(0).at;
+        let time = at.t - before.t;
         // A body on a floor stands still at either end of a slip: what it has moved by tells, not how fast it is.
         let is_resolved = |i: usize| {
-            let by_rate = (at.t - before.t) * velocity[i].abs();
+            let by_rate = time * velocity[i].abs();
             let moved = f64::max((at.x[i] - before.x[i]).abs(), by_rate);
             moved > UNRESOLVED * (options.atol + options.rtol * at.x[i].abs())
         };
         let resolved = self.count == 0 || (0..N).any(is_resolved);
         self.unresolved = if resolved { 0 } else { self.unresolved + 1 };
         if self.unresolved == 1 {
-            self.first = at.t - before.t;
+            (self.first, self.lasting) = (time, 0);
+        } else if time >= LASTS * self.first {
+            self.lasting += 1;
         }
         self.last[self.count % KEPT] = Passage {
             at: *at,
@@ -208,9 +227,6 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
                 0.0
             }
         }));
-        let mut contacts: Vec<usize> = (0..round).map(contact).collect();
-        contacts.sort_unstable();
-        contacts.dedup();
         Some(Series {
             at: Timed {
                 t: now.t + left,
@@ -219,7 +235,7 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
             uncertainty,
             distance: rounds_left(ratio) * moved.amax(),
             ratio: crate::math::pow(ratio, 1.0 / round as f64),
-            contacts,
+            contacts: self.contacts(round),
         })
     }
 
@@ -249,15 +265,12 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         } else {
             (kept, at.t - self.back(kept.saturating_sub(1)).at.t)
         };
-        let mut contacts: Vec<usize> = (0..kept).map(|back| self.back(back).contact).collect();
-        contacts.sort_unstable();
-        contacts.dedup();
         Error::EventPileUp {
             count,
             span,
             t: at.t,
             x: Point::from(&at.x),
-            contacts: series.map_or(contacts, |series| series.contacts.clone()),
+            contacts: series.map_or_else(|| self.contacts(kept), |series| series.contacts.clone()),
             accumulation: series.map(|series| {
                 Box::new(Accumulation {
                     t: series.at.t,
@@ -270,11 +283,10 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         }
     }
 
-    /// Whether phases that are not resolved last, the latest in the mean half as long as the first:
-    /// the orbit shrinks to a point that it reaches in no finite time.
+    /// Whether phases that are not resolved last as long as the first of them: the orbit shrinks to
+    /// a point that it reaches in no finite time.
     pub(crate) fn shrinks(&self) -> bool {
-        let phases = self.unresolved.min(self.kept().saturating_sub(1));
-        phases > 0 && self.back(0).at.t - self.back(phases).at.t >= 0.5 * self.first * phases as f64
+        self.unresolved >= FEWEST && self.lasting >= FEWEST
     }
 
     /// The pile-up in which a run is at time `t` whose steps have become too short.
@@ -283,10 +295,11 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         (series.at.t - t <= no_time(t, options)).then_some(series)
     }
 
-    /// The pile-up in which exactly these contacts come to zero together.
+    /// The pile-up in which contacts come to zero together, all of which are among these; others may
+    /// stick meanwhile.
     pub(crate) fn of_contacts(&self, t: f64, contacts: &[usize]) -> Option<Series<N>> {
         let series = self.series()?;
-        let is_it = series.contacts == contacts && t <= series.at.t + series.uncertainty;
-        is_it.then_some(series)
+        let are_among = series.contacts.iter().all(|one| contacts.contains(one));
+        (are_among && t <= series.at.t + series.uncertainty).then_some(series)
     }
 }

@@ -173,6 +173,8 @@ pub struct Rest<K, B, const N: usize, const G: usize> {
     pub branch: B,
     /// As of [`Switch`].
     pub orders: [usize; G],
+    /// The first of them.
+    pub contact: usize,
 }
 
 /// Something done with the flow of a mode.

@@ -1,7 +1,7 @@
 //! A system of several contacts as a switched system.
 
 use super::decision::Decision;
-use super::joint::{Joint, gradients, rates};
+use super::joint::{Affine, Joint, gradients, rates};
 use super::{Contacts, Several};
 use crate::dynamics::Modes;
 use crate::error::{Error, Point};
@@ -57,11 +57,16 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
 
     fn branch(&self, mode: [Mode; M], at: &Timed<N>) -> bool {
         let joint = Joint::new(&self.0, &mode);
-        joint.count > 1 && {
-            let slopes = joint.affine(at.t, components(&at.x)).slopes;
-            let is_moved_by_none = |i: &usize| slopes[*i][..joint.count] == [0.0; M][..joint.count];
-            joint.held().iter().any(is_moved_by_none)
+        if joint.count < 2 {
+            return false;
         }
+        let Affine { rates, slopes, .. } = joint.affine(at.t, components(&at.x));
+        // One that moves is not held, whatever its mode is called.
+        let rounding = ULPS * f64::EPSILON * at.x.amax().max(1.0);
+        let is_moved_by_none = |&i: &usize| {
+            slopes[i][..joint.count] == [0.0; M][..joint.count] && rates[i].abs() <= rounding
+        };
+        joint.held().iter().any(is_moved_by_none)
     }
 
     #[inline(always)]
@@ -178,6 +183,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
             to: modes,
             branch,
             orders: [0; M],
+            contact: contacts[0],
         })
     }
 
