@@ -794,6 +794,85 @@ y = "(1 - above)*(cos(t) - c*y) - above"
 y = 0.4
 "#;
 
+/// About `(cos t, sin t)`, in a frame that turns half as fast, deviations have the rates `p u - u³`
+/// and `-w`: at p = 0 the period doubles, to orbits at `u² = p`.
+const DOUBLED: &str = r#"
+name = "Doubled"
+[time]
+period = "2*pi"
+[states]
+x = ""
+y = ""
+[parameters]
+p = -0.1
+[definitions]
+a = "x - cos(t)"
+b = "y - sin(t)"
+u = "cos(t/2)*a + sin(t/2)*b"
+w = "cos(t/2)*b - sin(t/2)*a"
+along = "p*u - u*u*u"
+[field]
+x = "-sin(t) - b/2 + cos(t/2)*along + sin(t/2)*w"
+y = "cos(t) + a/2 + sin(t/2)*along - cos(t/2)*w"
+[start]
+x = 1
+y = 0
+"#;
+
+#[test]
+fn the_branch_of_twice_the_period_is_followed_along_its_closed_form() {
+    let top = tempfile::tempdir().unwrap();
+    let path = top.path().join("doubled.toml");
+    std::fs::write(&path, DOUBLED).unwrap();
+    let file = path.to_str().unwrap();
+    let arguments = [file, "--parameter", "p=-0.2:0.3", "--periods", "1"];
+    let run = |more: &[&str]| {
+        let command = program(top.path(), &arguments)
+            .args(more)
+            .arg("--json")
+            .assert();
+        let output = command.success().get_output().stdout.clone();
+        serde_json::from_slice::<Value>(&output).unwrap()
+    };
+    let json = run(&["--branches"]);
+    let [other] = json["branches"].as_array().unwrap().as_slice() else {
+        panic!("{json:#}");
+    };
+    let from = other["from"].as_u64().unwrap() as usize;
+    assert_eq!(json["special"][from]["what"], "flip");
+    assert_eq!(other["stop"], "range");
+    let folder = top.path().join("stickslip-output");
+    let read = |name: &str| {
+        let mut table = csv::Reader::from_path(folder.join(name)).unwrap();
+        let rows: Result<Vec<std::collections::HashMap<String, String>>, _> =
+            table.deserialize().collect();
+        rows.unwrap()
+    };
+    let rows = read("branch.csv");
+    let counts = ["0", "1"].map(|of| rows.iter().filter(|row| row["branch"] == of).count());
+    assert_eq!(
+        counts.map(|count| count as u64),
+        [&json["points"], &other["points"]].map(|n| n.as_u64().unwrap())
+    );
+    for row in &rows {
+        let [p, period, t, x, y] =
+            ["p", "period", "t", "x", "y"].map(|key| row[key].parse::<f64>().unwrap());
+        let (a, b) = (x - stickslip::math::cos(t), y - stickslip::math::sin(t));
+        let (square, turns) = if row["branch"] == "0" {
+            (0.0, 1.0)
+        } else {
+            (p, 2.0)
+        };
+        assert!((a * a + b * b - square).abs() < 1e-9, "{p}: {a} {b}");
+        assert!((period - 2.0 * PI * turns).abs() < 1e-9, "{period}");
+    }
+    assert!(read("special.csv").iter().all(|row| row["branch"] == "0"));
+    // Without being asked for they are not followed.
+    let json = run(&[]);
+    assert_eq!(json["branches"], Value::Null);
+    assert!(!read("branch.csv")[0].contains_key("branch"));
+}
+
 /// `u' = p + q u - u³` about `cos t`, without a contact: folds where `p² = 4 (q/3)³`.
 const CUSP: &str = r#"
 name = "Cusp"

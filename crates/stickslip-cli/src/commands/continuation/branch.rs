@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use rayon::prelude::*;
 use stickslip::analysis::{
     Branch as Way, BranchPoint, ContinuationSettings, Curve, PeriodicOrbit, Special, SpecialPoint,
-    Stop, continue_change, continue_periodic_orbit_while,
+    Stop, SwitchedBranch, continue_change, continue_periodic_orbit_while, switch_branches,
 };
 use stickslip::dynamics::{DynamicsRef, Section, Summary, Vector};
 use stickslip::{Ending, Error, Options};
@@ -34,6 +34,13 @@ pub(super) struct Branch {
     pub(super) first: usize,
     /// Why it ends downwards and upwards.
     pub(super) stops: [Stop; 2],
+}
+
+/// A branch that begins at a special orbit of another one.
+pub(super) struct Other {
+    /// The number of that orbit, counted from 0, among the special ones.
+    pub(super) from: usize,
+    pub(super) branch: Branch,
 }
 
 /// A second parameter.
@@ -210,6 +217,52 @@ impl<'a> Begin<'a> {
             .filter(|(_, at)| at.what != Special::BranchPoint)
             .collect();
         followed.into_par_iter().map(curve).collect()
+    }
+
+    /// The branches that begin at flips and branch points of one.
+    pub(super) fn others(
+        &self,
+        (orbit, periods): (&PeriodicOrbit, Option<u32>),
+        branch: &Branch,
+        settings: &ContinuationSettings,
+        options: &Options,
+    ) -> Result<Vec<Other>, Failure> {
+        let settings = ContinuationSettings {
+            forced: periods.map(|_| orbit.period),
+            ..*settings
+        };
+        let x = self.at_zero(orbit, options)?;
+        let x = [x.as_slice(), &[self.value]].concat();
+        let special = branch.special.iter().enumerate();
+        let meets = |at: &SpecialPoint| matches!(at.what, Special::Flip | Special::BranchPoint);
+        let junctions: Vec<_> = special.filter(|(_, at)| meets(at)).collect();
+        let is_above = |at: &SpecialPoint| at.behind > branch.first;
+        let below = junctions.iter().filter(|(_, at)| !is_above(at)).count();
+        let switched = |(k, &(from, at)): (usize, &(usize, &SpecialPoint))| {
+            let upwards = is_above(at);
+            let number = if upwards { k - below } else { below - 1 - k };
+            let way = (orbit.period, upwards, number);
+            let found = match switch_branches(&self.along, &*x, way, &settings, options) {
+                Ok(SwitchedBranch { branches, .. }) => branches,
+                Err(Error::NotFound { .. }) => Vec::new(),
+                Err(error) => return Err(Failure::from(error)),
+            };
+            // It ends with what it begins with on one side.
+            let begin = |way: &Way| Way {
+                points: way.points.iter().take(1).cloned().collect(),
+                special: Vec::new(),
+                stop: Stop::Points,
+            };
+            let found = found.into_iter();
+            let told = found.map(|way| {
+                let branch = self.joined(begin(&way), way, options)?;
+                Ok(Other { from, branch })
+            });
+            told.collect::<Result<Vec<Other>, Failure>>()
+        };
+        let junctions = junctions.par_iter().enumerate();
+        let others: Result<Vec<_>, Failure> = junctions.map(switched).collect();
+        Ok(others?.into_iter().flatten().collect())
     }
 
     /// A state of the orbit at a time that is a multiple of its period: there the clock of the branch begins.

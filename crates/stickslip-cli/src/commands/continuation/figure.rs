@@ -19,7 +19,8 @@ const LARGEST_MULTIPLIER: &str = "largest multiplier";
 /// Largest multiplier that is drawn: of unstable orbits it may be of any size.
 const LARGEST: f64 = 3.0;
 
-pub(super) fn diagram(system: &System, range: &ParameterRange, branch: &Branch) -> Figure {
+/// The first of the branches is that through the orbit that was found.
+pub(super) fn diagram(system: &System, range: &ParameterRange, branches: &[&Branch]) -> Figure {
     let first = &system.file.states[0];
     let largest: Value = |at| {
         let sizes = at.orbit.multipliers.iter().map(|one| one.norm());
@@ -45,7 +46,7 @@ pub(super) fn diagram(system: &System, range: &ParameterRange, branch: &Branch) 
     // Of a driven system the period says nothing, unless it is what is varied.
     let others = others
         .into_iter()
-        .filter(|(_, value, error)| differs(&branch.points, *value, *error))
+        .filter(|(_, value, error)| differs(branches, *value, *error))
         .map(|(label, value, _)| (label, value));
     let of_extents = extents.len();
     let rows: Vec<(String, Value)> = extents.into_iter().chain(others).collect();
@@ -61,21 +62,23 @@ pub(super) fn diagram(system: &System, range: &ParameterRange, branch: &Branch) 
     let last = rows.len() - 1;
     let mut in_legend: Vec<Stability> = Vec::new();
     for (k, (label, value)) in rows.into_iter().enumerate() {
-        let x = figures::parameter_axis(system, &range.name, ends(range, branch), k == last);
-        let ends = [branch.points.first(), branch.points.last()];
+        let x = figures::parameter_axis(system, &range.name, ends(range, branches), k == last);
+        let ends = branches.iter().flat_map(|branch| {
+            let ends = [branch.points.first(), branch.points.last()];
+            ends.into_iter().zip(&branch.stops)
+        });
         let ends: Vec<(&Stop, (f64, f64))> = ends
-            .into_iter()
-            .zip(&branch.stops)
             .filter_map(|(end, stop)| Some((stop, end_mark(end?, stop, value, k < of_extents))))
             .collect();
         let marked = ends.iter().map(|(_, mark)| mark.1);
-        let all = branch.points.iter().map(value).chain(marked);
+        let all = points(branches).map(value).chain(marked);
         let is_size = label == LARGEST_MULTIPLIER;
         let mut panel = Panel::new(x, figures::axis(&label, all));
         if is_size {
             panel.add(Guide::horizontal(1.0));
         }
-        for (stability, run) in runs(branch, value, is_size) {
+        let runs = branches.iter().flat_map(|one| runs(one, value, is_size));
+        for (stability, run) in runs {
             let (color, dash) = match stability {
                 Stability::Stable => (BLUE, Dash::Solid),
                 Stability::Neutral => (BLUE, Dash::Dotted),
@@ -89,12 +92,15 @@ pub(super) fn diagram(system: &System, range: &ParameterRange, branch: &Branch) 
             panel.add(curve);
         }
         for name in SPECIAL {
-            let there = branch.special.iter().map(|at| (mark(&at.what), at));
-            let there: Vec<_> = there.filter(|(mark, _)| mark.0 == name).collect();
-            if let Some(&((_, color, shape), _)) = there.first() {
+            let there = branches.iter().flat_map(|branch| {
+                let special = branch.special.iter();
+                special.map(move |at| (mark(&at.what), branch, at))
+            });
+            let there: Vec<_> = there.filter(|(mark, ..)| mark.0 == name).collect();
+            if let Some(&((_, color, shape), ..)) = there.first() {
                 let points = there
                     .iter()
-                    .map(|(_, at)| place(branch, at, value, is_size));
+                    .map(|(_, branch, at)| place(branch, at, value, is_size));
                 let markers = Markers::new(points).shape(shape).color(color).size(6.0);
                 panel.add(markers.legend(name));
             }
@@ -177,9 +183,14 @@ fn end_mark(end: &Point, stop: &Stop, value: Value, is_extent: bool) -> (f64, f6
     (place, height)
 }
 
-/// The part of the range that the branch takes, with a little room.
-fn ends(range: &ParameterRange, branch: &Branch) -> (f64, f64) {
-    let parameters = branch.points.iter().map(|at| at.orbit.parameter);
+/// The orbits of all branches.
+fn points<'b>(branches: &'b [&Branch]) -> impl Iterator<Item = &'b Point> {
+    branches.iter().flat_map(|branch| &branch.points)
+}
+
+/// The part of the range that the branches take, with a little room.
+fn ends(range: &ParameterRange, branches: &[&Branch]) -> (f64, f64) {
+    let parameters = points(branches).map(|at| at.orbit.parameter);
     let (low, high) = figures::extremes(parameters);
     if low >= high {
         return (range.low, range.high);
@@ -247,7 +258,7 @@ fn runs(branch: &Branch, value: Value, is_size: bool) -> Vec<(Stability, Vec<(f6
 }
 
 /// Whether a value is not the same everywhere but for rounding, and for what it may be off.
-fn differs(points: &[Point], value: Value, error: f64) -> bool {
-    let (low, high) = figures::extremes(points.iter().map(value));
+fn differs(branches: &[&Branch], value: Value, error: f64) -> bool {
+    let (low, high) = figures::extremes(points(branches).map(value));
     high - low > error + 1e-9 * high.abs()
 }

@@ -20,7 +20,7 @@ use super::search::SearchArguments;
 use crate::failure::{Failure, in_words};
 use crate::render::{Answer, Report, Table, place, rounded, sequence, within};
 use crate::terminal::patiently;
-use branch::{Begin, Point};
+use branch::{Begin, Branch, Other, Point};
 
 /// Continue a periodic orbit along a parameter, stable or not, through folds and changes of its phases
 ///
@@ -29,7 +29,8 @@ use branch::{Begin, Point};
 /// and where the phases change, the place is located and named; so is an end in an equilibrium, on
 /// the boundary or off it, a two-fold, a homoclinic orbit or rest. Of a driven system the parameter
 /// may be one that the period depends on. With --also each of these places on the branch, but for
-/// branch points, is followed in two parameters. Writes branch.csv, special.csv and continue.svg; with --also curves.csv and
+/// branch points, is followed in two parameters. With --branches the tables have a column `branch`:
+/// 0 is the branch through the orbit, and the others are in the order of where they begin. Writes branch.csv, special.csv and continue.svg; with --also curves.csv and
 /// curves.svg.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
@@ -41,6 +42,10 @@ pub(super) struct Arguments {
     /// the phases on the branch is followed in both
     #[arg(long, value_name = "NAME=LOW:HIGH")]
     also: Option<String>,
+
+    /// Follow the branches that begin at flips, of twice the period, and at branch points, too
+    #[arg(long)]
+    branches: bool,
 
     /// First and longest step, as a part of the range and of the orbit's size
     #[arg(long, value_name = "PART", default_value_t = 0.02)]
@@ -82,6 +87,12 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<Report, Failure> {
     let branch = patiently("following the branch", |status| {
         begin.branch(&orbit, periods, &settings, options, status)
     })?;
+    let others = arguments.branches.then(|| {
+        patiently("following the other branches", |_| {
+            begin.others((&orbit, periods), &branch, &settings, options)
+        })
+    });
+    let others = others.transpose()?;
     let (name, points) = (&range.name, &branch.points);
     let orbits = points.len();
     let what = format!(
@@ -144,13 +155,26 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<Report, Failure> {
     }
     report.field("ends", objects);
 
-    report.table(columns(system, name, points).csv("branch", points)?);
-    // The ends that are bifurcations are before and behind the special orbits.
-    let [first, last] = [(&ends[0], 0), (&ends[1], orbits)].map(|(end, behind)| end.row(behind));
-    let special = branch.special.iter().map(|at| Row::of(at, system));
-    let rows = first.into_iter().chain(special).chain(last);
-    report.table(special_columns(system, name).csv("special", rows)?);
-    report.figure("continue", &figure::diagram(system, &range, &branch))?;
+    if let Some(others) = &others {
+        let objects = others.iter().enumerate().map(|(k, other)| {
+            let (note, object) = told(k + 1, other, &branch, system, name);
+            report.note(note);
+            object
+        });
+        let objects: Vec<Value> = objects.collect();
+        report.field("branches", objects);
+    }
+
+    let is_numbered = others.is_some();
+    let others = others.iter().flatten().map(|other| &other.branch);
+    let branches: Vec<&Branch> = std::iter::once(&branch).chain(others).collect();
+    let numbered = || branches.iter().copied().enumerate();
+    let points = numbered().flat_map(|(k, one)| one.points.iter().map(move |at| (k, at)));
+    let points: Vec<(usize, &Point)> = points.collect();
+    report.table(columns(system, name, (is_numbered, &points)).csv("branch", &points)?);
+    let rows = numbered().flat_map(|(k, one)| rows(k, one, system, name));
+    report.table(special_columns(system, name, is_numbered).csv("special", rows)?);
+    report.figure("continue", &figure::diagram(system, &range, &branches))?;
     if let Some(also) = also {
         let curves = patiently("following the special orbits in two parameters", |_| {
             begin.curves(&also, (&orbit, periods), &branch, &settings, options)
@@ -158,6 +182,62 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<Report, Failure> {
         curves::report(&mut report, system, &range, &also, &curves)?;
     }
     Ok(report)
+}
+
+/// A branch that begins at another one, in words and as an object.
+fn told(
+    number: usize,
+    Other { from, branch }: &Other,
+    main: &Branch,
+    system: &System,
+    name: &str,
+) -> (String, Value) {
+    let at = main.special.get(*from);
+    let begin = at.map_or_else(String::new, |at| {
+        let place = place(at.parameter, at.uncertainty);
+        format!(" from the {} at {name} = {place}", what(at))
+    });
+    let [_, stop] = &branch.stops;
+    let end = End::of(stop, system, name);
+    let last = branch.points.last();
+    let of_last = last.map_or_else(String::new, |Point { orbit, .. }| {
+        let [at, period] = [orbit.parameter, orbit.period].map(rounded);
+        let stability = orbit.stability();
+        format!(", {stability} at its last orbit ({name} = {at}, period {period})")
+    });
+    let orbits = branch.points.len();
+    let words = &end.words;
+    let special: Vec<Value> = branch.special.iter().map(|at| json(at, system)).collect();
+    let mut object = json!({
+        "branch": number,
+        "from": from,
+        "points": orbits,
+        "parameter": last.map(|last| last.orbit.parameter),
+        "special": special,
+        "stop": end.stop,
+    });
+    if let Some((key, value)) = end.detail {
+        object[key] = value;
+    }
+    let note = format!("branch {number}{begin}: {orbits} orbits{of_last}; it ends {words}");
+    (note, object)
+}
+
+/// The special orbits of a branch with a number; the ends that are bifurcations are before and
+/// behind them.
+fn rows(number: usize, branch: &Branch, system: &System, name: &str) -> Vec<Row> {
+    let [first, last] = branch
+        .stops
+        .each_ref()
+        .map(|stop| End::of(stop, system, name));
+    let special = branch.special.iter().map(|at| Row::of(at, system));
+    let rows = first.row(0).into_iter().chain(special);
+    let rows = rows.chain(last.row(branch.points.len()));
+    rows.map(|row| Row {
+        branch: number,
+        ..row
+    })
+    .collect()
 }
 
 /// The change of the phases at a special orbit, if it is one.
@@ -355,6 +435,7 @@ impl End {
 /// A row of `special.csv`.
 #[derive(Clone, Default)]
 struct Row {
+    branch: usize,
     behind: usize,
     parameter: f64,
     what: String,
@@ -373,6 +454,7 @@ impl Row {
             .as_ref()
             .map(|change| changes::contacts(system, change));
         Row {
+            branch: 0,
             behind: at.behind,
             parameter: at.parameter,
             what: what(at),
@@ -386,12 +468,12 @@ impl Row {
     }
 }
 
-/// The columns of `special.csv`: the special orbits, each behind so many rows of `branch.csv`, and
-/// the ends that are bifurcations.
-fn special_columns<'a>(system: &System, parameter: &str) -> Table<'a, Row> {
+/// The columns of `special.csv`: the special orbits, each behind so many rows that its branch has in
+/// `branch.csv`, and the ends that are bifurcations.
+fn special_columns<'a>(system: &System, parameter: &str, is_numbered: bool) -> Table<'a, Row> {
     let phases = |k: usize| move |row: &Row| row.phases.as_ref().map(|phases| phases[k].clone());
-    Table::new()
-        .column("behind", |row: &Row| row.behind)
+    numbered(is_numbered, |row: &Row| row.branch)
+        .column("behind", |row| row.behind)
         .column(parameter, |row| row.parameter)
         .column("what", |row| row.what.clone())
         .column("contacts", |row| row.contacts.clone())
@@ -403,27 +485,40 @@ fn special_columns<'a>(system: &System, parameter: &str) -> Table<'a, Row> {
         .state(system, "", |row| row.x.clone())
 }
 
+/// A table with the number of the branch, if that is asked for.
+fn numbered<'a, R>(is_numbered: bool, number: impl Fn(&R) -> usize + 'a) -> Table<'a, R> {
+    match is_numbered {
+        true => Table::new().column("branch", number),
+        false => Table::new(),
+    }
+}
+
 /// The columns of `branch.csv`: an orbit a row, from the branch's end downwards to its end upwards.
-fn columns<'a>(system: &System, parameter: &str, points: &[Point]) -> Table<'a, &'a Point> {
+fn columns<'a>(
+    system: &System,
+    parameter: &str,
+    (is_numbered, points): (bool, &[(usize, &Point)]),
+) -> Table<'a, &'a (usize, &'a Point)> {
     let states = system.file.states.iter().map(|state| &state.name);
     let ends = states.flat_map(|name| ["low", "high"].map(|end| format!("{name}_{end}")));
-    let multipliers = points.iter().map(|at| at.orbit.multipliers.len()).max();
+    let of_points = points.iter().map(|(_, at)| at.orbit.multipliers.len());
+    let multipliers = of_points.max();
     let numbers = 1..=multipliers.unwrap_or(0);
     let parts = numbers.flat_map(|k| ["re", "im"].map(|part| format!("multiplier{k}_{part}")));
-    Table::new()
-        .column(parameter, |at: &&Point| at.orbit.parameter)
-        .column("period", |at| at.orbit.period)
-        .column("stability", |at| at.orbit.stability().to_string())
-        .column("phases", |at| sequence(&at.orbit.sequence))
-        .column("t", |at| at.orbit.t)
-        .state(system, "", |at| at.orbit.x.clone())
-        .many("extremes", ends.collect(), |at| -> Vec<f64> {
+    numbered(is_numbered, |(number, _): &&(usize, &Point)| *number)
+        .column(parameter, |(_, at)| at.orbit.parameter)
+        .column("period", |(_, at)| at.orbit.period)
+        .column("stability", |(_, at)| at.orbit.stability().to_string())
+        .column("phases", |(_, at)| sequence(&at.orbit.sequence))
+        .column("t", |(_, at)| at.orbit.t)
+        .state(system, "", |(_, at)| at.orbit.x.clone())
+        .many("extremes", ends.collect(), |(_, at)| -> Vec<f64> {
             at.extremes
                 .iter()
                 .flat_map(|&(low, high)| [low, high])
                 .collect()
         })
-        .many("multipliers", parts.collect(), |at| -> Vec<f64> {
+        .many("multipliers", parts.collect(), |(_, at)| -> Vec<f64> {
             at.orbit
                 .multipliers
                 .iter()
