@@ -2,7 +2,7 @@
 
 use super::{parameter_of, with_parameter};
 use crate::analysis::critical::zero_between;
-use crate::analysis::cycle::{Cycle, Outline, Shooting, newton_solution};
+use crate::analysis::cycle::{Cycle, Outline, Shooting};
 use crate::dynamics::Vector;
 
 /// The line through an orbit along which the next one is sought, in the plane across it.
@@ -73,12 +73,7 @@ impl Line {
         matrix.set_row(rows, &row.transpose());
         let mut right = Vector::zeros(rows + 1);
         right[rows] = 1.0;
-        let scales = cycle.sizes.map(|size| match size {
-            0.0 => cycle.extent,
-            size => size,
-        });
-        let free = (shooting.states, shooting.family);
-        let (way, _) = newton_solution(matrix, &right, free, (scales, 0.0))?;
+        let way = matrix.lu().solve(&right)?;
         let weights = units.weights(cycle, shooting.forced.is_some());
         let length = way.component_mul(&way).dot(&weights).sqrt();
         let direction = way / length;

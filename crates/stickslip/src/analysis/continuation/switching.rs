@@ -80,7 +80,12 @@ pub fn switch_branches<Kind>(
         let line = Line::along(&shooting, units, &start, &row * *sign)?;
         let mut other = Walk::from(shooting, settings, units, (start.clone(), line));
         let stop = other.go_on(&mut |_| ControlFlow::Continue(()));
-        let branch = other.into_branch(stop);
+        let mut branch = other.into_branch(stop);
+        // Where it begins its functions are zero to rounding, which tells a sign.
+        branch.special.retain(|one| {
+            let off = (one.parameter - at.parameter).abs();
+            one.behind > 1 || off > one.uncertainty + at.uncertainty
+        });
         let is_found = branch.points.len() > 1 || branch.stop == Stop::Range;
         is_found.then_some(branch)
     });

@@ -19,7 +19,6 @@ use crate::system::Mode;
 pub(super) use margin::{Margin, Site};
 pub(super) use name::describe;
 pub use name::{SequenceBifurcation, SequenceChange};
-pub(super) use newton::newton_solution;
 pub(super) use shooting::{Extra, Shooting};
 
 /// What ends a segment.

@@ -6,7 +6,7 @@ use crate::dynamics::{Matrix, Vector};
 /// leave directions free, to how well they are known: the place of a block that nothing depends on,
 /// the energy of a pendulum. The solution does not go those ways, and at least so many are left
 /// out. With it goes how many these are.
-pub(in crate::analysis) fn newton_solution(
+pub(super) fn newton_solution(
     matrix: Matrix,
     right: &Vector,
     (states, least_free): (usize, usize),

@@ -605,13 +605,16 @@ impl<'a> Shooting<'a> {
         let landed = self.landed(segment, &anchor, self.states).0;
         let monodromy = self.monodromy(&mut under.maps, cut.number, (landed, at_cut));
         let size = under.at.x.amax().max(outline.begin.x.amax());
-        // A state at a time that is rounded is off by how fast it moves.
+        let steps: usize = under.pieces.iter().map(|piece| piece.steps.len()).sum();
+        // A state at a time that is rounded is off by how fast it moves. The roundings of many
+        // steps' times add up like their root: to a unit by three and a half standard deviations.
         let speed = under.maps.iter().map(|map| map.velocity.amax());
         let speed = speed.fold(begins.amax(), f64::max);
-        let by_time = under.at.t.abs().max(outline.begin.t.abs()) * speed;
+        let time = under.at.t.abs().max(outline.begin.t.abs());
+        let by_time = time * speed * (steps as f64).sqrt();
+        let by_state = ULPS * steps as f64 * size;
         let rows = under.rows;
         let off = rows.iter().map(|(value, _, size)| (value / size).abs());
-        let steps = under.pieces.iter().map(|piece| piece.steps.len()).sum();
         Some(Turn {
             off: off.fold(0.0, f64::max),
             left: Vector::from_iterator(rows.len(), rows.iter().map(|row| row.0)),
@@ -620,7 +623,7 @@ impl<'a> Shooting<'a> {
             monodromy,
             anchor,
             velocities: [begins, ends],
-            rounding: f64::EPSILON * steps as f64 * (ULPS * size + by_time) * under.growth,
+            rounding: f64::EPSILON * (by_state + by_time) * under.growth,
             steps,
         })
     }

@@ -89,6 +89,7 @@ fn both_ways_of_the_other_branch_begin_at_a_branch_point() {
     };
     for branch in [one, two] {
         assert_eq!(branch.stop, Stop::Range);
+        assert_eq!(branch.special, []);
         for point in &branch.points[1..] {
             let off = point.x[2] * point.x[2] - point.parameter;
             assert!(off.abs() < 1e-9, "{off:e} at {}", point.parameter);
@@ -120,4 +121,24 @@ fn both_ways_of_the_other_branch_begin_at_a_branch_point() {
         &options,
     );
     assert!(matches!(none, Err(Error::NotFound { .. })), "{none:?}");
+}
+
+/// The component that is zero on the branch comes to denormal numbers by Newton's iterations.
+#[test]
+fn a_component_that_all_but_vanishes_ends_no_branch() {
+    let settings = ContinuationSettings::over(-0.2, 0.3);
+    for z in [0.0, 1e-12, 1e-300, 1e-311] {
+        let start = [1.0, 0.0, z, -0.1];
+        let options = Options::default();
+        let system = Pitchfork;
+        let found = continue_periodic_orbit(
+            &system.dynamics(),
+            start,
+            2.0 * PI,
+            true,
+            &settings,
+            &options,
+        );
+        assert_eq!(found.unwrap().stop, Stop::Range, "{z:e}");
+    }
 }
