@@ -9,7 +9,7 @@ use crate::analysis::boundary_equilibrium::{Approach, Held, ends_in};
 use crate::analysis::continuation::Special;
 use crate::analysis::critical::{Critical, zero_between};
 use crate::analysis::cycle::{
-    Cycle, Margin, Outline, Segment, SequenceChange, Shooting, Site, describe,
+    Cycle, Function, Margin, Outline, Path, SequenceChange, Shooting, Site, Zero, describe,
 };
 use crate::analysis::lagrange::weights;
 use crate::dynamics::{Moment, Vector};
@@ -60,10 +60,29 @@ pub(super) struct Way {
     pub change: Option<SequenceChange>,
 }
 
-/// The orbit that a function is zero at, and by how much its parameter may be off.
-struct Zero {
-    at: Known,
-    uncertainty: f64,
+/// The orbits on the line through some known ones, by their parameter.
+struct Between<'f, 'a> {
+    following: &'f Following<'a>,
+    known: &'f [Known],
+}
+
+impl Path for Between<'_, '_> {
+    fn orbit(&self, parameter: f64, options: &Options) -> Option<Cycle> {
+        let found = self.following.by_line(self.known, parameter, options);
+        found.map(|found| found.cycle)
+    }
+
+    fn options(&self) -> &Options {
+        &self.following.options
+    }
+
+    fn parameter(&self, parameter: f64, _: &Cycle) -> f64 {
+        parameter
+    }
+
+    fn pace(&self) -> f64 {
+        1.0
+    }
 }
 
 impl<'a> Following<'a> {
@@ -229,80 +248,24 @@ impl<'a> Following<'a> {
         shortest: f64,
     ) -> Result<Option<SequenceChange>, ()> {
         let last = good.last().ok_or(())?;
-        let from = last.parameter;
-        let mut first: Option<(Zero, Margin)> = None;
-        let mut is_unclear = false;
-        let violated = next.cycle.margins.iter();
-        for margin in violated.filter(|margin| self.is_violated(margin)) {
-            let Some(before) = last.cycle.margin_like(margin) else {
-                is_unclear = true;
-                continue;
-            };
-            let value = |one: &Cycle| Some(one.margin_like(margin)?.value);
-            let both = [last.clone(), next.clone()];
-            let zero = if before.value <= 0.0 {
-                // The last orbit is at the change, as well as it is known.
-                let slope = (margin.value - before.value) / (next.parameter - from);
-                Zero {
-                    at: last.clone(),
-                    uncertainty: (before.value / slope).abs(),
-                }
-            } else {
-                self.zero(&both, value).ok_or(())?
-            };
-            let margin = zero.at.cycle.margin_like(margin).ok_or(())?.clone();
-            let way = |zero: &Zero| (zero.at.parameter - from).abs();
-            if first
-                .as_ref()
-                .is_none_or(|(first, _)| way(&zero) < way(first))
-            {
-                first = Some((zero, margin));
-            }
-        }
-        match first {
-            // Another one may come before, if the step is not short enough to tell.
-            Some(_) if is_unclear && (next.parameter - from).abs() > shortest => Err(()),
-            Some((zero, margin)) => Ok(Some(self.described(last, &zero, &margin, next.parameter))),
-            None if is_unclear => Err(()),
-            None => Ok(None),
-        }
+        let both = [last.clone(), next.clone()];
+        let ends = both.each_ref().map(|one| (one.parameter, &one.cycle));
+        let found = self.between(&both).passed(ends[0], ends[1], shortest)?;
+        Ok(found.map(|(zero, margin)| self.described(last, &zero, &margin, next.parameter)))
     }
 
-    /// Where a function of the orbits is zero between two of them.
-    fn zero(&self, both: &[Known; 2], function: impl Fn(&Cycle) -> Option<f64>) -> Option<Zero> {
-        let ends = both
-            .each_ref()
-            .map(|one| Some((one.parameter, function(&one.cycle)?)));
-        let on = |parameter: f64| self.by_line(both, parameter, &self.options);
-        let value = |parameter: f64| function(&on(parameter)?.cycle);
-        let [from, to] = [ends[0]?, ends[1]?];
-        let parameter = zero_between(from, to, value)?;
-        let width = (to.0 - from.0).abs();
-        const PARTS: [f64; 5] = [0.0, 1e-10, -1e-10, 1e-9, -1e-9];
-        let mut places = PARTS.iter().map(|part| parameter + part * width);
-        let at = places.find_map(on)?;
-        let by_slope = || {
-            const APART: f64 = 1e-4;
-            const SAFE: f64 = 2.0;
-            let beside = |way: f64| function(&on(at.parameter + way)?.cycle);
-            let [before, behind] = [beside(-APART * width)?, beside(APART * width)?];
-            let own = function(&at.cycle)?;
-            let finer = self.by_line(both, at.parameter, &self.options.finer())?;
-            let by_tolerance = SAFE * (function(&finer.cycle)? - own).abs();
-            let lacks = own.abs() + (behind - 2.0 * own + before).abs() + by_tolerance;
-            let off = APART * width * (2.0 * lacks / (behind - before)).abs();
-            off.is_finite().then_some(off)
-        };
-        // Where another branch meets it no orbit can be computed: it lies between the two.
-        let rounding = 16.0 * f64::EPSILON * parameter.abs().max(width);
-        let uncertainty = by_slope().unwrap_or(width).max(rounding);
-        Some(Zero { at, uncertainty })
+    fn between<'f>(&'f self, known: &'f [Known]) -> Between<'f, 'a> {
+        let following = self;
+        Between { following, known }
     }
 
     /// The change at a zero of a margin, with the phases of an orbit that the system itself takes
     /// next to it.
     fn described(&self, last: &Known, zero: &Zero, margin: &Margin, next: f64) -> SequenceChange {
-        let Zero { at, uncertainty } = zero;
+        let at = &Known {
+            parameter: zero.parameter,
+            cycle: zero.cycle.clone(),
+        };
         let way = next - last.parameter;
         let modes = last.cycle.outline.modes();
         let places = BEHIND.into_iter().flat_map(|part| [part, -part]);
@@ -321,8 +284,8 @@ impl<'a> Following<'a> {
             (is_valid && is_other).then_some(other)
         });
         let system = &*(self.family)(at.parameter);
-        let place = (at.parameter, *uncertainty);
         let sides = [modes, after.unwrap_or_default()];
+        let place = (at.parameter, told(zero, way));
         describe(system, (&at.cycle, margin), place, sides)
     }
 
@@ -418,35 +381,24 @@ impl<'a> Following<'a> {
     ) -> Option<SequenceChange> {
         let Known { parameter, cycle } = last;
         let simple = cycle.outline.without(numbers, &cycle.begins)?;
-        let mut one = self.solve(*parameter, &simple, &self.options)?;
+        let one = self.solve(*parameter, &simple, &self.options)?;
         let margin = one.cycle.margin_about(cycle, numbers)?.clone();
         let value = |one: &Cycle| Some(one.margin_like(&margin)?.value);
-        // By the slope, a little further than where it would be zero.
-        const FURTHER: f64 = 1.5;
-        const MOST: usize = 8;
-        let mut next = self.solve(parameter + 0.01 * way, &one.cycle.outline, &self.options)?;
-        for _ in 0..MOST {
-            let [a, b] = [value(&one.cycle)?, value(&next.cycle)?];
-            if a * b <= 0.0 {
-                let zero = self.zero(&[one, next], value)?;
-                let margin = zero.at.cycle.margin_like(&margin)?;
-                let is_valid = |other: &Margin| other.key == margin.key || !self.is_violated(other);
-                if !zero.at.cycle.margins.iter().all(is_valid) {
-                    return None;
-                }
-                let system = &*(self.family)(zero.at.parameter);
-                let sides = [cycle.outline.modes(), simple.modes()];
-                let place = (zero.at.parameter, zero.uncertainty);
-                return Some(describe(system, (&zero.at.cycle, margin), place, sides));
-            }
-            let slope = (b - a) / (next.parameter - one.parameter);
-            let further = next.parameter - FURTHER * b / slope;
-            let both = [one, next];
-            let found = self.by_line(&both, further, &self.options)?;
-            let [_, last] = both;
-            (one, next) = (last, found);
+        let begin = (*parameter, value(&one.cycle)?);
+        let next = self.solve(parameter + 0.01 * way, &one.cycle.outline, &self.options)?;
+        let both = [one, next];
+        let path = self.between(&both);
+        let [a, b] = path.bracket(begin, way, &value)?;
+        let zero = path.zero([a, b], &value)?;
+        let margin = zero.cycle.margin_like(&margin)?;
+        let is_valid = |other: &Margin| other.key == margin.key || !self.is_violated(other);
+        if !zero.cycle.margins.iter().all(is_valid) {
+            return None;
         }
-        None
+        let system = &*(self.family)(zero.parameter);
+        let sides = [cycle.outline.modes(), simple.modes()];
+        let place = (zero.parameter, told(&zero, b.0 - a.0));
+        Some(describe(system, (&zero.cycle, margin), place, sides))
     }
 
     /// Where the orbits end in an equilibrium of one of several modes on the way to another value,
@@ -481,8 +433,7 @@ impl<'a> Following<'a> {
         let one = |cycle: &Cycle| Some(of(cycle).one);
         let minus_one = |cycle: &Cycle| Some(of(cycle).minus_one);
         let circle = |cycle: &Cycle| of(cycle).circle;
-        type Function<'f> = &'f dyn Fn(&Cycle) -> Option<f64>;
-        let functions: [Function<'_>; 3] = [&one, &minus_one, &circle];
+        let functions: [&Function<'_>; 3] = [&one, &minus_one, &circle];
         for both in way.good.windows(2) {
             let [before, behind] = both else { continue };
             let gaps = [before, behind].map(|one| of(&one.cycle).gap_to_one());
@@ -490,22 +441,26 @@ impl<'a> Following<'a> {
             let is_noise = gaps[0].max(gaps[1]) < NEAR_ONE;
             for (kind, function) in functions.into_iter().enumerate() {
                 let ends = [before, behind].map(|one| function(&one.cycle));
-                let changes = matches!(ends, [Some(a), Some(b)] if a * b < 0.0);
-                if !changes || kind == 0 && is_noise {
+                let [Some(a), Some(b)] = ends else { continue };
+                if a * b >= 0.0 || kind == 0 && is_noise {
                     continue;
                 }
-                let both = [before.clone(), behind.clone()];
-                let Some(Zero { at, uncertainty }) = self.zero(&both, function) else {
+                let ends = [(before.parameter, a), (behind.parameter, b)];
+                let Some(zero) = self.between(both).zero(ends, function) else {
                     continue;
                 };
                 let what = match kind {
                     0 => Special::BranchPoint,
                     1 => Special::Flip,
                     _ => Special::NeimarkSacker {
-                        angle: of(&at.cycle).angle,
+                        angle: of(&zero.cycle).angle,
                     },
                 };
-                return Some(changed(&at, (at.parameter, uncertainty), what));
+                let place = (
+                    zero.parameter,
+                    told(&zero, behind.parameter - before.parameter),
+                );
+                return Some(changed(&zero.cycle, place, what));
             }
         }
         let (last, lost) = (way.good.last()?, way.lost?);
@@ -555,21 +510,31 @@ impl<'a> Following<'a> {
         let width = (lost - self.first.parameter).abs();
         let rounding = 16.0 * f64::EPSILON * parameter.abs().max(width);
         Some(changed(
-            last,
+            &last.cycle,
             (parameter, told.max(rounding)),
             Special::Fold,
         ))
     }
 }
 
-fn changed(at: &Known, (parameter, uncertainty): (f64, f64), what: Special) -> WhatChanges {
+fn changed(at: &Cycle, (parameter, uncertainty): (f64, f64), what: Special) -> WhatChanges {
     WhatChanges::Multiplier {
         parameter,
         uncertainty,
         what,
-        x: at.cycle.anchor.x.clone(),
-        period: at.cycle.period,
+        x: at.anchor.x.clone(),
+        period: at.period,
     }
+}
+
+/// By how much a zero's parameter may be off, that was found in a stretch of this width. Where
+/// another branch meets it no orbit can be computed: it lies in the stretch.
+fn told(zero: &Zero, width: f64) -> f64 {
+    let width = width.abs();
+    let rounding = 16.0 * f64::EPSILON * zero.parameter.abs().max(width);
+    let is_known = zero.uncertainty.is_finite();
+    let uncertainty = if is_known { zero.uncertainty } else { width };
+    uncertainty.max(rounding)
 }
 
 /// How the unknowns change by the parameter, by the last two orbits.
@@ -589,16 +554,8 @@ fn vanishing_by(good: &[Known], by: f64) -> Vec<(usize, f64)> {
     let (Some(last), Some(slope)) = (good.last(), slope(good)) else {
         return Vec::new();
     };
-    let n = last.cycle.outline.begin.x.len();
-    let segments = last.cycle.outline.segments.iter().enumerate();
-    let place = |(k, one): (usize, &Segment)| {
-        let way = -one.duration / slope[n + k];
-        let is_ahead = way * (by - last.parameter) > 0.0;
-        let is_near = way.abs() <= (by - last.parameter).abs();
-        (is_ahead && is_near).then_some((k, last.parameter + way))
-    };
-    let mut places: Vec<_> = segments.filter_map(place).collect();
-    let way = |place: f64| (place - last.parameter).abs();
-    places.sort_by(|a, b| way(a.1).total_cmp(&way(b.1)));
-    places
+    let from = last.parameter;
+    let places = last.cycle.outline.vanishing(&slope, by - from);
+    let places = places.into_iter();
+    places.map(|(k, way)| (k, from + way)).collect()
 }

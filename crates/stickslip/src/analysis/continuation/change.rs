@@ -1,10 +1,12 @@
 //! Changes of the phases along a branch: where, by which margin, and the orbits behind them.
 
-use super::line::{Line, Zero, unit};
+use super::line::{Line, unit};
 use super::parameter_of;
 use super::walk::{SHORTEST, Walk};
 use crate::analysis::attractors::is_same_cycle;
-use crate::analysis::cycle::{Cycle, Margin, Outline, SequenceChange, Shooting, Site, describe};
+use crate::analysis::cycle::{
+    Cycle, Margin, Outline, Path, SequenceChange, Shooting, Site, Zero, describe,
+};
 use crate::dynamics::{Happening, Moment, Section};
 use crate::filippov::Direction;
 
@@ -38,45 +40,14 @@ impl Walk<'_> {
     /// the step is too long to tell.
     pub(super) fn passed(&self, line: &Line, next: &Cycle) -> Result<Option<Change>, ()> {
         let s = line.place(next);
-        let mut first: Option<(Zero, Margin)> = None;
-        let mut is_unclear = false;
-        for margin in next
-            .margins
-            .iter()
-            .filter(|margin| self.shooting.is_violated(margin))
-        {
-            let Some(before) = self.last.margin_like(margin) else {
-                is_unclear = true;
-                continue;
-            };
-            let value = |one: &Cycle| Some(one.margin_like(margin)?.value);
-            let zero = if before.value <= 0.0 {
-                // The last orbit is at the change, as well as it is known.
-                let slope = (margin.value - before.value) / s;
-                let way = line.heading() * before.value / slope;
-                Zero {
-                    s: 0.0,
-                    parameter: parameter_of(&self.last),
-                    cycle: self.last.clone(),
-                    uncertainty: way.abs(),
-                }
-            } else {
-                let ends = ((0.0, before.value), (s, margin.value));
-                let zero = line.zero(&self.shooting, ends, value).ok_or(())?;
-                self.refined(line, zero, s, value)
-            };
-            let margin = zero.cycle.margin_like(margin).ok_or(())?.clone();
-            if first.as_ref().is_none_or(|(first, _)| zero.s < first.s) {
-                first = Some((zero, margin));
-            }
-        }
-        // Another one may come before, if the step is not short enough to tell.
-        if is_unclear && (first.is_none() || s > UNCLEAR) {
-            return Err(());
-        }
-        let Some((at, margin)) = first else {
+        let path = line.orbits(&self.shooting);
+        let found = path.passed((0.0, &self.last), (s, next), UNCLEAR)?;
+        let Some((at, margin)) = found else {
             return Ok(None);
         };
+        let at = self.refined(line, at, s, &|one: &Cycle| {
+            Some(one.margin_like(&margin)?.value)
+        });
         let behind = self.behind(line, &at, s);
         Ok(Some(Change { at, margin, behind }))
     }
@@ -249,11 +220,11 @@ impl Walk<'_> {
     /// Where a margin is zero near the beginning of a line, and the sign of its slope there.
     fn zero_near(&self, line: &Line, margin: &Margin, step: f64) -> Option<(Zero, f64)> {
         let value = |one: &Cycle| Some(one.margin_like(margin)?.value);
-        let begin = (margin.value, step);
-        let [a, b] = line.bracket(&self.shooting, begin, value)?;
+        let path = line.orbits(&self.shooting);
+        let [a, b] = path.bracket((0.0, margin.value), step, &value)?;
         let slope = (b.1 - a.1) / (b.0 - a.0);
-        let zero = line.zero(&self.shooting, (a, b), value)?;
-        let zero = self.refined(line, zero, b.0 - a.0, value);
+        let zero = path.zero([a, b], &value)?;
+        let zero = self.refined(line, zero, b.0 - a.0, &value);
         Some((zero, slope))
     }
 

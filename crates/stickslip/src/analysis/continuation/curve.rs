@@ -6,7 +6,7 @@ use super::line::{Line, Units, unit};
 use super::walk::{By, Kept, SHORTEST, Walk};
 use super::{ContinuationSettings, Special, SpecialPoint, critical, parameter_of};
 use crate::analysis::critical::Critical;
-use crate::analysis::cycle::{Cycle, Extra, Margin, Outline, Shooting};
+use crate::analysis::cycle::{Cycle, Extra, Margin, Outline, Path, Shooting};
 use crate::dynamics::{AsDynamics, Components, Vector};
 use crate::error::Error;
 use crate::filippov::Options;
@@ -196,9 +196,9 @@ impl Way<'_> {
                 let row = line.across();
                 let begin = shooting.solve(guess, Some((row, row.dot(&guess.unknowns()))))?;
                 let line = Line::tangent(&shooting, self.units, &begin, row)?;
-                let near = (value(&begin)?, self.settings.step);
-                let [a, b] = line.bracket(&shooting, near, value)?;
-                let (s, found) = line.root(&shooting, (a, b), value)?;
+                let path = line.orbits(&shooting);
+                let ends = path.bracket((0.0, value(&begin)?), self.settings.step, &value)?;
+                let (s, found) = path.root(ends, &value)?;
                 let is_near = s.abs() <= self.settings.step;
                 is_near.then_some((found, Condition::Multiplier(*function, line)))
             }

@@ -1,9 +1,9 @@
 //! The line along which the next orbit of a branch is sought.
 
 use super::{parameter_of, with_parameter};
-use crate::analysis::critical::zero_between;
-use crate::analysis::cycle::{Cycle, Outline, Shooting};
+use crate::analysis::cycle::{Cycle, Outline, Path, Shooting};
 use crate::dynamics::Vector;
+use crate::filippov::Options;
 
 /// The line through an orbit along which the next one is sought, in the plane across it.
 #[derive(Clone)]
@@ -168,120 +168,40 @@ impl Line {
     /// The segments whose durations would vanish on it by a place, the first of them first, and
     /// where.
     pub fn vanishing(&self, by: f64) -> Vec<(usize, f64)> {
-        let n = self.from.begin.x.len();
-        let places = self.from.segments.iter().enumerate();
-        let places = places.map(|(k, segment)| (k, -segment.duration / self.direction[n + k]));
-        let mut places: Vec<_> = places.filter(|(_, s)| *s > 0.0 && *s <= by).collect();
-        places.sort_by(|a, b| a.1.total_cmp(&b.1));
-        places
+        self.from.vanishing(&self.direction, by)
     }
 
-    /// Two places at which a function of the orbits has different signs, or is zero, near the
-    /// beginning of the line, where it has a value; they are less than a step apart as a rule.
-    pub fn bracket(
-        &self,
-        shooting: &Shooting<'_>,
-        (at_begin, step): (f64, f64),
-        function: impl Fn(&Cycle) -> Option<f64>,
-    ) -> Option<[(f64, f64); 2]> {
-        // First step, and how far beyond the zero that it tells the next one goes.
-        const FIRST: f64 = 1e-2;
-        const FURTHER: f64 = 1.5;
-        const MOST: usize = 6;
-        let (mut a, mut at_a) = (0.0, at_begin);
-        let mut b = FIRST * step;
-        for _ in 0..MOST {
-            let at_b = function(&self.on(shooting, b)?)?;
-            if at_a * at_b <= 0.0 {
-                return Some([(a, at_a), (b, at_b)]);
-            }
-            let slope = (at_b - at_a) / (b - a);
-            (a, at_a, b) = (b, at_b, b - FURTHER * at_b / slope);
-        }
-        None
-    }
-
-    /// Where a function of the orbits is zero, between two places at which it has different signs,
-    /// and by how much that may be off.
-    pub fn zero(
-        &self,
-        shooting: &Shooting<'_>,
-        (a, b): ((f64, f64), (f64, f64)),
-        function: impl Fn(&Cycle) -> Option<f64>,
-    ) -> Option<Zero> {
-        let (s, cycle) = self.root(shooting, (a, b), &function)?;
-        let length = (b.0 - a.0).abs();
-        let uncertainty = self.uncertainty(shooting, (s, &cycle), length, &function);
-        Some(Zero {
-            s,
-            parameter: parameter_of(&cycle),
-            cycle,
-            uncertainty,
-        })
-    }
-
-    /// The same without how much that may be off.
-    pub fn root(
-        &self,
-        shooting: &Shooting<'_>,
-        ((a, at_a), (b, at_b)): ((f64, f64), (f64, f64)),
-        function: impl Fn(&Cycle) -> Option<f64>,
-    ) -> Option<(f64, Cycle)> {
-        let value = |s: f64| function(&self.on(shooting, s)?);
-        let s = zero_between((a, at_a), (b, at_b), value)?;
-        // Where another branch meets this one none is found; next to it one is.
-        const PARTS: [f64; 5] = [0.0, 1e-10, -1e-10, 1e-9, -1e-9];
-        let place = |part: &f64| s + part * (b - a);
-        let found = |s: f64| Some((s, self.on(shooting, s)?));
-        let (s, cycle) = PARTS.iter().map(place).find_map(found)?;
-        // Of a family a function may jump.
-        const SMALL: f64 = 1e-3;
-        let is_zero = function(&cycle)?.abs() <= SMALL * at_a.abs().max(at_b.abs());
-        is_zero.then_some((s, cycle))
-    }
-
-    /// By how much the parameter may be off at which a function is about zero: what its value lacks
-    /// of zero and what rounding leaves of it, over its slope, with what the tolerances do. A run
-    /// with a tenth of them tells that. Not a number where nothing tells.
-    fn uncertainty(
-        &self,
-        shooting: &Shooting<'_>,
-        (s, cycle): (f64, &Cycle),
-        length: f64,
-        function: &impl Fn(&Cycle) -> Option<f64>,
-    ) -> f64 {
-        const APART: f64 = 1e-4;
-        // Most of what a value is off by is its difference to one with a tenth of the tolerances;
-        // twice that is on the safe side.
-        const SAFE: f64 = 2.0;
-        let by_slope = || {
-            let beside = |way: f64| self.on(shooting, s + way);
-            let (one, two) = (beside(-APART * length)?, beside(APART * length)?);
-            let (value, [before, behind]) = (function(cycle)?, [function(&one)?, function(&two)?]);
-            let options = &shooting.options.finer();
-            let finer = Shooting {
-                options,
-                ..*shooting
-            };
-            let finer = self.on(&finer, s)?;
-            let by_tolerance = SAFE * (function(&finer)? - value).abs();
-            let lacks = value.abs() + (behind - 2.0 * value + before).abs() + by_tolerance;
-            let parameter = parameter_of(cycle);
-            // At a fold the parameter changes by the square of the way only.
-            let ways = [&one, &two].map(|one| (parameter_of(one) - parameter).abs());
-            let along = ways[0].max(ways[1]) * (2.0 * lacks / (behind - before)).abs();
-            Some(along + SAFE * (parameter_of(&finer) - parameter).abs())
-        };
-        by_slope().unwrap_or(f64::NAN)
+    /// The orbits on it.
+    pub fn orbits<'l>(&'l self, shooting: &'l Shooting<'l>) -> Orbits<'l> {
+        let line = self;
+        Orbits { line, shooting }
     }
 }
 
-/// An orbit at which a function is zero.
-pub(super) struct Zero {
-    pub s: f64,
-    /// Its parameter, and the orbit that is computed there.
-    pub parameter: f64,
-    pub cycle: Cycle,
-    /// By how much its parameter may be off; not a number where nothing tells.
-    pub uncertainty: f64,
+/// The orbits on a line, by their place on it.
+pub(super) struct Orbits<'l> {
+    line: &'l Line,
+    shooting: &'l Shooting<'l>,
+}
+
+impl Path for Orbits<'_> {
+    fn orbit(&self, place: f64, options: &Options) -> Option<Cycle> {
+        let shooting = Shooting {
+            options,
+            ..*self.shooting
+        };
+        self.line.on(&shooting, place)
+    }
+
+    fn options(&self) -> &Options {
+        self.shooting.options
+    }
+
+    fn parameter(&self, _: f64, cycle: &Cycle) -> f64 {
+        parameter_of(cycle)
+    }
+
+    fn pace(&self) -> f64 {
+        self.line.heading()
+    }
 }

@@ -1,15 +1,12 @@
 //! The special orbits between two on a branch, by their multipliers.
 
-use super::line::{Line, Zero};
+use super::line::Line;
 use super::walk::{By, Walk};
 use super::{Special, SpecialPoint, critical, parameter_of};
 use crate::analysis::critical::zero_between;
-use crate::analysis::cycle::{Cycle, Shooting};
+use crate::analysis::cycle::{Cycle, Function, Path, Shooting, Zero};
 use crate::analysis::lagrange::weights;
 use crate::dynamics::Vector;
-
-/// A function of the orbits of a branch.
-type Function<'f> = dyn Fn(&Cycle) -> Option<f64> + 'f;
 
 /// The determinant that is zero where another branch meets this one: of the derivative of the
 /// equations, with the plane across the branch (Keller 1977).
@@ -60,7 +57,8 @@ impl Walk<'_> {
                 continue;
             }
             let by_polynomial = |rough: f64| self.interpolated(line, length, rough, function);
-            let zero = line.zero(&self.shooting, ((0.0, a), (length, b)), function);
+            let path = line.orbits(&self.shooting);
+            let zero = path.zero([(0.0, a), (length, b)], function);
             let place = zero.as_ref().map(Place::of);
             let place = place.or_else(|| by_polynomial(length * a / (a - b)));
             let Some(mut place) = place else {
@@ -119,7 +117,7 @@ impl Walk<'_> {
         line: &Line,
         length: f64,
         rough: f64,
-        function: impl Fn(&Cycle) -> Option<f64>,
+        function: &Function<'_>,
     ) -> Option<Place> {
         // So far apart, in parts of the distance between the last two orbits, and so many each way.
         const APART: f64 = 0.05;
@@ -179,7 +177,7 @@ impl Walk<'_> {
         line: &Line,
         zero: Zero,
         length: f64,
-        function: impl Fn(&Cycle) -> Option<f64>,
+        function: &Function<'_>,
     ) -> Zero {
         const GOOD: f64 = 100.0;
         let options = self.shooting.options;

@@ -10,6 +10,7 @@ mod margin;
 mod minima;
 mod name;
 mod newton;
+mod path;
 mod shooting;
 
 use crate::dynamics::{Dynamics, Matrix, Modes, Moment, Orbit, Transition, Vector};
@@ -19,6 +20,7 @@ use crate::system::Mode;
 pub(super) use margin::{Margin, Site};
 pub(super) use name::describe;
 pub use name::{SequenceBifurcation, SequenceChange};
+pub(super) use path::{Function, Path, Zero};
 pub(super) use shooting::{Extra, Shooting};
 
 /// What ends a segment.
@@ -239,6 +241,18 @@ impl Outline {
             }],
             all => [all, all].concat(),
         }
+    }
+
+    /// The segments whose durations would vanish by a place where the unknowns change at these
+    /// rates, the first of them first, and where.
+    pub fn vanishing(&self, rates: &Vector, by: f64) -> Vec<(usize, f64)> {
+        let n = self.begin.x.len();
+        let places = self.segments.iter().enumerate();
+        let places = places.map(|(k, segment)| (k, -segment.duration / rates[n + k]));
+        let is_ahead = |s: f64| s * by > 0.0 && s.abs() <= by.abs();
+        let mut places: Vec<_> = places.filter(|(_, s)| is_ahead(*s)).collect();
+        places.sort_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+        places
     }
 
     /// The modes gone through.

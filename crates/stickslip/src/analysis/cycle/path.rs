@@ -1,0 +1,163 @@
+//! Orbits along a path: of a branch by their arclength, of a sweep by their parameter.
+
+use super::{Cycle, Margin};
+use crate::analysis::critical::zero_between;
+use crate::filippov::Options;
+
+/// Orbits with one sequence, each at a place.
+pub(crate) trait Path {
+    /// The orbit at a place.
+    fn orbit(&self, place: f64, options: &Options) -> Option<Cycle>;
+
+    /// With which options it is found.
+    fn options(&self) -> &Options;
+
+    /// The parameter of the orbit at a place, and how it changes with that.
+    fn parameter(&self, place: f64, cycle: &Cycle) -> f64;
+    fn pace(&self) -> f64;
+
+    fn on(&self, place: f64) -> Option<Cycle> {
+        self.orbit(place, self.options())
+    }
+
+    /// Two places at which a function has different signs, or is zero, near one where it has a
+    /// value: they are less than a step apart as a rule.
+    fn bracket(
+        &self,
+        (mut a, mut at_a): Value,
+        step: f64,
+        function: &Function<'_>,
+    ) -> Option<[Value; 2]> {
+        // First step, and how far beyond the zero that it tells the next one goes.
+        const FIRST: f64 = 1e-2;
+        const FURTHER: f64 = 1.5;
+        const MOST: usize = 8;
+        let mut b = a + FIRST * step;
+        for _ in 0..MOST {
+            let at_b = function(&self.on(b)?)?;
+            if at_a * at_b <= 0.0 {
+                return Some([(a, at_a), (b, at_b)]);
+            }
+            let slope = (at_b - at_a) / (b - a);
+            (a, at_a, b) = (b, at_b, b - FURTHER * at_b / slope);
+        }
+        None
+    }
+
+    /// Where a function is zero, between two places at which it has different signs.
+    fn root(&self, [a, b]: [Value; 2], function: &Function<'_>) -> Option<(f64, Cycle)> {
+        let s = zero_between(a, b, |s| function(&self.on(s)?))?;
+        // Where another branch meets this one none is found; next to it one is.
+        const PARTS: [f64; 5] = [0.0, 1e-10, -1e-10, 1e-9, -1e-9];
+        let place = |part: &f64| s + part * (b.0 - a.0);
+        let found = |s: f64| Some((s, self.on(s)?));
+        let (s, cycle) = PARTS.iter().map(place).find_map(found)?;
+        // Of a family a function may jump.
+        const SMALL: f64 = 1e-3;
+        let is_zero = function(&cycle)?.abs() <= SMALL * a.1.abs().max(b.1.abs());
+        is_zero.then_some((s, cycle))
+    }
+
+    /// The same, and by how much its parameter may be off.
+    fn zero(&self, [a, b]: [Value; 2], function: &Function<'_>) -> Option<Zero> {
+        let (s, cycle) = self.root([a, b], function)?;
+        let uncertainty = self.uncertainty((s, &cycle), (b.0 - a.0).abs(), function);
+        Some(Zero {
+            s,
+            parameter: self.parameter(s, &cycle),
+            cycle,
+            uncertainty: uncertainty.unwrap_or(f64::NAN),
+        })
+    }
+
+    /// By how much the parameter may be off at which a function is about zero: what its value lacks
+    /// of zero and what rounding leaves of it, over its slope, with what the tolerances do. A run
+    /// with a tenth of them tells that. Not a number where nothing tells.
+    fn uncertainty(
+        &self,
+        (s, cycle): (f64, &Cycle),
+        length: f64,
+        function: &Function<'_>,
+    ) -> Option<f64> {
+        const APART: f64 = 1e-4;
+        // Most of what a value is off by is its difference to one with a tenth of the tolerances;
+        // twice that is on the safe side.
+        const SAFE: f64 = 2.0;
+        let places = [s - APART * length, s + APART * length];
+        let [one, two] = [self.on(places[0])?, self.on(places[1])?];
+        let (value, [before, behind]) = (function(cycle)?, [function(&one)?, function(&two)?]);
+        let finer = self.orbit(s, &self.options().finer())?;
+        let by_tolerance = SAFE * (function(&finer)? - value).abs();
+        let lacks = value.abs() + (behind - 2.0 * value + before).abs() + by_tolerance;
+        let parameter = self.parameter(s, cycle);
+        // At a fold the parameter changes by the square of the way only.
+        let ways = [(places[0], &one), (places[1], &two)]
+            .map(|(s, one)| (self.parameter(s, one) - parameter).abs());
+        let along = ways[0].max(ways[1]) * (2.0 * lacks / (behind - before)).abs();
+        Some(along + SAFE * (self.parameter(s, &finer) - parameter).abs())
+    }
+
+    /// The first margin that the orbit at a place has come below zero at, behind another one, and
+    /// where; `Err` where they are too far apart to tell. Nearer than `unclear` margins that the
+    /// other one lacks are no others' cause.
+    fn passed(
+        &self,
+        (from, last): (f64, &Cycle),
+        (to, next): (f64, &Cycle),
+        unclear: f64,
+    ) -> Result<Option<(Zero, Margin)>, ()> {
+        let mut first: Option<(Zero, Margin)> = None;
+        let mut is_unclear = false;
+        let violated = next.margins.iter();
+        for margin in violated.filter(|margin| margin.is_violated(self.options())) {
+            let Some(before) = last.margin_like(margin) else {
+                is_unclear = true;
+                continue;
+            };
+            let value = |one: &Cycle| Some(one.margin_like(margin)?.value);
+            let zero = if before.value <= 0.0 {
+                // The last orbit is at the change, as well as it is known.
+                let slope = (margin.value - before.value) / (to - from);
+                Zero {
+                    s: from,
+                    parameter: self.parameter(from, last),
+                    cycle: last.clone(),
+                    uncertainty: (self.pace() * before.value / slope).abs(),
+                }
+            } else {
+                let ends = [(from, before.value), (to, margin.value)];
+                self.zero(ends, &value).ok_or(())?
+            };
+            let margin = zero.cycle.margin_like(margin).ok_or(())?.clone();
+            let way = |zero: &Zero| (zero.s - from).abs();
+            if first
+                .as_ref()
+                .is_none_or(|(first, _)| way(&zero) < way(first))
+            {
+                first = Some((zero, margin));
+            }
+        }
+        // Another one may come before, if the step is not short enough to tell.
+        if is_unclear && (first.is_none() || (to - from).abs() > unclear) {
+            return Err(());
+        }
+        Ok(first)
+    }
+}
+
+/// A function of orbits.
+pub(crate) type Function<'f> = dyn Fn(&Cycle) -> Option<f64> + 'f;
+
+/// An orbit at which a function is zero.
+pub(crate) struct Zero {
+    /// Its place.
+    pub s: f64,
+    /// Its parameter, and the orbit that is computed there.
+    pub parameter: f64,
+    pub cycle: Cycle,
+    /// By how much its parameter may be off; not a number where nothing tells.
+    pub uncertainty: f64,
+}
+
+/// A place, and the value of a function there.
+type Value = (f64, f64);
