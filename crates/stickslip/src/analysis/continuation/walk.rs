@@ -44,9 +44,12 @@ pub(super) struct Walk<'a> {
     pub(super) extents: Vec<f64>,
     pub(super) special: Vec<SpecialPoint>,
     /// What special orbit to stop at, and how many such come before; and that one.
-    pub(super) wanted: Option<(fn(&Special) -> bool, usize)>,
+    pub(super) wanted: Option<(IsMeant, usize)>,
     pub(super) kept: Option<Kept>,
 }
+
+/// Whether a special orbit is one of those to stop at.
+type IsMeant = fn(&Special) -> bool;
 
 /// A special orbit from which a curve or another branch is followed.
 pub(super) struct Kept {
