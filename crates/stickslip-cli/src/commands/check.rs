@@ -1,8 +1,8 @@
 //! `stickslip check`: what was understood of a file.
 
 use serde_json::{Map, Value, json};
-use stickslip::{Direction, Error};
 use stickslip::error::{Point, readable};
+use stickslip::{Direction, Error};
 
 use super::arguments::SystemArguments;
 use super::recording::direction_name;

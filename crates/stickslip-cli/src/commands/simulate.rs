@@ -141,7 +141,9 @@ fn found(system: &System, recording: &Recording, ended: Option<&Summary>) -> Rep
     }
     report.field("sticks", all);
 
-    let last = points.last().map(|point| &point.x);
+    // Behind a jump that ends the run there is no point.
+    let last = ended.map(|ended| &ended.x);
+    let last = last.or(points.last().map(|point| &point.x));
     if let Some(last) = last {
         let states = system.file.states.iter().zip(last);
         let states = states.map(|(state, &x)| format!("{} = {}", state.name, readable(x)));

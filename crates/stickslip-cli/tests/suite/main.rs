@@ -5,6 +5,7 @@ mod bad_files;
 mod command_line;
 mod continuation;
 mod families;
+mod hybrid;
 mod known_answers;
 mod pile_ups;
 mod public_cases;

@@ -280,10 +280,7 @@ fn contacts_that_cannot_hold_end_the_run_with_the_words_for_that() {
     for (method, within) in [("taylor", 1e-12), ("dop853", 1e-5)] {
         for choice in ["stop", "rest"] {
             let words = failed(&text, &["--method", method, "--at-pile-up", choice]);
-            assert!(
-                words.contains("transitions at `line` within"),
-                "{words}"
-            );
+            assert!(words.contains("transitions at `line` within"), "{words}");
             let t = number(&words, "accumulation point, t = ");
             assert!((t - 5.0).abs() < within, "{method}: {words}");
             assert!(

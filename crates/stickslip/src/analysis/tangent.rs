@@ -76,7 +76,8 @@ impl<'a> Tangent<'a> {
     /// `S = D + (f⁺ − D f⁻ − ∂R/∂t) ∇hᵀ / (∂h/∂t + ∇h·f⁻)`.
     ///
     /// # Errors
-    /// [`Error::TangentSingular`] where the orbit grazes what it jumps at.
+    /// [`Error::TangentSingular`] where the orbit grazes what it jumps at, and where another jump in
+    /// the same instant sets this one off and the field changes at it.
     fn reset(&self, at: &Transition) -> Result<Jump, Error> {
         let here = at.moment();
         let reset = self.system.reset(at.contact, &here);
@@ -88,6 +89,14 @@ impl<'a> Tangent<'a> {
         let after = self.system.flow(at.to, &behind).velocity(&behind);
         let kick = after - &reset.by_state * &before - &reset.by_time;
         let rate = reset.in_time + reset.gradient.dot(&before);
+        // Where its function is not zero another jump has set it off, and decides when it happens.
+        let size = reset.gradient.abs().dot(&at.x.abs()) + rate.abs();
+        let is_set_off =
+            reset.gradient.amax() > 0.0 && reset.value.abs() > self.carrying.tolerance * size;
+        if is_set_off && kick.amax() > f64::EPSILON * before.amax() {
+            return Err(singular(at.t, &at.x));
+        }
+        let kick = if is_set_off { kick * 0.0 } else { kick };
         let matrix = &reset.by_state + &kick * reset.gradient.transpose() / rate;
         if matrix.iter().any(|entry| !entry.is_finite()) {
             return Err(singular(at.t, &at.x));

@@ -12,9 +12,9 @@ use crate::filippov::{
     gradient,
 };
 use crate::interval::Interval;
-use crate::scalar::Scalar;
 use crate::ode::control::squared_error;
 use crate::ode::{Dop853, Rk4, RungeKutta, Stages, Timed, Tolerance, stages};
+use crate::scalar::Scalar;
 use crate::system::{State, components};
 
 /// The flow of one mode of a typed system.

@@ -4,11 +4,10 @@ use std::collections::VecDeque;
 
 use super::typed::{TypedSection, View};
 use super::{Happening, Vector};
-use crate::dual::Dual;
 use crate::error::Error;
 use crate::filippov::{
     Direction, EventFunctions, EventSearch, Integration, Options, Switched, Transition,
-    TransitionKind, gradient,
+    TransitionKind,
 };
 use crate::ode::Timed;
 use crate::orbit::Ending;
@@ -165,9 +164,10 @@ pub struct Reset {
     pub by_time: Vector,
     /// The function whose zero it is.
     pub value: f64,
-    /// The gradient of that function in the state.
+    /// The gradient of that function in the state; zero at the kink of an input, which decides when
+    /// it happens.
     pub gradient: Vector,
-    /// Its time derivative.
+    /// Its time derivative; 1 at the kink of an input.
     pub in_time: f64,
 }
 
@@ -244,10 +244,17 @@ where
         integration.stop_at(Timed { t, x });
         for (number, (search, memory)) in self.searches.iter_mut().zip(memories).enumerate() {
             let found = search.found().first();
-            if found.is_some_and(|at| at.t - t <= SAME_TIME * t.abs()) {
-                self.due.push_back(number);
-            }
+            let is_due = found.is_some_and(|at| at.t - t <= SAME_TIME * t.abs());
             search.cut(memory, &step.x_start, &x);
+            if is_due {
+                self.due.push_back(number);
+                continue;
+            }
+            // It may have passed the other way since the step began.
+            let side = search.sign_at(&Timed { t, x });
+            if side != 0.0 {
+                search.set_side(side);
+            }
         }
     }
 
@@ -300,19 +307,10 @@ where
     /// The sign that the function of a jump has just behind it; 0 where its rate does not tell.
     fn leaves_to(&self, number: usize, integration: &Integration<'a, S, N, G>) -> f64 {
         let (t, x) = (integration.t(), *integration.x());
-        let at = sign(self.jumps, number, &Timed { t, x });
-        if at != 0.0 {
-            return at;
-        }
-        let velocity = integration.velocity();
-        let along = std::array::from_fn(|i| Dual::new(x[i], velocity[i]));
-        let rate = self.jumps.when(number, Dual::new(t, 1.0), &along).eps;
-        let (slopes, in_time) = gradient(|t, x| self.jumps.when(number, t, x), &Timed { t, x });
-        let size = slopes.abs().dot(&velocity.abs()) + in_time.abs();
-        if rate.abs() > ULPS * f64::EPSILON * size {
-            rate.signum()
-        } else {
-            0.0
+        let search = &self.searches[number];
+        match search.sign_at(&Timed { t, x }) {
+            0.0 => search.sign_of_rate(&Timed { t, x }, &integration.velocity()),
+            sign => sign,
         }
     }
 
@@ -351,7 +349,7 @@ where
             if Some(number) == but || self.due.contains(&number) {
                 continue;
             }
-            let at = |x: &State<N>| sign(self.jumps, number, &Timed { t, x: *x });
+            let at = |x: &State<N>| search.sign_at(&Timed { t, x: *x });
             let (side, now) = (search.side(), at(after));
             let side = if side == 0.0 { at(before) } else { side };
             if now == 0.0 {
@@ -368,20 +366,5 @@ where
                 self.due.push_back(number);
             }
         }
-    }
-}
-
-/// Units in the last place by which rounding blurs a jump's function, and its rate.
-const ULPS: f64 = 16.0;
-
-/// The sign of a jump's function, beyond rounding.
-fn sign<J: Jumps<N>, const N: usize>(jumps: &J, number: usize, at: &Timed<N>) -> f64 {
-    let value = jumps.when(number, at.t, components(&at.x));
-    let (slopes, in_time) = gradient(|t, x| jumps.when(number, t, x), at);
-    let size = slopes.abs().dot(&at.x.abs()) + in_time.abs() * at.t.abs();
-    if value.abs() > ULPS * f64::EPSILON * size {
-        value.signum()
-    } else {
-        0.0
     }
 }

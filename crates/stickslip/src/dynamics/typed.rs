@@ -14,7 +14,8 @@ use crate::dual::Dual;
 use crate::error::Error;
 use crate::filippov::{
     Direction, EventFunctions, EventOf, EventRecord, EventSearch, Integration, Observer, Options,
-    PhaseOf, Progress, Strobe, Stepper, SummaryOf, Switched, TransitionKind, TransitionOf, Velocity, gradient, tell,
+    PhaseOf, Progress, Stepper, Strobe, SummaryOf, Switched, TransitionKind, TransitionOf,
+    Velocity, gradient, tell,
 };
 use crate::ode::Timed;
 use crate::orbit::Counters;
@@ -337,7 +338,10 @@ where
             .chain([along(states)])
             .map(|column| Vector::from_fn(states, |i, _| column[i].eps))
             .collect();
-        let (gradient, in_time) = gradient(|t, x| self.jumps.when(jump, t, x), &Timed { t, x });
+        let (gradient, in_time) = match self.is_kink(at) {
+            true => (State::zeros(), 1.0),
+            false => gradient(|t, x| self.jumps.when(jump, t, x), &Timed { t, x }),
+        };
         Reset {
             after: of.vector(&self.jumps.set(jump, t, components(&x)).into()),
             by_state: Matrix::from_fn(states, states, |i, j| columns[j][i]),
@@ -581,7 +585,10 @@ where
                 return Ok(Happening::End(self.of.summary(&summary)));
             }
         }
-        if let Some(happening) = self.leap().map_err(|error| error.of_states(self.of.states))? {
+        if let Some(happening) = self
+            .leap()
+            .map_err(|error| error.of_states(self.of.states))?
+        {
             return Ok(happening);
         }
         let progress = self.integration.step();

@@ -54,10 +54,7 @@ pub(super) fn check<S: Filippov<N>, const N: usize>(
 }
 
 /// Checks what does not depend on the system: times, and the start as a number.
-pub(super) fn check_run<const N: usize>(
-    start: &Timed<N>,
-    t_end: f64,
-) -> Result<(), Error> {
+pub(super) fn check_run<const N: usize>(start: &Timed<N>, t_end: f64) -> Result<(), Error> {
     let Timed { t, x } = *start;
     if !(t.is_finite() && t_end.is_finite() && t < t_end) {
         return Err(Error::Interval { t0: t, t_end });

@@ -44,8 +44,8 @@ pub use sections::{
     Plane, Strobe, Watched, solve_with_events,
 };
 pub(crate) use solve::tell;
-pub(crate) use stepper::Stepper;
 pub use solve::{Failure, Summary, SummaryOf, run, solve};
+pub(crate) use stepper::Stepper;
 pub use switched::Switched;
 pub(crate) use switched::{GuardGradient, Settled, UseFlow, Velocity, gradient};
 pub use two_fold::{Approach, TwoFold};

@@ -6,8 +6,10 @@ use super::{EventFunctions, EventRecord};
 use crate::filippov::flow::GUARDS;
 use crate::filippov::observer::StepRecord;
 use crate::filippov::options::{Method, Options};
-use crate::filippov::switched::Switched;
-use crate::system::State;
+use crate::filippov::switched::{Switched, gradient};
+use crate::filippov::uncertainty::ULPS;
+use crate::ode::Timed;
+use crate::system::{State, components};
 
 /// The search for the zeros of the user's functions in the steps of a run that something else drives: an [`crate::Observer`] keeps one
 /// and gives it every step it is told of. Who drives the run has [`crate::Watched`].
@@ -132,6 +134,15 @@ where
     }
 }
 
+/// The sign of a sum of parts of this size, beyond rounding.
+fn clear_sign(value: f64, size: f64) -> f64 {
+    if value.abs() > ULPS * f64::EPSILON * size {
+        value.signum()
+    } else {
+        0.0
+    }
+}
+
 /// What a search for the zeros of one function knows from the steps so far.
 pub(crate) struct Memory<const N: usize> {
     side: f64,
@@ -146,6 +157,21 @@ where
     /// The sign that the only function has had last; 0 where that is not known.
     pub(crate) fn side(&self) -> f64 {
         self.sides[0]
+    }
+
+    /// The sign of the only function at a moment; 0 where it may be rounding.
+    pub(crate) fn sign_at(&self, at: &Timed<N>) -> f64 {
+        let [value] = self.events.values(at.t, components(&at.x));
+        let (slopes, in_time) = gradient(|t, x| self.events.values(t, x)[0], at);
+        let size = self.size.sup(&at.x.abs());
+        clear_sign(value, slopes.abs().dot(&size) + in_time.abs() * at.t.abs())
+    }
+
+    /// The sign of the rate of the only function where the state moves with this velocity.
+    pub(crate) fn sign_of_rate(&self, at: &Timed<N>, velocity: &State<N>) -> f64 {
+        let (slopes, in_time) = gradient(|t, x| self.events.values(t, x)[0], at);
+        let size = slopes.abs().dot(&velocity.abs()) + in_time.abs();
+        clear_sign(slopes.dot(velocity) + in_time, size)
     }
 
     /// What it knows from the steps so far.

@@ -1,0 +1,575 @@
+//! Jumps, discrete states and inputs of time alone, from files, against closed forms; by both
+//! methods.
+
+use std::f64::consts::PI;
+
+use stickslip::analysis::monodromy;
+use stickslip::dynamics::{DynamicsRef, Happening, Matrix, Moment, Section, Vector};
+use stickslip::nalgebra::{Matrix2, RowVector2, Vector2};
+use stickslip::statistics::SplitMix;
+use stickslip::{Method, Options, math};
+use stickslip_kernels::file::{Source, System, SystemFile};
+
+use crate::public_cases::{METHODS, end, program, simulated};
+
+fn system(text: &str) -> System {
+    let source = Source {
+        name: "hybrid.toml".to_owned(),
+        text: text.to_owned(),
+    };
+    SystemFile::parse(source).unwrap().with(&[]).unwrap()
+}
+
+fn options(method: &str) -> Options {
+    let by_taylor = Options::tol(1e-12);
+    match method {
+        "taylor" => by_taylor.method(Method::Taylor),
+        _ => by_taylor.method(Method::Dop853),
+    }
+}
+
+const BALL: &str = "name = \"ball\"\n[states]\nx = \"m\"\nv = \"m/s\"\n[parameters]\nr = 0.5\n\
+                    [field]\nx = \"v\"\nv = \"-9.81\"\n[jumps.bounce]\nwhen = \"x\"\n\
+                    direction = \"falling\"\nset = { x = \"0\", v = \"-r*v\" }\n[start]\nx = 1\nv = 0\n\
+                    [time]\nend = 1.3\n";
+
+#[test]
+fn a_ball_bounces_at_times_in_geometric_progression() {
+    let fall = (2.0_f64 / 9.81).sqrt();
+    for method in METHODS {
+        let (_, transitions) = simulated(BALL, method, &[]);
+        assert_eq!(transitions.len(), 5, "{method}: {transitions:?}");
+        let mut exact = fall;
+        for (number, (t, kind, name)) in transitions.iter().enumerate() {
+            assert_eq!((kind.as_str(), name.as_str()), ("jump", "bounce"));
+            assert!(
+                (t - exact).abs() < 1e-12,
+                "{method}: bounce {number} at {t}"
+            );
+            exact += 2.0 * fall * math::powi(0.5, number as i32 + 1);
+        }
+    }
+}
+
+#[test]
+fn a_ball_that_bounces_without_end_is_told_where_that_is() {
+    // From the first impact 2 v/g r/(1 − r).
+    let fall = (2.0_f64 / 9.81).sqrt();
+    for method in METHODS {
+        for r in [0.5, 0.9] {
+            let exact = fall + 2.0 * fall * r / (1.0 - r);
+            let (_top, mut command) = program(BALL);
+            command.args([
+                "simulate",
+                "system.toml",
+                "--t-end",
+                "20",
+                "--method",
+                method,
+            ]);
+            let failed = command
+                .args(["--set", &format!("r={r}")])
+                .assert()
+                .failure();
+            let words = String::from_utf8(failed.get_output().stderr.clone()).unwrap();
+            let told = words.split("at the accumulation point, t = ").nth(1);
+            let told = told.unwrap_or_else(|| panic!("{method}: {words}"));
+            let mut words = told.split(' ');
+            let t: f64 = words.next().unwrap().parse().unwrap();
+            assert!((t - exact).abs() < 1e-10, "{method}, {r}: {t} and {exact}");
+        }
+    }
+}
+
+#[test]
+fn a_run_ends_at_the_jump_that_says_so() {
+    for (ending, count) in [("stop = true", 1), ("count = 3", 3)] {
+        let text = BALL.replace("[jumps.bounce]\n", &format!("[jumps.bounce]\n{ending}\n"));
+        for method in METHODS {
+            let (found, transitions) = simulated(&text, method, &[]);
+            assert_eq!(transitions.len(), count);
+            assert!(end(&found, "v") > 0.0, "the state behind the jump");
+        }
+    }
+}
+
+#[test]
+fn jumps_that_set_each_other_off_are_a_pile_up() {
+    let text = "name = \"loop\"\n[states]\nu = \"\"\n[discrete]\na = 0\n[field]\nu = \"1\"\n\
+                [jumps.up]\nwhen = \"a - 0.5\"\ndirection = \"falling\"\nset = { a = \"1\" }\n\
+                [jumps.down]\nwhen = \"a - 0.5\"\ndirection = \"rising\"\nset = { a = \"0\" }\n\
+                [jumps.go]\nwhen = \"u - 1\"\nset = { a = \"1\" }\n[start]\nu = 0\n[time]\nend = 3\n";
+    for method in METHODS {
+        let (_top, mut command) = program(text);
+        command.args(["simulate", "system.toml", "--method", method]);
+        let failed = command.assert().failure();
+        let words = String::from_utf8(failed.get_output().stderr.clone()).unwrap();
+        assert!(
+            words.contains("transitions at `up`, `down` within 0e0"),
+            "{words}"
+        );
+    }
+}
+
+#[test]
+fn what_is_at_one_time_is_done_in_the_order_of_the_file() {
+    // Both see u = 1 at once; the second one adds to what the first has set.
+    let text = "name = \"order\"\n[states]\nu = \"\"\n[discrete]\na = 1\n[field]\nu = \"1\"\n\
+                [jumps.first]\nwhen = \"u - 1\"\nset = { a = \"2*a\" }\n\
+                [jumps.second]\nwhen = \"2*u - 2\"\nset = { a = \"a + 3\" }\n\
+                [start]\nu = 0\n[time]\nend = 2\n";
+    for method in METHODS {
+        let (found, transitions) = simulated(text, method, &[]);
+        let names: Vec<&str> = transitions.iter().map(|at| at.2.as_str()).collect();
+        assert_eq!(names, ["first", "second"], "{method}");
+        assert_eq!(end(&found, "a"), 5.0);
+    }
+}
+
+/// Two values that jumps set where `u` passes through two levels.
+fn relay(levels: [f64; 2]) -> String {
+    let [low, high] = levels;
+    format!(
+        "name = \"relay\"\n[states]\nu = \"\"\nw = \"\"\n[discrete]\nrate = -1\n\
+         [field]\nu = \"rate\"\nw = \"-w\"\n[jumps.up]\nwhen = \"u - ({low})\"\n\
+         direction = \"falling\"\nset = {{ rate = \"1\" }}\n[jumps.down]\nwhen = \"u - ({high})\"\n\
+         direction = \"rising\"\nset = {{ rate = \"-1\" }}\n[start]\nu = {high}\nw = 1\n\
+         [time]\nend = 5\n"
+    )
+}
+
+#[test]
+fn relays_with_hysteresis_have_their_periods() {
+    for method in METHODS {
+        let (found, _) = simulated(&relay([-1.0, 1.0]), method, &[]);
+        assert!(end(&found, "u").abs() < 1e-12, "{method}");
+        assert!(
+            (end(&found, "w") - math::exp(-5.0)).abs() < 1e-12,
+            "{method}"
+        );
+        for (levels, period) in [([-1.0, 1.0], 4.0), ([0.0, 0.2], 0.4)] {
+            let (_, transitions) = simulated(&relay(levels), method, &["--t-end", "20"]);
+            for two in transitions.windows(3) {
+                assert!(
+                    (two[2].0 - two[0].0 - period).abs() < 1e-12,
+                    "{method}: {two:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_relay_of_order_six_has_its_half_period() {
+    let mut text = "name = \"plant\"\n[states]\n".to_owned();
+    for k in 1..=6 {
+        text += &format!("x{k} = \"\"\n");
+    }
+    text += "[discrete]\nu = 1\n[definitions]\n\
+             y = \"x6 - 5*x5 - 11*x4 - 5*x3 + 250*x2 + 250*x1\"\n[field]\n";
+    for k in 1..=5 {
+        text += &format!("x{k} = \"x{}\"\n", k + 1);
+    }
+    text += "x6 = \"u - 50*x1 - 150*x2 - 195*x3 - 140*x4 - 57*x5 - 12*x6\"\n\
+             [jumps.down]\nwhen = \"y - 0.25\"\ndirection = \"rising\"\nset = { u = \"-1\" }\n\
+             [jumps.up]\nwhen = \"y + 0.25\"\ndirection = \"falling\"\nset = { u = \"1\" }\n\
+             [start]\nx1 = 0\nx2 = 0\nx3 = 0\nx4 = 0\nx5 = 0\nx6 = 0\n[time]\nend = 60\n";
+    for method in METHODS {
+        let (_, transitions) = simulated(&text, method, &[]);
+        let [.., before, last] = &transitions[..] else {
+            panic!("{transitions:?}");
+        };
+        assert!(
+            (last.0 - before.0 - 2.094123077408).abs() < 1e-11,
+            "{method}"
+        );
+    }
+}
+
+/// `u' = f(u, name)` with an input of that name.
+fn driven(field: &str, input: &str, start: f64, end: &str) -> String {
+    format!(
+        "name = \"driven\"\n[states]\nu = \"\"\n{input}\n[field]\nu = \"{field}\"\n[start]\n\
+         u = {start}\n[time]\nend = \"{end}\"\n"
+    )
+}
+
+#[test]
+fn inputs_kink_at_their_times() {
+    let pulse = "[inputs.p]\nshape = \"table\"\ntimes = [0, 1, 1.05]\nvalues = [0, 20, 0]\n\
+                 between = \"constant\"";
+    let triangle = "[inputs.p]\nshape = \"triangle\"\nperiod = 1";
+    let switch = "[switches.p]\nfunction = \"sin(3*t)\"";
+    // A spike of width 1e-9 that no step of length one sees by itself.
+    let spike = "[inputs.p]\nshape = \"pulse\"\nperiod = 10\nwidth = 1e-10\nphase = 0.5";
+    let saw = "[inputs.p]\nshape = \"sawtooth\"\nperiod = \"pi\"";
+    let cases = [
+        (driven("-u + p", pulse, 1.0, "2"), 0.51256692889779, 1e-13),
+        (
+            driven("u - p", triangle, 10.0, "2*pi"),
+            5289.669521621,
+            1e-8,
+        ),
+        (
+            driven("p", switch, 0.0, "10"),
+            10.0 - 3.0 * PI + (PI / 3.0) * 0.0,
+            0.0,
+        ),
+        (driven("1e9*p", spike, 0.0, "10"), 1.0, 1e-6),
+        (driven("p", saw, 0.0, "2*pi"), PI, 1e-12),
+    ];
+    for (text, exact, within) in cases {
+        for method in METHODS {
+            let (found, _) = simulated(&text, method, &[]);
+            let u = end(&found, "u");
+            if within == 0.0 {
+                // Half waves of length π/3 in turn: nine whole ones and the rest of the tenth.
+                let rest = 10.0 - 9.0 * PI / 3.0;
+                let exact = PI / 3.0 - rest;
+                assert!((u - exact).abs() < 1e-12, "{method}: {u} and {exact}");
+            } else {
+                assert!((u - exact).abs() < within, "{method}: {u} and {exact}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_table_is_read_from_the_file_beside_that_of_the_system() {
+    let input = "[inputs.p]\nshape = \"table\"\nfile = \"force.csv\"";
+    let (top, mut command) = program(&driven("p", input, 0.0, "3"));
+    std::fs::write(top.path().join("force.csv"), "t,p\n0,0\n1,2\n2,0\n").unwrap();
+    command.args(["simulate", "system.toml", "--json", "--out", "out"]);
+    let output = command.assert().success().get_output().clone();
+    let found = serde_json::from_slice(&output.stdout).unwrap();
+    assert!((end(&found, "u") - 2.0).abs() < 1e-13);
+}
+
+#[test]
+fn a_force_that_switches_lets_a_block_go_at_that_time() {
+    // Friction holds 1 until the force becomes 1.5 at t = 2; from there the block moves by t²/4 … .
+    let text = "name = \"block\"\n[states]\nx = \"\"\nv = \"\"\n[inputs.force]\nshape = \"table\"\n\
+                times = [0, 2, 3]\nvalues = [0.9, 1.5, 0.5]\nbetween = \"constant\"\n\
+                [contacts.floor]\nboundary = \"v\"\nfriction = \"1\"\n[field]\nx = \"v\"\n\
+                v = \"force - friction(floor)\"\n[start]\nx = 0\nv = 0\n[time]\nend = 6\n";
+    for method in METHODS {
+        let (found, transitions) = simulated(text, method, &[]);
+        let kinds: Vec<(f64, &str)> = transitions.iter().map(|at| (at.0, at.1.as_str())).collect();
+        // It gains the speed 0.5 by t = 3 and loses it at the rate 0.5 by t = 4.
+        let [(t_exit, "stick exit"), (t_entry, "stick entry")] = kinds[..] else {
+            panic!("{method}: {kinds:?}");
+        };
+        assert_eq!(t_exit, 2.0);
+        assert!((t_entry - 4.0).abs() < 1e-11, "{method}: {t_entry}");
+        assert!((end(&found, "x") - 0.5).abs() < 1e-11, "{method}");
+    }
+}
+
+/// An undamped oscillator of frequency 1 that is driven by cos(w t) and hits a wall at 0.
+const IMPACTS: &str = "name = \"impacts\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nw = 2.5\n\
+                       r = 0.8\n[field]\nx = \"v\"\nv = \"-x + cos(w*t)\"\n[jumps.wall]\nwhen = \"x\"\n\
+                       direction = \"rising\"\nset = { x = \"0\", v = \"-r*v\" }\n[start]\nx = -0.3\n\
+                       v = 0\n[time]\nperiod = \"2*pi/w\"\nend = 100\n";
+
+/// Of the orbit with one impact in each period: trace of its monodromy matrix, whose determinant is
+/// r² (Shaw & Holmes 1983).
+fn trace_of_impacts(w: f64, r: f64) -> f64 {
+    let (period, gain) = (2.0 * PI / w, 1.0 / (1.0 - w * w));
+    let (c, s) = (math::cos(period), math::sin(period));
+    // x(T) = 0 and v(T) = −v⁺/r are linear in the cosine and sine of the phase, in units of v⁺.
+    let matrix = Matrix2::new(
+        gain * (1.0 - c),
+        gain * w * s,
+        gain * s,
+        gain * w * (c - 1.0),
+    );
+    let right = Vector2::new(-s, -1.0 / r - c);
+    let phase = matrix.lu().solve(&right).unwrap();
+    // The one with v⁺ < 0, away from the wall.
+    let speed = -1.0 / phase.norm();
+    let (hit, push) = (-speed / r, phase[0] * speed);
+    -2.0 * r * c + s * (1.0 + r) * push / hit
+}
+
+#[test]
+fn an_impacting_orbit_has_its_multipliers() {
+    for (w, r) in [(2.5, 0.8), (2.3, 0.6)] {
+        for method in METHODS {
+            let (_top, mut command) = program(IMPACTS);
+            command.args(["orbit", "system.toml", "--json", "--method", method]);
+            command.args(["--set", &format!("w={w}"), "--set", &format!("r={r}")]);
+            let output = command.assert().success().get_output().clone();
+            let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+            let part = |k: usize, of: usize| found["multipliers"][k][of].as_f64().unwrap();
+            let trace = part(0, 0) + part(1, 0);
+            let determinant = part(0, 0) * part(1, 0) - part(0, 1) * part(1, 1);
+            let exact = trace_of_impacts(w, r);
+            assert!(
+                (trace - exact).abs() < 1e-9,
+                "{method}: {trace} and {exact}"
+            );
+            assert!(
+                (determinant - r * r).abs() < 1e-9,
+                "{method}: {determinant}"
+            );
+        }
+    }
+}
+
+/// Where a function of one variable changes its sign.
+fn root(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let at_low = f(low);
+    for _ in 0..80 {
+        let middle = 0.5 * (low + high);
+        if f(middle) * at_low > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// The flips that `stickslip continue` finds.
+fn flips(text: &str, arguments: &[&str]) -> Vec<f64> {
+    let (_top, mut command) = program(text);
+    let output = command
+        .args(["continue", "system.toml", "--json"])
+        .args(arguments)
+        .assert()
+        .success()
+        .get_output()
+        .clone();
+    let words = String::from_utf8(output.stdout).unwrap();
+    let found: serde_json::Value = serde_json::from_str(&words).unwrap();
+    let special = found["special"].as_array().unwrap();
+    let flips = special.iter().filter(|at| at["what"] == "flip");
+    let flips: Vec<f64> = flips.map(|at| at["parameter"].as_f64().unwrap()).collect();
+    assert!(!flips.is_empty(), "{words}");
+    flips
+}
+
+#[test]
+fn the_flip_of_an_impacting_orbit_is_located() {
+    let r = 0.8;
+    let exact = root(2.5, 2.8, |w| trace_of_impacts(w, r) + 1.0 + r * r);
+    for method in METHODS {
+        let found = flips(IMPACTS, &["--parameter", "w=2.4:2.9", "--method", method]);
+        let [w] = found[..] else {
+            panic!("{found:?}");
+        };
+        assert!((w - exact).abs() < 1e-10, "{method}: {w} and {exact}");
+    }
+}
+
+/// A buck converter in voltage mode: its switch closes where a ramp passes the amplified error, and
+/// opens with the next ramp.
+const BUCK: &str = "name = \"buck\"\n[states]\nv = \"V\"\ni = \"A\"\n[discrete]\non = 0\n\
+    [parameters]\nE = 18\n[inputs.ramp]\nshape = \"sawtooth\"\nperiod = \"400e-6\"\n[definitions]\n\
+    above = \"8.4*(v - 11.3) - (3.8 + 4.4*ramp)\"\n[field]\nv = \"(i - v/22)/47e-6\"\n\
+    i = \"(E*on - v)/0.02\"\n[jumps.open]\nwhen = \"above\"\ndirection = \"rising\"\n\
+    set = { on = \"0\" }\n[jumps.close]\nwhen = \"above\"\ndirection = \"falling\"\n\
+    set = { on = \"1\" }\n[start]\nv = 12\ni = 0.55\n[time]\nperiod = \"400e-6\"\nend = 0.02\n";
+
+/// When in the period the switch closes on the orbit of period one, and the trace of its monodromy
+/// matrix, whose determinant is exp(−T/(R C)).
+fn of_buck(input: f64) -> (f64, f64) {
+    let period = 400e-6;
+    let a = Matrix2::new(-1.0 / (22.0 * 47e-6), 1.0 / 47e-6, -1.0 / 0.02, 0.0);
+    let b = Vector2::new(0.0, input / 0.02);
+    let inverse = a.try_inverse().unwrap();
+    let flow = |t: f64| (a * t).exp();
+    let at_close = |close: f64| {
+        let driven = inverse * (flow(period - close) - Matrix2::identity()) * b;
+        let begin = (Matrix2::identity() - flow(period)).try_inverse().unwrap() * driven;
+        flow(close) * begin
+    };
+    let above = |close: f64| 8.4 * (at_close(close)[0] - 11.3) - 3.8 - 4.4 * close / period;
+    let close = root(0.0, period, above);
+    let x = at_close(close);
+    let rate = 8.4 * (a * x)[0] - 4.4 / period;
+    let saltation = Matrix2::identity() + b * RowVector2::new(8.4, 0.0) / rate;
+    let monodromy = flow(period - close) * saltation * flow(close);
+    (close, monodromy.trace())
+}
+
+#[test]
+fn a_buck_converter_is_followed_through_its_flip() {
+    for method in METHODS {
+        let (found, transitions) = simulated(BUCK, method, &["--t-end", "0.06"]);
+        assert!(end(&found, "v") > 11.0);
+        let closes: Vec<f64> = transitions
+            .iter()
+            .filter(|at| at.2 == "close")
+            .map(|at| at.0)
+            .collect();
+        let last = closes.last().unwrap() % 400e-6;
+        let (close, _) = of_buck(18.0);
+        assert!((last - close).abs() < 1e-9, "{method}: {last} and {close}");
+    }
+    let determinant = math::exp(-400e-6 / (22.0 * 47e-6));
+    let exact = root(22.0, 27.0, |input| of_buck(input).1 + 1.0 + determinant);
+    let arguments = ["--parameter", "E=17:27", "--transient", "0.1"];
+    let found = flips(BUCK, &arguments);
+    let [input] = found[..] else {
+        panic!("{found:?}");
+    };
+    assert!((input - exact).abs() < 1e-8, "{input} and {exact}");
+}
+
+/// The derivative of the flow by differences.
+fn by_differences(of: &DynamicsRef<'_>, start: &[f64], t_end: f64, free: &[usize]) -> Matrix {
+    let h = 1e-6;
+    let reached = |k: usize, by: f64| {
+        let mut x = start.to_vec();
+        x[k] += by;
+        let at = Moment {
+            t: 0.0,
+            x: Vector::from_vec(x),
+        };
+        let mut orbit = of
+            .begin(&at, t_end, &options("taylor"), &Section::None)
+            .unwrap();
+        loop {
+            if let Happening::End(summary) = orbit.step().unwrap() {
+                break summary.x;
+            }
+        }
+    };
+    let column = |&k: &usize| (reached(k, h) - reached(k, -h)) / (2.0 * h);
+    Matrix::from_columns(&free.iter().map(column).collect::<Vec<_>>())
+}
+
+#[test]
+fn derivatives_go_through_jumps_of_each_kind() {
+    // A wall that moves; a value that is kept from when it was read; a relay; a switch of time.
+    let wall = IMPACTS
+        .replace("when = \"x\"", "when = \"x - 0.1*sin(t)\"")
+        .replace("v = \"-r*v\"", "v = \"-r*v + (1 + r)*0.1*cos(t)\"");
+    let held = "name = \"held\"\n[states]\nx = \"\"\nv = \"\"\n[discrete]\nkept = 0.3\n[field]\n\
+                x = \"v\"\nv = \"-x - 0.4*kept + 0.3*cos(t)\"\n[jumps.read]\nwhen = \"v - 0.05\"\n\
+                set = { kept = \"x*x + v\" }\n[start]\nx = 1\nv = 0\n";
+    let cases = [
+        (wall, vec![-0.3, 0.0], vec![0, 1]),
+        (held.to_owned(), vec![1.0, 0.0, 0.3], vec![0, 1, 2]),
+        (relay([-1.0, 1.0]), vec![0.3, 1.0, -1.0], vec![0, 1]),
+        (BUCK.to_owned(), vec![12.0, 0.55, 0.0], vec![0, 1]),
+    ];
+    for (text, start, free) in cases {
+        let system = system(&text);
+        let t_end = if text.contains("buck") { 0.0031 } else { 9.7 };
+        for method in METHODS {
+            let found = monodromy(
+                system.dynamics(),
+                0.0,
+                start.as_slice(),
+                t_end,
+                &options(method),
+            );
+            let found = found.unwrap().matrix;
+            let exact = by_differences(system.dynamics(), &start, t_end, &free);
+            for (column, &k) in free.iter().enumerate() {
+                let off = (found.column(k) - exact.column(column)).amax();
+                assert!(
+                    off < 1e-6 * (1.0 + exact.amax()),
+                    "{method}: {found} {exact} {text}"
+                );
+            }
+            for k in (0..start.len()).filter(|k| !free.contains(k)) {
+                assert_eq!(
+                    found.column(k).amax(),
+                    0.0,
+                    "a discrete state has no neighbours"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn exponents_of_an_impacting_orbit_are_those_of_its_multipliers() {
+    for method in METHODS {
+        let (_top, mut command) = program(IMPACTS);
+        command.args(["lyapunov", "system.toml", "--json", "--method", method]);
+        let output = command
+            .args(["--duration", "500"])
+            .assert()
+            .success()
+            .get_output()
+            .clone();
+        let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let exponents = found["exponents"].as_array().unwrap();
+        let value = |at: &serde_json::Value| at["value"].as_f64().or(at.as_f64()).unwrap();
+        let sum: f64 = exponents.iter().map(value).sum();
+        // The determinant of each impact is r²: its saltation and the map both take r.
+        let exact = 2.0 * math::ln(0.8) * 2.5 / (2.0 * PI);
+        assert!((sum - exact).abs() < 2e-3, "{method}: {sum} and {exact}");
+    }
+}
+
+#[test]
+fn both_methods_find_the_same_jumps_of_random_systems() {
+    let random = &mut SplitMix::new(46);
+    let mut jumps = 0;
+    for number in 0..400 {
+        let mut a = || random.between(-1.0, 1.0);
+        let text = format!(
+            "name = \"random\"\n[states]\nx = \"\"\ny = \"\"\n[discrete]\nn = 1\n\
+             [inputs.s]\nshape = \"square\"\nperiod = {}\n[field]\n\
+             x = \"{}*x + {}*y + n\"\ny = \"{}*x + {}*y + s\"\n\
+             [jumps.one]\nwhen = \"x + {}*y - {}\"\ndirection = \"rising\"\n\
+             set = {{ x = \"{}*x\", n = \"-n\" }}\n\
+             [jumps.two]\nwhen = \"y - {}*x + {}\"\nset = {{ y = \"0.5*y + {}\" }}\n\
+             [start]\nx = {}\ny = {}\n",
+            1.5 + a(),
+            a(),
+            2.0 + a(),
+            -2.0 + a(),
+            a(),
+            a(),
+            0.6 + 0.3 * a(),
+            0.4 * a(),
+            a(),
+            0.5 * a(),
+            0.3 * a(),
+            a(),
+            a()
+        );
+        let system = system(&text);
+        let of = |method: &str| {
+            let start = system.built.start.clone().unwrap();
+            let at = Moment {
+                t: 0.0,
+                x: Vector::from_vec(start),
+            };
+            let options = options(method).escape(1e3);
+            let mut orbit = system
+                .dynamics()
+                .begin(&at, 6.0, &options, &Section::None)
+                .unwrap();
+            let mut found = Vec::new();
+            while let Ok(happening) = orbit.step() {
+                match happening {
+                    Happening::Transition(at) => found.push((at.contact, at.t)),
+                    Happening::End(_) => break,
+                    _ => {}
+                }
+                if found.len() == 30 {
+                    break;
+                }
+            }
+            found
+        };
+        let [one, other] = METHODS.map(of);
+        assert_eq!(one.len(), other.len(), "{number}: {one:?} {other:?} {text}");
+        for (one, other) in one.iter().zip(&other) {
+            assert_eq!(one.0, other.0, "{number}: {text}");
+            assert!(
+                (one.1 - other.1).abs() < 1e-6,
+                "{number}: {one:?} {other:?} {text}"
+            );
+        }
+        jumps += one.len();
+    }
+    assert!(jumps > 1000, "{jumps}");
+}
