@@ -642,3 +642,282 @@ fn a_file_in_another_code_is_told_with_its_line() {
     std::fs::write(file.path(), text).unwrap();
     assert!(SystemFile::open(path).is_ok());
 }
+
+/// A good file with jumps and inputs, of which each case changes one place.
+const JUMPS: &str = r#"name = "test"
+[states]
+x = "m"
+v = "m/s"
+[discrete]
+n = 0
+[parameters]
+r = 0.8
+w = 2
+[inputs.push]
+shape = "pulse"
+period = "2*pi/w"
+width = 0.1
+[inputs.force]
+shape = "table"
+times = [0, 1, 2]
+values = [0, 1, 0]
+[switches.drive]
+function = "sin(w*t)"
+[field]
+x = "v"
+v = "-x + push + force + drive"
+[jumps.wall]
+when = "x - 1"
+direction = "rising"
+set = { v = "-r*v", n = "n + 1" }
+"#;
+
+#[test]
+fn what_is_wrong_with_jumps_and_inputs_is_told_where_it_is() {
+    assert!(
+        SystemFile::parse(Source {
+            name: String::new(),
+            text: JUMPS.to_owned()
+        })
+        .is_ok()
+    );
+    let cases: [Case; 30] = [
+        (
+            "set = { v",
+            "set = { vv",
+            "there is no state `vv`",
+            "vv",
+            "did you mean `v`?",
+        ),
+        (
+            "\"x - 1\"",
+            "\"r - 1\"",
+            "`when` of the jump `wall` is constant",
+            "\"r - 1\"",
+            "a function of states",
+        ),
+        (
+            "when = \"x - 1\"\n",
+            "",
+            "[jumps.wall] has no `when`",
+            "",
+            "whose zero it is",
+        ),
+        (
+            "\"rising\"",
+            "\"up\"",
+            "there is no direction `up`",
+            "\"up\"",
+            "`rising`, `falling`, `both`",
+        ),
+        (
+            "set = { v = \"-r*v\", n = \"n + 1\" }\n",
+            "",
+            "the jump `wall` sets no state",
+            "",
+            "stop = true",
+        ),
+        (
+            "set = {",
+            "reset = {",
+            "[jumps.wall] has no entry `reset`",
+            "reset",
+            "`set`",
+        ),
+        (
+            "direction = \"rising\"",
+            "stop = 1",
+            "true or false is expected",
+            "1",
+            "",
+        ),
+        (
+            "direction = \"rising\"",
+            "count = 0",
+            "a whole number from 1 on",
+            "0",
+            "",
+        ),
+        (
+            "direction = \"rising\"",
+            "count = 2.5",
+            "a whole number from 1 on",
+            "2.5",
+            "",
+        ),
+        (
+            "direction = \"rising\"",
+            "count = 2\nstop = true",
+            "`stop` and `count` say the same",
+            "2",
+            "count = 1",
+        ),
+        ("\"n + 1\"", "\"n + q\"", "unknown name `q`", "q", ""),
+        (
+            "\"n + 1\"",
+            "\"n + wall\"",
+            "`wall` is a jump and has no value",
+            "wall",
+            "discrete state",
+        ),
+        ("n = 0", "n = \"x\"", "cannot depend on `x`", "x", ""),
+        (
+            "n = 0",
+            "x = 0",
+            "`x` is the name of a state already",
+            "x",
+            "choose another",
+        ),
+        (
+            "n = 0",
+            "n = true",
+            "an expression in quotes, or a number,",
+            "true",
+            "",
+        ),
+        (
+            "[jumps.wall]",
+            "[jumps.drive]",
+            "`drive` is the name of a jump already",
+            "",
+            "choose another",
+        ),
+        (
+            "\"pulse\"",
+            "\"puls\"",
+            "there is no shape `puls`",
+            "\"puls\"",
+            "did you mean `pulse`?",
+        ),
+        (
+            "width = 0.1",
+            "width = 1.5",
+            "the width 1.5 is not between 0 and 1",
+            "1.5",
+            "part of the period",
+        ),
+        (
+            "width = 0.1\n",
+            "",
+            "[inputs.push] has no `width`",
+            "",
+            "part of the period",
+        ),
+        (
+            "period = \"2*pi/w\"\nwidth",
+            "width",
+            "[inputs.push] has no `period`",
+            "",
+            "period =",
+        ),
+        (
+            "\"2*pi/w\"",
+            "\"x\"",
+            "the input `push` does not depend on time alone",
+            "",
+            "a contact, or a jump",
+        ),
+        (
+            "width = 0.1",
+            "width = 0.1\nduty = 2",
+            "[inputs.push] has no entry `duty`",
+            "duty",
+            "there can be",
+        ),
+        (
+            "[0, 1, 2]",
+            "[0, 2, 1]",
+            "the times are not in order: 2 comes before 1",
+            "[0, 2, 1]",
+            "larger than the one",
+        ),
+        (
+            "[0, 1, 2]",
+            "[0, 1]",
+            "2 times and 3 values",
+            "[0, 1]",
+            "each time has its value",
+        ),
+        (
+            "[0, 1, 2]",
+            "[0, 1, nan]",
+            "a finite number is expected",
+            "nan",
+            "",
+        ),
+        (
+            "[0, 1, 2]",
+            "[0, 1, \"2\"]",
+            "a number is expected",
+            "\"2\"",
+            "",
+        ),
+        (
+            "times = [0, 1, 2]\n",
+            "",
+            "a table has times and values, or a file",
+            "",
+            "force.csv",
+        ),
+        (
+            "values = [0, 1, 0]",
+            "values = [0, 1, 0]\nbetween = \"cubic\"",
+            "cannot be `cubic`",
+            "\"cubic\"",
+            "linear or constant",
+        ),
+        (
+            "\"sin(w*t)\"",
+            "\"sin(x)\"",
+            "the input `drive` does not depend on time alone",
+            "",
+            "a contact",
+        ),
+        (
+            "\"sin(w*t)\"",
+            "\"w\"",
+            "the input `drive` does not depend on time alone",
+            "",
+            "a contact",
+        ),
+    ];
+    for (from, to, message, part, help) in cases {
+        let text = JUMPS.replacen(from, to, 1);
+        assert_ne!(text, JUMPS, "{from}");
+        let (problem, shown) = problem_of(&text);
+        assert!(problem.message.contains(message), "{from} -> {to}: {shown}");
+        if !part.is_empty() {
+            assert_eq!(&text[problem.place.clone()], part, "{shown}");
+        }
+        let told = problem.help.unwrap_or_default();
+        assert!(told.contains(help), "{from} -> {to}: {told}");
+    }
+}
+
+#[test]
+fn a_table_whose_file_is_wrong_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("system.toml");
+    let text = JUMPS.replace(
+        "times = [0, 1, 2]\nvalues = [0, 1, 0]",
+        "file = \"force.csv\"",
+    );
+    std::fs::write(&path, text).unwrap();
+    let told = || {
+        SystemFile::open(path.to_str().unwrap())
+            .unwrap_err()
+            .to_string()
+    };
+    assert!(told().contains("cannot read"), "{}", told());
+    for (content, message) in [
+        ("t,f\n0,0\n1\n", "row 3 has no time and value"),
+        ("t,f\n0,0\n1,much\n", "row 3 has no time and value"),
+        ("0,0\n1,2\n1,3\n", "not in order: 1 comes before 1"),
+        ("t,f\n", "0 times and 0 values"),
+    ] {
+        std::fs::write(folder.path().join("force.csv"), content).unwrap();
+        assert!(told().contains(message), "{}", told());
+    }
+    std::fs::write(folder.path().join("force.csv"), "t,f\n0,0\n1,2\n").unwrap();
+    assert!(SystemFile::open(path.to_str().unwrap()).is_ok());
+}

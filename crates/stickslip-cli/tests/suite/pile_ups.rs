@@ -227,7 +227,7 @@ fn a_body_beside_what_rests_slips_and_sticks_as_without_it() {
         // One that sticks throughout stands at zero with the others.
         let words = failed(&held, &["--method", method]);
         assert!(
-            words.contains("at the contacts `place`, `speed` within"),
+            words.contains("transitions at `place`, `speed` within"),
             "{words}"
         );
         let (found, transitions) = simulated(&held, method, &["--at-pile-up", "rest"]);

@@ -370,16 +370,14 @@ fn pace(
 }
 
 fn start(file: &SystemFile, values: &[f64]) -> Result<Option<Vec<f64>>, Problem> {
-    let given: Option<Vec<&Formula>> = file
+    let component = |formula: &Formula| constant(file, values, formula, "a start");
+    let given = file
         .states
         .iter()
-        .map(|state| state.start.as_ref())
-        .collect();
-    let Some(given) = given else { return Ok(None) };
-    let components = given
-        .into_iter()
-        .map(|formula| constant(file, values, formula, "a start"));
-    components.collect::<Result<_, _>>().map(Some)
+        .map(|state| state.start.as_ref().map(component));
+    // All that are given are looked at; together they are a start if none is missing.
+    let given: Vec<Option<f64>> = given.map(Option::transpose).collect::<Result<_, _>>()?;
+    Ok(given.into_iter().collect())
 }
 
 fn period(file: &SystemFile, values: &[f64]) -> Result<Option<f64>, Problem> {
