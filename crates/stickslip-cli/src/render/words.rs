@@ -83,8 +83,11 @@ pub(crate) fn by_state(system: &System, of_each: &[impl Serialize]) -> Json {
 }
 
 /// The modes of a phase in a few letters, of several contacts separated by `|`: `+` and `-` for
-/// slip above and below, `S` for stick.
+/// slip above and below, `S` for stick; `·` without a contact.
 pub(crate) fn letters(modes: &Modes) -> String {
+    if modes.is_empty() {
+        return "·".to_owned();
+    }
     let letters = modes.iter().map(|mode| match mode {
         Mode::Stick => "S",
         Mode::Slip(Side::Above) => "+",

@@ -573,3 +573,67 @@ fn both_methods_find_the_same_jumps_of_random_systems() {
     }
     assert!(jumps > 1000, "{jumps}");
 }
+
+#[test]
+fn the_graze_of_a_wall_is_located_on_the_branch_that_touches_it() {
+    // A damped oscillator whose amplitude 1/√((1 − w²)² + (2 ζ w)²) grows to the gap of 0.5.
+    let text = "name = \"graze\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nw = 2.5\n[field]\n\
+                x = \"v\"\nv = \"-x - 0.1*v + cos(w*t)\"\n[jumps.wall]\nwhen = \"x - 0.5\"\n\
+                direction = \"rising\"\nset = { v = \"-0.8*v\" }\n[start]\nx = 0\nv = 0\n\
+                [time]\nperiod = \"2*pi/w\"\n";
+    let square = |w: f64| (1.0 - w * w) * (1.0 - w * w) + 0.01 * w * w;
+    let exact = root(1.2, 2.5, |w| square(w) - 4.0);
+    for method in METHODS {
+        let (_top, mut command) = program(text);
+        command.args(["continue", "system.toml", "--json", "--method", method]);
+        let output = command
+            .args(["--parameter", "w=1.2:3"])
+            .assert()
+            .success()
+            .get_output()
+            .clone();
+        let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let special = found["special"].as_array().unwrap();
+        let changes: Vec<_> = special
+            .iter()
+            .filter(|at| !at["change"].is_null())
+            .collect();
+        let [change] = changes[..] else {
+            panic!("{method}: {found}");
+        };
+        let words = change["change"].to_string();
+        assert!(
+            words.contains("grazing of a jump") && words.contains("wall"),
+            "{words}"
+        );
+        let off = (change["parameter"].as_f64().unwrap() - exact).abs();
+        assert!(off < 1e-11, "{method}: {off:e}");
+    }
+}
+
+#[test]
+fn a_sweep_goes_on_from_the_state_behind_a_kink() {
+    // Period one below the flip at 24.5166, twice that above it, by each value's run from the last.
+    let (top, mut command) = program(BUCK);
+    command.args([
+        "bifurcation",
+        "system.toml",
+        "--out",
+        "out",
+        "--parameter",
+        "E=22:27",
+    ]);
+    command.args(["--values", "3", "--until", "0.4", "--duration", "0.02"]);
+    command.assert().success();
+    let mut table = csv::Reader::from_path(top.path().join("out/bifurcation.csv")).unwrap();
+    let column =
+        |name: &str, of: &csv::StringRecord| of.iter().position(|one| one == name).unwrap();
+    let names = table.headers().unwrap().clone();
+    let (input, period) = (column("E", &names), column("period", &names));
+    for row in table.records() {
+        let row = row.unwrap();
+        let value = |k: usize| row[k].parse::<f64>().unwrap();
+        let expected = if value(input) < 24.0 { 400e-6 } else { 800e-6 };
+        assert!((value(period) - expected).abs() < 1e-12, "{row:?}");
+    }
+}

@@ -184,8 +184,9 @@ pub(super) struct Jumping<'a, S: Switched<N, G>, V, J, const N: usize, const G: 
     contacts: usize,
     /// When the run ends.
     t_end: f64,
-    /// When an input kinks next.
+    /// When an input kinks next, and when one has kinked last.
     kink: f64,
+    kinked: f64,
     /// The jumps that are to be done, in their order.
     due: VecDeque<usize>,
     is_held: bool,
@@ -221,6 +222,7 @@ where
             contacts: view.contacts,
             t_end,
             kink,
+            kinked: f64::NEG_INFINITY,
             due: VecDeque::new(),
             is_held,
         })
@@ -266,6 +268,11 @@ where
     /// Whether a run has come to a kink. One at its end is passed, too: a run from there goes on.
     pub(super) fn is_at_kink(&self, integration: &Integration<'a, S, N, G>) -> bool {
         integration.is_at_end() && integration.t() >= self.kink
+    }
+
+    /// Whether an input has kinked at this time.
+    pub(super) fn has_kinked(&self, t: f64) -> bool {
+        self.kinked == t
     }
 
     /// Does the next jump that is due.
@@ -327,6 +334,7 @@ where
         let (t, before) = (integration.t(), *integration.x());
         let mut after = before;
         self.jumps.hold(t, after.as_mut_slice());
+        self.kinked = t;
         self.kink = self.jumps.next_kink(t, components(&after), self.t_end);
         integration.end_at(self.t_end.min(self.kink));
         let phase = integration.phase();

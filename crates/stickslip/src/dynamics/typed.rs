@@ -539,6 +539,21 @@ where
     V: EventFunctions<N, 1>,
     J: Jumps<N>,
 {
+    fn has_kinked(&self, t: f64) -> bool {
+        let jumping = self.jumping.as_ref();
+        jumping.is_some_and(|jumping| jumping.has_kinked(t))
+    }
+
+    /// Whether an input kinks here and what it sets off is not done yet. The state at such a time is
+    /// that behind it, from which a run goes on.
+    fn is_settling(&self, t: f64) -> bool {
+        let is_here = |jumping: &Jumping<'_, S, V, J, N, G>| {
+            let is_under_way = jumping.has_kinked(t) && jumping.is_due();
+            t == self.integration.t() && (jumping.is_at_kink(&self.integration) || is_under_way)
+        };
+        self.jumping.as_ref().is_some_and(is_here) || !self.told.is_empty()
+    }
+
     /// Does what is due between two steps of a run with jumps or inputs.
     fn leap(&mut self) -> Result<Option<Happening>, Error> {
         let Some(jumping) = &mut self.jumping else {
@@ -574,9 +589,14 @@ where
     fn step(&mut self) -> Result<Happening, Error> {
         if let Some(search) = &self.search
             && let Some(passage) = search.found().get(self.reported)
+            && !self.is_settling(passage.t)
         {
             self.reported += 1;
-            return Ok(Happening::Passage(self.of.passage(passage)));
+            let mut passage = *passage;
+            if passage.t == self.integration.t() && self.has_kinked(passage.t) {
+                (passage.x, passage.mode) = (*self.integration.x(), self.integration.mode());
+            }
+            return Ok(Happening::Passage(self.of.passage(&passage)));
         }
         if let (Some(observer), Some(progress)) = (&mut self.observer, self.unobserved.take()) {
             let (integration, is_stopping) = (&mut self.integration, &mut self.is_stopping);
