@@ -623,7 +623,7 @@ fn a_sweep_goes_on_from_the_state_behind_a_kink() {
         "--parameter",
         "E=22:27",
     ]);
-    command.args(["--values", "3", "--until", "0.4", "--duration", "0.02"]);
+    command.args(["--values", "2", "--until", "0.4", "--duration", "0.02"]);
     command.assert().success();
     let mut table = csv::Reader::from_path(top.path().join("out/bifurcation.csv")).unwrap();
     let column =
