@@ -192,9 +192,10 @@ impl<const N: usize> Observer<N> for Notes<'_> {
             TransitionKind::StickEntry => Kind::Entry,
             TransitionKind::StickExit => Kind::Exit,
             // They change no mode, and no peer is asked for them.
-            TransitionKind::Touch | TransitionKind::ContactLoss | TransitionKind::ContactGain => {
-                return ControlFlow::Continue(());
-            }
+            TransitionKind::Touch
+            | TransitionKind::ContactLoss
+            | TransitionKind::ContactGain
+            | TransitionKind::Jump => return ControlFlow::Continue(()),
         };
         self.0.push(Event { kind, t: at.t });
         ControlFlow::Continue(())
