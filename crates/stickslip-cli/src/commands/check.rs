@@ -55,7 +55,9 @@ fn understood(system: &System) -> Report {
         )
     });
     report.list("definitions", definitions);
-    let rates = file.states.iter().zip(&file.field).map(|(state, rate)| {
+    let moving = file.states.iter().zip(&file.field);
+    let moving = moving.filter(|(state, _)| !state.is_discrete);
+    let rates = moving.map(|(state, rate)| {
         let name = &state.name;
         match rate {
             Rate::Same(Formula { text, .. }) => (
@@ -134,6 +136,7 @@ fn states(report: &mut Report, system: &System) {
         let start = start.map(|start| start[k]);
         let from = start.map(|start| format!(", starts at {}", readable(start)));
         let unit = match state.unit.as_str() {
+            "" if state.is_discrete => " (discrete)".to_owned(),
             "" => String::new(),
             unit => format!(" ({unit})"),
         };
@@ -145,6 +148,7 @@ fn states(report: &mut Report, system: &System) {
             "meaning": state.meaning,
             "start": start,
             "range": state.range,
+            "discrete": state.is_discrete,
         });
         (line, object)
     });
