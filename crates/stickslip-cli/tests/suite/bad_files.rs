@@ -681,7 +681,21 @@ fn what_is_wrong_with_jumps_and_inputs_is_told_where_it_is() {
         })
         .is_ok()
     );
-    let cases: [Case; 30] = [
+    let cases: [Case; 32] = [
+        (
+            "\"2*pi/w\"",
+            "-1",
+            "the period is -1, but must be positive",
+            "-1",
+            "",
+        ),
+        (
+            "\"2*pi/w\"",
+            "\"1 + t\"",
+            "the period of an input cannot depend on time",
+            "\"1 + t\"",
+            "a switch",
+        ),
         (
             "set = { v",
             "set = { vv",

@@ -637,3 +637,135 @@ fn a_sweep_goes_on_from_the_state_behind_a_kink() {
         assert!((value(period) - expected).abs() < 1e-12, "{row:?}");
     }
 }
+
+/// A damped oscillator that is driven with a period of 2, with a kick that something sets off.
+fn kicked(input: &str, when: &str) -> String {
+    format!(
+        "name = \"kicked\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nph = 0\n{input}\n[field]\n\
+         x = \"v\"\nv = \"-x - 0.3*v + 0.2*sin(pi*t)\"\n[jumps.kick]\nwhen = \"{when}\"\n\
+         direction = \"rising\"\nset = {{ v = \"v + 1\" }}\n[start]\nx = 0.1\nv = 0\n[time]\n\
+         period = 2\nend = 20\n"
+    )
+}
+
+fn json_of(text: &str, arguments: &[&str]) -> serde_json::Value {
+    let (_top, mut command) = program(text);
+    let output = command
+        .args(arguments)
+        .arg("--json")
+        .assert()
+        .success()
+        .get_output()
+        .clone();
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+#[test]
+fn a_kick_by_the_clock_changes_no_multiplier() {
+    // In each period the flow shrinks areas by exp(−0.6), whatever kicks it at a fixed time.
+    let square = "[inputs.d]\nshape = \"square\"\nperiod = 2\nphase = \"ph\"";
+    let switch = "[switches.d]\nfunction = \"sin(pi*(t - 0.1))\"";
+    for text in [
+        kicked(square, "d"),
+        kicked(switch, "d"),
+        kicked("", "sin(pi*(t - 0.1)) + 0.3"),
+    ] {
+        for start in ["0", "0.5", "33.3"] {
+            let found = json_of(&text, &["orbit", "system.toml", "--t-start", start]);
+            let part = |k: usize, of: usize| found["multipliers"][k][of].as_f64().unwrap();
+            let determinant = part(0, 0) * part(1, 0) - part(0, 1) * part(1, 1);
+            assert!(
+                (determinant - math::exp(-0.6)).abs() < 1e-9,
+                "{start}: {found} {text}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_branch_goes_along_the_phase_of_an_input() {
+    let square = "[inputs.d]\nshape = \"square\"\nperiod = 2\nphase = \"ph\"";
+    let text = kicked(square, "d");
+    let (top, mut command) = program(&text);
+    command.args([
+        "continue",
+        "system.toml",
+        "--out",
+        "out",
+        "--t-start",
+        "0.5",
+    ]);
+    command
+        .args(["--parameter", "ph=-0.3:0.3"])
+        .assert()
+        .success();
+    let mut table = csv::Reader::from_path(top.path().join("out/branch.csv")).unwrap();
+    let names = table.headers().unwrap().clone();
+    let column = names.iter().position(|name| name == "x_high").unwrap();
+    let rows: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
+    for row in [rows.first().unwrap(), rows.last().unwrap()] {
+        let set = format!("ph={}", &row[0]);
+        let alone = json_of(
+            &text,
+            &["orbit", "system.toml", "--t-start", "0.5", "--set", &set],
+        );
+        let high = alone["extremes"]["x"][1].as_f64().unwrap();
+        assert!(
+            (high - row[column].parse::<f64>().unwrap()).abs() < 1e-9,
+            "{row:?} {high}"
+        );
+    }
+}
+
+#[test]
+fn an_escapement_keeps_its_clock_going() {
+    // From just behind the kick at x = a the flow comes back to it in its period, and the other way
+    // in between; with w² = 0.99 the multiplier at a = 0 is exp(−0.1 T).
+    for (at, period) in [("x", 6.3148388339965535), ("x + 0.3", 6.0416851511690925)] {
+        let text = format!(
+            "name = \"escapement\"\n[states]\nx = \"\"\nv = \"\"\n[field]\nx = \"v\"\n\
+             v = \"-x - 0.2*v\"\n[jumps.kick]\nwhen = \"{at}\"\ndirection = \"rising\"\n\
+             set = {{ v = \"v + 0.5\" }}\n[start]\nx = 0.1\nv = 2\n"
+        );
+        let found = json_of(&text, &["orbit", "system.toml"]);
+        let off = found["period"].as_f64().unwrap() - period;
+        assert!(off.abs() < 1e-11, "{found}");
+        if at == "x" {
+            let exact = 2.0 * PI / 0.99_f64.sqrt();
+            assert!((found["period"].as_f64().unwrap() - exact).abs() < 1e-11);
+            let multiplier = found["multipliers"][1][0].as_f64().unwrap();
+            assert!(
+                (multiplier - math::exp(-0.1 * exact)).abs() < 1e-9,
+                "{found}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_clock_goes_on_where_nothing_moves() {
+    let text = "name = \"settled\"\n[states]\nu = \"\"\n[discrete]\ns = 0\n[field]\nu = \"-u\"\n\
+                [inputs.clock]\nshape = \"square\"\nperiod = 1\n[jumps.sample]\nwhen = \"clock\"\n\
+                direction = \"rising\"\nset = { s = \"u\" }\n[start]\nu = 1\n[time]\nend = 200\n";
+    for method in METHODS {
+        let (_, transitions) = simulated(text, method, &[]);
+        assert_eq!(transitions.len(), 200, "{method}");
+    }
+}
+
+#[test]
+fn switches_that_touch_zero_or_stay_there_end() {
+    for (function, exact) in [
+        ("exp(-100*t)", 20.0),
+        ("max(sin(t), 0)", 20.0),
+        ("1 - cos(t)", 20.0),
+        ("cos(t) - 1", -20.0),
+        ("(t - 5)^3", 10.0),
+        ("abs(t - 5) - 1", 16.0),
+    ] {
+        let switch = format!("[switches.p]\nfunction = \"{function}\"");
+        let (found, _) = simulated(&driven("p", &switch, 0.0, "20"), "taylor", &[]);
+        let u = end(&found, "u");
+        assert!((u - exact).abs() < 1e-11, "{function}: {u}");
+    }
+}

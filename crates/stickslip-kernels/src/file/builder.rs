@@ -272,16 +272,33 @@ impl<'a> Builder<'a> {
         let (period, phase) = match &entry.shape {
             InputShape::Switch(function) => return self.formula(function),
             InputShape::Table(_) => return Ok(time),
-            InputShape::Periodic { period, phase, .. } => (self.formula(period)?, phase),
+            InputShape::Periodic { period, phase, .. } => (self.of_input(period, "period")?, phase),
         };
         let made = self.graph.binary(Binary::Quotient, time, period);
         let mut made = made.map_err(|error| no_number(error, entry.place.clone()))?;
         if let Some(phase) = phase {
-            let phase = self.formula(phase)?;
+            let phase = self.of_input(phase, "phase")?;
             let sum = self.graph.binary(Binary::Sum, made, phase);
             made = sum.map_err(|error| no_number(error, entry.place.clone()))?;
         }
         Ok(made)
+    }
+
+    /// The period or phase of an input, which makes its clock go evenly.
+    fn of_input(&mut self, formula: &Formula, what: &str) -> Made {
+        let made = self.formula(formula)?;
+        if self.graph.depends_on_time(made) {
+            let message = format!("the {what} of an input cannot depend on time");
+            return Err(Problem::new(message, formula.whole())
+                .help("an input with another clock is a switch: the sign of a function of time"));
+        }
+        match self.graph.value(made) {
+            Some(period) if what == "period" && period <= 0.0 => Err(Problem::new(
+                format!("the period is {period}, but must be positive"),
+                formula.whole(),
+            )),
+            _ => Ok(made),
+        }
     }
 
     fn meaning(&self, name: &str) -> Option<Meaning> {

@@ -44,6 +44,9 @@ pub struct Piece {
 /// Units in the last place by which a clock may be before a kink that it has come to.
 const ULPS: f64 = 16.0;
 
+/// Units in the last place within which a time is that of a kink.
+const NEAR: f64 = 1024.0;
+
 /// Evaluations in a search for the next change of sign. Where it has not been found by then the run
 /// stops for a moment, and looks again.
 const MOST: usize = 10_000;
@@ -113,12 +116,17 @@ impl Input {
         }
     }
 
-    /// The sign of the clock just behind a time.
+    /// The sign of the clock just behind a time: of the first value that is not zero.
     fn sign(&self, t: f64, x: &[f64]) -> f64 {
-        let (value, rate) = self.reading_and_rate(t, x);
-        let blur = 4.0 * ULPS * f64::EPSILON * (rate * t).abs();
-        let leading = if value.abs() <= blur { rate } else { value };
-        if leading < 0.0 { -1.0 } else { 1.0 }
+        let mut ahead = 4.0 * ULPS * f64::EPSILON * t.abs().max(f64::MIN_POSITIVE / f64::EPSILON);
+        while ahead.is_finite() {
+            let value = self.reading(t + ahead, x);
+            if value != 0.0 {
+                return if value < 0.0 { -1.0 } else { 1.0 };
+            }
+            ahead *= 8.0;
+        }
+        1.0
     }
 
     /// When the clock changes its sign next. Bounds over ranges of time decide where it does not,
@@ -132,6 +140,8 @@ impl Input {
         let one = Interval::around(1.0, 0.0);
         let sign = self.sign(t, x);
         let (mut from, mut h) = (t, 1.0_f64);
+        // Where it is zero for a while there is nothing to resolve.
+        let mut least = ULPS * f64::EPSILON;
         for _ in 0..MOST {
             if from >= t_end {
                 return f64::INFINITY;
@@ -147,12 +157,14 @@ impl Input {
                     return self.change_between(from, to, x, sign);
                 }
                 (from, h) = (to, 2.0 * h);
-            } else if to - from <= ULPS * f64::EPSILON * from.abs().max(f64::MIN_POSITIVE) {
+                least = ULPS * f64::EPSILON;
+            } else if to - from <= least * from.abs().max(f64::MIN_POSITIVE) {
                 // It touches zero, to rounding.
                 if self.sign(to, x) != sign && to > t {
                     return to;
                 }
                 (from, h) = (to, 2.0 * h);
+                least *= 2.0;
             } else {
                 h = 0.5 * (to - from);
             }
@@ -271,6 +283,16 @@ impl<const N: usize> Jumps<N> for Switching {
     fn next_kink(&self, t: f64, x: &[f64], t_end: f64) -> f64 {
         let kinks = self.inputs.iter().map(|input| input.next_kink(t, x, t_end));
         kinks.fold(f64::INFINITY, f64::min)
+    }
+
+    fn kinked(&self, t: f64, x: &[f64]) -> Option<usize> {
+        let near = NEAR * f64::EPSILON * t.abs().max(f64::MIN_POSITIVE / f64::EPSILON);
+        let kinks = |input: &Input| input.held(t - near, x) != input.held(t + near, x);
+        self.inputs.iter().position(kinks)
+    }
+
+    fn clock<T: Scalar>(&self, input: usize, t: T, x: &[T; N]) -> T {
+        self.inputs[input].reading(t, x)
     }
 
     fn hold(&self, t: f64, x: &mut [f64]) {

@@ -92,7 +92,7 @@ impl<'a> Tangent<'a> {
         // Where its function is not zero another jump has set it off, and decides when it happens.
         let size = reset.gradient.abs().dot(&at.x.abs()) + rate.abs();
         let is_set_off =
-            reset.gradient.amax() > 0.0 && reset.value.abs() > self.carrying.tolerance * size;
+            self.system.kink(&here).is_none() && reset.value.abs() > self.carrying.tolerance * size;
         if is_set_off && kick.amax() > f64::EPSILON * before.amax() {
             return Err(singular(at.t, &at.x));
         }

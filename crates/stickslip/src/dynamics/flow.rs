@@ -58,17 +58,6 @@ where
         system.with_flow(self.mode, branch, user)
     }
 
-    /// Whether the state is where a jump may happen next: on the side that its function passes
-    /// through zero from.
-    fn may_happen(&self, jump: usize) -> bool {
-        let value = self.of.jumps.when(jump, self.at.t, components(&self.at.x));
-        match self.of.jumps.direction(jump) {
-            Direction::Rising => value < 0.0,
-            Direction::Falling => value > 0.0,
-            Direction::Both => true,
-        }
-    }
-
     /// The function of the jump of a guard, if it is one's.
     fn jump(&self, guard: usize) -> Option<JumpGuard<'_, J>> {
         let (jumps, number) = (self.of.jumps, guard.checked_sub(G)?);
@@ -127,8 +116,7 @@ where
         };
         let guards = self.of_field(Guards).iter().copied().map(guard);
         let guards = guards.filter(|guard| guard.contact < self.of.contacts);
-        let jumps = (0..self.of.jumps.count()).filter(|&jump| self.may_happen(jump));
-        let jumps = jumps.map(|jump| Guard {
+        let jumps = (0..self.of.jumps.count()).map(|jump| Guard {
             number: G + jump,
             contact: self.of.contacts + jump,
             goes_on: false,

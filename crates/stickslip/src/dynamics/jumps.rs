@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use super::typed::{TypedSection, View};
 use super::{Happening, Vector};
-use crate::error::Error;
+use crate::error::{Error, Point};
 use crate::filippov::{
     Direction, EventFunctions, EventSearch, Integration, Options, Switched, Transition,
     TransitionKind,
@@ -95,6 +95,16 @@ pub trait Jumps<const N: usize> {
         f64::INFINITY
     }
 
+    /// The input that kinks at a time, if one does.
+    fn kinked(&self, _t: f64, _x: &[f64]) -> Option<usize> {
+        None
+    }
+
+    /// The function of time that decides when an input kinks.
+    fn clock<T: Scalar>(&self, _input: usize, t: T, _x: &[T; N]) -> T {
+        t
+    }
+
     /// Sets the components of the state that inputs hold from `t` to their next kink.
     fn hold(&self, _t: f64, _x: &mut [f64]) {}
 }
@@ -139,6 +149,12 @@ impl<J: Jumps<N>, const N: usize> Jumps<N> for &J {
     fn next_kink(&self, t: f64, x: &[f64], t_end: f64) -> f64 {
         (**self).next_kink(t, x, t_end)
     }
+    fn kinked(&self, t: f64, x: &[f64]) -> Option<usize> {
+        (**self).kinked(t, x)
+    }
+    fn clock<T: Scalar>(&self, input: usize, t: T, x: &[T; N]) -> T {
+        (**self).clock(input, t, x)
+    }
     fn hold(&self, t: f64, x: &mut [f64]) {
         (**self).hold(t, x)
     }
@@ -164,10 +180,10 @@ pub struct Reset {
     pub by_time: Vector,
     /// The function whose zero it is.
     pub value: f64,
-    /// The gradient of that function in the state; zero at the kink of an input, which decides when
-    /// it happens.
+    /// The gradient in the state of that function; at the kink of an input, of its clock, which
+    /// decides when it happens.
     pub gradient: Vector,
-    /// Its time derivative; 1 at the kink of an input.
+    /// The time derivative of the same.
     pub in_time: f64,
 }
 
@@ -187,6 +203,9 @@ pub(super) struct Jumping<'a, S: Switched<N, G>, V, J, const N: usize, const G: 
     /// When an input kinks next, and when one has kinked last.
     kink: f64,
     kinked: f64,
+    /// How many times inputs have kinked, and how many times they may.
+    kinks: u64,
+    most_kinks: u64,
     /// The jumps that are to be done, in their order.
     due: VecDeque<usize>,
     is_held: bool,
@@ -223,6 +242,8 @@ where
             t_end,
             kink,
             kinked: f64::NEG_INFINITY,
+            kinks: 0,
+            most_kinks: options.most_events,
             due: VecDeque::new(),
             is_held,
         })
@@ -289,6 +310,11 @@ where
         let (t, before, from) = (integration.t(), *integration.x(), integration.mode());
         let residual = self.jumps.when(number, t, components(&before)).abs();
         let after: State<N> = self.jumps.set(number, t, components(&before)).into();
+        if after.iter().any(|v| !v.is_finite()) {
+            let what = "a jump sets the state to what is no number";
+            let x = Point::from(&before);
+            return Err(Error::StartOutsideDomain { t, x, what });
+        }
         self.counts[number] += 1;
         let most = self.jumps.most(number);
         if most.is_some_and(|most| self.counts[number] >= most) {
@@ -324,7 +350,7 @@ where
     /// Goes on behind the kink of an input. Reports what ends with it: a contact may stick no more.
     ///
     /// # Errors
-    /// Those of [`Integration::new`].
+    /// Those of [`Integration::new`], and [`Error::TooMany`].
     pub(super) fn pass_kink(
         &mut self,
         integration: &mut Integration<'a, S, N, G>,
@@ -335,6 +361,11 @@ where
         let mut after = before;
         self.jumps.hold(t, after.as_mut_slice());
         self.kinked = t;
+        self.kinks += 1;
+        if self.kinks > self.most_kinks {
+            let (name, most, x) = ("most_events", self.most_kinks, Point::from(&before));
+            return Err(Error::TooMany { name, most, t, x });
+        }
         self.kink = self.jumps.next_kink(t, components(&after), self.t_end);
         integration.end_at(self.t_end.min(self.kink));
         let phase = integration.phase();

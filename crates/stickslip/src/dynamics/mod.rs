@@ -217,8 +217,11 @@ pub trait Dynamics: Send + Sync {
     /// Whether a state takes one of some values that jumps set, with none near by.
     fn is_discrete(&self, state: usize) -> bool;
 
-    /// Whether an input kinks at a moment.
-    fn is_kink(&self, at: &Moment) -> bool;
+    /// The input that kinks at a moment, if one does.
+    fn kink(&self, at: &Moment) -> Option<usize>;
+
+    /// The clock that decides when an input kinks: value, gradient in the state, time derivative.
+    fn clock(&self, input: usize, at: &Moment) -> (f64, Vector, f64);
 
     /// What a jump does at a moment before it; its number is behind those of the contacts, as that
     /// of its transitions.

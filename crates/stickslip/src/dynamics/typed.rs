@@ -316,11 +316,16 @@ where
         self.jumps.is_discrete(state)
     }
 
-    fn is_kink(&self, at: &Moment) -> bool {
-        const ULPS: f64 = 64.0;
+    fn kink(&self, at: &Moment) -> Option<usize> {
         let Timed { t, x } = self.view().timed(at);
-        let blur = ULPS * f64::EPSILON * t.abs().max(f64::MIN_POSITIVE);
-        self.jumps.next_kink(t - blur, components(&x), t + blur) <= t + blur
+        self.jumps.kinked(t, components(&x))
+    }
+
+    fn clock(&self, input: usize, at: &Moment) -> (f64, Vector, f64) {
+        let (of, at) = (self.view(), self.view().timed(at));
+        let (slopes, in_time) = gradient(|t, x| self.jumps.clock(input, t, x), &at);
+        let value = self.jumps.clock(input, at.t, components(&at.x));
+        (value, of.vector(&slopes), in_time)
     }
 
     fn reset(&self, number: usize, at: &Moment) -> Reset {
@@ -338,9 +343,9 @@ where
             .chain([along(states)])
             .map(|column| Vector::from_fn(states, |i, _| column[i].eps))
             .collect();
-        let (gradient, in_time) = match self.is_kink(at) {
-            true => (State::zeros(), 1.0),
-            false => gradient(|t, x| self.jumps.when(jump, t, x), &Timed { t, x }),
+        let (gradient, in_time) = match self.jumps.kinked(t, components(&x)) {
+            Some(input) => gradient(|t, x| self.jumps.clock(input, t, x), &Timed { t, x }),
+            None => gradient(|t, x| self.jumps.when(jump, t, x), &Timed { t, x }),
         };
         Reset {
             after: of.vector(&self.jumps.set(jump, t, components(&x)).into()),

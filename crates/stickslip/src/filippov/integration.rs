@@ -421,11 +421,14 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         if self.pile_up.was_at(number, self.run.at.t) {
             return Err(self.accumulated());
         }
-        self.note_event(number, self.mode)
-            .map_err(|error| match error {
-                Error::EventPileUp { .. } => self.accumulated(),
-                other => other,
-            })?;
+        match self.note_event(number, self.mode) {
+            Err(Error::EventPileUp { .. }) if self.pile_up.accumulates(&self.run.options) => {
+                return Err(self.accumulated());
+            }
+            // Jumps may go on where nothing moves any more, by a clock.
+            Err(Error::EventPileUp { .. }) | Ok(()) => {}
+            Err(other) => return Err(other),
+        }
         if let Some(ending) = ending {
             self.due = Due::End(ending);
         }

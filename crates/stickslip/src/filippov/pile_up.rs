@@ -165,6 +165,11 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         count.max(self.unresolved) >= options.pile_up_count
     }
 
+    /// Whether the transitions come ever faster, and do not only move nothing.
+    pub(crate) fn accumulates(&self, options: &Options) -> bool {
+        self.burst.count >= options.pile_up_count || !self.shrinks()
+    }
+
     /// Whether the last transition was of this contact at this time.
     pub(crate) fn was_at(&self, contact: usize, t: f64) -> bool {
         let last = self.back(0);

@@ -124,6 +124,7 @@ fn jacobian_of(system: &dyn Dynamics, mode: Modes, at: &Moment) -> Matrix {
 pub(crate) fn least_guard(system: &dyn Dynamics, mode: Modes, at: &Moment) -> f64 {
     let flow = system.flow(mode, at);
     let guards = flow.guards().into_iter();
+    let guards = guards.filter(|guard| !guard.is_of_jump);
     let values = guards.map(|guard| flow.guard(guard.number, at));
     values.fold(f64::INFINITY, f64::min)
 }

@@ -135,7 +135,7 @@ fn minima_of(
             at: place(s),
             value: jet(s)[0],
         };
-        if falls && samples[0].1[1] >= 0.0 {
+        if falls && samples[0].1[1] >= 0.0 && (!guard.is_of_jump || samples[0].1[0] > 0.0) {
             found.push(minimum(Site::Minimum(guard.number), None, 0.0));
         }
         // Where another contact switches it may jump.
@@ -145,13 +145,13 @@ fn minima_of(
         if others[0].is_some() && is_before && jet(0.0)[1] > 0.0 {
             found.push(minimum(Site::Begin(guard.number), others[0], 0.0));
         }
-        if others[1].is_some() && jet(1.0)[1] < 0.0 {
+        if others[1].is_some() && is_before && jet(1.0)[1] < 0.0 {
             found.push(minimum(Site::End(guard.number), others[1], 1.0));
         }
         rates.extend(samples.last().map(|(_, jet)| jet[1]));
         for pair in samples.windows(2) {
             let ((mut a, before), (mut b, behind)) = (pair[0], pair[1]);
-            if !(before[1] < 0.0 && behind[1] >= 0.0) {
+            if !(is_before && before[1] < 0.0 && behind[1] >= 0.0) {
                 continue;
             }
             let mut s = 0.5 * (a + b);

@@ -34,8 +34,9 @@ pub(crate) struct Event {
     pub is_of_contact: bool,
     /// Whether the state jumps there.
     pub is_of_jump: bool,
-    /// When it is, where not its own function but the kink of an input decides that.
-    pub at_kink: Option<f64>,
+    /// Where not its own function but the kink of an input decides when it is: which input, and what
+    /// its clock reads.
+    pub at_kink: Option<(usize, f64)>,
 }
 
 /// A part of a periodic orbit in one mode.
@@ -94,11 +95,11 @@ impl Outline {
         let turns: Vec<&Transition> = turns
             .filter(|at| at.kind != TransitionKind::Touch)
             .collect();
-        let event = |at: &Transition, inside: &Moment| {
+        let event = |at: &Transition| {
             let here = at.moment();
             let is_of_jump = at.kind == TransitionKind::Jump;
-            // Which way a jump's function comes to zero is seen before it has.
-            let flow = system.flow(at.from, if is_of_jump { inside } else { &here });
+            let flow = system.flow(at.from, &here);
+            let kink = system.kink(&here).filter(|_| is_of_jump);
             let of_contact = flow.guards().into_iter().filter(|guard| {
                 guard.contact == at.contact && guard.goes_on == is_of_contact(at.kind)
             });
@@ -109,7 +110,7 @@ impl Outline {
                 contact: at.contact,
                 is_of_contact: is_of_contact(at.kind),
                 is_of_jump,
-                at_kink: (is_of_jump && system.is_kink(&here)).then_some(at.t),
+                at_kink: kink.map(|input| (input, system.clock(input, &here).0)),
             }
         };
         // The state that a transition leaves behind.
@@ -162,7 +163,7 @@ impl Outline {
             let inside = Moment { t, x: orbit.at(t)? };
             segments.push(Segment {
                 mode: pair[0].to,
-                end: Some(event(pair[1], &inside)),
+                end: Some(event(pair[1])),
                 inside,
                 duration: pair[1].t - pair[0].t,
             });

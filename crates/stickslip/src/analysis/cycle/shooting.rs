@@ -235,7 +235,10 @@ impl Under<'_> {
         let flow = system.flow(segment.mode, &segment.inside);
         let velocity = flow.velocity(&self.at);
         let (value, (gradient, in_time)) = match event.at_kink {
-            Some(t) => (self.at.t - t, (Vector::zeros(velocity.len()), 1.0)),
+            Some((input, reading)) => {
+                let (now, gradient, in_time) = system.clock(input, &self.at);
+                (now - reading, (gradient, in_time))
+            }
             None => (
                 flow.guard(event.guard, &self.at),
                 flow.guard_gradient(event.guard, &self.at),
@@ -451,7 +454,12 @@ impl<'a> Shooting<'a> {
 
     /// State and mode of an orbit at a time, or whole periods before or behind it.
     pub fn place(&self, cycle: &Cycle, t: f64) -> Option<(Moment, Modes)> {
-        let behind = |at: &Moment| (t - at.t).rem_euclid(cycle.period);
+        // What begins here, to rounding, is not the end of what was before.
+        let blur = 64.0 * f64::EPSILON * (t.abs() + cycle.period);
+        let behind = |at: &Moment| {
+            let way = (t - at.t + blur).rem_euclid(cycle.period) - blur;
+            way.max(0.0)
+        };
         let begins = cycle.begins.iter().zip(&cycle.outline.segments);
         let last = begins.min_by(|(a, _), (b, _)| behind(a).total_cmp(&behind(b)));
         let (begin, segment) = last?;
