@@ -358,4 +358,33 @@ impl SystemFile {
             source_text: Box::new(source),
         })
     }
+
+    /// The same system with this section in place of its own.
+    ///
+    /// # Errors
+    /// [`FileError::Wrong`] with what is wrong with the function.
+    pub fn with_section(
+        &self,
+        function: &str,
+        direction: Direction,
+    ) -> Result<SystemFile, FileError> {
+        let source = Source {
+            name: "section".to_owned(),
+            text: function.to_owned(),
+        };
+        let checked = Formula::parsed(function, 0..function.len(), &source).and_then(|function| {
+            let mut file = self.clone();
+            file.section = Some(SectionEntry {
+                function,
+                direction,
+            });
+            let file = Arc::new(file);
+            build::check(&file)?;
+            Ok(Arc::unwrap_or_clone(file))
+        });
+        checked.map_err(|problem| FileError::Wrong {
+            problem: Box::new(problem),
+            source_text: Box::new(source),
+        })
+    }
 }

@@ -9,8 +9,8 @@ mod system;
 use std::ops::ControlFlow;
 
 use stickslip::dynamics::{
-    DynamicsRef, Happening, Moment, OrbitUnderWay, Passage, Phase, Section as Watched, Step,
-    Summary, Transition, Vector,
+    DynamicsRef, Happening, Moment, OrbitUnderWay, Passage, Phase, Section as Watched, Solution,
+    Step, Summary, Transition, Vector,
 };
 use stickslip::{Ending, Error, Options, TransitionKind};
 
@@ -51,6 +51,8 @@ pub trait Watcher {
     fn step(&mut self, _step: &Step, _solution: &dyn Fn(f64) -> Vector) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
+    /// After [`Watcher::step`], the same to keep.
+    fn keep(&mut self, _step: Step, _solution: Solution) {}
     /// After every phase.
     fn phase(&mut self, _phase: &Phase) -> ControlFlow<()> {
         ControlFlow::Continue(())
@@ -89,7 +91,9 @@ pub fn follow(
             Ok(Happening::Step) if !watcher.watches_steps() => ControlFlow::Continue(()),
             Ok(Happening::Step) => {
                 let (step, solution) = (orbit.last_step(), orbit.solution());
-                watcher.step(&step, &*solution)
+                let told = watcher.step(&step, &*solution);
+                watcher.keep(step, solution);
+                told
             }
             Ok(Happening::PhaseEnd(phase)) => watcher.phase(&phase),
             Ok(Happening::Passage(at)) => watcher.passage(&at),

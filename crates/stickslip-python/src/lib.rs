@@ -1,0 +1,243 @@
+//! The engine as the extension module `stickslip._core`.
+//!
+//! It is narrow: a system from its text, and each computation as one call that takes and returns
+//! numbers, texts and arrays. What a user sees is written in Python, in `python/stickslip`.
+
+mod analyses;
+mod interrupt;
+mod run;
+
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+use stickslip::dynamics::Vector;
+use stickslip::error::Point;
+use stickslip::{AtPileUp, AtRepelling, Direction, Error, Method, Options};
+use stickslip_kernels::file::{Source, SystemFile};
+
+pyo3::import_exception!(stickslip._errors, StickslipError);
+pyo3::import_exception!(stickslip._errors, SystemError);
+
+/// A system ready to run.
+#[pyclass(frozen, module = "stickslip._core")]
+struct System {
+    ready: stickslip_kernels::file::System,
+}
+
+impl System {
+    /// The same system with another section, of a direction given by its sign.
+    fn with_section(
+        &self,
+        function: &str,
+        direction: i32,
+    ) -> PyResult<stickslip_kernels::file::System> {
+        let direction = match direction.signum() {
+            1 => Direction::Rising,
+            -1 => Direction::Falling,
+            _ => Direction::Both,
+        };
+        let file = &self.ready.file;
+        let file = file.with_section(function, direction).map_err(wrong)?;
+        let names = file
+            .parameters
+            .iter()
+            .map(|parameter| parameter.name.clone());
+        let values: Vec<(String, f64)> = names.zip(self.ready.values.iter().copied()).collect();
+        file.with(&values).map_err(wrong)
+    }
+}
+
+#[pymethods]
+impl System {
+    /// The system of a text, with some of its parameters set to other values. `name` is what
+    /// messages call the text, and files that it names lie beside that.
+    #[new]
+    fn new(name: String, text: String, settings: Vec<(String, f64)>) -> PyResult<Self> {
+        let file = SystemFile::parse(Source { name, text }).map_err(wrong)?;
+        let ready = file.with(&settings).map_err(wrong)?;
+        Ok(System { ready })
+    }
+
+    /// The text of a shipped model, or of a file.
+    #[staticmethod]
+    fn text_of(path: &str) -> PyResult<String> {
+        Ok(SystemFile::open(path).map_err(wrong)?.source.text)
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        &self.ready.file.name
+    }
+
+    #[getter]
+    fn states(&self) -> Vec<&str> {
+        let states = self.ready.file.states.iter();
+        states.map(|state| state.name.as_str()).collect()
+    }
+
+    #[getter]
+    fn parameters(&self) -> Vec<(&str, f64)> {
+        let names = self.ready.file.parameters.iter();
+        let values = self.ready.values.iter();
+        names
+            .zip(values)
+            .map(|(parameter, &value)| (parameter.name.as_str(), value))
+            .collect()
+    }
+
+    /// The contacts, and behind them the jumps.
+    #[getter]
+    fn contacts_and_jumps(&self) -> (Vec<&str>, Vec<&str>) {
+        let file = &self.ready.file;
+        let contacts = file.contacts.iter().map(|contact| contact.name.as_str());
+        let jumps = file.jumps.iter().map(|jump| jump.name.as_str());
+        (contacts.collect(), jumps.collect())
+    }
+
+    /// Where runs begin: time, state, end and period, as far as the text says.
+    #[getter]
+    fn start(&self) -> (f64, Option<Vec<f64>>, Option<f64>, Option<f64>) {
+        let built = &self.ready.built;
+        (
+            built.t_start,
+            built.start.clone(),
+            built.t_end,
+            built.period,
+        )
+    }
+
+    #[getter]
+    fn depends_on_time(&self) -> bool {
+        self.ready.built.depends_on_time
+    }
+}
+
+/// How runs are made.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct Settings {
+    rtol: f64,
+    atol: f64,
+    method: String,
+    max_step: f64,
+    escape: f64,
+    at_repelling: String,
+    at_pile_up: String,
+    most_events: u64,
+    most_steps: u64,
+}
+
+impl Settings {
+    fn options(&self) -> PyResult<Options> {
+        let of = |name: &str, value: &str, known: &str| {
+            pyo3::exceptions::PyValueError::new_err(format!(
+                "{name} = {value:?} is not allowed: it must be one of {known}"
+            ))
+        };
+        let options = Options {
+            rtol: self.rtol,
+            atol: self.atol,
+            longest_step: self.max_step,
+            escape: self.escape,
+            most_events: self.most_events,
+            most_steps: self.most_steps,
+            method: match self.method.as_str() {
+                "taylor" => Method::Taylor,
+                "dop853" => Method::Dop853,
+                other => return Err(of("method", other, "\"taylor\", \"dop853\"")),
+            },
+            at_repelling: match self.at_repelling.as_str() {
+                "stop" => AtRepelling::Stop,
+                "below" => AtRepelling::GoBelow,
+                "above" => AtRepelling::GoAbove,
+                other => return Err(of("at_repelling", other, "\"stop\", \"below\", \"above\"")),
+            },
+            at_pile_up: match self.at_pile_up.as_str() {
+                "stop" => AtPileUp::Stop,
+                "rest" => AtPileUp::Rest,
+                other => return Err(of("at_pile_up", other, "\"stop\", \"rest\"")),
+            },
+            ..Options::default()
+        };
+        options.check().map_err(failed)?;
+        Ok(options)
+    }
+}
+
+/// What is wrong with a system.
+fn wrong(error: impl std::fmt::Display) -> PyErr {
+    SystemError::new_err(error.to_string())
+}
+
+/// What a computation failed with, in Python: a setting is a `ValueError`, and what happens in a
+/// run has its time and state.
+fn failed(error: Error) -> PyErr {
+    match &error {
+        Error::Parameter { .. } | Error::Option { .. } | Error::Interval { .. } => {
+            pyo3::exceptions::PyValueError::new_err(error.to_string())
+        }
+        _ => {
+            let (t, x) = place(&error);
+            StickslipError::new_err((error.to_string(), t, x))
+        }
+    }
+}
+
+/// Time and state of a failure, as far as it has them.
+fn place(error: &Error) -> (Option<f64>, Option<Vec<f64>>) {
+    let at = |t: &f64, x: &Point| (Some(*t), Some(x.0.clone()));
+    match error {
+        Error::StartOutsideDomain { t, x, .. }
+        | Error::NonFinite { t, x, .. }
+        | Error::StepCollapse { t, x, .. }
+        | Error::TooMany { t, x, .. }
+        | Error::EventPileUp { t, x, .. }
+        | Error::BranchPileUp { t, x, .. }
+        | Error::Escaped { t, x, .. }
+        | Error::NoUniqueMode { t, x, .. }
+        | Error::TooManyContacts { t, x, .. }
+        | Error::DependentContacts { t, x, .. }
+        | Error::StaticBelowKinetic { t, x, .. }
+        | Error::HoldsElsewhere { t, x, .. }
+        | Error::NotAdditive { t, x, .. }
+        | Error::NoUniqueFuture { t, x }
+        | Error::Shrunk { t, x }
+        | Error::TangentSingular { t, x } => at(t, x),
+        Error::NotFound { t, .. } | Error::OutsideOrbit { t, .. } => (Some(*t), None),
+        _ => (None, None),
+    }
+}
+
+/// An array of one row for each state.
+fn rows<'py, 'a>(
+    py: Python<'py>,
+    states: impl IntoIterator<Item = &'a Vector>,
+    components: usize,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let flat: Vec<f64> = states.into_iter().flatten().copied().collect();
+    let count = flat.len() / components.max(1);
+    flat.into_pyarray(py).reshape([count, components])
+}
+
+/// An array of numbers.
+fn numbers<'py>(
+    py: Python<'py>,
+    values: impl IntoIterator<Item = f64>,
+) -> Bound<'py, PyArray1<f64>> {
+    PyArray1::from_iter(py, values)
+}
+
+/// The engine of stickslip.
+#[pymodule]
+fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<System>()?;
+    module.add_class::<run::Dense>()?;
+    module.add_function(wrap_pyfunction!(run::solve, module)?)?;
+    module.add_function(wrap_pyfunction!(analyses::periodic_orbit, module)?)?;
+    module.add_function(wrap_pyfunction!(analyses::poincare_map, module)?)?;
+    module.add_function(wrap_pyfunction!(analyses::continuation, module)?)?;
+    module.add_function(wrap_pyfunction!(analyses::lyapunov_spectrum, module)?)?;
+    module.add_function(wrap_pyfunction!(analyses::bifurcation_diagram, module)?)?;
+    module.add_function(wrap_pyfunction!(analyses::basins, module)?)?;
+    module.add_function(wrap_pyfunction!(analyses::lyapunov_from_data, module)?)
+}

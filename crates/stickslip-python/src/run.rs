@@ -1,0 +1,471 @@
+//! An orbit, its events and its dense output.
+
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+use numpy::{PyArray2, PyReadonlyArray1};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use stickslip::dynamics::{Passage, Phase, Solution, Step, Summary, Transition, Vector};
+use stickslip::{Ending, Error, TransitionKind};
+use stickslip_kernels::file::System as Ready;
+use stickslip_kernels::kernel::{Run, Watcher, follow};
+
+use crate::{Settings, System, failed, numbers, place, rows};
+
+/// How often a run looks whether it is interrupted.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Looks for signals now and then, as Ctrl-C sends one.
+struct Signals {
+    last: Instant,
+    raised: Option<PyErr>,
+}
+
+impl Signals {
+    fn new() -> Self {
+        Signals {
+            last: Instant::now(),
+            raised: None,
+        }
+    }
+
+    fn look(&mut self) -> ControlFlow<()> {
+        if self.raised.is_some() {
+            return ControlFlow::Break(());
+        }
+        if self.last.elapsed() < LOOK {
+            return ControlFlow::Continue(());
+        }
+        self.last = Instant::now();
+        match Python::attach(|py| py.check_signals()) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(raised) => {
+                self.raised = Some(raised);
+                ControlFlow::Break(())
+            }
+        }
+    }
+}
+
+/// An event as Python gives it: its function, its direction as a sign, and with how many of it the
+/// run ends, 0 for never.
+type Event = (String, i32, usize);
+
+/// Passages of one event, up to a limit in time.
+struct Passages<'a> {
+    found: Vec<Passage>,
+    /// With so many the run ends.
+    most: usize,
+    limit: f64,
+    signals: &'a mut Signals,
+}
+
+impl Passages<'_> {
+    fn passed(&mut self, at: &Passage) -> ControlFlow<()> {
+        if at.t > self.limit {
+            return ControlFlow::Break(());
+        }
+        self.found.push(at.clone());
+        if self.found.len() == self.most {
+            self.limit = at.t;
+            return ControlFlow::Break(());
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+impl Watcher for Passages<'_> {
+    fn watches_steps(&self) -> bool {
+        true
+    }
+
+    fn step(&mut self, step: &Step, _solution: &dyn Fn(f64) -> Vector) -> ControlFlow<()> {
+        if step.t_start > self.limit {
+            return ControlFlow::Break(());
+        }
+        self.signals.look()
+    }
+
+    fn passage(&mut self, at: &Passage) -> ControlFlow<()> {
+        self.passed(at)
+    }
+}
+
+/// An orbit as Python keeps it.
+struct Recording<'a> {
+    passages: Passages<'a>,
+    /// Ends of steps, or the times asked for.
+    points: Vec<(f64, Vector)>,
+    /// Times asked for that are still to come, the next one last.
+    asked: Option<Vec<f64>>,
+    phases: Vec<Phase>,
+    transitions: Vec<Transition>,
+    /// Steps with their solutions, if they are to be kept.
+    steps: Option<Vec<(Step, Solution)>>,
+    last: (f64, Vector),
+}
+
+impl Watcher for Recording<'_> {
+    fn watches_steps(&self) -> bool {
+        true
+    }
+
+    fn step(&mut self, step: &Step, solution: &dyn Fn(f64) -> Vector) -> ControlFlow<()> {
+        self.passages.step(step, solution)?;
+        match &mut self.asked {
+            Some(asked) => {
+                while let Some(t) = asked.pop_if(|t| *t <= step.t_end) {
+                    let x = match t == step.t_end {
+                        true => step.x_end.clone(),
+                        false => solution(t),
+                    };
+                    self.points.push((t, x));
+                }
+            }
+            None => {
+                // Behind a jump the orbit goes on from another state.
+                if self.last.1 != step.x_start {
+                    self.points.push((step.t_start, step.x_start.clone()));
+                }
+                self.points.push((step.t_end, step.x_end.clone()));
+            }
+        }
+        self.last = (step.t_end, step.x_end.clone());
+        ControlFlow::Continue(())
+    }
+
+    fn keep(&mut self, step: Step, solution: Solution) {
+        if let Some(steps) = &mut self.steps {
+            steps.push((step, solution));
+        }
+    }
+
+    fn phase(&mut self, phase: &Phase) -> ControlFlow<()> {
+        self.phases.push(phase.clone());
+        ControlFlow::Continue(())
+    }
+
+    fn transition(&mut self, at: &Transition) -> ControlFlow<()> {
+        if at.t <= self.passages.limit {
+            self.transitions.push(at.clone());
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn passage(&mut self, at: &Passage) -> ControlFlow<()> {
+        self.passages.passed(at)
+    }
+}
+
+impl Recording<'_> {
+    /// Cuts off what lies behind the event that ends the run.
+    fn cut(&mut self, at: &Passage) {
+        let wants_all = self.asked.is_none();
+        self.points.retain(|(t, _)| *t <= at.t);
+        if wants_all && self.points.last().is_none_or(|(t, _)| *t < at.t) {
+            self.points.push((at.t, at.x.clone()));
+        }
+        self.phases.retain(|phase| phase.t_start < at.t);
+        if let Some(phase) = self.phases.last_mut()
+            && phase.t_end > at.t
+        {
+            (phase.t_end, phase.x_end) = (at.t, at.x.clone());
+        }
+        self.last = (at.t, at.x.clone());
+    }
+}
+
+/// What a run has come to.
+struct Solved<'a> {
+    recording: Recording<'a>,
+    events: Vec<Vec<Passage>>,
+    outcome: Result<Summary, Error>,
+    /// Whether an event ended it.
+    is_terminated: bool,
+}
+
+/// Follows an orbit. Each event is a section of its own: the orbit is the same in the runs of all
+/// events, and the last of these records it.
+fn solved<'a>(
+    systems: &[(&Ready, usize)],
+    run: &Run<'_>,
+    (asked, keeps_steps): (Option<Vec<f64>>, bool),
+    signals: &'a mut Signals,
+) -> Result<Solved<'a>, Error> {
+    let mut limit = f64::INFINITY;
+    let mut terminal = None;
+    let mut events = Vec::new();
+    let [others @ .., (recorded, most)] = systems else {
+        return Err(Error::NotConverged {
+            what: "a run of no system",
+            iterations: 0,
+            residual: 0.0,
+            wanted: 0.0,
+        });
+    };
+    for (system, most) in others {
+        let mut passages = Passages {
+            found: Vec::new(),
+            most: *most,
+            limit,
+            signals,
+        };
+        // What this run fails with the recorded one fails with, too, if it comes so far.
+        let _ = follow(system.dynamics(), run, &system.section(), &mut passages);
+        let found = passages.found;
+        if *most > 0 && found.len() == *most {
+            terminal = found.last().cloned();
+            limit = passages.limit;
+        }
+        events.push(found);
+    }
+    let start = (run.t, Vector::from_column_slice(run.x));
+    let mut recording = Recording {
+        passages: Passages {
+            found: Vec::new(),
+            most: *most,
+            limit,
+            signals,
+        },
+        points: match asked {
+            None => vec![start.clone()],
+            Some(_) => Vec::new(),
+        },
+        asked,
+        phases: Vec::new(),
+        transitions: Vec::new(),
+        steps: keeps_steps.then(Vec::new),
+        last: start,
+    };
+    if let Some(asked) = &mut recording.asked {
+        while asked.pop_if(|t| *t == run.t).is_some() {
+            recording.points.push(recording.last.clone());
+        }
+    }
+    let section = recorded.section();
+    let outcome = follow(recorded.dynamics(), run, &section, &mut recording);
+    let found = std::mem::take(&mut recording.passages.found);
+    if *most > 0 && found.len() == *most {
+        terminal = found.last().cloned();
+    }
+    events.push(found);
+    if let Some(at) = &terminal {
+        recording.cut(at);
+        events
+            .iter_mut()
+            .for_each(|found| found.retain(|one| one.t <= at.t));
+    }
+    Ok(Solved {
+        recording,
+        events,
+        outcome,
+        is_terminated: terminal.is_some(),
+    })
+}
+
+/// Follows an orbit from `t` to `t_end`.
+#[pyfunction]
+#[allow(clippy::too_many_arguments)]
+pub(crate) fn solve<'py>(
+    py: Python<'py>,
+    system: &System,
+    start: (f64, Vec<f64>),
+    t_end: f64,
+    events: Vec<Event>,
+    t_eval: Option<PyReadonlyArray1<'py, f64>>,
+    dense_output: bool,
+    settings: Settings,
+) -> PyResult<Bound<'py, PyDict>> {
+    let options = settings.options()?;
+    let ready = &system.ready;
+    let with_sections = events.iter();
+    let with_sections = with_sections
+        .map(|(function, sign, most)| Ok((system.with_section(function, *sign)?, *most)));
+    let with_sections: Vec<(Ready, usize)> = with_sections.collect::<PyResult<_>>()?;
+    let mut systems: Vec<(&Ready, usize)> = with_sections
+        .iter()
+        .map(|(system, most)| (system, *most))
+        .collect();
+    // Without events the section that the system has is not asked for.
+    let plain = (ready, 0);
+    if systems.is_empty() {
+        systems.push(plain);
+    }
+    let asked = t_eval.map(|times| times.as_array().iter().rev().copied().collect());
+    let (t, x) = start;
+    let run = Run {
+        t,
+        x: &x,
+        t_end,
+        options: &options,
+    };
+    let mut signals = Signals::new();
+    let solved = py.detach(|| solved(&systems, &run, (asked, dense_output), &mut signals));
+    let solved = solved.map_err(failed)?;
+    let number_of_events = events.len();
+    let result = told(py, solved, (t, x.len()), number_of_events);
+    match signals.raised {
+        Some(raised) => Err(raised),
+        None => result,
+    }
+}
+
+/// The name of a kind of transition.
+fn kind_name(kind: TransitionKind) -> &'static str {
+    match kind {
+        TransitionKind::StickEntry => "stick entry",
+        TransitionKind::StickExit => "stick exit",
+        TransitionKind::Crossing => "crossing",
+        TransitionKind::Touch => "touch",
+        TransitionKind::ContactLoss => "contact loss",
+        TransitionKind::ContactGain => "contact gain",
+        TransitionKind::Jump => "jump",
+    }
+}
+
+/// A run in Python.
+fn told<'py>(
+    py: Python<'py>,
+    solved: Solved<'_>,
+    (t_start, states): (f64, usize),
+    number_of_events: usize,
+) -> PyResult<Bound<'py, PyDict>> {
+    let Solved {
+        recording,
+        events,
+        outcome,
+        is_terminated,
+    } = solved;
+    let (status, message, counters) = match &outcome {
+        _ if is_terminated => (1, "A termination event occurred.".to_owned(), None),
+        Ok(summary) => {
+            let (status, message) = ending(summary);
+            (status, message, Some(summary.counters))
+        }
+        // Where nothing was reached there is nothing to keep.
+        Err(error) if recording.last.0 == t_start => return Err(failed(error.clone())),
+        Err(error) => (-1, error.to_string(), None),
+    };
+    let counters = counters.or(outcome.as_ref().ok().map(|summary| summary.counters));
+    let result = PyDict::new(py);
+    let points = &recording.points;
+    result.set_item("t", numbers(py, points.iter().map(|point| point.0)))?;
+    result.set_item("y", rows(py, points.iter().map(|point| &point.1), states)?)?;
+    let events = events.iter().take(number_of_events);
+    let events = events.map(|found| {
+        let times = numbers(py, found.iter().map(|at| at.t));
+        Ok((times, rows(py, found.iter().map(|at| &at.x), states)?))
+    });
+    result.set_item("events", events.collect::<PyResult<Vec<_>>>()?)?;
+    result.set_item("status", status)?;
+    result.set_item("message", message)?;
+    result.set_item("nfev", counters.map(|counters| counters.field_calls))?;
+    if let Err(error) = &outcome
+        && !is_terminated
+    {
+        result.set_item("failed_at", place(error))?;
+    }
+    let transitions = PyDict::new(py);
+    let all = &recording.transitions;
+    transitions.set_item("t", numbers(py, all.iter().map(|at| at.t)))?;
+    let kinds: Vec<&str> = all.iter().map(|at| kind_name(at.kind)).collect();
+    transitions.set_item("kind", kinds)?;
+    let contacts: Vec<usize> = all.iter().map(|at| at.contact).collect();
+    transitions.set_item("contact", contacts)?;
+    let modes: Vec<String> = all.iter().map(|at| at.from.to_string()).collect();
+    transitions.set_item("from_mode", modes)?;
+    let modes: Vec<String> = all.iter().map(|at| at.to.to_string()).collect();
+    transitions.set_item("to_mode", modes)?;
+    transitions.set_item("y", rows(py, all.iter().map(|at| &at.x), states)?)?;
+    transitions.set_item("residual", numbers(py, all.iter().map(|at| at.residual)))?;
+    result.set_item("transitions", transitions)?;
+    let phases = PyDict::new(py);
+    let all = &recording.phases;
+    phases.set_item(
+        "t_start",
+        numbers(py, all.iter().map(|phase| phase.t_start)),
+    )?;
+    phases.set_item("t_end", numbers(py, all.iter().map(|phase| phase.t_end)))?;
+    let modes: Vec<String> = all.iter().map(|phase| phase.mode.to_string()).collect();
+    phases.set_item("mode", modes)?;
+    phases.set_item(
+        "y_start",
+        rows(py, all.iter().map(|phase| &phase.x_start), states)?,
+    )?;
+    phases.set_item(
+        "y_end",
+        rows(py, all.iter().map(|phase| &phase.x_end), states)?,
+    )?;
+    result.set_item("phases", phases)?;
+    let end = recording.last;
+    let dense = recording.steps.map(|steps| Dense { steps, end });
+    result.set_item("sol", dense)?;
+    Ok(result)
+}
+
+/// Status and message of a run that did not fail.
+fn ending(summary: &Summary) -> (i32, String) {
+    let not_unique = Error::NoUniqueFuture {
+        t: summary.t,
+        x: (&summary.x).into(),
+    };
+    match summary.ending {
+        Ending::EndTime => (
+            0,
+            "The solver successfully reached the end of the integration interval.".to_owned(),
+        ),
+        Ending::Stopped => (1, "A jump that ends the run occurred.".to_owned()),
+        Ending::Repelling | Ending::TwoFold(_) => (2, not_unique.to_string()),
+        Ending::Shrunk => {
+            let (t, x) = (summary.t, (&summary.x).into());
+            (2, Error::Shrunk { t, x }.to_string())
+        }
+        Ending::Failed => (-1, "The run failed.".to_owned()),
+    }
+}
+
+/// The solution over all steps.
+#[pyclass(frozen, module = "stickslip._core")]
+pub(crate) struct Dense {
+    steps: Vec<(Step, Solution)>,
+    end: (f64, Vector),
+}
+
+#[pymethods]
+impl Dense {
+    #[getter]
+    fn t_max(&self) -> f64 {
+        self.end.0
+    }
+
+    /// The states at times, a row for each.
+    fn at<'py>(
+        &self,
+        py: Python<'py>,
+        times: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let from = self
+            .steps
+            .first()
+            .map_or(self.end.0, |(step, _)| step.t_start);
+        let to = self.end.0;
+        let state = |&t: &f64| {
+            if !(from..=to).contains(&t) {
+                return Err(failed(Error::OutsideOrbit { t, from, to }));
+            }
+            let index = self.steps.partition_point(|(step, _)| step.t_end < t);
+            Ok(match self.steps.get(index) {
+                Some((step, _)) if t == step.t_end => step.x_end.clone(),
+                Some((_, solution)) => solution(t),
+                None => self.end.1.clone(),
+            })
+        };
+        let states = times
+            .as_array()
+            .iter()
+            .map(state)
+            .collect::<PyResult<Vec<_>>>()?;
+        rows(py, &states, self.end.1.len())
+    }
+}

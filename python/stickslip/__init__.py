@@ -1,0 +1,102 @@
+"""Event-exact integration of dry-friction (Filippov) systems.
+
+>>> import stickslip as ss
+>>> x, v = ss.states("x v")
+>>> vp, = ss.parameters(vp=0.2)
+>>> belt = ss.Contact("belt", boundary=v - vp)
+>>> rate = -x - belt.side * 0.4 / (1 + belt.side * (v - vp))
+>>> system = ss.System({x: v, v: rate}, contacts=[belt])
+>>> ss.solve_ivp(system, (0, 50), [0.5, 0]).status
+0
+"""
+
+from ._analyses import (
+    Basins,
+    BifurcationDiagram,
+    Branch,
+    DataSpectrum,
+    LyapunovSpectrum,
+    PeriodicOrbit,
+    PoincareMap,
+    basins_of_attraction,
+    bifurcation_diagram,
+    continuation,
+    lyapunov_from_data,
+    lyapunov_spectrum,
+    periodic_orbit,
+    poincare_map,
+)
+from ._core import __version__
+from ._errors import InternalError, SolverWarning, StickslipError, SystemError
+from ._run import DenseOutput, Event, Solution, event, solve_ivp
+from ._symbols import (
+    Contact,
+    DiscreteState,
+    Expression,
+    Input,
+    Jump,
+    Parameter,
+    State,
+    Switch,
+    discrete,
+    parameter,
+    parameters,
+    pi,
+    pulse,
+    sawtooth,
+    square,
+    state,
+    states,
+    t,
+    table,
+    triangle,
+)
+from ._system import System
+
+__all__ = [
+    "Basins",
+    "BifurcationDiagram",
+    "Branch",
+    "Contact",
+    "DataSpectrum",
+    "DenseOutput",
+    "DiscreteState",
+    "Event",
+    "Expression",
+    "Input",
+    "InternalError",
+    "Jump",
+    "LyapunovSpectrum",
+    "Parameter",
+    "PeriodicOrbit",
+    "PoincareMap",
+    "Solution",
+    "SolverWarning",
+    "State",
+    "StickslipError",
+    "Switch",
+    "System",
+    "SystemError",
+    "__version__",
+    "basins_of_attraction",
+    "bifurcation_diagram",
+    "continuation",
+    "discrete",
+    "event",
+    "lyapunov_from_data",
+    "lyapunov_spectrum",
+    "parameter",
+    "parameters",
+    "periodic_orbit",
+    "pi",
+    "poincare_map",
+    "pulse",
+    "sawtooth",
+    "solve_ivp",
+    "square",
+    "state",
+    "states",
+    "t",
+    "table",
+    "triangle",
+]

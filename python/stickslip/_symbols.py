@@ -1,0 +1,485 @@
+"""Symbols: objects whose arithmetic writes the formula that the engine reads."""
+
+from __future__ import annotations
+
+import numbers
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal
+
+import numpy as np
+
+Direction = Literal["rising", "falling", "both"]
+
+# How tightly an operator binds.
+_SUM, _PRODUCT, _SIGN, _POWER, _ATOM = range(5)
+
+
+class Expression:
+    """A formula of states, parameters and time."""
+
+    __slots__ = ("text", "_binds", "parts")
+
+    # Of several operands with an `__array_ufunc__` this one decides.
+    __array_priority__ = 1000
+
+    def __init__(self, text: str, binds: int = _ATOM, parts: frozenset[Any] = frozenset()) -> None:
+        self.text = text
+        self._binds = binds
+        #: The named objects that it is made of.
+        self.parts = parts
+
+    def __repr__(self) -> str:
+        return self.text
+
+    def __add__(self, other: Any) -> Expression:
+        return _binary(self, "+", other, _SUM)
+
+    def __radd__(self, other: Any) -> Expression:
+        return _binary(other, "+", self, _SUM)
+
+    def __sub__(self, other: Any) -> Expression:
+        return _binary(self, "-", other, _SUM)
+
+    def __rsub__(self, other: Any) -> Expression:
+        return _binary(other, "-", self, _SUM)
+
+    def __mul__(self, other: Any) -> Expression:
+        return _binary(self, "*", other, _PRODUCT)
+
+    def __rmul__(self, other: Any) -> Expression:
+        return _binary(other, "*", self, _PRODUCT)
+
+    def __truediv__(self, other: Any) -> Expression:
+        return _binary(self, "/", other, _PRODUCT)
+
+    def __rtruediv__(self, other: Any) -> Expression:
+        return _binary(other, "/", self, _PRODUCT)
+
+    def __pow__(self, other: Any) -> Expression:
+        return _binary(self, "^", other, _POWER)
+
+    def __rpow__(self, other: Any) -> Expression:
+        return _binary(other, "^", self, _POWER)
+
+    def __neg__(self) -> Expression:
+        return Expression("-" + _within(self, _SIGN), _SIGN, self.parts)
+
+    def __pos__(self) -> Expression:
+        return self
+
+    def __abs__(self) -> Expression:
+        return _call("abs", self)
+
+    def __bool__(self) -> bool:
+        raise TypeError(
+            f"`{self.text}` has no truth value: it is a formula, not a number. What changes where "
+            "a function is zero is a Contact (its sign is `.side`), a Jump or a Switch; bounds are "
+            "np.minimum and np.maximum"
+        )
+
+    def __lt__(self, other: Any) -> Expression:
+        return self._compared("<")
+
+    def __le__(self, other: Any) -> Expression:
+        return self._compared("<=")
+
+    def __gt__(self, other: Any) -> Expression:
+        return self._compared(">")
+
+    def __ge__(self, other: Any) -> Expression:
+        return self._compared(">=")
+
+    def _compared(self, sign: str) -> Expression:
+        raise TypeError(
+            f"a formula cannot be compared (`{self.text} {sign} …`). A field with two sides is "
+            "written with a Contact: contact.by_side(below, above); bounds are np.minimum and "
+            "np.maximum"
+        )
+
+    def __float__(self) -> float:
+        raise TypeError(
+            f"`{self.text}` is a formula, not a number: use NumPy's functions on it (np.sin), not "
+            "those of math"
+        )
+
+    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
+        if method != "__call__" or options:
+            return NotImplemented
+        if any(isinstance(one, np.ndarray) and one.ndim > 0 for one in inputs):
+            arrays = [
+                one if isinstance(one, np.ndarray) else _object(one)
+                for one in inputs
+            ]
+            return np.frompyfunc(
+                lambda *of: self.__array_ufunc__(ufunc, method, *of), len(inputs), 1
+            )(*arrays)
+        name = ufunc.__name__
+        if name in _OPERATORS and len(inputs) == 2:
+            sign, binds = _OPERATORS[name]
+            return _binary(inputs[0], sign, inputs[1], binds)
+        if name in _FUNCTIONS:
+            return _call(_FUNCTIONS[name], *inputs)
+        special: dict[str, Any] = {
+            "negative": lambda x: -x,
+            "positive": lambda x: x,
+            "square": lambda x: x**2,
+            "reciprocal": lambda x: 1 / x,
+        }
+        if name in special:
+            return special[name](*inputs)
+        raise TypeError(f"np.{name} of a formula: {_INSTEAD.get(name, _KNOWN)}")
+
+    def __array_function__(self, function: Any, types: Any, of: Any, options: Any) -> Any:
+        name = getattr(function, "__name__", str(function))
+        raise TypeError(f"np.{name} of a formula: {_INSTEAD.get(name, _KNOWN)}")
+
+
+_OPERATORS = {
+    "add": ("+", _SUM),
+    "subtract": ("-", _SUM),
+    "multiply": ("*", _PRODUCT),
+    "divide": ("/", _PRODUCT),
+    "power": ("^", _POWER),
+    "float_power": ("^", _POWER),
+}
+
+_FUNCTIONS = {
+    "sin": "sin",
+    "cos": "cos",
+    "tan": "tan",
+    "arctan": "atan",
+    "sinh": "sinh",
+    "cosh": "cosh",
+    "tanh": "tanh",
+    "exp": "exp",
+    "log": "ln",
+    "sqrt": "sqrt",
+    "absolute": "abs",
+    "fabs": "abs",
+    "maximum": "max",
+    "minimum": "min",
+    "fmax": "max",
+    "fmin": "min",
+}
+
+_KNOWN = "the functions are np." + ", np.".join(sorted(set(_FUNCTIONS) - {"fabs", "fmax", "fmin"}))
+_SIDES = (
+    "a sign is the `.side` of a Contact (of a state) or a Switch (of time), so that each side's "
+    "formula goes on smoothly; two formulas are contact.by_side(below, above)"
+)
+_INSTEAD = {
+    "sign": _SIDES,
+    "where": _SIDES,
+    "heaviside": _SIDES,
+    "select": _SIDES,
+    "piecewise": _SIDES,
+    "less": _SIDES,
+    "greater": _SIDES,
+    "less_equal": _SIDES,
+    "greater_equal": _SIDES,
+}
+
+
+def _object(value: Any) -> np.ndarray[Any, Any]:
+    array = np.empty((), dtype=object)
+    array[()] = value
+    return array
+
+
+def number(value: Any, what: str = "a number") -> float:
+    """A finite number; what is none is refused by the name of what it was to be."""
+    if isinstance(value, Expression) or not isinstance(value, (numbers.Real, np.generic)):
+        raise TypeError(f"{what} must be a number, not {value!r}")
+    result = float(value)
+    if not np.isfinite(result):
+        raise ValueError(f"{what} = {result} is not finite")
+    return result
+
+
+def written(value: float) -> str:
+    """A number as the engine reads it back to the last bit."""
+    return repr(float(value))
+
+
+def expression(value: Any) -> Expression:
+    """A formula from a symbol or a number."""
+    if isinstance(value, Expression):
+        return value
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        return expression(value.item())
+    if isinstance(value, (numbers.Real, np.generic)):
+        value = number(value, "a number in a formula")
+        return Expression(written(value), _ATOM if np.copysign(1.0, value) > 0 else _SIGN)
+    raise TypeError(f"{value!r} cannot stand in a formula: symbols and numbers can")
+
+
+def _within(value: Expression, binds: int) -> str:
+    return value.text if value._binds >= binds else f"({value.text})"
+
+
+def _binary(left: Any, sign: str, right: Any, binds: int) -> Any:
+    for one in (left, right):
+        if isinstance(one, np.ndarray) and one.ndim > 0:
+            return NotImplemented
+    try:
+        a, b = expression(left), expression(right)
+    except TypeError:
+        return NotImplemented
+    # Sums and products group to the left, powers to the right; nothing is simplified.
+    if sign == "^":
+        text = f"{_within(a, _ATOM)}^{_within(b, _ATOM)}"
+    else:
+        # A sign to the left of a factor is that of the whole product, with the same bits.
+        text = f"{_within(a, binds)} {sign} {_within(b, binds + 1)}"
+    return Expression(text, binds, a.parts | b.parts)
+
+
+def _call(name: str, *of: Any) -> Expression:
+    arguments = [expression(one) for one in of]
+    parts = frozenset[Any]().union(*(one.parts for one in arguments))
+    return Expression(f"{name}({', '.join(one.text for one in arguments)})", _ATOM, parts)
+
+
+class Symbol(Expression):
+    """A name in formulas."""
+
+    __slots__ = ("name",)
+
+    def __init__(self, name: str) -> None:
+        check_name(name)
+        self.name = name
+        super().__init__(name, _ATOM, frozenset([self]))
+
+    def __reduce__(self) -> Any:
+        return type(self), (self.name,)
+
+    def __eq__(self, other: object) -> bool:
+        return type(other) is type(self) and getattr(other, "name", None) == self.name
+
+    def __hash__(self) -> int:
+        return hash((type(self), self.name))
+
+
+def check_name(name: str) -> None:
+    """Refuses what is no name."""
+    if not (isinstance(name, str) and name.isidentifier()):
+        raise ValueError(f"{name!r} is no name: a letter, and behind it letters, digits and _")
+
+
+class State(Symbol):
+    """A component of the state."""
+
+    __slots__ = ()
+
+
+class Parameter(Symbol):
+    """A parameter and its value."""
+
+    __slots__ = ("value",)
+
+    def __init__(self, name: str, value: float) -> None:
+        super().__init__(name)
+        self.value = number(value, f"the parameter {name}")
+
+    def __reduce__(self) -> Any:
+        return type(self), (self.name, self.value)
+
+
+def _names(names: str | Sequence[str]) -> list[str]:
+    return names.replace(",", " ").split() if isinstance(names, str) else list(names)
+
+
+def states(names: str | Sequence[str]) -> tuple[State, ...]:
+    """States by their names, as in `x, v = ss.states("x v")`."""
+    return tuple(State(name) for name in _names(names))
+
+
+def state(name: str) -> State:
+    """A single state."""
+    return State(name)
+
+
+def parameters(**values: float) -> tuple[Parameter, ...]:
+    """Parameters with their values, as in `k, mu0 = ss.parameters(k=1.0, mu0=0.4)`."""
+    return tuple(Parameter(name, value) for name, value in values.items())
+
+
+def parameter(name: str, value: float) -> Parameter:
+    """A single parameter."""
+    return Parameter(name, value)
+
+
+class DiscreteState(Symbol):
+    """A state that changes by jumps only."""
+
+    __slots__ = ("start",)
+
+    def __init__(self, name: str, start: Any = 0.0) -> None:
+        super().__init__(name)
+        self.start = expression(start)
+
+    def __reduce__(self) -> Any:
+        return type(self), (self.name, self.start)
+
+
+def discrete(**starts: Any) -> tuple[DiscreteState, ...]:
+    """Discrete states with their values at the start."""
+    return tuple(DiscreteState(name, start) for name, start in starts.items())
+
+
+class Contact(Symbol):
+    """A contact: where `boundary` is zero the system can stick."""
+
+    __slots__ = ("boundary", "law", "static", "normal_force")
+
+    def __init__(
+        self,
+        name: str,
+        boundary: Any,
+        friction: Any = None,
+        static: Any = None,
+        normal_force: Any = None,
+    ) -> None:
+        super().__init__(name)
+        self.boundary = expression(boundary)
+        # A law is written by the sign of the contact that it belongs to: a function of it.
+        self.law = self._law(friction)
+        self.static = self._law(static)
+        self.normal_force = None if normal_force is None else expression(normal_force)
+
+    def _law(self, law: Any) -> Expression | None:
+        if law is None:
+            return None
+        return expression(law(self.side) if callable(law) else law)
+
+    def __reduce__(self) -> Any:
+        of = (self.name, self.boundary, self.law, self.static, self.normal_force)
+        return type(self), of
+
+    @property
+    def side(self) -> Expression:
+        """-1 where the boundary function is negative, +1 where it is positive."""
+        return Expression(self.name, _ATOM, self.parts)
+
+    @property
+    def friction(self) -> Expression:
+        """The force of friction: the side times the law."""
+        if self.law is None:
+            raise ValueError(f"the contact {self.name} has no friction: give friction=…")
+        return Expression(f"friction({self.name})", _ATOM, self.parts)
+
+    def by_side(self, below: Any, above: Any) -> Expression:
+        """One formula where the boundary function is negative, another where it is positive."""
+        a, b = expression(below), expression(above)
+        text = f"by_side({self.name}, {a.text}, {b.text})"
+        return Expression(text, _ATOM, self.parts | a.parts | b.parts)
+
+
+class Switch(Symbol):
+    """The sign of a function of time alone."""
+
+    __slots__ = ("function",)
+
+    def __init__(self, name: str, function: Any) -> None:
+        super().__init__(name)
+        self.function = expression(function)
+
+    def __reduce__(self) -> Any:
+        return type(self), (self.name, self.function)
+
+    @property
+    def side(self) -> Expression:
+        """-1 where the function is negative, +1 where it is positive."""
+        return self
+
+
+class Input(Symbol):
+    """An input of time alone, linear between its kinks."""
+
+    __slots__ = ("entries",)
+
+    def __init__(self, name: str, entries: Mapping[str, Any]) -> None:
+        super().__init__(name)
+        self.entries = dict(entries)
+
+    def __reduce__(self) -> Any:
+        return type(self), (self.name, self.entries)
+
+
+def _repeated(name: str, shape: str, period: Any, phase: Any, **more: Any) -> Input:
+    entries = {"shape": shape, "period": expression(period), **more}
+    if phase is not None:
+        entries["phase"] = expression(phase)
+    return Input(name, entries)
+
+
+def square(name: str, period: Any, phase: Any = None) -> Input:
+    """1 in the first half of each period, -1 in the second."""
+    return _repeated(name, "square", period, phase)
+
+
+def triangle(name: str, period: Any, phase: Any = None) -> Input:
+    """From 0 to 1, to -1 and to 0 in each period."""
+    return _repeated(name, "triangle", period, phase)
+
+
+def sawtooth(name: str, period: Any, phase: Any = None) -> Input:
+    """From 0 to 1 in each period."""
+    return _repeated(name, "sawtooth", period, phase)
+
+
+def pulse(name: str, period: Any, width: float, phase: Any = None) -> Input:
+    """1 in the part `width` of each period, 0 in the rest."""
+    return _repeated(name, "pulse", period, phase, width=number(width, "width"))
+
+
+def table(
+    name: str,
+    times: Any,
+    values: Any,
+    between: Literal["linear", "constant"] = "linear",
+) -> Input:
+    """Through points in time."""
+    lists = {
+        what: [number(one, what) for one in np.asarray(given).ravel()]
+        for what, given in (("times", times), ("values", values))
+    }
+    return Input(name, {"shape": "table", **lists, "between": between})
+
+
+class Jump:
+    """A jump: where `when` passes through zero, the states in `set` take new values."""
+
+    def __init__(
+        self,
+        name: str,
+        when: Any,
+        set: Mapping[State | DiscreteState, Any] | None = None,
+        direction: Direction = "both",
+        stop: bool = False,
+        count: int | None = None,
+    ) -> None:
+        check_name(name)
+        if direction not in ("rising", "falling", "both"):
+            raise ValueError(f"direction = {direction!r}: it is 'rising', 'falling' or 'both'")
+        self.name = name
+        self.when = expression(when)
+        self.set = {state: expression(value) for state, value in (set or {}).items()}
+        self.direction = direction
+        self.stop = bool(stop)
+        self.count = count
+
+    def __repr__(self) -> str:
+        return f"<Jump {self.name} at {self.when} = 0>"
+
+
+class Time(Symbol):
+    """Time."""
+
+    __slots__ = ()
+
+
+#: Time.
+t = Time("t")
+#: The circle's number.
+pi = Expression("pi")
