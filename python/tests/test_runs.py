@@ -1,0 +1,199 @@
+"""Runs: SciPy's conventions, closed forms, and the program's bits."""
+
+import json
+import os
+import pickle
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import stickslip as ss
+from scipy.integrate import solve_ivp as of_scipy
+
+
+def belt_system():
+    x, v = ss.states("x v")
+    belt = ss.Contact("belt", boundary=v - 0.2)
+    rate = -x - belt.side * 0.4 / (1 + belt.side * (v - 0.2))
+    return ss.System({x: v, v: rate}, contacts=[belt])
+
+
+def oscillator():
+    x, v = ss.states("x v")
+    return ss.System({x: v, v: -x}, start=[1, 0])
+
+
+@pytest.mark.parametrize("name", ["belt", "forced", "bracket", "leine", "basins", "den-hartog"])
+def test_bits_are_those_of_the_program(name, tmp_path):
+    program = os.environ.get("STICKSLIP")
+    if not program:
+        pytest.skip("STICKSLIP does not name the program; `make python-test` does")
+    system = ss.System.from_toml(name)
+    start = system.start or [0.3] * len(system.states)
+    given = [f"--start={state}={value!r}" for state, value in zip(system.states, start)]
+    options = [*given, "--t-end", "30", "--out", str(tmp_path), "--json"]
+    done = subprocess.run([program, "simulate", name, *options], capture_output=True, check=True)
+    told = json.loads(done.stdout)
+    sol = ss.solve_ivp(system, (0, 30), start)
+    assert len(told["transitions"]) == len(sol.transitions) and len(sol.t) > 20
+    for wanted, found in zip(told["transitions"], sol.transitions):
+        assert wanted["t"] == found["t"] and wanted["kind"] == found["kind"]
+        assert wanted["contact"] == found["contact"]
+        assert [wanted["x"][state] for state in system.states] == found["y"].tolist()
+    steps = np.genfromtxt(tmp_path / "steps.csv", delimiter=",", skip_header=1)
+    assert np.array_equal(steps, np.vstack([sol.t, sol.y]).T)
+    assert told["phases"] == len(sol.phases)
+
+
+def test_shapes_and_types_are_those_of_scipy():
+    x, times = ss.state("x"), np.linspace(0, 5, 11)
+    ours = ss.solve_ivp(
+        oscillator(), (0, 5), t_eval=times, dense_output=True, events=[x, x - 9]
+    )
+    theirs = of_scipy(
+        lambda t, y: [y[1], -y[0]], (0, 5), [1, 0], t_eval=times, dense_output=True,
+        events=[lambda t, y: y[0], lambda t, y: y[0] - 9], rtol=1e-10, atol=1e-10,
+    )  # fmt: skip
+    for name in ("t", "y"):
+        one, other = getattr(ours, name), getattr(theirs, name)
+        assert one.shape == other.shape and one.dtype == other.dtype
+        assert np.allclose(one, other, atol=1e-8)
+    assert [one.shape for one in ours.t_events] == [one.shape for one in theirs.t_events]
+    assert ours.y_events[0].shape == theirs.y_events[0].shape
+    assert np.allclose(ours.t_events[0], [np.pi / 2, 3 * np.pi / 2], rtol=0, atol=1e-12)
+    for at in (1.3, times):
+        assert ours.sol(at).shape == theirs.sol(at).shape
+        assert np.allclose(ours.sol(at), theirs.sol(at), atol=1e-8)
+    assert (ours.status, ours.success) == (theirs.status, theirs.success)
+    assert isinstance(ours.nfev, int) and len(repr(ours)) < 120
+
+
+def test_terminal_events_end_the_run_where_they_are():
+    x = ss.state("x")
+    up, down = ss.event(x, direction=1, terminal=True), ss.event(x, direction=-1)
+    for events in ([up, down], [down, up]):
+        sol = ss.solve_ivp(oscillator(), (0, 50), events=events, dense_output=True)
+        ends = sol.t_events[events.index(up)]
+        assert sol.status == 1 and len(ends) == 1 and sol.t[-1] == ends[0] == sol.sol.t_max
+        assert ends[0] == pytest.approx(1.5 * np.pi, abs=1e-12)
+        assert len(sol.t_events[events.index(down)]) == 1
+    third = ss.event(x, terminal=3)
+    assert len(ss.solve_ivp(oscillator(), (0, 50), events=third).t_events[0]) == 3
+
+
+def test_events_do_not_change_the_orbit():
+    x, v = ss.states("x v")
+    plain = ss.solve_ivp(belt_system(), (0, 40), [0.5, 0])
+    watched = ss.solve_ivp(belt_system(), (0, 40), [0.5, 0], events=[x - 0.1, v, x * v - 0.01])
+    assert np.array_equal(plain.t, watched.t) and np.array_equal(plain.y, watched.y)
+    assert all(len(found) > 3 for found in watched.t_events)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"y0": [np.nan, 0]}, r"y0\[0\] = nan"),
+        ({"t_span": (0, np.inf)}, r"t_span\[1\] = inf"),
+        ({"t_span": (1, 0)}, "later than the start"),
+        ({"y0": [1, 0, 0]}, "3 values.*2 states: x, v"),
+        ({"t_eval": [0, 2]}, "not within t_span"),
+        ({"t_eval": [0, 0.5, 0.5]}, "not sorted"),
+        ({"rtol": 1.0}, "option rtol = 1"),
+        ({"method": "RK45"}, 'method = "rk45"'),
+    ],
+)
+def test_what_cannot_be_is_refused_by_name(options, words):
+    with pytest.raises(ValueError, match=words):
+        ss.solve_ivp(oscillator(), **{"t_span": (0, 1), **options})
+
+
+def test_any_memory_layout_and_integers_are_taken():
+    wanted = ss.solve_ivp(oscillator(), (0, 1), [1.0, 2.0], t_eval=[0.0, 0.5, 1.0])
+    times = np.array([1.0, 0.5, 0.0])[::-1]
+    for y0 in (np.array([1.0, 9.0, 2.0, 9.0])[::2], [1, 2], np.array([1, 2], dtype=np.int32)):
+        assert np.array_equal(ss.solve_ivp(oscillator(), (0, 1), y0, t_eval=times).y, wanted.y)
+    with pytest.raises(TypeError, match="must be real numbers"):
+        ss.solve_ivp(oscillator(), (0, 1), [1j, 0])
+
+
+def test_a_bouncing_ball_lands_when_it_must():
+    h, v = ss.states("h v")
+    g, r = ss.parameters(g=10.0, r=0.5)
+    bounce = ss.Jump("bounce", when=h, direction="falling", set={v: -r * v})
+    sol = ss.solve_ivp(ss.System({h: v, v: -g}, jumps=[bounce]), (0, 2.6), [5, 0])
+    # It falls for 1, and then flies for 1, 1/2, 1/4, ... of that.
+    assert np.allclose(sol.transitions["t"], [1, 2, 2.5], rtol=0, atol=1e-13)
+    assert set(sol.transitions["kind"]) == {"jump"}
+    assert set(sol.transitions["contact"]) == {"bounce"}
+    # Both sides of a jump are in the result.
+    first = np.flatnonzero(sol.t == sol.transitions["t"][0])
+    assert len(first) == 2 and np.allclose(sol.y[1, first], [-10, 5])
+
+
+def test_a_thermostat_switches_when_it_must():
+    temperature = ss.state("temperature")
+    (heater,) = ss.discrete(heater=1.0)
+    on = ss.Jump("on", when=temperature - 19, direction="falling", set={heater: 1})
+    off = ss.Jump("off", when=temperature - 21, direction="rising", set={heater: 0})
+    house = ss.System({temperature: 10 + 20 * heater - temperature}, jumps=[on, off])
+    sol = ss.solve_ivp(house, (0, 3), [19, 1])
+    wanted = np.log(11 / 9) * np.arange(1, 15)
+    assert np.allclose(sol.transitions["t"], wanted, rtol=0, atol=1e-12)
+    assert list(sol.transitions["contact"][:3]) == ["off", "on", "off"]
+
+
+def test_a_block_on_a_belt_sticks_until_the_spring_is_stronger():
+    sol = ss.solve_ivp(belt_system(), (0, 50), [0.5, 0], dense_output=True)
+    sticks = sol.phases[sol.phases["mode"] == "S"][:-1]
+    assert len(sticks) > 3 and np.allclose(sticks["y_end"][:, 0], 0.4, rtol=0, atol=1e-13)
+    way = sticks["y_end"][:, 0] - sticks["y_start"][:, 0]
+    assert np.allclose(sticks["t_end"] - sticks["t_start"], way / 0.2, rtol=1e-12)
+    middles = 0.5 * (sticks["t_start"] + sticks["t_end"])
+    assert np.allclose(sol.sol(middles)[1], 0.2, rtol=0, atol=1e-13)
+
+
+def test_inputs_and_switches_of_time():
+    (x,) = ss.states("x")
+    ramp = ss.Switch("ramp", ss.t - 1.5)
+    whole = ss.square("u", period=2) + ss.sawtooth("s", period=1) + ramp.side
+    whole += ss.table("w", [0, 1, 3], [0, 2, 2]) + ss.pulse("p", period=1, width=0.25)
+    end = ss.solve_ivp(ss.System({x: whole}), (0, 2), [0]).y[0, -1]
+    # Of the square, the sawtooth, the switch, the table and the pulse.
+    assert end == pytest.approx(0 + 1 - 1 + 3 + 0.5, abs=1e-12)
+
+
+def test_a_failed_run_warns_and_keeps_what_it_has():
+    (x,) = ss.states("x")
+    with pytest.warns(ss.SolverWarning, match="escaped"):
+        sol = ss.solve_ivp(ss.System({x: x * x}), (0, 2), [1])
+    assert sol.status == -1 and not sol.success
+    assert sol.t[-1] == pytest.approx(1, abs=1e-4) and sol.y[0, -1] > 1e4
+
+
+def test_errors_have_time_and_state():
+    (x,) = ss.states("x")
+    with pytest.raises(ss.StickslipError) as raised:
+        ss.solve_ivp(ss.System({x: np.log(x)}), (0, 1), [-1])
+    assert raised.value.t == 0 and raised.value.y == [-1]
+    again = pickle.loads(pickle.dumps(raised.value))
+    assert str(again) == str(raised.value) and again.y == [-1]
+    with pytest.raises(ss.SystemError, match="y"):
+        ss.System.from_toml("name = 'a'\n[states]\nx = ''\n[field]\nx = 'y'\n")
+
+
+def test_a_future_that_is_not_unique_has_a_status_of_its_own():
+    x, y = ss.states("x y")
+    wall = ss.Contact("wall", boundary=x)
+    sol = ss.solve_ivp(ss.System({x: wall.side, y: 1}, contacts=[wall]), (0, 1), [0, 0])
+    assert sol.status == 2 and "no unique future" in sol.message
+
+
+def test_import_is_fast_and_needs_numpy_only():
+    code = (
+        "import numpy, sys, time; t = time.perf_counter(); import stickslip; "
+        "print(time.perf_counter() - t, len({'scipy', 'matplotlib'} & set(sys.modules)))"
+    )
+    run = [sys.executable, "-c", code]
+    found = [subprocess.run(run, capture_output=True, check=True).stdout.split() for _ in range(3)]
+    assert min(float(time) for time, _ in found) < 0.15 and found[0][1] == b"0"
