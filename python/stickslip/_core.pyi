@@ -1,14 +1,29 @@
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
+
+__all__ = [
+    "Dense",
+    "System",
+    "__version__",
+    "basins",
+    "bifurcation_diagram",
+    "continuation",
+    "lyapunov_from_data",
+    "lyapunov_spectrum",
+    "periodic_orbit",
+    "poincare_map",
+    "solve",
+]
 
 __version__: str
 
 _Start = tuple[float, Sequence[float]]
 _Search = tuple[float, float | None, float]
 
+@final
 class System:
     def __new__(cls, name: str, text: str, settings: Sequence[tuple[str, float]]) -> System: ...
     @staticmethod
@@ -26,6 +41,7 @@ class System:
     @property
     def depends_on_time(self) -> bool: ...
 
+@final
 class Dense:
     @property
     def t_max(self) -> float: ...

@@ -158,7 +158,7 @@ class Solution:
     def plot(self, axes: Any = None) -> Any:
         """Draws the states against time, and stick as bands; needs matplotlib."""
         if axes is None:
-            import matplotlib.pyplot as plt
+            import matplotlib.pyplot as plt  # type: ignore[import-not-found,unused-ignore]
 
             _, axes = plt.subplots()
         for name, row in zip(self.system.states, self.y):

@@ -217,14 +217,14 @@ def _within(value: Expression, binds: int) -> str:
     return value.text if value._binds >= binds else f"({value.text})"
 
 
-def _binary(left: Any, sign: str, right: Any, binds: int) -> Any:
+def _binary(left: Any, sign: str, right: Any, binds: int) -> Expression:
     for one in (left, right):
         if isinstance(one, np.ndarray) and one.ndim > 0:
-            return NotImplemented
+            return NotImplemented  # type: ignore[no-any-return]
     try:
         a, b = expression(left), expression(right)
     except TypeError:
-        return NotImplemented
+        return NotImplemented  # type: ignore[no-any-return]
     # Sums and products group to the left, powers to the right; nothing is simplified.
     if sign == "^":
         text = f"{_within(a, _ATOM)}^{_within(b, _ATOM)}"

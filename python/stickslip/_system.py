@@ -191,12 +191,12 @@ def _text(
             "static": contact.static,
             "normal_force": contact.normal_force,
         }
-        entries = {key: law for key, law in laws.items() if law is not None}
+        entries: dict[str, Any] = {key: law for key, law in laws.items() if law is not None}
         tables.append((f"contacts.{contact.name}", entries))
     tables += [(f"inputs.{one.name}", one.entries) for one in of(Input)]
     tables += [(f"switches.{one.name}", {"function": one.function}) for one in of(Switch)]
     for jump in jumps:
-        entries = {"when": jump.when, "direction": jump.direction}
+        entries = dict[str, Any](when=jump.when, direction=jump.direction)
         if jump.stop:
             entries["stop"] = True
         if jump.count is not None:
