@@ -151,3 +151,14 @@ def test_types_are_those_that_the_package_says(tmp_path):
     run = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", str(tmp_path), str(sample)]
     done = subprocess.run(run, capture_output=True, text=True, cwd=tmp_path)
     assert done.returncode == 0, done.stdout
+
+
+def test_a_branch_of_a_driven_system_has_the_period_of_its_drive():
+    """A damped spring with a drive has one cycle, x = sin(t)/c at w = 1, at any damping c."""
+    x, v = ss.states("x v")
+    system = ss.System({x: v, v: np.cos(ss.t) - ss.parameter("c", 0.5) * v - x}, period=2 * np.pi)
+    branch = ss.continuation(system, "c", (0.3, 0.7), [0, 0], transient=100)
+    assert branch.parameter.min() < 0.31 and branch.parameter.max() > 0.69
+    assert np.allclose(branch.period, 2 * np.pi, rtol=0, atol=1e-12)
+    wanted = np.stack([np.sin(branch.t), np.cos(branch.t)], axis=1) / branch.parameter[:, None]
+    assert np.allclose(branch.y, wanted, rtol=0, atol=1e-8)

@@ -196,7 +196,16 @@ pub(crate) fn continuation<'py>(
             forced: ready.built.depends_on_time.then_some(orbit.period),
             ..ContinuationSettings::over(low, high)
         };
-        let x = [orbit.x.as_slice(), &[value]].concat();
+        // A branch of a driven system begins at a whole number of periods.
+        let x = match ready.built.depends_on_time {
+            true => {
+                let rest = (orbit.t / orbit.period).ceil() * orbit.period - orbit.t;
+                let system = interrupt.guarded(&**ready.dynamics());
+                after(&system, (orbit.t, orbit.x.as_slice()), rest, &options)?.1
+            }
+            false => orbit.x.clone(),
+        };
+        let x = [x.as_slice(), &[value]].concat();
         let along = interrupt.guarded(&*along);
         let seen = |_: &BranchPoint| match interrupt.is_raised() {
             true => ControlFlow::Break(()),
