@@ -162,3 +162,16 @@ def test_a_branch_of_a_driven_system_has_the_period_of_its_drive():
     assert np.allclose(branch.period, 2 * np.pi, rtol=0, atol=1e-12)
     wanted = np.stack([np.sin(branch.t), np.cos(branch.t)], axis=1) / branch.parameter[:, None]
     assert np.allclose(branch.y, wanted, rtol=0, atol=1e-8)
+
+
+def test_a_diagram_along_the_frequency_of_a_drive():
+    x, v = ss.states("x v")
+    w = ss.parameter("w", 1.0)
+    rate = np.cos(w * ss.t) - 0.5 * v - x
+    system = ss.System({x: v, v: rate}, period=2 * ss.pi / w)
+    values = np.array([1.0, 1.5, 2.0])
+    found = ss.bifurcation_diagram(system, w, values, [0, 0], longest=500)
+    response = 1 / (1 - values**2 + 0.5j * values)
+    # At whole periods the drive is at its largest.
+    for points, wanted in zip(found.points, response):
+        assert len(points) == 1 and points[0, 0] == pytest.approx(wanted.real, abs=1e-5)

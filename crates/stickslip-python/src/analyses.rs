@@ -334,10 +334,12 @@ pub(crate) fn bifurcation_diagram<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let (parameter, values) = along;
     let (ready, options) = (&system.ready, settings.options()?);
-    let systems = values
-        .iter()
-        .map(|&value| ready_with(ready, &parameter, value));
-    let systems: Vec<Ready> = systems.collect::<PyResult<_>>()?;
+    // Where the period depends on the parameter, time is measured in that of the system given.
+    let at = |&value: &f64| {
+        let system = ready_with(ready, &parameter, value)?;
+        system.in_period(ready.built.period).map_err(wrong)
+    };
+    let systems: Vec<DynamicsRef<'_>> = values.iter().map(at).collect::<PyResult<_>>()?;
     let states = x.len();
     let sweep_settings = SweepSettings {
         recurrence: recurrence(ready, longest),
@@ -348,8 +350,8 @@ pub(crate) fn bifurcation_diagram<'py>(
     let found = computed(py, 0, |interrupt| {
         let family = |value: f64| {
             let number = values.iter().position(|one| *one == value);
-            let at = number.map_or(ready, |number| &systems[number]);
-            interrupt.guarded(&**at.dynamics())
+            let at = number.map_or(&**ready.dynamics(), |number| &*systems[number]);
+            interrupt.guarded(at)
         };
         sweep(
             family,
