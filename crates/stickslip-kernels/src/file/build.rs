@@ -166,11 +166,10 @@ pub(crate) fn built(
                 "the boundary of contact `{}` depends on no state",
                 contact.name
             );
-            return Err(Problem::new(message, contact.boundary.whole())
-                .help(
-                    "a boundary is where a function of the states is zero, as in \"v - vp\"; what \
+            return Err(Problem::new(message, contact.boundary.whole()).help(
+                "a boundary is where a function of the states is zero, as in \"v - vp\"; what \
                      switches with time alone is written as [switches.NAME] with function = \"…\"",
-                ));
+            ));
         }
         depends_on_time |= graph.depends_on_time(height);
         heights.push(height);
@@ -266,8 +265,9 @@ fn switching(
         let is_free = inputs.count_free() > 0;
         if graph.depends_on_state(clock) && !is_free || !graph.depends_on_time(clock) {
             let message = format!("the input `{}` does not depend on time alone", entry.name);
-            return Err(Problem::new(message, entry.place.clone())
-                .help("what depends on states is a contact, or a jump that sets a discrete state"));
+            return Err(Problem::new(message, entry.place.clone()).help(
+                "what depends on states is a contact, or a jump that sets a discrete state",
+            ));
         }
         made.push(Input {
             clock: tape(file, graph, &[clock], inputs)?,

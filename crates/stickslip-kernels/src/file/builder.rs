@@ -5,8 +5,8 @@ use std::ops::Range;
 use super::names::{FURTHER_FUNCTIONS, Meaning, did_you_mean, is_function};
 use super::problem::Problem;
 use super::{Formula, InputEntry, InputShape, Rate, SystemFile};
-use crate::kernel::HELD;
 use crate::expression::{Binary, Expression, FUNCTIONS, Function, Graph, Id, Kind, NotANumber};
+use crate::kernel::HELD;
 
 /// What may occur in an expression.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -320,7 +320,8 @@ impl<'a> Builder<'a> {
             );
         };
         problem.help(file.names.like(name).unwrap_or_else(|| {
-            "names are states, parameters, definitions, contacts, inputs, t (time) and pi".to_owned()
+            "names are states, parameters, definitions, contacts, inputs, t (time) and pi"
+                .to_owned()
         }))
     }
 

@@ -49,8 +49,9 @@ pub(super) fn read(source: &Source) -> Result<SystemFile, Problem> {
     states.extend(switching::discrete(&file, &mut names, continuous)?);
     if states.len() > MOST_STATES {
         let message = format!("{} states, discrete ones among them", states.len());
-        return Err(Problem::new(message, 0..0)
-            .help(format!("a file can have {MOST_STATES} states")));
+        return Err(
+            Problem::new(message, 0..0).help(format!("a file can have {MOST_STATES} states"))
+        );
     }
     // What is discrete stands still between jumps.
     let none = || Rate::Same(Formula::number(0.0, 0..0));

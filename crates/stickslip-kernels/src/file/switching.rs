@@ -161,15 +161,19 @@ fn input(source: &Source, table: &Table<'_>) -> Result<InputShape, Problem> {
 fn points(source: &Source, table: &Table<'_>) -> Result<InputShape, Problem> {
     table.only(&["shape", "times", "values", "file", "between"])?;
     let place = table.place.clone();
-    let (times, values, place) = match (table.get("file"), table.get("times"), table.get("values")) {
+    let (times, values, place) = match (table.get("file"), table.get("times"), table.get("values"))
+    {
         (Some(file), None, None) => {
             let (times, values) = from_file(source, file)?;
             (times, values, file.place())
         }
         (None, Some(times), Some(values)) => (times.list()?, values.list()?, times.place()),
         _ => {
-            return Err(Problem::new("a table has times and values, or a file", place)
-                .help("times = [0, 1], values = [0, 5]; or file = \"force.csv\" beside this file"));
+            return Err(
+                Problem::new("a table has times and values, or a file", place).help(
+                    "times = [0, 1], values = [0, 5]; or file = \"force.csv\" beside this file",
+                ),
+            );
         }
     };
     if times.len() != values.len() || times.is_empty() {
@@ -177,11 +181,17 @@ fn points(source: &Source, table: &Table<'_>) -> Result<InputShape, Problem> {
         return Err(Problem::new(message, place).help("each time has its value"));
     }
     if let Some(pair) = times.windows(2).find(|pair| pair[0] >= pair[1]) {
-        let message = format!("the times are not in order: {} comes before {}", pair[0], pair[1]);
+        let message = format!(
+            "the times are not in order: {} comes before {}",
+            pair[0], pair[1]
+        );
         return Err(Problem::new(message, place).help("each time is larger than the one before"));
     }
     let between = table.get("between");
-    let is_linear = match between.map(|entry| Ok((entry.text()?, entry))).transpose()? {
+    let is_linear = match between
+        .map(|entry| Ok((entry.text()?, entry)))
+        .transpose()?
+    {
         None | Some(("linear", _)) => true,
         Some(("constant", _)) => false,
         Some((other, entry)) => {

@@ -133,7 +133,9 @@ impl Input {
     /// and where it rises or falls all the way, so that no change is missed.
     fn next_change(&self, t: f64, x: &[f64], t_end: f64) -> f64 {
         let x_there: Vec<Interval> = x.iter().map(|&x| Interval::around(x, 0.0)).collect();
-        let constants = x_there.iter().map(|&x| Dual::new(x, Interval::around(0.0, 0.0)));
+        let constants = x_there
+            .iter()
+            .map(|&x| Dual::new(x, Interval::around(0.0, 0.0)));
         let constants: Vec<Dual<Interval>> = constants.collect();
         let one = Interval::around(1.0, 0.0);
         let sign = self.sign(t, x);
