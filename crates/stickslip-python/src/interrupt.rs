@@ -158,8 +158,12 @@ impl Dynamics for Guarded<'_> {
         self.system.is_discrete(state)
     }
 
-    fn is_kink(&self, at: &Moment) -> bool {
-        self.system.is_kink(at)
+    fn kink(&self, at: &Moment) -> Option<usize> {
+        self.system.kink(at)
+    }
+
+    fn clock(&self, input: usize, at: &Moment) -> (f64, Vector, f64) {
+        self.system.clock(input, at)
     }
 
     fn reset(&self, number: usize, at: &Moment) -> Reset {
