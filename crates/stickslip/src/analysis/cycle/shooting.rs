@@ -457,8 +457,8 @@ impl<'a> Shooting<'a> {
         // What begins here, to rounding, is not the end of what was before.
         let blur = 64.0 * f64::EPSILON * (t.abs() + cycle.period);
         let behind = |at: &Moment| {
-            let way = (t - at.t + blur).rem_euclid(cycle.period) - blur;
-            way.max(0.0)
+            let way = (t - at.t).rem_euclid(cycle.period);
+            if cycle.period - way <= blur { 0.0 } else { way }
         };
         let begins = cycle.begins.iter().zip(&cycle.outline.segments);
         let last = begins.min_by(|(a, _), (b, _)| behind(a).total_cmp(&behind(b)));
