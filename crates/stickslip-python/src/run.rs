@@ -266,7 +266,10 @@ fn solved<'a>(
 
 /// Follows an orbit from `t` to `t_end`.
 #[pyfunction]
-#[allow(clippy::too_many_arguments)]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "they are those of a call from Python"
+)]
 pub(crate) fn solve<'py>(
     py: Python<'py>,
     system: &System,
