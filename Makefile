@@ -2,7 +2,7 @@
 CARGO ?= cargo
 FIGURES := fig04 fig06 fig07 fig08 fig10 fig11 fig12 locator
 
-.PHONY: help figures report test golden readings diagrams cluster-test bench bench-peers bench-basins bench-spectra wheel python-test check clean $(FIGURES)
+.PHONY: help figures report test golden readings diagrams cluster-test bench bench-peers bench-basins bench-spectra wheel python-test dist check clean $(FIGURES)
 .DEFAULT_GOAL := help
 
 help: ## Show the targets
@@ -127,6 +127,19 @@ python-test: wheel ## Install the wheel into an empty environment and run its te
 	$(PYTHON_VENV)/bin/python -c 'import stickslip'
 	$(PYTHON_VENV)/bin/python -m pip install --quiet --disable-pip-version-check "$$(echo dist/*.whl)[test]"
 	STICKSLIP=$(STICKSLIP) $(PYTHON_VENV)/bin/python -m pytest -q python/tests
+
+# What a release consists of: the library's package, the wheel, and the program for this machine.
+VERSION := $(shell sed -n '/workspace.package/,/^$$/s/^version = "\(.*\)"/\1/p' Cargo.toml)
+PROGRAM_NAME := stickslip-$(VERSION)-$(shell uname -m)-$(shell uname -s | tr A-Z a-z)
+
+dist: wheel ## What a release consists of, in dist/: crate, wheel, program; needs Python and a network
+	$(CARGO) package --locked -p stickslip
+	cp "$$(dirname "$$(dirname $(STICKSLIP))")/package/stickslip-$(VERSION).crate" dist/
+	$(CARGO) build --locked --release -p stickslip-cli
+	rm -rf target/dist && mkdir -p target/dist/$(PROGRAM_NAME)
+	cp $(subst /debug/,/release/,$(STICKSLIP)) LICENSE README.md CHANGELOG.md target/dist/$(PROGRAM_NAME)
+	tar -C target/dist -czf dist/$(PROGRAM_NAME).tar.gz $(PROGRAM_NAME)
+	cd dist && sha256sum *.whl *.crate *.tar.gz > SHA256SUMS && cat SHA256SUMS
 
 check: ## Formatting, lints and documentation, every warning an error
 	$(CARGO) fmt --all --check

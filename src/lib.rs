@@ -13,8 +13,3 @@ pub mod report;
 mod terminal;
 mod text;
 mod turns;
-
-/// The README's example is compiled and run with the documentation's.
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct Readme;

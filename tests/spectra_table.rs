@@ -1,9 +1,9 @@
-//! What the README says of `spectrum` beside other packages is what the committed table holds.
+//! What the page of speeds says of `spectrum` beside other packages is what the committed table holds.
 
 use std::collections::BTreeMap;
 
 const TABLE: &str = include_str!("../report/spectra.csv");
-const README: &str = include_str!("../README.md");
+const PAGE: &str = include_str!("../docs/speed.md");
 const OURS: &str = "spectrum";
 /// With the delay and the number of values that the packages are given, which otherwise it chooses itself.
 const GIVEN: &str = "spectrum, embedding given";
@@ -46,7 +46,7 @@ fn rows() -> Vec<Row> {
 }
 
 #[test]
-fn the_readme_says_what_the_table_holds() {
+fn the_page_says_what_the_table_holds() {
     let rows = rows();
     let mut by: BTreeMap<&str, BTreeMap<&str, &Row>> = BTreeMap::new();
     for row in &rows {
@@ -93,5 +93,5 @@ fn the_readme_says_what_the_table_holds() {
         count(&|name| ours[name].status == "starved"),
     );
     let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(words(README).contains(&words(&said)), "{said}");
+    assert!(words(PAGE).contains(&words(&said)), "{said}");
 }

@@ -35,7 +35,7 @@ Files written:
   bench.csv  solver,problem,setting,tolerance,error,events,median_s,min_s,compile_s,process_s,note
   bench.txt  what is printed: ratios of times at equal error, times of whole processes
   bench.svg  the work-precision figure
-  README.md  its table of speeds, when all problems were measured beside peers into the default folders
+  docs/speed.md  its table of speeds, when all problems were measured beside peers into the default folders
 
 An error is the largest of all event times, against references of 30 digits (data/references). A run that finds other events
 than the reference has failed, and says so in its note. Times are medians of rounds in which all solvers take turns, warm;
@@ -243,7 +243,7 @@ fn write(all: &All, rows: &[Row], text: &str, problems: &[Problem]) -> Result<St
     paths.extend(output::write_all(&all.folders.figures_dir, &[picture])?);
     // A part of the problems, or ours alone, says nothing of the table there.
     if all.problems.is_empty() && all.python.is_some() {
-        paths.extend(write_readme(&all.folders, &rows)?);
+        paths.extend(write_page(&all.folders, &rows)?);
     }
     Ok(output::listing(&paths))
 }
@@ -262,26 +262,26 @@ fn redraw(folders: &Folders) -> Result<String, PeersError> {
     let problems: Vec<Problem> = known.into_iter().filter(measured).collect();
     let picture = Artifact::text("bench.svg", draw::draw(&rows, &problems)?);
     let mut paths = output::write_all(&folders.figures_dir, &[picture])?;
-    paths.extend(write_readme(folders, &rows)?);
+    paths.extend(write_page(folders, &rows)?);
     Ok(output::listing(&paths))
 }
 
-/// The project's README gets the measurements that are written into the project's own folder of
+/// The page of speeds gets the measurements that are written into the project's own folder of
 /// tables.
-fn write_readme(folders: &Folders, rows: &[Row]) -> Result<Vec<PathBuf>, PeersError> {
+fn write_page(folders: &Folders, rows: &[Row]) -> Result<Vec<PathBuf>, PeersError> {
     let top = Path::new("");
-    let text = std::fs::read_to_string(top.join(README)).ok();
+    let text = std::fs::read_to_string(top.join(SPEED_PAGE)).ok();
     let new = text.and_then(|text| report::MARKS.put(&text, &report::block(rows, OURS)));
     match new.filter(|_| folders.report_dir == Path::new(TABLES)) {
-        Some(new) => Ok(output::write_all(top, &[Artifact::text(README, new)])?),
+        Some(new) => Ok(output::write_all(top, &[Artifact::text(SPEED_PAGE, new)])?),
         None => Ok(Vec::new()),
     }
 }
 
-const README: &str = "README.md";
+const SPEED_PAGE: &str = "docs/speed.md";
 /// Where the project keeps its tables, and the default of `--report-dir`.
 const TABLES: &str = "report";
-/// The solver of ours that the README compares with.
+/// The solver of ours that the page of speeds compares with.
 const OURS: &str = "stickslip Taylor";
 
 fn all_problems() -> Result<Vec<Problem>, PeersError> {

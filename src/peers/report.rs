@@ -87,7 +87,7 @@ fn processes(rows: &[Row], ours: &[&str]) -> String {
     format!("\nWhole processes: start, compile, run once with the most accurate setting\n{text}")
 }
 
-/// Where they stand in the README.
+/// Where they stand in the page of speeds.
 pub const MARKS: Marks = Marks {
     begin: "<!-- speed: written by `make bench-peers` -->\n",
     end: "<!-- end of speed -->\n",
@@ -136,12 +136,12 @@ mod tests {
     }
 
     #[test]
-    fn the_readme_has_the_committed_measurements() {
+    fn the_page_has_the_committed_measurements() {
         let table = include_str!("../../report/bench.csv");
         let rows = row::read(table, &all_problems().unwrap()).unwrap();
-        let readme = include_str!("../../README.md");
-        let written = MARKS.put(readme, &block(&rows, OURS)).unwrap();
-        assert!(written == readme, "run `peers redraw`");
+        let page = include_str!("../../docs/speed.md");
+        let written = MARKS.put(page, &block(&rows, OURS)).unwrap();
+        assert!(written == page, "run `peers redraw`");
         // Another measurement is another table.
         let mut other = rows.clone();
         for row in other.iter_mut().filter(|row| row.solver == "heyoka") {

@@ -1,11 +1,9 @@
-//! The part of the README that says what holds: claims counted by verdict for each part of the
-//! paper.
+//! The part of the README that says what holds.
 
 use super::digits::decimals;
 use super::finding::Finding;
 use super::ledger::{Entry, Ledger};
-use super::sentences::{PARTS, resting, sentences};
-use super::verdict::Verdict;
+use super::sentences::sentences;
 use crate::figures::rows::Value;
 use crate::paper::published::{Digits, Kind};
 use crate::text::{Marks, joined};
@@ -16,43 +14,24 @@ pub const MARKS: Marks = Marks {
     end: "<!-- end of verdicts -->\n",
 };
 
-/// What stands between the marks: the verdict in three sentences, the table, and what its words
-/// mean.
+/// What stands between the marks: the verdict in three sentences.
 pub fn block(ledger: &Ledger) -> String {
-    let meanings = Verdict::COUNTED
-        .iter()
-        .map(|verdict| format!("* **{verdict}**: {}", verdict.meaning()));
-    format!(
-        "{}\n\n{}\n{}\n\n{}\n\n{} more are listed and not counted: identities, which could not have come out otherwise.\n",
-        sentences(ledger).join("\n\n"),
-        counts(ledger),
-        joined(meanings, "\n"),
-        resting(ledger),
-        ledger.entries.len() - ledger.counted()
-    )
+    joined(sentences(ledger).map(|sentence| item(&sentence)), "\n")
 }
 
-/// How many claims of each part of the paper have each verdict.
-fn counts(ledger: &Ledger) -> String {
-    let cells = |cells: Vec<String>| format!(" {} |\n", cells.join(" | "));
-    let names = Verdict::COUNTED.map(|verdict| verdict.to_string());
-    let mut text = String::from("| part of the paper | claims |") + &cells(names.to_vec());
-    text += &format!("|---|--:|{}\n", "--:|".repeat(Verdict::COUNTED.len()));
-    for (part, name) in PARTS {
-        let of = |entry: &&Entry| entry.claim.part == part && entry.verdict != Verdict::Identity;
-        let entries: Vec<&Entry> = ledger.entries.iter().filter(of).collect();
-        text += &format!("| {name} | {} |", entries.len());
-        for verdict in Verdict::COUNTED {
-            let with = entries.iter().filter(|entry| entry.verdict == verdict);
-            text += &match with.count() {
-                0 => "  |".to_owned(),
-                count => format!(" {count} |"),
-            };
+/// An item of a list, in lines of at most 100 columns.
+fn item(sentence: &str) -> String {
+    let mut lines = vec![String::from("*")];
+    for word in sentence.split(' ') {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= 100 => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(format!("  {word}")),
         }
-        text += "\n";
     }
-    let all = ledger.counts().map(|(_, count)| format!("**{count}**"));
-    text + &format!("| **all** | **{}** |", ledger.counted()) + &cells(all.to_vec())
+    lines.join("\n")
 }
 
 /// A reading's values with as many decimals as are printed; six of what is known in closed form.

@@ -7,6 +7,7 @@ use super::super::finding::Finding;
 use super::super::ledger::{Entry, Ledger};
 use super::super::readme::shown;
 use super::super::remark::Remark;
+use super::super::sentences::PARTS;
 use super::super::verdict::{Correction, Verdict};
 use super::parts::{columns, heading};
 use crate::paper::published::Kind;
@@ -24,6 +25,30 @@ pub(super) fn counts(ledger: &Ledger) -> Markup {
                         th scope="row" { (mark(verdict)) }
                         td.number { b { (count) } }
                         td.soft { (verdict.meaning()) }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// How many claims of each part of the paper have each verdict.
+fn by_part(ledger: &Ledger) -> Markup {
+    let counted = |part: &str, verdict: Verdict| {
+        let of = |entry: &&Entry| entry.claim.part == part && entry.verdict == verdict;
+        ledger.entries.iter().filter(of).count()
+    };
+    let headings = Verdict::COUNTED.map(|verdict| verdict.to_string());
+    let headings: Vec<&str> = headings.iter().map(String::as_str).collect();
+    html! {
+        table {
+            caption { "Claims by the part of the paper that makes them" }
+            (columns(&[&["Part"], &*headings].concat()))
+            tbody {
+                @for (part, name) in PARTS {
+                    tr {
+                        th scope="row" { (name) }
+                        @for verdict in Verdict::COUNTED { td.number { (counted(part, verdict)) } }
                     }
                 }
             }
@@ -58,6 +83,7 @@ pub(super) fn section(ledger: &Ledger) -> Markup {
                 (columns(&["Claim", "Published", "Found", "Verdict"]))
                 tbody { @for (place, entry) in ledger.entries.iter().enumerate() { (row(ledger, place, entry)) } }
             }
+            (by_part(ledger))
             h3 #corrections { "Corrections" }
             dl { @for one in Correction::ALL { dt { (one.label()) } dd { (one.description()) } } }
             details {

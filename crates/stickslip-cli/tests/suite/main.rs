@@ -9,7 +9,7 @@ mod hybrid;
 mod known_answers;
 mod pile_ups;
 mod public_cases;
-mod readme;
+mod model_2_page;
 mod recorded;
 mod spectrum;
 mod spectrum_embedding;

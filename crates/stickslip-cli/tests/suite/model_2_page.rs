@@ -1,4 +1,4 @@
-//! What the README says of the program's figures is what its goldens say.
+//! What the page on the paper's model 2 says of the program's figures is what its goldens say.
 
 use serde_json::Value;
 
@@ -51,10 +51,10 @@ fn the_shares_beside_the_published_ones() {
         );
         table += &format!("| {speed} | {published} | {share:.4} | {off:+.1} |\n");
     }
-    let readme = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../README.md"));
-    let readme = readme.unwrap();
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/model-2.md");
+    let page = std::fs::read_to_string(page).unwrap();
     assert!(
-        readme.contains(&table),
-        "the README has another table than\n\n{table}"
+        page.contains(&table),
+        "the page has another table than\n\n{table}"
     );
 }
