@@ -141,7 +141,9 @@ dist: wheel ## What a release consists of, in dist/: crate, wheel, program; need
 	tar -C target/dist -czf dist/$(PROGRAM_NAME).tar.gz $(PROGRAM_NAME)
 	cd dist && sha256sum *.whl *.crate *.tar.gz > SHA256SUMS && cat SHA256SUMS
 
-check: ## Formatting, lints and documentation, every warning an error
+check: ## Formatting, lines, lints and documentation, every warning an error
+	@! git ls-files '*.rs' '*.md' | LC_ALL=C.UTF-8 xargs grep -nE '^[^|].{100}' \
+	    || { echo "the lines above are longer than 100 columns" >&2; exit 1; }
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
 	$(CARGO) clippy --locked --workspace --all-targets --all-features -- -D warnings
