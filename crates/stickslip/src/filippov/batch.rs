@@ -1,7 +1,6 @@
-//! A batch of orbits by Taylor series: those of one system that are in the same mode are expanded together, one orbit to a lane.
+//! A batch of orbits by Taylor series. Orbits of one system that are in the same mode are expanded together, one orbit in each lane.
 //!
-//! A coefficient then is a vector, one number of each orbit in it. How far the series reach and where the steps lead is found for all of them, too;
-//! what follows is each orbit's own, as it is alone. Every lane has the bits that it would have alone.
+//! A coefficient is then a vector with one number for each orbit. The lengths and ends of the steps are computed in lanes, too. Everything else is done for each orbit by itself. Each orbit is bit-for-bit the same as when computed alone.
 
 use pulp::{Arch, NullaryFnOnce};
 
@@ -22,26 +21,26 @@ use crate::taylor::repeated::Repeated;
 use crate::taylor::row::{Lanes, Row};
 use crate::taylor::series::{Expansion, Series, in_rows};
 
-/// Orbits that are expanded together.
+/// Number of orbits that are expanded together.
 const LANES: usize = 8;
 
-/// Fewer orbits are expanded one by one: that takes no longer.
+/// Fewer orbits than this are expanded one by one, which takes no longer.
 const WORTH_IT: usize = 3;
 
-/// Orbits under way at once: enough that some of them are nearly always alike.
+/// Number of orbits under way at once. With so many, some are nearly always in the same mode.
 const UNDER_WAY: usize = 32;
 
 type Outcome<const N: usize> = Result<Summary<N>, Failure<Summary<N>>>;
 
 /// An orbit under way.
 struct Member<'a, S: Switched<N, G>, O, const N: usize, const G: usize> {
-    /// Its place among the starts.
+    /// Index of its start.
     number: usize,
     /// The number of the first orbit whose system is equal to this one's.
     class: usize,
     integration: Integration<'a, S, N, G>,
     observer: &'a mut O,
-    /// Whether it is told of the next step.
+    /// Whether its observer watches the next step.
     is_watched: bool,
     is_stopping: bool,
 }
@@ -49,7 +48,7 @@ struct Member<'a, S: Switched<N, G>, O, const N: usize, const G: usize> {
 impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: usize>
     Member<'a, S, O, N, G>
 {
-    /// An orbit at its first series, or its outcome if that comes before.
+    /// An orbit that needs its first series, or its outcome if it ends before.
     fn begin(
         (number, class): (usize, usize),
         start: &'a Start<S, N>,
@@ -76,7 +75,7 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
         }
     }
 
-    /// Goes on to where the next series is needed, or to the outcome.
+    /// Continues until the next series is needed, or to the outcome.
     fn prepare(&mut self) -> Option<Outcome<N>> {
         loop {
             let progress = match self.integration.prepare() {
@@ -91,7 +90,7 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
         }
     }
 
-    /// A step on the series that was expanded, and on to the next.
+    /// Takes the step by the series that was expanded, and continues to the next one.
     fn step(&mut self) -> Option<Outcome<N>> {
         let outcome = match self.integration.advance() {
             Ok(false) => None,
@@ -102,7 +101,7 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
         outcome.or_else(|| self.prepare())
     }
 
-    /// Tells the observer; the outcome, where the run has come to it.
+    /// Informs the observer. Returns the outcome if the run has ended.
     fn tell(&mut self, progress: Result<Progress<N, S::Mode>, Error>) -> Option<Outcome<N>> {
         let (integration, is_stopping) = (&mut self.integration, &mut self.is_stopping);
         let told =
@@ -112,7 +111,7 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
     }
 }
 
-/// What orbits have in common that can be expanded together: the class of the system, and what decides the flow.
+/// What orbits must share to be expanded together: the system's class and what decides the flow.
 type Kind<K, B> = (usize, K, B);
 
 /// Orbits of one kind that wait for a series.
@@ -121,7 +120,7 @@ struct Queue<K, B> {
     members: Vec<usize>,
 }
 
-/// What orbits that are expanded together have in common, and each its own lane.
+/// Orbits that are expanded together: what they share, and each one's lane.
 struct Lanewise<'a, F, P, const N: usize> {
     flow: &'a F,
     rows: &'a [Row<LANES>],
@@ -130,21 +129,20 @@ struct Lanewise<'a, F, P, const N: usize> {
     h: Lanes<LANES>,
     order: usize,
     options: &'a Options,
-    /// Plans the steps by how far the series reach.
+    /// Chooses the steps by the radii of convergence of the series.
     plan: &'a mut P,
 }
 
-/// What came of the expansion of several orbits: their steps' lengths, over those that the series are scaled with, and ends.
+/// Result of expanding several orbits: the step lengths (relative to the scale of the series) and the states at the steps' ends.
 struct Planned<const N: usize, const G: usize> {
     expansion: Expansion<G>,
     ratios: Lanes<LANES>,
     ends: Ends<LANES, N, G>,
 }
 
-/// An expansion of several orbits in one mode, in the widest vectors that the machine has; their width changes no bit. It may have no
-/// outcome: then they are expanded one by one.
+/// Expands several orbits in one mode, in the widest vectors of the machine. The width changes no bit. Without a result they are expanded one by one.
 ///
-/// Two references, which is what makes the first rows an argument: see [`Rows`].
+/// The first rows are an argument because it consists of two references: see [`Rows`].
 struct Together<'a, 'b, F, P, const N: usize, const G: usize> {
     first: &'a [Row<LANES>; AT_ONCE],
     of: &'a mut Lanewise<'b, F, P, N>,
@@ -191,7 +189,7 @@ struct Batch<'a, S: Switched<N, G>, O, const N: usize, const G: usize> {
 impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: usize>
     Batch<'a, S, O, N, G>
 {
-    /// Lets a member wait for others of its kind.
+    /// Puts an orbit into the queue of its kind.
     fn wait(&mut self, number: usize) {
         let member = &self.members[number];
         let integration = &member.integration;
@@ -205,7 +203,7 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
         }
     }
 
-    /// Takes the members that are expanded next: of the kind that most are of.
+    /// Takes the orbits that are expanded next: those of the most frequent kind.
     fn next(&mut self) -> Option<Vec<usize>> {
         let waiting = self.waiting.iter_mut().enumerate();
         let (i, queue) = waiting.max_by_key(|(_, queue)| queue.members.len())?;
@@ -217,7 +215,7 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
         Some(group)
     }
 
-    /// Expands the members' series side by side. Where that cannot be, or is not worth it, their steps do it one by one.
+    /// Expands the orbits' series in lanes. Where that is impossible or does not pay, each step expands its own.
     fn expand(&mut self, group: &[usize]) {
         for &number in group {
             let member = &mut self.members[number];
@@ -235,7 +233,7 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
         let (mut t, mut x, mut h) = ([0.0; LANES], [[0.0; LANES]; N], [0.0; LANES]);
         let mut order = 0;
         for lane in 0..LANES {
-            // Lanes without an orbit do the first one's work again.
+            // Lanes without an orbit repeat the first one's work.
             let number = group.get(lane).unwrap_or(&group[0]);
             let integration = &mut self.members[*number].integration;
             let Some(stepper) = integration.stepper.series_mut() else {
@@ -294,7 +292,7 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
     }
 }
 
-/// Orbits of one kind, to be expanded with their flow.
+/// Orbits of one kind, with the flow that expands them.
 struct Grouped<'b, 'a, S: Switched<N, G>, O, const N: usize, const G: usize> {
     batch: &'b mut Batch<'a, S, O, N, G>,
     group: &'b [usize],
@@ -311,8 +309,7 @@ impl<S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: usize>
     }
 }
 
-/// Runs every start with its observer, as [`crate::run`] does by [`crate::Method::Taylor`]; the outcomes are in the order of
-/// the starts.
+/// Runs every start with its observer, as [`crate::run`] does with [`crate::Method::Taylor`]. Outcomes are in the order of the starts.
 pub(super) fn side_by_side<S, O, const N: usize, const G: usize>(
     starts: &[Start<S, N>],
     observers: &mut [O],
@@ -326,7 +323,7 @@ where
     let mut outcomes: Vec<_> = starts.iter().map(|_| None).collect();
     let classes = classes(starts);
     let mut waiting = starts.iter().zip(observers).zip(classes).enumerate();
-    // The next orbit at its first series; one that ends before has its outcome.
+    // The next orbit that needs its first series. One that ends before has its outcome already.
     let mut next = |outcomes: &mut [Option<_>], mut room: Option<Stepper<N, G>>| {
         waiting.find_map(|(number, ((start, observer), class))| {
             let stepper = room.take().unwrap_or_else(|| Stepper::new(options));
@@ -360,7 +357,7 @@ where
             let outcome = member.step();
             if outcome.is_some() {
                 outcomes[member.number] = outcome;
-                // The room that the last orbit took is the next one's.
+                // The next orbit reuses the last one's memory.
                 let stepper = &mut member.integration.stepper;
                 let stepper = std::mem::replace(stepper, Stepper::new(options));
                 match next(&mut outcomes, Some(stepper)) {
@@ -374,7 +371,7 @@ where
     outcomes.into_iter().flatten().collect()
 }
 
-/// For every start the first one that has an equal system.
+/// For every start, the first start with an equal system.
 fn classes<S: PartialEq, const N: usize>(starts: &[Start<S, N>]) -> Vec<usize> {
     let mut firsts: Vec<usize> = Vec::new();
     let class = |(number, start): (usize, &Start<S, N>)| {

@@ -1,4 +1,4 @@
-//! Whether a run can begin.
+//! Checks whether a run can begin.
 
 use super::flow::boundary_gradient;
 use super::options::Options;
@@ -34,7 +34,7 @@ pub(super) fn check<S: Filippov<N>, const N: usize>(
             ));
         }
     }
-    // On Σ both fields matter, off it only one need exist.
+    // On Σ both fields matter; off it only one has to exist.
     for side in [Side::Below, Side::Above] {
         let matters = h * side.sign() >= 0.0;
         if matters
@@ -53,7 +53,7 @@ pub(super) fn check<S: Filippov<N>, const N: usize>(
     Ok(())
 }
 
-/// Checks what does not depend on the system: times, and the start as a number.
+/// Checks what does not depend on the system: the times, and that the start is finite.
 pub(super) fn check_run<const N: usize>(start: &Timed<N>, t_end: f64) -> Result<(), Error> {
     let Timed { t, x } = *start;
     if !(t.is_finite() && t_end.is_finite() && t < t_end) {

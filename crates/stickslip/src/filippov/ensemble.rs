@@ -11,16 +11,16 @@ use super::solve::{Failure, Summary, run};
 use super::switched::Switched;
 use crate::system::State;
 
-/// Orbits that are under way or waiting to be handed over at the same time: what bounds the memory.
+/// Number of orbits that run or wait to be reported at one time. It bounds the memory.
 const WAVE: usize = 4096;
-/// Orbits that a thread takes at once: so many that most go side by side, so few that no thread waits long for the others.
+/// Number of orbits that a thread takes at once: enough to fill the lanes, and few enough that no thread waits long for the others.
 const MOST: usize = 128;
 const LEAST: usize = 16;
 
-/// Where an orbit of an ensemble begins, and in which system.
+/// The start of an orbit of an ensemble, and its system.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start<S, const N: usize> {
-    /// The system, with its parameters; a reference where all orbits share one.
+    /// The system with its parameters; a reference if all orbits share one.
     pub system: S,
     /// First time.
     pub t: f64,
@@ -28,13 +28,9 @@ pub struct Start<S, const N: usize> {
     pub x: State<N>,
 }
 
-/// Integrates every start to `t_end` on all threads and tells `each` of every orbit's number, observer and outcome, in the
-/// order of the starts. One that fails says so and holds up no other; `each` may end it all.
+/// Integrates every start to `t_end` on all threads. Calls `each` with every orbit's number, observer and outcome, in the order of the starts. An orbit that fails does not stop the others; `each` may end the ensemble.
 ///
-/// By [`Method::Taylor`] orbits of equal systems go side by side, in vectors, in about six tenths of the time that they
-/// would take one after the other, and two thirds where the observer watches steps. Every orbit has the same bits as [`run`]
-/// alone would give, on any number of threads; starts are asked for as they are needed, and the memory does not grow with
-/// their number.
+/// With [`Method::Taylor`], orbits of equal systems are computed side by side in vectors. Each orbit is bit-for-bit the same as by [`run`], on any number of threads. Starts are drawn as they are needed, and the memory does not grow with their number.
 ///
 /// ```
 /// use std::ops::ControlFlow;

@@ -1,4 +1,4 @@
-//! The smooth flow of one mode, and the guards that end it.
+//! The smooth flow of one mode, and the guards that end the mode.
 
 use super::switched::gradient;
 use crate::dual::{Dual, Dual3};
@@ -37,8 +37,7 @@ pub fn sliding_field<S: Filippov<N>, T: Scalar, const N: usize>(
     sliding(system, t, x).0
 }
 
-/// A loop over the components of a state, of which the first four are written out: the compiler does not unroll a loop whose body is long,
-/// and where it does not, it no longer knows where the coefficients of a series are.
+/// A loop over the components of a state. The first four are written out, since the compiler does not unroll a long body. It must know at compile time where the coefficients of a series are.
 macro_rules! for_each_state {
     ($i:ident in $n:ident, $body:block) => {
         for_each_state!(@ $i, $n, $body, 0, 1, 2, 3);
@@ -54,7 +53,7 @@ macro_rules! for_each_state {
     };
 }
 
-/// The sliding field with the two normal components that it is made from.
+/// The sliding field, and the two normal components that it is computed from.
 #[inline(always)]
 fn sliding<S: Filippov<N>, T: Scalar, const N: usize>(
     system: &S,
@@ -71,7 +70,7 @@ fn sliding<S: Filippov<N>, T: Scalar, const N: usize>(
         let (below, above) = (below[i], above[i]);
         if !below.is_same(above) {
             field[i] = if below.is_same(a1) && above.is_same(a2) {
-                // Across Σ, where that is one component's own level: what each side does there is all that the other takes back.
+                // Where Σ is a level of one component, the sides' velocities across it cancel exactly.
                 T::zero()
             } else {
                 let weight = *weight.get_or_insert_with(|| a1.divided_or(a1 - a2, 0.5));
@@ -82,13 +81,13 @@ fn sliding<S: Filippov<N>, T: Scalar, const N: usize>(
     (field, [a1, a2])
 }
 
-/// Guards of the modes of one contact: two of a mode's own at most, and the one that all modes share.
+/// Number of guards of one contact: at most two of a mode's own, and one that all modes share.
 pub(crate) const GUARDS: usize = 3;
 
-/// The guard that all modes share: the contact function, with the sign that it has now.
+/// The guard that all modes share: the contact function, times its present sign.
 pub(crate) const CONTACT: usize = 2;
 
-/// The contact function with its present sign; a constant, which no search is made for, where there is none.
+/// The contact function times its present sign. Without one it is a constant, which is not searched.
 #[inline(always)]
 fn contact_guard<S: Filippov<N>, T: Scalar, const N: usize>(
     system: &S,
@@ -102,53 +101,52 @@ fn contact_guard<S: Filippov<N>, T: Scalar, const N: usize>(
     }
 }
 
-/// The room that [`is_positive`] leaves, in units of the range's width: the box holds the dense output, from which the solution is
-/// off by less than a thousandth of what a step moves at the loosest tolerance.
+/// Margin of [`is_positive`] relative to the width of the range. The box holds the dense output. The solution differs from it by less than a thousandth of a step's motion at the loosest tolerance.
 const OF_WIDTH: f64 = 1e-3;
 
-/// The same in units of the values' size: bounds are not rounded outward, and a billionth is four million roundings.
+/// Margin relative to the size of the values. Bounds are not rounded outward; a billionth is four million roundings.
 const OF_SIZE: f64 = 1e-9;
 
-/// Whether a range of values lies above zero, by more than the dense output's error and rounding.
+/// Whether a range of values lies above zero by more than the error of the dense output and rounding.
 #[inline(always)]
 fn is_positive(range: Interval) -> bool {
     range.low > OF_WIDTH * (range.high - range.low) && range.low > OF_SIZE * range.high
 }
 
-/// A smooth flow that goes on while all its guards are positive.
+/// A smooth flow that lasts while all its guards are positive.
 pub trait Flow<const N: usize> {
-    /// The guards there are, [`CONTACT`] among them.
+    /// The indices of the guards, [`CONTACT`] among them.
     const GUARDS: &'static [usize];
-    /// Whether one guard costs as much as all together, so that they are asked for together.
+    /// Whether one guard costs as much as all of them, so that all are evaluated together.
     const TOGETHER: bool = false;
     /// Whether the user's functions are interpreted.
     const INTERPRETED: bool;
-    /// How many of the user's field calls one evaluation takes.
+    /// Number of calls of the user's field in one evaluation.
     fn field_calls(&self) -> u64;
     /// dx/dt.
     fn field<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; N];
     /// Guard `i`: positive while the mode holds, zero where it ends.
     fn guard<T: Scalar>(&self, i: usize, t: T, x: &[T; N]) -> T;
-    /// The field, and all guards in a room for `G`; one that there is not is constant.
+    /// The field and all `G` guards. A guard that does not exist is constant.
     fn field_and_guards<T: Scalar, const G: usize>(&self, t: T, x: &[T; N]) -> ([T; N], [T; G]);
-    /// Takes out the rounding by which `x` has drifted off the set that the flow lives on.
+    /// Projects `x` onto the manifold of the flow, from which rounding has moved it.
     fn settle(&self, t: f64, x: State<N>) -> State<N>;
-    /// Takes out the rounding by which `x`, where guard `i` has become zero, is off the boundary.
+    /// Projects `x` onto the boundary where guard `i` has become zero.
     fn land(&self, i: usize, t: f64, x: State<N>) -> State<N>;
 
-    /// Where guard `i` is over a range of times and states, if that decides how it branches.
+    /// Range of guard `i` over a range of times and states, if the guard's branches are decided there.
     #[inline(always)]
     fn range(&self, i: usize, t: Interval, x: &[Interval; N]) -> Option<Interval> {
         Interval::decided(|| self.guard(i, t, x))
     }
 
-    /// Whether guard `i` is certain to stay positive over a range of times and states; `false` says nothing.
+    /// Whether guard `i` certainly stays positive over a range of times and states. `false` proves nothing.
     #[inline(always)]
     fn is_clear(&self, i: usize, t: Interval, x: &[Interval; N]) -> bool {
         self.range(i, t, x).is_some_and(is_positive)
     }
 
-    /// Which guards are, in a room for `G`; one that there is not is.
+    /// Which of the `G` guards do. A guard that does not exist does.
     #[inline(always)]
     fn are_clear<const G: usize>(&self, t: Interval, x: &[Interval; N]) -> [bool; G] {
         if Self::TOGETHER {
@@ -174,7 +172,7 @@ pub trait Flow<const N: usize> {
         self.guard(i, t, components(x))
     }
 
-    /// All guards at a state, in a room for `G`.
+    /// All `G` guards at a state.
     #[inline(always)]
     fn guards_at<const G: usize>(&self, t: f64, x: &State<N>) -> [f64; G] {
         self.field_and_guards(t, components(x)).1
@@ -206,7 +204,7 @@ pub trait Flow<const N: usize> {
         [g.re, g.v1, g.v2, g.v3]
     }
 
-    /// The same of all guards, in a room for `G`.
+    /// The same of all `G` guards.
     fn jets<const G: usize>(&self, t: f64, x: &State<N>) -> [[f64; 4]; G] {
         let path = flow_path(t, components(x), |t, x| self.field(t, x));
         let guards = self.field_and_guards(path.0, &path.1).1;
@@ -214,8 +212,7 @@ pub trait Flow<const N: usize> {
     }
 }
 
-/// The solution through `(t, x)` as third-order dual numbers in time: `x`, `ẋ`, `ẍ`, `x⃛`. Each pass through the field
-/// makes one more derivative right.
+/// The solution through `(t, x)` as third-order dual numbers in time: `x`, `ẋ`, `ẍ`, `x⃛`. Each pass through the field adds one correct derivative.
 pub(crate) fn flow_path<T: Scalar, const N: usize>(
     t: T,
     x: &[T; N],

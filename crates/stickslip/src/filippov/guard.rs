@@ -1,4 +1,4 @@
-//! A guard over one step, whatever made the step, and the search for its first event.
+//! A guard over one step of any method, and the search for its first event.
 
 use super::event::Event;
 use super::scan::{Bracket, NARROWEST, first_bracket, zero_in};
@@ -6,26 +6,25 @@ use crate::ode::Timed;
 
 /// A guard as a function of the part `s` of a step: 0 at the start of the step, 1 at its end.
 pub(crate) trait StepGuard<const N: usize> {
-    /// The part of the step up to which probes mean something: a contact that the step's end cuts in two has its turning point
-    /// beyond it.
+    /// Part of the step up to which probes are valid. A touch that the step's end cuts in two turns back beyond 1.
     fn beyond(&self) -> f64;
 
-    /// The step's length in the unit of time that the rates of probes are given in.
+    /// Length of the step in the time unit of the probes' rates.
     fn length(&self) -> f64;
 
-    /// Whether it has a zero at the start, where the state has touched or left its boundary.
+    /// Whether the guard is zero at the start, where the state has touched or left its boundary.
     fn starts_at_zero(&self) -> bool;
 
-    /// What is added to a guard that starts flat at zero; see [`super::leaving::Leaving`].
+    /// Offset of a guard that starts flat at zero; see [`super::leaving::Leaving`].
     fn lift(&self) -> f64;
 
-    /// The guard; with a zero at the start, it is divided out.
+    /// The guard. A zero at the start is divided out.
     fn value(&self, s: f64) -> f64;
 
-    /// State and guard, lifted, as exactly as they can be had at `s`.
+    /// State and guard at `s` as exactly as the step gives them, with the offset.
     fn probe(&self, s: f64) -> Probe<N>;
 
-    /// Brackets the first zero behind `from`, found by resolving the values over all that is left of the step.
+    /// Brackets the first zero behind `from` by resolving the values over the rest of the step.
     fn first_zero(&self, from: f64) -> Option<Bracket> {
         first_bracket(&mut |s| self.value(s), from, 1.0)
     }
@@ -59,8 +58,7 @@ impl<const N: usize> Probe<N> {
     }
 }
 
-/// The first event of a guard over a step, by `locate`: it is given a bracket, the zero in it, and whether the bracket is all
-/// that is left of the step. What it finds nothing in was a dip that the exact step does not have.
+/// The first event of a guard over a step. `locate` gets a bracket, the zero in it, and whether the bracket is the whole rest of the step. If it finds no event, the exact step does not have the dip.
 pub(crate) fn first_event<E, const N: usize>(
     guard: &dyn StepGuard<N>,
     mut locate: impl FnMut(Bracket, f64, bool) -> Option<E>,
@@ -71,8 +69,7 @@ pub(crate) fn first_event<E, const N: usize>(
         if let Some(found) = locate(bracket, zero, false) {
             return Some(found);
         }
-        // The search goes on where the values are positive again; if they nowhere are, the step's end, where values and
-        // probes agree, closes the bracket.
+        // The search continues where the values are positive again. If they never are, the step's end closes the bracket: values and probes agree there.
         let Some(back) = first_bracket(&mut |s| -guard.value(s), bracket.b, 1.0) else {
             let rest = Bracket {
                 a: bracket.b,
@@ -85,22 +82,22 @@ pub(crate) fn first_event<E, const N: usize>(
     None
 }
 
-/// What a zero of a guard comes to.
+/// What a zero of a guard is.
 pub(crate) enum Fall<const N: usize> {
-    /// It falls below.
+    /// The guard passes through zero.
     Exit,
-    /// It turns back there.
+    /// The guard turns back.
     Touch(Probe<N>),
-    /// It has not been away since it was zero at the start.
+    /// The guard has not left the zero of the start.
     Nothing,
 }
 
 impl<const N: usize> Fall<N> {
-    /// What the guard, zero at the probe and falling, does behind it: whether it turns back no deeper than `depth` below zero.
+    /// Classifies a guard that is zero at the probe and falls: does it turn back no deeper than `depth`?
     pub(crate) fn behind(zero: &Probe<N>, guard: &dyn StepGuard<N>, depth: f64) -> Self {
         if zero.bend > 0.0 && zero.rate * zero.rate <= 2.0 * depth * zero.bend {
             let turn = turning_point(guard, zero.s);
-            // Behind a corner it may fall on, however it bends before.
+            // Behind a corner the guard may continue to fall, whatever its curvature before.
             if turn.guard.abs() <= depth {
                 return Fall::turning(turn, guard, depth);
             }
@@ -108,7 +105,7 @@ impl<const N: usize> Fall<N> {
         Fall::Exit
     }
 
-    /// What it comes to that the guard turns back here, no farther than `depth` from zero.
+    /// Classifies a guard that turns back here, within `depth` of zero.
     pub(crate) fn turning(turn: Probe<N>, guard: &dyn StepGuard<N>, depth: f64) -> Self {
         let is_near = |s: f64| guard.probe(s).guard.abs() <= depth;
         if guard.starts_at_zero() && is_near(0.5 * turn.s) {
@@ -119,7 +116,7 @@ impl<const N: usize> Fall<N> {
     }
 }
 
-/// Where the guard is least: a zero of its rate near the part `s` of the step, by Newton's iteration.
+/// Minimum of the guard: a zero of its rate near the part `s` of the step, by Newton's iteration.
 pub(crate) fn turning_point<const N: usize>(guard: &dyn StepGuard<N>, s: f64) -> Probe<N> {
     let mut s = s;
     let mut here = guard.probe(s);

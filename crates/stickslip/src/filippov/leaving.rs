@@ -1,28 +1,25 @@
-//! Leaving a zero of a guard: how a phase that starts on Σ, or at a tangent point, does not end at once.
+//! Leaving a zero of a guard, so that a phase that starts on Σ or at a tangent point does not end at once.
 
 use super::flow::Flow;
 use super::options::Options;
 use super::uncertainty::uncertainty;
 use crate::ode::Timed;
 
-/// Where in a step it is looked at whether a guard has risen out of rounding.
+/// Part of a step at which a guard must stand clear of rounding.
 pub(crate) const RISES: [f64; 3] = [1.0, 0.5, 0.25];
 
-/// A guard that is zero at the start of the step, where it has just been left. Its zero there is
-/// divided out: `(g − g₀ − …)/s^order` has the guard's other zeros and none at the start. Where no
-/// derivative stands out it is not left at all: both fields lie along Σ. It then ends the mode
-/// where it falls below what is known of it.
+/// A guard that leaves its zero at the start of the step. The zero is divided out: `(g − g₀ − …)/s^order` has the guard's other zeros and none at the start. If no derivative stands out, both fields lie along Σ. The guard then ends the mode where it falls below its uncertainty.
 pub(crate) struct Leaving {
-    /// How many derivatives, from the value on, vanish at the start.
+    /// Number of derivatives, from the value on, that vanish at the start.
     order: usize,
-    /// How well the guard is known if no derivative leads away from zero, else 0. It is added.
+    /// Uncertainty of the guard if no derivative leads away from zero, else 0. It is added to the guard.
     pub(crate) flat: f64,
     /// Taylor coefficients of the guard in `s` at the start of the step.
     start: [f64; 4],
 }
 
 impl Leaving {
-    /// The guard without what rounding has left of it at the start.
+    /// The guard without the rounding at the start.
     fn risen(&self, s: f64, guard: f64) -> f64 {
         let mut rest = guard;
         let mut power = 1.0;
@@ -45,8 +42,7 @@ impl Leaving {
     }
 }
 
-/// The guard's Taylor coefficients at a start from its own zero, over a step of length `h`; `None` where the step, on which the
-/// guard is `on_step`, is too short for it to rise out of rounding, and so cannot hold an event that means anything.
+/// Taylor coefficients of the guard at a start from its own zero, over a step of length `h`. `None` if the step is too short for the guard to rise out of rounding; such a step holds no event.
 pub(crate) fn leaving<F: Flow<N>, const N: usize>(
     flow: &F,
     guard: usize,

@@ -1,4 +1,4 @@
-//! What a run tells while it goes: steps, transitions, phases.
+//! What a run reports to an observer: steps, transitions, phases.
 
 use std::ops::{ControlFlow, Sub};
 
@@ -9,10 +9,10 @@ use crate::system::{Mode, State};
 /// A part of an orbit in one mode, between two transitions, of a system of `N` states.
 pub type Phase<const N: usize, K = Mode> = PhaseOf<State<N>, K>;
 
-/// A part of an orbit in one mode, between two transitions; `X` is a state, `K` what says the mode.
+/// A part of an orbit in one mode, between two transitions. `X` is a state, `K` a mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhaseOf<X, K> {
-    /// Slip below, slip above, or stick; of several contacts, each one's.
+    /// Slip below, slip above, or stick; for several contacts, each one's.
     pub mode: K,
     /// Time at the start.
     pub t_start: f64,
@@ -49,21 +49,18 @@ pub enum TransitionKind {
     StickEntry,
     /// From stick to slip: at a tangent point, or across Σ where static friction is more than kinetic.
     StickExit,
-    /// Slip touches Σ, or a guard of the stick phase touches zero, and the contact goes on as before. Of several contacts others may
-    /// change their mode there.
+    /// Slip touches Σ, or a guard of the stick phase touches zero, and the contact's mode remains. Other contacts may change their mode there.
     Touch,
-    /// The contact function ([`crate::Filippov::contact`]) falls below zero; the mode goes on.
+    /// The contact function ([`crate::Filippov::contact`]) falls below zero; the mode remains.
     ContactLoss,
-    /// The contact function rises above zero again; the mode goes on.
+    /// The contact function rises above zero again; the mode remains.
     ContactGain,
-    /// The state is mapped: [`crate::dynamics::Jumps`]. The transition tells the state before, and
-    /// in place of a contact the number of the jump, behind those of the contacts.
+    /// The state is mapped: [`crate::dynamics::Jumps`]. The transition has the state before the jump. In place of a contact it has the number of the jump plus the number of contacts.
     Jump,
 }
 
 impl TransitionKind {
-    /// What a change of one contact's mode is called. At a transition of several contacts others
-    /// may be let go, or stop, too.
+    /// Kind of a change of one contact's mode. At a transition of several contacts, others may be released or stop, too.
     pub fn between(from: Mode, to: Mode) -> Self {
         kind(from, to)
     }
@@ -72,7 +69,7 @@ impl TransitionKind {
 /// A transition on Σ, of a system of `N` states.
 pub type Transition<const N: usize, K = Mode> = TransitionOf<State<N>, K>;
 
-/// A transition on Σ; `X` is a state, `K` what says the mode.
+/// A transition on Σ. `X` is a state, `K` a mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TransitionOf<X, K> {
     /// Time.
@@ -85,10 +82,9 @@ pub struct TransitionOf<X, K> {
     pub from: K,
     /// Mode after.
     pub to: K,
-    /// Which contact it began at; 0 where there is one.
+    /// The contact at which it began; 0 if there is one.
     pub contact: usize,
-    /// What is left at `(t, x)` of the function whose zero was sought: of the boundary function at the end of a slip, of
-    /// the normal component at the end of a stick; of several contacts, of `w (1 − w)` there, with `w` the share of the field above.
+    /// Residual at `(t, x)` of the function whose zero was located. It is the boundary function at the end of a slip, and the normal component at the end of a stick. With several contacts it is `w (1 − w)` at the end of a stick, with `w` the weight of the field above.
     pub residual: f64,
 }
 
@@ -105,11 +101,11 @@ pub struct StepRecord<const N: usize, K = Mode> {
     pub x_start: State<N>,
     /// State at the end.
     pub x_end: State<N>,
-    /// The solution in between; good from `t_start` to `t_end`.
+    /// The solution in between, valid from `t_start` to `t_end`.
     pub dense: Dense<N>,
 }
 
-/// Told of everything as it happens, in order of time; memory need not grow with the length of the run.
+/// Receives everything as it happens, in order of time. Memory need not grow with the length of the run.
 ///
 /// Each method may end the run by returning [`ControlFlow::Break`].
 ///
@@ -134,10 +130,8 @@ pub trait Observer<const N: usize, K = Mode> {
     fn step(&mut self, _step: &StepRecord<N, K>) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
-    /// Whether it is told of steps; by default it is. It may be asked more than once for a step and then answers alike. Where the answer
-    /// is no, [`crate::Method::Dop853`] need not make the dense output of steps far from all events, which is a fifth of their calls of the
-    /// field, and an ensemble by [`crate::Method::Taylor`] no coefficients of such steps. The orbit is the same either way, but where the field is
-    /// not defined at a place that dense output alone asks for: then the step is made shorter.
+    /// Whether it wants steps; by default it does. The answer must not change within a step.
+    /// Without observed steps, [`crate::Method::Dop853`] omits the dense output of steps far from all events, a fifth of the calls of the field. An ensemble with [`crate::Method::Taylor`] omits the coefficients of such steps. The orbit is the same, except where the field is undefined at a point that only dense output evaluates: then the step is shortened.
     fn watches_steps(&self) -> bool {
         true
     }
@@ -166,7 +160,7 @@ impl<O: Observer<N, K> + ?Sized, const N: usize, K> Observer<N, K> for &mut O {
     }
 }
 
-/// Watches nothing.
+/// Observes nothing.
 impl<const N: usize, K> Observer<N, K> for () {
     fn watches_steps(&self) -> bool {
         false

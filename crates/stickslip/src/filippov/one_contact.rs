@@ -32,7 +32,7 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
         check(self, start, t_end, options)
     }
 
-    /// Sign of the contact function; where it is zero, of its rate along the mean of the two fields.
+    /// Sign of the contact function; if that is zero, of its rate along the mean of the two fields.
     fn branch(&self, _mode: Mode, at: &Timed<N>) -> f64 {
         let x = components(&at.x);
         let below = self.field(Side::Below, at.t, x);
@@ -62,7 +62,7 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
         }
     }
 
-    /// Off Σ the side decides; on it, to rounding, the rules.
+    /// Off Σ the side decides. On Σ, to rounding, the rules decide.
     fn first_mode(
         &self,
         run: &mut Run<N, GUARDS>,
@@ -159,7 +159,7 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
         let [below, above] = [Side::Below, Side::Above].map(of);
         run.counters.field_calls += below.calls + above.calls;
         let departure = departure(below, above, None);
-        // Where both normal components vanish no weight is more tangent than another, and the mean may lead away.
+        // If both normal components vanish, every weight is equally tangent, and the mean may lead away.
         let [along] = LieDerivatives::along(at.t, &at.x, slack, |t, x| {
             let path = flow_path(t, x, |t, x| sliding_field(self, t, x));
             [self.boundary(path.0, &path.1)]
@@ -179,7 +179,7 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
     fn jumps_at(&self, at: &Transition<N>) -> Option<usize> {
         match at.kind {
             TransitionKind::Crossing | TransitionKind::StickEntry => Some(0),
-            // Where what holds ends as what slips begins, the fields agree.
+            // If the holding field ends as the slipping one begins, the fields agree.
             TransitionKind::StickExit => {
                 let here = Timed { t: at.t, x: at.x };
                 let jumps = static_over_kinetic(self, &here) > 1.0 + SAME;
@@ -188,7 +188,7 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
                     Mode::Slip(Side::Below) | Mode::Stick => 0,
                 })
             }
-            // At a loss of contact they kink, they do not jump.
+            // At a loss of contact the fields kink and do not jump.
             TransitionKind::Touch
             | TransitionKind::ContactLoss
             | TransitionKind::ContactGain
@@ -270,11 +270,10 @@ fn onto_two_fold<S: Filippov<N>, const N: usize>(system: &S, at: &Timed<N>) -> S
     here.x
 }
 
-/// Newton steps from an extrapolated point onto boundaries: each squares what it is off.
+/// Newton steps from an extrapolated point onto boundaries. Each squares the distance.
 const ONTO: usize = 3;
 
-/// Static over kinetic friction at a point of Σ, each by how far the normal components of its two fields lie apart; 1 where the fields are
-/// the same.
+/// Ratio of static to kinetic friction at a point of Σ. Each is the difference of the normal components of its two fields. The ratio is 1 where the fields agree.
 fn static_over_kinetic<S: Filippov<N>, const N: usize>(system: &S, at: &Timed<N>) -> f64 {
     let (t, x) = (at.t, components(&at.x));
     let sides = [Side::Below, Side::Above];
@@ -290,8 +289,7 @@ fn static_over_kinetic<S: Filippov<N>, const N: usize>(system: &S, at: &Timed<N>
     at_rest / apart([&fields[0].1, &fields[1].1])
 }
 
-/// What a point of Σ leads to. `tangent` names the side whose normal component is known to vanish, of what holds: a stick phase has
-/// just ended there.
+/// The fate of a point of Σ. `tangent` names the side whose normal component, by the holding fields, is known to vanish: a stick phase has just ended there.
 fn departs<S: Filippov<N>, const N: usize>(
     system: &S,
     run: &mut Run<N, GUARDS>,

@@ -13,15 +13,13 @@ pub enum Method {
         /// Step length.
         step: f64,
     },
-    /// Taylor series of the solution, of an order that follows from the tolerance, with adaptive steps: the fastest for
-    /// errors of 1e-9 and less. The field is run once for each order, on numbers that are their own recurrences; with
-    /// `#[inline(always)]` on the user's functions nothing of that is left to run time, which saves a third. Events are
-    /// zeros of the boundary function's own series, isolated for certain, so that `locator` has no say. Where a field or
-    /// boundary uses `max`, `min`, `abs` or [`crate::Scalar::exceeds`], a step ends where the answer changes; so it does where `tanh`,
-    /// `exp`, `cosh` and `sinh` cease to be flat to rounding, or cease to leave nothing of one beside them (from −17 to 17 for `tanh`, from −37 to 37). What is flat
-    /// and narrow otherwise (a high power of `1/(1 + x²)`) wants [`Options::longest_step`]. Where one branches
-    /// on [`crate::Scalar::value`], its event functions are sampled, as by slopes: where such a branch bends them sharply, a
-    /// pair of crossings close to the bend can hide.
+    /// Taylor series of the solution with adaptive steps; the order follows from the tolerance. The fastest method for errors of 1e-9 and less.
+    /// 
+    /// The field runs once for each order, on numbers that carry their own recurrences. `#[inline(always)]` on the user's functions saves a third of the time.
+    /// 
+    /// Events are zeros of the boundary function's series, isolated with certainty, so that `locator` has no effect. Where a field or boundary uses `max`, `min`, `abs` or [`crate::Scalar::exceeds`], a step ends where the comparison changes. It also ends where `tanh`, `exp`, `cosh` and `sinh` cease to be flat to rounding, or to be negligible beside one (from −17 to 17 for `tanh`, from −37 to 37 for the others).
+    /// 
+    /// Other flat and narrow features (a high power of `1/(1 + x²)`) need [`Options::longest_step`]. A function that branches on [`crate::Scalar::value`] is sampled, as for Runge–Kutta steps. If such a branch bends it sharply, two crossings close to the bend can be missed.
     Taylor,
     /// The paper's classical method of order 4 with a fixed step ([`crate::ode::Rk4`]).
     Rk4 {
@@ -33,30 +31,24 @@ pub enum Method {
 /// How an event inside a step is located.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Locator {
-    /// A step to where the dense output has the event, then one Hénon step over the small rest (of order 4 where that is less
-    /// than a thousandth of the step, with [`Locator::Henon`], too); near grazing, where the swapped slope is nearly
-    /// singular, [`Locator::RootSearch`]. Accurate to the order of the method, lands on Σ to a few units in the last place.
+    /// A step to the event of the dense output, then one Hénon step over the small rest. The Hénon step has order 4 if the rest is below a thousandth of the step. Near grazing the swapped slope is nearly singular, and [`Locator::RootSearch`] is used. Accurate to the order of the method; lands on Σ to a few units in the last place.
     #[default]
     Auto,
-    /// The paper's way: one Hénon step from the start of the integration step that crosses, and further ones while a curved Σ
-    /// leaves more than rounding; where that fails (slope nearly singular, or in adaptive steps an ordinary step of
-    /// that length off by more than the tolerance), [`Locator::RootSearch`].
+    /// The paper's method: one Hénon step from the start of the integration step that crosses. Further ones follow while a curved Σ leaves more than rounding. [`Locator::RootSearch`] takes over if the slope is nearly singular, or if in adaptive steps an ordinary step of that length misses by more than the tolerance.
     Henon,
     /// A safeguarded root search (Newton within a bracket) on re-integrated steps.
     RootSearch,
 }
 
-/// What to do where the future is not unique: where Σ repels (both fields lead away), and at a two-fold (both are tangent to Σ) that
-/// the orbit slides into. At a two-fold a side is chosen if its field is visible there; otherwise the run goes on by the rules.
-/// Of several contacts ([`crate::Several`]) none is chosen: they end with an error there.
+/// What to do where the future is not unique: where Σ repels (both fields lead away), and at a two-fold (both fields are tangent to Σ) that the orbit slides into. At a two-fold a side is chosen if its field is visible there; otherwise the run continues by the rules. With several contacts ([`crate::Several`]) nothing is chosen: the run ends with an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum AtRepelling {
     /// Stop there; the orbit's ending says so.
     #[default]
     Stop,
-    /// Go on below Σ.
+    /// Continue below Σ.
     GoBelow,
-    /// Go on above Σ.
+    /// Continue above Σ.
     GoAbove,
 }
 
@@ -66,11 +58,9 @@ pub enum AtPileUp {
     /// End there, with [`crate::Error::EventPileUp`] or, at a two-fold of one contact, with [`crate::Ending::TwoFold`].
     #[default]
     Stop,
-    /// Go on from the accumulation point with all contacts that pile up there in stick, if their
-    /// friction can hold them all at once; where it cannot, end as by default.
+    /// Continue from the accumulation point with all contacts that pile up there in stick, if friction can hold them all at once. Otherwise end as by default.
     ///
-    /// The last phase leads straight to that point, and one transition into the mode of rest follows, a
-    /// [`crate::TransitionKind::StickEntry`]. The flow has no derivative there.
+    /// The last phase is a straight line to that point. One transition into the mode of rest follows, a [`crate::TransitionKind::StickEntry`]. The flow has no derivative there.
     Rest,
 }
 
@@ -93,8 +83,7 @@ pub struct Options {
     pub method: Method,
     /// Event location; default [`Locator::Auto`].
     pub locator: Locator,
-    /// Longest step; default unbounded (the last step may be 1 % longer). Steps are chosen for what the field shows at a few places of each: a push in
-    /// slip, or a feature of a boundary in the state, that is much narrower than the solution's own wants a bound here.
+    /// Longest step; default unbounded (the last step may be 1 % longer). Error control samples the field at a few places of each step. A push in slip, or a feature of a boundary in the state, that is much narrower than the solution's own features needs a bound here.
     pub longest_step: f64,
     /// First step; default chosen from the field.
     pub first_step: Option<f64>,
@@ -105,13 +94,10 @@ pub struct Options {
     pub at_repelling: AtRepelling,
     /// What to do where transitions accumulate; default stop.
     pub at_pile_up: AtPileUp,
-    /// A contact with Σ that reaches no deeper than this many tolerances is a touch, not a pair of crossings: the
-    /// solution itself is known no better. Default 10.
+    /// A contact with Σ that reaches no deeper than this many tolerances is a touch, not a pair of crossings. The solution itself is known no better. Default 10.
     pub touch: f64,
-    /// So many consecutive transitions are a pile-up when they happen within `pile_up_span · max(1, |t|)`, or when no component
-    /// moves by more than 100 tolerances between any of them; by [`Method::Taylor`] where a comparison in the field turns it round, too. Default 100.
-    /// Fewer are one where their durations are a geometric series and the steps collapse behind
-    /// them, or contacts come so near to each other's boundaries that tolerance takes them as one.
+    /// So many consecutive transitions are a pile-up if they happen within `pile_up_span · max(1, |t|)`, or if no component moves by more than 100 tolerances between any of them. With [`Method::Taylor`] this also counts reversals of the field by a comparison. Default 100.
+    /// Fewer transitions are a pile-up if their durations are a geometric series and the steps collapse behind them, or if the tolerance no longer separates the contacts' boundaries.
     pub pile_up_count: usize,
     /// See `pile_up_count`; default 1e-7.
     pub pile_up_span: f64,
@@ -163,7 +149,7 @@ impl Options {
         Options { method, ..self }
     }
 
-    /// With this way to locate events.
+    /// With this event location.
     #[must_use]
     pub fn locator(self, locator: Locator) -> Self {
         Options { locator, ..self }

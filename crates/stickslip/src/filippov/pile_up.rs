@@ -1,7 +1,6 @@
-//! Notices when transitions pile up (Zeno), or the branchings of a field, and tells where they accumulate.
+//! Detects transitions, or branchings of a field, that pile up (Zeno), and extrapolates where they accumulate.
 //!
-//! Near an accumulation point every round of phases is the one before, made smaller by a ratio: the
-//! durations are a geometric series. Aitken's extrapolation gives its limit.
+//! Near an accumulation point every round of phases is the previous one, scaled by a ratio. The durations are a geometric series, and Aitken's extrapolation gives its limit.
 
 use super::options::Options;
 use crate::error::{Accumulation, Error, Point};
@@ -11,23 +10,22 @@ use crate::system::State;
 /// A phase over which no component moves by more than so many tolerances is not resolved.
 const UNRESOLVED: f64 = 100.0;
 
-/// An orbit shrinks that has so many phases which are not resolved and last …
+/// An orbit shrinks to a point if it has so many unresolved phases that last …
 const FEWEST: usize = 10;
 
-/// … this part of the first of them at least.
+/// … at least this fraction of the first of them.
 const LASTS: f64 = 0.9;
 
-/// So many of the last transitions are kept, in place: three rounds of up to 15.
+/// Number of transitions that are kept: three rounds of up to 15.
 const KEPT: usize = 46;
 
-/// Part of the time that is left to which the extrapolations by two rounds must agree. Durations that
-/// are no geometric series differ by about the whole.
+/// The extrapolations of two rounds must agree to this fraction of the remaining time. Durations that are no geometric series differ by about all of it.
 const AGREEING: f64 = 0.1;
 
-/// Units in the last place by which rounding is taken to blur the time of a transition.
+/// Rounding of a transition's time, in units in the last place.
 const ULPS: f64 = 4.0;
 
-/// How many times something has happened within no time.
+/// Counts events that happen within no time.
 pub struct Burst {
     since: f64,
     count: usize,
@@ -41,7 +39,7 @@ impl Burst {
         }
     }
 
-    /// Counts one more, at time `t`; how many there are, and within what time.
+    /// Counts one more, at time `t`. Returns how many there are, and within what time.
     #[inline]
     pub(crate) fn note(&mut self, t: f64, options: &Options) -> (usize, f64) {
         if t - self.since > no_time(t, options) {
@@ -57,12 +55,12 @@ fn no_time(t: f64, options: &Options) -> f64 {
     options.pile_up_span * t.abs().max(1.0)
 }
 
-/// How well rounding lets a time be known.
+/// Rounding of a time.
 fn blur(t: f64) -> f64 {
     ULPS * f64::EPSILON * t.abs()
 }
 
-/// A transition that is kept.
+/// A recorded transition.
 #[derive(Clone, Copy)]
 struct Passage<const N: usize, K> {
     at: Timed<N>,
@@ -70,35 +68,34 @@ struct Passage<const N: usize, K> {
     to: K,
 }
 
-/// The geometric series that the last transitions are.
+/// The geometric series that the last transitions form.
 pub struct Series<const N: usize> {
     /// Where it accumulates.
     pub at: Timed<N>,
-    /// How well that time is known.
+    /// Uncertainty of that time.
     pub uncertainty: f64,
-    /// How far the state is yet to move, by the largest component.
+    /// Remaining motion of the state (largest component).
     pub distance: f64,
-    /// How many times as long as the phase before a phase lasts, in the mean of a round.
+    /// Ratio of successive durations, as the mean over a round.
     ratio: f64,
     /// The contacts of a round, in order.
     pub contacts: Vec<usize>,
 }
 
-/// Transitions pile up when many of them happen within no time, or when many phases in a row are too short for error control
-/// to tell their ends apart: then a loose tolerance has stopped the orbit short of the accumulation point.
+/// Transitions pile up if many of them happen within no time. They also do if many phases in a row are too short for error control to separate their ends: then a loose tolerance has stopped the orbit before the accumulation point.
 pub struct PileUp<const N: usize, K> {
     burst: Burst,
-    /// Phases in a row that are not resolved, the length of the first, and how many last as long.
+    /// Unresolved phases in a row, the length of the first, and how many last as long.
     unresolved: usize,
     first: f64,
     lasting: usize,
-    /// How many transitions there were, and the last of them: number `i` at place `i % KEPT`.
+    /// The number of transitions, and the last of them: number `i` at index `i % KEPT`.
     count: usize,
     last: [Passage<N, K>; KEPT],
 }
 
 impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
-    /// Before any transition; `at` and `mode` only fill places.
+    /// Before any transition; `at` and `mode` are placeholders.
     pub(crate) fn new(at: &Timed<N>, mode: K) -> Self {
         let nowhere = Passage {
             at: *at,
@@ -119,7 +116,7 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         self.count.min(KEPT)
     }
 
-    /// The last transition but so many, of those that are kept.
+    /// The last recorded transition but so many.
     fn back(&self, back: usize) -> &Passage<N, K> {
         &self.last[(self.count + KEPT - 1 - back) % KEPT]
     }
@@ -132,7 +129,7 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         contacts
     }
 
-    /// Counts a transition of a contact into the mode `to`, where the state moves with `velocity`; whether it is one of a pile-up.
+    /// Counts a transition of a contact into the mode `to`, where the state moves with `velocity`. Returns whether it belongs to a pile-up.
     pub(crate) fn note(
         &mut self,
         at: &Timed<N>,
@@ -143,7 +140,7 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         let (count, _) = self.burst.note(at.t, options);
         let before = self.back(0).at;
         let time = at.t - before.t;
-        // A body on a floor stands still at either end of a slip: what it has moved by tells, not how fast it is.
+        // A body on a floor is at rest at either end of a slip. So its motion decides, not its velocity.
         let is_resolved = |i: usize| {
             let by_rate = time * velocity[i].abs();
             let moved = f64::max((at.x[i] - before.x[i]).abs(), by_rate);
@@ -165,7 +162,7 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         count.max(self.unresolved) >= options.pile_up_count
     }
 
-    /// Whether the transitions come ever faster, and do not only move nothing.
+    /// Whether the transitions come ever faster and the state moves.
     pub(crate) fn accumulates(&self, options: &Options) -> bool {
         self.burst.count >= options.pile_up_count || !self.shrinks()
     }
@@ -176,9 +173,7 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         self.count > 0 && last.at.t == t && last.contact == contact
     }
 
-    /// The series that the last transitions are, if they are one: three rounds in a row that shrink
-    /// by the same ratio, as far as it takes to know the time that is left. Of all rounds those
-    /// count by which that is known best: the very last ones may be rounding.
+    /// The geometric series of the last transitions, if they form one: three rounds in a row with the same ratio. Of all rounds, the one with the least uncertainty of the remaining time counts. The very last rounds may be rounding.
     pub(crate) fn series(&self) -> Option<Series<N>> {
         let best = |best: Option<Series<N>>, (newest, round)| {
             let one = self.by_rounds_of(round, newest);
@@ -189,7 +184,7 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
             }
         };
         let phases = self.kept().saturating_sub(1);
-        // Of phases as short as rounding no ratio is known.
+        // Phases as short as rounding have no ratio.
         let blur = blur(self.back(0).at.t) / (AGREEING * AGREEING);
         let lasts = |k: usize| self.back(k).at.t - self.back(k + 1).at.t;
         let newest = (0..phases).find(|&k| lasts(k) > blur)?;
@@ -208,7 +203,7 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         let [moved, moved_before] = [0, 1].map(|rounds| at(rounds).x - at(rounds + 1).x);
         let (ratio, before) = (d0 / d1, d1 / d2);
         let shrunk_by = moved.amax() / moved_before.amax();
-        // An orbit that shrinks towards a point which it reaches in no finite time has phases that last.
+        // An orbit that approaches a point in infinite time has phases that do not shorten.
         let shrinks = |ratio: f64| 0.0 < ratio && ratio < 1.0;
         let lasts = ratio > shrunk_by.sqrt();
         if !shrinks(ratio) || !shrinks(before) || !shrinks(shrunk_by) || lasts {
@@ -223,7 +218,7 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         if uncertainty > AGREEING * left || !is_behind {
             return None;
         }
-        // No component comes to its limit slower than time does; one that moves to and fro has a negative ratio.
+        // No component converges slower than time does. One that oscillates has a negative ratio.
         let rest = State::from(std::array::from_fn::<_, N, _>(|i| {
             let own = moved[i] / moved_before[i];
             if own.is_finite() {
@@ -244,8 +239,7 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         })
     }
 
-    /// The mode after the transition under way, at time `t`: as it was noted, or as it was the last
-    /// time that the one before led where it does now.
+    /// The mode after the present transition at time `t`: as recorded, or as it was the last time that the previous one led to the same mode.
     pub(crate) fn mode_after(&self, t: f64) -> Option<K> {
         let newest = self.back(0);
         if newest.at.t == t {
@@ -256,7 +250,7 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         Some(self.back(like_it - 1).to)
     }
 
-    /// The pile-up that the transitions up to `(t, x)` are; `holds` as in [`Accumulation`].
+    /// The pile-up of the transitions up to `(t, x)`; `holds` as in [`Accumulation`].
     pub(crate) fn error(
         &self,
         at: &Timed<N>,
@@ -288,20 +282,18 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         }
     }
 
-    /// Whether phases that are not resolved last as long as the first of them: the orbit shrinks to
-    /// a point that it reaches in no finite time.
+    /// Whether unresolved phases last as long as the first of them: the orbit approaches a point in infinite time.
     pub(crate) fn shrinks(&self) -> bool {
         self.unresolved >= FEWEST && self.lasting >= FEWEST
     }
 
-    /// The pile-up in which a run is at time `t` whose steps have become too short.
+    /// The pile-up at time `t` of a run whose steps have become too short.
     pub(crate) fn under_way(&self, t: f64, options: &Options) -> Option<Series<N>> {
         let series = self.series()?;
         (series.at.t - t <= no_time(t, options)).then_some(series)
     }
 
-    /// The pile-up in which contacts come to zero together, all of which are among these; others may
-    /// stick meanwhile.
+    /// The pile-up in which contacts reach zero together. All of them are among these; others may stick meanwhile.
     pub(crate) fn of_contacts(&self, t: f64, contacts: &[usize]) -> Option<Series<N>> {
         let series = self.series()?;
         let are_among = series.contacts.iter().all(|one| contacts.contains(one));

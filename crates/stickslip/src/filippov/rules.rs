@@ -14,14 +14,13 @@ use super::uncertainty::ULPS;
 use crate::scalar::Scalar;
 use crate::system::{Filippov, Side, State, components};
 
-/// Friction that differs by less than this part is the same.
+/// Frictions that differ by less than this fraction are equal.
 pub(crate) const SAME: f64 = 1e-12;
 
-/// What a point of Σ leads to.
+/// The fate of a point of Σ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fate {
-    /// Both fields point to this side, or the field of this side is tangent and visible: slip on it. Or both are tangent, and this side's has its
-    /// equilibrium there.
+    /// Slip on this side: both fields point to it, or its field is tangent and visible, or both are tangent and its field has an equilibrium there.
     Slip(Side),
     /// Both fields push towards Σ: stick.
     Stick,
@@ -29,16 +28,15 @@ pub enum Fate {
     Repelling,
 }
 
-/// Fate of a point of Σ, with the order to which the motion that follows touches what ends it.
+/// Fate of a point of Σ, with the order at which the motion that follows touches its guards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Departure {
     pub fate: Fate,
-    /// For every guard of the mode that follows, how many of its derivatives (from the value itself on)
-    /// vanish at the start: 0 away from zero, 1 on leaving Σ across, 2 on leaving from a tangent point.
+    /// For every guard of the mode that follows, the number of derivatives (from the value on) that vanish at the start: 0 away from zero, 1 on leaving Σ across, 2 on leaving from a tangent point.
     pub orders: [usize; GUARDS],
 }
 
-/// How the orbit of a field that is tangent to Σ lies there.
+/// Kind of a tangency of a field's orbit with Σ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Visibility {
     /// The orbit stays on the field's own side: an orbit of the system leaves Σ here.
@@ -49,7 +47,7 @@ pub enum Visibility {
     Degenerate,
 }
 
-/// Lie derivatives 0 to 3 of a function along one field, with the size below which each is rounding.
+/// Lie derivatives 0 to 3 of a function along one field, each with its rounding.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LieDerivatives {
     pub values: [f64; 4],
@@ -72,9 +70,7 @@ impl LieDerivatives {
         one
     }
 
-    /// Of functions whose values along a field `path` gives. The floors follow from how far the derivatives move when state and time
-    /// change by a few units in the last place, the state along the field in that time, and by `slack` in every component: a state
-    /// that should be zero is so to that much only.
+    /// Of a function whose values along a field are given by `path`. The rounding follows from how far the derivatives move if state and time change by a few units in the last place, and every component by `slack`: a state that should be zero is zero only to that.
     pub(crate) fn along<const N: usize, const G: usize>(
         t: f64,
         x: &State<N>,
@@ -104,7 +100,7 @@ impl LieDerivatives {
         std::array::from_fn(|i| LieDerivatives {
             values: values[i],
             floors: std::array::from_fn(|k| {
-                // Each derivative is the rate of the one before; the last one's own rate is not known.
+                // Each derivative is the rate of the previous one. The rate of the last one is unknown.
                 let drift = values[i]
                     .get(k + 1)
                     .map_or(0.0, |rate| rate.abs() * t.abs());
@@ -114,8 +110,7 @@ impl LieDerivatives {
         })
     }
 
-    /// Index and sign of the first that does not vanish, from the first on, or from the second where the first is known to; index 4 and
-    /// no sign where none is left.
+    /// Index and sign of the first that does not vanish, from the first on, or from the second if the first is known to vanish. Index 4 without a sign if all vanish.
     pub(crate) fn leading(&self, tangent: bool) -> (usize, f64) {
         let first = if tangent { 2 } else { 1 };
         (first..4)
@@ -123,8 +118,7 @@ impl LieDerivatives {
             .map_or((4, 0.0), |k| (k, self.values[k].signum()))
     }
 
-    /// Whether a combination of fields holds the function at zero, whose derivatives these are:
-    /// beside those of the fields themselves they vanish, up to the first that do not there.
+    /// Whether the combination of fields with these derivatives holds the function at zero. Its derivatives vanish beside those of the fields, up to the first of these that do not vanish.
     pub(crate) fn holds_beside(&self, fields: [&Self; 2]) -> bool {
         let size = |k: usize| f64::max(fields[0].values[k].abs(), fields[1].values[k].abs());
         let is_moved = |k: &usize| {
@@ -132,7 +126,7 @@ impl LieDerivatives {
             fields.iter().any(stands_out)
         };
         let vanishes = |k: usize| self.values[k].abs() <= self.floors[k].max(SAME * size(k));
-        // Where a field is undefined nothing holds.
+        // Nothing holds where a field is undefined.
         let is_defined = self.values.iter().all(|value| value.is_finite());
         is_defined
             && (1..4)
@@ -140,7 +134,7 @@ impl LieDerivatives {
                 .is_none_or(|first| (1..=first).all(vanishes))
     }
 
-    /// How the field of `side`, if it is tangent to Σ here, lies.
+    /// Kind of the tangency of the field of `side`, if it is tangent to Σ here.
     pub(crate) fn visibility(&self, side: Side) -> Visibility {
         if self.values[2].abs() <= self.floors[2] {
             Visibility::Degenerate
@@ -157,7 +151,7 @@ impl LieDerivatives {
     }
 }
 
-/// Whether a derivative is more than rounding. Where overflow leaves no floor that is a number it decides by itself.
+/// Whether a derivative is more than rounding. If its rounding overflows, the value decides.
 fn stands_out(value: f64, floor: f64) -> bool {
     value.abs() > if floor.is_nan() { 0.0 } else { floor }
 }
@@ -174,7 +168,7 @@ fn first_derivative<S: Filippov<N>, T: Scalar, const N: usize>(
     (normal_component(system, t, x, &f), f)
 }
 
-/// The second one, which is the change of the first along the field.
+/// The second Lie derivative: the change of the first along the field.
 #[inline(always)]
 fn second_derivative<S: Filippov<N>, T: Scalar, const N: usize>(
     system: &S,
@@ -188,8 +182,7 @@ fn second_derivative<S: Filippov<N>, T: Scalar, const N: usize>(
     (rate.eps, f)
 }
 
-/// A Lie derivative and the size below which it is rounding, both as [`LieDerivatives`] has them, at a small part of the cost: `along` gives
-/// the derivative and the field.
+/// A Lie derivative and its rounding, as in [`LieDerivatives`] but at a small part of the cost. `along` gives the derivative and the field.
 #[inline(always)]
 fn one_derivative<const N: usize>(
     t: f64,
@@ -214,18 +207,17 @@ fn one_derivative<const N: usize>(
     (derivative.re, floor)
 }
 
-/// Index and sign of the first Lie derivative (from the first on) along one field that does not vanish; index 4 where none is left.
+/// Index and sign of the first Lie derivative (from the first on) along one field that does not vanish; index 4 if all vanish.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Leading {
     order: usize,
     sign: f64,
-    /// Calls of the field that this took.
+    /// Number of calls of the field.
     pub calls: u64,
 }
 
 impl Leading {
-    /// Of `side`'s field at `(t, x)`; `slack` as for [`LieDerivatives::new`]. `tangent` says that the first derivative is known to
-    /// vanish, whatever rounding says of it.
+    /// Of `side`'s field at `(t, x)`; `slack` as for [`LieDerivatives::new`]. `tangent`: the first derivative is known to vanish, whatever its rounding.
     pub(crate) fn new<S: Filippov<N>, const N: usize>(
         system: &S,
         side: Side,
@@ -234,7 +226,7 @@ impl Leading {
         slack: f64,
         tangent: bool,
     ) -> Self {
-        // One of them mostly decides.
+        // Usually the first one decides.
         let n = N as u64;
         let (first, (value, floor), calls) = if tangent {
             let along = |t, x: &_| second_derivative(system, side, t, x);
@@ -259,11 +251,10 @@ impl Leading {
     }
 }
 
-/// A velocity of less than this part of the other side's is none.
+/// A velocity below this fraction of the other side's is zero.
 const AT_REST: f64 = 1e-12;
 
-/// The side on which a point of Σ is an equilibrium to rounding, where both fields are tangent to Σ, so that no sliding field is determined, and
-/// the other one leads back to it.
+/// The side on which a point of Σ is an equilibrium to rounding. Both fields are tangent to Σ, so that no sliding field is determined, and the other field leads back to it.
 pub(crate) fn resting<S: Filippov<N>, const N: usize>(
     system: &S,
     t: f64,
@@ -285,7 +276,7 @@ pub(crate) fn resting<S: Filippov<N>, const N: usize>(
     (both_tangent && speed(side) <= AT_REST * speed(side.opposite())).then_some(side)
 }
 
-/// Applies the rules at a point of Σ to the leading derivatives along the two fields, and to the side that it rests on, if it does on one only.
+/// Applies the rules at a point of Σ to the leading derivatives along the two fields. `rests` is the side with an equilibrium there, if exactly one has it.
 pub(crate) fn departure(below: Leading, above: Leading, rests: Option<Side>) -> Departure {
     let fate = match (below.sign < 0.0, above.sign > 0.0) {
         (true, true) => Fate::Repelling,
@@ -302,7 +293,7 @@ pub(crate) fn departure(below: Leading, above: Leading, rests: Option<Side>) -> 
     Departure { fate, orders }
 }
 
-/// The system with static friction: its fields are those that hold.
+/// The system with static friction: its fields are those of rest.
 pub(crate) struct AtRest<'a, S>(pub &'a S);
 
 impl<S: Filippov<N>, const N: usize> Filippov<N> for AtRest<'_, S> {
@@ -314,8 +305,7 @@ impl<S: Filippov<N>, const N: usize> Filippov<N> for AtRest<'_, S> {
     }
 }
 
-/// What the point `(t, x)` of Σ leads to by the two fields there (Filippov 1988, Sect. 4 and 19; Kuznetsov,
-/// Rinaldi & Gragnani 2003 for tangent points).
+/// The fate of the point `(t, x)` of Σ by its two fields (Filippov 1988, Sect. 4 and 19; Kuznetsov, Rinaldi & Gragnani 2003 for tangent points).
 ///
 /// ```
 /// use stickslip::{Fate, Side, State, fate, models::BeltOscillator};
@@ -332,7 +322,7 @@ pub fn fate<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<N>) ->
     fate_by(system, t, x)
 }
 
-/// The same by the fields of one kind of friction.
+/// The same for one kind of friction.
 fn fate_by<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<N>) -> Fate {
     let of = |side| Leading::new(system, side, t, x, 0.0, false);
     let [below, above] = [Side::Below, Side::Above].map(of);

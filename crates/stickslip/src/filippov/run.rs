@@ -1,4 +1,4 @@
-//! What a run carries from step to step, and what can go wrong with a step.
+//! The state of a run between steps, and the errors of a step.
 
 use super::event::Event;
 use super::flow::Flow;
@@ -12,40 +12,39 @@ use crate::ode::{Dense, Timed};
 use crate::orbit::Counters;
 use crate::system::State;
 
-/// Steps shorter than this part of the time no longer move it.
+/// Steps shorter than this fraction of the time no longer change it.
 pub(crate) const SHORTEST: f64 = 4.0 * f64::EPSILON;
 
-/// What a run carries from step to step, whatever makes the steps.
+/// The state of a run between steps of any method.
 pub struct Run<const N: usize, const G: usize> {
     pub options: Options,
-    /// How many of the type's states the system has.
+    /// Number of states of the system; the type may have more.
     pub states: usize,
     pub counters: Counters,
     pub t_end: f64,
-    /// Next step to try; 0 until the first is chosen. It is kept over events: the new field is usually as fast as the
-    /// old, and error control corrects it where it is not.
+    /// Next step length to try; 0 until the first is chosen. It is kept over events: the new field is usually as fast as the old one, and error control corrects the rest.
     pub h: f64,
     /// Where the phase under way began.
     pub from: Timed<N>,
     /// Where the last step ended.
     pub at: Timed<N>,
-    /// How many derivatives of each guard vanish where it was last zero and has not left that yet; 0 elsewhere.
+    /// For each guard that has not left its last zero, the number of derivatives that vanish there; 0 for the others.
     pub orders: [usize; G],
-    /// The last step's start and end (which [`Run::at`] leaves when a stick phase begins on Σ), and the solution over it.
+    /// Start and end of the last step, and the solution over it. [`Run::at`] differs from the end when a stick phase begins on Σ.
     pub last: (Timed<N>, Timed<N>),
     pub dense: Dense<N>,
-    /// Whether the step before was asked for: then the next one gets its dense output at once, and so does the first.
+    /// Whether the previous step's dense output was used. Then the next step makes it at once, and so does the first.
     pub wants_dense: bool,
     /// The last event.
     pub event: Option<Event<N>>,
-    /// Whether the mode is kept, whatever its guards do.
+    /// Whether the mode is prescribed and ignores its guards.
     pub is_held: bool,
 }
 
-/// What came of a try to step.
+/// Result of an attempt to step.
 #[derive(Clone, Copy)]
 pub enum Trial {
-    /// It was only prepared, or rejected: another try follows.
+    /// It was only prepared, or rejected: another attempt follows.
     NoStep,
     /// A step was taken, the run's last one now.
     Step,
@@ -54,7 +53,7 @@ pub enum Trial {
 }
 
 impl<const N: usize, const G: usize> Run<N, G> {
-    /// A run of a system of so many states that has yet to begin.
+    /// A run that has not begun, of a system of so many states.
     ///
     /// # Errors
     /// Those of a run that cannot begin.
@@ -89,7 +88,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
     pub(crate) fn accept(&mut self, at: Timed<N>, event: Option<&Event<N>>) -> Trial {
         self.last = (self.at, at);
         self.at = at;
-        // Nothing is moved that is not there: this is done once a step.
+        // Called once a step, so nothing is copied without need.
         let Some(event) = event else {
             return Trial::Step;
         };
@@ -97,7 +96,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
         Trial::Event
     }
 
-    /// The last step, in this mode; of no length before the first.
+    /// The last step, in this mode; of length zero before the first.
     #[inline(always)]
     pub(crate) fn last_step<K>(&self, mode: K) -> StepRecord<N, K> {
         let (from, to) = self.last;
@@ -123,7 +122,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
         if let Some(step) = self.options.fixed_step().or(self.options.first_step) {
             return step.min(longest);
         }
-        // A state that is nearly zero asks for less than moves the time, though nothing is singular there.
+        // A state near zero would give a step that does not change the time, though nothing is singular.
         let chosen = first_step(
             field,
             t,
@@ -135,8 +134,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
         chosen.max(2.0 * SHORTEST * t.abs())
     }
 
-    /// Length of the next step and whether it ends at the end time: a last step is stretched a little rather than followed by
-    /// one of rounding's length.
+    /// Length of the next step, and whether it ends at the end time. A last step is stretched a little rather than followed by one of rounding's length.
     #[inline(always)]
     pub(crate) fn next_step(&self) -> (f64, bool) {
         let (t, h) = (self.at.t, self.h.min(self.options.longest_step));
@@ -167,7 +165,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
         }
     }
 
-    /// The state is no number at the end of a step.
+    /// The state at the end of a step is not a number.
     pub(crate) fn non_finite(&self, step: f64) -> Error {
         let (t, x) = (self.at.t, Point::from(&self.at.x));
         Error::NonFinite { t, x, step }
@@ -183,7 +181,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
         Ok(())
     }
 
-    /// A state this near to where it should be is there: a thousandth of what error control lets pass.
+    /// Distance at which a state counts as being on its manifold: a thousandth of what error control admits.
     pub(crate) fn slack(&self) -> f64 {
         1e-3 * self.options.atol
     }
@@ -231,7 +229,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
         )
     }
 
-    /// Notes which guards have left their zero by now.
+    /// Records which guards have left their zero.
     pub(crate) fn note_departures<F: Flow<N>>(&mut self, flow: &F) {
         for &guard in F::GUARDS {
             let departs = self.orders[guard] > 0;

@@ -1,13 +1,10 @@
-//! The first zero of a function over a step, none missed: found by resolving the function, not by its end signs.
+//! The first zero of a function over a step, found by resolving the function and not by its signs at the ends.
 //!
-//! The function is sampled at nine Chebyshev points of the interval. The sums of its Chebyshev coefficients (those
-//! of the last two, the interpolant's tail, counted again as a margin for what it leaves out) then say
-//! for the whole interval that there is no zero, or that the function is monotone so that its ends
-//! decide; where they say neither, the interval is halved. So two crossings within a step, or a touch
-//! from which the function returns, are seen however close they lie, down to rounding. What is so narrow that it
-//! lies beside all samples is seen where the function has bounds over parts of the interval: what samples call clear is halved until bounds do.
+//! The function is sampled at nine Chebyshev points of the interval. The sums of its Chebyshev coefficients decide for the whole interval: there is no zero, or the function is monotone and its ends decide. The last two coefficients count twice, as a margin for the truncated tail. If neither holds, the interval is halved. So two crossings within a step, or a touch, are found however close they lie, down to rounding.
+//! 
+//! A feature between all samples is found if the function has interval bounds. An interval that samples call clear is halved until its bounds confirm that.
 
-/// An interval at whose start the function is positive and at whose end it is not.
+/// An interval with a positive value at its start and none at its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Bracket {
     pub a: f64,
@@ -28,8 +25,7 @@ const COS: [f64; 16] = {
     ]
 };
 
-/// Intervals narrower than this part of the step are not halved again: a parabola bends by 1e-16 over it. What is longer than a step is halved
-/// no more often than one.
+/// Intervals narrower than this fraction of the step are not halved again: a parabola bends by 1e-16 over them. Longer intervals are halved as often as one step.
 pub(crate) const NARROWEST: f64 = 1.5e-8;
 
 /// The nine points of the unit interval.
@@ -43,10 +39,9 @@ const UNIT: [f64; NODES] = {
     nodes
 };
 
-/// Whether `value` stays far from zero over the whole step, by samples: the cheap test of a user's own event functions.
+/// Whether `value` stays far from zero over the whole step, by samples. The cheap test of a user's event functions.
 ///
-/// Between nine Chebyshev points a polynomial leaves the range of its values by at most 1.2 times its half-width
-/// (Lebesgue constant 2.4); four times is asked for. A value that is not finite is far from nothing.
+/// Between nine Chebyshev points a polynomial leaves the range of its values by at most 1.2 times its half-width (Lebesgue constant 2.4). The test requires four times. A value that is not finite fails.
 #[inline(always)]
 pub(crate) fn far_from_zero(value: impl Fn(f64) -> f64) -> bool {
     let first = value(UNIT[0]);
@@ -55,7 +50,7 @@ pub(crate) fn far_from_zero(value: impl Fn(f64) -> f64) -> bool {
         let v = value(s);
         least = if v < least { v } else { least };
         most = if v > most { v } else { most };
-        // Comparisons pass over what is not a number; a sum does not.
+        // Comparisons ignore a NaN; a sum does not.
         sum += v;
     }
     least + most > 4.0 * (most - least) && sum.is_finite()
@@ -66,7 +61,7 @@ pub(crate) fn is_defined(value: impl Fn(f64) -> f64) -> bool {
     UNIT.iter().all(|&s| value(s).is_finite())
 }
 
-/// A bracket of the first zero of `value` in `[lo, hi]`, or `None` when there is none: by samples alone.
+/// A bracket of the first zero of `value` in `[lo, hi]`, or `None`, by samples alone.
 pub(crate) fn first_bracket(
     value: &mut dyn FnMut(f64) -> f64,
     lo: f64,
@@ -75,25 +70,24 @@ pub(crate) fn first_bracket(
     first_bracket_within(value, &mut |_, _| Bounds::Unknown, lo, hi)
 }
 
-/// What bounds say of a function over a part of the interval.
+/// What interval bounds prove of a function over a part of the interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Bounds {
-    /// That it has no zero there, for certain.
+    /// It certainly has no zero.
     Clear,
-    /// That it may have one: what is clear by samples is looked at more closely.
+    /// It may have a zero: an interval that is clear by samples is refined.
     Open,
     /// Nothing: samples decide.
     Unknown,
 }
 
-/// So near a zero that samples see, in parts of the step, it is not looked for others before it.
+/// Closer than this to a sampled zero, no earlier zero is searched for (fraction of the step).
 const WIDE: f64 = 0.0078125;
 
-/// How many halvings below samples that were clear new ones are taken, where bounds leave a part open.
+/// Number of halvings after which a part that bounds leave open is sampled again.
 const RESAMPLED: u32 = 3;
 
-/// The same, where `bounds` say what they can of parts of the interval. Halves intervals until each is
-/// clear or holds a bracket: depth first, the left half first.
+/// The same with interval bounds of parts of the interval. Halves intervals until each is clear or holds a bracket: depth first, the left half first.
 pub(crate) fn first_bracket_within(
     value: &mut dyn FnMut(f64) -> f64,
     bounds: &mut dyn FnMut(f64, f64) -> Bounds,
@@ -123,7 +117,7 @@ pub(crate) fn first_bracket_within(
                     Verdict::Clear if said == Bounds::Unknown || is_narrow => {}
                     Verdict::Clear => halves = Some(part.halved(1)),
                     Verdict::Zero(found) => {
-                        // What has a zero excluded before it is the bracket that was seen first.
+                        // If an earlier zero is excluded, the sampled bracket is the first.
                         let bracket = part.rest_of.unwrap_or(found);
                         let doubtful = (said == Bounds::Open)
                             .then(|| doubtful_before(found, value, bounds))
@@ -168,9 +162,9 @@ pub(crate) fn first_bracket_within(
 #[derive(Clone, Copy, Default)]
 struct Part {
     ends: (f64, f64),
-    /// By how many halvings samples that were clear are above it.
+    /// Number of halvings since samples were clear.
     trusted: u32,
-    /// The bracket of a zero that it is the last part of, if there was doubt about what is before.
+    /// The sampled bracket that it precedes, if an earlier zero was not excluded.
     rest_of: Option<Bracket>,
 }
 
@@ -188,7 +182,7 @@ impl Part {
     }
 }
 
-/// The part of a bracket that may have a zero before the one that samples see, and what follows it; `None` where bounds exclude another.
+/// The part of a bracket that may have a zero before the sampled one, and the rest. `None` if bounds exclude an earlier zero.
 fn doubtful_before(
     Bracket { mut a, mut b }: Bracket,
     value: &mut dyn FnMut(f64) -> f64,
@@ -207,8 +201,7 @@ fn doubtful_before(
     None
 }
 
-/// The first zero of `value`, positive at `from`, in `[from, to]`; `None` where there is none. Two zeros in a row are seen however
-/// close they lie, down to rounding.
+/// The first zero of `value`, positive at `from`, in `[from, to]`; `None` without one. Two successive zeros are found however close they lie, down to rounding.
 ///
 /// ```
 /// use stickslip::filippov::first_zero;
@@ -240,7 +233,7 @@ pub(crate) fn zero_in(value: &mut dyn FnMut(f64) -> f64, bracket: Bracket) -> f6
         let middle = if inside { falsi } else { 0.5 * (a + b) };
         let at_middle = value(middle);
         let moves_a = at_middle > 0.0;
-        // An end that has stayed twice is given half its weight, or it would stay for ever.
+        // An end that has stayed twice gets half its weight, or it would stay for ever.
         let again = last_moved_a == Some(moves_a);
         if moves_a {
             (a, at_a) = (middle, at_middle);
@@ -288,7 +281,7 @@ impl Samples {
         }
         let c = coefficients(&self.values);
         if !c[0].is_finite() {
-            // Somewhere here the function is not defined; halving would find that out for ever.
+            // The function is undefined somewhere here; halving would never end.
             return Verdict::Clear;
         }
         let tail = c[NODES - 2].abs() + c[NODES - 1].abs();
@@ -339,7 +332,7 @@ fn is_monotone(c: &[f64; NODES], tail: f64) -> bool {
         d[k - 1] = d[k + 1] + 2.0 * k as f64 * c[k];
     }
     let rest: f64 = d[1..].iter().map(|d| d.abs()).sum();
-    // The derivative of T_8 reaches 64: what the tail leaves out may be that steep.
+    // The derivative of T_8 reaches 64: the truncated tail may be that steep.
     0.5 * d[0].abs() > rest + 64.0 * tail
 }
 
@@ -397,7 +390,7 @@ mod tests {
             found.a <= at - 1e-6 && (found.b - at).abs() < 1e-5,
             "{found:?}"
         );
-        // One before the zero that samples see.
+        // A zero before the sampled one.
         let falling = |s: f64| (0.9 - s).min(spike(s));
         let bounds = |from: f64, to: f64| {
             if to > 0.9 {
@@ -411,7 +404,7 @@ mod tests {
             found.is_some_and(|found| (found.b - at).abs() < 1e-5),
             "{found:?}"
         );
-        // Without it the bracket is that of samples alone.
+        // Without bounds the bracket is that of samples alone.
         let smooth = |s: f64| 0.9 - s;
         let found = first_bracket_within(&mut { smooth }, &mut { bounds }, 0.0, 1.0);
         assert_eq!(found, zero_of(smooth));
@@ -429,7 +422,7 @@ mod tests {
     #[test]
     fn far_from_zero_is_what_varies_little_and_is_defined_throughout() {
         assert!(far_from_zero(|s| 10.0 + s));
-        // Half the sum has to exceed four times the difference.
+        // Half the sum must exceed four times the difference.
         assert!(far_from_zero(|s| 3.6 + s) && !far_from_zero(|s| 1.4 + s));
         assert!(!far_from_zero(|s| -10.0 - s));
         assert!(!far_from_zero(|s| if s == 0.5 { f64::NAN } else { 10.0 }));

@@ -1,4 +1,4 @@
-//! Runge–Kutta steps, and the search of each for the first event.
+//! Runge–Kutta steps, and the search for the first event of each.
 
 use std::cell::Cell;
 
@@ -20,19 +20,19 @@ use crate::system::State;
 /// A guard is not a number in a part of the step.
 pub(crate) struct Undefined;
 
-/// Tolerances by which a step made again to an event and the dense output may differ: some hundred are seen where all is well.
+/// Allowed difference, in tolerances, between a step repeated up to an event and the dense output. Regular cases show up to some hundred.
 const UNRESOLVED: f64 = 1e6;
 
-/// What Runge–Kutta steps keep from one to the next.
+/// The state that Runge–Kutta steps keep from one to the next.
 #[derive(Default)]
 pub(crate) struct Slopes<const N: usize> {
-    /// The slope at the state reached, if it is known.
+    /// The slope at the present state, if it is known.
     slope: Option<State<N>>,
-    /// Slope at the start and length of the last step, if its dense output has not been made: no guard needed it.
+    /// Slope at the start and length of the last step, if its dense output has not been made because no guard needed it.
     bare: Option<(State<N>, f64)>,
 }
 
-/// A step that could have been longer by this is not what error control asks for: at tolerances near rounding that alone bounds it so.
+/// If a step could have been longer by this factor, error control does not bound it. Rounding alone bounds it so at tolerances near rounding.
 const FREE: f64 = 1.5;
 
 impl<const N: usize> Slopes<N> {
@@ -41,7 +41,7 @@ impl<const N: usize> Slopes<N> {
         *self = Self::default();
     }
 
-    /// Makes the dense output of the last step, if there is none, by taking the step again.
+    /// Makes the dense output of the last step, if there is none, by repeating the step.
     pub(crate) fn complete<M: RungeKutta, F: Flow<N>, const G: usize>(
         &mut self,
         run: &mut Run<N, G>,
@@ -93,7 +93,7 @@ impl<const N: usize> Slopes<N> {
         run.counters.field_calls += flow.field_calls() * M::COEFFICIENTS.dense_stages as u64;
         let dense = Dense::new::<M>(t, &x, h, &step);
         if !dense.is_finite() {
-            // The solution comes to the edge of where the field is defined: a shorter step may stay inside.
+            // The solution reaches the edge of the field's domain: a shorter step may stay inside.
             run.reject_undefined(h)?;
             return Ok(Trial::NoStep);
         }
@@ -108,7 +108,7 @@ impl<const N: usize> Slopes<N> {
             again: Again::by::<M>(),
             field_calls: Cell::new(0),
         };
-        // What is inside the step says no more to the search than where nobody asks for it.
+        // The search must not depend on whether anyone watches the step.
         let found = if is_far || run.is_held {
             Ok(None)
         } else {
@@ -126,7 +126,7 @@ impl<const N: usize> Slopes<N> {
         };
         let (at, next_slope, event) = match event {
             Some(event) if event.at.t < latest => (event.at, None, Some(event)),
-            // A touch turns back at the end time or behind it, and the step's end is below zero.
+            // A touch turns back at or after the end time, and the step's end is below zero.
             Some(Event { at, .. }) if !is_last => {
                 let (t, x) = (run.t_end, at.x);
                 (Timed { t, x }, None, None)
@@ -147,7 +147,7 @@ impl<const N: usize> Slopes<N> {
     }
 }
 
-/// The dense output of a step from the one state to the other, which is taken again; not compiled anew for every field.
+/// The dense output of a step between two states, made by repeating it. Not compiled anew for every field.
 #[inline(never)]
 fn dense_again<M: RungeKutta, const N: usize>(
     field: &mut dyn FnMut(f64, &State<N>) -> State<N>,
@@ -163,8 +163,7 @@ fn dense_again<M: RungeKutta, const N: usize>(
 }
 
 impl<const N: usize, const G: usize> Run<N, G> {
-    /// The next step within the tolerance: its length, whether it ends at the end time, whether it could have been longer, its slopes and
-    /// end.
+    /// The next step within the tolerance: its length, whether it ends at the end time, whether it could have been longer, its slopes and its end.
     #[inline(always)]
     fn accepted_step<M: RungeKutta, F: Flow<N>>(
         &mut self,
@@ -191,8 +190,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
             }
             if error <= 1.0 {
                 let factor = step_factor(error);
-                // After a rejection the step does not grow at once, and a last step cut short by the end time says
-                // nothing against the one that was planned.
+                // After a rejection the step does not grow at once. A last step cut short by the end time does not change the planned length.
                 let next = h * if rejected { factor.min(1.0) } else { factor };
                 self.h = if is_last { next.max(self.h) } else { next };
                 return Ok((h, is_last, factor > FREE, step));
@@ -207,8 +205,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
         }
     }
 
-    /// Whether a step is certain, by its slopes alone, to stay clear of every guard's zero. Without error control, which vouches
-    /// for what lies between the stages, it is not.
+    /// Whether a step certainly stays clear of every guard's zero, by its slopes alone. Never so without error control, which bounds the solution between the stages.
     #[inline(always)]
     fn is_far<M: RungeKutta, F: Flow<N>>(&self, flow: &F, h: f64, step: &Stages<State<N>>) -> bool {
         let may_be = M::COEFFICIENTS.dense_stages > 0 && self.options.fixed_step().is_none();
@@ -224,7 +221,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
     /// The first guard that fails in the step, and where.
     ///
     /// # Errors
-    /// No guard fails, but one is not a number somewhere in the step: a shorter step may not come to where it ends.
+    /// No guard fails, but one is not a number somewhere in the step. A shorter step may avoid that.
     #[inline(always)]
     fn first_event<F: Flow<N>>(
         &mut self,
@@ -233,10 +230,10 @@ impl<const N: usize, const G: usize> Run<N, G> {
     ) -> Result<Option<Event<N>>, Undefined> {
         let mut first: Option<Event<N>> = None;
         let mut is_undefined = false;
-        // Nearly every step ends here: far from any event, for certain.
+        // Nearly every step returns here: it is certainly far from any event.
         let times = Interval::new(origin.t, origin.t + origin.h);
         let clear: [bool; G] = origin.flow.are_clear(times, &dense.enclosure());
-        // The first are written out rather than looped over, so that each guard's code is the guard's own.
+        // The first guards are written out, not looped over, so that each has its own compiled code.
         macro_rules! consider {
             ($guard:expr) => {
                 match self.first_failure($guard, origin, dense, &clear, self.orders[$guard]) {
@@ -308,8 +305,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
         }
     }
 
-    /// Whether the state of an event, by a step made again, is that of the dense output there: where the flow is singular close by,
-    /// as a sliding field is at a two-fold, neither means anything. A step of fixed length is taken as it is.
+    /// Whether the state of an event, by a repeated step, agrees with the dense output. Near a singular flow, as a sliding field at a two-fold, neither is valid. A step of fixed length is accepted as it is.
     fn agrees(&self, event: &Event<N>, dense: &Dense<N>) -> bool {
         let there = dense.at_time(event.at.t);
         let tolerance = self.options.tolerance();
@@ -320,7 +316,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
             })
     }
 
-    /// The first event of a guard that is worth a closer look.
+    /// The first event of a guard that needs a closer search.
     #[cold]
     #[inline(never)]
     fn near_failure<F: Flow<N>>(&mut self, guard: &OnDense<'_, F, N>) -> Option<Event<N>> {
@@ -340,8 +336,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
         })
     }
 
-    /// What an event of guard `i` near a state is held to. A step of fixed length is taken as it is: only error control
-    /// gives a Hénon step something to be compared with.
+    /// Tolerances of an event of guard `i` near a state. A step of fixed length has none: only error control gives a Hénon step a measure.
     fn limits<F: Flow<N>>(&self, i: usize, flow: &F, near: &Timed<N>) -> Limits {
         let blur = uncertainty(flow, i, near, &self.options.tolerance());
         let adaptive = self.options.fixed_step().is_none();

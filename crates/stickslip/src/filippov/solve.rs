@@ -1,4 +1,4 @@
-//! Runs as loops over [`Integration::step`]: one that keeps the whole orbit, one that keeps nothing.
+//! Runs as loops over [`Integration::step`]: one stores the whole orbit, one stores nothing.
 
 use super::integration::{Integration, Progress};
 use super::observer::Observer;
@@ -25,7 +25,7 @@ pub struct SummaryOf<X> {
 }
 
 impl<X> SummaryOf<X> {
-    /// What an analysis fails with that needs the orbit to go on behind this end.
+    /// The error of an analysis that needs the orbit to continue behind this ending.
     pub(crate) fn goes_no_further(&self) -> Error
     where
         for<'x> Point: From<&'x X>,
@@ -37,7 +37,7 @@ impl<X> SummaryOf<X> {
         }
     }
 
-    /// Of a run that failed before its first step.
+    /// For a run that failed before its first step.
     pub(super) fn of_none(t: f64, x: X) -> Self {
         SummaryOf {
             ending: Ending::Failed,
@@ -48,7 +48,7 @@ impl<X> SummaryOf<X> {
     }
 }
 
-/// A run that failed, and what it had reached: the [`Orbit`] of [`solve`], the [`Summary`] of [`run`] and of [`crate::ensemble`].
+/// A run that failed, and what was computed before: the [`Orbit`] of [`solve`], the [`Summary`] of [`run`] and of [`crate::ensemble`].
 ///
 /// `?` turns it into the error alone.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -74,7 +74,7 @@ impl<R> Failure<R> {
     }
 }
 
-/// Integrates `system` from `(t0, x0)` to `t_end` and keeps the whole orbit.
+/// Integrates `system` from `(t0, x0)` to `t_end` and stores the whole orbit.
 ///
 /// The start may lie anywhere: on either side, on Σ, at a tangent point.
 ///
@@ -124,7 +124,7 @@ fn follow<S: Switched<N, G>, const N: usize, const G: usize>(
     }
 }
 
-/// Keeps what an integration has to say, and says whether that was its end.
+/// Stores the progress of an integration, and returns whether it has ended.
 #[inline(always)]
 pub(super) fn keep<S: Switched<N, G>, const N: usize, const G: usize>(
     orbit: &mut Orbit<N, S::Mode>,
@@ -145,7 +145,7 @@ pub(super) fn keep<S: Switched<N, G>, const N: usize, const G: usize>(
             return Ok(true);
         }
         Err(error) => {
-            // The phase under way stays unfinished; what was reached of it is kept.
+            // The present phase stays unfinished; its computed part is stored.
             orbit.phases.extend(integration.phase());
             return Err(error);
         }
@@ -153,12 +153,10 @@ pub(super) fn keep<S: Switched<N, G>, const N: usize, const G: usize>(
     Ok(false)
 }
 
-/// Integrates `system` from `(t0, x0)` to `t_end`, telling `observer` of every step, transition and phase and keeping
-/// nothing: for runs too long to hold.
+/// Integrates `system` from `(t0, x0)` to `t_end`. Reports every step, transition and phase to `observer` and stores nothing: for runs too long to store.
 ///
 /// # Errors
-/// [`Failure`] with one of [`Error::Option`], [`Error::Interval`], [`Error::Parameter`] and [`Error::StartOutsideDomain`] before
-/// the first step, and of those of [`Integration::step`] after it.
+/// Before the first step, [`Failure`] with [`Error::Option`], [`Error::Interval`], [`Error::Parameter`] or [`Error::StartOutsideDomain`]. After it, those of [`Integration::step`].
 pub fn run<S: Switched<N, G>, O: Observer<N, S::Mode> + ?Sized, const N: usize, const G: usize>(
     system: &S,
     t0: f64,
@@ -186,8 +184,7 @@ pub fn run<S: Switched<N, G>, O: Observer<N, S::Mode> + ?Sized, const N: usize, 
     }
 }
 
-/// Tells `observer` of what happened; the end of the run, where it has come to one or the observer asks for it. One that asks at
-/// the end of a phase is still told of the transition behind it, which `is_stopping` remembers.
+/// Reports progress to `observer`. Returns the end of the run, if it has ended or the observer asks for it. An observer that stops at the end of a phase still receives the transition; `is_stopping` remembers that.
 #[inline(always)]
 pub(crate) fn tell<S, O, const N: usize, const G: usize>(
     integration: &mut Integration<'_, S, N, G>,
@@ -204,7 +201,7 @@ where
             if !observer.watches_steps() || observer.step(&integration.last_step()).is_continue() {
                 return Ok(None);
             }
-            // An orbit that has escaped is an error, to one who stops as well.
+            // An orbit that has escaped is an error, also if the observer stops.
             integration.run.check_escape()?;
         }
         Progress::PhaseEnd(phase) => {
@@ -218,7 +215,7 @@ where
         }
         Progress::End(summary) => return Ok(Some(*summary)),
     }
-    // Between phases there is none under way: the one before was told of.
+    // Between phases there is no present phase: the previous one was reported.
     if let Some(phase) = integration.phase() {
         // It ends all the same.
         let _ = observer.phase(&phase);

@@ -1,4 +1,4 @@
-//! What makes the steps of a run: Runge–Kutta slopes or a Taylor series.
+//! The method that makes the steps of a run: Runge–Kutta or Taylor.
 
 use super::flow::Flow;
 use super::options::{Method, Options};
@@ -8,23 +8,23 @@ use super::taylor::TaylorStepper;
 use crate::error::Error;
 use crate::ode::{Dop853, Rk4};
 
-/// What a method keeps from step to step.
+/// The state of a method between steps.
 pub(crate) enum Stepper<const N: usize, const G: usize> {
     Dop853(Slopes<N>),
     Rk4(Slopes<N>),
     Taylor(Box<TaylorStepper<N, G>>),
 }
 
-/// A piece of work that needs the flow of the mode.
+/// Work that needs the flow of the mode.
 #[derive(Clone, Copy)]
 pub(crate) enum Work {
-    /// Note which guards have left their zero.
+    /// Record which guards have left their zero.
     NoteDepartures,
-    /// Make ready for the expansion of the next series.
+    /// Prepare the expansion of the next series.
     Prepare,
     /// Try a step.
     Advance,
-    /// Make what the last step may still lack of its record.
+    /// Complete the record of the last step.
     Complete,
 }
 
@@ -45,7 +45,7 @@ impl<const N: usize, const G: usize> Stepper<N, G> {
         }
     }
 
-    /// Keeps its room and nothing else, for another orbit.
+    /// Keeps only its memory, for another orbit.
     pub(crate) fn forget(&mut self) {
         match self {
             Stepper::Dop853(slopes) | Stepper::Rk4(slopes) => slopes.begin(),
@@ -79,7 +79,7 @@ impl<const N: usize, const G: usize> Stepper<N, G> {
             (Work::Prepare, Stepper::Taylor(series)) => series.prepare(run, flow),
             (Work::Prepare, _) => {}
             (Work::Complete, Stepper::Dop853(slopes)) => slopes.complete::<Dop853, F, G>(run, flow),
-            // They have their dense output from the step itself.
+            // Taylor steps have their dense output already.
             (Work::Complete, Stepper::Rk4(_) | Stepper::Taylor(_)) => {}
             (Work::Advance, Stepper::Dop853(slopes)) => {
                 return slopes.advance::<Dop853, F, G>(run, flow);

@@ -1,4 +1,4 @@
-//! Where a run goes from a point of Σ: pure functions of mode and fate.
+//! The mode that follows a point of Σ: pure functions of mode and fate.
 
 use super::flow::GUARDS;
 use super::observer::TransitionKind;
@@ -6,8 +6,7 @@ use super::options::AtRepelling;
 use super::rules::{Departure, Fate};
 use crate::system::{Mode, Side};
 
-/// The mode that follows, and how many derivatives of each of its guards vanish at the start; `None` where Σ repels and no side
-/// was chosen.
+/// The mode that follows, and how many derivatives of each guard vanish at the start. `None` if Σ repels and no side was chosen.
 pub(super) fn next_mode(
     departure: Departure,
     at_repelling: AtRepelling,
@@ -26,7 +25,7 @@ pub(super) fn next_mode(
     }
 }
 
-/// What a change of mode is called.
+/// The kind of a change of mode.
 pub(super) fn kind(from: Mode, to: Mode) -> TransitionKind {
     match (from, to) {
         (Mode::Slip(before), Mode::Slip(after)) if before != after => TransitionKind::Crossing,

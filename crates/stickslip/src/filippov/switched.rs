@@ -1,4 +1,4 @@
-//! A system as the integration sees it: smooth flows, one to a mode, and where a run goes where one of them ends.
+//! A system as the integration uses it: one smooth flow for each mode, and the mode that follows when a flow ends.
 
 use std::fmt::Debug;
 use std::hash::Hash;
@@ -17,21 +17,18 @@ use crate::orbit::Ending;
 use crate::scalar::Scalar;
 use crate::system::State;
 
-/// A switched system: what [`crate::solve`] and [`crate::run`] take. [`crate::Filippov`] systems
-/// are of this kind, with one contact, and so is [`crate::Several`], with as many as it has;
-/// nothing else can be.
+/// A switched system: what [`crate::solve`] and [`crate::run`] take. [`crate::Filippov`] systems are switched systems of one contact, and [`crate::Several`] of several. The trait is sealed.
 ///
-/// `N` is the number of states, `G` that of the functions whose zeros end a mode: 3 for a [`crate::Filippov`] system, the number of contacts
-/// for [`crate::Several`].
+/// `N` is the number of states. `G` is the number of guards, whose zeros end a mode: 3 for a [`crate::Filippov`] system, the number of contacts for [`crate::Several`].
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no system",
     note = "implement `Filippov` for a system of one boundary; one that implements `Contacts` goes in as `Several(system)`"
 )]
 pub trait Switched<const N: usize, const G: usize> {
-    /// What the contacts do: [`crate::Mode`] for one, an array of it for several.
+    /// The mode: [`crate::Mode`] for one contact, an array of it for several.
     type Mode: Copy + Debug + PartialEq + Eq + Hash + Send + Sync;
 
-    /// What besides the mode decides the flow.
+    /// What decides the flow besides the mode.
     #[doc(hidden)]
     type Branch: Copy + Default + PartialEq + Debug + Send + Sync;
 
@@ -43,7 +40,7 @@ pub trait Switched<const N: usize, const G: usize> {
     #[doc(hidden)]
     fn branch(&self, mode: Self::Mode, at: &Timed<N>) -> Self::Branch;
 
-    /// Hands the flow of a mode to who uses it.
+    /// Passes the flow of a mode to `work`.
     #[doc(hidden)]
     fn with_flow<U: UseFlow<N>>(
         &self,
@@ -52,19 +49,19 @@ pub trait Switched<const N: usize, const G: usize> {
         user: U,
     ) -> U::Output;
 
-    /// The field of a mode in which all contacts slip. It is one that takes little to compile for one more kind of number.
+    /// The field of a mode in which all contacts slip. It compiles quickly for a further number type.
     #[doc(hidden)]
     fn slip_field<T: Scalar>(&self, mode: Self::Mode, t: T, x: &[T; N]) -> Option<[T; N]>;
 
-    /// The mode at a start, and how many derivatives of each of its guards vanish there; `None` where there is no unique one.
+    /// The mode at a start, and how many derivatives of each guard vanish there; `None` if it is not unique.
     #[doc(hidden)]
     fn first_mode(&self, run: &mut Run<N, G>) -> Result<FirstMode<Self::Mode, G>, Error>;
 
-    /// What an event is that the mode goes on behind; the branch may become another one. `None` for one that ends the mode.
+    /// The kind of an event that does not end the mode; the branch may change. `None` if the event ends the mode.
     #[doc(hidden)]
     fn passed(&self, guard: usize, branch: &mut Self::Branch) -> Option<TransitionKind>;
 
-    /// Where the run goes from the end of a mode; the branch may become another one.
+    /// The mode that follows the end of a mode; the branch may change.
     #[doc(hidden)]
     fn switch(
         &self,
@@ -74,20 +71,19 @@ pub trait Switched<const N: usize, const G: usize> {
         event: &Event<N>,
     ) -> Result<Next<Self::Mode, G>, Error>;
 
-    /// The guard whose zero has been reached where a step has become too short for the time, if that is why.
+    /// The guard whose zero made a step too short for the time, if one did.
     #[doc(hidden)]
     fn guard_at_collapse(&self, _run: &Run<N, G>, _mode: Self::Mode) -> Option<usize> {
         None
     }
 
-    /// The ending that transitions pile up in, if it is one of its own.
+    /// The ending in which transitions pile up, if the system has one of its own.
     #[doc(hidden)]
     fn ending_of_pile_up(&self, _run: &Run<N, G>, _mode: Self::Mode) -> Option<Ending> {
         None
     }
 
-    /// How the run goes on from near the point `at`, where transitions of these contacts accumulate,
-    /// with all of them in stick; `None` where they do not all hold there.
+    /// How the run continues from near the point `at`, where transitions of these contacts accumulate, with all of them in stick. `None` if they cannot all hold there.
     #[doc(hidden)]
     fn rest(
         &self,
@@ -97,11 +93,11 @@ pub trait Switched<const N: usize, const G: usize> {
         at: &Timed<N>,
     ) -> Option<Rest<Self::Mode, Self::Branch, N, G>>;
 
-    /// The guard whose zero a transition is, where the field jumps there: the transition then changes tangent vectors.
+    /// The guard whose zero is the transition, if the field jumps there: then the transition changes tangent vectors.
     #[doc(hidden)]
     fn jumps_at(&self, at: &Transition<N, Self::Mode>) -> Option<usize>;
 
-    /// Whether no second contact comes to zero in the same instant, so that the flow has a derivative there.
+    /// Whether no second contact reaches zero at the same time, so that the flow has a derivative.
     #[doc(hidden)]
     fn is_one_at_a_time(&self, _at: &Transition<N, Self::Mode>) -> bool {
         true
@@ -113,11 +109,11 @@ pub trait Switched<const N: usize, const G: usize> {
         0
     }
 
-    /// What a change of mode is called, and the first contact whose mode changes.
+    /// The kind of a change of mode, and the first contact whose mode changes.
     #[doc(hidden)]
     fn change(from: Self::Mode, to: Self::Mode) -> (TransitionKind, usize);
 
-    /// The mode that a run is said to be in which ends where it starts, since nothing decides its future there.
+    /// The mode reported for a run that ends at its start because its future is not unique.
     #[doc(hidden)]
     const UNDECIDED: Self::Mode;
 
@@ -133,7 +129,7 @@ pub trait Switched<const N: usize, const G: usize> {
     #[doc(hidden)]
     fn any_sticks(mode: Self::Mode) -> bool;
 
-    /// How many contacts there are.
+    /// Number of contacts.
     #[doc(hidden)]
     const CONTACTS: usize;
 
@@ -141,7 +137,7 @@ pub trait Switched<const N: usize, const G: usize> {
     #[doc(hidden)]
     fn erased(mode: Self::Mode, contacts: usize) -> Modes;
 
-    /// The mode again; a contact beyond those known slips above.
+    /// The mode from the modes of contacts; contacts that are not listed slip above.
     #[doc(hidden)]
     fn restored(modes: Modes) -> Self::Mode;
 }
@@ -149,11 +145,11 @@ pub trait Switched<const N: usize, const G: usize> {
 /// The mode at a start, and how many derivatives of each of its guards vanish there, if there is a unique one.
 pub type FirstMode<K, const G: usize> = Option<(K, [usize; G])>;
 
-/// Where a run goes from the end of a mode.
+/// What follows the end of a mode.
 pub enum Next<K, const G: usize> {
     /// Into a mode.
     Mode(Switch<K, G>),
-    /// Nowhere: its future is not unique.
+    /// Nothing: the future is not unique.
     End(Ending),
 }
 
@@ -177,7 +173,7 @@ pub struct Rest<K, B, const N: usize, const G: usize> {
     pub contact: usize,
 }
 
-/// Something done with the flow of a mode.
+/// Work with the flow of a mode.
 pub trait UseFlow<const N: usize> {
     type Output;
     fn with<F: Flow<N>>(self, flow: &F) -> Self::Output;
@@ -195,7 +191,7 @@ impl<T: Scalar, const N: usize> UseFlow<N> for Velocity<'_, T, N> {
     }
 }
 
-/// Onto the set that the flow lives on.
+/// Projects a state onto the manifold of the flow.
 pub(crate) struct Settled<const N: usize>(pub Timed<N>);
 
 impl<const N: usize> UseFlow<N> for Settled<N> {
@@ -207,8 +203,7 @@ impl<const N: usize> UseFlow<N> for Settled<N> {
     }
 }
 
-/// Whether the guard of an event vanishes there, to the tolerance. It does not where it jumps:
-/// at a kink of a boundary, say.
+/// Whether the guard of an event vanishes there, to the tolerance. It does not where the guard jumps, as at a kink of a boundary.
 pub(crate) struct Vanishes<'a, const N: usize>(pub &'a Event<N>, pub &'a Options);
 
 impl<const N: usize> UseFlow<N> for Vanishes<'_, N> {

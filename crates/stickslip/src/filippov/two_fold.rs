@@ -8,12 +8,12 @@ use super::rules::{LieDerivatives, Visibility};
 use super::run::{Run, SHORTEST};
 use crate::system::{Filippov, Mode, Side, State, components};
 
-/// How an orbit has come to a two-fold.
+/// How an orbit has reached a two-fold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Approach {
     /// By sliding on Σ.
     Sliding,
-    /// By crossings that follow each other ever faster.
+    /// By crossings that accumulate.
     Crossings,
 }
 
@@ -24,7 +24,7 @@ pub struct TwoFold {
     pub below: Visibility,
     /// How the field above is.
     pub above: Visibility,
-    /// How the orbit came there.
+    /// How the orbit reached it.
     pub approach: Approach,
 }
 
@@ -38,16 +38,13 @@ impl TwoFold {
     }
 }
 
-/// A two-fold that an orbit reaches within about this time has been reached: near it the sliding field changes as fast as its direction
-/// does, and no step resolves it.
+/// A two-fold that an orbit reaches within about this time counts as reached. Near it the sliding field changes as fast as its direction, and no step resolves it.
 const NEAR: f64 = 5e-7;
 
-/// At a two-fold the fields differ by so many times more than their normal components do: elsewhere they agree, and Σ is nothing to the
-/// orbit, as where friction has no normal force.
+/// At a two-fold the fields differ by more than this factor times their normal components. Otherwise the fields agree and Σ has no effect, as where friction has no normal force.
 const APART: f64 = 10.0;
 
-/// The two-fold at which an orbit stands, if it does: from either side the fields' own orbits are tangent to Σ within that time.
-/// It is reached by sliding if the orbit has been sliding for longer than that, and by crossings if not.
+/// The two-fold at the present state, if there is one: the orbits of both fields are tangent to Σ within that time. It is reached by sliding if the orbit has slid for longer than that, else by crossings.
 pub(super) fn two_fold<S: Filippov<N>, const N: usize, const G: usize>(
     system: &S,
     run: &Run<N, G>,
@@ -63,7 +60,7 @@ pub(super) fn two_fold<S: Filippov<N>, const N: usize, const G: usize>(
     let kind = |side: Side| {
         let lie = LieDerivatives::new(system, side, at.t, &at.x, 0.0);
         let is_tangent = lie.values[1].abs() <= lie.values[2].abs() * within;
-        // Where the second derivative vanishes as well it is no two-fold but something worse.
+        // If the second derivative vanishes as well, the point is more degenerate than a two-fold.
         let kind = lie.visibility(side);
         (is_tangent && kind != Visibility::Degenerate).then_some(kind)
     };

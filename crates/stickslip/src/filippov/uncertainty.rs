@@ -1,26 +1,25 @@
-//! How well a guard can be known at a state.
+//! The uncertainty of a guard at a state.
 
 use crate::dual::Dual;
 
 use super::flow::Flow;
 use crate::ode::{Timed, Tolerance};
 
-/// How well guard `i` is known at a state, given how well the state is: by the tolerance of the integration, and by
-/// rounding alone.
+/// Uncertainty of guard `i` at a state, from that of the state: by the tolerance of the integration, and by rounding alone.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Uncertainty {
     pub by_tolerance: f64,
     pub by_rounding: f64,
 }
 
-/// Part of what the tolerance blurs below which a guard is taken as zero: events are located a thousand times better than steps are made.
+/// Fraction of the tolerance's effect below which a guard is zero: events are located a thousand times more precisely than steps.
 const OF_TOLERANCE: f64 = 1e-3;
 
-/// A series that is so many tolerances off its function is not that function's.
+/// A series that differs from its function by so many tolerances does not represent it.
 const FAR_OFF: f64 = 30.0;
 
 impl Uncertainty {
-    /// The size beyond which a guard is off its series.
+    /// The size beyond which a guard differs from its series.
     pub(crate) fn far_off(&self) -> f64 {
         self.by_rounding + FAR_OFF * self.by_tolerance
     }
@@ -30,13 +29,13 @@ impl Uncertainty {
         self.by_rounding + OF_TOLERANCE * self.by_tolerance
     }
 
-    /// What one unit in the last place of state and time makes.
+    /// The effect of one unit in the last place of state and time.
     pub(crate) fn of_one_unit(&self) -> f64 {
         self.by_rounding / ULPS
     }
 }
 
-/// Units in the last place by which rounding is taken to blur state and time.
+/// Rounding of state and time, in units in the last place.
 pub(crate) const ULPS: f64 = 64.0;
 
 pub(crate) fn uncertainty<F: Flow<N>, const N: usize>(
@@ -49,7 +48,7 @@ pub(crate) fn uncertainty<F: Flow<N>, const N: usize>(
     one
 }
 
-/// The same of all guards, in a room for `G`.
+/// The same of all `G` guards.
 pub(crate) fn uncertainties<F: Flow<N>, const N: usize, const G: usize>(
     flow: &F,
     at: &Timed<N>,
@@ -68,7 +67,7 @@ fn blur<const N: usize, const G: usize>(
         by_tolerance: 0.0,
         by_rounding: 0.0,
     }; G];
-    // Direction N is time, which no tolerance blurs.
+    // Direction N is time, which the tolerance does not affect.
     for direction in 0..=N {
         let seed = |at: usize| f64::from(u8::from(at == direction));
         let x = std::array::from_fn(|k| Dual::new(at.x[k], seed(k)));

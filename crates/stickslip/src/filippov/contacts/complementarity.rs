@@ -1,33 +1,31 @@
-//! Which of the contacts that stand at zero hold, and to which side the others leave.
+//! Decides which of the contacts at zero hold, and to which side the others leave.
 //!
-//! A contact holds with a share of the field above between 0 and 1, or leaves above with share 1, or below with share 0: with rates
-//! that are affine in the shares a linear complementarity problem with bounds (Pfeiffer & Glocker, *Multibody Dynamics with Unilateral
-//! Contacts*, 1996, Ch. 8).
+//! A contact holds with a weight of the field above between 0 and 1, or leaves above with weight 1, or below with weight 0. With rates that are affine in the weights this is a linear complementarity problem with bounds (Pfeiffer & Glocker, *Multibody Dynamics with Unilateral Contacts*, 1996, Ch. 8).
 
 use super::Contacts;
 use super::equations::{has_positive_pivots, principal_minor, solve};
 use super::joint::{Affine, Joint, rates};
 use crate::system::{Mode, Side, State, components};
 
-/// More contacts than this are not tried in all combinations: three to their number.
+/// Up to so many contacts, all combinations are tried: three to their number.
 const MOST_TRIED: usize = 8;
 
-/// More contacts than this are not looked at for every principal minor: two to their number.
+/// Up to so many contacts, every principal minor is computed: two to their number.
 const MOST_MINORS: usize = 16;
 
-/// Changes for each contact after which the least-index method is taken to go in circles.
+/// Number of changes for each contact after which the least-index method counts as cycling.
 const MOST_CHANGES: usize = 64;
 
-/// Part of the terms that a rate is summed from below which it is rounding.
+/// A rate below this fraction of its summands is rounding.
 const ROUNDING: f64 = 1e-13;
 
-/// Part of what friction can do to a rate below which an iteration has brought it to zero.
+/// An iterated rate below this fraction of the effect of friction is zero.
 const CONVERGED: f64 = 1e-9;
 
-/// What comes of a contact that stands at zero.
+/// The outcome of a contact at zero.
 pub(super) type Outcome = Mode;
 
-/// Every consistent set of outcomes for the contacts that `joint` has hold, in their order; `None` where there are too many to be tried.
+/// Every consistent set of outcomes for the holding contacts of `joint`, in their order; `None` if there are too many to try.
 pub(super) fn solutions<S: Contacts<N, M>, const N: usize, const M: usize>(
     joint: &Joint<'_, S, M>,
     modes: &[Mode; M],
@@ -76,7 +74,7 @@ fn all<const M: usize>(
     Some(found)
 }
 
-/// Whether the outcomes agree with the rates and shares of a multi-affine combination.
+/// Whether the outcomes agree with the rates and weights of a multi-affine combination.
 fn is_consistent<S: Contacts<N, M>, const N: usize, const M: usize>(
     joint: &Joint<'_, S, M>,
     modes: &[Mode; M],
@@ -93,7 +91,7 @@ fn is_consistent<S: Contacts<N, M>, const N: usize, const M: usize>(
     let x = components(x);
     let combination = joint_then.combination(t, x);
     let rates = rates(joint.system, (t, 1.0), x, &combination.field);
-    // What friction can do to the rate of each, for the size of one that has not vanished.
+    // The effect of friction on each rate, as the scale of a rate that has not vanished.
     let slopes = joint.affine(t, x).slopes;
     let size = |i: usize| slopes[i].iter().map(|slope| slope.abs()).sum::<f64>();
     let shares = &combination.shares[..joint_then.count];
@@ -113,11 +111,10 @@ fn is_consistent<S: Contacts<N, M>, const N: usize, const M: usize>(
             })
 }
 
-/// Whether a matrix is positive definite once each column is scaled by how strong friction is there: what one contact does to another
-/// differs from what that does to it by the ratio of their strengths.
+/// Whether a matrix is positive definite after each column is scaled by the strength of friction there. The effects of two contacts on each other differ by the ratio of their strengths.
 fn is_definite<const M: usize>(matrix: &[[f64; M]; M], count: usize) -> bool {
     let mut strengths = [0.0; M];
-    // Along the couplings, from one contact of every group that hangs together.
+    // Along the couplings, from one contact of every connected group.
     for first in 0..count {
         if strengths[first] != 0.0 {
             continue;
@@ -143,7 +140,7 @@ fn is_definite<const M: usize>(matrix: &[[f64; M]; M], count: usize) -> bool {
     has_positive_pivots(&symmetric, count)
 }
 
-/// Rates at the contacts, in their order, as affine functions of the shares.
+/// Rates at the contacts, in their order, as affine functions of the weights.
 struct Problem<const M: usize> {
     count: usize,
     rates: [f64; M],
@@ -164,9 +161,7 @@ impl<const M: usize> Problem<M> {
         problem
     }
 
-    /// Whether friction resists so that every problem with these slopes has one solution: all principal minors of their negative are
-    /// positive (a P-matrix; Samelson, Thrall & Wesler, *Proc. AMS* 9 (1958) 805). Of a matrix that is definite they all are: Coulomb's
-    /// friction is decided by that, whatever the number of contacts.
+    /// Whether every problem with these slopes has exactly one solution: all principal minors of their negative are positive (a P-matrix; Samelson, Thrall & Wesler, *Proc. AMS* 9 (1958) 805). A definite matrix is one, which decides Coulomb friction for any number of contacts.
     fn has_one_solution(&self) -> bool {
         let mut resistance = self.slopes;
         for value in resistance.iter_mut().flatten() {
@@ -188,7 +183,7 @@ impl<const M: usize> Problem<M> {
             })
     }
 
-    /// Shares and rates with these outcomes.
+    /// Weights and rates with these outcomes.
     fn shares_and_rates(&self, outcomes: &[Outcome; M]) -> ([f64; M], [f64; M]) {
         let mut shares = [0.0; M];
         let mut holding = [0; M];
@@ -240,9 +235,7 @@ impl<const M: usize> Problem<M> {
         ROUNDING * size
     }
 
-    /// The outcome that a contact would rather have; its own where it is consistent. To rounding it
-    /// holds: the derivatives behind decide then. What a share lacks is held against the rate that
-    /// the contact would have in slip, so that rounding does not let it go and hold it by turns.
+    /// The outcome that is consistent for a contact, given the others; its own if that is consistent. Within rounding it holds, and higher derivatives decide. A missing weight is compared with the rate of the contact in slip, so that rounding does not release and hold it in turns.
     fn wanted(&self, i: usize, outcome: Outcome, shares: &[f64; M], rate: f64) -> Outcome {
         let floor = self.floor(i, shares);
         let most = floor / self.slopes[i][i].abs();
@@ -254,8 +247,7 @@ impl<const M: usize> Problem<M> {
         }
     }
 
-    /// The solution, by changing one contact at a time, the first that is inconsistent (Murty's least-index method; with bounds
-    /// Júdice & Pires, *J. Oper. Res. Soc.* 43 (1992) 1087).
+    /// The solution by changing one contact at a time, the first that is inconsistent (Murty's least-index method; with bounds Júdice & Pires, *J. Oper. Res. Soc.* 43 (1992) 1087).
     fn by_least_index(&self) -> Option<[Outcome; M]> {
         let mut outcomes = [Mode::Stick; M];
         for _ in 0..MOST_CHANGES * self.count {

@@ -1,4 +1,4 @@
-//! From a point where contacts stand at zero to the mode that follows.
+//! Decides the mode that follows a point where contacts are at zero.
 
 use super::Contacts;
 use super::complementarity::solutions;
@@ -12,43 +12,42 @@ use crate::filippov::uncertainty::{ULPS, Uncertainty, uncertainties};
 use crate::ode::Timed;
 use crate::system::{Mode, Side, components};
 
-/// Friction that two contacts share to less than this part of what each does adds.
+/// If two contacts share less than this fraction of their friction, their frictions add.
 const COUPLING: f64 = 1e-9;
 
-/// Boundaries whose gradients span a volume smaller than this part of the largest are one and the same.
+/// Boundaries whose gradients span a volume below this fraction of the largest coincide.
 const DEPENDENT: f64 = 1e-12;
 
 /// A point at which a mode is decided.
 pub(super) struct Decision<'a, S, const N: usize, const M: usize> {
     pub(super) system: &'a S,
     pub(super) at: Timed<N>,
-    /// The mode before, and the modes of the contacts that are known.
+    /// The mode before, and the modes of the contacts that are decided already.
     pub(super) before: [Mode; M],
     pub(super) modes: [Mode; M],
-    /// Those that stand at zero and are to be decided.
+    /// The contacts at zero that are to be decided.
     pub(super) open: [bool; M],
-    /// One that has just been released, at the end of what could hold it.
+    /// A contact that has just reached the limit of what can hold it.
     pub(super) released: Option<usize>,
 }
 
-/// How the motion of a contact begins from zero.
+/// How a contact starts to move from zero.
 enum Start {
     /// So many derivatives of its guard vanish.
     Order(usize),
-    /// It does not begin so: the contact does this instead.
+    /// It does not: the contact has this outcome instead.
     Instead(Mode),
 }
 
-/// What is known of a motion where it begins, by contact.
+/// Derivatives of a motion at its beginning, for each contact.
 struct Beginning<const M: usize> {
-    /// Of the guards along the motion.
+    /// Lie derivatives of the guards along the motion.
     derivatives: [LieDerivatives; M],
     blurs: [Uncertainty; M],
 }
 
 impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
-    /// The mode that follows, and how many derivatives of each guard vanish: none of those of contacts that are not decided, which
-    /// are off zero.
+    /// The mode that follows, and how many derivatives of each guard vanish. Contacts that are not to be decided are away from zero: none of theirs vanish.
     pub(super) fn mode(mut self, run: &mut Run<N, M>) -> Result<([Mode; M], [usize; M]), Error> {
         let decided: Vec<usize> = (0..M)
             .filter(|&i| self.open[i] || self.released == Some(i))
@@ -56,8 +55,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         self.check(&decided)?;
         for &i in &decided {
             if !self.can_hold(i) {
-                // Its own side does nothing to its rate: it goes where the motion of the others
-                // leads.
+                // Its own side has no effect on its rate: it moves as the others lead it.
                 self.open[i] = false;
                 if self.modes[i] == Mode::Stick {
                     self.modes[i] = Mode::Slip(Side::Above);
@@ -65,7 +63,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
             }
         }
         self.complement(run)?;
-        // A contact whose share or rate vanishes to rounding is decided by the next derivative. Each may change the others' once.
+        // A contact whose weight or rate vanishes to rounding is decided by the next derivative. Each may change the others once.
         for _ in 0..=2 * M {
             let mut orders = [0; M];
             let mut change = None;
@@ -85,7 +83,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
             };
             self.modes[i] = mode;
             if !self.can_hold(i) {
-                // Across it the others may be loaded otherwise.
+                // Across it the loads of the others may change.
                 for &j in &decided {
                     self.open[j] = self.released != Some(j) && self.can_hold(j);
                 }
@@ -95,8 +93,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         Err(self.unsolved(&decided, &[]))
     }
 
-    /// Solves the complementarity problem of the contacts to be decided. With more friction at rest than in motion a contact that is let go
-    /// loads the others anew, which are decided again.
+    /// Solves the complementarity problem of the contacts to be decided. With static above kinetic friction, a released contact changes the loads of the others, which are decided again.
     fn complement(&mut self, run: &mut Run<N, M>) -> Result<(), Error> {
         while self.open.contains(&true) {
             let mut tried = self.modes;
@@ -134,10 +131,10 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         Ok(())
     }
 
-    /// What is known of the motion in the mode decided.
+    /// Derivatives of the motion in the decided mode.
     fn beginning(&self, run: &mut Run<N, M>, joint: &Joint<'_, S, M>) -> Beginning<M> {
         let Timed { t, x } = self.at;
-        // Four passes through the field and one for the blur, in each direction.
+        // Four passes through the field, and one for the rounding in each direction.
         run.counters.field_calls += joint.field_calls() * 5 * (N as u64 + 1);
         Beginning {
             derivatives: LieDerivatives::along(t, &x, run.slack(), |t, x| {
@@ -148,8 +145,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         }
     }
 
-    /// How the motion of a contact in the mode decided begins: by the first derivative of its guard that does not vanish. Where none is left it
-    /// holds; what is known of one contact, that it may rest on one side there, is not asked.
+    /// How a contact starts to move in the decided mode, by the first derivative of its guard that does not vanish. If all vanish, it holds. An equilibrium on one side, which one contact may have, is not considered.
     fn start(&self, joint: &Joint<'_, S, M>, beginning: &Beginning<M>, i: usize) -> Start {
         let Timed { t, x } = self.at;
         let derivatives = &beginning.derivatives[i];
@@ -160,13 +156,13 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
                 (order, _) => Start::Order(order.min(3)),
             },
             Mode::Slip(_) => {
-                // What could hold it has just reached its end: the rate is zero, whatever rounding says of it.
+                // Its holding has just reached its limit: the rate is zero, whatever its rounding.
                 let is_tangent = self.released == Some(i)
                     && !self.has_static_friction(i)
                     && (0..M).all(|j| j == i || self.modes[j] == self.before[j]);
                 match (derivatives.leading(is_tangent), self.modes[i]) {
                     ((order, sign), _) if sign > 0.0 => Start::Order(order),
-                    // It stays where it is.
+                    // It stays.
                     ((_, 0.0), _) if !self.can_hold(i) => Start::Order(3),
                     (_, Mode::Slip(side)) if !self.can_hold(i) => {
                         Start::Instead(Mode::Slip(side.opposite()))
@@ -177,14 +173,14 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         }
     }
 
-    /// How far the rates of a contact lie apart with it below and above: twice what friction can do to it, at rest or in slip.
+    /// Difference of a contact's rates below and above: twice the effect of friction on it, at rest or in slip.
     fn friction(&self, i: usize, at_rest: bool) -> f64 {
         let mut rests = [false; M];
         rests[i] = at_rest;
         self.friction_with(i, &rests)
     }
 
-    /// The corners about the present mode in which these contacts are on either side, and the others that hold below.
+    /// The corners around the present mode: these contacts on either side, the other holding contacts below.
     fn corners_of(&self, contacts: &[usize]) -> Joint<'_, S, M> {
         let mut modes = self.modes.map(|mode| match mode {
             Mode::Stick => Mode::Slip(Side::Below),
@@ -196,8 +192,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         Joint::new(self.system, &modes)
     }
 
-    /// Whether the side of a contact does anything to its own rate. That of a place does not, where
-    /// only velocities jump.
+    /// Whether the side of a contact affects its own rate. It does not for a boundary in position, where only velocities jump.
     fn can_hold(&self, i: usize) -> bool {
         self.friction(i, true) != 0.0
     }
@@ -209,13 +204,13 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         -affine.slopes[i][0]
     }
 
-    /// Whether more friction holds a contact than brakes it in slip.
+    /// Whether a contact's friction at rest exceeds that in slip.
     pub(super) fn has_static_friction(&self, i: usize) -> bool {
         let (at_rest, in_slip) = (self.friction(i, true), self.friction(i, false));
         (at_rest - in_slip).abs() > SAME * in_slip.abs()
     }
 
-    /// Whether the contacts to be decided make a problem that means something.
+    /// Checks that the contacts to be decided form a well-posed problem.
     fn check(&self, contacts: &[usize]) -> Result<(), Error> {
         let Timed { t, x } = self.at;
         let dependent = |contacts: &[usize]| Error::DependentContacts {
@@ -273,7 +268,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         Ok(())
     }
 
-    /// Whether the friction of two contacts adds: what one does to the field does not depend on the side of the other.
+    /// Whether the frictions of two contacts add: the effect of one does not depend on the side of the other.
     fn adds_up(&self, i: usize, j: usize) -> bool {
         let joint = self.corners_of(&[i, j]);
         let corner = |above: [bool; 2]| {
@@ -284,7 +279,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         (0..N).all(|k| {
             let step = (none[k] - first[k]).abs() + (none[k] - second[k]).abs();
             let size = none[k].abs() + both[k].abs();
-            // What forces that cancel leave is rounding of the forces; one that depends on another's side is of its size.
+            // Forces that cancel leave their rounding; a real dependence on the other side has the size of the forces.
             let allowed = COUPLING * step + ULPS * f64::EPSILON * size;
             (none[k] - first[k] - second[k] + both[k]).abs() <= allowed
         })

@@ -4,9 +4,7 @@ use crate::scalar::Scalar;
 
 /// Solves `a x = b` for the first `count` unknowns, in place; `b` becomes `x`.
 ///
-/// Without exchanging rows, so that nothing is decided by value and series stay series. The matrices here are those of contacts that
-/// resist: where every problem of theirs has one solution all principal minors have one sign (Samelson, Thrall & Wesler 1958), and then no
-/// pivot vanishes.
+/// Rows are not exchanged, so that no value decides and series stay series. If every problem of these contacts has one solution, all principal minors have one sign (Samelson, Thrall & Wesler 1958). Then no pivot vanishes.
 #[inline(always)]
 pub(super) fn solve<T: Scalar, const M: usize>(a: &mut [[T; M]; M], b: &mut [T; M], count: usize) {
     for k in 0..count {

@@ -9,43 +9,41 @@ use crate::ode::{Linear, Timed};
 use crate::scalar::Scalar;
 use crate::system::{Mode, Side, State, components};
 
-/// Newton's iterations for a multi-affine combination, from the affine one's solution: each squares the error, in every coefficient of a
-/// series, too.
+/// Number of Newton iterations for a multi-affine combination, from the affine solution. Each squares the error, also in every coefficient of a series.
 const NEWTON: usize = 7;
 
-/// Contacts that hold or slip, and the field that comes of it. Guard `i` is contact `i`'s: its boundary function with the sign of its side
-/// where it slips, `w (1 − w)` with `w` the share of the field above where it holds.
+/// Contacts that hold or slip, and the resulting field. Guard `i` belongs to contact `i`. In slip it is the boundary function times the sign of the side. In stick it is `w (1 − w)` with `w` the weight of the field above.
 #[derive(Clone, Copy)]
 pub(super) struct Joint<'a, S, const M: usize> {
     pub(super) system: &'a S,
-    /// The sides of those that slip; below for the others.
+    /// The sides of the slipping contacts; below for the others.
     sides: [Side; M],
     holds: [bool; M],
     /// Contacts whose friction is static.
     at_rest: [bool; M],
-    /// Those that hold, in front.
+    /// The holding contacts, first in the list.
     held: [usize; M],
     pub(super) count: usize,
-    /// Whether they share what loads them; see [`Joint::shared`].
+    /// Whether they share their loads; see [`Joint::shared`].
     shares_load: bool,
 }
 
-/// The combination of fields that keeps the contacts that hold where they are.
+/// The combination of fields that keeps the holding contacts on their boundaries.
 pub(super) struct Combination<T, const N: usize, const M: usize> {
     pub(super) field: [T; N],
-    /// The share of the field above, of every contact that holds, in the order of these.
+    /// The weight of the field above for every holding contact, in their order.
     pub(super) shares: [T; M],
 }
 
-/// The fields of the corners around one: linear in the shares.
+/// The fields of the corners around one corner: linear in the weights.
 pub(super) struct Affine<T, const N: usize, const M: usize> {
-    /// The field with all that hold below.
+    /// The field with all holding contacts below.
     base: [T; N],
-    /// What each adds when it is above, in the order of those that hold.
+    /// The difference that each holding contact makes above, in their order.
     pub(super) changes: [[T; N]; M],
     /// Rates of all boundary functions along the base.
     pub(super) rates: [T; M],
-    /// `slopes[j][i]`: how the rate of the `j`-th of all boundary functions changes with the share of the `i`-th that holds.
+    /// `slopes[j][i]`: change of the rate of the `j`-th boundary function with the weight of the `i`-th holding contact.
     pub(super) slopes: [[T; M]; M],
 }
 
@@ -101,7 +99,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         self
     }
 
-    /// The same with contacts that share what loads them, or each with its own.
+    /// The same with contacts that share their loads, or each with its own.
     #[inline(always)]
     pub(super) fn with_shared_load(mut self, shared: bool) -> Self {
         self.shares_load = shared;
@@ -113,7 +111,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         &self.held[..self.count]
     }
 
-    /// The field with the contacts that hold above where `above` says so.
+    /// The field with holding contacts above where `above` says so.
     #[inline(always)]
     pub(super) fn corner<T: Scalar, const N: usize>(
         &self,
@@ -130,7 +128,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
                 sides[contact] = Side::Above;
             }
         }
-        // In slip it is the field itself that counts, whatever the system says with none at rest.
+        // In slip the field itself counts, whatever `holding` gives with no contact at rest.
         if self.at_rest.contains(&true) {
             self.system.holding(&sides, &self.at_rest, t, x)
         } else {
@@ -166,7 +164,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         affine
     }
 
-    /// The combination that is tangent to the boundaries of all that hold.
+    /// The combination that is tangent to the boundaries of all holding contacts.
     #[inline(always)]
     pub(super) fn combination<T: Scalar, const N: usize>(
         &self,
@@ -197,7 +195,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         self.combined(affine, shares)
     }
 
-    /// The combination with these shares.
+    /// The combination with these weights.
     #[inline(always)]
     fn combined<T: Scalar, const N: usize>(
         &self,
@@ -214,11 +212,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         Combination { field, shares }
     }
 
-    /// The combination in which contacts hold together of which some have no force on their own
-    /// rates, as a place and the velocity there: such a rate is zero and stays so by what the others
-    /// hold. The shares are not determined by that. Of all there are those nearest to the middle are
-    /// taken, each measured by what its contact can do, so that one contact alone is never at its
-    /// limit while others that act on the same rate are not.
+    /// The combination for holding contacts of which some do not affect their own rates, as a position and its velocity: such a rate is zero and stays so by the others. The weights are then not determined. Those nearest to the middle are taken, each scaled by its contact's strength. So no contact alone reaches its limit while others that act on the same rate do not.
     #[inline(never)]
     fn shared<T: Scalar, const N: usize>(&self, affine: Affine<T, N, M>) -> Combination<T, N, M> {
         let held = self.held();
@@ -241,7 +235,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
                     matrix[j][k] = matrix[j][k] + weighted * affine.slopes[column][place];
                 }
             }
-            // A rate that no contact acts on is left as it is.
+            // A rate that no contact affects is left as it is.
             let inverse = T::one().divided_or(matrix[j][j], 0.0);
             matrix[j][j] = T::one().divided_or(inverse, 1.0);
         }
@@ -256,7 +250,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         self.combined(affine, shares)
     }
 
-    /// Whether all that hold at a point can, and stay on their boundaries there.
+    /// Whether all holding contacts can hold at a point and stay on their boundaries.
     pub(super) fn rests<const N: usize>(&self, at: &Timed<N>, slack: f64) -> bool
     where
         S: Contacts<N, M>,
@@ -290,7 +284,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         })
     }
 
-    /// One step of Newton's iteration for the shares of a multi-affine combination.
+    /// One Newton step for the weights of a multi-affine combination.
     #[inline(never)]
     fn newton<T: Scalar, const N: usize>(&self, t: T, x: &[T; N], shares: &mut [T; M])
     where
@@ -313,7 +307,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         }
     }
 
-    /// The multi-affine combination of all corners, and its derivative in every share.
+    /// The multi-affine combination of all corners, and its derivative in every weight.
     #[inline(never)]
     fn multi_affine<T: Scalar, const N: usize>(
         &self,
@@ -329,7 +323,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         for corner in 0..1_usize << self.count {
             let is_above = |place: usize| corner >> place & 1 == 1;
             let value = self.corner(is_above, t, x);
-            // The weight of the corner without the factors of one contact, or of none.
+            // The corner's coefficient without the factor of one contact, or of none.
             let weight = |without: Option<usize>| {
                 let mut weight = T::one();
                 for place in (0..self.count).filter(|&place| Some(place) != without) {
@@ -353,7 +347,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         (field, changes)
     }
 
-    /// The place of a contact among those that hold.
+    /// The index of a contact among the holding ones.
     #[inline(always)]
     fn place(&self, contact: usize) -> usize {
         self.held()
@@ -362,7 +356,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
             .unwrap_or(0)
     }
 
-    /// The side whose friction a contact that holds is nearest to.
+    /// The side whose friction a holding contact is nearest to.
     pub(super) fn nearest_side<const N: usize>(&self, contact: usize, t: f64, x: &State<N>) -> Side
     where
         S: Contacts<N, M>,
@@ -433,7 +427,7 @@ pub(super) fn gradients<S: Contacts<N, M>, const N: usize, const M: usize>(
     gradients
 }
 
-/// The numbers of the first 64 contacts, of which a system takes its own.
+/// The numbers of the first 64 contacts, of which a system uses the first ones.
 const NUMBERS: [usize; 64] = {
     let mut numbers = [0; 64];
     let mut i = 0;

@@ -1,4 +1,4 @@
-//! Systems of several contacts: what a user writes for one, and how they hold and release together.
+//! Systems of several contacts: the trait that a user implements, and how contacts hold and release together.
 
 mod complementarity;
 mod decision;
@@ -12,18 +12,13 @@ use crate::system::Side;
 
 /// A system of `M` contacts: a smooth field for every combination of sides, and a boundary for each contact.
 ///
-/// As with [`crate::Filippov`], which is the simpler way to write one contact, the two functions are all that is needed. Contacts that hold at
-/// the same time slide on the intersection of their boundaries, by the multi-affine combination of the fields of all sides
-/// that is tangent to each of them (Alexander & Seidman, *Houston J. Math.* 24 (1998) 545; Dieci & Lopez, *Numer. Math.* 117
-/// (2011) 779; Jeffrey, *SIAM J. Appl. Dyn. Syst.* 13 (2014) 1082). Where friction adds, it is Coulomb's law: each contact's force
-/// is what it takes to hold, up to its limit. Which contacts hold after an event is the solution of the complementarity problem of all that
-/// stand at zero; where it has none, or more than one, the run ends with an error that says so.
+/// The two functions are all that is needed, as with [`crate::Filippov`], which is simpler for one contact. Contacts that hold at the same time slide on the intersection of their boundaries. The sliding field is the multi-affine combination of the fields of all sides that is tangent to each boundary (Alexander & Seidman, *Houston J. Math.* 24 (1998) 545; Dieci & Lopez, *Numer. Math.* 117 (2011) 779; Jeffrey, *SIAM J. Appl. Dyn. Syst.* 13 (2014) 1082). If frictions add, this is Coulomb's law: each contact's force is what holding takes, up to its limit.
+/// 
+/// The complementarity problem of all contacts at zero decides which of them hold after an event. If it has no solution, or more than one, the run ends with an error.
 ///
-/// [`crate::AtRepelling`] chooses for systems of one boundary only, and only these end at two-folds and may lose their normal force
-/// ([`crate::Filippov::contact`]). Friction that couples contacts otherwise than Coulomb's is decided for at most eight that stand at zero together. Contacts
-/// whose share or rate vanishes are decided by the next derivative, one after the other in their order.
+/// [`crate::AtRepelling`] applies to systems of one boundary only. Only these end at two-folds and may lose their normal force ([`crate::Filippov::contact`]). Friction that couples contacts in other ways than Coulomb's is decided for at most eight contacts at zero together. Contacts whose weight or rate vanishes are decided by the next derivative, one after the other.
 ///
-/// Wrapped in [`Several`] it is taken by [`crate::solve`] and everything else that takes a system.
+/// Wrap it in [`Several`] for [`crate::solve`] and everything else that takes a system.
 ///
 /// ```
 /// use stickslip::{Contacts, Mode, Options, Scalar, Several, Side, solve};
@@ -54,9 +49,7 @@ use crate::system::Side;
 /// # Ok::<(), stickslip::Error>(())
 /// ```
 pub trait Contacts<const N: usize, const M: usize> {
-    /// Whether friction at one contact depends on the side of another. Where it does not, which every event checks for the contacts
-    /// that hold, an evaluation on an intersection takes one call of the field for each contact that holds and one more; where it
-    /// does, two to their number for each step of a Newton iteration.
+    /// Whether friction at one contact depends on the side of another. If not, an evaluation on an intersection takes one call of the field more than there are holding contacts; every event checks this. If so, each Newton step takes two to their number.
     const MULTI_AFFINE: bool = false;
 
     /// Whether the functions are interpreted, as [`crate::Filippov::INTERPRETED`].
@@ -65,13 +58,10 @@ pub trait Contacts<const N: usize, const M: usize> {
     /// The vector field at time `t` and state `x` with every contact on its side: dx/dt.
     fn field<T: Scalar>(&self, sides: &[Side; M], t: T, x: &[T; N]) -> [T; N];
 
-    /// The boundary functions h₁ … h_M: contact `i` is below where the `i`-th is negative, above where it is positive, and may hold where it
-    /// is zero. They may depend on time.
+    /// The boundary functions h₁ … h_M. Contact `i` is below if the `i`-th is negative, above if it is positive, and may hold if it is zero. They may depend on time.
     fn boundaries<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; M];
 
-    /// The fields whose combination holds the contacts in `held`: with static friction at these. A contact sticks as long as they can hold it,
-    /// and then slips by [`Contacts::field`]. A contact that is not in `held` has its friction of [`Contacts::field`] here, too. The default
-    /// holds by the friction of slip.
+    /// The fields whose combination holds the contacts in `held`, with static friction at these. A contact sticks as long as they can hold it, and then slips by [`Contacts::field`]. A contact that is not in `held` has its friction of [`Contacts::field`] here, too. By default the friction of slip holds.
     ///
     /// ```
     /// use stickslip::{Contacts, Mode, Options, Scalar, Several, Side, solve};

@@ -20,7 +20,7 @@ use crate::system::{Mode, Side, State, components};
 
 impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Several<S> {
     type Mode = [Mode; M];
-    /// Whether contacts that hold share what loads them, since some have no force on their own rates.
+    /// Whether holding contacts share their loads, since some do not affect their own rates.
     type Branch = bool;
     const UNDECIDED: [Mode; M] = [Mode::Stick; M];
 
@@ -61,7 +61,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
             return false;
         }
         let Affine { rates, slopes, .. } = joint.affine(at.t, components(&at.x));
-        // One that moves is not held, whatever its mode is called.
+        // A contact that moves is not held, whatever its mode.
         let rounding = ULPS * f64::EPSILON * at.x.amax().max(1.0);
         let is_moved_by_none = |&i: &usize| {
             slopes[i][..joint.count] == [0.0; M][..joint.count] && rates[i].abs() <= rounding
@@ -85,7 +85,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
         Some(self.0.field(&sides, t, x))
     }
 
-    /// Off its boundary a contact's side decides; those on it, to rounding, are decided together.
+    /// Off its boundary a contact's side decides. Contacts on their boundaries, to rounding, are decided together.
     fn first_mode(&self, run: &mut Run<N, M>) -> Result<Option<([Mode; M], [usize; M])>, Error> {
         let Timed { t, x } = run.at;
         let modes = self
@@ -198,7 +198,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
         };
         let jumps = match at.kind {
             TransitionKind::Crossing | TransitionKind::StickEntry => true,
-            // Where what holds ends as what slips begins, the fields agree.
+            // If the holding field ends as the slipping one begins, the fields agree.
             TransitionKind::StickExit | TransitionKind::Touch => {
                 changed(at).any(|i| at.from[i] != Mode::Stick || decision.has_static_friction(i))
             }
@@ -210,7 +210,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
     }
 
     fn is_one_at_a_time(&self, at: &Transition<N, [Mode; M]>) -> bool {
-        // What lets another go happens at this contact; what another does at zero of its own is a second event at the same time.
+        // A contact that is released by this one belongs to this event. Another contact at its own zero is a second event at the same time.
         let joint = Joint::new(&self.0, &at.from);
         let comes_of_this =
             |i: usize| at.from[i] == Mode::Stick && joint.guard_at(i, at.t, &at.x) > NEAR_THE_END;
@@ -267,8 +267,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
 }
 
 impl<S> Several<S> {
-    /// The mode behind an event of one contact while others share what loads them, if these hold on
-    /// whatever it does.
+    /// The mode behind an event of one contact while others share their loads, if these continue to hold in any case.
     fn beside_rest<const N: usize, const M: usize>(
         &self,
         run: &Run<N, M>,
@@ -302,7 +301,7 @@ impl<S> Several<S> {
         })
     }
 
-    /// The contacts that stand at zero: those that hold, and those whose boundary function is rounding, though they may be just leaving.
+    /// The contacts at zero: the holding ones, and those whose boundary function is rounding, though they may be just leaving.
     fn at_zero<const N: usize, const M: usize>(
         &self,
         run: &Run<N, M>,
@@ -320,7 +319,7 @@ impl<S> Several<S> {
             Mode::Slip(_) => {
                 let blur = blurs[i];
                 let [h, rate, ..] = jets[i];
-                // The time is known to rounding, and with it what the rate makes of that.
+                // The time is known to rounding, and the rate scales it.
                 let drift = ULPS * f64::EPSILON * rate.abs() * t.abs();
                 h.abs() <= blur.zero() + drift
             }
@@ -328,10 +327,10 @@ impl<S> Several<S> {
     }
 }
 
-/// Newton steps from an extrapolated point onto boundaries: each squares what it is off.
+/// Newton steps from an extrapolated point onto boundaries. Each squares the distance.
 const ONTO: usize = 3;
 
-/// A contact that holds is at its end, to what can be said of it afterwards, where what is left of its guard is less: it is 1/4 midway.
+/// A holding contact is at its limit if its guard is below this; midway the guard is 1/4.
 const NEAR_THE_END: f64 = 1e-6;
 
 /// The contacts whose mode changes.

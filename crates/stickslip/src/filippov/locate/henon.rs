@@ -1,12 +1,11 @@
-//! Landing on Σ by Hénon steps: the guard takes the place of time as the independent variable.
+//! Hénon steps onto Σ: the guard replaces time as the independent variable.
 
 use super::{Again, Limits, OnDense};
 use crate::filippov::flow::Flow;
 use crate::filippov::guard::Probe;
 use crate::ode::{Rk4, Timed};
 
-/// A rest of no more than this part of the step is short: its fifth power, which a step of order 4 is off by, is next to nothing
-/// beside the tolerance of a step of order 8.
+/// A rest below this fraction of the step is short. The error of a step of order 4 is its fifth power, negligible beside the tolerance of a step of order 8.
 const SHORT: f64 = 1e-3;
 
 impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
@@ -16,9 +15,7 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
         (again.henon_step)(&mut |at| flow.swapped(self.guard, at), from, change)
     }
 
-    /// From a state hardly off the zero, one Hénon step onto it, of order 4 where the way is short.
-    /// Another follows where the guard is curved and the first has left more than rounding. `None`
-    /// where the guard's rate could change along the way, near grazing, and where the guard jumps.
+    /// One Hénon step from a state near the zero onto it, of order 4 if the rest is short. Another follows if the guard is curved and the first leaves more than rounding. `None` near grazing, where the guard's rate could change its sign on the way, and where the guard jumps.
     pub(super) fn polish(&self, from: Probe<N>, limits: &Limits) -> Option<Probe<N>> {
         let mut best = from;
         for _ in 0..3 {
@@ -47,10 +44,7 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
         (best.rate < 0.0 && best.guard.abs() <= limits.mismatch).then_some(best)
     }
 
-    /// The paper's Hénon step from the start of the integration step, then the same from where it ends while more than
-    /// rounding is left. `None` where the swapped slope is or comes near to being singular on the way, and where an
-    /// ordinary step of that length misses Σ by more than the limit: a step chosen for the one independent variable may be
-    /// too long for the other.
+    /// The paper's Hénon step from the start of the integration step, repeated from its end while more than rounding is left. `None` if the swapped slope is nearly singular on the way. Also `None` if an ordinary step of that length misses Σ by more than the limit: a step that suits one independent variable may be too long for the other.
     pub(super) fn whole_henon_step(&self, start: Probe<N>, limits: &Limits) -> Option<Probe<N>> {
         if start.rate >= 0.0 || start.guard <= 0.0 {
             return None;
@@ -61,7 +55,7 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
             return None;
         }
         let to = self.look(to);
-        // A rate that has lost half its size on the way means a slope that has doubled: no longer one smooth step.
+        // A rate that has lost half its size means a slope that has doubled: not one smooth step.
         if to.rate >= 0.5 * start.rate || to.guard.abs() > 0.1 * start.guard {
             return None;
         }
@@ -80,7 +74,7 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
     }
 }
 
-/// Whether the guard's rate keeps its size over the way to the zero, so that the swapped slope is far from singular.
+/// Whether the guard's rate keeps its size on the way to the zero, so that the swapped slope is far from singular.
 fn steady<const N: usize>(probe: &Probe<N>) -> bool {
     let square = probe.rate * probe.rate;
     probe.rate < 0.0 && (probe.guard * probe.bend).abs() <= 0.02 * square

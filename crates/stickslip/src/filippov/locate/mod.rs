@@ -1,5 +1,4 @@
-//! Where exactly, inside a Runge–Kutta step, a guard reaches zero: the guard on the dense output says about where, steps made
-//! again to that place say exactly.
+//! Locates the zero of a guard inside a Runge–Kutta step. The dense output gives an estimate; steps repeated up to it give the exact place.
 
 mod henon;
 mod root_search;
@@ -17,10 +16,10 @@ use crate::ode::{Dense, RungeKutta, Timed, henon_step, step_end};
 use crate::system::State;
 use root_search::Search;
 
-/// A method as location uses it: rarely, so that it is not compiled into each field.
+/// A method as location uses it. Location is rare, so it is not compiled into each field.
 #[derive(Clone, Copy)]
 pub(crate) struct Again<const N: usize> {
-    /// Calls of the field that a step takes.
+    /// Calls of the field in a step.
     calls: u64,
     /// The end of a step from a time and a state, with the slope there, over a length.
     step_end: StepEnd<N>,
@@ -43,16 +42,16 @@ impl<const N: usize> Again<N> {
     }
 }
 
-/// Start of an accepted step: what re-integration from there needs.
+/// Start of an accepted step, for re-integration.
 pub(crate) struct Origin<'a, F, const N: usize> {
     pub flow: &'a F,
     pub t: f64,
     pub x: State<N>,
     pub slope: State<N>,
     pub h: f64,
-    /// The part of the step at which the run's end time is, 1 or more.
+    /// The run's end time as a part of the step, 1 or more.
     pub to_end: f64,
-    /// Whether error control does not ask for so short a step.
+    /// Whether error control would allow a longer step.
     pub is_free: bool,
     pub again: Again<N>,
     /// Calls of the user's field by location.
@@ -66,39 +65,39 @@ impl<F: Flow<N>, const N: usize> Origin<'_, F, N> {
     }
 }
 
-/// What location is held to.
+/// Tolerances of location.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Limits {
     /// Contacts no deeper than this are touches.
     pub touch: f64,
-    /// A Hénon step over a whole step and an ordinary one may differ by this much in the guard.
+    /// Allowed difference in the guard between a Hénon step over a whole step and an ordinary one.
     pub mismatch: f64,
-    /// What a guard that is zero may be off by: a unit in the last place of state and time.
+    /// Rounding of a guard at its zero: a unit in the last place of state and time.
     pub rounding: f64,
 }
 
-/// A guard over a Runge–Kutta step: its values on the dense output, its probes on steps made again.
+/// A guard over a Runge–Kutta step: its values on the dense output, its probes on repeated steps.
 pub(crate) struct OnDense<'a, F, const N: usize> {
     pub origin: &'a Origin<'a, F, N>,
     pub dense: &'a Dense<N>,
     pub guard: usize,
     /// Its zero at the start, if it has one there.
     pub start: Option<Leaving>,
-    /// Of how many parts of the step bounds have been asked.
+    /// Number of parts of the step whose bounds were computed.
     pub asked: Cell<u32>,
 }
 
-/// Bounds are asked about no more parts of a step than this.
+/// Largest number of such parts in a step.
 const MOST_ASKED: u32 = 256;
 
-/// After so many it is looked at whether they say anything.
+/// After so many, it is checked whether the bounds are of use.
 const FEW_ASKED: u32 = 4;
 
-/// Where, and in how narrow a part of the step: a function that reads values, or compares what is equal, has bounds nowhere.
+/// Where, and in how narrow a part of the step, that is checked. A function that reads values, or compares equal numbers, has no bounds.
 const GLIMPSES: [f64; 5] = [0.0, 0.0117, 0.1234, 0.5678, 0.9119];
 const GLIMPSE: f64 = 1e-9;
 
-/// Up to here a guard that is zero at the start is left to samples.
+/// Up to this part of the step, samples decide for a guard that is zero at the start.
 const LEAVING: f64 = 0.0625;
 
 impl<F: Flow<N>, const N: usize> StepGuard<N> for OnDense<'_, F, N> {
@@ -142,7 +141,7 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for OnDense<'_, F, N> {
 }
 
 impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
-    /// What bounds say of the guard between two parts of the step.
+    /// What interval bounds prove of the guard between two parts of the step.
     fn bounds(&self, from: f64, to: f64) -> Bounds {
         let asked = self.asked.get();
         let first = if self.start.is_some() { LEAVING } else { 0.0 };
@@ -150,12 +149,12 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
             return Bounds::Unknown;
         }
         if asked == 0 && !self.origin.is_free && !self.depends_on_time() {
-            // Error control has followed what the state goes through.
+            // Error control has resolved the path of the state.
             self.asked.set(MOST_ASKED);
             return Bounds::Unknown;
         }
         self.asked.set(asked + 1);
-        // That of the whole step brought us here.
+        // The bounds of the whole step were open; that is why this is called.
         if asked > 0 && self.is_clear(from.max(first), to) {
             return if from < first {
                 Bounds::Unknown
@@ -178,7 +177,7 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
         range.is_none_or(|range| range.low != range.high)
     }
 
-    /// Whether bounds say anything of it anywhere.
+    /// Whether bounds prove anything of it anywhere.
     fn is_bounded(&self) -> bool {
         GLIMPSES.iter().any(|&s| self.is_clear(s, s + GLIMPSE))
     }
@@ -218,8 +217,7 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
         }
     }
 
-    /// Locates the zero within `bracket` (parts of the step); `estimate` is where the dense output has it. `None` where the
-    /// re-integrated step has no zero in the bracket.
+    /// Locates the zero within `bracket` (parts of the step); `estimate` is the zero of the dense output. `None` if the re-integrated step has no zero in the bracket.
     pub(crate) fn locate(
         &self,
         bracket: Bracket,

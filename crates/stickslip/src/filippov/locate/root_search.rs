@@ -5,15 +5,14 @@ use crate::filippov::flow::Flow;
 use crate::filippov::guard::{Probe, StepGuard, turning_point};
 use crate::filippov::scan::Bracket;
 
-/// What the search has found.
+/// Result of the search.
 pub(super) enum Search<const N: usize> {
     Zero(Probe<N>),
     Turn(Probe<N>),
 }
 
 impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
-    /// Newton's iteration on re-integrated steps, held in a bracket by bisection. Where the guard
-    /// jumps through zero, what is found lies behind the jump.
+    /// Newton's iteration on re-integrated steps, held in a bracket by bisection. If the guard jumps through zero, the result lies behind the jump.
     pub(super) fn search(&self, bracket: Bracket, estimate: f64, rounding: f64) -> Search<N> {
         let (mut a, mut b) = (bracket.a, bracket.b);
         let end = self.probe(b);
@@ -23,7 +22,7 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
                 return Search::Turn(turn);
             }
             if turn.s <= a || turn.s > b.max(1.0) {
-                // The turning point that was found belongs to another dip than the bracket's.
+                // The turning point belongs to another dip than the bracket's.
                 return Search::Turn(turn);
             }
             b = turn.s;

@@ -1,17 +1,17 @@
-//! All places in a step where an event function changes its sign.
+//! All sign changes of an event function in a step.
 
 use super::over_step::{OverStep, Place};
 use super::{Direction, EventFunctions};
 use crate::filippov::scan::{NARROWEST, far_from_zero, first_bracket, zero_in};
 use crate::filippov::switched::Switched;
 
-/// A function at zero is looked at again a part of the step later that grows by this factor, from [`SOON`] on.
+/// A function at zero is evaluated again after a fraction of the step that grows by this factor from [`SOON`].
 const LATER: f64 = 8.0;
 
 /// 8⁻⁹: about [`NARROWEST`], and the last look is at the end of the step.
 const SOON: f64 = 1.0 / ((1_u32 << 27) as f64);
 
-/// A function whose rate takes it this many times its rounding in a step is passing through.
+/// A function is passing through zero if its rate takes it this many times its rounding in a step.
 const PASSING: f64 = 1024.0;
 
 /// Iterations allowed: bisection alone takes some fifty.
@@ -20,17 +20,17 @@ const MOST: usize = 100;
 /// The search for the sign changes of one function over one step.
 pub(super) struct Crossings<'a, S, V, K, const N: usize, const G: usize, const E: usize> {
     pub over: OverStep<'a, S, V, K, N>,
-    /// Sign that the function has had last, beyond rounding; 0 where that is not known yet.
+    /// Last sign of the function beyond rounding; 0 while unknown.
     pub side: f64,
 }
 
-/// What comes next behind a place where the function has its sign beyond rounding.
+/// What follows a point where the function has its sign beyond rounding.
 enum Next<const N: usize> {
-    /// A zero, and a place behind it where the sign is the other one, or none.
+    /// A zero, and a point behind it with the other sign, or without one.
     Crossing(Place<N>, Place<N>),
-    /// A zero of the dense output alone, which is over here.
+    /// A zero of the dense output alone, which ends here.
     Clear(Place<N>),
-    /// Nothing in this step, except at its very end.
+    /// Nothing in this step, except possibly at its end.
     End,
 }
 
@@ -39,10 +39,10 @@ where
     S: Switched<N, G>,
     V: EventFunctions<N, E>,
 {
-    /// Tells every crossing in order of time; [`Crossings::side`] is left as it is at the end.
+    /// Reports every crossing in order of time. [`Crossings::side`] is then the sign at the step's end.
     #[inline(always)]
     pub(super) fn each(&mut self, tell: &mut dyn FnMut(&Place<N>, Direction)) {
-        // Nearly every step ends here.
+        // Nearly every step returns here.
         if self.side == 0.0 || !far_from_zero(|s| self.height(s)) {
             self.search(tell);
         }
@@ -72,7 +72,7 @@ where
                 Next::End => break,
             }
         }
-        // What comes to zero at the end is told there: behind it the motion may be another one.
+        // A zero at the end is reported there: the motion behind it may be another one.
         let end = self.exact(1.0);
         if self.side * end.value < -end.blur {
             let zero = self.zero(&from, &end, 1.0);
@@ -88,13 +88,13 @@ where
         self.over.exact(s)
     }
 
-    /// The function on the dense output, positive on the side that it has had last.
+    /// The function on the dense output, positive on its last side.
     #[inline(always)]
     fn height(&self, s: f64) -> f64 {
         self.side * self.over.sampled(s)
     }
 
-    /// Whether the function has the sign that it has had last, beyond rounding.
+    /// Whether the function has its last sign, beyond rounding.
     fn is_clear(&self, place: &Place<N>) -> bool {
         self.side * place.value > place.blur
     }
@@ -109,7 +109,7 @@ where
         self.side = -self.side;
     }
 
-    /// Where a function that may be at zero is beyond rounding first; `None` where it is not in this step.
+    /// First point where a function that may be at zero is beyond rounding; `None` if there is none in this step.
     fn leaves(&self, from: &Place<N>) -> Option<Place<N>> {
         let has_left = |place: &Place<N>| place.value.abs() > place.blur;
         if has_left(from) {
@@ -134,7 +134,7 @@ where
         };
         let estimate = zero_in(height, bracket);
         let mut behind = self.exact(bracket.b);
-        // The step itself passes through zero near to where its dense output does, or not at all.
+        // The step itself passes through zero near the zero of its dense output, or not at all.
         let mut further = NARROWEST;
         while self.side * behind.value > 0.0 {
             if behind.s >= 1.0 {
@@ -173,7 +173,7 @@ where
                 b = here.s;
             }
             let newton = here.s - here.value / (here.rate * self.over.length());
-            // The next would be the same, to rounding.
+            // The next iterate would be the same, to rounding.
             if (newton - here.s).abs() <= f64::EPSILON {
                 break;
             }

@@ -1,4 +1,4 @@
-//! Events of the user's own: zeros of functions that change nothing of the motion, found in every step after it was taken.
+//! Events of the user's own: zeros of functions that do not affect the motion, searched in every step after it was taken.
 
 mod crossings;
 mod over_step;
@@ -29,17 +29,15 @@ pub enum Direction {
 }
 
 impl Direction {
-    /// Whether a passage the way `passed` is one that is asked for.
+    /// Whether a passage in the direction `passed` is requested.
     pub(crate) fn includes(self, passed: Direction) -> bool {
         self == Direction::Both || self == passed
     }
 }
 
-/// `E` functions of time and state whose zeros are events: a section, a level, the end of a run. They change nothing of the motion.
+/// `E` functions of time and state whose zeros are events: a section, a level, the end of a run. They do not affect the motion.
 ///
-/// An event is where a function changes its sign, by more than rounding: one that touches zero and turns back is none, and one that
-/// stays at zero for a while (a boundary function during stick) passes through it where it comes to zero with a rate, or else
-/// where it leaves for the other side. A start at zero is no event. Where a function is not a number there are none.
+/// An event is a change of sign by more than rounding. A function that touches zero and turns back has no event. One that stays at zero for a while (a boundary function during stick) passes through it where it reaches zero with a rate, or else where it leaves for the other side. A start at zero is no event. A function that is not a number has none.
 ///
 /// ```
 /// use stickslip::{Direction, EventFunctions, Options, Scalar, models::BeltOscillator, solve_with_events};
@@ -105,13 +103,13 @@ pub type EventRecord<const N: usize, K = Mode> = EventOf<State<N>, K>;
 /// An event of the user's own; `X` is a state, `K` what says the mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EventOf<X, K> {
-    /// Which function it is a zero of, counted from 0.
+    /// Number of the function, from 0.
     pub number: usize,
     /// Time.
     pub t: f64,
     /// State.
     pub x: X,
-    /// Mode that the system is in; at the very end of a phase, the one that ends.
+    /// Mode of the system; at the very end of a phase, the mode that ends.
     pub mode: K,
     /// [`Direction::Rising`] or [`Direction::Falling`].
     pub direction: Direction,

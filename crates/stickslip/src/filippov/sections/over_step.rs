@@ -1,4 +1,4 @@
-//! One event function over one step: about, on the dense output, and as exactly as the step's own end.
+//! One event function over one step: approximately on the dense output, and as exactly as the step's own end.
 
 use super::EventFunctions;
 use crate::dual::Dual;
@@ -17,11 +17,11 @@ pub(super) struct OverStep<'a, S, V, K, const N: usize> {
     pub number: usize,
     pub step: &'a StepRecord<N, K>,
     pub method: Method,
-    /// How large the components of the state have been lately: one that passes through zero is known no better there.
+    /// Recent size of the state's components. A component that passes through zero is known no better there.
     pub size: &'a State<N>,
 }
 
-/// A state in a step with what the function does there.
+/// A state in a step, with the function's value and rate.
 #[derive(Clone, Copy)]
 pub(super) struct Place<const N: usize> {
     pub s: f64,
@@ -29,7 +29,7 @@ pub(super) struct Place<const N: usize> {
     pub value: f64,
     /// Rate in time, along the motion.
     pub rate: f64,
-    /// What rounding may make of a zero.
+    /// Rounding of the function at a zero.
     pub blur: f64,
 }
 
@@ -50,7 +50,7 @@ impl<'a, S, V, K: Copy, const N: usize> OverStep<'a, S, V, K, N> {
         self.events.values(t_start + part, components(&x))[self.number]
     }
 
-    /// State and function as exactly as they can be had.
+    /// State and function as exactly as the step gives them.
     pub(super) fn exact<const G: usize, const E: usize>(&self, s: f64) -> Place<N>
     where
         S: Switched<N, G, Mode = K>,
@@ -80,7 +80,7 @@ impl<'a, S, V, K: Copy, const N: usize> OverStep<'a, S, V, K, N> {
     }
 }
 
-/// Time and state at a part of a step: of a Taylor step by its series, else by a step of that length.
+/// Time and state at a part of a step: by the series of a Taylor step, else by a step of that length.
 struct Reach<'a, K, const N: usize> {
     step: &'a StepRecord<N, K>,
     s: f64,

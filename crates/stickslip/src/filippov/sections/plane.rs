@@ -11,7 +11,7 @@ pub struct Plane<const N: usize> {
     pub point: State<N>,
     /// A vector across it, of any length.
     pub normal: State<N>,
-    /// Which way it is passed: [`Direction::Rising`] is along `normal`.
+    /// Direction of the passage: [`Direction::Rising`] is along `normal`.
     pub direction: Direction,
 }
 

@@ -11,8 +11,7 @@ use crate::filippov::uncertainty::ULPS;
 use crate::ode::Timed;
 use crate::system::{State, components};
 
-/// The search for the zeros of the user's functions in the steps of a run that something else drives: an [`crate::Observer`] keeps one
-/// and gives it every step it is told of. Who drives the run has [`crate::Watched`].
+/// Searches for zeros of the user's functions in the steps of a run that something else drives. An [`crate::Observer`] owns one and gives it every step. To drive the run yourself, use [`crate::Watched`].
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -48,9 +47,9 @@ pub struct EventSearch<
     system: &'a S,
     events: V,
     method: Method,
-    /// Sign that each function has had last; 0 where that is not known yet.
+    /// Last sign of each function; 0 while unknown.
     sides: [f64; E],
-    /// How large the components of the state have been lately.
+    /// Recent size of the state's components.
     size: State<N>,
     found: Vec<EventRecord<N, S::Mode>>,
 }
@@ -60,7 +59,7 @@ where
     S: Switched<N, G>,
     V: EventFunctions<N, E>,
 {
-    /// A search through the steps that `system` makes with `options`: successive ones of one run, from any of them on.
+    /// A search through successive steps of one run of `system` with `options`, from any step on.
     pub fn new(system: &'a S, events: V, options: &Options) -> Self {
         EventSearch {
             system,
@@ -72,11 +71,11 @@ where
         }
     }
 
-    /// The events in the next step of the run, in order of time. Whether one of them is terminal plays no part.
+    /// The events in the next step of the run, in order of time. Terminal events are not treated specially.
     #[inline]
     pub fn in_step(&mut self, step: &StepRecord<N, S::Mode>) -> &[EventRecord<N, S::Mode>] {
         self.found.clear();
-        // A step of no length holds nothing that the next one does not.
+        // A step of length zero holds nothing that the next one does not.
         if step.t_end > step.t_start {
             self.search(step);
         }
@@ -93,7 +92,7 @@ where
         self.found.truncate(count);
     }
 
-    /// Notes how large the components are over a step.
+    /// Records the size of the components over a step.
     fn note_size(&mut self, [start, end]: [&State<N>; 2]) {
         for i in 0..N {
             let now = f64::max(start[i].abs(), end[i].abs());
@@ -143,7 +142,7 @@ fn clear_sign(value: f64, size: f64) -> f64 {
     }
 }
 
-/// What a search for the zeros of one function knows from the steps so far.
+/// State of the search for the zeros of one function after the steps so far.
 pub(crate) struct Memory<const N: usize> {
     side: f64,
     size: State<N>,
@@ -154,7 +153,7 @@ where
     S: Switched<N, G>,
     V: EventFunctions<N, 1>,
 {
-    /// The sign that the only function has had last; 0 where that is not known.
+    /// Last sign of the only function; 0 while unknown.
     pub(crate) fn side(&self) -> f64 {
         self.sides[0]
     }
@@ -174,7 +173,7 @@ where
         clear_sign(slopes.dot(velocity) + in_time, size)
     }
 
-    /// What it knows from the steps so far.
+    /// State of the search after the steps so far.
     pub(crate) fn memory(&self) -> Memory<N> {
         Memory {
             side: self.sides[0],
@@ -188,7 +187,7 @@ where
         self.note_size([start, at]);
     }
 
-    /// Sets the sign that the only function has had last; 0 where the state starts anew.
+    /// Sets the last sign of the only function; 0 if the state starts anew.
     pub(crate) fn set_side(&mut self, side: f64) {
         self.sides[0] = side;
     }

@@ -12,7 +12,7 @@ use crate::system::Mode;
 /// What happened in an integration that is watched; see [`Watched::step`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Happening<const N: usize, K = Mode> {
-    /// What the integration itself has to say.
+    /// Progress of the integration itself.
     Progress(Progress<N, K>),
     /// An event of the user's own in the last step.
     Event(EventRecord<N, K>),
@@ -20,9 +20,7 @@ pub enum Happening<const N: usize, K = Mode> {
 
 /// An integration under way whose steps are searched for the zeros of the user's functions.
 ///
-/// Every step is searched over all its length on its dense output, by slip and by stick: pairs of zeros within a step are
-/// seen however close they lie, down to the accuracy of the dense output. Each is then located on the step itself, to rounding. The
-/// motion is the same, to the last bit, as without. The work is not in the [`crate::Counters`].
+/// Every step is searched over its whole length on its dense output, in slip and in stick. Pairs of zeros within a step are found however close they lie, down to the accuracy of the dense output. Each is then located on the step itself, to rounding. The motion is bit-for-bit the same as without. The [`crate::Counters`] do not contain this work.
 ///
 /// ```
 /// use stickslip::{Direction, Happening, Integration, Options, Plane, Progress, Watched, models::BeltOscillator};
@@ -53,7 +51,7 @@ pub struct Watched<
     integration: Integration<'a, S, N, G>,
     search: EventSearch<'a, S, &'a V, N, E, G>,
     events: &'a V,
-    /// How many events of the last step have been told.
+    /// Number of events of the last step that have been reported.
     told: usize,
 }
 
@@ -72,8 +70,7 @@ where
         }
     }
 
-    /// Goes on and says what happened, in order of time: a step, then the events in it, then the end of the phase and the
-    /// transition, if the step ends at one. A terminal event ends the step, the phase and, with [`crate::Ending::Stopped`], the run.
+    /// Continues and returns what happened, in order of time: a step, then the events in it, then the end of the phase and the transition if the step ends at one. A terminal event ends the step, the phase and, with [`crate::Ending::Stopped`], the run.
     ///
     /// # Errors
     /// Those of [`Integration::step`].
@@ -105,7 +102,7 @@ where
         }
     }
 
-    /// The integration, for what can be asked of it.
+    /// The integration itself.
     pub fn integration(&self) -> &Integration<'a, S, N, G> {
         &self.integration
     }
