@@ -29,7 +29,7 @@ impl<const N: usize> From<&crate::system::State<N>> for Point {
     }
 }
 
-/// How many motions there are to choose from, and which.
+/// The possible motions and their number, in words.
 fn told(candidates: &[String]) -> String {
     if candidates.is_empty() {
         "no motion that follows is consistent with the friction at all of them".to_owned()
@@ -42,24 +42,22 @@ fn told(candidates: &[String]) -> String {
     }
 }
 
-/// Where infinitely many transitions accumulate: extrapolated from the last of them, whose phases
-/// are a geometric series.
+/// The point where infinitely many transitions accumulate, extrapolated from the last of them, whose phases are a geometric series.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Accumulation {
     /// Time.
     pub t: f64,
-    /// How well the extrapolation knows that time, by two rounds of transitions and by rounding. What
-    /// the steps before are off by is not in it.
+    /// Uncertainty of that time by two rounds of transitions and by rounding. The errors of the steps before are not in it.
     pub uncertainty: f64,
     /// State.
     pub x: Point,
-    /// How many times as long as the phase before a phase lasts, in the mean.
+    /// Mean ratio of successive durations.
     pub ratio: f64,
     /// Whether friction can hold all contacts that pile up there at once.
     pub holds: bool,
 }
 
-/// What is known of a pile-up, in words; `option` is the name of [`crate::Options::at_pile_up`].
+/// A pile-up in words; `option` is the name of [`crate::Options::at_pile_up`].
 pub fn piled_up(accumulation: Option<&Accumulation>, option: &str) -> String {
     let Some(Accumulation {
         t,
@@ -192,13 +190,12 @@ pub enum Error {
         /// Where they accumulate, if they are a geometric series.
         accumulation: Option<Box<Accumulation>>,
     },
-    /// A field that branches by comparisons ([`crate::Scalar::exceeds`] and what is made of it) turns round where they change and holds the orbit
-    /// there, as a discontinuity boundary does.
+    /// A field with comparisons ([`crate::Scalar::exceeds`] and what uses it) reverses where they change and holds the orbit there, as a discontinuity boundary does.
     #[error(
         "the field turned round {count} times within {span:e} before t = {t}, x = {x}: comparisons in it hold the orbit where they come out otherwise; write the difference of what they compare as the boundary function, with a side for each branch; or raise pile_up_count, if it only turns so often", t = readable(*t)
     )]
     BranchPileUp {
-        /// Steps that ended where a comparison turns the field round.
+        /// Steps that ended where a comparison reverses the field.
         count: usize,
         /// Time within which they ended.
         span: f64,
@@ -219,7 +216,7 @@ pub enum Error {
         /// The bound.
         bound: f64,
     },
-    /// Several contacts stand at zero, and the motion that follows is not unique, or there is none.
+    /// Several contacts are at zero, and the motion that follows is not unique or does not exist.
     #[error(
         "contacts {contacts:?} stand at zero at t = {t}, x = {x}, and {}; friction there may push apart, or one contact's force act on another too strongly: look at the field with each of them on either side (Options::at_repelling has no say for several contacts)",
         told(candidates), t = readable(*t)
@@ -231,11 +228,10 @@ pub enum Error {
         x: Point,
         /// The contacts, counted from 0.
         contacts: Vec<usize>,
-        /// What they could all do consistently, in the same order.
+        /// The consistent outcomes, in the same order.
         candidates: Vec<String>,
     },
-    /// More contacts stand at zero together than can be tried in all combinations, and their friction is not of the kind that has one
-    /// solution.
+    /// Too many contacts are at zero together to try all combinations, and their friction does not guarantee a unique solution.
     #[error(
         "contacts {contacts:?} stand at zero together at t = {t}, x = {x}: more than eight are too many to try where friction at one does not resist all of them as Coulomb's does; move their boundaries apart, or write their friction without coupling", t = readable(*t)
     )]
@@ -247,7 +243,7 @@ pub enum Error {
         /// The contacts, counted from 0.
         contacts: Vec<usize>,
     },
-    /// The boundaries of contacts that stand at zero together are no boundaries of their own: one has no slope, or two coincide.
+    /// The boundaries of contacts at zero together are degenerate: one has no slope, or two coincide.
     #[error(
         "the boundary functions of contacts {contacts:?} have gradients at t = {t}, x = {x} that are zero or depend on each other; each contact needs a boundary of its own", t = readable(*t)
     )]
@@ -259,7 +255,7 @@ pub enum Error {
         /// The contacts, counted from 0.
         contacts: Vec<usize>,
     },
-    /// What holds a contact is weaker than what brakes it.
+    /// A contact's static friction is below its kinetic friction.
     #[error(
         "the static friction of contact {contact} at t = {t}, x = {x} is {ratio} times the kinetic; it must be at least as large", t = readable(*t), ratio = readable(*ratio)
     )]
@@ -273,7 +269,7 @@ pub enum Error {
         /// Static over kinetic friction.
         ratio: f64,
     },
-    /// The field that holds a contact also changes the friction of one that slips.
+    /// The field that holds a contact also changes the friction of a slipping contact.
     #[error(
         "with contact {held} at rest at t = {t}, x = {x}, Contacts::holding changes the friction of contact {slipping}, which slips; only contacts in `held` have static friction", t = readable(*t)
     )]
@@ -287,7 +283,7 @@ pub enum Error {
         /// The contact that slips.
         slipping: usize,
     },
-    /// Friction at one contact depends on the side of another, which the system does not say.
+    /// Friction at one contact depends on the side of another, which the system does not declare.
     #[error(
         "the friction of contacts {} and {} does not add at t = {t}, x = {x}: what one does depends on the side of the other; set Contacts::MULTI_AFFINE to true", pair.0, pair.1, t = readable(*t)
     )]
@@ -320,12 +316,12 @@ pub enum Error {
         what: &'static str,
         /// Iterations made.
         iterations: usize,
-        /// Residual left.
+        /// Residual that remains.
         residual: f64,
-        /// Residual asked for.
+        /// Residual that was required.
         wanted: f64,
     },
-    /// Something that the computation relies on was not found.
+    /// A search failed on which the computation relies.
     #[error("{what} was not found within {span} time units after t = {t}", t = readable(*t), span = readable(*span))]
     NotFound {
         /// What was sought.
@@ -335,7 +331,7 @@ pub enum Error {
         /// How far it went.
         span: f64,
     },
-    /// The orbit came to a part of Σ that repels, or to a two-fold, so what should be measured along it has no continuation.
+    /// The orbit reached a repelling part of Σ, or a two-fold, so that the analysis cannot continue along it.
     #[error(
         "the orbit has no unique future after t = {t}, x = {x}: both fields lead away from the boundary, or both are tangent to it (a two-fold); choose one with `at_repelling`, or start elsewhere", t = readable(*t)
     )]
@@ -367,8 +363,7 @@ pub enum Error {
     },
 }
 
-/// A number for messages and headings: with an exponent where it would otherwise be a row of zeros,
-/// and zero without a sign.
+/// A number for messages and headings: with an exponent where it would be a row of zeros, and zero without a sign.
 pub fn readable(value: f64) -> String {
     if value == 0.0 {
         "0".to_owned()
@@ -380,7 +375,7 @@ pub fn readable(value: f64) -> String {
 }
 
 impl Error {
-    /// With so many components of the state that it names: further ones only fill up a type.
+    /// The error with states cut to so many components: further ones only fill up a type.
     pub(crate) fn of_states(mut self, states: usize) -> Self {
         if let Error::EventPileUp {
             accumulation: Some(accumulation),

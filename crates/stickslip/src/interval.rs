@@ -1,15 +1,13 @@
-//! Intervals as a number type: where a function may be over a whole range of arguments.
+//! Intervals as a number type: bounds of a function over a range of arguments.
 
 use std::cell::Cell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::scalar::Scalar;
 
-/// All numbers between `low` and `high`. A function run on intervals gives an interval that holds all its values (Moore 1966),
-/// mostly a wider one. Bounds are not rounded outward: they are for questions that leave room for rounding.
+/// All numbers between `low` and `high`. A function of intervals gives an interval that holds all its values (Moore 1966), usually a wider one. Bounds are not rounded outward: callers leave a margin for rounding.
 ///
-/// Where a result is not defined for all arguments its bounds are not numbers, and every comparison with them fails. Where a
-/// function branches and the range does not decide which way, the result holds for one branch only: [`Interval::decided`] tells.
+/// If a result is undefined for some argument, its bounds are NaN and every comparison with them fails. If a function branches and the range does not decide, the result holds for one branch only; see [`Interval::decided`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
     /// Lower bound.
@@ -29,7 +27,7 @@ thread_local! {
 }
 
 impl Interval {
-    /// What `compute` gives, unless it branched where ranges did not decide.
+    /// The result of `compute`, unless it branched where a range did not decide.
     #[inline(always)]
     pub fn decided<R>(compute: impl FnOnce() -> R) -> Option<R> {
         UNDECIDED.set(false);
@@ -40,7 +38,7 @@ impl Interval {
     /// The image of two ranges under a function that does not fall in either.
     fn rising_in_both(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
         let bounds = [self.low, self.high, other.low, other.high];
-        // The library's min and max would take a number over what is none.
+        // The standard library's min and max would prefer a number to a NaN.
         if bounds.iter().any(|bound| bound.is_nan()) {
             return NOWHERE;
         }
@@ -168,7 +166,7 @@ impl Scalar for Interval {
     fn constant(value: f64) -> Self {
         Interval::new(value, value)
     }
-    /// The middle; whoever branches on it has not heard of the rest.
+    /// The middle. A branch on it is undecided by the rest.
     fn value(self) -> f64 {
         if self.low != self.high {
             UNDECIDED.set(true);
@@ -176,7 +174,7 @@ impl Scalar for Interval {
         0.5 * (self.low + self.high)
     }
     fn exceeds(self, other: Self) -> bool {
-        // Not a number on either side decides nothing.
+        // A NaN on either side decides nothing.
         let decided = self.low > other.high || self.high <= other.low;
         if !decided {
             UNDECIDED.set(true);
@@ -213,7 +211,7 @@ impl Scalar for Interval {
         self.rising(Scalar::tanh)
     }
     fn powf(self, p: f64) -> Self {
-        // Of a negative number there is none, and of what is none neither.
+        // NaN for a negative number or a NaN.
         if !(self.low >= 0.0 && self.high >= 0.0) {
             return NOWHERE;
         }

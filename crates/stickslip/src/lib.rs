@@ -1,9 +1,6 @@
 //! Event-exact integration of dry-friction (Filippov) systems.
 //!
-//! A Filippov system has two smooth vector fields, one on either side of a boundary Σ. A block on a moving belt is one: friction
-//! pushes it forward while it is slower than the belt and back while it is faster, and Σ is where both are equally fast. The
-//! orbit slips on one side, crosses Σ, or sticks to it for a while (*slides* on it, in Filippov's words) where both fields push
-//! towards it.
+//! A Filippov system has two smooth vector fields, one on either side of a boundary Σ. A block on a moving belt is one. Friction pushes it forward while it is slower than the belt and back while it is faster; Σ is where both are equally fast. The orbit slips on one side, crosses Σ, or sticks to it (*slides* on it, in Filippov's words) where both fields push towards it.
 //!
 //! # Two functions
 //! You write the field of each side and a function that is zero on Σ, for any [`Scalar`]. Everything else is derived:
@@ -34,8 +31,7 @@
 //! ```
 //!
 //! # Step by step
-//! [`solve`] keeps the whole [`Orbit`]; [`run`] tells an [`Observer`] and keeps nothing. Both are loops over
-//! [`Integration::step`], which you can write yourself:
+//! [`solve`] stores the whole [`Orbit`]; [`run`] reports to an [`Observer`] and stores nothing. Both are loops over [`Integration::step`], which you can write yourself:
 //!
 //! ```
 //! use stickslip::{Integration, Options, Progress, models::BeltOscillator};
@@ -58,9 +54,7 @@
 //! ```
 //!
 //! # Several contacts
-//! Two rubbing bodies, or a chain of them, are a [`Contacts`] system: a field for every combination of sides, and a boundary for each
-//! contact. In [`Several`] it goes wherever a Filippov system goes; modes are then an array, one [`Mode`] for each contact. Static friction above
-//! kinetic is a second field, [`Filippov::holding`] or [`Contacts::holding`]. `examples/chain.rs` is a chain of eight blocks on a belt.
+//! Two rubbing bodies, or a chain of them, are a [`Contacts`] system: a field for every combination of sides, and a boundary for each contact. Wrapped in [`Several`] it goes wherever a Filippov system goes. Its modes are arrays, one [`Mode`] for each contact. Static friction above kinetic is a second field, [`Filippov::holding`] or [`Contacts::holding`]. `examples/chain.rs` is a chain of eight blocks on a belt.
 //!
 //! ```
 //! use stickslip::{Contacts, Options, Scalar, Several, Side, solve};
@@ -91,10 +85,7 @@
 //! ```
 //!
 //! # Sections and events
-//! Functions of your own ([`EventFunctions`]) have their zeros found on every step's dense output and located on the step itself, by slip and by stick, with a direction, and the run
-//! may end there: [`solve_with_events`] keeps them beside the orbit, [`Watched`] tells them in order of time among the transitions, and
-//! [`EventSearch`] finds them for an [`Observer`].
-//! Of one function [`analysis::PoincareMap`] makes a system of discrete time, with the map's derivative:
+//! Zeros of your own functions ([`EventFunctions`]) are found on every step's dense output and located on the step itself, in slip and in stick. They may have a direction, and may end the run. [`solve_with_events`] stores them beside the orbit, [`Watched`] reports them among the transitions, and [`EventSearch`] finds them for an [`Observer`]. [`analysis::PoincareMap`] makes one function a system of discrete time, with the map's derivative:
 //!
 //! ```
 //! use stickslip::{Direction, EventFunctions, Options, Scalar, analysis::PoincareMap};
@@ -146,15 +137,10 @@
 //! ```
 //!
 //! # Attractors, sweeps and branches
-//! [`analysis::attractor`] says which attractor a start leads to, without a list of them, and [`analysis::basin`] does so for many starts, with
-//! the shares. [`analysis::sweep`] leads an attractor along a parameter, up or down, and locates where its phases change; the name, of the
-//! four sliding bifurcations say, follows from the event function that vanishes there. Where none does, a fold, a flip, a torus or a branch
-//! point has its name from the multipliers. [`analysis::continue_periodic_orbit`] follows a periodic orbit, stable or not, in slip or always
-//! in stick, through folds and grazes. Their pages have examples.
+//! [`analysis::attractor`] finds the attractor of a start, without a list of attractors. [`analysis::basin`] does so for many starts and gives the shares. [`analysis::sweep`] follows an attractor along a parameter, up or down, and locates the changes of its phases. The event function that vanishes names the change, one of the four sliding bifurcations say; the multipliers name folds, flips, tori and branch points. [`analysis::continue_periodic_orbit`] follows a periodic orbit, stable or not, through folds and grazes. Their pages have examples.
 //!
 //! # Ensembles
-//! [`ensemble`] integrates many starts or parameters on all cores, each with the bits that it has alone, and hands back what came of them
-//! in order:
+//! [`ensemble`] integrates many starts or parameters on all cores. Each orbit is bit-for-bit the same as alone, and the results come in order:
 //!
 //! ```
 //! use std::ops::ControlFlow;
@@ -213,7 +199,7 @@ pub mod statistics;
 pub mod system;
 mod taylor;
 
-/// The crate whose vectors and matrices appear in signatures; use this one, so that the versions agree.
+/// The crate whose vectors and matrices appear in signatures. Use this one, so that the versions agree.
 pub use nalgebra;
 
 pub use error::Error;

@@ -11,9 +11,7 @@ pub struct Counters {
     pub steps: u64,
     /// Steps rejected by error control.
     pub rejected: u64,
-    /// Calls of the user's field, on whatever scalar, by steps, event location and the switching rules (not those by which the
-    /// guards of a stick phase are sampled). Of [`crate::Method::Taylor`] one for every order of
-    /// every series, whether it was made or what it does repeated, and the rules: not the one call by which each step is checked, nor location.
+    /// Calls of the user's field, on any scalar, by steps, event location and the switching rules. Samples of the guards in stick do not count. With [`crate::Method::Taylor`]: one for every order of every series, and the rules. The call that checks each step and those of location do not count.
     pub field_calls: u64,
     /// Transitions.
     pub events: u64,
@@ -29,13 +27,11 @@ pub enum Ending {
     /// Σ repels at the last state: both fields lead away and the future is not unique
     /// (see [`crate::AtRepelling`]).
     Repelling,
-    /// The orbit has come to a two-fold, where both fields are tangent to Σ and the future is not unique (see
-    /// [`crate::AtRepelling`]).
+    /// The orbit has reached a two-fold, where both fields are tangent to Σ and the future is not unique (see [`crate::AtRepelling`]).
     TwoFold(TwoFold),
-    /// The orbit has shrunk to a point of Σ: it goes round there without end, and no phase moves
-    /// the state by more than the tolerance tells.
+    /// The orbit has shrunk to a point of Σ. It circles there for ever, and no phase moves the state by more than the tolerance.
     Shrunk,
-    /// The observer asked to stop, or there was a terminal event ([`crate::EventFunctions::is_terminal`]).
+    /// The observer stopped the run, or a terminal event did ([`crate::EventFunctions::is_terminal`]).
     Stopped,
     /// The run failed; the orbit is what it computed before (see [`crate::Failure`]).
     Failed,
@@ -47,7 +43,7 @@ impl Ending {
         matches!(self, Ending::Repelling | Ending::TwoFold(_))
     }
 
-    /// Whether the orbit goes no further, though nobody stopped it.
+    /// Whether the orbit cannot continue, though nothing stopped it.
     pub fn is_final(self) -> bool {
         self.is_ambiguous() || self == Ending::Shrunk
     }
@@ -77,7 +73,7 @@ pub struct Orbit<const N: usize, K = Mode> {
 }
 
 impl<const N: usize, K> Orbit<N, K> {
-    /// Of a run before its first step.
+    /// The orbit of a run before its first step.
     pub(crate) fn of_none(t: f64, x: State<N>) -> Self {
         Orbit {
             phases: Vec::new(),
@@ -120,7 +116,7 @@ impl<const N: usize, K> Orbit<N, K> {
 }
 
 impl<const N: usize, const M: usize> Orbit<N, [Mode; M]> {
-    /// From when to when a contact sticks, whatever the others do meanwhile; nothing of a contact that there is not.
+    /// Start and end times of a contact's sticks, whatever the others do meanwhile; empty for a contact that does not exist.
     pub fn sticks_of(&self, contact: usize) -> Vec<(f64, f64)> {
         let mut sticks: Vec<(f64, f64)> = Vec::new();
         let mut stuck = false;

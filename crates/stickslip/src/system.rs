@@ -14,11 +14,9 @@ pub fn components<const N: usize>(x: &State<N>) -> &[f64; N] {
     &x.data.0[0]
 }
 
-/// The components of a state of `N`: an array, a vector of fixed length, or one of run-time length
-/// as the analyses return them. Of one of another length no component is a number, which every run
-/// refuses.
+/// The components of a state of `N`: an array, a vector of fixed length, or one of run-time length as the analyses return them. A vector of another length gives NaN components, which every run refuses.
 pub trait IntoState<const N: usize> {
-    /// As a state.
+    /// The state.
     fn into_state(self) -> State<N>;
 }
 
@@ -76,7 +74,7 @@ impl Side {
     }
 }
 
-/// What the system does: slip through one of the smooth fields, or stick to Σ.
+/// The mode of the system: slip in one of the smooth fields, or stick to Σ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Mode {
     /// Motion through the smooth field of one side.
@@ -113,23 +111,17 @@ pub enum Mode {
 /// }
 /// ```
 pub trait Filippov<const N: usize> {
-    /// Whether the functions are interpreted, as those are that a program reads from a file: a call of them then takes longer than the
-    /// arithmetic in it. [`crate::Method::Taylor`] calls such functions once and repeats what they did for as long as the mode lasts and
-    /// comparisons come out alike; compiled ones, the default, it calls once for every order, which for these is faster. The orbits are the same to
-    /// rounding.
+    /// Whether the functions are interpreted, as those of a file: a call then takes longer than its arithmetic. [`crate::Method::Taylor`] calls interpreted functions once and repeats their operations while the mode lasts and the comparisons have the same results. It calls compiled functions (the default) once for every order, which is faster for these. The orbits agree to rounding.
     const INTERPRETED: bool = false;
 
     /// The vector field of `side` at time `t` and state `x`: dx/dt.
     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; N]) -> [T; N];
 
     /// The boundary function h: negative on [`Side::Below`], positive on [`Side::Above`], zero on Σ.
-    /// It may depend on time: Σ then moves. It must be a number wherever the orbit goes: a step at whose end it is not is taken
-    /// again shorter, until the run ends with an error.
+    /// It may depend on time: Σ then moves. It must be a number along the whole orbit: a step at whose end it is NaN is shortened, until the run ends with an error.
     fn boundary<T: Scalar>(&self, t: T, x: &[T; N]) -> T;
 
-    /// The field of `side` while the contact holds: with static friction, where that is more than the kinetic of
-    /// [`Filippov::field`]. Stick begins where these fields both push to Σ and ends where one of them no longer does; the slip that
-    /// follows leaves Σ across, by the field of slip. The default holds by the friction of slip, and stick then ends at a tangent point.
+    /// The field of `side` while the contact holds, for static friction above the kinetic friction of [`Filippov::field`]. Stick begins where both of these fields push to Σ and ends where one of them no longer does. The slip that follows leaves Σ across, by the field of slip. By default the friction of slip holds, and stick ends at a tangent point.
     ///
     /// ```
     /// use stickslip::{Filippov, Options, Scalar, Side, solve};
@@ -171,8 +163,7 @@ pub trait Filippov<const N: usize> {
         None
     }
 
-    /// What the parameters must satisfy, asked once before every run: a negative mass ends it with a message and not with an
-    /// orbit. The default allows everything.
+    /// Checks the parameters, once before every run: a negative mass gives a message and not an orbit. The default allows everything.
     ///
     /// # Errors
     /// [`Error::Parameter`] naming the first parameter that is not allowed.
@@ -216,8 +207,7 @@ impl<const N: usize, S: Filippov<N>> Filippov<N> for &S {
     }
 }
 
-/// A system whose parameters are not asked for, where they are meant to be what [`Filippov::check_parameters`] refuses: friction
-/// of the other sign, say.
+/// A system whose parameters are not checked, for values that [`Filippov::check_parameters`] refuses on purpose, such as friction of the other sign.
 ///
 /// ```
 /// use stickslip::{Ending, Options, models::BeltOscillator, solve, system::Unchecked};
