@@ -7,10 +7,10 @@ use crate::dynamics::{AsDynamics, Components};
 use crate::error::Error;
 use crate::filippov::Options;
 
-/// Starts whose outcomes are held at the same time: what bounds the memory.
+/// Number of starts whose outcomes are stored at one time. It bounds the memory.
 const WAVE: usize = 4096;
 
-/// Which attractor each start leads to.
+/// The attractor of each start.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Basin {
     /// The attractors by their numbers, which are given in the order in which the starts first lead there.
@@ -19,12 +19,12 @@ pub struct Basin {
     pub reached: Vec<usize>,
 }
 
-/// A part of the starts.
+/// A share of the starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Share {
     /// How many of them.
     pub starts: usize,
-    /// Which part that is.
+    /// The fraction that this is.
     pub part: f64,
     /// Standard error of that part, if the starts were drawn at random: `√(p (1 − p)/n)`.
     pub std_error: f64,
@@ -44,8 +44,7 @@ impl Basin {
     }
 }
 
-/// The basins of attraction of a system on a set of starts, on all threads, with the same bits on any number of them: every start is
-/// followed by itself, and the attractors are told apart afterwards, in the order of the starts.
+/// The basins of attraction of a system on a set of starts, on all threads, with the same bits on any number of them. Every start is followed by itself. The attractors are distinguished afterwards, in the order of the starts.
 ///
 /// ```
 /// use stickslip::analysis::{RecurrenceSettings, basin};

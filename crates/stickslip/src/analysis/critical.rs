@@ -1,4 +1,4 @@
-//! The functions of an orbit's multipliers that vanish where it branches, folds, flips or sheds a torus.
+//! Functions of an orbit's multipliers that vanish at a branch point, fold, flip or Neimark–Sacker bifurcation.
 
 use nalgebra::Complex;
 
@@ -16,7 +16,7 @@ pub(super) struct Critical {
     pub circle: Option<f64>,
     /// Angle of that pair.
     pub angle: f64,
-    /// The multipliers, the trivial one of a system that does not depend on time left out.
+    /// The multipliers without the trivial one of an autonomous system.
     pub multipliers: Vec<Complex<f64>>,
 }
 
@@ -55,15 +55,14 @@ impl Critical {
         }
     }
 
-    /// How far the nearest multiplier is from 1.
+    /// Distance of the nearest multiplier from 1.
     pub fn gap_to_one(&self) -> f64 {
         let gaps = self.multipliers.iter().map(|value| (value - 1.0).norm());
         gaps.fold(f64::INFINITY, f64::min)
     }
 }
 
-/// The zero between two places at which a function has different signs, by regula falsi with the Illinois rule. Where another branch meets this
-/// one no orbit can be computed, and so no value: the function is then asked next to it.
+/// The zero between two points with different signs, by regula falsi with the Illinois rule. At a branch point no orbit can be computed: the function is then evaluated next to it.
 pub(super) fn zero_between(
     (mut a, mut at_a): (f64, f64),
     (mut b, mut at_b): (f64, f64),

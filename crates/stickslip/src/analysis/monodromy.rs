@@ -15,15 +15,13 @@ pub struct Monodromy {
     /// The derivative, square in the states: column `j` is the change of the end state with
     /// component `j` of the start.
     pub matrix: Matrix,
-    /// How many times the orbit entered stick; the first such entry takes one from the rank; so does stick at the start, which is no entry.
+    /// Number of entries into stick. The first entry reduces the rank by one; so does stick at the start, which is no entry.
     pub stick_entries: usize,
-    /// How the run that carried it ended.
+    /// How the run ended.
     pub summary: Summary,
 }
 
-/// The monodromy matrix from `(t0, x0)` to `t_end`: every step is run again on dual numbers, every
-/// transition contributes its saltation matrix. Where a contact sticks at the start, the orbit is taken to have been on its Σ before: of a change
-/// across it there is what comes back to Σ along the kinetic friction, also where that is too weak to bring it back.
+/// The monodromy matrix from `(t0, x0)` to `t_end`. Every step is repeated on dual numbers, and every transition contributes its saltation matrix. If a contact sticks at the start, the orbit is assumed to have been on its Σ before. A change across Σ is projected back along the kinetic friction, also if that is too weak to bring it back.
 ///
 /// # Errors
 /// Those of [`crate::run`]; [`Error::NoUniqueFuture`] where Σ repels, and at a two-fold; [`Error::TangentSingular`] where the orbit grazes Σ, or
@@ -47,9 +45,7 @@ pub(super) fn velocity_in(system: &dyn Dynamics, mode: Modes, at: &Moment) -> Ve
     system.flow(mode, at).velocity(at)
 }
 
-/// The monodromy matrix. The flow of a system that does not depend on time carries its own direction along exactly.
-/// So that direction is taken out of what is carried and put back at the end: near an equilibrium, where an orbit is slow and neighbours part
-/// fast, what a step errs along the flow would else grow beyond all that is asked for.
+/// The monodromy matrix. An autonomous flow carries its own direction exactly. So that direction is removed from the carried vectors and restored at the end. Otherwise the errors of steps along the flow would grow without bound near an equilibrium, where an orbit is slow and neighbours separate fast.
 ///
 /// # Errors
 /// As [`monodromy`].
@@ -87,17 +83,17 @@ pub(super) fn turn(
     }
 }
 
-/// The derivative of the flow map from a start to where a run has come.
+/// The derivative of the flow map from a start to the present state of a run.
 pub(super) struct TangentMap {
     /// Its columns.
     columns: Vec<Vector>,
     stick_entries: usize,
-    /// How much of the velocity was taken out of each column, where it is.
+    /// The multiple of the velocity that was removed from each column, if it is removed.
     along: Option<Vector>,
 }
 
 impl TangentMap {
-    /// At a start; along discrete states there is no change.
+    /// At a start. Discrete states have no change.
     pub(super) fn identity(system: &dyn Dynamics) -> Self {
         let states = system.states();
         let mut matrix = Matrix::identity(states, states);
@@ -119,7 +115,7 @@ impl TangentMap {
         Matrix::from_columns(&self.columns)
     }
 
-    /// Takes the direction of this velocity out of all columns.
+    /// Removes the direction of this velocity from all columns.
     pub(super) fn take_out(&mut self, velocity: &Vector) {
         let square = velocity.norm_squared();
         // At rest there is no direction.
@@ -135,12 +131,12 @@ impl TangentMap {
         }
     }
 
-    /// The derivative without what was taken out of it, and that.
+    /// The derivative without the removed part, and that part.
     pub(super) fn apart(&self) -> (Matrix, Option<&Vector>) {
         (self.matrix(), self.along.as_ref())
     }
 
-    /// With what was taken out.
+    /// The derivative with the removed part.
     pub(super) fn whole(&self, velocity: &Vector) -> Matrix {
         match &self.along {
             Some(along) => self.matrix() + velocity * along.transpose(),
@@ -148,10 +144,10 @@ impl TangentMap {
         }
     }
 
-    /// An orbit that begins in stick is taken to have been on Σ before: of a change across it nothing is left.
+    /// An orbit that begins in stick is assumed to have been on Σ before: a change across Σ vanishes.
     pub(super) fn begin(&mut self, system: &dyn Dynamics, mode: Modes, at: &Moment) {
         for (contact, normal) in system.normals(mode, at) {
-            // The way back to Σ is along that by which one side's field differs from that of stick, which lies between both sides'.
+            // The way back to Σ is along the difference of one side's field and the sliding field, which lies between both sides' fields.
             let [below, above] = [Side::Below, Side::Above]
                 .map(|side| velocity_in(system, mode.with(contact, Mode::Slip(side)), at));
             let way = above - below;
@@ -184,7 +180,7 @@ impl TangentMap {
         self.stick_entries += usize::from(enters);
         for column in &mut self.columns {
             *column = &jump.matrix * &*column;
-            // On Σ there is nothing across it; rounding would leave something.
+            // On Σ the component across it is zero; rounding would leave something.
             if enters {
                 flatten(&jump.gradient, column);
             }

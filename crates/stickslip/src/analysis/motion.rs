@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use super::Exponent;
 
-/// More distinct points of the section than this are no periodic motion anybody would name.
+/// Largest number of distinct points of the section in a periodic motion.
 const MOST: usize = 64;
 
 /// A class of motion.
@@ -17,7 +17,7 @@ pub enum Class {
     QuasiPeriodic,
     /// Nearby orbits separate: the first exponent is positive.
     Chaotic,
-    /// The evidence does not tell.
+    /// The evidence does not decide.
     Undecided,
 }
 
@@ -80,8 +80,7 @@ pub struct Criterion {
     /// Points of the section nearer than this, as a fraction of its extent, count as one. Default 1e-5, for a solver that
     /// locates the section.
     pub same: f64,
-    /// Largest uncertainty, per unit of time, of an exponent that is to count as zero: growth slower than it cannot be told from
-    /// none. Default 1e-3, less than half of the slowest growth that the paper reports (0.0025, Fig. 12).
+    /// Largest uncertainty, per unit of time, of an exponent that counts as zero: slower growth cannot be distinguished from none. Default 1e-3, less than half of the slowest growth that the paper reports (0.0025, Fig. 12).
     pub resolution: f64,
 }
 
@@ -94,7 +93,7 @@ impl Default for Criterion {
     }
 }
 
-/// What the class is decided by.
+/// The evidence that decides the class.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Evidence {
     /// Points of the section.
@@ -117,7 +116,7 @@ pub struct Evidence {
 
 impl Evidence {
     /// From the points `(t, x)` of the section in the order of time and the exponents, descending, as measured over `duration`.
-    /// Without exponents only a periodic motion can be told.
+    /// Without exponents only a periodic motion can be recognised.
     pub fn gather<const N: usize>(
         section: &[(f64, [f64; N])],
         (of, exponents, duration): (Of, &[Exponent], f64),
@@ -169,7 +168,7 @@ impl Evidence {
     }
 }
 
-/// For each point of the section the number of the distinct point it is, these being counted as they come.
+/// For each point of the section the number of its distinct point, counted in order of appearance.
 fn labels<const N: usize>(section: &[(f64, [f64; N])], same: f64) -> Vec<usize> {
     let extent = (0..N)
         .map(|i| {
@@ -251,7 +250,7 @@ mod tests {
             Class::QuasiPeriodic
         );
         assert_eq!(map(&[zero]), Class::QuasiPeriodic);
-        // Slow chaos, as slow as published, is chaos if it is known well enough, and otherwise it is not known.
+        // Chaos as slow as the published one counts if its exponent is certain enough; otherwise the class is undecided.
         assert_eq!(
             flow(&[finite(0.0025, 3e-4), zero, negative]),
             Class::Chaotic

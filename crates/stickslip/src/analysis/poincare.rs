@@ -18,11 +18,11 @@ pub struct Return {
     pub t: f64,
     /// State, on the section.
     pub x: Vector,
-    /// Mode that the section is passed in; at the very end of a phase, the one that ends.
+    /// Mode at the passage; at the very end of a phase, the mode that ends.
     pub mode: Modes,
 }
 
-/// Part of what it is summed from below which the rate of a passage is rounding.
+/// The rate of a passage below this fraction of its summands is rounding.
 const ROUNDING: f64 = 1e-12;
 
 /// The Poincaré map of a system and a section: a system of discrete time, of which each step is one return.
@@ -52,9 +52,9 @@ pub struct PoincareMap<'a> {
     orbit: Box<dyn OrbitUnderWay + 'a>,
     section: Section,
     options: Options,
-    /// The longest time that a return may take.
+    /// The longest time of a return.
     longest: f64,
-    /// Where the map stands.
+    /// The present state of the map.
     at: Moment,
     number: usize,
     /// The part of the last step that lies behind the last return.
@@ -63,8 +63,7 @@ pub struct PoincareMap<'a> {
 }
 
 impl<'a> PoincareMap<'a> {
-    /// The map from `start` (time and state), on the section or off it. A return that takes more time than `longest` is none.
-    /// Whether the section is terminal plays no part.
+    /// The map from `start` (time and state), on the section or off it. A return must take no more than `longest`. Terminal sections are not treated specially.
     ///
     /// # Errors
     /// Those of [`crate::Integration::new`]; [`Error::Option`] where `longest` is not positive.

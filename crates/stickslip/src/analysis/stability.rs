@@ -1,28 +1,25 @@
-//! What the multipliers say of a periodic orbit.
+//! The stability of a periodic orbit by its multipliers.
 
 use std::fmt;
 
 use nalgebra::Complex;
 
-/// A multiplier is as large as 1 within what can be told: where two meet at 1, as without damping, an error of the monodromy matrix moves
-/// them by its square root, and orbits are as exact as 1e-12.
+/// Tolerance for a multiplier of modulus 1. If two multipliers meet at 1, as without damping, an error of the monodromy matrix moves them by its square root, and orbits have errors of 1e-12.
 const NEUTRAL: f64 = 1e-6;
 
-/// What becomes of a small deviation from a periodic orbit.
+/// The fate of a small deviation from a periodic orbit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Stability {
     /// It dies out: all multipliers are inside the unit circle.
     Stable,
-    /// It stays, as far as its linear part tells: a multiplier is on the unit circle, to 1e-6, and none outside. Multipliers of an orbit that
-    /// was found with a tolerance above 1e-12 may be less exact than that.
+    /// It stays, to first order: a multiplier is on the unit circle, to 1e-6, and none outside. Multipliers of an orbit that was computed with a tolerance above 1e-12 may be less exact.
     Neutral,
     /// It grows: a multiplier is outside the unit circle.
     Unstable,
 }
 
 impl Stability {
-    /// By the multipliers, without the trivial one of a system that does not depend on time. Those that are no numbers are of an unstable
-    /// orbit.
+    /// From the multipliers without the trivial one of an autonomous system. NaN multipliers give an unstable orbit.
     ///
     /// ```
     /// use stickslip::analysis::Stability;

@@ -1,5 +1,4 @@
-//! How tangent vectors travel along a run: through steps by the steps themselves on dual numbers, through transitions by
-//! saltation.
+//! Tangent vectors along a run: the steps themselves carry them on dual numbers, transitions by saltation.
 
 use nalgebra::SMatrix;
 
@@ -36,11 +35,11 @@ fn entry([gradient, before, after]: [&[f64]; 3], in_time: f64) -> impl Fn(usize,
     move |i, j| f64::from(u8::from(i == j)) + (after[i] - before[i]) * gradient[j] / rate
 }
 
-/// What a transition does to tangent vectors.
+/// The effect of a transition on tangent vectors.
 pub(crate) struct Jump {
     /// Saltation matrix.
     pub matrix: Matrix,
-    /// Field after less field before; at a mapping of the state, less the image of that.
+    /// Field after the transition minus field before it; at a mapping of the state, minus the image of the latter.
     pub kick: Vector,
     /// Its determinant: zero on entry into stick.
     pub determinant: f64,
@@ -72,7 +71,7 @@ impl<'a> Tangent<'a> {
         }
     }
 
-    /// What a mapping of the state does (Müller 1995, Eq. 11): with the map's derivative `D`,
+    /// The effect of a mapping of the state (Müller 1995, Eq. 11) with the map's derivative `D`:
     /// `S = D + (f⁺ − D f⁻ − ∂R/∂t) ∇hᵀ / (∂h/∂t + ∇h·f⁻)`.
     ///
     /// # Errors
@@ -89,7 +88,7 @@ impl<'a> Tangent<'a> {
         let after = self.system.flow(at.to, &behind).velocity(&behind);
         let kick = after - &reset.by_state * &before - &reset.by_time;
         let rate = reset.in_time + reset.gradient.dot(&before);
-        // Where its function is not zero another jump has set it off, and decides when it happens.
+        // If its function is not zero, another jump triggered it and decides its time.
         let size = reset.gradient.abs().dot(&at.x.abs()) + rate.abs();
         let is_set_off =
             self.system.kink(&here).is_none() && reset.value.abs() > self.carrying.tolerance * size;
@@ -145,13 +144,13 @@ impl<'a> Tangent<'a> {
     }
 }
 
-/// Where tangent vectors have no image.
+/// The error of tangent vectors without an image.
 pub(super) fn singular(t: f64, x: &Vector) -> Error {
     let x = Point::from(x);
     Error::TangentSingular { t, x }
 }
 
-/// Takes out of `vector` what it has across a boundary of this gradient.
+/// Removes the component of `vector` across a boundary with this gradient.
 pub(crate) fn flatten(gradient: &Vector, vector: &mut Vector) {
     let square = gradient.norm_squared();
     let across: f64 = (0..gradient.len()).map(|i| gradient[i] * vector[i]).sum();

@@ -3,9 +3,7 @@
 use super::settings::SpectrumOptions;
 use super::spectrum::{Exponent, Running};
 
-/// What tangent vectors have grown by since measuring began: sums of logarithms, one for each vector, and from them the
-/// exponents, their blocks and their running means. For growth that is measured otherwise than [`crate::analysis::lyapunov_spectrum`]
-/// does.
+/// Growth of tangent vectors since measuring began: sums of logarithms, one for each vector, and from them the exponents, their blocks and their running means. Use it for growth that [`crate::analysis::lyapunov_spectrum`] does not measure.
 #[derive(Clone, Debug)]
 pub struct Growth {
     /// Time measuring began.

@@ -1,4 +1,4 @@
-//! A frame of tangent vectors that goes along with an orbit, and what is summed up of it.
+//! A frame of tangent vectors along an orbit, and the sums of their growth.
 
 use super::super::tangent::{Jump, Tangent, flatten, singular};
 use super::averages::Growth;
@@ -11,13 +11,13 @@ use crate::error::Error;
 use crate::filippov::TransitionKind;
 use crate::math;
 
-/// Part of its length by which a vector may be off the boundary of what sticks: its length is then off by the square of that.
+/// Fraction of its length by which a vector may leave the boundary of a sticking contact. The error of its length is the square of that.
 const OFF: f64 = 1e-12;
 
-/// Part of its size by which a map of the state may be off: it comes of dual numbers.
+/// Relative error of a map of the state, which comes from dual numbers.
 const ROUNDING: f64 = 1e-13;
 
-/// The frame, and what is summed up of it.
+/// The frame and its sums.
 pub(super) struct Measurement<'a> {
     tangent: Tangent<'a>,
     settings: &'a SpectrumOptions,
@@ -53,7 +53,7 @@ impl<'a> Measurement<'a> {
         }
     }
 
-    /// Forgets what has been summed up so far and keeps the frame.
+    /// Resets the sums and keeps the frame.
     pub(super) fn begin_measuring(&mut self, t: f64) {
         self.frame.revive();
         self.growth = Growth::new(self.frame.len(), t, self.settings);
@@ -81,8 +81,7 @@ impl<'a> Measurement<'a> {
         }
     }
 
-    /// Makes the frame orthonormal and books the lengths. `log_determinant` is that of the map just applied to all of
-    /// it: what the dead vectors have of it is not the others'.
+    /// Makes the frame orthonormal and adds the logarithms of the lengths. `log_determinant` belongs to the map that was applied to the whole frame; the share of the annihilated vectors is subtracted.
     fn book(&mut self, log_determinant: f64) -> Option<()> {
         let lengths = self.frame.orthonormalise()?;
         self.log_volume += log_determinant;
@@ -97,8 +96,7 @@ impl<'a> Measurement<'a> {
         Some(())
     }
 
-    /// Takes out the direction that a projection along the unit vector `kernel` annihilates, if the frame spans it. The
-    /// volume of the others is that of all, less the height over it.
+    /// Removes the direction that a projection along the unit vector `kernel` annihilates, if the frame spans it. The volume of the others is that of all divided by the height.
     fn collapse(&mut self, kernel: &Vector) {
         if let Some(j) = self.frame.collapse(kernel) {
             self.log_volume -= self.growth.logs[j];
@@ -203,8 +201,7 @@ impl Measurement<'_> {
         across
     }
 
-    /// Lays the vectors alive onto the boundaries of what sticks, where rounding has taken them off. Across a boundary the sliding flow lets be,
-    /// so that in a long stick a vector that shrinks along it would become what rounding has left across.
+    /// Projects the vectors alive onto the boundaries of sticking contacts, from which rounding moves them. The sliding flow does not contract across a boundary. In a long stick, a vector that shrinks along it would end as the rounding across it.
     fn stay_on_boundary(&mut self, step: &Step) {
         let gradients = self.gradients(step.mode, &step.end());
         self.frame.change_living(|q| {

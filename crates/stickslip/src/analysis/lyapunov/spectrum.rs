@@ -6,9 +6,7 @@ use crate::math;
 /// Standard errors within which an exponent is the true one.
 const STANDARD_ERRORS: f64 = 4.0;
 
-/// A direction may have grown by so much without a rate of growth: over a broken number of turns.
-/// Across a family of orbits it grows in proportion to the time. That is 11 times as long at the
-/// end as after a transient of a tenth of it.
+/// Growth that a direction may show without a rate of growth, over a broken number of turns. Across a family of orbits it grows in proportion to time: 11 times from the end of a transient of a tenth of the measured time.
 const END_EFFECT: f64 = 30.0;
 
 /// One Lyapunov exponent.
@@ -35,9 +33,7 @@ impl Exponent {
         }
     }
 
-    /// By how much the exponent may be off that was measured for so long: four standard errors, and
-    /// no less than what a direction shows that has grown by a factor of 30 without a rate of
-    /// growth. That is what a motion without damping does, whose exponents are zero.
+    /// Uncertainty of an exponent that was measured for this time: four standard errors, and at least the effect of a growth by a factor of 30 without a rate. A motion without damping, whose exponents are zero, shows such growth.
     pub fn uncertainty(&self, duration: f64) -> f64 {
         let scatter = STANDARD_ERRORS * self.std_error().unwrap_or(0.0);
         scatter.max(math::ln(END_EFFECT) / duration)
@@ -102,8 +98,7 @@ impl Spectrum {
         self.exponents.iter().filter(dead).count()
     }
 
-    /// What the sum of the finite exponents differs from the rate of volume found without them: the error of integration and
-    /// rounding, in the unit of an exponent. A large value says that tolerance or fixed step are too coarse.
+    /// Difference of the sum of the finite exponents from the rate of volume, which is computed without them: the error of integration and rounding, in the unit of an exponent. If it is large, the tolerance or the fixed step is too coarse.
     pub fn defect(&self) -> f64 {
         self.sum() - self.volume_rate
     }
