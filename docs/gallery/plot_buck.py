@@ -74,8 +74,8 @@ exact = root(lambda voltage: trace(voltage) + 1 + np.exp(-T / (R * C)), 22, 27)
 
 branch = ss.continuation(converter, E, (17, 27), [12, 0.55, 0], transient=0.1)
 flip = branch.special[branch.special["name"] == "flip"]["parameter"]
-voltages = np.linspace(22, 34, 121)
-diagram = ss.bifurcation_diagram(converter, E, voltages, [12, 0.55, 0], longest=0.2)
+voltages = np.linspace(22, 34, 97)
+diagram = ss.bifurcation_diagram(converter, E, voltages, [12, 0.55, 0], longest=0.1)
 
 axes = plt.figure().subplots()
 for voltage, points in zip(diagram.parameter, diagram.points):
