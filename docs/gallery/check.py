@@ -3,9 +3,9 @@
     python docs/gallery/check.py FOLDER [NAME...]
 
 Names that are given select examples. The exit code is the number of examples that fail.
+sphinx-gallery takes the look of the pictures from `apply_style`.
 """
 
-import os
 import subprocess
 import sys
 import time
@@ -17,11 +17,19 @@ import runpy, sys
 import matplotlib
 matplotlib.use("agg")
 import matplotlib.pyplot as plt
-plt.style.use(sys.argv[1])
-runpy.run_path(sys.argv[2], run_name="__main__")
+import check
+check.apply_style()
+runpy.run_path(sys.argv[1], run_name="__main__")
 for number in plt.get_fignums():
-    plt.figure(number).savefig(f"{sys.argv[3]}-{number}.png")
+    plt.figure(number).savefig(f"{sys.argv[2]}-{number}.png")
 """
+
+
+def apply_style(_conf=None, _name=None):
+    """The look of every picture; sphinx-gallery calls it before each example."""
+    import matplotlib.pyplot as plt
+
+    plt.style.use(HERE / "gallery.mplstyle")
 
 
 def main(folder, names):
@@ -32,8 +40,8 @@ def main(folder, names):
         if names and not any(name in example.stem for name in names):
             continue
         begin = time.perf_counter()
-        command = [sys.executable, "-W", "error", "-c", ONE, HERE / "gallery.mplstyle", example]
-        done = subprocess.run([*command, folder / example.stem], cwd=HERE, env=os.environ)
+        command = [sys.executable, "-W", "error", "-c", ONE, example, folder / example.stem]
+        done = subprocess.run(command, cwd=HERE)
         failed += done.returncode != 0
         word = "FAILED" if done.returncode else "ok"
         print(f"{example.stem}: {word}, {time.perf_counter() - begin:.1f} s\n", flush=True)

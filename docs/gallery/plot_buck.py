@@ -4,8 +4,8 @@ Buck converter: the flip that leads to chaos
 
 A DC–DC buck converter in voltage mode closes its switch when a ramp passes the amplified error of
 the output voltage. E. Fossas and G. Olivar studied its route to chaos (IEEE Transactions on
-Circuits and Systems I 43, 1996, 13–25). With :math:`R = 22` Ω, :math:`C = 47` µF,
-:math:`L = 20` mH, the period :math:`T = 400` µs and the input voltage :math:`E`,
+Circuits and Systems I 43, 1996, 13–25). Its parts are :math:`R = 22` Ω, :math:`C = 47` µF and
+:math:`L = 20` mH. With the period :math:`T = 400` µs and the input voltage :math:`E`,
 
 .. math::
 

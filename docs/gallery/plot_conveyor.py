@@ -4,8 +4,8 @@ Vibratory conveyor: parts that walk
 
 A conveyor that vibrates along a line inclined by :math:`\beta` moves parts forward (J. H. Booth and
 H. McCallion, Proceedings of the Institution of Mechanical Engineers 178, 1963). On the way up the
-part is heavy and sticks; on the way down it is light and slips. With the vibration
-:math:`A\sin\omega t` the part of velocity :math:`v` obeys
+part is heavy and sticks; on the way down it is light and slips. Under the vibration
+:math:`A\sin\omega t` the velocity :math:`v` of the part obeys
 
 .. math::
 

@@ -4,7 +4,7 @@ Galvanetto: two blocks on a belt
 
 U. Galvanetto and S. R. Bishop studied two coupled blocks on one belt as a model of a fault
 (International Journal of Mechanical Sciences 36, 1994, 683–698). Each block has a spring to the
-wall, a spring of stiffness 1.2 joins them, and friction weakens with the slip speed:
+wall, a third spring joins them, and friction weakens with the slip speed. With numbers chosen here,
 
 .. math::
 

@@ -9,8 +9,8 @@ S. W. Shaw and P. J. Holmes studied an oscillator that hits a wall (Journal of S
 .. math:: \ddot x + x = \cos\omega t, \qquad x = 0: \; \dot x \to -r\,\dot x .
 
 For one impact in each period :math:`T = 2\pi/\omega` the phase and the speed of the impact solve
-two linear equations. With :math:`\dot x_-` before the impact and the drive :math:`\cos\varphi` at it,
-the monodromy matrix has the determinant :math:`r^2` and the trace
+two linear equations. With :math:`\dot x_-` before the impact and the drive :math:`\cos\varphi` at
+it, the monodromy matrix has the determinant :math:`r^2` and the trace
 
 .. math:: -2 r \cos T + (1 + r) \sin T\,\frac{\cos\varphi}{\dot x_-} .
 """

@@ -8,7 +8,10 @@ Vibration 84, 1982, 173–189). The steps here are the same for any system.
 First come the equations. The ball of height :math:`h` flies freely. Where it meets the table
 :math:`A\sin\omega t`, the relative velocity is reversed and a part :math:`r` of it is kept:
 
-.. math:: \ddot h = -g, \qquad h = A\sin\omega t: \; \dot h \to -r\,\dot h + (1+r) A\omega\cos\omega t .
+.. math::
+
+   \ddot h = -g, \qquad
+   h = A\sin\omega t: \; \dot h \to -r\,\dot h + (1+r) A\omega\cos\omega t .
 
 States and parameters are symbols, and what happens at a bounce is a jump.
 """
@@ -79,8 +82,8 @@ axes.set(xlabel="amplitude $A$ [mm]", ylabel="velocity at $t = nT$ [m/s]")
 axes.legend(loc="upper left")
 
 # %%
-# Last, check a number. With :math:`a = \pi g (1-r)/(1+r)` the orbit of one bounce a period exists
-# from :math:`A\omega^2 = a` on, and its period doubles at
+# Last, check a number. The orbit of one bounce a period exists from :math:`A\omega^2 = a` on, where
+# :math:`a = \pi g (1-r)/(1+r)`. Its period doubles at
 # :math:`A\omega^2 = \sqrt{a^2 + \bigl(2g(1+r^2)/(1+r)^2\bigr)^2}`.
 
 a = np.pi * g * (1 - r) / (1 + r)

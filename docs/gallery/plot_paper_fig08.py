@@ -19,9 +19,10 @@ first     0.4697      1.1746
 second    0.1663      0.4161
 ========  ==========  ============
 
-The paper's own program gives these four numbers. That program overwrites its state within a step,
-tests one end of a stick zone and has other defects, so it cannot be written as a system for this
-package. Here the equations are solved accurately, and compared with the table.
+The paper's own program gives these four numbers, to every digit. It overwrites its state within a
+step, tests one end of a stick zone only, and has other defects. It is therefore not a solver of a
+system, and this package cannot run it; ``make fig08`` in the repository does. Here the equations
+are solved accurately and compared with the table.
 """
 
 import matplotlib.pyplot as plt

@@ -2,9 +2,9 @@ r"""
 Popp: a belt oscillator over the belt speed
 ===========================================
 
-K. Popp and co-workers studied the block on a belt with a measured friction law that falls and
-then rises with the slip speed (Hinrichs, Oestreich and Popp, Journal of Sound and Vibration 216,
-1998, 435–459). Without a drive and without dimensions it reads
+K. Popp and co-workers studied the block on a belt with friction that falls and then rises with the
+slip speed (N. Hinrichs, M. Oestreich and K. Popp, Journal of Sound and Vibration 216, 1998,
+435–459). With numbers chosen here, without a drive and without dimensions it reads
 
 .. math::
 
@@ -26,13 +26,15 @@ x, v = ss.states("x v")
 (vb,) = ss.parameters(vb=0.5)
 slip = v - vb
 belt = ss.Contact(
-    "belt", boundary=slip, friction=lambda side: 0.3 / (1 + 1.42 * side * slip) + 0.1 + 0.01 * slip**2
+    "belt",
+    boundary=slip,
+    friction=lambda side: 0.3 / (1 + 1.42 * side * slip) + 0.1 + 0.01 * slip**2,
 )
 block = ss.System({x: v, v: -x - belt.friction}, contacts=[belt])
 
 # %%
 # The branch starts from the stick–slip cycle at :math:`v_b = 0.5`. It turns where the cycle only
-# touches the belt's speed, comes back as an unstable cycle without stick and ends in the Hopf
+# touches the belt's speed. It comes back as an unstable cycle without stick, and ends in the Hopf
 # bifurcation of steady sliding.
 
 branch = ss.continuation(block, vb, (0.1, 3), [0, 0], step=0.05)

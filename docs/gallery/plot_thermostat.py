@@ -31,8 +31,8 @@ def room(outside):
 
 
 # %%
-# Left: a day between -4 °C at midnight and 12 °C at noon. Right: the length of a cycle over a constant
-# temperature outside.
+# Left: a day between -4 °C at midnight and 12 °C at noon. Right: the length of a cycle over a
+# constant temperature outside.
 
 left, right = plt.figure().subplots(1, 2)
 day = room(4 - 8 * np.cos(2 * np.pi * ss.t / 24))

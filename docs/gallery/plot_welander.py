@@ -10,7 +10,9 @@ A. R. Champneys and P. Kowalczyk (Piecewise-smooth Dynamical Systems, 2008, Sect
 .. math::
 
    \dot T = 1 - T - kT, \qquad \dot S = \tfrac12(1 - S) - kS, \qquad
-   k = \begin{cases} 1 & S - \tfrac45 T > \varepsilon, \\ 0 & S - \tfrac45 T < \varepsilon. \end{cases}
+   k = \begin{cases}
+   1 & S - \tfrac45 T > \varepsilon, \\ 0 & S - \tfrac45 T < \varepsilon.
+   \end{cases}
 
 With mixing the box tends to :math:`(T, S) = (\tfrac12, \tfrac13)`. That equilibrium lies on the
 threshold at :math:`\varepsilon = \tfrac13 - \tfrac25 = -\tfrac1{15}`. The oscillation ends there.
