@@ -249,12 +249,17 @@ fn jumps_and_inputs(report: &mut Report, system: &System) {
     let inputs = file.inputs.iter().map(|input| {
         let name = &input.name;
         match &input.shape {
-            InputShape::Periodic { period, phase, .. } => {
+            InputShape::Periodic {
+                shape,
+                period,
+                phase,
+                ..
+            } => {
                 let phase = phase.as_ref().map(|phase| &phase.text);
                 let behind = phase.map_or_else(String::new, |phase| format!(", phase {phase}"));
                 (
-                    format!("{name}: period {}{behind}", period.text),
-                    json!({ "name": name, "period": period.text, "phase": phase }),
+                    format!("{name}: {shape} of period {}{behind}", period.text),
+                    json!({ "name": name, "shape": shape, "period": period.text, "phase": phase }),
                 )
             }
             InputShape::Table(pieces) => {

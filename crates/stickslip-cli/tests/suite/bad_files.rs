@@ -681,7 +681,7 @@ fn what_is_wrong_with_jumps_and_inputs_is_told_where_it_is() {
         })
         .is_ok()
     );
-    let cases: [Case; 32] = [
+    let cases: [Case; 72] = [
         (
             "\"2*pi/w\"",
             "-1",
@@ -827,9 +827,9 @@ fn what_is_wrong_with_jumps_and_inputs_is_told_where_it_is() {
         (
             "\"2*pi/w\"",
             "\"x\"",
-            "the input `push` does not depend on time alone",
-            "",
-            "a contact, or a jump",
+            "the period of an input cannot depend on a state",
+            "\"x\"",
+            "an expression of parameters",
         ),
         (
             "width = 0.1",
@@ -883,16 +883,278 @@ fn what_is_wrong_with_jumps_and_inputs_is_told_where_it_is() {
         (
             "\"sin(w*t)\"",
             "\"sin(x)\"",
-            "the input `drive` does not depend on time alone",
-            "",
+            "the function of the switch `drive` depends on a state",
+            "\"sin(x)\"",
             "a contact",
         ),
         (
             "\"sin(w*t)\"",
             "\"w\"",
-            "the input `drive` does not depend on time alone",
+            "the function of the switch `drive` does not depend on time",
+            "\"w\"",
+            "a parameter",
+        ),
+        (
+            "\"x - 1\"",
+            "\"x - x\"",
+            "`when` of the jump `wall` is constant",
+            "\"x - x\"",
+            "a function of states",
+        ),
+        (
+            "\"x - 1\"",
+            "1",
+            "`when` of the jump `wall` is constant",
+            "1",
+            "a function of states",
+        ),
+        ("\"x - 1\"", "\"\"", "there is no expression here", "", ""),
+        (
+            "\"x - 1\"",
+            "\"wall\"",
+            "`wall` is a jump and has no value",
+            "wall",
+            "discrete state",
+        ),
+        (
+            "\"-r*v\"",
+            "\"ln(r - 1)*v\"",
+            "this is not a number",
+            "ln(r - 1)",
+            "a parameter",
+        ),
+        (
+            "\"-r*v\"",
+            "\"1/0\"",
+            "this is infinite",
+            "1/0",
+            "a parameter",
+        ),
+        (
+            "[field]\n",
+            "[field]\nn = \"1\"\n",
+            "`n` is a discrete state and stands in [discrete] alone",
+            "n",
+            "by jumps only",
+        ),
+        (
+            "[field]\n",
+            "[start]\nx = 0\nv = 0\nn = 2\n[field]\n",
+            "`n` is a discrete state and stands in [discrete] alone",
+            "n",
+            "has its start",
+        ),
+        ("n = 0", "n = \"1/0\"", "this is infinite", "1/0", ""),
+        (
+            "n = 0",
+            "n = nan",
+            "a finite number is expected here, not NaN",
+            "nan",
             "",
-            "a contact",
+        ),
+        (
+            "n = 0",
+            "n = { value = 1 }",
+            "an expression in quotes, or a number,",
+            "{ value = 1 }",
+            "",
+        ),
+        (
+            "n = 0",
+            "n = 0\nw = 1",
+            "`w` is the name of a parameter already",
+            "w",
+            "choose another",
+        ),
+        (
+            "n = 0",
+            "\"n-1\" = 0",
+            "`n-1` cannot be a name",
+            "\"n-1\"",
+            "letters, digits",
+        ),
+        (
+            "[0, 1, 2]\nvalues = [0, 1, 0]",
+            "[1]\nvalues = [2]",
+            "a table of 1 points in time",
+            "[1]",
+            "two at least",
+        ),
+        (
+            "[0, 1, 2]",
+            "3",
+            "a list of numbers is expected here, not a number",
+            "3",
+            "",
+        ),
+        (
+            "[0, 1, 2]",
+            "[0, 1, inf]",
+            "a finite number is expected here, not inf",
+            "inf",
+            "",
+        ),
+        (
+            "values = [0, 1, 0]",
+            "values = [0, 1, 0]\nfile = \"a.csv\"",
+            "a table has times and values, or a file",
+            "",
+            "force.csv",
+        ),
+        (
+            "width = 0.1",
+            "width = 0",
+            "the width 0 is not between 0 and 1",
+            "0",
+            "part of the period",
+        ),
+        (
+            "width = 0.1",
+            "width = \"w\"",
+            "a number is expected here, not a text",
+            "\"w\"",
+            "",
+        ),
+        (
+            "width = 0.1",
+            "width = 0.1\nbetween = \"constant\"",
+            "[inputs.push] has no entry `between`",
+            "between",
+            "`width`",
+        ),
+        (
+            "shape = \"pulse\"\n",
+            "",
+            "[inputs.push] has no `shape`",
+            "",
+            "or table",
+        ),
+        (
+            "\"2*pi/w\"",
+            "0",
+            "the period is 0, but must be positive",
+            "0",
+            "comes again",
+        ),
+        (
+            "\"2*pi/w\"",
+            "\"drive\"",
+            "the period of an input cannot depend on a state or another input",
+            "\"drive\"",
+            "parameters",
+        ),
+        (
+            "\"2*pi/w\"",
+            "\"2*pi/w\"\nphase = \"x\"",
+            "the phase of an input cannot depend on a state",
+            "\"x\"",
+            "parameters",
+        ),
+        (
+            "\"2*pi/w\"",
+            "\"2*pi/w\"\nphase = \"t\"",
+            "the phase of an input cannot depend on time",
+            "\"t\"",
+            "a switch",
+        ),
+        ("\"2*pi/w\"", "\"1/0\"", "this is infinite", "1/0", ""),
+        (
+            "\"sin(w*t)\"",
+            "\"push - 0.5\"",
+            "the function of the switch `drive` depends on a state or another input",
+            "\"push - 0.5\"",
+            "a function of time",
+        ),
+        (
+            "\"sin(w*t)\"",
+            "\"n - 0.5\"",
+            "the function of the switch `drive` depends on a state",
+            "\"n - 0.5\"",
+            "sets a discrete state",
+        ),
+        (
+            "\"sin(w*t)\"",
+            "\"0*t\"",
+            "the function of the switch `drive` does not depend on time",
+            "\"0*t\"",
+            "sin(w*t)",
+        ),
+        (
+            "\"sin(w*t)\"",
+            "\"sin(w*t)\"\nperiod = 3",
+            "[switches.drive] has no entry `period`",
+            "period",
+            "`function`",
+        ),
+        (
+            "[switches.drive]\nfunction = \"sin(w*t)\"",
+            "[switches]\ndrive = \"sin(w*t)\"",
+            "a table [switches.drive] is expected here",
+            "\"sin(w*t)\"",
+            "write a line [switches.drive]",
+        ),
+        (
+            "[jumps.wall]",
+            "[jumps.t]",
+            "`t` is the name of time already",
+            "t",
+            "choose another",
+        ),
+        (
+            "[jumps.wall]",
+            "[jumps.sin]",
+            "`sin` is a function already",
+            "sin",
+            "choose another",
+        ),
+        (
+            "[inputs.push]",
+            "[inputs.r]",
+            "`r` is the name of a parameter already",
+            "r",
+            "choose another",
+        ),
+        (
+            "{ v = \"-r*v\", n = \"n + 1\" }",
+            "\"v\"",
+            "a table [jumps.wall.set] is expected here",
+            "\"v\"",
+            "",
+        ),
+        (
+            "{ v = \"-r*v\", n = \"n + 1\" }",
+            "{ v = \"v\" }",
+            "the jump `wall` sets every state to what it is",
+            "",
+            "stop = true",
+        ),
+        (
+            "{ v = \"-r*v\", n = \"n + 1\" }",
+            "{ r = \"0\" }",
+            "`r` is a parameter, not a state",
+            "r",
+            "`x`, `v`, `n`",
+        ),
+        (
+            "{ v = \"-r*v\", n = \"n + 1\" }",
+            "{ t = \"0\" }",
+            "`t` is time, not a state",
+            "t",
+            "`x`, `v`, `n`",
+        ),
+        (
+            "direction = \"rising\"",
+            "count = -1",
+            "a whole number from 1 on is expected here, not -1",
+            "-1",
+            "",
+        ),
+        (
+            "[jumps.wall]\nwhen",
+            "[jumps]\nwhen",
+            "a table [jumps.when] is expected here",
+            "\"x - 1\"",
+            "write a line [jumps.when]",
         ),
     ];
     for (from, to, message, part, help) in cases {
@@ -922,16 +1184,57 @@ fn a_table_whose_file_is_wrong_is_told() {
             .unwrap_err()
             .to_string()
     };
-    assert!(told().contains("cannot read"), "{}", told());
+    let absent = told();
+    assert!(
+        absent.contains("cannot read") && absent.contains("begins in the folder of this file"),
+        "{absent}"
+    );
     for (content, message) in [
-        ("t,f\n0,0\n1\n", "row 3 has no time and value"),
-        ("t,f\n0,0\n1,much\n", "row 3 has no time and value"),
+        ("t,f\n0,0\n1\n", "row 3 has no value"),
+        ("t,f\n0,0\n,1\n", "row 3 has no time"),
+        (
+            "t,f\n0,0\n1,much\n",
+            "row 3 has `much`, which is no finite number",
+        ),
+        (
+            "t,f\n0,0\n1,NaN\n",
+            "row 3 has `NaN`, which is no finite number",
+        ),
+        ("0;0\n1;2\n", "row 2 has `1;2`, which is no finite number"),
         ("0,0\n1,2\n1,3\n", "not in order: 1 comes before 1"),
-        ("t,f\n", "0 times and 0 values"),
+        ("t,f\n", "a table of 0 points"),
+        ("t,f\n0,0\n", "a table of 1 points"),
     ] {
         std::fs::write(folder.path().join("force.csv"), content).unwrap();
         assert!(told().contains(message), "{}", told());
     }
     std::fs::write(folder.path().join("force.csv"), "t,f\n0,0\n1,2\n").unwrap();
     assert!(SystemFile::open(path.to_str().unwrap()).is_ok());
+}
+
+#[test]
+fn a_boundary_that_does_not_move_is_told() {
+    for boundary in ["drive", "n", "push*n"] {
+        let text = JUMPS.replace("drive\"\n[jumps", "drive - friction(c)\"\n[jumps");
+        let contact = format!("[contacts.c]\nboundary = \"{boundary}\"\nfriction = \"1\"\n[jumps");
+        let (problem, shown) = problem_of(&text.replacen("[jumps", &contact, 1));
+        assert!(
+            problem
+                .message
+                .contains("the boundary of contact `c` depends on no state that moves"),
+            "{shown}"
+        );
+    }
+    for (from, to) in [("x - 1", "c*(x - 1)"), ("-r*v", "-r*v*c")] {
+        let contact = "[contacts.c]\nboundary = \"v\"\nfriction = \"1\"\n[jumps";
+        let text = JUMPS.replace("drive\"\n[jumps", "drive - friction(c)\"\n[jumps");
+        let text = text.replacen("[jumps", contact, 1).replacen(from, to, 1);
+        let (problem, shown) = problem_of(&text);
+        assert!(
+            problem
+                .message
+                .contains("a jump cannot depend on the side of a contact"),
+            "{shown}"
+        );
+    }
 }

@@ -161,9 +161,13 @@ pub(crate) fn built(
     for contact in &file.contacts {
         let scope = Scope::NoSides("a boundary");
         let height = Builder::new(file, inputs, &mut graph, scope).formula(&contact.boundary)?;
-        if !graph.depends_on_state(height) {
+        let is_moving = |of: usize| match file.states.get(of) {
+            Some(state) => !state.is_discrete,
+            None => false,
+        };
+        if !graph.depends_on_states(height, is_moving) {
             let message = format!(
-                "the boundary of contact `{}` depends on no state",
+                "the boundary of contact `{}` depends on no state that moves",
                 contact.name
             );
             return Err(Problem::new(message, contact.boundary.whole()).help(
@@ -248,6 +252,16 @@ fn switching(
                 None => graph.state(number),
             });
         }
+        if entry.most.is_none()
+            && set
+                .iter()
+                .enumerate()
+                .all(|(number, id)| *id == graph.state(number))
+        {
+            let message = format!("the jump `{}` sets every state to what it is", entry.name);
+            return Err(Problem::new(message, entry.place.clone())
+                .help("set = { v = \"-r*v\" } changes `v`; stop = true ends the run there"));
+        }
         let all = set.iter().chain([&when]);
         is_timed |= all.into_iter().any(|&id| graph.depends_on_time(id));
         jumps.push(Jump {
@@ -262,12 +276,27 @@ fn switching(
     for entry in &file.inputs {
         let scope = Scope::NoSides("an input");
         let clock = Builder::new(file, inputs, graph, scope).clock(entry)?;
-        let is_free = inputs.count_free() > 0;
-        if graph.depends_on_state(clock) && !is_free || !graph.depends_on_time(clock) {
-            let message = format!("the input `{}` does not depend on time alone", entry.name);
-            return Err(Problem::new(message, entry.place.clone()).help(
-                "what depends on states is a contact, or a jump that sets a discrete state",
-            ));
+        if let InputShape::Switch(function) = &entry.shape {
+            let is_free = inputs.count_free() > 0;
+            let wrong = if graph.depends_on_state(clock) && !is_free {
+                Some((
+                    "depends on a state or another input",
+                    "a switch is the sign of a function of time; what depends on states is a \
+                     contact, or a jump that sets a discrete state",
+                ))
+            } else if !graph.depends_on_time(clock) {
+                Some((
+                    "does not depend on time",
+                    "a switch is the sign of a function of time, as in \"sin(w*t)\"; what is \
+                     constant is a parameter",
+                ))
+            } else {
+                None
+            };
+            if let Some((what, help)) = wrong {
+                let message = format!("the function of the switch `{}` {what}", entry.name);
+                return Err(Problem::new(message, function.whole()).help(help));
+            }
         }
         made.push(Input {
             clock: tape(file, graph, &[clock], inputs)?,

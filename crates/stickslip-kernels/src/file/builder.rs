@@ -292,11 +292,20 @@ impl<'a> Builder<'a> {
             return Err(Problem::new(message, formula.whole())
                 .help("an input with another clock is a switch: the sign of a function of time"));
         }
+        if self.inputs.count_free() == 0 && self.graph.depends_on_state(made) {
+            let message =
+                format!("the {what} of an input cannot depend on a state or another input");
+            return Err(Problem::new(message, formula.whole()).help(
+                "it is an expression of parameters; what depends on states is a jump that sets a \
+                 discrete state",
+            ));
+        }
         match self.graph.value(made) {
             Some(period) if what == "period" && period <= 0.0 => Err(Problem::new(
                 format!("the period is {period}, but must be positive"),
                 formula.whole(),
-            )),
+            )
+            .help("it is the time after which the input comes again")),
             _ => Ok(made),
         }
     }

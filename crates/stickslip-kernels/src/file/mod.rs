@@ -214,6 +214,8 @@ pub struct InputEntry {
 pub enum InputShape {
     /// The same again in each period.
     Periodic {
+        /// The name of its shape.
+        shape: String,
         /// What it is over a period, in parts of it.
         pieces: Vec<Piece>,
         /// The period.

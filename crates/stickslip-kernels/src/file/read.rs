@@ -43,10 +43,11 @@ pub(super) fn read(source: &Source) -> Result<SystemFile, Problem> {
     let parameters = parameters(&file, &mut names)?;
     let contacts = contacts(&file, &mut names)?;
     let definitions = definitions(&file, &mut names)?;
-    let mut field = field(&file, &states, contacts.len())?;
-    start(&file, &mut states)?;
     let continuous = states.len();
-    states.extend(switching::discrete(&file, &mut names, continuous)?);
+    let discrete = switching::discrete(&file, &mut names, continuous)?;
+    let mut field = field(&file, (&states, &names), contacts.len())?;
+    start(&file, &mut states, &names)?;
+    states.extend(discrete);
     if states.len() > MOST_STATES {
         let message = format!("{} states, discrete ones among them", states.len());
         return Err(
@@ -58,7 +59,7 @@ pub(super) fn read(source: &Source) -> Result<SystemFile, Problem> {
     field.extend(states[continuous..].iter().map(|_| none()));
     let jumps = switching::jumps(&file, &mut names, &states)?;
     let inputs = switching::inputs(source, &file, &mut names)?;
-    ranges(&file, &mut states)?;
+    ranges(&file, &mut states, &names)?;
     Ok(SystemFile {
         jumps,
         inputs,
@@ -267,10 +268,14 @@ fn contacts(file: &Table<'_>, names: &mut Names) -> Result<Vec<Contact>, Problem
     Ok(contacts)
 }
 
-fn field(file: &Table<'_>, states: &[StateEntry], contacts: usize) -> Result<Vec<Rate>, Problem> {
+fn field(
+    file: &Table<'_>,
+    (states, names): (&[StateEntry], &Names),
+    contacts: usize,
+) -> Result<Vec<Rate>, Problem> {
     let example = "[field] with the rate of every state, as in x = \"v\"";
     let table = file.need("field", example)?.table("", "field")?;
-    let rows = by_state(&table, states)?;
+    let rows = by_state(&table, states, names)?;
     let rows = states.iter().zip(rows).map(|(state, entry)| {
         let Some(entry) = entry else {
             let message = format!("[field] has no rate of the state `{}`", state.name);
@@ -301,6 +306,7 @@ fn field(file: &Table<'_>, states: &[StateEntry], contacts: usize) -> Result<Vec
 pub(super) fn by_state<'a>(
     table: &Table<'a>,
     states: &[StateEntry],
+    names: &Names,
 ) -> Result<Vec<Option<Entry<'a>>>, Problem> {
     let mut rows = vec![None; states.len()];
     for (name, place, entry) in table.entries() {
@@ -309,20 +315,31 @@ pub(super) fn by_state<'a>(
             Some(number) => rows[number] = Some(entry),
             None => {
                 let all: Vec<&str> = known().collect();
-                let help = did_you_mean(name, known())
-                    .unwrap_or_else(|| format!("the states are {}", listed(&all)));
-                return Err(Problem::new(format!("there is no state `{name}`"), place).help(help));
+                let all = format!("the states are {}", listed(&all));
+                let (message, help) = match names.get(name) {
+                    // Of all states those that are not here are discrete.
+                    Some(Meaning::State(_)) => (
+                        format!("`{name}` is a discrete state and stands in [discrete] alone"),
+                        "it changes by jumps only, and [discrete] has its start".to_owned(),
+                    ),
+                    Some(meaning) => (format!("`{name}` is {}, not a state", meaning.told()), all),
+                    None => (
+                        format!("there is no state `{name}`"),
+                        did_you_mean(name, known()).unwrap_or(all),
+                    ),
+                };
+                return Err(Problem::new(message, place).help(help));
             }
         }
     }
     Ok(rows)
 }
 
-fn start(file: &Table<'_>, states: &mut [StateEntry]) -> Result<(), Problem> {
+fn start(file: &Table<'_>, states: &mut [StateEntry], names: &Names) -> Result<(), Problem> {
     let Some(table) = file.table("start")? else {
         return Ok(());
     };
-    let rows = by_state(&table, states)?;
+    let rows = by_state(&table, states, names)?;
     for (state, entry) in states.iter_mut().zip(rows) {
         let Some(entry) = entry else {
             let message = format!("[start] has no value of the state `{}`", state.name);
@@ -333,11 +350,11 @@ fn start(file: &Table<'_>, states: &mut [StateEntry]) -> Result<(), Problem> {
     Ok(())
 }
 
-fn ranges(file: &Table<'_>, states: &mut [StateEntry]) -> Result<(), Problem> {
+fn ranges(file: &Table<'_>, states: &mut [StateEntry], names: &Names) -> Result<(), Problem> {
     let Some(table) = file.table("ranges")? else {
         return Ok(());
     };
-    let rows = by_state(&table, states)?;
+    let rows = by_state(&table, states, names)?;
     for (state, entry) in states.iter_mut().zip(rows) {
         state.range = entry.map(|entry| entry.interval(false)).transpose()?;
     }

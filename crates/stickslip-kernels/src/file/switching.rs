@@ -46,12 +46,16 @@ pub(super) fn jumps(
     let entries = table.entries().enumerate();
     let jumps = entries.map(|(number, (name, place, entry))| {
         let name = names.add(name, place.clone(), Meaning::Jump(number))?;
-        jump(entry.table("jumps", &name)?, name.clone(), states)
+        jump(entry.table("jumps", &name)?, name.clone(), (states, names))
     });
     jumps.collect()
 }
 
-fn jump(table: Table<'_>, name: String, states: &[StateEntry]) -> Result<JumpEntry, Problem> {
+fn jump(
+    table: Table<'_>,
+    name: String,
+    (states, names): (&[StateEntry], &Names),
+) -> Result<JumpEntry, Problem> {
     table.only(&["when", "direction", "set", "stop", "count"])?;
     let when = "an expression whose zero it is, as in when = \"x - gap\"";
     let most = match (table.get("stop"), table.get("count")) {
@@ -67,7 +71,8 @@ fn jump(table: Table<'_>, name: String, states: &[StateEntry]) -> Result<JumpEnt
     };
     let mut set = vec![None; states.len()];
     if let Some(entry) = table.get("set") {
-        let rows = super::read::by_state(&entry.table(&format!("jumps.{name}"), "set")?, states)?;
+        let entries = entry.table(&format!("jumps.{name}"), "set")?;
+        let rows = super::read::by_state(&entries, states, names)?;
         for (set, row) in set.iter_mut().zip(rows) {
             *set = row.map(Entry::formula).transpose()?;
         }
@@ -151,6 +156,7 @@ fn input(source: &Source, table: &Table<'_>) -> Result<InputShape, Problem> {
     }
     let period = table.need("period", "an expression, as in period = \"2*pi/w\"")?;
     Ok(InputShape::Periodic {
+        shape: shape.to_owned(),
         pieces,
         period: period.formula()?,
         phase: table.get("phase").map(Entry::formula).transpose()?,
@@ -176,9 +182,14 @@ fn points(source: &Source, table: &Table<'_>) -> Result<InputShape, Problem> {
             );
         }
     };
-    if times.len() != values.len() || times.is_empty() {
+    if times.len() != values.len() {
         let message = format!("{} times and {} values", times.len(), values.len());
         return Err(Problem::new(message, place).help("each time has its value"));
+    }
+    if times.len() < 2 {
+        let message = format!("a table of {} points in time", times.len());
+        return Err(Problem::new(message, place)
+            .help("it needs two at least; what is constant is a parameter"));
     }
     if let Some(pair) = times.windows(2).find(|pair| pair[0] >= pair[1]) {
         let message = format!(
@@ -229,25 +240,33 @@ fn from_file(source: &Source, entry: Entry<'_>) -> Result<(Vec<f64>, Vec<f64>), 
         .trim(csv::Trim::All)
         .comment(Some(b'#'))
         .from_path(&path);
-    let mut reader =
-        reader.map_err(|error| wrong(format!("cannot read {}: {error}", path.display())))?;
+    let mut reader = reader.map_err(|error| {
+        wrong(format!("cannot read {}: {error}", path.display()))
+            .help("its path begins in the folder of this file")
+    })?;
     let (mut times, mut values) = (Vec::new(), Vec::new());
     for (row, record) in reader.records().enumerate() {
         let record = record.map_err(|error| wrong(format!("{}: {error}", path.display())))?;
         let number = |column: usize| {
             let cell = record.get(column).unwrap_or_default();
-            cell.parse::<f64>().ok().filter(|value| value.is_finite())
+            let number = cell.parse::<f64>().ok();
+            let found = number.filter(|value| value.is_finite());
+            found.ok_or_else(|| match cell {
+                "" => format!("has no {}", ["time", "value"][column]),
+                _ => format!("has `{cell}`, which is no finite number"),
+            })
         };
         match (number(0), number(1)) {
-            (Some(t), Some(value)) => {
+            (Ok(t), Ok(value)) => {
                 times.push(t);
                 values.push(value);
             }
             // Names of columns.
             _ if row == 0 => {}
-            _ => {
-                let message = format!("{}: row {} has no time and value", path.display(), row + 1);
-                return Err(wrong(message).help("two numbers, with a comma between them"));
+            (Err(what), _) | (_, Err(what)) => {
+                let message = format!("{}: row {} {what}", path.display(), row + 1);
+                return Err(wrong(message)
+                    .help("a row is a time and a value, two numbers with a comma between them"));
             }
         }
     }

@@ -184,8 +184,8 @@ impl System {
         Ok(solver(&self.file, &built, None, states)?)
     }
 
-    /// Whether field and boundaries are what they were a period ago, at some states; `None` where
-    /// there is no period.
+    /// Whether field, boundaries and jumps are what they were a period ago, at some states; `None`
+    /// where there is no period.
     pub fn is_periodic(&self) -> Option<bool> {
         let period = self.built.period?;
         let at = |t: f64, x: &[f64]| -> Vec<f64> {
@@ -193,6 +193,14 @@ impl System {
             let mut values: Vec<f64> = heights.collect();
             for above in sides_to_check(self.contacts()) {
                 values.extend(self.field(Combination { above, held: 0 }, t, x));
+            }
+            let extended = self.built.switching.extended(t, x);
+            for jump in &self.built.switching.jumps {
+                let mut behind = vec![0.0; extended.len()];
+                jump.when.evaluate(t, &extended, &mut behind[..1]);
+                values.push(behind[0]);
+                jump.set.evaluate(t, &extended, &mut behind);
+                values.extend(behind);
             }
             values
         };

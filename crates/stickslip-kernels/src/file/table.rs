@@ -133,7 +133,9 @@ impl<'a> Entry<'a> {
         };
         match self.value.get_ref() {
             DeValue::Table(table) => Ok(Table::new(self.source, self.place(), table, title)),
-            _ => Err(self.wrong(&format!("a table [{title}]"))),
+            _ => Err(self
+                .wrong(&format!("a table [{title}]"))
+                .help(format!("write a line [{title}], and its entries below it"))),
         }
     }
 
@@ -192,7 +194,11 @@ impl<'a> Entry<'a> {
     pub(super) fn count(self) -> Result<u64, Problem> {
         match self.number() {
             Some(value) if value >= 1.0 && value.fract() == 0.0 => Ok(value as u64),
-            _ => Err(self.wrong("a whole number from 1 on")),
+            Some(value) => Err(Problem::new(
+                format!("a whole number from 1 on is expected here, not {value}"),
+                self.place(),
+            )),
+            None => Err(self.wrong("a whole number from 1 on")),
         }
     }
 
