@@ -103,7 +103,7 @@ fn with_names(error: &Error, name: &dyn Fn(usize) -> String) -> String {
             "{count} transitions at {} within {span:e} before t = {}, x = {x}: {}",
             names(contacts),
             readable(*t),
-            piled_up(accumulation.as_deref(), "--at-pile-up rest")
+            piled_up(accumulation.as_deref(), *span, "--at-pile-up rest")
         ),
         Error::NoUniqueMode {
             t,
@@ -169,6 +169,12 @@ fn with_names(error: &Error, name: &dyn Fn(usize) -> String) -> String {
              in a file each contact's friction must depend on its own side only",
             name(pair.0),
             name(pair.1),
+            at(t, x)
+        ),
+        Error::Undefined { what, number, t, x } => format!(
+            "{what} {} is not a number {}; write it so that it is defined wherever the orbit \
+             comes, as by max(…, 0) under a root, or end the run before",
+            name(*number),
             at(t, x)
         ),
         Error::NotConverged { .. } => format!(

@@ -11,8 +11,8 @@ use pyo3::prelude::*;
 use stickslip::Error;
 use stickslip::Options;
 use stickslip::dynamics::{
-    Dynamics, DynamicsRef, Happening, Modes, Moment, OrbitUnderWay, Phase, Reset, Section,
-    SmoothFlow, Solution, Step, Transition, Vector,
+    Dynamics, DynamicsRef, Happening, KinkShift, Modes, Moment, OrbitUnderWay, Phase, Reset,
+    Section, SmoothFlow, Solution, Step, Transition, Vector,
 };
 use stickslip::orbit::Counters;
 
@@ -160,6 +160,10 @@ impl Dynamics for Guarded<'_> {
 
     fn kink(&self, at: &Moment) -> Option<usize> {
         self.system.kink(at)
+    }
+
+    fn kink_shifts(&self, step: &Step) -> Vec<KinkShift> {
+        self.system.kink_shifts(step)
     }
 
     fn clock(&self, input: usize, at: &Moment) -> (f64, Vector, f64) {

@@ -57,8 +57,14 @@ pub struct Accumulation {
     pub holds: bool,
 }
 
-/// A pile-up in words; `option` is the name of [`crate::Options::at_pile_up`].
-pub fn piled_up(accumulation: Option<&Accumulation>, option: &str) -> String {
+/// A pile-up within a span of time, in words; `option` is the name of
+/// [`crate::Options::at_pile_up`].
+pub fn piled_up(accumulation: Option<&Accumulation>, span: f64, option: &str) -> String {
+    if span == 0.0 {
+        return "they set each other off at once, without end; a jump must lead to where neither it \
+                nor another one happens again"
+            .to_owned();
+    }
     let Some(Accumulation {
         t,
         uncertainty,
@@ -128,6 +134,20 @@ pub enum Error {
         /// Which function, in words.
         what: &'static str,
     },
+    /// The function of a jump or of a switch, or what a jump sets, is not a number.
+    #[error(
+        "{what} with number {number} is not a number at t = {t}, x = {x}; write it so that it is defined wherever the orbit comes", t = readable(*t)
+    )]
+    Undefined {
+        /// Of what, in words.
+        what: &'static str,
+        /// Its number: behind those of the contacts come the jumps, and behind these the inputs.
+        number: usize,
+        /// Time.
+        t: f64,
+        /// State.
+        x: Point,
+    },
     /// The state became infinite or not a number.
     #[error(
         "the state stopped being finite after t = {t}, x = {x}; the field may have a pole there, or the step of {step:?}, if it is fixed, may be too long", t = readable(*t)
@@ -174,7 +194,7 @@ pub enum Error {
     /// Transitions pile up (Zeno): infinitely many of them in finite time.
     #[error(
         "{count} transitions at contacts {contacts:?} within {span:e} before t = {t}, x = {x}: {}",
-        piled_up(accumulation.as_deref(), "Options::at_pile_up"), t = readable(*t)
+        piled_up(accumulation.as_deref(), *span, "Options::at_pile_up"), t = readable(*t)
     )]
     EventPileUp {
         /// Transitions counted.
@@ -386,6 +406,7 @@ impl Error {
         }
         match &mut self {
             Error::StartOutsideDomain { x, .. }
+            | Error::Undefined { x, .. }
             | Error::NonFinite { x, .. }
             | Error::StepCollapse { x, .. }
             | Error::TooMany { x, .. }

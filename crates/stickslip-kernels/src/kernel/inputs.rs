@@ -116,13 +116,17 @@ impl Input {
         }
     }
 
-    /// The sign of the clock just behind a time: of the first value that is not zero.
+    /// The sign of the clock just behind a time: of the first value that is not zero; no number
+    /// where that is none.
     fn sign(&self, t: f64, x: &[f64]) -> f64 {
         let mut ahead = 4.0 * ULPS * f64::EPSILON * t.abs().max(f64::MIN_POSITIVE / f64::EPSILON);
         while ahead.is_finite() {
             let value = self.reading(t + ahead, x);
+            if value.is_nan() {
+                return value;
+            }
             if value != 0.0 {
-                return if value < 0.0 { -1.0 } else { 1.0 };
+                return value.signum();
             }
             ahead *= 8.0;
         }
@@ -232,7 +236,7 @@ impl Switching {
     pub fn extended<T: Scalar>(&self, t: f64, x: &[T]) -> Vec<T> {
         let mut values: Vec<f64> = x.iter().map(|x| x.value()).collect();
         values.resize(self.room(), 0.0);
-        self.set_held(t, &mut values);
+        (0..self.inputs.len()).for_each(|input| self.set_held(input, t, &mut values));
         let held = values[self.states..].iter();
         x.iter()
             .copied()
@@ -240,12 +244,10 @@ impl Switching {
             .collect()
     }
 
-    fn set_held(&self, t: f64, x: &mut [f64]) {
-        for (number, input) in self.inputs.iter().enumerate() {
-            let place = self.states + HELD * number;
-            let held = input.held(t, &x[..self.states]);
-            x[place..place + HELD].copy_from_slice(&held);
-        }
+    fn set_held(&self, input: usize, t: f64, x: &mut [f64]) {
+        let place = self.states + HELD * input;
+        let held = self.inputs[input].held(t, &x[..self.states]);
+        x[place..place + HELD].copy_from_slice(&held);
     }
 }
 
@@ -285,17 +287,21 @@ impl<const N: usize> Jumps<N> for Switching {
         kinks.fold(f64::INFINITY, f64::min)
     }
 
-    fn kinked(&self, t: f64, x: &[f64]) -> Option<usize> {
+    fn inputs(&self) -> usize {
+        self.inputs.len()
+    }
+
+    fn kinks(&self, input: usize, t: f64, x: &[f64]) -> bool {
         let near = NEAR * f64::EPSILON * t.abs().max(f64::MIN_POSITIVE / f64::EPSILON);
-        let kinks = |input: &Input| input.held(t - near, x) != input.held(t + near, x);
-        self.inputs.iter().position(kinks)
+        let input = &self.inputs[input];
+        input.held(t - near, x) != input.held(t + near, x)
     }
 
     fn clock<T: Scalar>(&self, input: usize, t: T, x: &[T; N]) -> T {
         self.inputs[input].reading(t, x)
     }
 
-    fn hold(&self, t: f64, x: &mut [f64]) {
-        self.set_held(t, x);
+    fn hold(&self, input: usize, t: f64, x: &mut [f64]) {
+        self.set_held(input, t, x);
     }
 }

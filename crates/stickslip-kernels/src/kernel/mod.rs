@@ -9,8 +9,8 @@ mod system;
 use std::ops::ControlFlow;
 
 use stickslip::dynamics::{
-    DynamicsRef, Happening, Moment, OrbitUnderWay, Passage, Phase, Section as Watched, Solution,
-    Step, Summary, Transition, Vector,
+    DynamicsRef, Happening, Kink, Moment, OrbitUnderWay, Passage, Phase, Section as Watched,
+    Solution, Step, Summary, Transition, Vector,
 };
 use stickslip::{Ending, Error, Options, TransitionKind};
 
@@ -62,6 +62,10 @@ pub trait Watcher {
     fn transition(&mut self, _at: &Transition) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
+    /// At every kink of an input, before what it sets off.
+    fn kink(&mut self, _at: &Kink) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
     /// At every passage of the section.
     fn passage(&mut self, _at: &Passage) -> ControlFlow<()> {
         ControlFlow::Continue(())
@@ -96,6 +100,7 @@ pub fn follow(
                 told
             }
             Ok(Happening::PhaseEnd(phase)) => watcher.phase(&phase),
+            Ok(Happening::Kink(at)) => watcher.kink(&at),
             Ok(Happening::Passage(at)) => watcher.passage(&at),
             Ok(Happening::Transition(at)) => tell(at, watcher),
             Ok(Happening::End(summary)) => return Ok(summary),

@@ -70,7 +70,7 @@ pub(super) fn turn(
                 map.through_step(&tangent, &step);
             }
             Happening::Transition(at) => map.through_transition(&tangent, &at)?,
-            Happening::PhaseEnd(_) | Happening::Passage(_) => {}
+            Happening::PhaseEnd(_) | Happening::Passage(_) | Happening::Kink(_) => {}
             Happening::End(summary) => {
                 let velocity = velocity_in(system, orbit.mode(), &orbit.now());
                 return Ok(Monodromy {

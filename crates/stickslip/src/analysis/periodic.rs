@@ -151,7 +151,10 @@ pub fn find_periodic_orbit<Kind>(
                 break here;
             }
             Happening::End(summary) => return Err(summary.goes_no_further()),
-            Happening::PhaseEnd(_) | Happening::Transition(_) | Happening::Passage(_) => {}
+            Happening::PhaseEnd(_)
+            | Happening::Transition(_)
+            | Happening::Passage(_)
+            | Happening::Kink(_) => {}
         }
     };
     orbit.watch(&Section::Plane {
@@ -165,7 +168,10 @@ pub fn find_periodic_orbit<Kind>(
             Happening::Passage(at) => returns.push((at.t - start.t, (at.x - &start.x).norm())),
             Happening::End(summary) if summary.ending == Ending::EndTime => break,
             Happening::End(summary) => return Err(summary.goes_no_further()),
-            Happening::Step | Happening::PhaseEnd(_) | Happening::Transition(_) => {}
+            Happening::Step
+            | Happening::PhaseEnd(_)
+            | Happening::Transition(_)
+            | Happening::Kink(_) => {}
         }
     }
     let nearest = returns.iter().map(|r| r.1).fold(f64::INFINITY, f64::min);

@@ -226,7 +226,7 @@ impl<'a> PoincareMap<'a> {
                         map.through_transition(&tangent, &at)?;
                     }
                 }
-                Happening::PhaseEnd(_) | Happening::Passage(_) => {}
+                Happening::PhaseEnd(_) | Happening::Passage(_) | Happening::Kink(_) => {}
                 Happening::End(summary) => return Err(summary.goes_no_further()),
             }
         }

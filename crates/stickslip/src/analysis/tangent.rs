@@ -63,11 +63,16 @@ impl<'a> Tangent<'a> {
         Tangent { system, carrying }
     }
 
-    /// Replaces each of these vectors by its image at the end of the step.
+    /// Replaces each of these vectors by its image behind the end of the step, and behind the kink of
+    /// an input there.
     pub(crate) fn carry<'v>(&self, step: &Step, vectors: impl IntoIterator<Item = &'v mut Vector>) {
         let flow = self.system.flow(step.mode, &step.end());
+        let shifts = self.system.kink_shifts(step);
         for vector in vectors {
             *vector = flow.carried(step, vector, self.carrying);
+            for shift in &shifts {
+                *vector += &shift.kick * (shift.gradient.dot(vector) / shift.rate);
+            }
         }
     }
 
@@ -121,6 +126,10 @@ impl<'a> Tangent<'a> {
         let Some(guard) = self.system.jumps_at(at) else {
             return Ok(None);
         };
+        // What a kink sets off happens when that does, wherever the state is.
+        if self.system.kink(&at.moment()).is_some() {
+            return Ok(None);
+        }
         if !self.system.is_one_at_a_time(at) {
             return Err(singular(at.t, &at.x));
         }

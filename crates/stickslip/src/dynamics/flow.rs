@@ -58,6 +58,12 @@ where
         system.with_flow(self.mode, branch, user)
     }
 
+    /// The velocity where inputs hold what the state says.
+    pub(super) fn velocity_at(&self, at: &Timed<N>) -> Vector {
+        let velocity = self.of_field(Velocity(at.t, components(&at.x)));
+        self.of.vector(&State::from(velocity))
+    }
+
     /// The function of the jump of a guard, if it is one's.
     fn jump(&self, guard: usize) -> Option<JumpGuard<'_, J>> {
         let (jumps, number) = (self.of.jumps, guard.checked_sub(G)?);
@@ -88,9 +94,7 @@ where
     J: Jumps<N>,
 {
     fn velocity(&self, at: &Moment) -> Vector {
-        let Timed { t, x } = self.of.timed(at);
-        let velocity = self.of_field(Velocity(t, components(&x)));
-        self.of.vector(&State::from(velocity))
+        self.velocity_at(&self.of.timed(at))
     }
 
     fn derivative(&self, at: &Moment, along: &Vector) -> Vector {

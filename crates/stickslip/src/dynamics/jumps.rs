@@ -2,7 +2,8 @@
 
 use std::collections::VecDeque;
 
-use super::typed::{TypedSection, View};
+use super::section::TypedSection;
+use super::typed::View;
 use super::{Happening, Vector};
 use crate::error::{Error, Point};
 use crate::filippov::{
@@ -95,9 +96,14 @@ pub trait Jumps<const N: usize> {
         f64::INFINITY
     }
 
-    /// The input that kinks at a time, if one does.
-    fn kinked(&self, _t: f64, _x: &[f64]) -> Option<usize> {
-        None
+    /// Number of inputs.
+    fn inputs(&self) -> usize {
+        0
+    }
+
+    /// Whether an input kinks at a time.
+    fn kinks(&self, _input: usize, _t: f64, _x: &[f64]) -> bool {
+        false
     }
 
     /// The function of time that decides when an input kinks.
@@ -105,8 +111,9 @@ pub trait Jumps<const N: usize> {
         t
     }
 
-    /// Sets the components of the state that inputs hold from `t` to their next kink.
-    fn hold(&self, _t: f64, _x: &mut [f64]) {}
+    /// Sets the components of the state that an input holds from `t` to its next kink; to what is
+    /// no number where its clock is none.
+    fn hold(&self, _input: usize, _t: f64, _x: &mut [f64]) {}
 }
 
 /// No jumps.
@@ -149,14 +156,17 @@ impl<J: Jumps<N>, const N: usize> Jumps<N> for &J {
     fn next_kink(&self, t: f64, x: &[f64], t_end: f64) -> f64 {
         (**self).next_kink(t, x, t_end)
     }
-    fn kinked(&self, t: f64, x: &[f64]) -> Option<usize> {
-        (**self).kinked(t, x)
+    fn inputs(&self) -> usize {
+        (**self).inputs()
+    }
+    fn kinks(&self, input: usize, t: f64, x: &[f64]) -> bool {
+        (**self).kinks(input, t, x)
     }
     fn clock<T: Scalar>(&self, input: usize, t: T, x: &[T; N]) -> T {
         (**self).clock(input, t, x)
     }
-    fn hold(&self, t: f64, x: &mut [f64]) {
-        (**self).hold(t, x)
+    fn hold(&self, input: usize, t: f64, x: &mut [f64]) {
+        (**self).hold(input, t, x)
     }
 }
 
@@ -187,6 +197,18 @@ pub struct Reset {
     pub in_time: f64,
 }
 
+/// What an input's kink at the end of a step does to tangent vectors: its time moves with them where
+/// its clock depends on the state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KinkShift {
+    /// Field behind the kink less the field before it.
+    pub kick: Vector,
+    /// Gradient of the clock in the state.
+    pub gradient: Vector,
+    /// Rate of the clock along the motion before the kink.
+    pub rate: f64,
+}
+
 /// Units in the last place by which the times of one instant may differ.
 const SAME_TIME: f64 = 4.0 * f64::EPSILON;
 
@@ -208,6 +230,8 @@ pub(super) struct Jumping<'a, S: Switched<N, G>, V, J, const N: usize, const G: 
     most_kinks: u64,
     /// The jumps that are to be done, in their order.
     due: VecDeque<usize>,
+    /// Whether no step has been taken since the last jump.
+    has_jumped: bool,
     is_held: bool,
 }
 
@@ -218,23 +242,26 @@ where
     J: Jumps<N>,
 {
     /// The jumps of a run that has not begun; `None` of a system without any.
+    ///
+    /// # Errors
+    /// [`Error::Undefined`].
     pub(super) fn of(
         view: &View<'a, S, V, J, N, G>,
         integration: &mut Integration<'a, S, N, G>,
         options: &Options,
         t_end: f64,
-    ) -> Option<Self> {
+    ) -> Result<Option<Self>, Error> {
         let jumps = view.jumps;
         let (t, x) = (integration.t(), components(integration.x()));
         let kink = jumps.next_kink(t, x, t_end);
         if jumps.count() == 0 && kink == f64::INFINITY {
-            return None;
+            return Ok(None);
         }
         integration.end_at(t_end.min(kink));
         let is_held = integration.is_held();
         let count = if is_held { 0 } else { jumps.count() };
         let search = |number| EventSearch::new(view.system, view.when(number), options);
-        Some(Jumping {
+        let jumping = Jumping {
             jumps,
             searches: (0..count).map(search).collect(),
             counts: vec![0; count],
@@ -245,14 +272,36 @@ where
             kinks: 0,
             most_kinks: options.most_events,
             due: VecDeque::new(),
+            has_jumped: false,
             is_held,
-        })
+        };
+        jumping.check(integration)?;
+        Ok(Some(jumping))
+    }
+
+    /// Whether the functions of all jumps are numbers.
+    fn check(&self, integration: &Integration<'a, S, N, G>) -> Result<(), Error> {
+        let (t, x) = (integration.t(), integration.x());
+        let is_none = |&number: &usize| self.jumps.when(number, t, components(x)).is_nan();
+        match (0..self.searches.len()).find(is_none) {
+            Some(number) => Err(self.undefined("the function of the jump", number, (t, x))),
+            None => Ok(()),
+        }
+    }
+
+    fn undefined(&self, what: &'static str, jump: usize, (t, x): (f64, &State<N>)) -> Error {
+        let (number, x) = (self.contacts + jump, Point::from(x));
+        Error::Undefined { what, number, t, x }
     }
 
     /// Cuts the last step short where a jump happens in it.
-    pub(super) fn look(&mut self, integration: &mut Integration<'a, S, N, G>) {
+    ///
+    /// # Errors
+    /// [`Error::Undefined`].
+    pub(super) fn look(&mut self, integration: &mut Integration<'a, S, N, G>) -> Result<(), Error> {
+        self.has_jumped = false;
         if self.searches.is_empty() {
-            return;
+            return Ok(());
         }
         let step = integration.last_step();
         let memories: Vec<_> = self.searches.iter().map(EventSearch::memory).collect();
@@ -262,7 +311,7 @@ where
         let firsts = self.searches.iter().map(|search| search.found().first());
         let earliest = firsts.flatten().min_by(|a, b| a.t.total_cmp(&b.t));
         let Some(Timed { t, x }) = earliest.map(|at| Timed { t: at.t, x: at.x }) else {
-            return;
+            return self.check(integration);
         };
         integration.stop_at(Timed { t, x });
         for (number, (search, memory)) in self.searches.iter_mut().zip(memories).enumerate() {
@@ -279,11 +328,23 @@ where
                 search.set_side(side);
             }
         }
+        Ok(())
+    }
+
+    /// The jump that is to be done next.
+    pub(super) fn due(&self) -> Option<usize> {
+        self.due.front().copied()
     }
 
     /// Whether a jump is to be done.
     pub(super) fn is_due(&self) -> bool {
         !self.due.is_empty()
+    }
+
+    /// Whether the next jump follows on another one at once: then there is a phase of no length
+    /// between them, which is asked for once.
+    pub(super) fn takes_between(&mut self) -> bool {
+        std::mem::take(&mut self.has_jumped) && self.is_due()
     }
 
     /// Whether a run has come to a kink. One at its end is passed, too: a run from there goes on.
@@ -299,7 +360,8 @@ where
     /// Does the next jump that is due.
     ///
     /// # Errors
-    /// Those of [`Integration::new`] at the state behind it, and those of too many transitions.
+    /// Those of [`Integration::new`] at the state behind it, those of too many transitions, and
+    /// [`Error::Undefined`].
     pub(super) fn jump(
         &mut self,
         integration: &mut Integration<'a, S, N, G>,
@@ -311,10 +373,9 @@ where
         let residual = self.jumps.when(number, t, components(&before)).abs();
         let after: State<N> = self.jumps.set(number, t, components(&before)).into();
         if after.iter().any(|v| !v.is_finite()) {
-            let what = "a jump sets the state to what is no number";
-            let x = Point::from(&before);
-            return Err(Error::StartOutsideDomain { t, x, what });
+            return Err(self.undefined("the state that is set by the jump", number, (t, &before)));
         }
+        self.has_jumped = true;
         self.counts[number] += 1;
         let most = self.jumps.most(number);
         if most.is_some_and(|most| self.counts[number] >= most) {
@@ -358,8 +419,10 @@ where
         told: &mut VecDeque<Happening>,
     ) -> Result<(), Error> {
         let (t, before) = (integration.t(), *integration.x());
-        let mut after = before;
-        self.jumps.hold(t, after.as_mut_slice());
+        let after = view.held(t, before);
+        if after.iter().any(|held| held.is_nan()) {
+            view.check_inputs(&Timed { t, x: before })?;
+        }
         self.kinked = t;
         self.kinks += 1;
         if self.kinks > self.most_kinks {
@@ -368,11 +431,17 @@ where
         }
         self.kink = self.jumps.next_kink(t, components(&after), self.t_end);
         integration.end_at(self.t_end.min(self.kink));
+        if !self.is_held {
+            let kinks = |&input: &usize| self.jumps.kinks(input, t, components(&after));
+            let inputs = (0..self.jumps.inputs()).filter(kinks);
+            told.extend(inputs.map(|input| Happening::Kink(view.kink(input, integration))));
+        }
         let phase = integration.phase();
         let changed = integration.kink(after)?;
         self.find_edges(t, [&before, &after], None);
         if changed.is_some() || self.is_due() || integration.phase().is_none() {
-            told.extend(phase.map(|phase| Happening::PhaseEnd(view.phase(&phase))));
+            let phase = phase.map(|phase| view.phase(&phase, self.due()));
+            told.extend(phase.map(Happening::PhaseEnd));
             integration.begin_phase();
         }
         told.extend(changed.map(|at| Happening::Transition(view.transition(&at))));

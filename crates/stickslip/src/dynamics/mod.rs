@@ -6,6 +6,8 @@
 mod flow;
 mod jumps;
 mod modes;
+mod run;
+mod section;
 mod typed;
 
 use nalgebra::{DMatrix, DVector};
@@ -17,10 +19,11 @@ use crate::interval::Interval;
 use crate::orbit::{Counters, Ending};
 use crate::system::{Filippov, State};
 
-pub use jumps::{Jumps, NoJumps, Reset, WithJumps};
+pub use jumps::{Jumps, KinkShift, NoJumps, Reset, WithJumps};
 pub use modes::Modes;
-pub use typed::{NoSection, Typed};
-pub(crate) use typed::{observed, watched};
+pub(crate) use run::{observed, watched};
+pub use section::NoSection;
+pub use typed::Typed;
 
 /// A vector of run-time length: a state, a direction, a gradient.
 pub type Vector = DVector<f64>;
@@ -43,11 +46,24 @@ impl Moment {
     }
 }
 
-/// Part of an orbit in one mode, between two transitions.
+/// Part of an orbit in one mode, between two transitions; its mode says as well which jump ends it.
 pub type Phase = PhaseOf<Vector, Modes>;
 
 /// A change of mode, a touch of a boundary, or a loss or gain of contact.
 pub type Transition = TransitionOf<Vector, Modes>;
+
+/// A time at which an input kinks, or a switch of time changes its sign.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Kink {
+    /// Time.
+    pub t: f64,
+    /// State.
+    pub x: Vector,
+    /// Mode before it.
+    pub mode: Modes,
+    /// The input, counted from 0.
+    pub input: usize,
+}
 
 /// A passage of a section.
 pub type Passage = EventOf<Vector, Modes>;
@@ -114,7 +130,9 @@ pub enum Happening {
     Step,
     /// The section was passed in the last step.
     Passage(Passage),
-    /// A phase has ended at the end of the last step.
+    /// An input kinks at the end of the last step; what that sets off is reported behind it.
+    Kink(Kink),
+    /// A phase has ended at the end of the last step, or between two jumps in the same instant.
     PhaseEnd(Phase),
     /// The mode changes, or a boundary was touched, at the end of the last step.
     Transition(Transition),
@@ -219,6 +237,10 @@ pub trait Dynamics: Send + Sync {
 
     /// The input that kinks at a moment, if one does.
     fn kink(&self, at: &Moment) -> Option<usize>;
+
+    /// What kinks of inputs at the end of a step do to tangent vectors; nothing where no clock
+    /// depends on the state.
+    fn kink_shifts(&self, step: &Step) -> Vec<KinkShift>;
 
     /// The clock that decides when an input kinks: value, gradient in the state, time derivative.
     fn clock(&self, input: usize, at: &Moment) -> (f64, Vector, f64);
@@ -547,7 +569,7 @@ impl Orbit {
                 Ok(Happening::Step) => orbit.steps.push((run.last_step(), run.solution())),
                 Ok(Happening::PhaseEnd(phase)) => orbit.phases.push(phase),
                 Ok(Happening::Transition(at)) => orbit.transitions.push(at),
-                Ok(Happening::Passage(_)) => {}
+                Ok(Happening::Passage(_) | Happening::Kink(_)) => {}
                 Ok(Happening::End(summary)) => {
                     orbit.end = summary;
                     return Ok((orbit, None));

@@ -4,8 +4,8 @@ use std::fmt;
 
 use crate::system::{Mode, Side};
 
-/// The mode of each contact, of at most [`Modes::MOST`] contacts. Written as one letter a contact:
-/// `-` for slip below, `+` for slip above, `S` for stick.
+/// The mode of each contact, of at most [`Modes::MOST`] contacts; of a phase that a jump ends, with
+/// that jump. Written as one letter a contact: `-` for slip below, `+` for slip above, `S` for stick.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(into = "String", try_from = "String"))]
@@ -13,6 +13,8 @@ pub struct Modes {
     sticks: u64,
     above: u64,
     count: u8,
+    /// The number of the jump that ends the phase and 1; 0 where none does.
+    until: u16,
 }
 
 impl Modes {
@@ -26,6 +28,7 @@ impl Modes {
             sticks: 0,
             above: 0,
             count: count as u8,
+            until: 0,
         };
         let each = of.iter().take(count).enumerate();
         each.fold(none, |modes, (contact, mode)| modes.with(contact, *mode))
@@ -59,6 +62,20 @@ impl Modes {
             }
         }
         self
+    }
+
+    /// The same of a phase that a jump ends, by its number from 0.
+    #[must_use]
+    pub fn until(self, jump: Option<usize>) -> Self {
+        let number = jump.map_or(0, |jump| jump.saturating_add(1));
+        let until = u16::try_from(number).unwrap_or(u16::MAX);
+        Modes { until, ..self }
+    }
+
+    /// The jump that ends the phase, by its number from 0; of two phases that differ in it the modes
+    /// are not the same.
+    pub fn jump(&self) -> Option<usize> {
+        usize::from(self.until).checked_sub(1)
     }
 
     /// The modes in order of the contacts, as a list.
@@ -102,7 +119,7 @@ impl fmt::Display for Modes {
 
 impl fmt::Debug for Modes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{self}")
+        f.write_str(&String::from(*self))
     }
 }
 
@@ -119,22 +136,27 @@ impl<const M: usize> From<[Mode; M]> for Modes {
     }
 }
 
-/// With a single contact its mode can stand for all.
+/// With a single contact its mode can stand for all, whatever ends the phase.
 impl PartialEq<Mode> for Modes {
     fn eq(&self, mode: &Mode) -> bool {
-        *self == Modes::from(*mode)
+        self.until(None) == Modes::from(*mode)
     }
 }
 
+/// Whatever ends the phase.
 impl<const M: usize> PartialEq<[Mode; M]> for Modes {
     fn eq(&self, modes: &[Mode; M]) -> bool {
-        *self == Modes::from(*modes)
+        self.until(None) == Modes::from(*modes)
     }
 }
 
+/// Its letters, and behind `:` the number of the jump that ends the phase.
 impl From<Modes> for String {
     fn from(modes: Modes) -> String {
-        modes.to_string()
+        match modes.jump() {
+            Some(jump) => format!("{modes}:{jump}"),
+            None => modes.to_string(),
+        }
     }
 }
 
@@ -148,7 +170,16 @@ impl TryFrom<String> for Modes {
             'S' => Ok(Mode::Stick),
             other => Err(format!("`{other}` is no mode: -, + or S is")),
         };
-        let modes: Vec<Mode> = text.chars().map(mode).collect::<Result<_, String>>()?;
+        let (letters, jump) = match text.split_once(':') {
+            Some((letters, jump)) => (letters, Some(jump)),
+            None => (text.as_str(), None),
+        };
+        let jump = jump.map(|jump| {
+            let number = jump.parse();
+            number.map_err(|_| format!("`{jump}` is no number of a jump"))
+        });
+        let jump = jump.transpose()?;
+        let modes: Vec<Mode> = letters.chars().map(mode).collect::<Result<_, String>>()?;
         if modes.len() > Modes::MOST {
             return Err(format!(
                 "`{text}` has {} modes: at most {} contacts are possible",
@@ -156,7 +187,7 @@ impl TryFrom<String> for Modes {
                 Modes::MOST
             ));
         }
-        Ok(Modes::new(&modes))
+        Ok(Modes::new(&modes).until(jump))
     }
 }
 
@@ -166,12 +197,14 @@ mod tests {
 
     #[test]
     fn modes_read_back_what_they_write() {
-        for text in ["", "-", "S+-", &"+S".repeat(32)] {
+        for text in ["", "-", "S+-", &"+S".repeat(32), ":0", "S:12"] {
             let modes = Modes::try_from(text.to_owned()).unwrap();
-            assert_eq!(modes.to_string(), text);
+            assert_eq!(String::from(modes), text);
             assert_eq!(modes.any_sticks(), text.contains('S'));
+            assert_eq!(modes.jump().is_some(), text.contains(':'));
         }
         assert!(Modes::try_from("x".to_owned()).is_err());
+        assert!(Modes::try_from("S:x".to_owned()).is_err());
         assert!(Modes::try_from("+".repeat(65)).is_err());
     }
 

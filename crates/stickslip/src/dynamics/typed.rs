@@ -1,48 +1,34 @@
 //! A system whose numbers of states and contacts are in its type, as [`Dynamics`].
 
 use std::borrow::Borrow;
-use std::collections::VecDeque;
 use std::marker::PhantomData;
 
 use super::flow::TypedFlow;
-use super::jumps::{Jumping, Jumps, NoJumps, Reset};
+use super::jumps::{Jumps, NoJumps, Reset};
+use super::section::NoSection;
 use super::{
-    Dynamics, Happening, Matrix, Modes, Moment, OrbitUnderWay, Passage, Phase, Section, SmoothFlow,
-    Solution, Step, Summary, Transition, Vector,
+    Dynamics, Kink, KinkShift, Matrix, Modes, Moment, OrbitUnderWay, Passage, Phase, Section,
+    SmoothFlow, Step, Summary, Transition, Vector,
 };
 use crate::dual::Dual;
-use crate::error::Error;
+use crate::error::{Error, Point};
 use crate::filippov::{
-    Direction, EventFunctions, EventOf, EventRecord, EventSearch, Integration, Observer, Options,
-    PhaseOf, Progress, Stepper, Strobe, SummaryOf, Switched, TransitionKind, TransitionOf,
-    Velocity, gradient, tell,
+    EventFunctions, EventOf, EventRecord, Integration, Options, PhaseOf, SummaryOf, Switched,
+    TransitionKind, TransitionOf, gradient,
 };
 use crate::ode::Timed;
-use crate::orbit::Counters;
-use crate::scalar::Scalar;
 use crate::system::{State, components};
-
-/// An event function of no system's own.
-#[derive(Clone, Copy, Debug)]
-pub struct NoSection;
-
-impl<const N: usize> EventFunctions<N, 1> for NoSection {
-    #[inline(always)]
-    fn values<T: Scalar>(&self, _t: T, _x: &[T; N]) -> [T; 1] {
-        [T::one()]
-    }
-}
 
 /// A typed system, owned or borrowed, with an event function of its own.
 ///
 /// The type may have room for more states and contacts than the system has. The other states are
 /// zero and stay so; the other contacts slip above and are never at zero.
 pub struct Typed<T, S, V, J, const N: usize, const G: usize> {
-    system: T,
-    section: V,
+    pub(super) system: T,
+    pub(super) section: V,
     jumps: J,
-    states: usize,
-    contacts: usize,
+    pub(super) states: usize,
+    pub(super) contacts: usize,
     kind: PhantomData<fn() -> S>,
 }
 
@@ -100,7 +86,7 @@ where
 /// A typed system as it is seen from outside: conversions there and back.
 pub(super) struct View<'a, S, V, J, const N: usize, const G: usize> {
     pub(super) system: &'a S,
-    own: &'a V,
+    pub(super) own: &'a V,
     pub(super) jumps: &'a J,
     pub(super) states: usize,
     pub(super) contacts: usize,
@@ -131,22 +117,62 @@ where
 
     /// With what inputs hold at that time.
     pub(super) fn timed(&self, at: &Moment) -> Timed<N> {
-        let (t, mut x) = (at.t, self.state(at.x.as_slice()));
-        self.jumps.hold(t, x.as_mut_slice());
+        let (t, x) = (at.t, self.held(at.t, self.state(at.x.as_slice())));
         Timed { t, x }
+    }
+
+    /// A state with what inputs hold from a time on.
+    pub(super) fn held(&self, t: f64, mut x: State<N>) -> State<N> {
+        (0..self.jumps.inputs()).for_each(|input| self.jumps.hold(input, t, x.as_mut_slice()));
+        x
+    }
+
+    /// Whether all that inputs hold at a moment are numbers.
+    pub(super) fn check_inputs(&self, &Timed { t, x }: &Timed<N>) -> Result<(), Error> {
+        let is_none = |&input: &usize| {
+            let mut held = x.map(|_| 0.0);
+            held.rows_mut(0, self.states)
+                .copy_from(&x.rows(0, self.states));
+            self.jumps.hold(input, t, held.as_mut_slice());
+            held.iter().any(|held| held.is_nan())
+        };
+        match (0..self.jumps.inputs()).find(is_none) {
+            Some(input) => Err(Error::Undefined {
+                what: "the function of the switch",
+                number: self.contacts + self.jumps.count() + input,
+                t,
+                x: Point::from(&x),
+            }),
+            None => Ok(()),
+        }
+    }
+
+    /// The first input that kinks at a time.
+    fn kinked(&self, &Timed { t, x }: &Timed<N>) -> Option<usize> {
+        (0..self.jumps.inputs()).find(|&input| self.jumps.kinks(input, t, components(&x)))
+    }
+
+    pub(super) fn kink(&self, input: usize, of: &Integration<'_, S, N, G>) -> Kink {
+        Kink {
+            t: of.t(),
+            x: self.vector(of.x()),
+            mode: self.modes(of.mode()),
+            input,
+        }
     }
 
     pub(super) fn vector(&self, x: &State<N>) -> Vector {
         Vector::from_column_slice(&x.as_slice()[..self.states])
     }
 
-    fn modes(&self, mode: S::Mode) -> Modes {
+    pub(super) fn modes(&self, mode: S::Mode) -> Modes {
         S::erased(mode, self.contacts)
     }
 
-    pub(super) fn phase(&self, phase: &PhaseOf<State<N>, S::Mode>) -> Phase {
+    /// A phase, and the jump that ends it.
+    pub(super) fn phase(&self, phase: &PhaseOf<State<N>, S::Mode>, until: Option<usize>) -> Phase {
         Phase {
-            mode: self.modes(phase.mode),
+            mode: self.modes(phase.mode).until(until),
             t_start: phase.t_start,
             t_end: phase.t_end,
             x_start: self.vector(&phase.x_start),
@@ -181,7 +207,7 @@ where
         }
     }
 
-    fn passage(&self, at: &EventRecord<N, S::Mode>) -> Passage {
+    pub(super) fn passage(&self, at: &EventRecord<N, S::Mode>) -> Passage {
         EventOf {
             number: at.number,
             t: at.t,
@@ -192,46 +218,13 @@ where
         }
     }
 
-    fn summary(&self, summary: &SummaryOf<State<N>>) -> Summary {
+    pub(super) fn summary(&self, summary: &SummaryOf<State<N>>) -> Summary {
         Summary {
             ending: summary.ending,
             t: summary.t,
             x: self.vector(&summary.x),
             counters: summary.counters,
         }
-    }
-
-    fn section(&self, section: &Section) -> TypedSection<'a, S, V, J, N, G> {
-        let what = match section {
-            Section::None => What::Nothing,
-            Section::Plane {
-                point,
-                normal,
-                direction,
-            } => What::Plane {
-                point: self.state(point.as_slice()),
-                normal: self.state(normal.as_slice()),
-                direction: *direction,
-            },
-            Section::Strobe(strobe) => What::Strobe(*strobe),
-            Section::Turning => What::Turning,
-            Section::Own => What::Own,
-        };
-        self.function(what)
-    }
-
-    fn function(&self, what: What<N>) -> TypedSection<'a, S, V, J, N, G> {
-        TypedSection {
-            system: self.system,
-            own: self.own,
-            jumps: self.jumps,
-            what,
-        }
-    }
-
-    /// The function of a jump.
-    pub(super) fn when(&self, jump: usize) -> TypedSection<'a, S, V, J, N, G> {
-        self.function(What::Jump(jump))
     }
 }
 
@@ -262,16 +255,12 @@ where
 
     fn begin_in<'a>(
         &'a self,
-        (mode, inside): (Modes, &Moment),
+        mode: (Modes, &Moment),
         start: &Moment,
         t_end: f64,
         options: &Options,
     ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error> {
-        let of = self.view();
-        let held = (S::restored(mode), &of.timed(inside));
-        let start = (of.timed(start), of.states);
-        let integration = Integration::held(of.system, held, start, t_end, options);
-        Ok(Box::new(of.run(integration, t_end, options)?))
+        self.view().begin_in(mode, start, t_end, options)
     }
 
     fn flow<'a>(&'a self, mode: Modes, at: &Moment) -> Box<dyn SmoothFlow + 'a> {
@@ -317,8 +306,37 @@ where
     }
 
     fn kink(&self, at: &Moment) -> Option<usize> {
-        let Timed { t, x } = self.view().timed(at);
-        self.jumps.kinked(t, components(&x))
+        self.view().kinked(&self.view().timed(at))
+    }
+
+    fn kink_shifts(&self, step: &Step) -> Vec<KinkShift> {
+        let (of, t) = (self.view(), step.t_end);
+        let mut shifts = Vec::new();
+        let inputs = self.jumps.inputs();
+        if inputs == 0 {
+            return shifts;
+        }
+        let flow = TypedFlow::new(of, step.mode, &step.end());
+        let mut x = of.held(step.t_start, of.state(step.x_end.as_slice()));
+        for input in 0..inputs {
+            let before = Timed { t, x };
+            self.jumps.hold(input, t, x.as_mut_slice());
+            if x == before.x {
+                continue;
+            }
+            let (slopes, in_time) = gradient(|t, x| self.jumps.clock(input, t, x), &before);
+            let gradient = of.vector(&slopes);
+            if gradient.amax() == 0.0 || in_time == 0.0 {
+                continue;
+            }
+            let [before, after] = [before, Timed { t, x }].map(|at| flow.velocity_at(&at));
+            shifts.push(KinkShift {
+                rate: in_time + gradient.dot(&before),
+                kick: after - before,
+                gradient,
+            });
+        }
+        shifts
     }
 
     fn clock(&self, input: usize, at: &Moment) -> (f64, Vector, f64) {
@@ -343,9 +361,10 @@ where
             .chain([along(states)])
             .map(|column| Vector::from_fn(states, |i, _| column[i].eps))
             .collect();
-        let (gradient, in_time) = match self.jumps.kinked(t, components(&x)) {
-            Some(input) => gradient(|t, x| self.jumps.clock(input, t, x), &Timed { t, x }),
-            None => gradient(|t, x| self.jumps.when(jump, t, x), &Timed { t, x }),
+        let here = Timed { t, x };
+        let (gradient, in_time) = match of.kinked(&here) {
+            Some(input) => gradient(|t, x| self.jumps.clock(input, t, x), &here),
+            None => gradient(|t, x| self.jumps.when(jump, t, x), &here),
         };
         Reset {
             after: of.vector(&self.jumps.set(jump, t, components(&x)).into()),
@@ -362,321 +381,5 @@ where
         let section = of.section(section);
         let (normal, in_time) = gradient(|t, x| section.values(t, x)[0], &of.timed(at));
         (of.vector(&normal), in_time)
-    }
-}
-
-impl<'a, S, V, J, const N: usize, const G: usize> View<'a, S, V, J, N, G>
-where
-    S: Switched<N, G>,
-    V: EventFunctions<N, 1>,
-    J: Jumps<N>,
-{
-    fn begin(
-        self,
-        start: &Moment,
-        t_end: f64,
-        options: &Options,
-        section: &Section,
-    ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error> {
-        let integration = self.integration(start, t_end, options);
-        let mut run = self.run(integration, t_end, options)?;
-        run.watch(section);
-        Ok(Box::new(run))
-    }
-
-    fn integration(
-        self,
-        start: &Moment,
-        t_end: f64,
-        options: &Options,
-    ) -> Result<Integration<'a, S, N, G>, Error> {
-        let (start, stepper) = (self.timed(start), Stepper::new(options));
-        Integration::with_stepper(self.system, (start, self.states), t_end, options, stepper)
-    }
-
-    fn run(
-        self,
-        integration: Result<Integration<'a, S, N, G>, Error>,
-        t_end: f64,
-        options: &Options,
-    ) -> Result<Run<'a, S, V, J, N, G>, Error> {
-        let mut integration = integration.map_err(|error| error.of_states(self.states))?;
-        Ok(Run {
-            of: self,
-            jumping: Jumping::of(&self, &mut integration, options, t_end),
-            told: VecDeque::new(),
-            integration,
-            options: *options,
-            search: None,
-            reported: 0,
-            observer: None,
-            unobserved: None,
-            is_stopping: false,
-        })
-    }
-}
-
-/// An orbit of a borrowed system that an observer is told of as well; of each thing when the next
-/// one is asked for.
-pub(crate) fn observed<'a, S, const N: usize, const G: usize>(
-    system: &'a S,
-    (start, t_end): (&Moment, f64),
-    options: &Options,
-    observer: &'a mut dyn Observer<N, S::Mode>,
-) -> Result<Box<dyn OrbitUnderWay + 'a>, Error>
-where
-    S: Switched<N, G>,
-{
-    let view = View {
-        system,
-        own: &NoSection,
-        jumps: &NoJumps,
-        states: N,
-        contacts: S::CONTACTS,
-    };
-    let mut run = view.run(view.integration(start, t_end, options), t_end, options)?;
-    run.observer = Some(observer);
-    Ok(Box::new(run))
-}
-
-/// An orbit of a borrowed system, of which the passages of a section of its own are reported.
-pub(crate) fn watched<'a, S, V, const N: usize, const G: usize>(
-    of: &Typed<&'a S, S, &'a V, NoJumps, N, G>,
-    start: &Moment,
-    options: &Options,
-) -> Result<Box<dyn OrbitUnderWay + 'a>, Error>
-where
-    S: Switched<N, G>,
-    V: EventFunctions<N, 1>,
-{
-    let view = View {
-        system: of.system,
-        own: of.section,
-        jumps: &NoJumps,
-        states: of.states,
-        contacts: of.contacts,
-    };
-    view.begin(start, f64::MAX, options, &Section::Own)
-}
-
-/// A section over typed states.
-pub(super) struct TypedSection<'a, S, V, J, const N: usize, const G: usize> {
-    system: &'a S,
-    own: &'a V,
-    jumps: &'a J,
-    what: What<N>,
-}
-
-#[derive(Clone, Copy)]
-enum What<const N: usize> {
-    Nothing,
-    Plane {
-        point: State<N>,
-        normal: State<N>,
-        direction: Direction,
-    },
-    Strobe(Strobe),
-    Turning,
-    Own,
-    Jump(usize),
-}
-
-impl<S, V, J, const N: usize, const G: usize> EventFunctions<N, 1>
-    for TypedSection<'_, S, V, J, N, G>
-where
-    S: Switched<N, G>,
-    V: EventFunctions<N, 1>,
-    J: Jumps<N>,
-{
-    #[inline(always)]
-    fn values<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; 1] {
-        match self.what {
-            What::Nothing => [T::one()],
-            What::Plane { point, normal, .. } => {
-                let height = |sum: T, i: usize| sum + (x[i] - point[i]) * normal[i];
-                [(0..N).fold(T::zero(), height)]
-            }
-            What::Strobe(strobe) => strobe.values(t, x),
-            What::Turning => {
-                let state = State::from(x.map(Scalar::value));
-                let mode = self.system.mode_by_side(t.value(), &state);
-                let branch = S::Branch::default();
-                let velocity = self.system.with_flow(mode, branch, Velocity(t, x));
-                [velocity[0]]
-            }
-            What::Own => self.own.values(t, x),
-            What::Jump(number) => [self.jumps.when(number, t, x)],
-        }
-    }
-
-    fn direction(&self, number: usize) -> Direction {
-        match self.what {
-            What::Plane { direction, .. } => direction,
-            What::Turning => Direction::Falling,
-            What::Nothing | What::Strobe(_) => Direction::Both,
-            What::Own => self.own.direction(number),
-            What::Jump(number) => self.jumps.direction(number),
-        }
-    }
-}
-
-/// An integration under way, with the search for passages of a section.
-struct Run<'a, S: Switched<N, G>, V, J, const N: usize, const G: usize> {
-    of: View<'a, S, V, J, N, G>,
-    integration: Integration<'a, S, N, G>,
-    /// Of a system with jumps or inputs.
-    jumping: Option<Jumping<'a, S, V, J, N, G>>,
-    /// What is reported before the run goes on.
-    told: VecDeque<Happening>,
-    options: Options,
-    search: Option<EventSearch<'a, S, TypedSection<'a, S, V, J, N, G>, N, 1, G>>,
-    /// How many passages of the last step have been reported.
-    reported: usize,
-    observer: Option<&'a mut dyn Observer<N, S::Mode>>,
-    /// What the observer has yet to be told.
-    unobserved: Option<Progress<N, S::Mode>>,
-    is_stopping: bool,
-}
-
-impl<S, V, J, const N: usize, const G: usize> Run<'_, S, V, J, N, G>
-where
-    S: Switched<N, G>,
-    V: EventFunctions<N, 1>,
-    J: Jumps<N>,
-{
-    fn has_kinked(&self, t: f64) -> bool {
-        let jumping = self.jumping.as_ref();
-        jumping.is_some_and(|jumping| jumping.has_kinked(t))
-    }
-
-    /// Whether an input kinks here and what it sets off is not done yet. The state at such a time is
-    /// that behind it, from which a run goes on.
-    fn is_settling(&self, t: f64) -> bool {
-        let is_here = |jumping: &Jumping<'_, S, V, J, N, G>| {
-            let is_under_way = jumping.has_kinked(t) && jumping.is_due();
-            t == self.integration.t() && (jumping.is_at_kink(&self.integration) || is_under_way)
-        };
-        self.jumping.as_ref().is_some_and(is_here) || !self.told.is_empty()
-    }
-
-    /// Does what is due between two steps of a run with jumps or inputs.
-    fn leap(&mut self) -> Result<Option<Happening>, Error> {
-        let Some(jumping) = &mut self.jumping else {
-            return Ok(None);
-        };
-        while self.told.is_empty() {
-            if jumping.is_due() {
-                // The phase before it is reported first.
-                if self.integration.ends_phase() {
-                    return Ok(None);
-                }
-                let jump = jumping.jump(&mut self.integration)?;
-                if let Some(search) = &mut self.search {
-                    search.set_side(0.0);
-                }
-                return Ok(jump.map(|at| Happening::Transition(self.of.transition(&at))));
-            }
-            if !jumping.is_at_kink(&self.integration) {
-                return Ok(None);
-            }
-            jumping.pass_kink(&mut self.integration, &self.of, &mut self.told)?;
-        }
-        Ok(self.told.pop_front())
-    }
-}
-
-impl<S, V, J, const N: usize, const G: usize> OrbitUnderWay for Run<'_, S, V, J, N, G>
-where
-    S: Switched<N, G>,
-    V: EventFunctions<N, 1>,
-    J: Jumps<N>,
-{
-    fn step(&mut self) -> Result<Happening, Error> {
-        if let Some(search) = &self.search
-            && let Some(passage) = search.found().get(self.reported)
-            && !self.is_settling(passage.t)
-        {
-            self.reported += 1;
-            let mut passage = *passage;
-            if passage.t == self.integration.t() && self.has_kinked(passage.t) {
-                (passage.x, passage.mode) = (*self.integration.x(), self.integration.mode());
-            }
-            return Ok(Happening::Passage(self.of.passage(&passage)));
-        }
-        if let (Some(observer), Some(progress)) = (&mut self.observer, self.unobserved.take()) {
-            let (integration, is_stopping) = (&mut self.integration, &mut self.is_stopping);
-            let told = tell(integration, &progress, *observer, is_stopping);
-            if let Some(summary) = told.map_err(|error| error.of_states(self.of.states))? {
-                return Ok(Happening::End(self.of.summary(&summary)));
-            }
-        }
-        if let Some(happening) = self
-            .leap()
-            .map_err(|error| error.of_states(self.of.states))?
-        {
-            return Ok(happening);
-        }
-        let progress = self.integration.step();
-        let progress = progress.map_err(|error| error.of_states(self.of.states))?;
-        self.unobserved = self.observer.is_some().then_some(progress);
-        Ok(match &progress {
-            Progress::Step => {
-                if let Some(jumping) = &mut self.jumping {
-                    jumping.look(&mut self.integration);
-                }
-                if let Some(search) = &mut self.search {
-                    search.in_step(&self.integration.last_step());
-                    self.reported = 0;
-                }
-                Happening::Step
-            }
-            Progress::PhaseEnd(phase) => Happening::PhaseEnd(self.of.phase(phase)),
-            Progress::Transition(at) => Happening::Transition(self.of.transition(at)),
-            Progress::End(summary) => Happening::End(self.of.summary(summary)),
-        })
-    }
-
-    fn watch(&mut self, section: &Section) {
-        self.reported = 0;
-        self.search = (*section != Section::None)
-            .then(|| EventSearch::new(self.of.system, self.of.section(section), &self.options));
-    }
-
-    fn t(&self) -> f64 {
-        self.integration.t()
-    }
-
-    fn x(&self) -> &[f64] {
-        &self.integration.x().as_slice()[..self.of.states]
-    }
-
-    fn mode(&self) -> Modes {
-        self.of.modes(self.integration.mode())
-    }
-
-    fn phase(&self) -> Option<Phase> {
-        let phase = self.integration.phase()?;
-        Some(self.of.phase(&phase))
-    }
-
-    fn counters(&self) -> Counters {
-        *self.integration.counters()
-    }
-
-    fn last_step(&mut self) -> Step {
-        let step = self.integration.last_step();
-        Step {
-            mode: self.of.modes(step.mode),
-            t_start: step.t_start,
-            t_end: step.t_end,
-            x_start: self.of.vector(&step.x_start),
-            x_end: self.of.vector(&step.x_end),
-        }
-    }
-
-    fn solution(&mut self) -> Solution {
-        let dense = self.integration.last_step().dense;
-        let states = self.of.states;
-        Box::new(move |t| Vector::from_column_slice(&dense.at_time(t).as_slice()[..states]))
     }
 }

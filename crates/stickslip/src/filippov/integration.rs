@@ -665,7 +665,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
         &self.run.counters
     }
 
-    fn phase_so_far(&self) -> Phase<N, S::Mode> {
+    pub(crate) fn phase_so_far(&self) -> Phase<N, S::Mode> {
         let (from, to) = (&self.run.from, &self.run.at);
         Phase {
             mode: self.mode,

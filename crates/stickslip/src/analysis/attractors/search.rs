@@ -131,6 +131,7 @@ impl<'a> Search<'a> {
                     self.history.phase(phase);
                     None
                 }
+                Ok(Happening::Kink(_)) => None,
                 Ok(Happening::Transition(at)) => self.transition(&at),
                 Ok(Happening::End(summary)) => Some(self.ended(summary, orbit.mode())),
                 Err(error) => Some(self.failed(error, &*orbit)),

@@ -48,7 +48,9 @@ impl Walk<'_> {
         let at = self.refined(line, at, s, &|one: &Cycle| {
             Some(one.margin_like(&margin)?.value)
         });
-        let behind = self.behind(line, &at, s);
+        // Next to the graze of a jump orbits with that jump have derivatives without bound.
+        let ends = margin.is_of_jump;
+        let behind = (!ends).then(|| self.behind(line, &at, s)).flatten();
         Ok(Some(Change { at, margin, behind }))
     }
 
@@ -73,8 +75,8 @@ impl Walk<'_> {
         let durations = || outline.segments.iter().map(|one| one.duration);
         let longest = durations().fold(0.0, f64::max);
         // Of those that are new, if any is.
-        let modes = self.last.outline.modes();
-        let is_new = |k: usize| !modes.contains(&outline.segments[k].mode);
+        let known = &self.last.outline.segments;
+        let is_new = |k: usize| !known.iter().any(|one| one.mode == outline.segments[k].mode);
         let any_new = (0..outline.segments.len()).any(is_new);
         let may_grow = durations()
             .enumerate()

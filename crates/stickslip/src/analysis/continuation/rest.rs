@@ -137,7 +137,10 @@ impl Walk<'_> {
                         saddles.push(saddle);
                     }
                 }
-                Happening::Transition(_) | Happening::PhaseEnd(_) | Happening::Passage(_) => {}
+                Happening::Transition(_)
+                | Happening::PhaseEnd(_)
+                | Happening::Passage(_)
+                | Happening::Kink(_) => {}
                 Happening::End(_) => return Some(saddles),
             }
         }

@@ -34,8 +34,8 @@ pub(crate) struct Event {
     pub is_of_contact: bool,
     /// Whether the state jumps there.
     pub is_of_jump: bool,
-    /// Where not its own function but the kink of an input decides when it is: which input, and what
-    /// its clock reads.
+    /// Where not its own function but the kink of an input decides when it is, as where a force that
+    /// switches lets a contact go: which input, and what its clock reads.
     pub at_kink: Option<(usize, f64)>,
 }
 
@@ -99,7 +99,7 @@ impl Outline {
             let here = at.moment();
             let is_of_jump = at.kind == TransitionKind::Jump;
             let flow = system.flow(at.from, &here);
-            let kink = system.kink(&here).filter(|_| is_of_jump);
+            let kink = system.kink(&here);
             let of_contact = flow.guards().into_iter().filter(|guard| {
                 guard.contact == at.contact && guard.goes_on == is_of_contact(at.kind)
             });
@@ -256,9 +256,15 @@ impl Outline {
         places
     }
 
-    /// The modes gone through.
+    /// The modes gone through, with the jumps between them.
     pub fn modes(&self) -> Vec<Modes> {
-        self.segments.iter().map(|segment| segment.mode).collect()
+        let modes = self.segments.iter().map(|segment| {
+            let end = segment.end.filter(|end| end.is_of_jump);
+            segment
+                .mode
+                .until(end.map(|end| end.contact - segment.mode.len()))
+        });
+        modes.collect()
     }
 
     /// The segment before one.

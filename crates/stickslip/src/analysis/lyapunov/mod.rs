@@ -150,7 +150,7 @@ fn follow(
         match orbit.step()? {
             Happening::Step => measurement.step(&orbit.last_step(), &*orbit.solution())?,
             Happening::Transition(at) => measurement.transition(&at)?,
-            Happening::PhaseEnd(_) | Happening::Passage(_) => {}
+            Happening::PhaseEnd(_) | Happening::Passage(_) | Happening::Kink(_) => {}
             Happening::End(summary) if summary.ending.is_final() => {
                 return Err(summary.goes_no_further());
             }

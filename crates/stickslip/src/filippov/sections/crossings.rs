@@ -28,7 +28,7 @@ pub(super) struct Crossings<'a, S, V, K, const N: usize, const G: usize, const E
 enum Next<const N: usize> {
     /// A zero, and a point behind it with the other sign, or without one.
     Crossing(Place<N>, Place<N>),
-    /// A zero of the dense output alone, which ends here.
+    /// A zero of the dense output alone, or a pole, which ends here.
     Clear(Place<N>),
     /// Nothing in this step, except possibly at its end.
     End,
@@ -57,7 +57,7 @@ where
                 let Some(left) = self.leaves(&from) else {
                     return;
                 };
-                if self.side * left.value < 0.0 {
+                if self.side * left.value < 0.0 && !from.value.is_nan() {
                     self.pass(&from, tell);
                 }
                 self.side = left.value.signum();
@@ -68,15 +68,22 @@ where
                     self.pass(&zero, tell);
                     from = behind;
                 }
-                Next::Clear(behind) => from = behind,
+                Next::Clear(behind) => {
+                    if !behind.value.is_nan() {
+                        self.side = behind.value.signum();
+                    }
+                    from = behind;
+                }
                 Next::End => break,
             }
         }
         // A zero at the end is reported there: the motion behind it may be another one.
         let end = self.exact(1.0);
         if self.side * end.value < -end.blur {
-            let zero = self.zero(&from, &end, 1.0);
-            self.pass(&zero, tell);
+            match self.zero(&from, &end, 1.0) {
+                Some(zero) => self.pass(&zero, tell),
+                None => self.side = end.value.signum(),
+            }
         } else if !self.is_clear(&end)
             && -self.side * end.rate * self.over.length() > PASSING * end.blur
         {
@@ -146,20 +153,27 @@ where
             behind = self.exact((behind.s + further).min(1.0));
             further *= 4.0;
         }
+        if behind.value.is_nan() {
+            return Next::Clear(behind);
+        }
         let before = self.exact(bracket.a);
         let before = if self.side * before.value > 0.0 {
             before
         } else {
             *from
         };
-        Next::Crossing(self.zero(&before, &behind, estimate), behind)
+        match self.zero(&before, &behind, estimate) {
+            Some(zero) => Next::Crossing(zero, behind),
+            None => Next::Clear(behind),
+        }
     }
 
-    /// The zero between two places by Newton's iteration, held between them by bisection.
-    fn zero(&self, before: &Place<N>, behind: &Place<N>, estimate: f64) -> Place<N> {
+    /// The zero between two places by Newton's iteration, held between them by bisection; `None`
+    /// where the function grows to a pole instead.
+    fn zero(&self, before: &Place<N>, behind: &Place<N>, estimate: f64) -> Option<Place<N>> {
         // At the end of a phase it has the bits of that end.
         if behind.s >= 1.0 && behind.value.abs() <= behind.blur {
-            return *behind;
+            return Some(*behind);
         }
         let (mut a, mut b) = (before.s, behind.s);
         let mut here = self.exact(estimate.clamp(a, b));
@@ -187,6 +201,7 @@ where
             }
             here = self.exact(next);
         }
-        here
+        let size = before.value.abs().max(behind.value.abs());
+        (here.value.abs() <= size).then_some(here)
     }
 }

@@ -1,0 +1,294 @@
+//! An orbit of a typed system under way.
+
+use std::collections::VecDeque;
+
+use super::jumps::{Jumping, Jumps, NoJumps};
+use super::section::{NoSection, TypedSection};
+use super::typed::{Typed, View};
+use super::{Happening, Modes, Moment, OrbitUnderWay, Phase, Section, Solution, Step, Vector};
+use crate::error::Error;
+use crate::filippov::{
+    EventFunctions, EventSearch, Integration, Observer, Options, Progress, Stepper, Switched, tell,
+};
+use crate::orbit::Counters;
+
+impl<'a, S, V, J, const N: usize, const G: usize> View<'a, S, V, J, N, G>
+where
+    S: Switched<N, G>,
+    V: EventFunctions<N, 1>,
+    J: Jumps<N>,
+{
+    pub(super) fn begin(
+        self,
+        start: &Moment,
+        t_end: f64,
+        options: &Options,
+        section: &Section,
+    ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error> {
+        let integration = self.integration(start, t_end, options);
+        let mut run = self.run(integration, t_end, options)?;
+        run.watch(section);
+        Ok(Box::new(run))
+    }
+
+    pub(super) fn begin_in(
+        self,
+        (mode, inside): (Modes, &Moment),
+        start: &Moment,
+        t_end: f64,
+        options: &Options,
+    ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error> {
+        let held = (S::restored(mode), &self.timed(inside));
+        let start = (self.timed(start), self.states);
+        let integration = Integration::held(self.system, held, start, t_end, options);
+        Ok(Box::new(self.run(integration, t_end, options)?))
+    }
+
+    fn integration(
+        self,
+        start: &Moment,
+        t_end: f64,
+        options: &Options,
+    ) -> Result<Integration<'a, S, N, G>, Error> {
+        let (start, stepper) = (self.timed(start), Stepper::new(options));
+        self.check_inputs(&start)?;
+        Integration::with_stepper(self.system, (start, self.states), t_end, options, stepper)
+    }
+
+    fn run(
+        self,
+        integration: Result<Integration<'a, S, N, G>, Error>,
+        t_end: f64,
+        options: &Options,
+    ) -> Result<Run<'a, S, V, J, N, G>, Error> {
+        let of_states = |error: Error| error.of_states(self.states);
+        let mut integration = integration.map_err(of_states)?;
+        let jumping = Jumping::of(&self, &mut integration, options, t_end);
+        Ok(Run {
+            of: self,
+            jumping: jumping.map_err(of_states)?,
+            told: VecDeque::new(),
+            integration,
+            options: *options,
+            search: None,
+            reported: 0,
+            observer: None,
+            unobserved: None,
+            is_stopping: false,
+        })
+    }
+}
+
+/// An orbit of a borrowed system that an observer is told of as well; of each thing when the next
+/// one is asked for.
+pub(crate) fn observed<'a, S, const N: usize, const G: usize>(
+    system: &'a S,
+    (start, t_end): (&Moment, f64),
+    options: &Options,
+    observer: &'a mut dyn Observer<N, S::Mode>,
+) -> Result<Box<dyn OrbitUnderWay + 'a>, Error>
+where
+    S: Switched<N, G>,
+{
+    let view = View {
+        system,
+        own: &NoSection,
+        jumps: &NoJumps,
+        states: N,
+        contacts: S::CONTACTS,
+    };
+    let mut run = view.run(view.integration(start, t_end, options), t_end, options)?;
+    run.observer = Some(observer);
+    Ok(Box::new(run))
+}
+
+/// An orbit of a borrowed system, of which the passages of a section of its own are reported.
+pub(crate) fn watched<'a, S, V, const N: usize, const G: usize>(
+    of: &Typed<&'a S, S, &'a V, NoJumps, N, G>,
+    start: &Moment,
+    options: &Options,
+) -> Result<Box<dyn OrbitUnderWay + 'a>, Error>
+where
+    S: Switched<N, G>,
+    V: EventFunctions<N, 1>,
+{
+    let view = View {
+        system: of.system,
+        own: of.section,
+        jumps: &NoJumps,
+        states: of.states,
+        contacts: of.contacts,
+    };
+    view.begin(start, f64::MAX, options, &Section::Own)
+}
+
+/// An integration under way, with the search for passages of a section.
+struct Run<'a, S: Switched<N, G>, V, J, const N: usize, const G: usize> {
+    of: View<'a, S, V, J, N, G>,
+    integration: Integration<'a, S, N, G>,
+    /// Of a system with jumps or inputs.
+    jumping: Option<Jumping<'a, S, V, J, N, G>>,
+    /// What is reported before the run goes on.
+    told: VecDeque<Happening>,
+    options: Options,
+    search: Option<EventSearch<'a, S, TypedSection<'a, S, V, J, N, G>, N, 1, G>>,
+    /// How many passages of the last step have been reported.
+    reported: usize,
+    observer: Option<&'a mut dyn Observer<N, S::Mode>>,
+    /// What the observer has yet to be told.
+    unobserved: Option<Progress<N, S::Mode>>,
+    is_stopping: bool,
+}
+
+impl<S, V, J, const N: usize, const G: usize> Run<'_, S, V, J, N, G>
+where
+    S: Switched<N, G>,
+    V: EventFunctions<N, 1>,
+    J: Jumps<N>,
+{
+    fn has_kinked(&self, t: f64) -> bool {
+        let jumping = self.jumping.as_ref();
+        jumping.is_some_and(|jumping| jumping.has_kinked(t))
+    }
+
+    /// Whether an input kinks here and what it sets off is not done yet. The state at such a time is
+    /// that behind it, from which a run goes on.
+    fn is_settling(&self, t: f64) -> bool {
+        let is_here = |jumping: &Jumping<'_, S, V, J, N, G>| {
+            let is_under_way = jumping.has_kinked(t) && jumping.is_due();
+            t == self.integration.t() && (jumping.is_at_kink(&self.integration) || is_under_way)
+        };
+        self.jumping.as_ref().is_some_and(is_here) || !self.told.is_empty()
+    }
+
+    /// Does what is due between two steps of a run with jumps or inputs.
+    fn leap(&mut self) -> Result<Option<Happening>, Error> {
+        let Some(jumping) = &mut self.jumping else {
+            return Ok(None);
+        };
+        while self.told.is_empty() {
+            if jumping.is_due() {
+                // The phase before it is reported first.
+                if self.integration.ends_phase() {
+                    return Ok(None);
+                }
+                if jumping.takes_between() {
+                    let phase = self
+                        .of
+                        .phase(&self.integration.phase_so_far(), jumping.due());
+                    return Ok(Some(Happening::PhaseEnd(phase)));
+                }
+                let jump = jumping.jump(&mut self.integration)?;
+                if let Some(search) = &mut self.search {
+                    search.set_side(0.0);
+                }
+                return Ok(jump.map(|at| Happening::Transition(self.of.transition(&at))));
+            }
+            if !jumping.is_at_kink(&self.integration) {
+                return Ok(None);
+            }
+            jumping.pass_kink(&mut self.integration, &self.of, &mut self.told)?;
+        }
+        Ok(self.told.pop_front())
+    }
+}
+
+impl<S, V, J, const N: usize, const G: usize> OrbitUnderWay for Run<'_, S, V, J, N, G>
+where
+    S: Switched<N, G>,
+    V: EventFunctions<N, 1>,
+    J: Jumps<N>,
+{
+    fn step(&mut self) -> Result<Happening, Error> {
+        if let Some(search) = &self.search
+            && let Some(passage) = search.found().get(self.reported)
+            && !self.is_settling(passage.t)
+        {
+            self.reported += 1;
+            let mut passage = *passage;
+            if passage.t == self.integration.t() && self.has_kinked(passage.t) {
+                (passage.x, passage.mode) = (*self.integration.x(), self.integration.mode());
+            }
+            return Ok(Happening::Passage(self.of.passage(&passage)));
+        }
+        if let (Some(observer), Some(progress)) = (&mut self.observer, self.unobserved.take()) {
+            let (integration, is_stopping) = (&mut self.integration, &mut self.is_stopping);
+            let told = tell(integration, &progress, *observer, is_stopping);
+            if let Some(summary) = told.map_err(|error| error.of_states(self.of.states))? {
+                return Ok(Happening::End(self.of.summary(&summary)));
+            }
+        }
+        if let Some(happening) = self
+            .leap()
+            .map_err(|error| error.of_states(self.of.states))?
+        {
+            return Ok(happening);
+        }
+        let progress = self.integration.step();
+        let progress = progress.map_err(|error| error.of_states(self.of.states))?;
+        self.unobserved = self.observer.is_some().then_some(progress);
+        Ok(match &progress {
+            Progress::Step => {
+                if let Some(jumping) = &mut self.jumping {
+                    let looked = jumping.look(&mut self.integration);
+                    looked.map_err(|error| error.of_states(self.of.states))?;
+                }
+                if let Some(search) = &mut self.search {
+                    search.in_step(&self.integration.last_step());
+                    self.reported = 0;
+                }
+                Happening::Step
+            }
+            Progress::PhaseEnd(phase) => {
+                let until = self.jumping.as_ref().and_then(Jumping::due);
+                Happening::PhaseEnd(self.of.phase(phase, until))
+            }
+            Progress::Transition(at) => Happening::Transition(self.of.transition(at)),
+            Progress::End(summary) => Happening::End(self.of.summary(summary)),
+        })
+    }
+
+    fn watch(&mut self, section: &Section) {
+        self.reported = 0;
+        self.search = (*section != Section::None)
+            .then(|| EventSearch::new(self.of.system, self.of.section(section), &self.options));
+    }
+
+    fn t(&self) -> f64 {
+        self.integration.t()
+    }
+
+    fn x(&self) -> &[f64] {
+        &self.integration.x().as_slice()[..self.of.states]
+    }
+
+    fn mode(&self) -> Modes {
+        self.of.modes(self.integration.mode())
+    }
+
+    fn phase(&self) -> Option<Phase> {
+        let phase = self.integration.phase()?;
+        Some(self.of.phase(&phase, None))
+    }
+
+    fn counters(&self) -> Counters {
+        *self.integration.counters()
+    }
+
+    fn last_step(&mut self) -> Step {
+        let step = self.integration.last_step();
+        Step {
+            mode: self.of.modes(step.mode),
+            t_start: step.t_start,
+            t_end: step.t_end,
+            x_start: self.of.vector(&step.x_start),
+            x_end: self.of.vector(&step.x_end),
+        }
+    }
+
+    fn solution(&mut self) -> Solution {
+        let dense = self.integration.last_step().dense;
+        let states = self.of.states;
+        Box::new(move |t| Vector::from_column_slice(&dense.at_time(t).as_slice()[..states]))
+    }
+}
