@@ -58,6 +58,17 @@ fn assignment(option: &str, text: &str) -> Result<(String, f64), Failure> {
     Ok((name.trim().to_owned(), value))
 }
 
+/// The period of a drive for which defaults of times are made.
+const PERIOD: f64 = 0.2;
+
+/// A time that is given, or the default for it: where the drive comes again faster than
+/// [`PERIOD`], in proportion less.
+pub(super) fn time_or(given: Option<f64>, default: f64, system: &System) -> f64 {
+    let period = system.built.period.filter(|_| system.built.depends_on_time);
+    let part = period.map_or(1.0, |period| (period / PERIOD).min(1.0));
+    given.unwrap_or(default * part)
+}
+
 /// Which of the known ones a name is.
 pub(super) fn position<'a>(
     what: &str,

@@ -58,16 +58,17 @@ pub(super) fn reached_from_one_of_many(
 
 /// The phases of a period, the same text wherever in the cycle they were found to begin, or the modes of a rest, as signs; of other motions, whose
 /// phases are only the last ones, nothing.
-pub(super) fn sequence(outcome: &Outcome) -> String {
+pub(super) fn sequence(system: &System, outcome: &Outcome) -> String {
     match outcome.motion {
-        Motion::Periodic { .. } => cycle(outcome),
-        Motion::Equilibrium | Motion::EquilibriumSet => letters(&outcome.modes),
+        Motion::Periodic { .. } => cycle(system, outcome),
+        Motion::Equilibrium | Motion::EquilibriumSet => letters(system, &outcome.modes),
         _ => String::new(),
     }
 }
 
-fn cycle(outcome: &Outcome) -> String {
-    let phases: Vec<String> = outcome.sequence().iter().map(letters).collect();
+fn cycle(system: &System, outcome: &Outcome) -> String {
+    let phases = outcome.sequence();
+    let phases: Vec<String> = phases.iter().map(|modes| letters(system, modes)).collect();
     let turned = |by: usize| {
         let (end, begin) = phases.split_at(by);
         [begin, end].concat().join(" ")
@@ -85,10 +86,10 @@ pub(super) fn with_phases(text: String, between: &str, phases: &str) -> String {
 }
 
 /// The kind of motion, of a periodic orbit with the cycle of its phases.
-pub(super) fn class(outcome: &Outcome) -> String {
+pub(super) fn class(system: &System, outcome: &Outcome) -> String {
     let word = outcome.motion.word();
     match outcome.motion {
-        Motion::Periodic { .. } => with_phases(word.to_owned(), ", ", &cycle(outcome)),
+        Motion::Periodic { .. } => with_phases(word.to_owned(), ", ", &cycle(system, outcome)),
         _ => word.to_owned(),
     }
 }
@@ -96,6 +97,7 @@ pub(super) fn class(outcome: &Outcome) -> String {
 /// Adds motion, period, returns, phases, and part of the time in stick to a table; they are empty
 /// where there is none.
 pub(super) fn columns<'a, R>(
+    system: &'a System,
     table: Table<'a, R>,
     of: impl Fn(&R) -> &Outcome + Copy + 'a,
 ) -> Table<'a, R> {
@@ -112,7 +114,9 @@ pub(super) fn columns<'a, R>(
             known_period(&of(row).motion, of(row).period_uncertainty)
         })
         .column("returns", move |row| returns(of(row)))
-        .column("phases", move |row| there(of(row)).map(sequence))
+        .column("phases", move |row| {
+            there(of(row)).map(|outcome| sequence(system, outcome))
+        })
         .column("in_stick", move |row| {
             there(of(row)).map(|outcome| outcome.in_stick)
         })
@@ -149,13 +153,13 @@ pub(super) fn family_words(dimension: usize) -> String {
 }
 
 /// What it is, in one line, after so long a time.
-pub(super) fn words(outcome: &Outcome, until: f64) -> String {
+pub(super) fn words(system: &System, outcome: &Outcome, until: f64) -> String {
     let word = outcome.motion.word();
     match (&outcome.motion, place(outcome)) {
         (Motion::Periodic { period, .. }, _) => {
             let period = within(*period, outcome.period_uncertainty);
             let text = format!("{word}, period {period}");
-            with_phases(text, ", phases ", &sequence(outcome))
+            with_phases(text, ", phases ", &sequence(system, outcome))
         }
         (_, Some(place)) => format!("{word} at {place}"),
         // Of several starts that fail the first one tells how.
@@ -189,7 +193,7 @@ pub(super) fn json(outcome: &Outcome, system: &System) -> Value {
         "period": period,
         "period_uncertainty": period.map(|_| outcome.period_uncertainty),
         "returns": returns,
-        "phases": sequence(outcome).split_whitespace().collect::<Vec<_>>(),
+        "phases": sequence(system, outcome).split_whitespace().collect::<Vec<_>>(),
         "in_stick": outcome.in_stick,
         "points": points,
     })

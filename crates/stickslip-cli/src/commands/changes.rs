@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::Change;
 
-use crate::render::{contact_name, sequence};
+use crate::render::{contact_name, sequence, with_jump};
 
 /// Where a change is.
 pub(super) fn parameter(change: &Change) -> Option<f64> {
@@ -39,9 +39,11 @@ pub(super) fn state(change: &Change) -> Option<Vec<f64>> {
 }
 
 /// The phases before and behind it, if it is one of phases.
-pub(super) fn phases(change: &Change) -> Option<[String; 2]> {
+pub(super) fn phases(system: &System, change: &Change) -> Option<[String; 2]> {
     match change {
-        Change::Sequence { before, after, .. } => Some([sequence(before), sequence(after)]),
+        Change::Sequence { before, after, .. } => {
+            Some([before, after].map(|phases| sequence(system, phases)))
+        }
         _ => None,
     }
 }
@@ -50,13 +52,13 @@ pub(super) fn phases(change: &Change) -> Option<[String; 2]> {
 pub(super) fn words(system: &System, change: &Change) -> String {
     let mut words = name(change);
     let contacts = contacts(system, change);
-    if !contacts.is_empty() && system.contacts() > 1 {
+    if !contacts.is_empty() && system.contacts() + system.file.jumps.len() > 1 {
         words = format!("{words} of {contacts}");
     }
     match change {
         Change::Sequence { before, after, .. } if before.is_empty() != after.is_empty() => {
             let phases = if after.is_empty() { before } else { after };
-            let phases = sequence(phases);
+            let phases = sequence(system, phases);
             format!("{words}, where an orbit of phases {phases} ends: none was found beyond")
         }
         _ => words,
@@ -74,13 +76,22 @@ pub(super) fn contacts(system: &System, change: &Change) -> String {
     names.collect::<Vec<_>>().join(" and ")
 }
 
-/// A change for other programs: as it is on disk, but for the contacts, which have their names.
+/// A change for other programs: as it is on disk, but for contacts and jumps, which have their
+/// names.
 pub(super) fn json(system: &System, change: &Change) -> Value {
     let mut json = json!(change);
     if let Some(Value::Array(contacts)) = json.pointer_mut("/sequence/contacts") {
         for contact in contacts {
             let number = contact.as_u64().and_then(|number| number.try_into().ok());
             *contact = number.map_or(Value::Null, |number| json!(contact_name(system, number)));
+        }
+    }
+    if let Change::Sequence { before, after, .. } = change {
+        for (key, phases) in [("before", before), ("after", after)] {
+            let words = phases
+                .iter()
+                .map(|modes| with_jump(system, modes.to_string(), modes));
+            json["sequence"][key] = words.collect();
         }
     }
     json

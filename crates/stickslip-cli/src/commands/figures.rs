@@ -91,22 +91,24 @@ const GREEK: [(&str, &str); 21] = [
     ("omega", "ω"),
 ];
 
+/// Words of which nothing is mark-up, with minus signs.
+pub(super) fn plain(text: &str) -> String {
+    let mut escaped = String::new();
+    for c in text.chars() {
+        if "*_^\\{}".contains(c) {
+            escaped.push('\\');
+        }
+        escaped.push(if c == '-' { '−' } else { c });
+    }
+    escaped
+}
+
 /// A name in mathematics: italic, digits and what follows `_` below the line, Greek letters for
 /// their names.
 pub(super) fn symbol(name: &str) -> String {
     let (letters, index) = match name.split_once('_') {
         Some((letters, index)) if !letters.is_empty() => (letters, index),
         _ => name.split_at(name.trim_end_matches(|c: char| c.is_ascii_digit()).len()),
-    };
-    let plain = |text: &str| {
-        let mut escaped = String::new();
-        for c in text.chars() {
-            if "*_^\\{}".contains(c) {
-                escaped.push('\\');
-            }
-            escaped.push(c);
-        }
-        escaped
     };
     let greek = GREEK.iter().find(|(name, _)| *name == letters);
     let letters = greek.map_or_else(|| plain(letters), |(_, letter)| (*letter).to_owned());

@@ -4,7 +4,7 @@ use plot::*;
 use serde_json::json;
 use stickslip::analysis::{Exponent, Running, Spectrum, SpectrumOptions, lyapunov_spectrum};
 
-use super::arguments::{Ready, RunArguments};
+use super::arguments::{Ready, RunArguments, time_or};
 use super::figures;
 use crate::failure::Failure;
 use crate::render::{Answer, Report, Table, within};
@@ -16,22 +16,25 @@ use stickslip_kernels::file::System;
 /// Writes exponents.csv, convergence.csv and convergence.svg.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
-    /// Time before measuring
-    #[arg(long, value_name = "TIME", default_value_t = 200.0)]
-    transient: f64,
-    /// Time measured. Exponents are told with four standard errors, and no digits beyond what a
-    /// direction shows in that time that grows without a rate
-    #[arg(long, value_name = "TIME", default_value_t = 2000.0)]
-    duration: f64,
+    /// Time before measuring; default 200, or 1000 periods of a drive that is faster than 0.2
+    #[arg(long, value_name = "TIME")]
+    transient: Option<f64>,
+    /// Time measured; default 2000, or 10000 periods of a drive that is faster than 0.2. Exponents
+    /// are told with four standard errors, and no digits beyond what a direction shows in that time
+    /// that grows without a rate
+    #[arg(long, value_name = "TIME")]
+    duration: Option<f64>,
     #[command(flatten)]
     run: RunArguments,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
-    let over = SpectrumOptions::over(arguments.transient, arguments.duration);
-    arguments
-        .run
-        .answered(|ready| found(ready, &over.solver(ready.options)))
+    arguments.run.answered(|ready| {
+        let transient = time_or(arguments.transient, 200.0, &ready.system);
+        let duration = time_or(arguments.duration, 2000.0, &ready.system);
+        let over = SpectrumOptions::over(transient, duration);
+        found(ready, &over.solver(ready.options))
+    })
 }
 
 fn found(ready: &Ready, settings: &SpectrumOptions) -> Result<Report, Failure> {
@@ -54,7 +57,7 @@ fn found(ready: &Ready, settings: &SpectrumOptions) -> Result<Report, Failure> {
             }
             // JSON has no infinity.
             Exponent::Annihilated => (
-                "-∞ (stick takes the direction to zero)".to_owned(),
+                annihilated(system).to_owned(),
                 json!({ "value": null, "annihilated": true }),
             ),
         };
@@ -72,11 +75,14 @@ fn found(ready: &Ready, settings: &SpectrumOptions) -> Result<Report, Failure> {
             "defect",
             format!("{:.1e}  (against the rate of volumes)", defect.abs()),
         )
-        .field("defect", defect)
-        .line(
+        .field("defect", defect);
+    if system.contacts() > 0 {
+        report.line(
             "stick",
             format!("{entries} entries, {percent:.1} % of the time"),
-        )
+        );
+    }
+    report
         .field("stick_entries", entries)
         .field("stick_fraction", spectrum.stick_fraction);
 
@@ -92,6 +98,17 @@ fn found(ready: &Ready, settings: &SpectrumOptions) -> Result<Report, Failure> {
     report.table(table.csv("convergence", &spectrum.convergence)?);
     report.figure("convergence", &figure(system, &spectrum))?;
     Ok(report)
+}
+
+/// Why an exponent is not finite.
+fn annihilated(system: &System) -> &'static str {
+    let has_discrete = system.file.states.iter().any(|state| state.is_discrete);
+    match (system.contacts() > 0, has_discrete) {
+        (false, true) => "-∞ (a discrete state has no neighbours)",
+        (false, false) => "-∞ (a jump takes the direction to zero)",
+        (true, false) if system.file.jumps.is_empty() => "-∞ (stick takes the direction to zero)",
+        (true, _) => "-∞ (stick or a jump takes the direction to zero)",
+    }
 }
 
 fn figure(system: &System, spectrum: &Spectrum) -> Figure {

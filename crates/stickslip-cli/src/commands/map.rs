@@ -11,8 +11,7 @@ use super::arguments::{RunArguments, SolverArguments, StartArguments};
 use super::exponent::Largest;
 use super::range::{ParameterRange, grid, middle, with_values};
 use super::sweeping::{
-    ExponentArguments, Sweep, SweepArguments, UntilArguments, check_duration, recurrence, sweep,
-    table, to_content,
+    ExponentArguments, Sweep, SweepArguments, UntilArguments, recurrence, sweep, table, to_content,
 };
 use super::{attractors, figures};
 use crate::failure::Failure;
@@ -90,13 +89,12 @@ impl Map {
             columns,
             rows,
             start: arguments.run.start.clone(),
-            until: arguments.until.until,
-            duration: arguments.exponent.duration,
+            until: arguments.until.of(system),
+            duration: arguments.exponent.of(system)?,
             solver: arguments.run.solver.clone(),
         };
         // What is wrong is better told before the sweep than by one of its blocks.
         map.solver.options()?;
-        check_duration(map.duration)?;
         let (columns, rows) = (map.columns.get() - 1, map.rows.get() - 1);
         for (column, row) in [(0, 0), (columns, 0), (0, rows), (columns, rows)] {
             let system = map.system(system, map.parameters(column, row))?;
@@ -128,7 +126,7 @@ impl Map {
         let outcome = attractors::reached_from_one_of_many(&system, &start, &settings, &options)?;
         let is_there = !outcome.points.is_empty();
         Ok(Cell {
-            phases: attractors::sequence(&outcome),
+            phases: attractors::sequence(&system, &outcome),
             in_stick: is_there.then_some(outcome.in_stick),
             largest: Largest::on(&system, &outcome, self.duration, &options),
             period_uncertainty: outcome.period_uncertainty,
@@ -372,7 +370,7 @@ fn kinds(found: &MapResults, until: f64) -> Vec<Layer> {
         |class| (!class.is_attractor).then_some(class.name.as_str()),
         |class| match class.is_attractor {
             // In a figure a minus is as wide as a plus.
-            true => class.name.replace('-', "−"),
+            true => figures::plain(&class.name),
             false => attractors::since(&class.name, until),
         },
         |rest| format!("{} further kinds", rest.len()),

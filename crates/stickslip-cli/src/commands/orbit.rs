@@ -7,7 +7,7 @@ use super::recording::Recording;
 use super::search::SearchArguments;
 use super::trajectory;
 use crate::failure::Failure;
-use crate::render::{Answer, Report, Table, by_state, sequence};
+use crate::render::{Answer, Report, Table, by_state, explained, sequence};
 use stickslip::analysis::{Stability, multipliers};
 use stickslip::dynamics::{Modes, Phase, Section};
 use stickslip::error::readable;
@@ -96,21 +96,23 @@ fn found(ready: &Ready, search: &SearchArguments) -> Result<Report, Failure> {
     // The orbit begins in the middle of a phase, which is counted once.
     let phases = recording.phases.iter();
     let mut modes: Vec<Modes> = phases.map(|phase| phase.mode).collect();
-    if modes.len() > 1 && modes.first() == modes.last() {
+    if let [first, .., last] = modes[..]
+        && first.until(None) == last
+    {
         modes.pop();
     }
-    let phases = sequence(&modes);
     let sticks = |phase: &&Phase| phase.mode.any_sticks();
     let sticks = recording.phases.iter().filter(sticks).map(Phase::duration);
     let stick = sticks.fold(0.0, |sum, duration| sum + duration);
     let percent = 100.0 * stick / orbit.period;
+    if let Some(phases) = explained(system, &modes) {
+        report.line("phases", phases);
+    }
     if system.contacts() > 0 {
-        report
-            .line("phases", format!("{phases}  (- below, + above, S stick)"))
-            .line("stick", format!("{stick} of the period, {percent:.1} %"));
+        report.line("stick", format!("{stick} of the period, {percent:.1} %"));
     }
     report
-        .field("phases", phases)
+        .field("phases", sequence(system, &modes))
         .field("stick_time", stick)
         .field("extremes", by_state(system, &extremes));
     let states = system.file.states.iter().zip(&extremes).zip(x);

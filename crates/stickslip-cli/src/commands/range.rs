@@ -30,10 +30,20 @@ impl StateRange {
     ) -> Result<Self, Failure> {
         let states = &system.file.states;
         let Some(text) = given else {
-            let Some(state) = states.get(default) else {
+            // A discrete state begins where the file has it.
+            let moving = states.iter().enumerate();
+            let moving: Vec<_> = moving.filter(|(_, state)| !state.is_discrete).collect();
+            let Some(&(default, state)) = moving.get(default) else {
+                let help = match states.iter().find(|state| state.is_discrete) {
+                    Some(state) => format!(
+                        " besides discrete ones; {option} {}=LOW:HIGH takes one of these all the same",
+                        state.name
+                    ),
+                    None => String::new(),
+                };
                 return Err(Failure::Usage(format!(
-                    "a plane of starts needs two states, and the system has {}",
-                    states.len()
+                    "a plane of starts needs two states, and the system has {}{help}",
+                    moving.len()
                 )));
             };
             let Some((low, high)) = state.range else {

@@ -2,10 +2,12 @@
 
 use std::ops::ControlFlow;
 
-use stickslip::dynamics::{Moment, Passage, Phase, Step, Transition, Vector};
+use stickslip::dynamics::{Kink, Modes, Moment, Passage, Phase, Step, Transition, Vector};
 use stickslip::{Direction, Mode, TransitionKind};
 
+use crate::render::{contact_name, input_name};
 use crate::terminal::Patience;
+use stickslip_kernels::file::{InputShape, System};
 use stickslip_kernels::kernel::Watcher;
 
 /// Parts of a step for a curve through the orbit, at least: a step of high order is long, and a curve through its ends alone would be a polygon.
@@ -29,10 +31,61 @@ pub(super) struct Point {
     pub(super) ends_step: bool,
 }
 
+/// What happens at one time of an orbit.
+pub(super) enum Occurrence {
+    /// A mode changes, a boundary is touched, or the state jumps.
+    Transition(Transition),
+    /// An input kinks, or a switch of time changes its sign.
+    Kink(Kink),
+}
+
+impl Occurrence {
+    pub(super) fn t(&self) -> f64 {
+        match self {
+            Occurrence::Transition(at) => at.t,
+            Occurrence::Kink(at) => at.t,
+        }
+    }
+
+    pub(super) fn x(&self) -> &Vector {
+        match self {
+            Occurrence::Transition(at) => &at.x,
+            Occurrence::Kink(at) => &at.x,
+        }
+    }
+
+    /// The modes before and after it.
+    pub(super) fn modes(&self) -> [Modes; 2] {
+        match self {
+            Occurrence::Transition(at) => [at.from, at.to],
+            Occurrence::Kink(at) => [at.mode; 2],
+        }
+    }
+
+    /// What it is called in tables.
+    pub(super) fn kind(&self, system: &System) -> &'static str {
+        match self {
+            Occurrence::Transition(at) => kind_name(at.kind),
+            Occurrence::Kink(at) => match system.file.inputs[at.input].shape {
+                InputShape::Switch(_) => KINDS[7],
+                _ => KINDS[8],
+            },
+        }
+    }
+
+    /// The contact, jump or input that it is of, by name.
+    pub(super) fn of(&self, system: &System) -> String {
+        match self {
+            Occurrence::Transition(at) => contact_name(system, at.contact),
+            Occurrence::Kink(at) => input_name(system, at.input),
+        }
+    }
+}
+
 /// All of an orbit.
 pub(super) struct Recording {
     pub(super) phases: Vec<Phase>,
-    pub(super) transitions: Vec<Transition>,
+    pub(super) transitions: Vec<Occurrence>,
     pub(super) passages: Vec<Passage>,
     pub(super) points: Vec<Point>,
     /// Least and greatest value of each state at the ends of steps so far.
@@ -140,7 +193,12 @@ impl Watcher for Recording {
     }
 
     fn transition(&mut self, at: &Transition) -> ControlFlow<()> {
-        self.transitions.push(at.clone());
+        self.transitions.push(Occurrence::Transition(at.clone()));
+        ControlFlow::Continue(())
+    }
+
+    fn kink(&mut self, at: &Kink) -> ControlFlow<()> {
+        self.transitions.push(Occurrence::Kink(at.clone()));
         ControlFlow::Continue(())
     }
 
@@ -150,21 +208,30 @@ impl Watcher for Recording {
     }
 }
 
-/// Kinds of transitions in the order in which they are counted, and what tables call them.
-pub(super) const KINDS: [(TransitionKind, &str); 7] = [
-    (TransitionKind::StickEntry, "stick entry"),
-    (TransitionKind::StickExit, "stick exit"),
-    (TransitionKind::Crossing, "crossing"),
-    (TransitionKind::Touch, "touch"),
-    (TransitionKind::ContactLoss, "contact loss"),
-    (TransitionKind::ContactGain, "contact gain"),
-    (TransitionKind::Jump, "jump"),
+/// What tables call transitions, in the order in which they are counted.
+pub(super) const KINDS: [&str; 9] = [
+    "stick entry",
+    "stick exit",
+    "crossing",
+    "touch",
+    "contact loss",
+    "contact gain",
+    "jump",
+    "switch",
+    "kink",
 ];
 
 /// A kind of transition in a table.
-pub(super) fn kind_name(kind: TransitionKind) -> &'static str {
-    let named = KINDS.iter().find(|(one, _)| *one == kind);
-    named.map_or("", |(_, name)| name)
+fn kind_name(kind: TransitionKind) -> &'static str {
+    match kind {
+        TransitionKind::StickEntry => KINDS[0],
+        TransitionKind::StickExit => KINDS[1],
+        TransitionKind::Crossing => KINDS[2],
+        TransitionKind::Touch => KINDS[3],
+        TransitionKind::ContactLoss => KINDS[4],
+        TransitionKind::ContactGain => KINDS[5],
+        TransitionKind::Jump => KINDS[6],
+    }
 }
 
 /// A direction in a table.

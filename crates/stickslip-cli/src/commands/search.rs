@@ -7,6 +7,7 @@ use stickslip::dynamics::{Section, Summary, Vector};
 use stickslip::{Ending, Error, Options};
 use stickslip_kernels::kernel::{Motion, Run, Watcher, follow};
 
+use super::arguments::time_or;
 use super::attractors;
 use super::extremes::Extremes;
 use super::sweeping::check_period;
@@ -18,9 +19,10 @@ use stickslip_kernels::file::System;
 /// How a periodic orbit is looked for.
 #[derive(Debug, clap::Args)]
 pub(super) struct SearchArguments {
-    /// How long the run before is; 0 to shoot from the start
-    #[arg(long, value_name = "TIME", default_value_t = 200.0)]
-    transient: f64,
+    /// How long the run before is; 0 to shoot from the start. Default 200, or 1000 periods of a drive
+    /// that is faster than 0.2
+    #[arg(long, value_name = "TIME")]
+    transient: Option<f64>,
     /// How long the orbit may take to come back, of a system that does not depend on time; default 100
     #[arg(long, value_name = "TIME")]
     longest: Option<f64>,
@@ -49,8 +51,9 @@ impl SearchArguments {
         (t, x): (f64, &[f64]),
         options: &Options,
     ) -> Result<(PeriodicOrbit, Option<u32>), Failure> {
+        let transient = time_or(self.transient, 200.0, system);
         for (name, value) in [
-            ("--transient", self.transient),
+            ("--transient", transient),
             ("--longest", self.longest.unwrap_or(LONGEST)),
         ] {
             if !(value >= 0.0 && value.is_finite()) {
@@ -63,7 +66,7 @@ impl SearchArguments {
         let search = Search {
             system,
             options,
-            transient: self.transient,
+            transient,
             longest: self.longest.unwrap_or(LONGEST),
         };
         let drive = system.built.period.filter(|_| system.built.depends_on_time);

@@ -3,10 +3,10 @@
 use serde_json::{Map, json};
 use stickslip::dynamics::{Passage, Section, Summary};
 use stickslip::error::{Point, readable};
-use stickslip::{Ending, Error, TransitionKind};
+use stickslip::{Ending, Error};
 
 use super::arguments::{Ready, RunArguments};
-use super::recording::{self, KINDS, Recording, direction_name};
+use super::recording::{self, KINDS, Occurrence, Recording, direction_name};
 use super::trajectory::{self, transitions};
 use crate::failure::{Failure, in_words};
 use crate::render::{Answer, Report, Table, by_state};
@@ -93,27 +93,60 @@ fn ending(ended: Option<&Summary>) -> &'static str {
     }
 }
 
+/// The jump that ended the run, if one did.
+fn stopped_by(system: &System, recording: &Recording, ended: Option<&Summary>) -> Option<String> {
+    ended.filter(|ended| ended.ending == Ending::Stopped)?;
+    recording.transitions.last().map(|last| last.of(system))
+}
+
+/// How many transitions of each kind there are; of which contact, jump or input, where there are
+/// several that it could be.
+fn counts(system: &System, recording: &Recording) -> Vec<String> {
+    let mut counts: Vec<((usize, String), usize)> = Vec::new();
+    for at in &recording.transitions {
+        let kind = KINDS.iter().position(|kind| *kind == at.kind(system));
+        let kind = kind.unwrap_or(KINDS.len());
+        let is_of_contact =
+            matches!(at, Occurrence::Transition(at) if at.contact < system.contacts());
+        let of = match is_of_contact && system.contacts() == 1 {
+            true => String::new(),
+            false => at.of(system),
+        };
+        let of = (kind, of);
+        match counts.iter_mut().find(|(known, _)| *known == of) {
+            Some((_, count)) => *count += 1,
+            None => counts.push((of, 1)),
+        }
+    }
+    // A stable sort: of one kind the first comes first.
+    counts.sort_by_key(|((kind, _), _)| *kind);
+    let words = counts.into_iter().map(|((kind, of), count)| {
+        let kind = KINDS.get(kind).copied().unwrap_or_default();
+        format!("{count} × {kind} {of}").trim_end().to_owned()
+    });
+    words.collect()
+}
+
 fn found(system: &System, recording: &Recording, ended: Option<&Summary>) -> Report {
     let points = &recording.points;
     let [from, to] =
         [points.first(), points.last()].map(|point| point.map_or(f64::NAN, |point| point.t));
     let (begin, end) = (readable(from), readable(to));
-    let ending = ending(ended);
-    let mut report = Report::of(system, format!("t = {begin} to {end} ({ending})"));
+    let (ending, by) = (ending(ended), stopped_by(system, recording, ended));
+    let words = by
+        .as_ref()
+        .map_or(ending.to_owned(), |jump| format!("{ending} by {jump}"));
+    let mut report = Report::of(system, format!("t = {begin} to {end} ({words})"));
     report
         .field("t_start", from)
         .field("t_end", to)
-        .field("ending", ending);
+        .field("ending", ending)
+        .field("stopped_by", by);
 
     let phases = recording.phases.len();
     report.line("phases", phases).field("phases", phases);
 
-    let count = |&(kind, name): &(TransitionKind, &str)| {
-        let these = recording.transitions.iter().filter(|at| at.kind == kind);
-        let count = these.count();
-        (count > 0).then(|| format!("{count} × {name}"))
-    };
-    let counts: Vec<String> = KINDS.iter().filter_map(count).collect();
+    let counts = counts(system, recording);
     let counts = match &counts[..] {
         [] => "none".to_owned(),
         counts => counts.join(", "),

@@ -10,7 +10,7 @@ use serde_json::json;
 
 use stickslip::analysis::RecurrenceSettings;
 
-use super::arguments::{RunArguments, count};
+use super::arguments::{RunArguments, count, time_or};
 use crate::failure::Failure;
 use crate::render::{Answer, OutputArguments, OutputError, Report, Table};
 use crate::sweep::{
@@ -34,17 +34,38 @@ pub(super) struct SweepArguments {
 /// How long an orbit is followed that comes to no attractor.
 #[derive(Debug, clap::Args)]
 pub(super) struct UntilArguments {
-    /// Time after which an orbit that has come to no attractor is called undecided
-    #[arg(long, value_name = "TIME", default_value_t = 2000.0)]
-    pub(super) until: f64,
+    /// Time after which an orbit that has come to no attractor is called undecided; default 2000, or
+    /// 10000 periods of a drive that is faster than 0.2
+    #[arg(long, value_name = "TIME")]
+    until: Option<f64>,
+}
+
+impl UntilArguments {
+    pub(super) fn of(&self, system: &System) -> f64 {
+        time_or(self.until, 2000.0, system)
+    }
 }
 
 /// How long the largest exponent is measured.
 #[derive(Debug, clap::Args)]
 pub(super) struct ExponentArguments {
-    /// Time over which the Lyapunov exponent is measured, on the attractor
-    #[arg(long, value_name = "TIME", default_value_t = 500.0)]
-    pub(super) duration: f64,
+    /// Time over which the Lyapunov exponent is measured, on the attractor; default 500, or 2500
+    /// periods of a drive that is faster than 0.2
+    #[arg(long, value_name = "TIME")]
+    duration: Option<f64>,
+}
+
+impl ExponentArguments {
+    /// The time, if exponents can be measured for so long.
+    pub(super) fn of(&self, system: &System) -> Result<f64, Failure> {
+        let duration = time_or(self.duration, 500.0, system);
+        if duration > 0.0 && duration.is_finite() {
+            return Ok(duration);
+        }
+        Err(Failure::Usage(format!(
+            "--duration {duration}: it must be positive and finite"
+        )))
+    }
 }
 
 /// How many blocks things make, of which so many are in each.
@@ -179,7 +200,7 @@ pub(super) fn check_period(system: &System) -> Result<(), Failure> {
             "the system depends on time: what is its period? Add period = \"…\" to [time] of the file".to_owned(),
         )),
         Some(false) => Err(Failure::Usage(format!(
-            "the field or a boundary is not the same after the file's period {}; correct the period in [time]",
+            "the field, a boundary or a jump is not the same after the file's period {}; correct the period in [time]",
             system.built.period.unwrap_or(f64::NAN)
         ))),
         _ => Ok(()),
@@ -192,16 +213,6 @@ pub(super) fn recurrence(system: &System, until: f64) -> RecurrenceSettings {
         forcing: system.built.period,
         ..RecurrenceSettings::within(until)
     }
-}
-
-/// Whether exponents can be measured for so long.
-pub(super) fn check_duration(duration: f64) -> Result<(), Failure> {
-    if duration > 0.0 && duration.is_finite() {
-        return Ok(());
-    }
-    Err(Failure::Usage(format!(
-        "--duration {duration}: it must be positive and finite"
-    )))
 }
 
 fn plan<S: Sweep>(wanted: &S, system: &System) -> Result<Plan, Failure> {

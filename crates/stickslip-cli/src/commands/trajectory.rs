@@ -2,10 +2,10 @@
 
 use plot::*;
 use stickslip::Mode;
-use stickslip::dynamics::{Phase, Transition};
+use stickslip::dynamics::Phase;
 
 use super::figures::{axis, extremes, symbol, time_label, with_unit};
-use super::recording::{Recording, kind_name};
+use super::recording::{Occurrence, Recording};
 use crate::render::{OutputError, Report, Table, contact_name};
 use stickslip_kernels::file::System;
 
@@ -41,10 +41,21 @@ pub(super) fn put(
         .column("t_start", |(_, phase)| phase.t_start)
         .column("t_end", |(_, phase)| phase.t_end)
         .column("duration", |(_, phase)| phase.duration())
-        .modes(system, ("modes", ""), |(_, phase)| phase.mode)
+        .modes(system, ("modes", ""), |(_, phase)| phase.mode);
+    let phases = match system.file.jumps.is_empty() {
+        true => phases,
+        false => phases.column("jump", |(_, phase)| {
+            let number = phase.mode.jump().map(|jump| system.contacts() + jump);
+            number.map(|number| contact_name(system, number))
+        }),
+    };
+    let phases = phases
         .state(system, "_start", |(_, phase)| phase.x_start.clone())
         .state(system, "_end", |(_, phase)| phase.x_end.clone());
-    let transitions = transitions(system).column("residual", |at| at.residual);
+    let transitions = transitions(system).column("residual", |at| match at {
+        Occurrence::Transition(at) => Some(at.residual),
+        Occurrence::Kink(_) => None,
+    });
     report
         .table(phases.csv("phases", (1..).zip(&recording.phases))?)
         .table(transitions.csv("transitions", &recording.transitions)?)
@@ -56,14 +67,14 @@ pub(super) fn put(
 }
 
 /// The columns of transitions.
-pub(super) fn transitions<'a>(system: &'a System) -> Table<'a, &'a Transition> {
+pub(super) fn transitions<'a>(system: &'a System) -> Table<'a, &'a Occurrence> {
     Table::new()
-        .column("t", |at: &&Transition| at.t)
-        .column("kind", |at| kind_name(at.kind))
-        .column("contact", |at| contact_name(system, at.contact))
-        .modes(system, ("from", "from_"), |at| at.from)
-        .modes(system, ("to", "to_"), |at| at.to)
-        .state(system, "", |at| at.x.clone())
+        .column("t", |at: &&Occurrence| at.t())
+        .column("kind", |at| at.kind(system))
+        .column("contact", |at| at.of(system))
+        .modes(system, ("from", "from_"), |at| at.modes()[0])
+        .modes(system, ("to", "to_"), |at| at.modes()[1])
+        .state(system, "", |at| at.x().clone())
 }
 
 /// The phase portrait in the plane of the first two states, stick in another colour.
@@ -103,6 +114,19 @@ fn portrait(system: &System, recording: &Recording) -> Figure {
         let points = standing(recording, k);
         let markers = Markers::new(points).size(width + 1.5);
         panel.add(markers.color(STICKS[k % STICKS.len()]));
+    }
+    for (k, jump) in system.file.jumps.iter().enumerate() {
+        let places = recording.transitions.iter().filter_map(|at| match at {
+            Occurrence::Transition(at) if at.contact == contacts.len() + k => {
+                Some((at.x[0], at.x[1]))
+            }
+            _ => None,
+        });
+        let places: Vec<(f64, f64)> = places.collect();
+        if !places.is_empty() {
+            let markers = Markers::new(places).color(STICKS[k % STICKS.len()]).open();
+            panel.add(markers.size(5.0).legend(&symbol(&jump.name)));
+        }
     }
     if let Some(first) = recording.points.first() {
         let start = Markers::new([(first.x[0], first.x[1])]).color(BLACK);

@@ -14,7 +14,8 @@ use stickslip_kernels::file::System;
 
 pub(crate) use table::Table;
 pub(crate) use words::{
-    by_state, contact_name, known, letters, place, rounded, sequence, state_words, within,
+    by_state, contact_name, explained, input_name, known, letters, place, rounded, sequence,
+    state_words, with_jump, within,
 };
 
 /// What a command prints at its end.

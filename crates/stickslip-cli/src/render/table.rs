@@ -19,8 +19,8 @@ pub(crate) enum Value {
     Number(f64),
     /// A value for each state.
     State(Vec<f64>),
-    /// A mode for each contact.
-    Modes(Modes),
+    /// A mode for each contact, and all of them in letters.
+    Modes(Modes, String),
 }
 
 impl Value {
@@ -32,7 +32,7 @@ impl Value {
             Value::Count(count) => into.push(count.to_string()),
             Value::Number(number) => into.push(exact(*number)),
             Value::State(x) => into.extend(x.iter().map(|&x| exact(x))),
-            Value::Modes(modes) => into.extend(modes.iter().map(|mode| {
+            Value::Modes(modes, _) => into.extend(modes.iter().map(|mode| {
                 let name = match mode {
                     Mode::Slip(Side::Below) => "slip below",
                     Mode::Slip(Side::Above) => "slip above",
@@ -53,7 +53,7 @@ impl Value {
                 let members = members.iter().cloned().zip(x.iter().map(|x| json!(x)));
                 Json::Object(members.collect())
             }
-            Value::Modes(modes) => json!(letters(modes)),
+            Value::Modes(_, letters) => json!(letters),
         }
     }
 }
@@ -67,7 +67,7 @@ macro_rules! value_from {
         }
     )*};
 }
-value_from!(f64 => Number, usize => Count, &str => Text, String => Text, Vec<f64> => State, Modes => Modes);
+value_from!(f64 => Number, usize => Count, &str => Text, String => Text, Vec<f64> => State);
 
 impl From<Vector> for Value {
     fn from(from: Vector) -> Self {
@@ -123,13 +123,16 @@ impl<'a, R> Table<'a, R> {
     /// A column for each contact, with something before its name.
     pub(crate) fn modes(
         self,
-        system: &System,
+        system: &'a System,
         (key, prefix): (&str, &str),
         value: impl Fn(&R) -> Modes + 'a,
     ) -> Self {
         let contacts = system.file.contacts.iter();
         let names = contacts.map(|contact| format!("{prefix}{}", contact.name));
-        self.many(key, names.collect(), value)
+        self.many(key, names.collect(), move |row| {
+            let modes = value(row);
+            Value::Modes(modes, letters(system, &modes))
+        })
     }
 
     /// Columns of these names; cells of a row that has fewer values are empty.

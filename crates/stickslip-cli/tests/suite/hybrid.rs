@@ -6,13 +6,12 @@ use std::f64::consts::PI;
 use stickslip::analysis::monodromy;
 use stickslip::dynamics::{DynamicsRef, Happening, Matrix, Moment, Section, Vector};
 use stickslip::nalgebra::{Matrix2, RowVector2, Vector2};
-use stickslip::statistics::SplitMix;
 use stickslip::{Method, Options, math};
 use stickslip_kernels::file::{Source, System, SystemFile};
 
-use crate::public_cases::{METHODS, end, program, simulated};
+use crate::public_cases::{METHODS, end, program, simulated, simulated_with_kinks};
 
-fn system(text: &str) -> System {
+pub(crate) fn system(text: &str) -> System {
     let source = Source {
         name: "hybrid.toml".to_owned(),
         text: text.to_owned(),
@@ -20,7 +19,7 @@ fn system(text: &str) -> System {
     SystemFile::parse(source).unwrap().with(&[]).unwrap()
 }
 
-fn options(method: &str) -> Options {
+pub(crate) fn options(method: &str) -> Options {
     let by_taylor = Options::tol(1e-12);
     match method {
         "taylor" => by_taylor.method(Method::Taylor),
@@ -89,6 +88,7 @@ fn a_run_ends_at_the_jump_that_says_so() {
             let (found, transitions) = simulated(&text, method, &[]);
             assert_eq!(transitions.len(), count);
             assert!(end(&found, "v") > 0.0, "the state behind the jump");
+            assert_eq!(found["stopped_by"], "bounce");
         }
     }
 }
@@ -403,8 +403,7 @@ fn a_buck_converter_is_followed_through_its_flip() {
     }
     let determinant = math::exp(-400e-6 / (22.0 * 47e-6));
     let exact = root(22.0, 27.0, |input| of_buck(input).1 + 1.0 + determinant);
-    let arguments = ["--parameter", "E=17:27", "--transient", "0.1"];
-    let found = flips(BUCK, &arguments);
+    let found = flips(BUCK, &["--parameter", "E=17:27"]);
     let [input] = found[..] else {
         panic!("{found:?}");
     };
@@ -499,73 +498,6 @@ fn exponents_of_an_impacting_orbit_are_those_of_its_multipliers() {
         let exact = 2.0 * math::ln(0.8) * 2.5 / (2.0 * PI);
         assert!((sum - exact).abs() < 2e-3, "{method}: {sum} and {exact}");
     }
-}
-
-#[test]
-fn both_methods_find_the_same_jumps_of_random_systems() {
-    let random = &mut SplitMix::new(46);
-    let mut jumps = 0;
-    for number in 0..400 {
-        let mut a = || random.between(-1.0, 1.0);
-        let text = format!(
-            "name = \"random\"\n[states]\nx = \"\"\ny = \"\"\n[discrete]\nn = 1\n\
-             [inputs.s]\nshape = \"square\"\nperiod = {}\n[field]\n\
-             x = \"{}*x + {}*y + n\"\ny = \"{}*x + {}*y + s\"\n\
-             [jumps.one]\nwhen = \"x + {}*y - {}\"\ndirection = \"rising\"\n\
-             set = {{ x = \"{}*x\", n = \"-n\" }}\n\
-             [jumps.two]\nwhen = \"y - {}*x + {}\"\nset = {{ y = \"0.5*y + {}\" }}\n\
-             [start]\nx = {}\ny = {}\n",
-            1.5 + a(),
-            a(),
-            2.0 + a(),
-            -2.0 + a(),
-            a(),
-            a(),
-            0.6 + 0.3 * a(),
-            0.4 * a(),
-            a(),
-            0.5 * a(),
-            0.3 * a(),
-            a(),
-            a()
-        );
-        let system = system(&text);
-        let of = |method: &str| {
-            let start = system.built.start.clone().unwrap();
-            let at = Moment {
-                t: 0.0,
-                x: Vector::from_vec(start),
-            };
-            let options = options(method).escape(1e3);
-            let mut orbit = system
-                .dynamics()
-                .begin(&at, 6.0, &options, &Section::None)
-                .unwrap();
-            let mut found = Vec::new();
-            while let Ok(happening) = orbit.step() {
-                match happening {
-                    Happening::Transition(at) => found.push((at.contact, at.t)),
-                    Happening::End(_) => break,
-                    _ => {}
-                }
-                if found.len() == 30 {
-                    break;
-                }
-            }
-            found
-        };
-        let [one, other] = METHODS.map(of);
-        assert_eq!(one.len(), other.len(), "{number}: {one:?} {other:?} {text}");
-        for (one, other) in one.iter().zip(&other) {
-            assert_eq!(one.0, other.0, "{number}: {text}");
-            assert!(
-                (one.1 - other.1).abs() < 1e-6,
-                "{number}: {one:?} {other:?} {text}"
-            );
-        }
-        jumps += one.len();
-    }
-    assert!(jumps > 1000, "{jumps}");
 }
 
 #[test]
@@ -768,4 +700,318 @@ fn switches_that_touch_zero_or_stay_there_end() {
         let u = end(&found, "u");
         assert!((u - exact).abs() < 1e-11, "{function}: {u}");
     }
+}
+
+/// A block that is driven by a square wave and a switch of time, and hits a wall.
+const MIXED: &str = "name = \"mixed\"\n[states]\nx = \"\"\nv = \"\"\n[discrete]\nside = 0\n\
+    [parameters]\nw = 1.2\nr = 0.6\n[inputs.gust]\nshape = \"square\"\nperiod = \"2*pi/w\"\n\
+    [switches.drive]\nfunction = \"sin(3*w*t)\"\n[contacts.floor]\nboundary = \"v - 0.1\"\n\
+    friction = \"0.3\"\n[field]\nx = \"v\"\nv = \"-x - 0.2*v + gust + 0.1*drive - friction(floor)\"\n\
+    [jumps.wall_right]\nwhen = \"x - 0.5\"\ndirection = \"rising\"\n\
+    set = { v = \"-r*v\", side = \"1 - side\" }\n[start]\nx = 0.1\nv = 0\n[ranges]\nx = [-1, 0.4]\n\
+    v = [-1, 1]\n[time]\nperiod = \"2*pi/w\"\nend = 20\n";
+
+#[test]
+fn kinks_of_inputs_are_in_the_table_of_transitions() {
+    for method in METHODS {
+        let (found, transitions) = simulated_with_kinks(MIXED, method, &[]);
+        let of = |name: &str| {
+            let of = transitions.iter().filter(|at| at.2 == name);
+            of.map(|at| (at.0, at.1.as_str())).collect::<Vec<_>>()
+        };
+        let (gusts, drives) = (of("gust"), of("drive"));
+        for (k, (t, kind)) in (1..).zip(&gusts) {
+            let exact = PI / 1.2 * f64::from(k);
+            assert!(*kind == "kink" && (t - exact).abs() < 1e-12, "{gusts:?}");
+        }
+        for (k, (t, kind)) in (1..).zip(&drives) {
+            let exact = PI / 3.6 * f64::from(k);
+            assert!(*kind == "switch" && (t - exact).abs() < 1e-12, "{drives:?}");
+        }
+        assert_eq!((gusts.len(), drives.len()), (7, 22));
+        assert!(of("wall_right").iter().all(|at| at.1 == "jump"));
+        assert!(
+            transitions.windows(2).all(|two| two[0].0 <= two[1].0),
+            "in order of time"
+        );
+        let in_json = found["transitions"].as_array().unwrap();
+        assert_eq!(in_json.len(), transitions.len());
+        assert!(
+            in_json
+                .iter()
+                .any(|at| at["contact"] == "gust" && at["kind"] == "kink")
+        );
+    }
+}
+
+/// What the program prints.
+fn printed(text: &str, arguments: &[&str]) -> (tempfile::TempDir, String) {
+    let (top, mut command) = program(text);
+    let output = command.args(arguments).args(["--out", "out"]);
+    let output = output.assert().success().get_output().clone();
+    (top, String::from_utf8(output.stdout).unwrap())
+}
+
+#[test]
+fn phases_name_the_jumps_that_end_them() {
+    let (top, words) = printed(MIXED, &["simulate", "system.toml"]);
+    assert!(
+        words.contains("× jump wall_right") && words.contains("× switch drive"),
+        "{words}"
+    );
+    let phases = std::fs::read_to_string(top.path().join("out/phases.csv")).unwrap();
+    assert!(
+        phases.contains("slip above,wall_right,"),
+        "which jump ends a phase: {phases}"
+    );
+    let portrait = std::fs::read_to_string(top.path().join("out/portrait.svg")).unwrap();
+    assert!(
+        portrait.contains("wall") && portrait.contains("right"),
+        "the legend"
+    );
+
+    let (_, words) = printed(MIXED, &["orbit", "system.toml"]);
+    assert!(words.contains("+(wall_right)"), "{words}");
+    let relay = relay([-1.0, 1.0]).replace("[time]", "[ranges]\nu = [-1, 1]\nw = [0, 1]\n[time]");
+    let relay = relay.replace("[discrete]", "[parameters]\nlow = 1\n[discrete]");
+    let relay = relay.replace("u - (-1)", "u + low");
+    for (command, arguments, wanted) in [
+        ("orbit", &[][..], "down up"),
+        (
+            "continue",
+            &["--parameter", "low=0.5:1.5"],
+            "phases down up",
+        ),
+        (
+            "bifurcation",
+            &["--parameter", "low=0.5:1.5", "--values", "3"],
+            "periodic, down up",
+        ),
+        ("basin", &["--grid", "2x2"], "phases down up"),
+        (
+            "map",
+            &[
+                "--x",
+                "low=0.5:1",
+                "--y",
+                "other=0:1",
+                "--grid",
+                "2x2",
+                "--duration",
+                "10",
+            ],
+            "periodic, down up",
+        ),
+    ] {
+        let text = relay.replace("low = 1\n", "low = 1\nother = 0\n");
+        let (_, words) = printed(&text, &[&[command, "system.toml"], arguments].concat());
+        let other = wanted.replace("down up", "up down");
+        assert!(
+            words.contains(wanted) || words.contains(&other),
+            "{command}: {words}"
+        );
+        assert!(!words.contains('·'), "{command}: {words}");
+    }
+}
+
+#[test]
+fn a_function_that_is_no_number_is_named() {
+    let jump = "name = \"log\"\n[states]\nx = \"\"\n[field]\nx = \"-1\"\n[jumps.deep]\n\
+                when = \"ln(x) + 50\"\nset = { x = \"1\" }\n[start]\nx = 1\n[time]\nend = 3\n";
+    let switch = "[switches.late]\nfunction = \"ln(2 - t)\"";
+    let set = jump
+        .replace("ln(x) + 50", "x")
+        .replace("x = \"1\"", "x = \"ln(x - 1)\"");
+    for (text, words) in [
+        (
+            jump.to_owned(),
+            "the function of the jump `deep` is not a number",
+        ),
+        (
+            driven("late", switch, 0.0, "3"),
+            "the function of the switch `late` is not a number at t = 2",
+        ),
+        (
+            set,
+            "the state that is set by the jump `deep` is not a number",
+        ),
+    ] {
+        for method in METHODS {
+            let (_top, mut command) = program(&text);
+            command.args(["simulate", "system.toml", "--method", method]);
+            let failed = command.assert().failure();
+            let told = String::from_utf8(failed.get_output().stderr.clone()).unwrap();
+            assert!(told.contains(words), "{method}: {told}");
+        }
+    }
+}
+
+#[test]
+fn a_pole_is_no_zero() {
+    let text = "name = \"pole\"\n[states]\nx = \"\"\n[field]\nx = \"-1\"\n[jumps.pole]\n\
+                when = \"1/(x - 0.1234567)\"\nset = { x = \"5\" }\n[start]\nx = 1\n[time]\nend = 3\n\
+                [section]\nfunction = \"1/(x - 0.7654321)\"\n";
+    for method in METHODS {
+        let (found, transitions) = simulated(text, method, &[]);
+        assert!(transitions.is_empty(), "{transitions:?}");
+        assert!(found["section"].as_array().unwrap().is_empty(), "{found}");
+        assert!((end(&found, "x") + 2.0).abs() < 1e-14, "{found}");
+    }
+}
+
+#[test]
+fn derivatives_by_a_parameter_go_with_the_kinks_that_it_moves() {
+    let by = |input: &str| {
+        format!(
+            "name = \"moved\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\np = 0.3\n{input}\n[field]\n\
+             x = \"v\"\nv = \"-x - 0.3*v + (1 + 0.2*x)*d + 0.1*p\"\n[start]\nx = 0.1\nv = 0\n[jumps.wall]\n\
+             when = \"x - 1\"\nset = {{ v = \"-0.5*v\" }}\n"
+        )
+    };
+    let inputs = [
+        "[inputs.d]\nshape = \"square\"\nperiod = 2\nphase = \"p\"",
+        "[inputs.d]\nshape = \"pulse\"\nperiod = \"1 + p\"\nwidth = 0.3",
+        "[inputs.d]\nshape = \"triangle\"\nperiod = \"1 + p\"\nphase = \"p*p\"",
+        "[inputs.d]\nshape = \"sawtooth\"\nperiod = \"1 + p\"",
+        "[switches.d]\nfunction = \"sin(2*t) - p\"",
+        "[time]\nperiod = \"2 + p\"\n[inputs.d]\nshape = \"square\"\nperiod = \"2 + p\"",
+        "[time]\nperiod = \"2 + p\"\n[inputs.d]\nshape = \"table\"\ntimes = [1, 2, 3]\n\
+         values = [0, 2, 1]\nbetween = \"constant\"",
+    ];
+    for input in inputs {
+        let system = system(&by(input)).along(0).unwrap();
+        let start = [0.1, 0.0, 0.3];
+        for method in METHODS {
+            let found = monodromy(&system, 0.0, start.as_slice(), 6.1, &options(method));
+            let found = found.unwrap().matrix;
+            let exact = by_differences(&system, &start, 6.1, &[0, 1, 2]);
+            let off = (&found - &exact).amax();
+            assert!(off < 1e-7, "{method}: {input} {found} {exact}");
+        }
+    }
+}
+
+#[test]
+fn a_fold_along_the_phase_of_a_drive_is_located() {
+    // Two orbits of u' = 0.05 + q(t + p) s(t) − u², one stable, meet where the drive is too weak.
+    let text = "name = \"drive\"\n[states]\nu = \"\"\n[parameters]\np = 0\n[inputs.q]\n\
+                shape = \"square\"\nperiod = 2\nphase = \"p\"\n[field]\n\
+                u = \"q*sin(pi*t) - 0.4 - u^2\"\n[start]\nu = 0.5\n[time]\nperiod = 2\n";
+    let system = system(text).along(0).unwrap();
+    // How far a period takes the state up at most, by the runs alone.
+    let highest = |p: f64| {
+        let gain = |u: f64| {
+            let at = Moment {
+                t: 0.3,
+                x: Vector::from_vec(vec![u, p]),
+            };
+            let mut orbit = system
+                .begin(&at, 2.3, &options("taylor"), &Section::None)
+                .unwrap();
+            loop {
+                if let Happening::End(summary) = orbit.step().unwrap() {
+                    break summary.x[0] - u;
+                }
+            }
+        };
+        let (mut low, mut high) = (-0.5, 0.7);
+        let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+        for _ in 0..60 {
+            let (a, b) = (high - golden * (high - low), low + golden * (high - low));
+            if gain(a) > gain(b) {
+                high = b;
+            } else {
+                low = a;
+            }
+        }
+        gain(0.5 * (low + high))
+    };
+    let exact = root(0.0, 0.2, highest);
+    let found = json_of(
+        text,
+        &[
+            "continue",
+            "system.toml",
+            "--t-start",
+            "0.3",
+            "--parameter",
+            "p=-0.1:0.4",
+        ],
+    );
+    let special = found["special"].as_array().unwrap();
+    let folds: Vec<f64> = special
+        .iter()
+        .filter(|at| at["what"] == "fold")
+        .map(|at| at["parameter"].as_f64().unwrap())
+        .collect();
+    let nearest = folds.iter().map(|p| (p - exact).abs()).fold(1.0, f64::min);
+    assert!(nearest < 1e-9, "{folds:?} and {exact}");
+}
+
+#[test]
+fn a_plane_of_starts_leaves_discrete_states_where_the_file_has_them() {
+    let one = "name = \"one\"\n[states]\nu = \"\"\n[discrete]\nheating = 1\n[field]\n\
+               u = \"40*heating - u\"\n[jumps.off]\nwhen = \"u - 21\"\ndirection = \"rising\"\n\
+               set = { heating = \"0\" }\n[jumps.on]\nwhen = \"u - 19\"\ndirection = \"falling\"\n\
+               set = { heating = \"1\" }\n[start]\nu = 15\n[ranges]\nu = [0, 20]\nheating = [0, 1]\n";
+    let (_top, mut command) = program(one);
+    let failed = command.args(["basin", "system.toml"]).assert().failure();
+    let told = String::from_utf8(failed.get_output().stderr.clone()).unwrap();
+    assert!(
+        told.contains("the system has 1") && told.contains("--y heating=LOW:HIGH"),
+        "{told}"
+    );
+    let two = one
+        .replace("[discrete]", "w = \"\"\n[discrete]")
+        .replace("[jumps.off]", "w = \"-w\"\n[jumps.off]")
+        .replace("u = 15", "u = 15\nw = 0")
+        .replace("u = [0, 20]", "u = [0, 20]\nw = [0, 1]");
+    let (top, _) = printed(&two, &["basin", "system.toml", "--grid", "2x2"]);
+    let basin = std::fs::read_to_string(top.path().join("out/basin.csv")).unwrap();
+    assert!(
+        basin.starts_with("u,w,") || basin.contains(",w,"),
+        "{basin}"
+    );
+}
+
+#[test]
+fn a_stick_that_a_kink_ends_is_part_of_an_orbit() {
+    // The force is 0.9 less than friction holds, but for a fifth of each half period.
+    let text = "name = \"pushed\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nh = 1.5\n[inputs.one]\n\
+                shape = \"pulse\"\nperiod = 10\nwidth = 0.2\n[inputs.two]\nshape = \"pulse\"\nperiod = 10\n\
+                width = 0.2\nphase = 0.5\n[contacts.floor]\nboundary = \"v\"\nfriction = \"1\"\n[field]\n\
+                x = \"v\"\nv = \"h*(one - two) - 0.1*x - friction(floor)\"\n[start]\nx = 0\nv = 0\n[time]\n\
+                period = 10\n";
+    let found = json_of(text, &["orbit", "system.toml", "--t-start", "7.5"]);
+    let x = [&found["x"]["x"], &found["x"]["v"]].map(|x| x.as_f64().unwrap());
+    let t = found["t"].as_f64().unwrap();
+    assert_eq!(found["phases"], "- S + S");
+    // The derivative of the same by differences, in a time in which it begins at 0.
+    let shifted = text
+        .replace("width = 0.2\nphase = 0.5", "width = 0.2\nphase = 0.25")
+        .replacen("width = 0.2\n[", "width = 0.2\nphase = 0.75\n[", 1);
+    assert!((t / 10.0).fract() == 0.75, "{t}");
+    let exact = by_differences(system(&shifted).dynamics(), &x, 10.0, &[0, 1]);
+    let part = |k: usize| found["multipliers"][k][0].as_f64().unwrap();
+    assert!(
+        (part(0) + part(1) - exact.trace()).abs() < 1e-7,
+        "{found} {exact}"
+    );
+    let (top, _) = printed(
+        text,
+        &["continue", "system.toml", "--parameter", "h=1.4:1.6"],
+    );
+    let mut table = csv::Reader::from_path(top.path().join("out/branch.csv")).unwrap();
+    let names = table.headers().unwrap().clone();
+    let high = names.iter().position(|name| name == "x_high").unwrap();
+    let last = table.records().last().unwrap().unwrap();
+    let alone = json_of(
+        text,
+        &["orbit", "system.toml", "--set", &format!("h={}", &last[0])],
+    );
+    let off = last[high].parse::<f64>().unwrap() - alone["extremes"]["x"][1].as_f64().unwrap();
+    assert!(
+        last[0].parse::<f64>().unwrap() > 1.59 && off.abs() < 1e-9,
+        "{last:?} {off:e}"
+    );
 }

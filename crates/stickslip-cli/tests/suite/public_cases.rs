@@ -21,8 +21,20 @@ pub fn program(text: &str) -> (tempfile::TempDir, Command) {
     (top, command)
 }
 
-/// What `stickslip simulate` finds of the system in `text`, and its transitions.
+/// What `stickslip simulate` finds of the system in `text`, and its transitions but for kinks of
+/// inputs.
 pub fn simulated(text: &str, method: &str, arguments: &[&str]) -> (Value, Vec<Transition>) {
+    let (found, mut transitions) = simulated_with_kinks(text, method, arguments);
+    transitions.retain(|(_, kind, _)| kind != "kink" && kind != "switch");
+    (found, transitions)
+}
+
+/// As [`simulated`], kinks among them.
+pub fn simulated_with_kinks(
+    text: &str,
+    method: &str,
+    arguments: &[&str],
+) -> (Value, Vec<Transition>) {
     let (top, mut command) = program(text);
     command.args([
         "simulate",

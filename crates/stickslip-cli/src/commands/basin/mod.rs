@@ -139,7 +139,7 @@ impl Basin {
             plane,
             points,
             start,
-            until: arguments.until.until,
+            until: arguments.until.of(system),
             solver: arguments.run.solver.clone(),
         };
         recurrence(system, basin.until).check()?;
@@ -208,7 +208,7 @@ impl Sweep for Basin {
                 number.as_deref().unwrap_or("none"),
                 one.share,
                 one.std_error,
-                attractors::words(&one.outcome, self.until)
+                attractors::words(system, &one.outcome, self.until)
             ));
             if let (Some((_, x)), 1..) = (one.outcome.points.first(), one.family) {
                 let (family, at) = (attractors::family_words(one.family), state_words(x));
@@ -223,7 +223,7 @@ impl Sweep for Basin {
             .field("attractors", json(true))
             .field("no_attractor", json(false));
         let table = Table::new().column("attractor", |one: &&Attracting| one.number);
-        let table = attractors::columns(table, |one| &one.outcome)
+        let table = attractors::columns(system, table, |one| &one.outcome)
             .column("starts", |one| one.starts)
             .column("share", |one| one.share)
             .column("std_error", |one| one.std_error)
@@ -371,7 +371,7 @@ impl Basin {
             attractors,
             |one| one.starts,
             |one| one.number.is_none().then(|| one.outcome.motion.word()),
-            |one| self.legend(&one.outcome, one.share),
+            |one| self.legend(system, &one.outcome, one.share),
             |rest| {
                 let share: f64 = rest.iter().map(|&number| attractors[number].share).sum();
                 format!("{} further attractors, {:.2} %", rest.len(), 100.0 * share)
@@ -403,18 +403,18 @@ impl Basin {
     }
 
     /// What an attractor is called in the legend.
-    fn legend(&self, outcome: &Outcome, share: f64) -> String {
+    fn legend(&self, system: &System, outcome: &Outcome, share: f64) -> String {
         let word = outcome.motion.word();
         let percent = 100.0 * share;
         let Motion::Periodic { period, .. } = outcome.motion else {
             return format!("{}: {percent:.2} %", attractors::since(word, self.until));
         };
-        let phases = attractors::sequence(outcome);
+        let phases = attractors::sequence(system, outcome);
         // Long sequences would be wider than the figure.
         let phases = if phases.len() > 24 {
             format!("{} phases", outcome.phases.len())
         } else {
-            phases.replace('-', "−")
+            figures::plain(&phases)
         };
         // Plain text, so that it is as wide as computed in every viewer.
         let text = format!("{word}, period {period:.4}");

@@ -40,7 +40,7 @@ pub(super) struct OneDirection {
 }
 
 impl OneDirection {
-    fn add(&mut self, at: &AtValue) {
+    fn add(&mut self, system: &System, at: &AtValue) {
         let value = at.value;
         let points = at.outcome.points.iter();
         self.section.extend(points.map(|(_, x)| (value, x[0])));
@@ -52,7 +52,7 @@ impl OneDirection {
         {
             self.exponents.push((value, exponent));
         }
-        let motion = attractors::class(&at.outcome);
+        let motion = attractors::class(system, &at.outcome);
         match self.spans.last_mut() {
             Some(last) if last.2 == motion => last.1 = value,
             _ => self.spans.push((value, value, motion)),
@@ -83,7 +83,7 @@ impl Bifurcation {
         let columns = Table::new()
             .column("way", |&(way, ..): &Point| WAY_NAMES[way])
             .column(parameter, |(_, at, _)| at.value);
-        let columns = attractors::columns(columns, |(_, at, _)| &at.outcome);
+        let columns = attractors::columns(system, columns, |(_, at, _)| &at.outcome);
         let columns = Largest::columns(columns, |(_, at, _)| at.largest);
         let columns = columns.state(system, "", |(_, at, point)| {
             point.map(|point| at.outcome.points[point].1.clone())
@@ -94,7 +94,7 @@ impl Bifurcation {
             way.changes.extend(part.changes);
             let mut rows = Vec::new();
             for at in part.found.into_iter().map(Rc::new) {
-                way.add(&at);
+                way.add(system, &at);
                 let points = (0..at.outcome.points.len()).map(Some);
                 let none = at.outcome.points.is_empty().then_some(None);
                 rows.extend(points.chain(none).map(|point| (number, at.clone(), point)));

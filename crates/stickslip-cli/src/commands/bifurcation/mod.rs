@@ -16,8 +16,8 @@ use super::arguments::{RunArguments, SolverArguments, StartArguments, count};
 use super::exponent::Largest;
 use super::range::{ParameterRange, not_too_many};
 use super::sweeping::{
-    ExponentArguments, Sweep, SweepArguments, UntilArguments, blocks, check_duration, from_content,
-    recurrence, sweep, to_content,
+    ExponentArguments, Sweep, SweepArguments, UntilArguments, blocks, from_content, recurrence,
+    sweep, to_content,
 };
 use super::{attractors, changes};
 use crate::failure::Failure;
@@ -129,8 +129,8 @@ impl Bifurcation {
             parameter: ParameterRange::new("--parameter", &arguments.parameter, system)?,
             values: arguments.values,
             start: arguments.run.start.clone(),
-            until: arguments.until.until,
-            duration: arguments.exponent.duration,
+            until: arguments.until.of(system),
+            duration: arguments.exponent.of(system)?,
             solver: arguments.run.solver.clone(),
         };
         // What is wrong is better told before the sweep than by one of its blocks.
@@ -142,7 +142,6 @@ impl Bifurcation {
         let values = diagram.values.get();
         not_too_many(&format!("--values {values}"), Some(values))?;
         diagram.solver.options()?;
-        check_duration(diagram.duration)?;
         for value in [diagram.parameter.low, diagram.parameter.high] {
             let system = diagram.parameter.system(system, value)?;
             recurrence(&system, diagram.until).check()?;
@@ -192,7 +191,7 @@ impl Bifurcation {
                 None => self.start.at_zero(&here)?,
             };
             let outcome = attractors::reached_from(&here, &start, &settings, &options)?;
-            let class = attractors::class(&outcome);
+            let class = attractors::class(system, &outcome);
             if let Some(last) = last.filter(|last| last.class != class) {
                 for change in self.changes(system, &last, value, &settings, &options)? {
                     let values = (last.value, value);
@@ -346,10 +345,10 @@ impl Sweep for Bifurcation {
             .column("contacts", |(_, at)| changes::contacts(system, &at.change))
             .column("uncertainty", |(_, at)| changes::uncertainty(&at.change))
             .column("before", |(_, at)| {
-                changes::phases(&at.change).map(|[before, _]| before)
+                changes::phases(system, &at.change).map(|[before, _]| before)
             })
             .column("after", |(_, at)| {
-                changes::phases(&at.change).map(|[_, after]| after)
+                changes::phases(system, &at.change).map(|[_, after]| after)
             })
             .state(system, "", |(_, at)| changes::state(&at.change));
         let rows = WAY_NAMES.into_iter().zip(&ways);

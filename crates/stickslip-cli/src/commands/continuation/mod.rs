@@ -18,7 +18,7 @@ use super::changes;
 use super::range::ParameterRange;
 use super::search::SearchArguments;
 use crate::failure::{Failure, in_words};
-use crate::render::{Answer, Report, Table, place, rounded, sequence, within};
+use crate::render::{Answer, Report, Table, explained, place, rounded, sequence, within};
 use crate::terminal::patiently;
 use branch::{Begin, Branch, Other, Point};
 
@@ -106,12 +106,12 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<Report, Failure> {
         .field("family_dimension", orbit.family);
     if let Some(Point { orbit, .. }) = points.get(branch.first) {
         let [at, period] = [orbit.parameter, orbit.period].map(rounded);
-        let (stability, phases) = (orbit.stability(), sequence(&orbit.sequence));
-        let begun = format!("begun at {name} = {at}: period {period}, {stability}");
-        report.note(match system.contacts() {
-            0 => begun,
-            _ => format!("{begun}, phases {phases}  (- below, + above, S stick)"),
-        });
+        let phases = explained(system, &orbit.sequence);
+        let phases = phases.map_or(String::new(), |phases| format!(", phases {phases}"));
+        let stability = orbit.stability();
+        report.note(format!(
+            "begun at {name} = {at}: period {period}, {stability}{phases}"
+        ));
     }
     if orbit.family > 0 {
         let family = family_words(orbit.family);
@@ -262,7 +262,7 @@ fn words(at: &SpecialPoint, system: &System) -> String {
         return what(at);
     };
     let name = changes::words(system, &change);
-    match changes::phases(&change) {
+    match changes::phases(system, &change) {
         Some([before, after]) if !before.is_empty() && !after.is_empty() => {
             format!("{name}, between phases {before} and {after}")
         }
@@ -461,7 +461,9 @@ impl Row {
             contacts: contacts.unwrap_or_default(),
             angle: angle(at),
             uncertainty: Some(at.uncertainty),
-            phases: change.as_ref().and_then(changes::phases),
+            phases: change
+                .as_ref()
+                .and_then(|change| changes::phases(system, change)),
             period: Some(at.period),
             x: at.x.as_slice().to_vec(),
         }
@@ -495,7 +497,7 @@ fn numbered<'a, R>(is_numbered: bool, number: impl Fn(&R) -> usize + 'a) -> Tabl
 
 /// The columns of `branch.csv`: an orbit a row, from the branch's end downwards to its end upwards.
 fn columns<'a>(
-    system: &System,
+    system: &'a System,
     parameter: &str,
     (is_numbered, points): (bool, &[(usize, &Point)]),
 ) -> Table<'a, &'a (usize, &'a Point)> {
@@ -509,7 +511,7 @@ fn columns<'a>(
         .column(parameter, |(_, at)| at.orbit.parameter)
         .column("period", |(_, at)| at.orbit.period)
         .column("stability", |(_, at)| at.orbit.stability().to_string())
-        .column("phases", |(_, at)| sequence(&at.orbit.sequence))
+        .column("phases", |(_, at)| sequence(system, &at.orbit.sequence))
         .column("t", |(_, at)| at.orbit.t)
         .state(system, "", |(_, at)| at.orbit.x.clone())
         .many("extremes", ends.collect(), |(_, at)| -> Vec<f64> {
