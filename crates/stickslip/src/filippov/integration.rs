@@ -4,14 +4,13 @@ use super::event::Event;
 use super::flow::{Flow, GUARDS};
 use super::observer::{Phase, StepRecord, Transition, TransitionKind};
 use super::options::{AtPileUp, Options};
-use super::pile_up::{PileUp, Series};
+use super::pile_up::PileUp;
 use super::run::{Run, Trial};
 use super::solve::Summary;
 use super::stepper::{Stepper, Work};
 use super::switched::{Next, Rest, Settled, Switched, UseFlow, Velocity};
-use super::taylor::GROW_MOST;
 use crate::error::Error;
-use crate::ode::{Dense, Timed};
+use crate::ode::Timed;
 use crate::orbit::{Counters, Ending};
 use crate::system::{IntoState, Mode, State, components};
 
@@ -59,16 +58,16 @@ pub struct Integration<'a, S: Switched<N, G>, const N: usize, const G: usize = G
     /// What besides the mode decides the flow.
     pub(super) branch: S::Branch,
     /// The last step's mode.
-    last_mode: S::Mode,
-    pile_up: PileUp<N, S::Mode>,
+    pub(super) last_mode: S::Mode,
+    pub(super) pile_up: PileUp<N, S::Mode>,
     /// How the run goes on where transitions accumulate, while it is led there.
-    rest: Option<Rest<S::Mode, S::Branch, N, G>>,
-    due: Due,
+    pub(super) rest: Option<Rest<S::Mode, S::Branch, N, G>>,
+    pub(super) due: Due,
 }
 
 /// What the next call begins with.
 #[derive(Clone, Copy)]
-enum Due {
+pub(super) enum Due {
     /// The first step of a phase, or of the rest of one.
     Begin,
     /// Another step.
@@ -273,235 +272,6 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         }
     }
 
-    /// What a step that has failed means: an event that no step resolves, a pile-up or an ending; if it is none, the error.
-    #[cold]
-    fn after(&mut self, error: Error) -> Result<Due, Error> {
-        let (t, options) = (self.run.at.t, &self.run.options);
-        // Near an accumulation point contacts are not told apart by tolerance any more, nor steps by rounding.
-        let series = match &error {
-            Error::EventPileUp { .. } => return self.piled_up(self.pile_up.series()),
-            Error::StepCollapse { .. } => self.pile_up.under_way(t, options),
-            Error::NoUniqueMode { contacts, .. } => self.pile_up.of_contacts(t, contacts),
-            _ => None,
-        };
-        if series.is_some() {
-            return self.piled_up(series);
-        }
-        if let Error::StepCollapse { .. } = error
-            && let Some(guard) = self.system.guard_at_collapse(&self.run, self.mode)
-        {
-            self.run.event = Some(Event {
-                guard,
-                at: self.run.at,
-                is_touch: false,
-                residual: 0.0,
-            });
-            return Ok(Due::Event);
-        }
-        Err(error)
-    }
-
-    /// What follows transitions that pile up: rest where they accumulate, an ending, or the error.
-    fn piled_up(&mut self, series: Option<Series<N>>) -> Result<Due, Error> {
-        let rest = series.as_ref().and_then(|series| {
-            let run = &mut self.run;
-            let rest = self
-                .system
-                .rest(run, self.mode, &series.contacts, &series.at)?;
-            let off = (rest.at.x - series.at.x).amax();
-            (off <= series.distance + run.slack()).then_some(rest)
-        });
-        let holds = rest.is_some();
-        if holds && self.run.options.at_pile_up == AtPileUp::Rest {
-            self.rest = rest;
-            return Ok(Due::Rest);
-        }
-        let two_fold = self.system.ending_of_pile_up(&self.run, self.mode);
-        let shrinks = series.is_none() && self.pile_up.shrinks();
-        let ending = two_fold.or(shrinks.then_some(Ending::Shrunk));
-        let Some(ending) = ending else {
-            let (at, options) = (&self.run.at, &self.run.options);
-            return Err(self.pile_up.error(at, series.as_ref(), holds, options));
-        };
-        Ok(match self.phase() {
-            Some(_) => Due::PhaseEnd(ending),
-            None => Due::End(ending),
-        })
-    }
-
-    /// The transition at an event behind which the run is led to where transitions accumulate.
-    fn on_the_way(&mut self, event: &Event<N>) -> Progress<N, S::Mode> {
-        let from = self.mode;
-        self.mode = self.pile_up.mode_after(event.at.t).unwrap_or(from);
-        self.run.from = self.run.at;
-        let contact = S::contact_of(event.guard);
-        let of = |mode| S::erased(mode, S::CONTACTS).get(contact);
-        let kind = TransitionKind::between(of(from), of(self.mode));
-        self.transition((kind, contact), from, event.residual)
-    }
-
-    /// The step to where transitions accumulate, or as far as the run goes.
-    fn come_to_rest(&mut self) -> Progress<N, S::Mode> {
-        let from = self.run.at;
-        let Some(rest) = &self.rest else {
-            return Progress::End(self.summary(Ending::Failed));
-        };
-        let to = Timed {
-            t: rest.at.t.max(from.t),
-            x: rest.at.x,
-        };
-        self.stepper.begin();
-        self.run.dense = Dense::straight(&from, &to);
-        self.run.counters.steps += 1;
-        self.last_mode = self.mode;
-        if to.t > self.run.t_end {
-            let t = self.run.t_end;
-            let x = self.run.dense.at_time(t);
-            self.run.accept(Timed { t, x }, None);
-            self.due = Due::PhaseEnd(Ending::EndTime);
-            return Progress::Step;
-        }
-        let event = Event {
-            guard: rest.contact,
-            at: to,
-            is_touch: false,
-            residual: 0.0,
-        };
-        self.run.accept(to, Some(&event));
-        self.due = Due::Event;
-        Progress::Step
-    }
-
-    /// Cuts the last step short at a state inside it, where the run ends.
-    pub(crate) fn stop_at(&mut self, at: Timed<N>) {
-        self.run.at = at;
-        self.run.last.1 = at;
-        self.due = Due::PhaseEnd(Ending::Stopped);
-    }
-
-    /// Sets when the run ends.
-    pub(crate) fn end_at(&mut self, t_end: f64) {
-        self.run.t_end = t_end;
-    }
-
-    /// Whether it has come to its end time, and has nothing else to report first.
-    pub(crate) fn is_at_end(&self) -> bool {
-        let goes_on = matches!(self.due, Due::Begin | Due::Step | Due::Passed);
-        goes_on && self.run.at.t >= self.run.t_end
-    }
-
-    /// Whether the end of a phase is reported next.
-    pub(crate) fn ends_phase(&self) -> bool {
-        matches!(self.due, Due::PhaseEnd(_))
-    }
-
-    /// Whether it stays in its mode whatever the guards do.
-    pub(crate) fn is_held(&self) -> bool {
-        self.run.is_held
-    }
-
-    /// Goes on from another state at the same time, or ends there. What it can be in is decided as
-    /// at a start. It counts as a transition of a contact of that number.
-    ///
-    /// # Errors
-    /// Those of [`Integration::new`], and of [`Integration::step`] about too many transitions.
-    pub(crate) fn leap(
-        &mut self,
-        number: usize,
-        x: State<N>,
-        ending: Option<Ending>,
-    ) -> Result<(), Error> {
-        self.run.at.x = x;
-        // After a jump the motion may be as much faster as the one before it was short.
-        let (from, to) = &self.run.last;
-        self.run.h = self.run.h.min(GROW_MOST * (to.t - from.t));
-        self.begin_phase();
-        self.decide()?;
-        // What happens again in no time is not resolved any more.
-        if self.pile_up.was_at(number, self.run.at.t) {
-            return Err(self.accumulated());
-        }
-        match self.note_event(number, self.mode) {
-            Err(Error::EventPileUp { .. }) if self.pile_up.accumulates(&self.run.options) => {
-                return Err(self.accumulated());
-            }
-            // Jumps may go on where nothing moves any more, by a clock.
-            Err(Error::EventPileUp { .. }) | Ok(()) => {}
-            Err(other) => return Err(other),
-        }
-        if let Some(ending) = ending {
-            self.due = Due::End(ending);
-        }
-        Ok(())
-    }
-
-    /// Goes on where the field jumps at this time. The state may differ in what an input holds. The
-    /// transition, where a contact changes its mode.
-    ///
-    /// # Errors
-    /// Those of [`Integration::new`].
-    pub(crate) fn kink(&mut self, x: State<N>) -> Result<Option<Transition<N, S::Mode>>, Error> {
-        self.run.at.x = x;
-        let from = self.mode;
-        if self.run.is_held {
-            self.due = Due::Begin;
-            return Ok(None);
-        }
-        self.decide()?;
-        if self.mode == from {
-            return Ok(None);
-        }
-        let (kind, contact) = S::change(from, self.mode);
-        self.note_event(contact, self.mode)?;
-        let Timed { t, x } = self.run.at;
-        Ok(Some(Transition {
-            t,
-            x,
-            kind,
-            from,
-            to: self.mode,
-            contact,
-            residual: 0.0,
-        }))
-    }
-
-    /// The velocity here.
-    pub(crate) fn velocity(&self) -> State<N> {
-        let Timed { t, x } = self.run.at;
-        let velocity = Velocity(t, components(&x));
-        State::from(self.system.with_flow(self.mode, self.branch, velocity))
-    }
-
-    /// The pile-up that the last transitions are.
-    fn accumulated(&self) -> Error {
-        let (at, options) = (&self.run.at, &self.run.options);
-        let series = self.pile_up.series();
-        self.pile_up.error(at, series.as_ref(), false, options)
-    }
-
-    /// A phase begins here.
-    pub(crate) fn begin_phase(&mut self) {
-        self.run.from = self.run.at;
-    }
-
-    /// Decides the mode as at a start.
-    fn decide(&mut self) -> Result<(), Error> {
-        if self.run.at.t < self.run.t_end {
-            let (at, t_end) = (self.run.at, self.run.t_end);
-            self.system.check(&at, t_end, &self.run.options)?;
-        }
-        self.due = match self.system.first_mode(&mut self.run)? {
-            Some((mode, orders)) => {
-                self.mode = mode;
-                self.run.orders = orders;
-                Due::Begin
-            }
-            None => Due::End(Ending::Repelling),
-        };
-        self.branch = self.system.branch(self.mode, &self.run.at);
-        Ok(())
-    }
-
     /// Does what depends on the mode, with the flow of the mode.
     #[inline(always)]
     fn work(&mut self, work: Work) -> Result<Trial, Error> {
@@ -590,7 +360,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     }
 
     /// A transition here, into the mode that the run is in now.
-    fn transition(
+    pub(super) fn transition(
         &self,
         (kind, contact): (TransitionKind, usize),
         from: S::Mode,
@@ -609,7 +379,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     }
 
     /// Counts a transition of a contact into `mode`.
-    fn note_event(&mut self, contact: usize, mode: S::Mode) -> Result<(), Error> {
+    pub(super) fn note_event(&mut self, contact: usize, mode: S::Mode) -> Result<(), Error> {
         self.run.note_event()?;
         let Timed { t, x } = self.run.at;
         let velocity = Velocity(t, components(&x));

@@ -1,5 +1,6 @@
 //! Filippov systems: the switching rules on Σ, event location, and the integration that yields steps, phases and transitions.
 
+mod accumulation;
 mod batch;
 mod check;
 mod contacts;
@@ -8,6 +9,7 @@ mod event;
 mod flow;
 mod guard;
 mod integration;
+mod leap;
 mod leaving;
 mod locate;
 mod observer;
