@@ -1,0 +1,65 @@
+"""The reference names every error, key, function and name that there is, and every block is run."""
+
+import re
+from pathlib import Path
+
+import stickslip
+
+HERE = Path(__file__).parent
+CRATES = HERE.parent / "crates"
+
+
+def page(name):
+    return (HERE / "reference" / name).read_text(encoding="utf-8")
+
+
+def test_every_error_of_the_library_has_a_section():
+    source = (CRATES / "stickslip/src/error.rs").read_text(encoding="utf-8")
+    body = source.split("pub enum Error {")[1].split("\n}\n")[0]
+    errors = re.findall(r"^    ([A-Z]\w+) \{", body, re.M)
+    assert len(errors) > 20
+    assert sorted(errors) == sorted(re.findall(r"^### (\w+)$", page("errors.md"), re.M))
+
+
+def test_every_key_of_a_file_is_in_a_table():
+    folder = CRATES / "stickslip-kernels/src/file"
+    source = "".join(file.read_text(encoding="utf-8") for file in sorted(folder.glob("*.rs")))
+    lists = re.findall(r"\.only\(&\[(.*?)\]\)|const ENTRIES[^=]*= \[(.*?)\];", source, re.S)
+    keys = {key for pair in lists for key in re.findall(r'"(\w+)"', "".join(pair))}
+    assert {"boundary", "between", "ranges"} <= keys
+    told = page("file.md")
+    assert not [key for key in keys if not re.search(rf"`\[?{key}\b", told)]
+
+
+def test_every_function_of_expressions_is_listed():
+    folder = CRATES / "stickslip-kernels/src/expression"
+    source = (folder / "functions.rs").read_text(encoding="utf-8")
+    functions = re.findall(r'\("(\w+)", Function::', source)
+    row = next(line for line in page("file.md").splitlines() if line.startswith("| functions"))
+    assert len(functions) > 9 and set(functions) <= set(re.findall(r"\w+", row))
+
+
+def test_every_name_of_the_package_is_listed():
+    listed = set(re.findall(r"^   (\w+)$|`ss\.(t|pi)`", page("python.md"), re.M))
+    listed = {one or other for one, other in listed}
+    assert listed == {name for name in stickslip.__all__ if not name.startswith("_")}
+
+
+def test_every_block_is_run_or_is_text():
+    run = {"python", "sh", "console", "toml"}
+    for file in sorted(HERE.rglob("*.md")):
+        blocks = re.findall(r"^```([^\n]+)$", file.read_text(encoding="utf-8"), re.M)
+        languages = {block.split("} ")[1] for block in blocks if block.startswith("{code-block}")}
+        languages |= {block for block in blocks if not block.startswith("{")}
+        assert languages <= run | {"text"}, file
+
+
+def test_every_bifurcation_is_in_a_table():
+    folder = CRATES / "stickslip/src/analysis"
+    names = []
+    for file, type_name in (("cycle/name.rs", "SequenceBifurcation"), ("continuation/mod.rs", "Special")):
+        source = (folder / file).read_text(encoding="utf-8")
+        body = source.split(f"Display for {type_name} ")[1].split("\n}\n")[0]
+        names += re.findall(r'"([\w -]+)"', body)
+    assert len(names) > 11
+    assert not [name for name in names if f"| `{name}` |" not in page("bifurcations.md")]
