@@ -2,7 +2,7 @@
 CARGO ?= cargo
 FIGURES := fig04 fig06 fig07 fig08 fig10 fig11 fig12 locator
 
-.PHONY: help figures report test golden readings diagrams cluster-test bench bench-peers bench-basins bench-spectra wheel python-test dist check clean $(FIGURES)
+.PHONY: help figures report test golden readings diagrams cluster-test bench bench-peers bench-basins bench-spectra wheel python-test docs dist check clean $(FIGURES)
 .DEFAULT_GOAL := help
 
 help: ## Show the targets
@@ -127,6 +127,27 @@ python-test: wheel ## Install the wheel into an empty environment and run its te
 	$(PYTHON_VENV)/bin/python -c 'import stickslip'
 	$(PYTHON_VENV)/bin/python -m pip install --quiet --disable-pip-version-check "$$(echo dist/*.whl)[test]"
 	STICKSLIP=$(STICKSLIP) $(PYTHON_VENV)/bin/python -m pytest -q python/tests
+
+# Code blocks run on the wheel and the program, and write the pictures that the pages show. The
+# documentation of the crates and the report stand beside the pages. Of the crates only the libraries
+# are documented, since the program has the name of one. Examples run anew each time: what they use
+# may have changed.
+DOCS_VENV := target/docs-venv
+DOCS := target/docs/html
+
+docs: wheel ## The site: target/docs/html/index.html, every code block run; needs Python 3.11 or later
+	$(CARGO) build --locked -p stickslip-cli
+	test -x $(DOCS_VENV)/bin/python || $(PYTHON) -m venv $(DOCS_VENV)
+	$(DOCS_VENV)/bin/python -m pip install --quiet --disable-pip-version-check -r docs/requirements.txt
+	$(DOCS_VENV)/bin/python -m pip install --quiet --disable-pip-version-check --force-reinstall --no-deps dist/*.whl
+	STICKSLIP=$(STICKSLIP) $(DOCS_VENV)/bin/python -m pytest -q -p no:cacheprovider docs
+	rm -rf $(DOCS) docs/_gallery docs/reference/_api
+	STICKSLIP=$(STICKSLIP) $(DOCS_VENV)/bin/python -m sphinx -W --keep-going -q -d target/docs/doctrees docs $(DOCS)
+	rm -rf "$$(dirname $(STICKSLIP))/../doc"
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps --lib
+	cp -r "$$(dirname $(STICKSLIP))/../doc" $(DOCS)/rust
+	mkdir $(DOCS)/report && cp report/index.html $(DOCS)/report/
+	$(DOCS_VENV)/bin/python docs/check_links.py $(DOCS)
 
 # What a release consists of: the library's package, the wheel, and the program for this machine.
 VERSION := $(shell sed -n '/workspace.package/,/^$$/s/^version = "\(.*\)"/\1/p' Cargo.toml)
