@@ -2,9 +2,9 @@
 
 use serde_json::{Value, json};
 use stickslip_kernels::file::System;
-use stickslip_kernels::kernel::Change;
+use stickslip_kernels::kernel::{Change, sequence};
 
-use crate::render::{contact_name, sequence};
+use crate::render::contact_name;
 
 /// Where a change is.
 pub(super) fn parameter(change: &Change) -> Option<f64> {
@@ -46,9 +46,9 @@ pub(super) fn phases(change: &Change) -> Option<[String; 2]> {
     }
 }
 
-/// As [`name`], with the contacts where there are several.
+/// As [`Change::name`], with the contacts where there are several.
 pub(super) fn words(system: &System, change: &Change) -> String {
-    let mut words = name(change);
+    let mut words = change.name();
     let contacts = contacts(system, change);
     if !contacts.is_empty() && system.contacts() > 1 {
         words = format!("{words} of {contacts}");
@@ -84,20 +84,4 @@ pub(super) fn json(system: &System, change: &Change) -> Value {
         }
     }
     json
-}
-
-/// What a change of an attractor is called.
-pub(super) fn name(change: &Change) -> String {
-    match change {
-        Change::Sequence { name, .. } if name == "unnamed" => {
-            "a change of the phases that has no name".to_owned()
-        }
-        Change::Sequence { name, .. } | Change::Multiplier { name, .. } => name.clone(),
-        Change::Equilibrium { frequency, .. } if *frequency > 0.0 => {
-            "Hopf bifurcation of the equilibrium".to_owned()
-        }
-        Change::Equilibrium { .. } => "zero eigenvalue of the equilibrium".to_owned(),
-        Change::BoundaryEquilibrium { .. } => "boundary-equilibrium bifurcation".to_owned(),
-        Change::Unlocated => "not located".to_owned(),
-    }
 }

@@ -7,11 +7,11 @@ use super::recording::Recording;
 use super::search::SearchArguments;
 use super::trajectory;
 use crate::failure::Failure;
-use crate::render::{Answer, Report, Table, by_state, sequence};
+use crate::render::{Answer, Report, Table, by_state};
 use stickslip::analysis::{Stability, multipliers};
 use stickslip::dynamics::{Modes, Phase, Section};
 use stickslip::error::readable;
-use stickslip_kernels::kernel::{Run, follow};
+use stickslip_kernels::kernel::{Run, follow, sequence};
 
 /// Find a periodic orbit: from a run, refined by shooting; period, multipliers, sequence of phases
 ///

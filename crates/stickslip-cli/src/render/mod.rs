@@ -13,9 +13,7 @@ use serde_json::{Map, Value as Json, json};
 use stickslip_kernels::file::System;
 
 pub(crate) use table::Table;
-pub(crate) use words::{
-    by_state, contact_name, known, letters, place, rounded, sequence, state_words, within,
-};
+pub(crate) use words::{by_state, contact_name, known, place, rounded, state_words, within};
 
 /// What a command prints at its end.
 pub(crate) struct Answer {

@@ -9,7 +9,8 @@ use stickslip::{Mode, Side};
 use stickslip_kernels::file::System;
 
 use super::OutputError;
-use super::words::{exact, letters};
+use super::words::exact;
+use stickslip_kernels::kernel::letters;
 
 /// A value in a row of a table.
 pub(crate) enum Value {

@@ -2,8 +2,7 @@
 
 use serde::Serialize;
 use serde_json::{Value as Json, json};
-use stickslip::dynamics::Modes;
-use stickslip::{Mode, Side, math};
+use stickslip::math;
 use stickslip_kernels::file::System;
 
 /// A number that reads back to the last bit.
@@ -80,24 +79,4 @@ pub(crate) fn by_state(system: &System, of_each: &[impl Serialize]) -> Json {
     let states = system.file.states.iter().zip(of_each);
     let map = states.map(|(state, value)| (state.name.clone(), json!(value)));
     Json::Object(map.collect())
-}
-
-/// The modes of a phase in a few letters, of several contacts separated by `|`: `+` and `-` for
-/// slip above and below, `S` for stick; `·` without a contact.
-pub(crate) fn letters(modes: &Modes) -> String {
-    if modes.is_empty() {
-        return "·".to_owned();
-    }
-    let letters = modes.iter().map(|mode| match mode {
-        Mode::Stick => "S",
-        Mode::Slip(Side::Above) => "+",
-        Mode::Slip(Side::Below) => "-",
-    });
-    letters.collect::<Vec<_>>().join("|")
-}
-
-/// The modes gone through, in letters.
-pub(crate) fn sequence(modes: &[Modes]) -> String {
-    let signs: Vec<String> = modes.iter().map(letters).collect();
-    signs.join(" ")
 }

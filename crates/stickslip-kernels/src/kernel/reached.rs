@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use stickslip::analysis::{Attractors, Kind, Reached};
 use stickslip::dynamics::{Modes, Moment, Phase, Vector};
-use stickslip::{Error, TransitionKind};
+use stickslip::{Error, Mode, Side, TransitionKind};
 
 /// What kind of motion an orbit has come to: as [`stickslip::analysis::Kind`], which says more of each.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -58,6 +58,12 @@ impl Motion {
             Motion::Recurrent => Some(Kind::Recurrent),
             _ => None,
         }
+    }
+
+    /// Whether it is an attractor, and not an orbit that has come to none: that escapes, ends,
+    /// fails, or is undecided.
+    pub fn is_attractor(&self) -> bool {
+        self.kind().is_some()
     }
 
     /// A word for tables.
@@ -177,6 +183,38 @@ impl Outcome {
         }
     }
 
+    /// The phases of a period, the same text wherever in the cycle they were found to begin, or the
+    /// modes of a rest, in letters; of other motions, whose phases are only the last ones, nothing.
+    pub fn phases_in_letters(&self) -> String {
+        match self.motion {
+            Motion::Periodic { .. } => self.cycle(),
+            Motion::Equilibrium | Motion::EquilibriumSet => letters(&self.modes),
+            _ => String::new(),
+        }
+    }
+
+    fn cycle(&self) -> String {
+        let phases: Vec<String> = self.sequence().iter().map(letters).collect();
+        let turned = |by: usize| {
+            let (end, begin) = phases.split_at(by);
+            [begin, end].concat().join(" ")
+        };
+        let all = (0..phases.len()).map(turned);
+        all.min().unwrap_or_default()
+    }
+
+    /// The kind of motion, of a periodic orbit with the cycle of its phases.
+    pub fn class(&self) -> String {
+        let word = self.motion.word();
+        match self.motion {
+            Motion::Periodic { .. } => match self.cycle() {
+                phases if phases.trim().is_empty() => word.to_owned(),
+                phases => format!("{word}, {phases}"),
+            },
+            _ => word.to_owned(),
+        }
+    }
+
     /// Dimension of the family of periodic orbits that it is one of.
     pub fn family(&self, known: &Attractors<'_>) -> usize {
         let kind = self.motion.kind();
@@ -218,4 +256,24 @@ impl Outcome {
             _ => false,
         }
     }
+}
+
+/// The modes of a phase in a few letters, of several contacts separated by `|`: `+` and `-` for
+/// slip above and below, `S` for stick; `·` without a contact.
+pub fn letters(modes: &Modes) -> String {
+    if modes.is_empty() {
+        return "·".to_owned();
+    }
+    let letters = modes.iter().map(|mode| match mode {
+        Mode::Stick => "S",
+        Mode::Slip(Side::Above) => "+",
+        Mode::Slip(Side::Below) => "-",
+    });
+    letters.collect::<Vec<_>>().join("|")
+}
+
+/// The modes gone through, in letters.
+pub fn sequence(modes: &[Modes]) -> String {
+    let signs: Vec<String> = modes.iter().map(letters).collect();
+    signs.join(" ")
 }

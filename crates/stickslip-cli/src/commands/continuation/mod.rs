@@ -10,7 +10,7 @@ use std::num::NonZeroUsize;
 use serde_json::{Value, json};
 use stickslip::analysis::{ContinuationSettings, Special, SpecialPoint, Stop};
 use stickslip_kernels::file::System;
-use stickslip_kernels::kernel::Change;
+use stickslip_kernels::kernel::{Change, sequence};
 
 use super::arguments::{Ready, RunArguments, count};
 use super::attractors::family_words;
@@ -18,7 +18,7 @@ use super::changes;
 use super::range::ParameterRange;
 use super::search::SearchArguments;
 use crate::failure::{Failure, in_words};
-use crate::render::{Answer, Report, Table, place, rounded, sequence, within};
+use crate::render::{Answer, Report, Table, place, rounded, within};
 use crate::terminal::patiently;
 use branch::{Begin, Branch, Other, Point};
 
@@ -250,7 +250,7 @@ fn change(at: &SpecialPoint) -> Option<Change> {
 
 /// What a special orbit is called.
 fn what(at: &SpecialPoint) -> String {
-    change(at).map_or_else(|| at.what.to_string(), |change| changes::name(&change))
+    change(at).map_or_else(|| at.what.to_string(), |change| change.name())
 }
 
 /// A special orbit in words.
