@@ -8,6 +8,7 @@ __all__ = [
     "Dense",
     "System",
     "__version__",
+    "_unwind",
     "basins",
     "bifurcation_diagram",
     "continuation",

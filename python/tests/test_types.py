@@ -24,20 +24,27 @@ print(basins.shares, float(sol.t[-1]), orbit.period, np.asarray(sol.y).shape, so
 """
 
 
-def test_types_are_those_that_the_package_says(tmp_path):
-    sample = tmp_path / "sample.py"
-    sample.write_text(SAMPLE, encoding="utf-8")
-    run = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", str(tmp_path), str(sample)]
-    done = subprocess.run(run, capture_output=True, text=True, cwd=tmp_path)
+@pytest.fixture(scope="module")
+def checked(tmp_path_factory):
+    """A strict check of a program; what is read of NumPy is kept from one to the next."""
+    folder = tmp_path_factory.mktemp("mypy")
+
+    def check(text):
+        sample = folder / "sample.py"
+        sample.write_text(text, encoding="utf-8")
+        run = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", "cache", "sample.py"]
+        return subprocess.run(run, capture_output=True, text=True, cwd=folder)
+
+    return check
+
+
+def test_types_are_those_that_the_package_says(checked):
+    done = checked(SAMPLE)
     assert done.returncode == 0, done.stdout
 
 
-def test_an_option_that_is_none_is_refused_by_the_checker(tmp_path):
-    sample = tmp_path / "sample.py"
-    wrong = SAMPLE.replace("rtol=1e-9", "rtoll=1e-9")
-    sample.write_text(wrong, encoding="utf-8")
-    run = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", str(tmp_path), str(sample)]
-    done = subprocess.run(run, capture_output=True, text=True, cwd=tmp_path)
+def test_an_option_that_is_none_is_refused_by_the_checker(checked):
+    done = checked(SAMPLE.replace("rtol=1e-9", "rtoll=1e-9"))
     assert done.returncode == 1 and "rtoll" in done.stdout
 
 
