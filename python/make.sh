@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Makes the wheel, and tests it as its users install it:
 #
-#     python/make.sh wheel [PROFILE]    dist/*.whl by the profile of Cargo.toml, release unless given
-#     python/make.sh test [PROFILE]     the same by the profile dev unless given, and python/tests on it
+#     python/make.sh wheel [PROFILE]    dist/*.whl; PROFILE of Cargo.toml, release unless given
+#     python/make.sh test [PROFILE]     the same, dev unless given, and python/tests on it
 #
 # Exit code 75: nothing was tested, for the package index cannot be reached. What was installed once
 # is kept in target/, so that later runs need no network.
@@ -23,7 +23,8 @@ pip() {
     shift
     mkdir -p target
     "$venv/bin/python" -m pip --disable-pip-version-check "$@" >"$log" 2>&1 && return
-    if grep -q 'connection broken by\|No matching distribution found for pip' "$log"; then
+    # Of what is asked for here an index that can be reached has versions.
+    if grep -q 'connection broken by\|from versions: none' "$log"; then
         echo "not tested: the Python package index cannot be reached; try again with a network" >&2
         exit 75
     fi
@@ -52,7 +53,8 @@ wheel() {
 extra() {
     "$python" -c 'import sys, tomllib
 project = tomllib.load(open("pyproject.toml", "rb"))["project"]
-print("\n".join(project["dependencies"] + project["optional-dependencies"].get(sys.argv[1], [])))' "$1"
+extra = project["optional-dependencies"][sys.argv[1]]
+print("\n".join(project["dependencies"] + extra))' "$1"
 }
 
 test_wheel() {
@@ -75,7 +77,9 @@ test_wheel() {
     readarray -t wanted < <(extra test)
     environment "$tests" "${wanted[@]}"
     pip "$tests" install --no-index --no-deps --force-reinstall dist/*.whl
-    STICKSLIP="$folder/debug/stickslip" "$tests/bin/python" -m pytest -q python/tests ${PYTEST_ARGS:-}
+    export STICKSLIP="$folder/debug/stickslip"
+    # shellcheck disable=SC2086 # Arguments, of which there may be several.
+    "$tests/bin/python" -m pytest -q python/tests ${PYTEST_ARGS:-}
 }
 
 case "${1:-}" in

@@ -1,7 +1,8 @@
-"""Which of 200 x 200 starts of a friction oscillator lead to its fixed point, and which to its stick-slip cycle.
+"""Which of 200 x 200 starts of a friction oscillator lead to its fixed point, not to its cycle.
 
-x'' = -x - D x' - sgn(w) (0.5 + 0.5 exp(-2 |w|)), w = x' - VD. The peers' user knows the system: an orbit that sticks
-twice is on the cycle, for stick forgets all; one within NEAR of the fixed point, which attracts there, has come to it.
+x'' = -x - D x' - sgn(w) (0.5 + 0.5 exp(-2 |w|)), w = x' - VD. The peers' user knows the system:
+an orbit that sticks twice is on the stick-slip cycle, for stick forgets all. One within NEAR of the
+fixed point, which attracts there, has come to it.
 """
 
 import heyoka as hy
@@ -58,7 +59,14 @@ def with_scipy(tol):
             meets.direction = -side
             field, events = (slip, [meets, rests]) if side else (stick, [released])
             sol = solve_ivp(
-                field, (t, LATEST), y, method="DOP853", rtol=tol, atol=tol, events=events, args=(side,)
+                field,
+                (t, LATEST),
+                y,
+                method="DOP853",
+                rtol=tol,
+                atol=tol,
+                events=events,
+                args=(side,),
             )
             if sol.status == 0 or len(sol.t_events) == 2 and len(sol.t_events[1]):
                 return sol.status == 1

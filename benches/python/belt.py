@@ -1,6 +1,7 @@
 """A block on a belt, held by a double-well spring: the times of its transitions.
 
-x'' = x - x^3 - T(x' - VP) with friction T(w) = sgn(w) MU0/(1 + |w|). The reference is data/references/belt_periodic.csv.
+x'' = x - x^3 - T(x' - VP) with friction T(w) = sgn(w) MU0/(1 + |w|). The reference is
+data/references/belt_periodic.csv.
 """
 
 import csv
@@ -51,7 +52,14 @@ def with_scipy(tol):
             meets.direction = -side
             field, event = (slip, meets) if side else (stick, released)
             sol = solve_ivp(
-                field, (t, T_END), y, method="DOP853", rtol=tol, atol=tol, events=event, args=(side,)
+                field,
+                (t, T_END),
+                y,
+                method="DOP853",
+                rtol=tol,
+                atol=tol,
+                events=event,
+                args=(side,),
             )
             if sol.status == 0:
                 return np.array(times)

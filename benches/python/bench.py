@@ -1,11 +1,13 @@
-"""This package beside its peers from Python, in one process: error, time of the processor, lines that the user writes.
+"""This package beside its peers from Python, in one process: error, time, lines of the user.
 
     python bench.py TABLE [--rounds N] [PROBLEM ...]
 
-Each problem is a module with a function `with_TOOL(tol)` for each tool, of one shape: it states the problem and returns a
-function that solves it. Times are those of one thread, least of so many rounds, in which the tools take turns; what it
-takes to state the problem and to compile it is told apart. The time at equal error is read between the tolerances, at
-the target or at the tool's least error. SciPy does a sample of the starts of the basin, and its time is scaled.
+Each problem is a module with a function `with_TOOL(tol)` for each tool, of one shape: it states
+the problem and returns a function that solves it. Times are those of the processor on one thread,
+least of so many rounds, in which the tools take turns. What it takes to state the problem and to
+compile it has a column of its own. The time at equal error is read between the tolerances, at the
+target or at the tool's least error. SciPy does a sample of the starts of the basin, and its time is
+scaled.
 """
 
 import argparse
@@ -52,7 +54,10 @@ def error(found, wanted):
 
 
 def at_error(curve, target):
-    """The time at an error, by a line through the logarithms, and the error: the least where the target is not reached."""
+    """The time at an error, by a line through the logarithms, and that error.
+
+    Where the target is not reached, it is the least error of the tool.
+    """
     curve = sorted((wrong, seconds) for wrong, seconds in curve if 0 < wrong < np.inf)
     if not curve:
         return np.nan, np.nan
@@ -122,7 +127,9 @@ def compared(rows):
             equal = {tool: (some[0][4], some[0][5]) for tool, some in of.items() if some}
         else:
             curves = {tool: [(row[5], row[4]) for row in some] for tool, some in of.items()}
-            equal = {tool: at_error(curve, TARGETS[name]) for tool, curve in curves.items() if curve}
+            equal = {
+                tool: at_error(curve, TARGETS[name]) for tool, curve in curves.items() if curve
+            }
         for tool, (seconds, wrong) in equal.items():
             ratio = seconds / equal["stickslip"][0]
             print(
@@ -134,14 +141,17 @@ def compared(rows):
 
 
 HEADING = (
-    "problem tool rtol seconds_to_state seconds error lines seconds_at_equal_error that_error over_stickslip"
+    "problem tool rtol seconds_to_state seconds error lines "
+    "seconds_at_equal_error that_error over_stickslip"
 )
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("table")
-    parser.add_argument("problems", nargs="*", default=["belt", "impact", "buck", "diagram", "basin"])
+    parser.add_argument(
+        "problems", nargs="*", default=["belt", "impact", "buck", "diagram", "basin"]
+    )
     parser.add_argument("--rounds", type=int, default=7)
     wanted = parser.parse_args()
     rows = []

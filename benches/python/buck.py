@@ -1,7 +1,8 @@
-"""A buck converter whose voltage is controlled by pulse width: voltage and current after 100 periods of its clock.
+"""A buck converter with pulse-width control: voltage and current after 100 periods of its clock.
 
-C v' = i - v/R, L i' = -v + E where the control GAIN (v - VREF) is below the ramp, -v where it is above. The ramp rises
-from LOW to HIGH in each period. Times are in milliseconds. Between switchings there is a closed form.
+C v' = i - v/R, L i' = -v + E where the control GAIN (v - VREF) is below the ramp, -v where it is
+above. The ramp rises from LOW to HIGH in each period. Times are in milliseconds. Between switchings
+there is a closed form.
 """
 
 import heyoka as hy

@@ -1,8 +1,8 @@
-"""A bifurcation diagram of the impact oscillator over the frequency of its drive: the least and the greatest place at the
-flashes of a strobe, at each of 101 values, the state carried on from one to the next.
+"""A bifurcation diagram of the impact oscillator over the frequency of its drive.
 
-The package finds the attractor by itself. The peers' user lets TRANSIENT periods pass, which is as many as it takes for
-errors as small, and looks at the next two.
+At each of 101 values, the state carried on from one to the next, the least and the greatest place
+at the flashes of a strobe. The package finds the attractor by itself. The peers' user lets
+TRANSIENT periods pass, as many as errors as small take, and looks at the next two.
 """
 
 import heyoka as hy

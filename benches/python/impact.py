@@ -1,6 +1,7 @@
 """A driven oscillator that hits a wall: the times of its impacts.
 
-x'' + D x' + x = cos(W t) for x < WALL; an impact turns the speed v into -R v. Between impacts there is a closed form.
+x'' + D x' + x = cos(W t) for x < WALL; an impact turns the speed v into -R v. Between impacts there
+is a closed form.
 """
 
 import heyoka as hy

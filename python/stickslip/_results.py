@@ -427,7 +427,7 @@ class ParameterMap(_Result):
     x, y : ndarray, shapes (m,) and (k,)
         Values of the two parameters.
     kind : ndarray of str, shape (k, m)
-        The kind of motion in each cell, as in `BifurcationDiagram`; empty of a cell that Ctrl-C left
+        The kind of motion in each cell, as in `BifurcationDiagram`; empty where Ctrl-C left a cell
         out.
     period : ndarray, shape (k, m)
         Period of a periodic one, else NaN.

@@ -407,7 +407,7 @@ def solve_ivp(
     ValueError, TypeError
         For an argument that cannot be, by its name.
     StickslipError
-        If the run fails at its start. If it fails later, it warns and returns the orbit up to there.
+        If the run fails at its start. If it fails later, it warns and returns the orbit until then.
     Interrupted
         On Ctrl-C; `partial` is the orbit up to there.
 

@@ -146,9 +146,7 @@ def test_a_diagram_and_its_changes_are_those_of_the_program(tmp_path):
     # As the program makes them.
     values = [0.127 + (0.130 - 0.127) * (k / 3) for k in range(4)]
     forced = ss.System.from_toml("forced")
-    found = ss.bifurcation_diagram(
-        forced, "mu0", values, [-0.269, -1.52], longest=500, duration=20
-    )
+    found = ss.bifurcation_diagram(forced, "mu0", values, [-0.269, -1.52], longest=500, duration=20)
     table = np.genfromtxt(tmp_path / "changes.csv", delimiter=",", names=True, dtype=None)
     up = np.atleast_1d(table)
     up = up[up["way"] == "up"]

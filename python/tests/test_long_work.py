@@ -37,8 +37,8 @@ def test_processes_do_not_hang(method):
 LONG = """
 import signal, threading, time, numpy as np, stickslip as ss
 x, y = ss.states("x y")
-p = ss.parameter("p", 1.0)
-system = ss.System({x: y, y: -p * x * x * x + 0.01 * np.cos(ss.t)}, period=2 * np.pi)
+p, q = ss.parameters(p=1.0, q=1.0)
+system = ss.System({x: y, y: -p * x * x * x + 0.01 * q * np.cos(ss.t)}, period=2 * np.pi)
 ring = ss.System({x: x * (p - x * x - y * y) - y, y: y * (p - x * x - y * y) + x})
 sent = []
 def interrupt():
@@ -55,25 +55,37 @@ except KeyboardInterrupt as stop:
     print(CHECK)
 """
 
-STARTS = "np.random.default_rng(1).uniform(-1, 1, (500, 2))"
-PLANE = "(p, np.linspace(1, 2, 30)), ('p2', [1.0, 2.0])"
+ENDLESS = "(0, 1e9), [1, 0]"
+LONG_WORK = [
+    (f"ss.solve_ivp(system, {ENDLESS}, t_eval=[1.0])", "part.t[0] == 1 and part.status == -1"),
+    (
+        f"ss.solve_ivp(system, {ENDLESS}, t_eval=[], events=[x - 9, y - 9])",
+        "part.y_events[1].shape == (0, 2)",
+    ),
+    (f"ss.solve_ivp(system, {ENDLESS}, dense_output=True)", "part.sol.t_max == part.t[-1] > 10"),
+    ("ss.lyapunov_spectrum(system, [1, 0], duration=1e8)", "part is None"),
+    ("ss.periodic_orbit(system, [1, 0], transient=1e8)", "part is None"),
+    (
+        "ss.basins_of_attraction(system, np.linspace(-1, 1, 1000).reshape(500, 2), longest=1e7)",
+        "(part.reached == -1).any() and part.reached.shape == (500,)",
+    ),
+    (
+        "ss.bifurcation_diagram(system, p, np.linspace(1, 2, 10**6), [1, 0], longest=20.0)",
+        "0 < len(part.parameter) == len(part.points)",
+    ),
+    ("ss.poincare_map(system, y, [1, 0], returns=10**9)", "len(part.t) > 10"),
+    (
+        "ss.continuation(ring, p, (0.5, 2), [1, 0], transient=10, step=1e-5, most_points=10**6)",
+        "len(part.parameter) > 1",
+    ),
+    (
+        "ss.parameter_map(system, (p, np.linspace(1, 2, 30)), ('q', [1, 2]), [1, 0], longest=1e7)",
+        "(part.kind == '').any() and part.kind.shape == (2, 30)",
+    ),
+]
 
 
-@pytest.mark.parametrize(
-    ("work", "check"),
-    [
-        ("ss.solve_ivp(system, (0, 1e9), [1, 0], t_eval=[1.0])", "part.t[0] == 1 and part.status == -1"),
-        ("ss.solve_ivp(system, (0, 1e9), [1, 0], t_eval=[], events=[x - 9, y - 9])", "part.y_events[1].shape == (0, 2)"),
-        ("ss.solve_ivp(system, (0, 1e9), [1, 0], dense_output=True)", "part.sol.t_max == part.t[-1] > 10"),
-        ("ss.lyapunov_spectrum(system, [1, 0], duration=1e8)", "part is None"),
-        ("ss.periodic_orbit(system, [1, 0], transient=1e8)", "part is None"),
-        (f"ss.basins_of_attraction(system, {STARTS}, longest=1e7)", "(part.reached == -1).any() and part.reached.shape == (500,)"),
-        ("ss.bifurcation_diagram(system, p, np.linspace(1, 2, 10**6), [1, 0], longest=20.0)", "0 < len(part.parameter) == len(part.points)"),
-        ("ss.poincare_map(system, y, [1, 0], returns=10**9)", "len(part.t) > 10"),
-        ("ss.continuation(ring, p, (0.5, 2), [1, 0], transient=10, step=1e-5, most_points=10**6)", "len(part.parameter) > 1"),
-        ("ss.parameter_map(ss.System({x: y, y: -p * x * x * x + 0.01 * np.cos(ss.parameter('p2', 1.0) * 0 + ss.t)}, period=2 * np.pi), (p, np.linspace(1, 2, 30)), ('p2', [1.0, 2.0]), [1, 0], longest=1e7)", "(part.kind == '').any() and part.kind.shape == (2, 30)"),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("work", "check"), LONG_WORK)
 def test_ctrl_c_ends_work_soon_and_keeps_what_was_found(work, check):
     run = [sys.executable, "-c", LONG.replace("WORK", work).replace("CHECK", check)]
     done = subprocess.run(run, capture_output=True, text=True, timeout=60)

@@ -10,7 +10,6 @@ import pytest
 import stickslip as ss
 
 
-
 matplotlib.use("Agg")
 
 

@@ -50,9 +50,7 @@ def test_bits_are_those_of_the_program(name, tmp_path):
 
 def test_shapes_and_types_are_those_of_scipy():
     x, times = ss.state("x"), np.linspace(0, 5, 11)
-    ours = ss.solve_ivp(
-        oscillator(), (0, 5), t_eval=times, dense_output=True, events=[x, x - 9]
-    )
+    ours = ss.solve_ivp(oscillator(), (0, 5), t_eval=times, dense_output=True, events=[x, x - 9])
     theirs = of_scipy(
         lambda t, y: [y[1], -y[0]], (0, 5), [1, 0], t_eval=times, dense_output=True,
         events=[lambda t, y: y[0], lambda t, y: y[0] - 9], rtol=1e-10, atol=1e-10,

@@ -137,7 +137,9 @@ def test_a_text_comes_back_as_it_is():
     assert again.parameters == {"k": 1.0, "mu0": 0.4, "vp": 0.2}
 
 
-@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda s: pickle.loads(pickle.dumps(s))])
+@pytest.mark.parametrize(
+    "copied", [copy.copy, copy.deepcopy, lambda s: pickle.loads(pickle.dumps(s))]
+)
 def test_systems_and_symbols_are_copied(copied):
     system = belt_system(mu0=0.3)
     again = copied(system)
