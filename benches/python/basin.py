@@ -34,6 +34,8 @@ def with_stickslip(tol):
 
 
 def with_scipy(tol):
+    options = {"method": "DOP853", "rtol": tol, "atol": tol}
+
     def slip(t, y, side):
         friction = side * (0.5 + 0.5 * np.exp(-2 * side * (y[1] - VD)))
         return [y[1], -y[0] - D * y[1] - friction]
@@ -58,16 +60,7 @@ def with_scipy(tol):
         while True:
             meets.direction = -side
             field, events = (slip, [meets, rests]) if side else (stick, [released])
-            sol = solve_ivp(
-                field,
-                (t, LATEST),
-                y,
-                method="DOP853",
-                rtol=tol,
-                atol=tol,
-                events=events,
-                args=(side,),
-            )
+            sol = solve_ivp(field, (t, LATEST), y, events=events, args=(side,), **options)
             if sol.status == 0 or len(sol.t_events) == 2 and len(sol.t_events[1]):
                 return sol.status == 1
             t, y = sol.t[-1], [sol.y[0, -1], VD]

@@ -30,6 +30,8 @@ def with_stickslip(tol):
 
 
 def with_scipy(tol):
+    options = {"method": "DOP853", "rtol": tol, "atol": tol}
+
     def slip(t, y, side):
         return [y[1], y[0] - y[0] ** 3 - side * MU0 / (1 + side * (y[1] - VP))]
 
@@ -51,16 +53,7 @@ def with_scipy(tol):
             # The direction keeps the start from being an event.
             meets.direction = -side
             field, event = (slip, meets) if side else (stick, released)
-            sol = solve_ivp(
-                field,
-                (t, T_END),
-                y,
-                method="DOP853",
-                rtol=tol,
-                atol=tol,
-                events=event,
-                args=(side,),
-            )
+            sol = solve_ivp(field, (t, T_END), y, events=event, args=(side,), **options)
             if sol.status == 0:
                 return np.array(times)
             t, y = sol.t[-1], [sol.y[0, -1], VP]

@@ -33,6 +33,8 @@ def with_stickslip(tol):
 
 
 def with_scipy(tol):
+    options = {"method": "DOP853", "rtol": tol, "atol": tol}
+
     def field(t, y, clock, on):
         return [(y[1] - y[0] / R) / C, (E * on - y[0]) / L]
 
@@ -49,10 +51,7 @@ def with_scipy(tol):
             while t < end:
                 # The direction keeps the last switching from being found again.
                 comparator.direction = 1 if on else -1
-                sol = solve_ivp(
-                    field, (t, end), y, method="DOP853", rtol=tol, atol=tol, events=comparator,
-                    args=(clock, on),
-                )  # fmt: skip
+                sol = solve_ivp(field, (t, end), y, events=comparator, args=(clock, on), **options)
                 t, y, on = sol.t[-1], sol.y[:, -1], not on
         return y
 

@@ -30,6 +30,8 @@ def with_stickslip(tol):
 
 
 def with_scipy(tol):
+    options = {"method": "DOP853", "rtol": tol, "atol": tol}
+
     def field(t, y, w):
         return [y[1], np.cos(w * t) - D * y[1] - y[0]]
 
@@ -41,9 +43,7 @@ def with_scipy(tol):
     def period_later(y, w):
         t, end = 0.0, 2 * np.pi / w
         while True:
-            sol = solve_ivp(
-                field, (t, end), y, method="DOP853", rtol=tol, atol=tol, events=impact, args=(w,)
-            )
+            sol = solve_ivp(field, (t, end), y, events=impact, args=(w,), **options)
             if sol.status == 0:
                 return sol.y[:, -1]
             t, y = sol.t[-1], [WALL, -R * sol.y[1, -1]]

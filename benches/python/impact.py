@@ -27,6 +27,8 @@ def with_stickslip(tol):
 
 
 def with_scipy(tol):
+    options = {"method": "DOP853", "rtol": tol, "atol": tol}
+
     def field(t, y):
         return [y[1], np.cos(W * t) - D * y[1] - y[0]]
 
@@ -38,9 +40,7 @@ def with_scipy(tol):
     def run():
         t, y, times = 0.0, START, []
         while True:
-            sol = solve_ivp(
-                field, (t, T_END), y, method="DOP853", rtol=tol, atol=tol, events=impact
-            )
+            sol = solve_ivp(field, (t, T_END), y, events=impact, **options)
             if sol.status == 0:
                 return np.array(times)
             t, y = sol.t[-1], [WALL, -R * sol.y[1, -1]]

@@ -447,10 +447,6 @@ fn check(system: &Ready, longest: f64) -> PyResult<()> {
 
 /// The attractor at each of some values of a parameter, followed from one to the next.
 #[pyfunction]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "they are those of a call from Python"
-)]
 pub(crate) fn bifurcation_diagram<'py>(
     py: Python<'py>,
     system: &System,
@@ -601,10 +597,6 @@ impl Located {
 /// What the orbit from a start comes to, over a plane of two parameters, row by row. Cells that an
 /// interruption left out have the motion "".
 #[pyfunction]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "they are those of a call from Python"
-)]
 pub(crate) fn parameter_map<'py>(
     py: Python<'py>,
     system: &System,
