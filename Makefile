@@ -2,7 +2,7 @@
 CARGO ?= cargo
 FIGURES := fig04 fig06 fig07 fig08 fig10 fig11 fig12 locator
 
-.PHONY: help figures report test golden readings diagrams cluster-test bench bench-peers bench-basins bench-spectra wheel python-test docs dist check clean $(FIGURES)
+.PHONY: help figures report test golden readings diagrams cluster-test bench bench-peers bench-basins bench-spectra wheel python-test bench-python docs dist check clean $(FIGURES)
 .DEFAULT_GOAL := help
 
 help: ## Show the targets
@@ -108,25 +108,23 @@ bench-spectra: ## Exponents of ten series beside nolds and neurokit2, error and 
 	@$(PEERS_INSTALL) || { echo "Python 3.11 or later ($(PYTHON)) with venv, and a network to install $(PEERS_WANTED) from, are needed" >&2; exit 1; }
 	$(PEERS_VENV)/bin/python benches/peers/spectra.py $(subst /debug/,/release/,$(STICKSLIP)) $(SPECTRA_ARGS)
 
-# A wheel of the Python package, by a tool that is installed beside it. WHEEL_PROFILE=dev compiles faster.
-WHEEL_PROFILE ?= release
-WHEEL_VENV := target/wheel-venv
-PYTHON_VENV := target/python-venv
+# WHEEL_PROFILE=dev compiles faster; tests use it. Both need Python 3.11 or later and, the first time, a network.
+wheel: ## The Python package: dist/*.whl
+	PYTHON=$(PYTHON) CARGO=$(CARGO) python/make.sh wheel $(WHEEL_PROFILE)
 
-wheel: ## The Python package: dist/*.whl; needs Python 3.11 or later and a network
-	test -x $(WHEEL_VENV)/bin/maturin || { $(PYTHON) -m venv --clear $(WHEEL_VENV) \
-	    && $(WHEEL_VENV)/bin/python -m pip install --quiet --disable-pip-version-check 'maturin>=1.7,<2'; }
-	rm -rf dist
-	$(WHEEL_VENV)/bin/maturin build --locked --profile $(WHEEL_PROFILE) --out dist
+python-test: ## Install the wheel into an empty environment and run its tests; python/make.sh says by 75 that there is no network
+	PYTHON=$(PYTHON) CARGO=$(CARGO) python/make.sh test $(WHEEL_PROFILE)
 
-# The tests run on the wheel in an environment of its own, beside the program, whose bits it must have.
-python-test: wheel ## Install the wheel into an empty environment and run its tests
-	$(CARGO) build --locked -p stickslip-cli
-	$(PYTHON) -m venv --clear $(PYTHON_VENV)
-	$(PYTHON_VENV)/bin/python -m pip install --quiet --disable-pip-version-check dist/*.whl
-	$(PYTHON_VENV)/bin/python -c 'import stickslip'
-	$(PYTHON_VENV)/bin/python -m pip install --quiet --disable-pip-version-check "$$(echo dist/*.whl)[test]"
-	STICKSLIP=$(STICKSLIP) $(PYTHON_VENV)/bin/python -m pytest -q python/tests
+# The peers get an environment of their own, as above. BENCH_ARGS="--rounds 1" makes a short run.
+PYTHON_BENCH_VENV := target/python-bench-venv
+BENCH_ARGS ?=
+
+bench-python: wheel ## The Python package beside SciPy with events and restarts by hand, heyoka and pydiffsol: report/python.csv
+	cmp -s benches/python/requirements.txt $(PYTHON_BENCH_VENV)/installed.txt || { $(PYTHON) -m venv --clear $(PYTHON_BENCH_VENV) \
+	    && $(PYTHON_BENCH_VENV)/bin/python -m pip install --quiet --disable-pip-version-check -r benches/python/requirements.txt \
+	    && cp benches/python/requirements.txt $(PYTHON_BENCH_VENV)/installed.txt; }
+	$(PYTHON_BENCH_VENV)/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --force-reinstall dist/*.whl
+	$(PYTHON_BENCH_VENV)/bin/python benches/python/bench.py report/python.csv $(BENCH_ARGS)
 
 # Code blocks run on the wheel and the program, and write the pictures that the pages show. The
 # documentation of the crates and the report stand beside the pages. Of the crates only the libraries

@@ -11,24 +11,35 @@
 """
 
 from ._analyses import (
-    Basins,
-    BifurcationDiagram,
-    Branch,
-    DataSpectrum,
-    LyapunovSpectrum,
-    PeriodicOrbit,
-    PoincareMap,
     basins_of_attraction,
     bifurcation_diagram,
     continuation,
     lyapunov_from_data,
     lyapunov_spectrum,
+    parameter_map,
     periodic_orbit,
     poincare_map,
 )
 from ._core import __version__
-from ._errors import InternalError, SolverWarning, StickslipError, SystemError
-from ._run import DenseOutput, Event, Solution, event, solve_ivp
+from ._errors import (
+    InternalError,
+    Interrupted,
+    OptionError,
+    SolverWarning,
+    StickslipError,
+    SystemError,
+)
+from ._results import (
+    Basins,
+    BifurcationDiagram,
+    Branch,
+    DataSpectrum,
+    LyapunovSpectrum,
+    ParameterMap,
+    PeriodicOrbit,
+    PoincareMap,
+)
+from ._run import DenseOutput, Event, Options, Solution, event, solve_ivp
 from ._symbols import (
     Contact,
     DiscreteState,
@@ -65,9 +76,13 @@ __all__ = [
     "Expression",
     "Input",
     "InternalError",
+    "Interrupted",
     "Jump",
     "LyapunovSpectrum",
+    "OptionError",
+    "Options",
     "Parameter",
+    "ParameterMap",
     "PeriodicOrbit",
     "PoincareMap",
     "Solution",
@@ -86,6 +101,7 @@ __all__ = [
     "lyapunov_from_data",
     "lyapunov_spectrum",
     "parameter",
+    "parameter_map",
     "parameters",
     "periodic_orbit",
     "pi",

@@ -1,4 +1,4 @@
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, final
 
 import numpy as np
@@ -8,11 +8,13 @@ __all__ = [
     "Dense",
     "System",
     "__version__",
+    "_unwind",
     "basins",
     "bifurcation_diagram",
     "continuation",
     "lyapunov_from_data",
     "lyapunov_spectrum",
+    "parameter_map",
     "periodic_orbit",
     "poincare_map",
     "solve",
@@ -21,13 +23,18 @@ __all__ = [
 __version__: str
 
 _Start = tuple[float, Sequence[float]]
-_Search = tuple[float, float | None, float]
+_Search = tuple[float, float | None, float, int | None]
+_Along = tuple[str, Sequence[float]]
+_Settings = dict[str, Any]
+_Report = Callable[[float], None] | None
+_Found = dict[str, Any]
 
 @final
 class System:
     def __new__(cls, name: str, text: str, settings: Sequence[tuple[str, float]]) -> System: ...
     @staticmethod
     def text_of(path: str) -> str: ...
+    def with_section(self, function: str, direction: int) -> System: ...
     @property
     def name(self) -> str: ...
     @property
@@ -43,51 +50,66 @@ class System:
 
 @final
 class Dense:
-    @property
-    def t_max(self) -> float: ...
     def at(self, times: NDArray[np.float64]) -> NDArray[np.float64]: ...
 
+def _unwind() -> None: ...
 def solve(
     system: System,
     start: _Start,
-    t_end: float,
-    events: Sequence[tuple[str, int, int]],
+    until: tuple[float, float],
+    events: Sequence[tuple[System, int]],
     t_eval: NDArray[np.float64] | None,
     dense_output: bool,
-    settings: dict[str, Any],
-) -> dict[str, Any]: ...
+    settings: _Settings,
+    report: _Report,
+) -> _Found: ...
 def periodic_orbit(
-    system: System, start: _Start, search: _Search, settings: dict[str, Any]
-) -> dict[str, Any]: ...
+    system: System, start: _Start, search: _Search, settings: _Settings
+) -> _Found: ...
 def poincare_map(
     system: System,
     start: _Start,
-    section: tuple[str, int],
     how: tuple[int, float, bool],
-    settings: dict[str, Any],
-) -> dict[str, Any]: ...
+    settings: _Settings,
+    report: _Report,
+) -> _Found: ...
 def continuation(
     system: System,
     start: _Start,
     search: _Search,
     range: tuple[str, float, float],
     how: tuple[float, int],
-    settings: dict[str, Any],
-) -> dict[str, Any]: ...
+    settings: _Settings,
+    report: _Report,
+) -> _Found: ...
 def lyapunov_spectrum(
-    system: System, start: _Start, span: tuple[float, float], settings: dict[str, Any]
-) -> dict[str, Any]: ...
+    system: System,
+    start: _Start,
+    span: tuple[float, float],
+    settings: _Settings,
+    report: _Report,
+) -> _Found: ...
 def bifurcation_diagram(
     system: System,
-    x: Sequence[float],
-    along: tuple[str, Sequence[float]],
-    longest: float,
-    settings: dict[str, Any],
-) -> dict[str, Any]: ...
+    x: Sequence[float] | None,
+    along: _Along,
+    how: tuple[float, float | None, bool],
+    settings: _Settings,
+    report: _Report,
+) -> _Found: ...
+def parameter_map(
+    system: System,
+    x: Sequence[float] | None,
+    plane: tuple[_Along, _Along],
+    how: tuple[float, float | None, int],
+    settings: _Settings,
+    report: _Report,
+) -> _Found: ...
 def basins(
     system: System,
     starts: NDArray[np.float64],
     how: tuple[float, int],
-    settings: dict[str, Any],
-) -> dict[str, Any]: ...
-def lyapunov_from_data(series: NDArray[np.float64], dt: float) -> dict[str, Any]: ...
+    settings: _Settings,
+    report: _Report,
+) -> _Found: ...
+def lyapunov_from_data(series: NDArray[np.float64], dt: float) -> _Found: ...

@@ -3,19 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 
 class StickslipError(RuntimeError):
-    """A computation failed; `t` and `y` say where, as far as that is known."""
+    """A computation failed.
+
+    Attributes
+    ----------
+    message : str
+        What happened, with the values that explain it.
+    kind : str
+        Name of the failure, such as ``"Escaped"``, ``"NoUniqueFuture"``, ``"NotConverged"``.
+    t : float or None
+        Time of the failure, if it has one.
+    y : sequence of float or None
+        State there, if it has one.
+    """
 
     def __init__(
         self,
         message: str,
+        kind: str = "",
         t: float | None = None,
         y: Sequence[float] | None = None,
     ) -> None:
-        super().__init__(message, t, y)
+        super().__init__(message, kind, t, y)
         self.message = message
+        self.kind = kind
         self.t = t
         self.y = y
 
@@ -23,8 +38,64 @@ class StickslipError(RuntimeError):
         return self.message
 
 
+class OptionError(ValueError):
+    """A setting is out of bounds.
+
+    Attributes
+    ----------
+    message : str
+        What is wrong.
+    name : str
+        The setting.
+    value : float
+        Its value.
+    bound : str
+        What it must be.
+    """
+
+    def __init__(self, message: str, name: str, value: float, bound: str) -> None:
+        super().__init__(message, name, value, bound)
+        self.message = message
+        self.name = name
+        self.value = value
+        self.bound = bound
+
+    def __str__(self) -> str:
+        return self.message
+
+
 class SystemError(ValueError):
     """A system that cannot be used: the message shows the place in its text."""
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C ended a computation.
+
+    It is a `KeyboardInterrupt`, so that a script ends as with any other library. Who wants what was
+    found until then catches it.
+
+    Attributes
+    ----------
+    partial : result or None
+        The result as far as it was found, of the type that the function returns; None where a part
+        means nothing (`periodic_orbit`, `lyapunov_spectrum`, `lyapunov_from_data`).
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> try:  # doctest: +SKIP
+    ...     found = ss.basins_of_attraction(system, starts)
+    ... except ss.Interrupted as stop:
+    ...     found = stop.partial
+    """
+
+    def __init__(self, message: str = "interrupted", partial: Any = None) -> None:
+        super().__init__(message, partial)
+        self.message = message
+        self.partial = partial
+
+    def __str__(self) -> str:
+        return self.message
 
 
 class InternalError(RuntimeError):

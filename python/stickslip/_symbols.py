@@ -106,10 +106,7 @@ class Expression:
         if method != "__call__" or options:
             return NotImplemented
         if any(isinstance(one, np.ndarray) and one.ndim > 0 for one in inputs):
-            arrays = [
-                one if isinstance(one, np.ndarray) else _object(one)
-                for one in inputs
-            ]
+            arrays = [one if isinstance(one, np.ndarray) else _object(one) for one in inputs]
             return np.frompyfunc(
                 lambda *of: self.__array_ufunc__(ufunc, method, *of), len(inputs), 1
             )(*arrays)

@@ -47,6 +47,18 @@ class System:
     def _set(self, origin: str, text: str, settings: Mapping[str, float]) -> None:
         self._origin, self._text, self._settings = origin, text, dict(settings)
         self._core = _core.System(origin, text, list(settings.items()))
+        #: Contacts and jumps by their numbers in transitions.
+        self._jumping = [name for names in self._core.contacts_and_jumps for name in names]
+        self._sections: dict[tuple[str, int], _core.System] = {}
+
+    def _section(self, function: str, direction: int) -> _core.System:
+        """The same with a section, kept for further runs."""
+        key = (function, direction)
+        if key not in self._sections:
+            if len(self._sections) >= 64:
+                self._sections.clear()
+            self._sections[key] = self._core.with_section(*key)
+        return self._sections[key]
 
     @classmethod
     def _of(cls, origin: str, text: str, settings: Mapping[str, float]) -> System:
@@ -109,9 +121,13 @@ class System:
         return self._core.start[3]
 
     def __repr__(self) -> str:
-        states = ", ".join(self.states)
-        parameters = ", ".join(f"{name}={value:g}" for name, value in self.parameters.items())
-        return f"<System {self.name!r}: states {states}; {parameters or 'no parameters'}>"
+        def listed(names: list[str]) -> str:
+            few = names if len(names) <= 8 else [*names[:7], f"… ({len(names)})"]
+            return ", ".join(few)
+
+        states = listed(list(self.states))
+        values = listed([f"{name}={value:g}" for name, value in self.parameters.items()])
+        return f"<System {self.name!r}: states {states}; {values or 'no parameters'}>"
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, System):

@@ -1,8 +1,8 @@
-"""The analyses, against closed forms; Ctrl-C and processes that fork."""
+"""The analyses, against closed forms and the program's bits."""
 
-import multiprocessing
+import json
+import os
 import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -87,72 +87,6 @@ def test_exponents_of_a_series():
         ss.lyapunov_from_data([0.1, 0.2, 0.3, np.nan])
 
 
-def in_child(workers):
-    return basins(workers)[1].reached.tolist()
-
-
-@pytest.mark.parametrize("method", ["fork", "spawn"])
-def test_processes_do_not_hang(method):
-    wanted = in_child(2)
-    with multiprocessing.get_context(method).Pool(1) as pool:
-        assert pool.map_async(in_child, [2]).get(timeout=120) == [wanted]
-
-
-LONG = """
-import signal, threading, time, numpy as np, stickslip as ss
-x, y = ss.states("x y")
-system = ss.System({x: y, y: -x * x * x + 0.01 * np.cos(ss.t)}, period=2 * np.pi)
-sent = []
-def interrupt():
-    time.sleep(0.7)
-    sent.append(time.perf_counter())
-    signal.raise_signal(signal.SIGINT)
-threading.Thread(target=interrupt).start()
-try:
-    WORK
-    print("it ended by itself")
-except KeyboardInterrupt:
-    print(time.perf_counter() - sent[0])
-"""
-
-
-@pytest.mark.parametrize(
-    "work",
-    [
-        "ss.solve_ivp(system, (0, 1e9), [1, 0], t_eval=[1.0])",
-        "ss.solve_ivp(system, (0, 1e9), [1, 0], t_eval=[], events=[x - 9, y - 9])",
-        "ss.lyapunov_spectrum(system, [1, 0], duration=1e8)",
-        "ss.basins_of_attraction(system, np.random.rand(500, 2), longest=1e7)",
-    ],
-)
-def test_ctrl_c_ends_work_soon(work):
-    run = [sys.executable, "-c", LONG.replace("WORK", work)]
-    done = subprocess.run(run, capture_output=True, text=True, check=True, timeout=60)
-    assert float(done.stdout) < 0.2
-
-
-SAMPLE = """
-import numpy as np
-import stickslip as ss
-
-x, v = ss.states("x v")
-(vp,) = ss.parameters(vp=0.2)
-belt = ss.Contact("belt", boundary=v - vp)
-system = ss.System({x: v, v: -x - 0.4 * belt.side}, contacts=[belt])
-sol = ss.solve_ivp(system, (0, 5), [0.5, 0], events=[ss.event(v, direction=-1)])
-orbit: ss.PeriodicOrbit = ss.periodic_orbit(system, [0.5, 0.0])
-print(float(sol.t[-1]), orbit.period, np.asarray(sol.y).shape, sol.success)
-"""
-
-
-def test_types_are_those_that_the_package_says(tmp_path):
-    sample = tmp_path / "sample.py"
-    sample.write_text(SAMPLE, encoding="utf-8")
-    run = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", str(tmp_path), str(sample)]
-    done = subprocess.run(run, capture_output=True, text=True, cwd=tmp_path)
-    assert done.returncode == 0, done.stdout
-
-
 def test_a_branch_of_a_driven_system_has_the_period_of_its_drive():
     """A damped spring with a drive has one cycle, x = sin(t)/c at w = 1, at any damping c."""
     x, v = ss.states("x v")
@@ -175,3 +109,113 @@ def test_a_diagram_along_the_frequency_of_a_drive():
     # At whole periods the drive is at its largest.
     for points, wanted in zip(found.points, response):
         assert len(points) == 1 and points[0, 0] == pytest.approx(wanted.real, abs=1e-5)
+
+
+def program(*arguments):
+    path = os.environ.get("STICKSLIP")
+    if not path:
+        pytest.skip("STICKSLIP does not name the program; `make python-test` does")
+    done = subprocess.run([path, *arguments], capture_output=True, check=True)
+    return json.loads(done.stdout)
+
+
+FORCED = ["--start", "x=-0.269", "--start", "v=-1.52", "--json"]
+
+
+def test_a_map_is_that_of_the_program(tmp_path):
+    planes = {"--x": "mu0=0.122:0.134", "--y": "omega=3.76:3.86"}
+    given = [text for pair in planes.items() for text in pair]
+    settings = ["--grid", "3x2", "--until", "300", "--duration", "30", "--out", str(tmp_path)]
+    program("map", "forced", *given, *settings, *FORCED)
+    table = np.genfromtxt(tmp_path / "map.csv", delimiter=",", names=True, dtype=None)
+    middles = lambda low, high, cells: low + (high - low) * (np.arange(cells) + 0.5) / cells
+    x, y = ("mu0", middles(0.122, 0.134, 3)), ("omega", middles(3.76, 3.86, 2))
+    forced = ss.System.from_toml("forced")
+    found = ss.parameter_map(forced, x, y, [-0.269, -1.52], longest=300, duration=30)
+    assert found.kind.shape == (2, 3) and (found.kind == "periodic").any()
+    assert np.array_equal(found.kind.ravel(), table["motion"])
+    assert np.array_equal(found.exponent.ravel(), table["lambda1"], equal_nan=True)
+    assert np.array_equal(found.std_error.ravel(), table["std_error"], equal_nan=True)
+    again = ss.parameter_map(forced, x, y, [-0.269, -1.52], longest=300, duration=30, workers=1)
+    assert np.array_equal(found.exponent, again.exponent, equal_nan=True)
+
+
+def test_a_diagram_and_its_changes_are_those_of_the_program(tmp_path):
+    settings = ["--values", "4", "--until", "500", "--duration", "20", "--out", str(tmp_path)]
+    told = program("bifurcation", "forced", "--parameter", "mu0=0.127:0.130", *settings, *FORCED)
+    # As the program makes them.
+    values = [0.127 + (0.130 - 0.127) * (k / 3) for k in range(4)]
+    forced = ss.System.from_toml("forced")
+    found = ss.bifurcation_diagram(forced, "mu0", values, [-0.269, -1.52], longest=500, duration=20)
+    table = np.genfromtxt(tmp_path / "changes.csv", delimiter=",", names=True, dtype=None)
+    up = np.atleast_1d(table)
+    up = up[up["way"] == "up"]
+    assert len(up) == len(found.changes) == len(told["up"]["changes"]) > 0
+    assert np.array_equal(up["what"], found.changes["name"])
+    assert np.array_equal(up["mu0"], found.changes["parameter"], equal_nan=True)
+    rows = np.genfromtxt(tmp_path / "bifurcation.csv", delimiter=",", names=True, dtype=None)
+    firsts = rows[rows["way"] == "up"]
+    for value, exponent in zip(found.parameter, found.exponent):
+        assert exponent in firsts[firsts["mu0"] == value]["lambda1"]
+
+
+def test_a_change_is_located_where_it_is():
+    x = ss.state("x")
+    p = ss.parameter("p", 1.0)
+    found = ss.bifurcation_diagram(rings(), "p", [-0.5, -0.9, -1.3], [1.2, 0], longest=500)
+    assert found.kind[0] == "periodic" and found.kind[2].startswith("equilibrium")
+    fold = found.changes[found.changes["name"] == "fold"]
+    assert len(fold) == 1 and fold["parameter"][0] == pytest.approx(-1, abs=1e-6)
+    assert (fold["from_value"][0], fold["to_value"][0]) == (-0.9, -1.3)
+    none = ss.bifurcation_diagram(rings(), "p", [-0.9, -1.3], [1.2, 0], longest=500, locate=False)
+    assert len(none.changes) == 0
+    stiff = ss.System({x: -p * x + 1}, start={x: 1 / p})
+    assert ss.bifurcation_diagram(stiff, p, [1.0, 2.0]).kind == ["equilibrium"] * 2
+
+
+def test_a_start_outside_the_domain_is_an_outcome_of_its_own():
+    x = ss.state("x")
+    found = ss.basins_of_attraction(ss.System({x: -np.log(x)}), [[0.5], [-1.0], [2.0]])
+    assert found.reached.tolist() == [0, 1, 0] and found.kind == ["equilibrium", "failure"]
+    assert np.allclose(found.points[0], 1)
+
+
+def test_the_shortest_period_is_found_and_rest_is_told():
+    x, v = ss.states("x v")
+    driven = ss.System({x: v, v: np.cos(ss.t) - 0.5 * v - x}, period=2 * np.pi)
+    orbit = ss.periodic_orbit(driven, [0, 0])
+    assert orbit.period == pytest.approx(2 * np.pi)
+    double = ss.periodic_orbit(driven, [0, 0], periods=2)
+    assert double.period == pytest.approx(4 * np.pi)
+    with pytest.raises(ss.StickslipError, match="comes to the equilibrium") as raised:
+        ss.periodic_orbit(ss.System({x: v, v: -v - x}), [1, 0], transient=50)
+    assert raised.value.kind == "NotFound"
+    with pytest.raises(ss.SystemError, match="what is its period"):
+        ss.periodic_orbit(ss.System({x: v, v: np.cos(ss.t) - v - x}), [1, 0])
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda s: ss.basins_of_attraction(s, [[1, 0]], workers=0), "workers = 0"),
+        (lambda s: ss.basins_of_attraction(s, [1, 0, 0]), "last axis of starts"),
+        (lambda s: ss.basins_of_attraction(s, [[np.nan, 0]]), r"starts\[0, 0\] = nan"),
+        (lambda s: ss.parameter_map(s, ("p", [1]), ("p", [1]), [1, 0]), "both p"),
+        (lambda s: ss.bifurcation_diagram(s, "p", [0.1, np.inf], [1, 0]), r"values\[1\] = inf"),
+        (lambda s: ss.bifurcation_diagram(s, "q", [0.1], [1, 0]), "no parameter `q`"),
+        (lambda s: ss.continuation(s, "p", (0, 1), [1, 0], step=2.0), "option step = 2"),
+        (lambda s: ss.periodic_orbit(s, [1, 0], periods=0), "periods = 0"),
+    ],
+)
+def test_what_cannot_be_is_refused_by_name(call, words):
+    with pytest.raises(ValueError, match=words):
+        call(rings())
+
+
+def test_an_option_out_of_bounds_has_typed_fields():
+    with pytest.raises(ss.OptionError) as raised:
+        ss.lyapunov_spectrum(rings(), [1, 0], rtol=2.0)
+    error = raised.value
+    assert (error.name, error.value) == ("rtol", 2.0) and error.bound in str(error)
+    with pytest.raises(TypeError, match="'rtoll' is no option"):
+        ss.lyapunov_spectrum(rings(), [1, 0], rtoll=1e-9)

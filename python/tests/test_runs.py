@@ -9,6 +9,8 @@ import sys
 import numpy as np
 import pytest
 import stickslip as ss
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy.integrate import solve_ivp as of_scipy
 
 
@@ -48,9 +50,7 @@ def test_bits_are_those_of_the_program(name, tmp_path):
 
 def test_shapes_and_types_are_those_of_scipy():
     x, times = ss.state("x"), np.linspace(0, 5, 11)
-    ours = ss.solve_ivp(
-        oscillator(), (0, 5), t_eval=times, dense_output=True, events=[x, x - 9]
-    )
+    ours = ss.solve_ivp(oscillator(), (0, 5), t_eval=times, dense_output=True, events=[x, x - 9])
     theirs = of_scipy(
         lambda t, y: [y[1], -y[0]], (0, 5), [1, 0], t_eval=times, dense_output=True,
         events=[lambda t, y: y[0], lambda t, y: y[0] - 9], rtol=1e-10, atol=1e-10,
@@ -111,7 +111,11 @@ def test_what_cannot_be_is_refused_by_name(options, words):
 def test_any_memory_layout_and_integers_are_taken():
     wanted = ss.solve_ivp(oscillator(), (0, 1), [1.0, 2.0], t_eval=[0.0, 0.5, 1.0])
     times = np.array([1.0, 0.5, 0.0])[::-1]
-    for y0 in (np.array([1.0, 9.0, 2.0, 9.0])[::2], [1, 2], np.array([1, 2], dtype=np.int32)):
+    fixed = np.array([1.0, 2.0])
+    fixed.flags.writeable = False
+    of_others = (np.array([1, 2], dtype=np.int32), np.array([1, 2], dtype=np.float32), fixed)
+    swapped = np.array([1, 2], dtype=">f8")
+    for y0 in (np.array([1.0, 9.0, 2.0, 9.0])[::2], [1, 2], swapped, *of_others):
         assert np.array_equal(ss.solve_ivp(oscillator(), (0, 1), y0, t_eval=times).y, wanted.y)
     with pytest.raises(TypeError, match="must be real numbers"):
         ss.solve_ivp(oscillator(), (0, 1), [1j, 0])
@@ -176,6 +180,7 @@ def test_errors_have_time_and_state():
     with pytest.raises(ss.StickslipError) as raised:
         ss.solve_ivp(ss.System({x: np.log(x)}), (0, 1), [-1])
     assert raised.value.t == 0 and raised.value.y == [-1]
+    assert raised.value.kind == "StartOutsideDomain"
     again = pickle.loads(pickle.dumps(raised.value))
     assert str(again) == str(raised.value) and again.y == [-1]
     with pytest.raises(ss.SystemError, match="y"):
@@ -197,3 +202,51 @@ def test_import_is_fast_and_needs_numpy_only():
     run = [sys.executable, "-c", code]
     found = [subprocess.run(run, capture_output=True, check=True).stdout.split() for _ in range(3)]
     assert min(float(time) for time, _ in found) < 0.15 and found[0][1] == b"0"
+
+
+def test_a_call_takes_less_than_fifty_microseconds():
+    import time
+
+    system, x = oscillator(), ss.state("x")
+    for events in (None, [ss.event(x - 9)]):
+        best = np.inf
+        for _ in range(20):
+            begin = time.process_time()
+            for _ in range(100):
+                ss.solve_ivp(system, (0, 0.01), [1, 0], events=events)
+            best = min(best, (time.process_time() - begin) / 100)
+        assert best < 50e-6
+
+
+@st.composite
+def small_systems(draw):
+    """A linear oscillator with a belt, in random units."""
+    number = st.floats(0.2, 2.0).map(lambda value: round(value, 2))
+    k, c, mu, speed = (draw(number) for _ in range(4))
+    x, v = ss.states("x v")
+    belt = ss.Contact("belt", boundary=v - speed)
+    return ss.System({x: v, v: -k * x - 0.1 * c * v - belt.side * mu}, contacts=[belt]), speed
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    small_systems(),
+    st.tuples(st.floats(-2, 2), st.floats(-2, 2)),
+    st.lists(st.floats(0, 20), unique=True, max_size=8).map(sorted),
+)
+def test_runs_are_in_order_and_transitions_on_the_boundary(made, start, times):
+    system, speed = made
+    sol = ss.solve_ivp(system, (0, 20), start, dense_output=True)
+    assert sol.t[0] == 0 and sol.t[-1] == 20 and (np.diff(sol.t) > 0).all()
+    assert np.array_equal(sol.y[:, 0], start)
+    found = sol.transitions
+    assert (np.diff(found["t"]) >= 0).all()
+    assert np.allclose(found["y"][:, 1], speed, rtol=0, atol=1e-12)
+    phases = sol.phases
+    assert np.array_equal(phases["t_end"][:-1], phases["t_start"][1:])
+    inside = sol.sol(0.5 * (phases["t_start"] + phases["t_end"]))[1] - speed
+    for mode, height in zip(phases["mode"], inside):
+        assert {"-": height < 1e-12, "+": height > -1e-12, "S": abs(height) < 1e-12}[mode]
+    asked = ss.solve_ivp(system, (0, 20), start, t_eval=times)
+    assert np.array_equal(asked.t, times) and asked.y.shape == (2, len(times))
+    assert np.array_equal(asked.y, sol.sol(times)) if times else True

@@ -6,7 +6,7 @@ use stickslip::error::{Point, piled_up, readable};
 use stickslip_kernels::file::{FileError, SettingError, System};
 use stickslip_series::DataError;
 
-use crate::render::{OutputError, contact_name};
+use crate::render::OutputError;
 use crate::sweep::SweepError;
 use crate::table::TableError;
 
@@ -65,7 +65,7 @@ impl Failure {
 
 /// An error of the library in words.
 pub(crate) fn in_words(error: &Error, system: &System) -> String {
-    with_names(error, &|contact| match contact_name(system, contact) {
+    with_names(error, &|contact| match system.contact_name(contact) {
         name if name.is_empty() => contact.to_string(),
         name => format!("`{name}`"),
     })

@@ -4,8 +4,8 @@
 //! numbers, texts and arrays. What a user sees is written in Python, in `python/stickslip`.
 
 mod analyses;
-mod interrupt;
 mod run;
+mod task;
 
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
@@ -14,6 +14,7 @@ use stickslip::error::Point;
 use stickslip::{AtPileUp, AtRepelling, Direction, Error, Method, Options};
 use stickslip_kernels::file::{Source, SystemFile};
 
+pyo3::import_exception!(stickslip._errors, OptionError);
 pyo3::import_exception!(stickslip._errors, StickslipError);
 pyo3::import_exception!(stickslip._errors, SystemError);
 
@@ -21,29 +22,6 @@ pyo3::import_exception!(stickslip._errors, SystemError);
 #[pyclass(frozen, module = "stickslip._core")]
 struct System {
     ready: stickslip_kernels::file::System,
-}
-
-impl System {
-    /// The same system with another section, of a direction given by its sign.
-    fn with_section(
-        &self,
-        function: &str,
-        direction: i32,
-    ) -> PyResult<stickslip_kernels::file::System> {
-        let direction = match direction.signum() {
-            1 => Direction::Rising,
-            -1 => Direction::Falling,
-            _ => Direction::Both,
-        };
-        let file = &self.ready.file;
-        let file = file.with_section(function, direction).map_err(wrong)?;
-        let names = file
-            .parameters
-            .iter()
-            .map(|parameter| parameter.name.clone());
-        let values: Vec<(String, f64)> = names.zip(self.ready.values.iter().copied()).collect();
-        file.with(&values).map_err(wrong)
-    }
 }
 
 #[pymethods]
@@ -61,6 +39,18 @@ impl System {
     #[staticmethod]
     fn text_of(path: &str) -> PyResult<String> {
         Ok(SystemFile::open(path).map_err(wrong)?.source.text)
+    }
+
+    /// The same system with another section, of a direction given by its sign.
+    fn with_section(&self, function: &str, direction: i32) -> PyResult<System> {
+        let direction = match direction.signum() {
+            1 => Direction::Rising,
+            -1 => Direction::Falling,
+            _ => Direction::Both,
+        };
+        let ready = self.ready.with_section(function, direction);
+        let ready = ready.map_err(wrong)?;
+        Ok(System { ready })
     }
 
     #[getter]
@@ -172,18 +162,29 @@ fn wrong(error: impl std::fmt::Display) -> PyErr {
 /// run has its time and state.
 fn failed(error: Error) -> PyErr {
     match &error {
-        Error::Parameter { .. } | Error::Option { .. } | Error::Interval { .. } => {
-            pyo3::exceptions::PyValueError::new_err(error.to_string())
+        Error::Parameter { name, value, bound } | Error::Option { name, value, bound } => {
+            OptionError::new_err((error.to_string(), *name, *value, (*bound).to_owned()))
         }
+        Error::Interval { .. } => pyo3::exceptions::PyValueError::new_err(error.to_string()),
         _ => {
-            let (t, x) = place(&error);
-            StickslipError::new_err((error.to_string(), t, x))
+            // The name of the variant, which is what `Debug` begins with.
+            let debug = format!("{error:?}");
+            let kind = debug.split(|letter: char| !letter.is_alphanumeric()).next();
+            told(kind.unwrap_or_default(), &error, place(&error))
         }
     }
 }
 
+/// Time and state of a failure.
+type Place = (Option<f64>, Option<Vec<f64>>);
+
+/// A failure of a kind in Python.
+fn told(kind: &str, error: &dyn std::fmt::Display, (t, x): Place) -> PyErr {
+    StickslipError::new_err((error.to_string(), kind.to_owned(), t, x))
+}
+
 /// Time and state of a failure, as far as it has them.
-fn place(error: &Error) -> (Option<f64>, Option<Vec<f64>>) {
+fn place(error: &Error) -> Place {
     let at = |t: &f64, x: &Point| (Some(*t), Some(x.0.clone()));
     match error {
         Error::StartOutsideDomain { t, x, .. }
@@ -232,6 +233,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<System>()?;
     module.add_class::<run::Dense>()?;
+    module.add_function(wrap_pyfunction!(task::unwind, module)?)?;
     module.add_function(wrap_pyfunction!(run::solve, module)?)?;
     module.add_function(wrap_pyfunction!(analyses::periodic_orbit, module)?)?;
     module.add_function(wrap_pyfunction!(analyses::poincare_map, module)?)?;
@@ -239,5 +241,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(analyses::lyapunov_spectrum, module)?)?;
     module.add_function(wrap_pyfunction!(analyses::bifurcation_diagram, module)?)?;
     module.add_function(wrap_pyfunction!(analyses::basins, module)?)?;
+    module.add_function(wrap_pyfunction!(analyses::parameter_map, module)?)?;
     module.add_function(wrap_pyfunction!(analyses::lyapunov_from_data, module)?)
 }

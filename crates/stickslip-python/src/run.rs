@@ -1,7 +1,7 @@
 //! An orbit, its events and its dense output.
 
 use std::ops::ControlFlow;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use numpy::{PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -11,26 +11,26 @@ use stickslip::{Ending, Error, TransitionKind};
 use stickslip_kernels::file::System as Ready;
 use stickslip_kernels::kernel::{Run, Watcher, follow};
 
-use crate::{Settings, System, failed, numbers, place, rows};
+use crate::task::{LOOK, Report, look};
+use crate::{Settings, System, failed, numbers, rows};
 
-/// How often a run looks whether it is interrupted.
-const LOOK: Duration = Duration::from_millis(50);
-
-/// Looks for signals now and then, as Ctrl-C sends one.
+/// Looks for signals now and then, as Ctrl-C sends one, and says how far the run is.
 struct Signals {
     last: Instant,
     raised: Option<PyErr>,
+    report: Report,
 }
 
 impl Signals {
-    fn new() -> Self {
+    fn new(report: Report) -> Self {
         Signals {
             last: Instant::now(),
             raised: None,
+            report,
         }
     }
 
-    fn look(&mut self) -> ControlFlow<()> {
+    fn look(&mut self, t: f64) -> ControlFlow<()> {
         if self.raised.is_some() {
             return ControlFlow::Break(());
         }
@@ -38,7 +38,7 @@ impl Signals {
             return ControlFlow::Continue(());
         }
         self.last = Instant::now();
-        match Python::attach(|py| py.check_signals()) {
+        match look(&self.report, t) {
             Ok(()) => ControlFlow::Continue(()),
             Err(raised) => {
                 self.raised = Some(raised);
@@ -48,9 +48,9 @@ impl Signals {
     }
 }
 
-/// An event as Python gives it: its function, its direction as a sign, and with how many of it the
-/// run ends, 0 for never.
-type Event = (String, i32, usize);
+/// An event as Python gives it: the system with the event's section, and with how many of it the run
+/// ends, 0 for never.
+type Event<'py> = (PyRef<'py, System>, usize);
 
 /// Passages of one event, up to a limit in time.
 struct Passages<'a> {
@@ -84,7 +84,7 @@ impl Watcher for Passages<'_> {
         if step.t_start > self.limit {
             return ControlFlow::Break(());
         }
-        self.signals.look()
+        self.signals.look(step.t_end)
     }
 
     fn passage(&mut self, at: &Passage) -> ControlFlow<()> {
@@ -190,10 +190,9 @@ struct Solved<'a> {
 fn solved<'a>(
     systems: &[(&Ready, usize)],
     run: &Run<'_>,
-    (asked, keeps_steps): (Option<Vec<f64>>, bool),
+    (asked, keeps_steps, mut limit): (Option<Vec<f64>>, bool, f64),
     signals: &'a mut Signals,
 ) -> Result<Solved<'a>, Error> {
-    let mut limit = f64::INFINITY;
     let mut terminal = None;
     let mut events = Vec::new();
     let [others @ .., (recorded, most)] = systems else {
@@ -264,7 +263,7 @@ fn solved<'a>(
     })
 }
 
-/// Follows an orbit from `t` to `t_end`.
+/// Follows an orbit from `t` to `t_end`, as far as `limit`.
 #[pyfunction]
 #[expect(
     clippy::too_many_arguments,
@@ -274,26 +273,22 @@ pub(crate) fn solve<'py>(
     py: Python<'py>,
     system: &System,
     start: (f64, Vec<f64>),
-    t_end: f64,
-    events: Vec<Event>,
+    until: (f64, f64),
+    events: Vec<Event<'py>>,
     t_eval: Option<PyReadonlyArray1<'py, f64>>,
     dense_output: bool,
     settings: Settings,
+    report: Report,
 ) -> PyResult<Bound<'py, PyDict>> {
+    let (t_end, limit) = until;
     let options = settings.options()?;
-    let ready = &system.ready;
-    let with_sections = events.iter();
-    let with_sections = with_sections
-        .map(|(function, sign, most)| Ok((system.with_section(function, *sign)?, *most)));
-    let with_sections: Vec<(Ready, usize)> = with_sections.collect::<PyResult<_>>()?;
-    let mut systems: Vec<(&Ready, usize)> = with_sections
+    let mut systems: Vec<(&Ready, usize)> = events
         .iter()
-        .map(|(system, most)| (system, *most))
+        .map(|(system, most)| (&system.ready, *most))
         .collect();
     // Without events the section that the system has is not asked for.
-    let plain = (ready, 0);
     if systems.is_empty() {
-        systems.push(plain);
+        systems.push((&system.ready, 0));
     }
     let asked = t_eval.map(|times| times.as_array().iter().rev().copied().collect());
     let (t, x) = start;
@@ -303,15 +298,16 @@ pub(crate) fn solve<'py>(
         t_end,
         options: &options,
     };
-    let mut signals = Signals::new();
-    let solved = py.detach(|| solved(&systems, &run, (asked, dense_output), &mut signals));
+    let mut signals = Signals::new(report);
+    let wanted = (asked, dense_output, limit);
+    let solved = py.detach(|| solved(&systems, &run, wanted, &mut signals));
     let solved = solved.map_err(failed)?;
     let number_of_events = events.len();
-    let result = told(py, solved, (t, x.len()), number_of_events);
-    match signals.raised {
-        Some(raised) => Err(raised),
-        None => result,
+    let result = told(py, &system.ready, solved, (t, x.len()), number_of_events)?;
+    if let Some(raised) = signals.raised {
+        result.set_item("raised", raised.into_value(py))?;
     }
+    Ok(result)
 }
 
 /// The name of a kind of transition.
@@ -330,6 +326,7 @@ fn kind_name(kind: TransitionKind) -> &'static str {
 /// A run in Python.
 fn told<'py>(
     py: Python<'py>,
+    system: &Ready,
     solved: Solved<'_>,
     (t_start, states): (f64, usize),
     number_of_events: usize,
@@ -364,11 +361,7 @@ fn told<'py>(
     result.set_item("status", status)?;
     result.set_item("message", message)?;
     result.set_item("nfev", counters.map(|counters| counters.field_calls))?;
-    if let Err(error) = &outcome
-        && !is_terminated
-    {
-        result.set_item("failed_at", place(error))?;
-    }
+    result.set_item("t_end", recording.last.0)?;
     let transitions = PyDict::new(py);
     let all = &recording.transitions;
     transitions.set_item("t", numbers(py, all.iter().map(|at| at.t)))?;
@@ -376,9 +369,9 @@ fn told<'py>(
     transitions.set_item("kind", kinds)?;
     let contacts: Vec<usize> = all.iter().map(|at| at.contact).collect();
     transitions.set_item("contact", contacts)?;
-    let modes: Vec<String> = all.iter().map(|at| at.from.to_string()).collect();
+    let modes: Vec<String> = all.iter().map(|at| system.letters(&at.from)).collect();
     transitions.set_item("from_mode", modes)?;
-    let modes: Vec<String> = all.iter().map(|at| at.to.to_string()).collect();
+    let modes: Vec<String> = all.iter().map(|at| system.letters(&at.to)).collect();
     transitions.set_item("to_mode", modes)?;
     transitions.set_item("y", rows(py, all.iter().map(|at| &at.x), states)?)?;
     transitions.set_item("residual", numbers(py, all.iter().map(|at| at.residual)))?;
@@ -390,7 +383,10 @@ fn told<'py>(
         numbers(py, all.iter().map(|phase| phase.t_start)),
     )?;
     phases.set_item("t_end", numbers(py, all.iter().map(|phase| phase.t_end)))?;
-    let modes: Vec<String> = all.iter().map(|phase| phase.mode.to_string()).collect();
+    let modes: Vec<String> = all
+        .iter()
+        .map(|phase| system.letters(&phase.mode))
+        .collect();
     phases.set_item("mode", modes)?;
     phases.set_item(
         "y_start",
@@ -437,11 +433,6 @@ pub(crate) struct Dense {
 
 #[pymethods]
 impl Dense {
-    #[getter]
-    fn t_max(&self) -> f64 {
-        self.end.0
-    }
-
     /// The states at times, a row for each.
     fn at<'py>(
         &self,

@@ -1,80 +1,25 @@
 //! Attractors in words, tables and JSON.
 
 use serde_json::{Value, json};
-use stickslip::analysis::{RecurrenceSettings, attractor};
-use stickslip::dynamics::Modes;
-use stickslip::{Error, Mode, Options};
+use stickslip::Options;
+use stickslip::analysis::{RecurrenceSettings, attractor_of_many};
 
 use crate::failure::{Failure, in_words};
-use crate::render::{Table, by_state, known, letters, place as within, state_words};
+use crate::render::{Table, by_state, known, place as within, state_words};
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::{Motion, Outcome};
 
-/// What the orbit from `x` at time 0 comes to.
-pub(super) fn reached_from(
-    system: &System,
-    x: &[f64],
-    settings: &RecurrenceSettings,
-    options: &Options,
-) -> Result<Outcome, Failure> {
-    sought(system, x, settings, options).map_err(|error| Failure::from(error).of(system))
-}
-
-fn sought(
-    system: &System,
-    x: &[f64],
-    settings: &RecurrenceSettings,
-    options: &Options,
-) -> Result<Outcome, Error> {
-    let reached = attractor(system.dynamics(), x, settings, options)?;
-    Ok(Outcome::of(&reached, &|error| in_words(error, system)))
-}
-
-/// As [`reached_from`], for one start of many: that it lies outside the domain of the field, or beyond the escape bound, is an outcome of its own.
+/// What the orbit from `x` at time 0 comes to, for one start of many: that it lies outside the domain
+/// of the field, or beyond the escape bound, is an outcome of its own.
 pub(super) fn reached_from_one_of_many(
     system: &System,
     x: &[f64],
     settings: &RecurrenceSettings,
     options: &Options,
 ) -> Result<Outcome, Failure> {
-    let at_once = |motion| Outcome {
-        motion,
-        period_uncertainty: 0.0,
-        family: None,
-        points: Vec::new(),
-        phases: Vec::new(),
-        transitions: Vec::new(),
-        in_stick: 0.0,
-        // No run has begun, so that there is no mode; that of an orbit which comes to nothing is not told.
-        modes: Modes::new(&vec![Mode::Stick; system.contacts()]),
-        left_at: (0.0, x.to_vec()),
-    };
-    sought(system, x, settings, options).or_else(|error| match error {
-        Error::Escaped { .. } => Ok(at_once(Motion::Escape)),
-        Error::StartOutsideDomain { .. } => Ok(at_once(Motion::Failure(in_words(&error, system)))),
-        error => Err(Failure::from(error).of(system)),
-    })
-}
-
-/// The phases of a period, the same text wherever in the cycle they were found to begin, or the modes of a rest, as signs; of other motions, whose
-/// phases are only the last ones, nothing.
-pub(super) fn sequence(system: &System, outcome: &Outcome) -> String {
-    match outcome.motion {
-        Motion::Periodic { .. } => cycle(system, outcome),
-        Motion::Equilibrium | Motion::EquilibriumSet => letters(system, &outcome.modes),
-        _ => String::new(),
-    }
-}
-
-fn cycle(system: &System, outcome: &Outcome) -> String {
-    let phases = outcome.sequence();
-    let phases: Vec<String> = phases.iter().map(|modes| letters(system, modes)).collect();
-    let turned = |by: usize| {
-        let (end, begin) = phases.split_at(by);
-        [begin, end].concat().join(" ")
-    };
-    let all = (0..phases.len()).map(turned);
-    all.min().unwrap_or_default()
+    let reached = attractor_of_many(system.dynamics(), x, settings, options);
+    let reached = reached.map_err(|error| Failure::from(error).of(system))?;
+    Ok(Outcome::of(&reached, &|error| in_words(error, system)))
 }
 
 /// A text, and its phases behind it where there are contacts that have some.
@@ -82,15 +27,6 @@ pub(super) fn with_phases(text: String, between: &str, phases: &str) -> String {
     match phases.trim().is_empty() {
         true => text,
         false => text + between + phases,
-    }
-}
-
-/// The kind of motion, of a periodic orbit with the cycle of its phases.
-pub(super) fn class(system: &System, outcome: &Outcome) -> String {
-    let word = outcome.motion.word();
-    match outcome.motion {
-        Motion::Periodic { .. } => with_phases(word.to_owned(), ", ", &cycle(system, outcome)),
-        _ => word.to_owned(),
     }
 }
 
@@ -115,7 +51,7 @@ pub(super) fn columns<'a, R>(
         })
         .column("returns", move |row| returns(of(row)))
         .column("phases", move |row| {
-            there(of(row)).map(|outcome| sequence(system, outcome))
+            there(of(row)).map(|outcome| system.phases(outcome))
         })
         .column("in_stick", move |row| {
             there(of(row)).map(|outcome| outcome.in_stick)
@@ -128,15 +64,6 @@ pub(super) fn known_period(motion: &Motion, uncertainty: f64) -> Option<f64> {
         Motion::Periodic { period, .. } => Some(known(period, uncertainty)),
         _ => None,
     }
-}
-
-/// Whether it is an attractor, and not an orbit that has come to none: that escapes, ends, fails, or is undecided.
-pub(super) fn is_attractor(motion: &Motion) -> bool {
-    use Motion::{Equilibrium, EquilibriumSet, Periodic, Recurrent};
-    matches!(
-        motion,
-        Equilibrium | EquilibriumSet | Periodic { .. } | Recurrent
-    )
 }
 
 /// The state at which an orbit rests, if it does.
@@ -159,7 +86,7 @@ pub(super) fn words(system: &System, outcome: &Outcome, until: f64) -> String {
         (Motion::Periodic { period, .. }, _) => {
             let period = within(*period, outcome.period_uncertainty);
             let text = format!("{word}, period {period}");
-            with_phases(text, ", phases ", &sequence(system, outcome))
+            with_phases(text, ", phases ", &system.phases(outcome))
         }
         (_, Some(place)) => format!("{word} at {place}"),
         // Of several starts that fail the first one tells how.
@@ -193,7 +120,7 @@ pub(super) fn json(outcome: &Outcome, system: &System) -> Value {
         "period": period,
         "period_uncertainty": period.map(|_| outcome.period_uncertainty),
         "returns": returns,
-        "phases": sequence(system, outcome).split_whitespace().collect::<Vec<_>>(),
+        "phases": system.phases(outcome).split_whitespace().collect::<Vec<_>>(),
         "in_stick": outcome.in_stick,
         "points": points,
     })

@@ -4,8 +4,6 @@ use serde_json::{Value, json};
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::Change;
 
-use crate::render::{contact_name, sequence, with_jump};
-
 /// Where a change is.
 pub(super) fn parameter(change: &Change) -> Option<f64> {
     match *change {
@@ -42,15 +40,15 @@ pub(super) fn state(change: &Change) -> Option<Vec<f64>> {
 pub(super) fn phases(system: &System, change: &Change) -> Option<[String; 2]> {
     match change {
         Change::Sequence { before, after, .. } => {
-            Some([before, after].map(|phases| sequence(system, phases)))
+            Some([before, after].map(|phases| system.sequence(phases)))
         }
         _ => None,
     }
 }
 
-/// As [`name`], with the contacts where there are several.
+/// As [`Change::name`], with the contacts where there are several.
 pub(super) fn words(system: &System, change: &Change) -> String {
-    let mut words = name(change);
+    let mut words = change.name();
     let contacts = contacts(system, change);
     if !contacts.is_empty() && system.contacts() + system.file.jumps.len() > 1 {
         words = format!("{words} of {contacts}");
@@ -58,7 +56,7 @@ pub(super) fn words(system: &System, change: &Change) -> String {
     match change {
         Change::Sequence { before, after, .. } if before.is_empty() != after.is_empty() => {
             let phases = if after.is_empty() { before } else { after };
-            let phases = sequence(system, phases);
+            let phases = system.sequence(phases);
             format!("{words}, where an orbit of phases {phases} ends: none was found beyond")
         }
         _ => words,
@@ -70,9 +68,7 @@ pub(super) fn contacts(system: &System, change: &Change) -> String {
     let Change::Sequence { contacts, .. } = change else {
         return String::new();
     };
-    let names = contacts
-        .iter()
-        .map(|contact| contact_name(system, *contact));
+    let names = contacts.iter().map(|contact| system.contact_name(*contact));
     names.collect::<Vec<_>>().join(" and ")
 }
 
@@ -83,32 +79,16 @@ pub(super) fn json(system: &System, change: &Change) -> Value {
     if let Some(Value::Array(contacts)) = json.pointer_mut("/sequence/contacts") {
         for contact in contacts {
             let number = contact.as_u64().and_then(|number| number.try_into().ok());
-            *contact = number.map_or(Value::Null, |number| json!(contact_name(system, number)));
+            *contact = number.map_or(Value::Null, |number| json!(system.contact_name(number)));
         }
     }
     if let Change::Sequence { before, after, .. } = change {
         for (key, phases) in [("before", before), ("after", after)] {
             let words = phases
                 .iter()
-                .map(|modes| with_jump(system, modes.to_string(), modes));
+                .map(|modes| system.with_jump(modes.to_string(), modes));
             json["sequence"][key] = words.collect();
         }
     }
     json
-}
-
-/// What a change of an attractor is called.
-pub(super) fn name(change: &Change) -> String {
-    match change {
-        Change::Sequence { name, .. } if name == "unnamed" => {
-            "a change of the phases that has no name".to_owned()
-        }
-        Change::Sequence { name, .. } | Change::Multiplier { name, .. } => name.clone(),
-        Change::Equilibrium { frequency, .. } if *frequency > 0.0 => {
-            "Hopf bifurcation of the equilibrium".to_owned()
-        }
-        Change::Equilibrium { .. } => "zero eigenvalue of the equilibrium".to_owned(),
-        Change::BoundaryEquilibrium { .. } => "boundary-equilibrium bifurcation".to_owned(),
-        Change::Unlocated => "not located".to_owned(),
-    }
 }

@@ -8,17 +8,17 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::arguments::{RunArguments, SolverArguments, StartArguments};
-use super::exponent::Largest;
 use super::range::{ParameterRange, grid, middle, with_values};
 use super::sweeping::{
-    ExponentArguments, Sweep, SweepArguments, UntilArguments, recurrence, sweep, table, to_content,
+    ExponentArguments, Sweep, SweepArguments, UntilArguments, sweep, table, to_content,
 };
-use super::{attractors, figures};
+use super::{attractors, exponent, figures};
 use crate::failure::Failure;
 use crate::render::{Answer, Report, Table};
 use crate::sweep::{BlockError, Store};
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::Motion;
+use stickslip_kernels::study::{Largest, recurrence};
 
 /// Show what the orbit from the start comes to, over a plane of two parameters
 ///
@@ -126,7 +126,7 @@ impl Map {
         let outcome = attractors::reached_from_one_of_many(&system, &start, &settings, &options)?;
         let is_there = !outcome.points.is_empty();
         Ok(Cell {
-            phases: attractors::sequence(&system, &outcome),
+            phases: system.phases(&outcome),
             in_stick: is_there.then_some(outcome.in_stick),
             largest: Largest::on(&system, &outcome, self.duration, &options),
             period_uncertainty: outcome.period_uncertainty,
@@ -259,7 +259,7 @@ impl Map {
             })
             .column("phases", |(_, cell)| cell.phases.clone())
             .column("in_stick", |(_, cell)| cell.in_stick);
-        let columns = Largest::columns(columns, |(_, cell)| cell.largest);
+        let columns = exponent::columns(columns, |(_, cell)| cell.largest);
         table(store, path, &columns, |row, cells: Vec<Cell>| {
             for cell in &cells {
                 let name = cell.class();
@@ -267,7 +267,7 @@ impl Map {
                 let class = known.unwrap_or_else(|| {
                     classes.push(Class {
                         name,
-                        is_attractor: attractors::is_attractor(&cell.motion),
+                        is_attractor: cell.motion.is_attractor(),
                         cells: 0,
                     });
                     classes.len() - 1

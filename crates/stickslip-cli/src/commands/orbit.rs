@@ -7,7 +7,7 @@ use super::recording::Recording;
 use super::search::SearchArguments;
 use super::trajectory;
 use crate::failure::Failure;
-use crate::render::{Answer, Report, Table, by_state, explained, sequence};
+use crate::render::{Answer, Report, Table, by_state, explained};
 use stickslip::analysis::{Stability, multipliers};
 use stickslip::dynamics::{Modes, Phase, Section};
 use stickslip::error::readable;
@@ -112,7 +112,7 @@ fn found(ready: &Ready, search: &SearchArguments) -> Result<Report, Failure> {
         report.line("stick", format!("{stick} of the period, {percent:.1} %"));
     }
     report
-        .field("phases", sequence(system, &modes))
+        .field("phases", system.sequence(&modes))
         .field("stick_time", stick)
         .field("extremes", by_state(system, &extremes));
     let states = system.file.states.iter().zip(&extremes).zip(x);

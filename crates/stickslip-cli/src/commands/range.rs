@@ -112,14 +112,7 @@ impl ParameterRange {
 
 /// The system with these values of some parameters, by name.
 pub(super) fn with_values(system: &System, values: &[(&str, f64)]) -> Result<System, Failure> {
-    let known = system.file.parameters.iter().zip(&system.values);
-    let all: Vec<(String, f64)> = known
-        .map(|(parameter, &value)| {
-            let given = values.iter().find(|given| given.0 == parameter.name);
-            (parameter.name.clone(), given.map_or(value, |given| given.1))
-        })
-        .collect();
-    Ok(system.file.with(&all)?)
+    Ok(system.with_values(values)?)
 }
 
 fn check_ends(low: f64, high: f64, option: &str) -> Result<(), Failure> {

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use stickslip::dynamics::{Kink, Modes, Moment, Passage, Phase, Step, Transition, Vector};
 use stickslip::{Direction, Mode, TransitionKind};
 
-use crate::render::{contact_name, input_name};
+use crate::render::input_name;
 use crate::terminal::Patience;
 use stickslip_kernels::file::{InputShape, System};
 use stickslip_kernels::kernel::Watcher;
@@ -76,7 +76,7 @@ impl Occurrence {
     /// The contact, jump or input that it is of, by name.
     pub(super) fn of(&self, system: &System) -> String {
         match self {
-            Occurrence::Transition(at) => contact_name(system, at.contact),
+            Occurrence::Transition(at) => system.contact_name(at.contact),
             Occurrence::Kink(at) => input_name(system, at.input),
         }
     }

@@ -8,8 +8,6 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::json;
 
-use stickslip::analysis::RecurrenceSettings;
-
 use super::arguments::{RunArguments, count, time_or};
 use crate::failure::Failure;
 use crate::render::{Answer, OutputArguments, OutputError, Report, Table};
@@ -195,24 +193,8 @@ pub(super) fn merged(
 
 /// Whether attractors can be looked for: of a driven system by a strobe, whose period must be known and be one.
 pub(super) fn check_period(system: &System) -> Result<(), Failure> {
-    match system.is_periodic() {
-        None if system.built.depends_on_time => Err(Failure::Usage(
-            "the system depends on time: what is its period? Add period = \"…\" to [time] of the file".to_owned(),
-        )),
-        Some(false) => Err(Failure::Usage(format!(
-            "the field, a boundary or a jump is not the same after the file's period {}; correct the period in [time]",
-            system.built.period.unwrap_or(f64::NAN)
-        ))),
-        _ => Ok(()),
-    }
-}
-
-/// How attractors are looked for, of a driven system at the flashes of a strobe.
-pub(super) fn recurrence(system: &System, until: f64) -> RecurrenceSettings {
-    RecurrenceSettings {
-        forcing: system.built.period,
-        ..RecurrenceSettings::within(until)
-    }
+    let checked = system.checked_period().map(|_| ());
+    checked.map_err(|error| Failure::Usage(error.to_string()))
 }
 
 fn plan<S: Sweep>(wanted: &S, system: &System) -> Result<Plan, Failure> {

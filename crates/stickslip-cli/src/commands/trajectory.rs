@@ -6,7 +6,7 @@ use stickslip::dynamics::Phase;
 
 use super::figures::{axis, extremes, symbol, time_label, with_unit};
 use super::recording::{Occurrence, Recording};
-use crate::render::{OutputError, Report, Table, contact_name};
+use crate::render::{OutputError, Report, Table};
 use stickslip_kernels::file::System;
 
 /// Colours of curves, in order.
@@ -46,7 +46,7 @@ pub(super) fn put(
         true => phases,
         false => phases.column("jump", |(_, phase)| {
             let number = phase.mode.jump().map(|jump| system.contacts() + jump);
-            number.map(|number| contact_name(system, number))
+            number.map(|number| system.contact_name(number))
         }),
     };
     let phases = phases

@@ -14,8 +14,7 @@ use stickslip_kernels::file::System;
 
 pub(crate) use table::Table;
 pub(crate) use words::{
-    by_state, contact_name, explained, input_name, known, letters, place, rounded, sequence,
-    state_words, with_jump, within,
+    by_state, explained, input_name, known, place, rounded, state_words, within,
 };
 
 /// What a command prints at its end.

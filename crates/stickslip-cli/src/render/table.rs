@@ -9,7 +9,7 @@ use stickslip::{Mode, Side};
 use stickslip_kernels::file::System;
 
 use super::OutputError;
-use super::words::{exact, letters};
+use super::words::exact;
 
 /// A value in a row of a table.
 pub(crate) enum Value {
@@ -131,7 +131,7 @@ impl<'a, R> Table<'a, R> {
         let names = contacts.map(|contact| format!("{prefix}{}", contact.name));
         self.many(key, names.collect(), move |row| {
             let modes = value(row);
-            Value::Modes(modes, letters(system, &modes))
+            Value::Modes(modes, system.letters(&modes))
         })
     }
 

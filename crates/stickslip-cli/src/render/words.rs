@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde_json::{Value as Json, json};
 use stickslip::dynamics::Modes;
-use stickslip::{Mode, Side, math};
+use stickslip::math;
 use stickslip_kernels::file::System;
 
 /// A number that reads back to the last bit.
@@ -68,20 +68,9 @@ pub(crate) fn state_words(x: &[f64]) -> String {
     format!("({})", x.join(", "))
 }
 
-/// The name of a contact, or of a jump or an input, whose numbers are behind those; empty where it
-/// is none of the system's.
-pub(crate) fn contact_name(system: &System, number: usize) -> String {
-    let file = &system.file;
-    let contacts = file.contacts.iter().map(|contact| &contact.name);
-    let jumps = file.jumps.iter().map(|jump| &jump.name);
-    let inputs = file.inputs.iter().map(|input| &input.name);
-    let mut all = contacts.chain(jumps).chain(inputs);
-    all.nth(number).cloned().unwrap_or_default()
-}
-
 /// The name of an input.
 pub(crate) fn input_name(system: &System, input: usize) -> String {
-    contact_name(system, system.contacts() + system.file.jumps.len() + input)
+    system.contact_name(system.contacts() + system.file.jumps.len() + input)
 }
 
 /// Something of each state, by names.
@@ -89,39 +78,6 @@ pub(crate) fn by_state(system: &System, of_each: &[impl Serialize]) -> Json {
     let states = system.file.states.iter().zip(of_each);
     let map = states.map(|(state, value)| (state.name.clone(), json!(value)));
     Json::Object(map.collect())
-}
-
-/// The modes of a phase in a few letters, of several contacts separated by `|`: `+` and `-` for
-/// slip above and below, `S` for stick. Behind them is the jump that ends the phase, in brackets
-/// where there is a contact; `·` is a phase that no jump ends, of a system without contacts.
-pub(crate) fn letters(system: &System, modes: &Modes) -> String {
-    let letters = modes.iter().map(|mode| match mode {
-        Mode::Stick => "S",
-        Mode::Slip(Side::Above) => "+",
-        Mode::Slip(Side::Below) => "-",
-    });
-    let letters = letters.collect::<Vec<_>>().join("|");
-    match modes.jump() {
-        None if letters.is_empty() => "·".to_owned(),
-        _ => with_jump(system, letters, modes),
-    }
-}
-
-/// Letters of modes with the jump that ends the phase.
-pub(crate) fn with_jump(system: &System, letters: String, modes: &Modes) -> String {
-    let jump = modes.jump().map(|jump| system.contacts() + jump);
-    let jump = jump.map(|number| contact_name(system, number));
-    match jump {
-        Some(name) if letters.is_empty() => name,
-        Some(name) => format!("{letters}({name})"),
-        None => letters,
-    }
-}
-
-/// The modes gone through, in letters.
-pub(crate) fn sequence(system: &System, modes: &[Modes]) -> String {
-    let signs: Vec<String> = modes.iter().map(|modes| letters(system, modes)).collect();
-    signs.join(" ")
 }
 
 /// A sequence of phases of an orbit, with what the letters mean; `None` of a system that has
@@ -133,5 +89,5 @@ pub(crate) fn explained(system: &System, modes: &[Modes]) -> Option<String> {
         (_, 0) => "- below, + above, S stick",
         _ => "- below, + above, S stick; in brackets the jump that ends the phase",
     };
-    Some(format!("{}  ({key})", sequence(system, modes)))
+    Some(format!("{}  ({key})", system.sequence(modes)))
 }

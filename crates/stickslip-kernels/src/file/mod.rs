@@ -49,12 +49,13 @@ mod read;
 mod switching;
 mod system;
 mod table;
+mod words;
 
 pub use build::Built;
 pub use formula::Formula;
 pub use names::{Meaning, Names, did_you_mean};
 pub use problem::{Problem, Source};
-pub use system::{SettingError, System};
+pub use system::{PeriodError, SettingError, System};
 
 use std::ops::Range;
 use std::path::Path;

@@ -11,7 +11,8 @@ use stickslip::{Direction, Scalar};
 use super::build::{self, Built, Variant};
 use super::{FileError, Problem, Source, SystemFile, did_you_mean};
 use crate::kernel::{
-    Combination, Equations, HELD, ManyContacts, OneContact, Section, dynamics, sides_to_check,
+    Combination, Equations, HELD, ManyContacts, OneContact, Section, Stop, dynamics,
+    sides_to_check, stoppable,
 };
 
 /// States at which a period is tried.
@@ -39,6 +40,25 @@ pub struct System {
     /// Its equations.
     pub built: Built,
     dynamics: DynamicsRef<'static>,
+    stop: Option<Arc<Stop>>,
+}
+
+/// Attractors of a system that depends on time cannot be looked for.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum PeriodError {
+    /// No period is given.
+    #[error(
+        "the system depends on time: what is its period? Add period = \"…\" to [time] of the file"
+    )]
+    Missing,
+    /// The one given is none.
+    #[error(
+        "the field or a boundary is not the same after the file's period {period}; correct the period in [time]"
+    )]
+    Wrong {
+        /// The period given.
+        period: f64,
+    },
 }
 
 /// A parameter was set wrongly.
@@ -81,7 +101,15 @@ impl SystemFile {
     /// # Errors
     /// [`SettingError`] for a name that there is not, a value outside the parameter's range, or one with which an expression is no number.
     pub fn with(&self, settings: &[(String, f64)]) -> Result<System, SettingError> {
-        let mut values = build::values(self);
+        let values = self.values_with(build::values(self), settings)?;
+        Ok(System::new(Arc::new(self.clone()), values, None)?)
+    }
+
+    fn values_with(
+        &self,
+        mut values: Vec<f64>,
+        settings: &[(String, f64)],
+    ) -> Result<Vec<f64>, SettingError> {
         for (i, (name, value)) in settings.iter().enumerate() {
             let known = || {
                 self.parameters
@@ -118,12 +146,16 @@ impl SystemFile {
             }
             values[number] = *value;
         }
-        Ok(System::new(Arc::new(self.clone()), values)?)
+        Ok(values)
     }
 }
 
 impl System {
-    fn new(file: Arc<SystemFile>, values: Vec<f64>) -> Result<System, FileError> {
+    fn new(
+        file: Arc<SystemFile>,
+        values: Vec<f64>,
+        stop: Option<Arc<Stop>>,
+    ) -> Result<System, FileError> {
         let built = built(&file, &values, Variant::AsWritten)?;
         let states = file.states.len();
         let direction = file
@@ -134,13 +166,45 @@ impl System {
             function,
             direction,
         });
-        let dynamics = solver(&file, &built, section, states)?;
+        let dynamics = stoppable(solver(&file, &built, section, states)?, stop.as_ref());
         Ok(System {
             file,
             values,
             built,
             dynamics,
+            stop,
         })
+    }
+
+    /// The same with other values of some parameters, by name.
+    ///
+    /// # Errors
+    /// As [`SystemFile::with`].
+    pub fn with_values(&self, given: &[(&str, f64)]) -> Result<System, SettingError> {
+        let settings: Vec<(String, f64)> = given
+            .iter()
+            .map(|&(name, value)| (name.to_owned(), value))
+            .collect();
+        let values = self.file.values_with(self.values.clone(), &settings)?;
+        Ok(System::new(self.file.clone(), values, self.stop.clone())?)
+    }
+
+    /// The same with another section.
+    ///
+    /// # Errors
+    /// As [`SystemFile::with_section`].
+    pub fn with_section(&self, function: &str, direction: Direction) -> Result<System, FileError> {
+        let file = Arc::new(self.file.with_section(function, direction)?);
+        System::new(file, self.values.clone(), self.stop.clone())
+    }
+
+    /// The same, whose orbits end when `stop` is raised, as do those of the systems made of it.
+    ///
+    /// # Errors
+    /// As [`SystemFile::with`].
+    pub fn stoppable(&self, stop: Arc<Stop>) -> Result<System, SettingError> {
+        let (file, values) = (self.file.clone(), self.values.clone());
+        Ok(System::new(file, values, Some(stop))?)
     }
 
     /// The system with a parameter as one more state behind the others, along which its orbits can
@@ -181,7 +245,21 @@ impl System {
         states: usize,
     ) -> Result<DynamicsRef<'static>, SettingError> {
         let built = built(&self.file, &self.values, variant)?;
-        Ok(solver(&self.file, &built, None, states)?)
+        let dynamics = solver(&self.file, &built, None, states)?;
+        Ok(stoppable(dynamics, self.stop.as_ref()))
+    }
+
+    /// The period of a system that has one, and none of a system that does not depend on time.
+    ///
+    /// # Errors
+    /// [`PeriodError`] where it depends on time and no period is known, or the period is none.
+    pub fn checked_period(&self) -> Result<Option<f64>, PeriodError> {
+        let period = self.built.period;
+        match (period, self.is_periodic()) {
+            (None, _) if self.built.depends_on_time => Err(PeriodError::Missing),
+            (Some(period), Some(false)) => Err(PeriodError::Wrong { period }),
+            _ => Ok(period),
+        }
     }
 
     /// Whether field, boundaries and jumps are what they were a period ago, at some states; `None`

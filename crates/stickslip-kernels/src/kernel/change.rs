@@ -60,6 +60,24 @@ pub enum Change {
     Unlocated,
 }
 
+impl Change {
+    /// What it is called.
+    pub fn name(&self) -> String {
+        match self {
+            Change::Sequence { name, .. } if name == "unnamed" => {
+                "a change of the phases that has no name".to_owned()
+            }
+            Change::Sequence { name, .. } | Change::Multiplier { name, .. } => name.clone(),
+            Change::Equilibrium { frequency, .. } if *frequency > 0.0 => {
+                "Hopf bifurcation of the equilibrium".to_owned()
+            }
+            Change::Equilibrium { .. } => "zero eigenvalue of the equilibrium".to_owned(),
+            Change::BoundaryEquilibrium { .. } => "boundary-equilibrium bifurcation".to_owned(),
+            Change::Unlocated => "not located".to_owned(),
+        }
+    }
+}
+
 impl From<&SequenceChange> for Change {
     fn from(change: &SequenceChange) -> Self {
         Change::Sequence {

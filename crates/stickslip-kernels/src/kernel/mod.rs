@@ -4,6 +4,7 @@ mod change;
 mod compiled;
 mod inputs;
 mod reached;
+mod stoppable;
 mod system;
 
 use std::ops::ControlFlow;
@@ -18,6 +19,8 @@ pub use change::Change;
 pub use compiled::dynamics;
 pub use inputs::{HELD, Input, Jump, Piece, Shape, Switching};
 pub use reached::{Motion, Outcome, PhaseThere, TransitionThere};
+pub use stoppable::Stop;
+pub(crate) use stoppable::stoppable;
 pub use system::{
     Combination, Equations, Fields, ManyContacts, OneContact, Section, sides_to_check,
 };

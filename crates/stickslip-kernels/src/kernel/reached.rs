@@ -60,6 +60,12 @@ impl Motion {
         }
     }
 
+    /// Whether it is an attractor, and not an orbit that has come to none: that escapes, ends,
+    /// fails, or is undecided.
+    pub fn is_attractor(&self) -> bool {
+        self.kind().is_some()
+    }
+
     /// A word for tables.
     pub fn word(&self) -> &'static str {
         match self {

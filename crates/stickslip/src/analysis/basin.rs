@@ -1,8 +1,11 @@
 //! Basins of attraction: which attractor each of many starts leads to.
 
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use rayon::prelude::*;
 
-use super::attractors::{Attractors, Reached, RecurrenceSettings, attractor_of};
+use super::attractors::{Attractors, Reached, RecurrenceSettings, one_of_many};
 use crate::dynamics::{AsDynamics, Components};
 use crate::error::Error;
 use crate::filippov::Options;
@@ -61,17 +64,38 @@ impl Basin {
 /// ```
 ///
 /// # Errors
-/// As [`super::attractor`], for the first start that has one.
+/// As [`super::attractor_of_many`], for the first start that has one.
 pub fn basin<Kind>(
     system: &impl AsDynamics<Kind>,
     starts: impl IntoIterator<Item = impl Components>,
     settings: &RecurrenceSettings,
     options: &Options,
 ) -> Result<Basin, Error> {
+    let all = || ControlFlow::Continue(());
+    let (attractors, reached) = basin_while(system, starts, settings, options, all)?;
+    Ok(Basin {
+        attractors,
+        reached: reached.into_iter().flatten().collect(),
+    })
+}
+
+/// As [`basin`], with someone who is asked behind each start, on the thread that followed it, and
+/// may say that this is enough. Starts that are left out then have no number.
+///
+/// # Errors
+/// Those of [`basin`].
+pub fn basin_while<Kind>(
+    system: &impl AsDynamics<Kind>,
+    starts: impl IntoIterator<Item = impl Components>,
+    settings: &RecurrenceSettings,
+    options: &Options,
+    asked: impl Fn() -> ControlFlow<()> + Sync,
+) -> Result<(Vec<Reached>, Vec<Option<usize>>), Error> {
     let mut known = Attractors::new(system, settings, options);
     let dynamics = system.dynamics();
     let mut reached = Vec::new();
     let mut starts = starts.into_iter().map(Components::vector);
+    let is_enough = AtomicBool::new(false);
     loop {
         let wave: Vec<_> = starts.by_ref().take(WAVE).collect();
         if wave.is_empty() {
@@ -80,14 +104,22 @@ pub fn basin<Kind>(
         let outcomes: Vec<_> = wave
             .into_par_iter()
             .with_max_len(16)
-            .map(|x| attractor_of(&*dynamics, x, settings, options))
+            .map(|x| {
+                if is_enough.load(Ordering::Relaxed) {
+                    return None;
+                }
+                let outcome = one_of_many(&*dynamics, x, settings, options);
+                if asked().is_break() {
+                    is_enough.store(true, Ordering::Relaxed);
+                    return None;
+                }
+                Some(outcome)
+            })
             .collect();
         for outcome in outcomes {
-            reached.push(known.number(outcome?));
+            let outcome = outcome.transpose()?;
+            reached.push(outcome.map(|outcome| known.number(outcome)));
         }
     }
-    Ok(Basin {
-        attractors: known.into_found(),
-        reached,
-    })
+    Ok((known.into_found(), reached))
 }

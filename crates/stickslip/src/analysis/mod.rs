@@ -21,9 +21,10 @@ mod tangency;
 mod tangent;
 
 pub use attractors::{
-    Attractors, Kind, Reached, RecurrenceSettings, attractor, attractor_on, is_same_cycle,
+    Attractors, Kind, Reached, RecurrenceSettings, attractor, attractor_of_many, attractor_on,
+    is_same_cycle,
 };
-pub use basin::{Basin, Share, basin};
+pub use basin::{Basin, Share, basin, basin_while};
 pub use bifurcation::{AttractorChange, Sweep, SweepPoint, SweepSettings, WhatChanges, sweep};
 pub use continuation::{
     Branch, BranchPoint, ContinuationSettings, Curve, CurvePoint, CurveStop, Special, SpecialPoint,

@@ -14,11 +14,11 @@ pub enum Method {
         step: f64,
     },
     /// Taylor series of the solution with adaptive steps; the order follows from the tolerance. The fastest method for errors of 1e-9 and less.
-    /// 
+    ///
     /// The field runs once for each order, on numbers that carry their own recurrences. `#[inline(always)]` on the user's functions saves a third of the time.
-    /// 
+    ///
     /// Events are zeros of the boundary function's series, isolated with certainty, so that `locator` has no effect. Where a field or boundary uses `max`, `min`, `abs` or [`crate::Scalar::exceeds`], a step ends where the comparison changes. It also ends where `tanh`, `exp`, `cosh` and `sinh` cease to be flat to rounding, or to be negligible beside one (from −17 to 17 for `tanh`, from −37 to 37 for the others).
-    /// 
+    ///
     /// Other flat and narrow features (a high power of `1/(1 + x²)`) need [`Options::longest_step`]. A function that branches on [`crate::Scalar::value`] is sampled, as for Runge–Kutta steps. If such a branch bends it sharply, two crossings close to the bend can be missed.
     Taylor,
     /// The paper's classical method of order 4 with a fixed step ([`crate::ode::Rk4`]).

@@ -1,7 +1,7 @@
 //! The first zero of a function over a step, found by resolving the function and not by its signs at the ends.
 //!
 //! The function is sampled at nine Chebyshev points of the interval. The sums of its Chebyshev coefficients decide for the whole interval: there is no zero, or the function is monotone and its ends decide. The last two coefficients count twice, as a margin for the truncated tail. If neither holds, the interval is halved. So two crossings within a step, or a touch, are found however close they lie, down to rounding.
-//! 
+//!
 //! A feature between all samples is found if the function has interval bounds. An interval that samples call clear is halved until its bounds confirm that.
 
 /// An interval with a positive value at its start and none at its end.

@@ -13,9 +13,7 @@ use stickslip::analysis::{Attractors, RecurrenceSettings};
 
 use super::arguments::{RunArguments, SolverArguments, count, seed};
 use super::range::{StateRange, grid, not_too_many};
-use super::sweeping::{
-    Sweep, SweepArguments, UntilArguments, recurrence, sweep, table, to_content,
-};
+use super::sweeping::{Sweep, SweepArguments, UntilArguments, sweep, table, to_content};
 use super::{attractors, figures};
 use crate::failure::Failure;
 use crate::render::{Answer, Report, Table, state_words};
@@ -23,6 +21,7 @@ use crate::sweep::{BlockError, Store, SweepError};
 use starts::Points;
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::{Motion, Outcome};
+use stickslip_kernels::study::recurrence;
 
 /// Find which attractor each of many starts in a plane leads to
 ///
@@ -273,7 +272,7 @@ fn number(
 fn numbers_of(known: &[Outcome]) -> Vec<Option<usize>> {
     let mut last = 0;
     let number = |outcome: &Outcome| {
-        attractors::is_attractor(&outcome.motion).then(|| {
+        outcome.motion.is_attractor().then(|| {
             last += 1;
             last
         })
@@ -339,7 +338,7 @@ impl Basin {
 
     fn json(&self, one: &Attracting, system: &System) -> Value {
         let mut json = match &one.outcome.motion {
-            motion if attractors::is_attractor(motion) => attractors::json(&one.outcome, system),
+            motion if motion.is_attractor() => attractors::json(&one.outcome, system),
             Motion::Failure(error) => json!({ "motion": "failure", "first_error": error }),
             Motion::Undecided => json!({ "motion": "undecided", "after": self.until }),
             motion => json!({ "motion": motion.word() }),
@@ -409,7 +408,7 @@ impl Basin {
         let Motion::Periodic { period, .. } = outcome.motion else {
             return format!("{}: {percent:.2} %", attractors::since(word, self.until));
         };
-        let phases = attractors::sequence(system, outcome);
+        let phases = system.phases(outcome);
         // Long sequences would be wider than the figure.
         let phases = if phases.len() > 24 {
             format!("{} phases", outcome.phases.len())

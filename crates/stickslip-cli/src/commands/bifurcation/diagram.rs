@@ -6,9 +6,10 @@ use std::rc::Rc;
 use plot::{BLUE, Figure, Guide, Legend, Markers, ORANGE, Panel, Shape};
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::{Motion, PhaseThere};
+use stickslip_kernels::study::Largest;
 
 use super::{AtValue, Bifurcation, Block, ChangeBetween};
-use crate::commands::exponent::Largest;
+use crate::commands::exponent;
 use crate::commands::sweeping::table;
 use crate::commands::{attractors, changes, figures};
 use crate::failure::Failure;
@@ -52,7 +53,7 @@ impl OneDirection {
         {
             self.exponents.push((value, exponent));
         }
-        let motion = attractors::class(system, &at.outcome);
+        let motion = system.class(&at.outcome);
         match self.spans.last_mut() {
             Some(last) if last.2 == motion => last.1 = value,
             _ => self.spans.push((value, value, motion)),
@@ -84,7 +85,7 @@ impl Bifurcation {
             .column("way", |&(way, ..): &Point| WAY_NAMES[way])
             .column(parameter, |(_, at, _)| at.value);
         let columns = attractors::columns(system, columns, |(_, at, _)| &at.outcome);
-        let columns = Largest::columns(columns, |(_, at, _)| at.largest);
+        let columns = exponent::columns(columns, |(_, at, _)| at.largest);
         let columns = columns.state(system, "", |(_, at, point)| {
             point.map(|point| at.outcome.points[point].1.clone())
         });

@@ -2,30 +2,25 @@
 
 mod diagram;
 
-use std::cell::Cell;
 use std::num::NonZeroUsize;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use stickslip::Options;
-use stickslip::analysis::{RecurrenceSettings, SweepSettings, sweep as sweep_of};
-use stickslip::dynamics::DynamicsRef;
 
 use super::arguments::{RunArguments, SolverArguments, StartArguments, count};
-use super::exponent::Largest;
 use super::range::{ParameterRange, not_too_many};
 use super::sweeping::{
-    ExponentArguments, Sweep, SweepArguments, UntilArguments, blocks, from_content, recurrence,
-    sweep, to_content,
+    ExponentArguments, Sweep, SweepArguments, UntilArguments, blocks, from_content, sweep,
+    to_content,
 };
 use super::{attractors, changes};
-use crate::failure::Failure;
+use crate::failure::{Failure, in_words};
 use crate::render::{Answer, Report, Table, place, rounded};
 use crate::sweep::{BlockError, Store};
 use diagram::WAY_NAMES;
 use stickslip_kernels::file::System;
-use stickslip_kernels::kernel::{Change, Motion, Outcome};
+use stickslip_kernels::study::{AtValue, ChangeBetween, Diagram, ValueEnd, recurrence};
 
 /// Follow attractors over a parameter, up and down, each from the state reached at the value before
 ///
@@ -86,33 +81,6 @@ pub(super) struct Bifurcation {
     solver: SolverArguments,
 }
 
-/// What is found at one value.
-#[derive(Debug, Serialize, Deserialize)]
-struct AtValue {
-    value: f64,
-    outcome: Outcome,
-    largest: Largest,
-}
-
-/// A change between two neighbouring values.
-#[derive(Debug, Serialize, Deserialize)]
-struct ChangeBetween {
-    values: (f64, f64),
-    change: Change,
-}
-
-/// Where a block ends and the next one goes on.
-#[derive(Debug, Serialize, Deserialize)]
-struct BlockEnd {
-    value: f64,
-    /// The motion there, as [`attractors::class`] has it.
-    class: String,
-    /// The state that the orbit there began from.
-    start: Vec<f64>,
-    /// The state that the orbit at the next value begins from.
-    carried: Vec<f64>,
-}
-
 /// What a block holds.
 #[derive(Debug, Serialize, Deserialize)]
 struct Block {
@@ -120,7 +88,7 @@ struct Block {
     /// Changes from each value to the next, the first of them from the last value of the block
     /// before.
     changes: Vec<ChangeBetween>,
-    last: Option<BlockEnd>,
+    last: Option<ValueEnd>,
 }
 
 impl Bifurcation {
@@ -182,99 +150,29 @@ impl Bifurcation {
             Some(before) => from_content::<Block>(before)?.last,
             None => None,
         };
+        let diagram = Diagram {
+            system,
+            parameter: &self.parameter.name,
+            until: self.until,
+            duration: Some(self.duration),
+            locates: true,
+            options: &options,
+        };
         let (mut found, mut changes) = (Vec::new(), Vec::new());
         for value in self.values_of(block) {
-            let here = self.parameter.system(system, value)?;
-            let settings = recurrence(&here, self.until);
-            let start = match &last {
-                Some(last) => last.carried.clone(),
-                None => self.start.at_zero(&here)?,
-            };
-            let outcome = attractors::reached_from(&here, &start, &settings, &options)?;
-            let class = attractors::class(system, &outcome);
-            if let Some(last) = last.filter(|last| last.class != class) {
-                for change in self.changes(system, &last, value, &settings, &options)? {
-                    let values = (last.value, value);
-                    changes.push(ChangeBetween { values, change });
-                }
-            }
-            last = Some(BlockEnd {
-                value,
-                class,
-                carried: carried_on(&outcome, settings.forcing.is_some())
-                    .unwrap_or_else(|| start.clone()),
-                start,
-            });
-            let largest = Largest::on(&here, &outcome, self.duration, &options);
-            found.push(AtValue {
-                value,
-                outcome,
-                largest,
-            });
+            let start = |here: &System| self.start.at_zero(here);
+            let told = |error: &stickslip::Error| in_words(error, system);
+            let at = diagram.at(value, last.as_ref(), start, &told);
+            let (at, between, end) = at.map_err(|error: Failure| error.of(system))?;
+            found.push(at);
+            changes.extend(between);
+            last = Some(end);
         }
         Ok(Block {
             found,
             changes,
             last,
         })
-    }
-
-    /// What the attractor becomes between the last value and this one.
-    fn changes(
-        &self,
-        system: &System,
-        last: &BlockEnd,
-        value: f64,
-        recurrence: &RecurrenceSettings,
-        options: &Options,
-    ) -> Result<Vec<Change>, Failure> {
-        let settings = SweepSettings {
-            recurrence: *recurrence,
-            ..SweepSettings::within(self.until)
-        };
-        // In a time in which the drive has one period, though its own may change with the
-        // parameter. Where there is no system, the search goes on with this one, and what it finds
-        // is not told.
-        let complete = Cell::new(true);
-        let family = |value| {
-            let there = self.parameter.system(system, value).ok();
-            let there = there.and_then(|there| there.in_period(recurrence.forcing).ok());
-            there.unwrap_or_else(|| {
-                complete.set(false);
-                DynamicsRef::Borrowed(&**system.dynamics())
-            })
-        };
-        let between = [last.value, value];
-        let found = sweep_of(family, between, last.start.as_slice(), &settings, options)
-            .map_err(|error| Failure::from(error).of(system))?;
-        if !complete.get() {
-            return Ok(vec![Change::Unlocated]);
-        }
-        let found = found.changes.iter();
-        let mut found: Vec<Change> = found.map(|change| Change::from(&change.what)).collect();
-        for change in &mut found {
-            if let (
-                Change::Sequence {
-                    parameter, period, ..
-                },
-                Some(reference),
-            ) = (change, recurrence.forcing)
-            {
-                let there = self.parameter.system(system, *parameter)?;
-                *period *= there.built.period.map_or(1.0, |there| there / reference);
-            }
-        }
-        Ok(found)
-    }
-}
-
-/// The state that the next value's orbit begins from; none where this one has come to no attractor.
-fn carried_on(outcome: &Outcome, is_forced: bool) -> Option<Vec<f64>> {
-    match outcome.motion {
-        Motion::Escape | Motion::Failure(_) | Motion::Repelling | Motion::TwoFold => None,
-        // At a flash of the strobe, so that the next orbit begins at the same phase of the forcing.
-        _ if is_forced => outcome.points.last().map(|(_, x)| x.clone()),
-        _ => Some(outcome.left_at.1.clone()),
     }
 }
 
@@ -341,7 +239,7 @@ impl Sweep for Bifurcation {
             .column(name, |(_, at)| changes::parameter(&at.change))
             .column("from", |(_, at)| at.values.0)
             .column("to", |(_, at)| at.values.1)
-            .column("what", |(_, at)| changes::name(&at.change))
+            .column("what", |(_, at)| at.change.name())
             .column("contacts", |(_, at)| changes::contacts(system, &at.change))
             .column("uncertainty", |(_, at)| changes::uncertainty(&at.change))
             .column("before", |(_, at)| {

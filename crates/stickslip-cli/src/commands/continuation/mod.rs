@@ -18,7 +18,7 @@ use super::changes;
 use super::range::ParameterRange;
 use super::search::SearchArguments;
 use crate::failure::{Failure, in_words};
-use crate::render::{Answer, Report, Table, explained, place, rounded, sequence, within};
+use crate::render::{Answer, Report, Table, explained, place, rounded, within};
 use crate::terminal::patiently;
 use branch::{Begin, Branch, Other, Point};
 
@@ -250,7 +250,7 @@ fn change(at: &SpecialPoint) -> Option<Change> {
 
 /// What a special orbit is called.
 fn what(at: &SpecialPoint) -> String {
-    change(at).map_or_else(|| at.what.to_string(), |change| changes::name(&change))
+    change(at).map_or_else(|| at.what.to_string(), |change| change.name())
 }
 
 /// A special orbit in words.
@@ -511,7 +511,7 @@ fn columns<'a>(
         .column(parameter, |(_, at)| at.orbit.parameter)
         .column("period", |(_, at)| at.orbit.period)
         .column("stability", |(_, at)| at.orbit.stability().to_string())
-        .column("phases", |(_, at)| sequence(system, &at.orbit.sequence))
+        .column("phases", |(_, at)| system.sequence(&at.orbit.sequence))
         .column("t", |(_, at)| at.orbit.t)
         .state(system, "", |(_, at)| at.orbit.x.clone())
         .many("extremes", ends.collect(), |(_, at)| -> Vec<f64> {

@@ -13,9 +13,10 @@ mod search;
 pub use known::Attractors;
 pub use reached::{Kind, Reached, is_same_cycle};
 
-use crate::dynamics::{AsDynamics, Components, Dynamics, Moment, Section, Typed, Vector};
+use crate::dynamics::{AsDynamics, Components, Dynamics, Modes, Moment, Section, Typed, Vector};
 use crate::error::Error;
 use crate::filippov::{EventFunctions, Options, Strobe, Switched};
+use crate::system::Mode;
 use search::Search;
 
 /// When an orbit is said to have come to an attractor.
@@ -118,6 +119,48 @@ pub fn attractor<Kind>(
     options: &Options,
 ) -> Result<Reached, Error> {
     attractor_of(&*system.dynamics(), x0.vector(), settings, options)
+}
+
+/// As [`attractor`], for one start of many: that it lies outside the domain of the field, or beyond
+/// the escape bound, is a [`Kind`], too.
+///
+/// # Errors
+/// Others of [`attractor`].
+pub fn attractor_of_many<Kind>(
+    system: &impl AsDynamics<Kind>,
+    x0: impl Components,
+    settings: &RecurrenceSettings,
+    options: &Options,
+) -> Result<Reached, Error> {
+    one_of_many(&*system.dynamics(), x0.vector(), settings, options)
+}
+
+/// As [`attractor_of_many`].
+pub(super) fn one_of_many(
+    system: &dyn Dynamics,
+    x0: Vector,
+    settings: &RecurrenceSettings,
+    options: &Options,
+) -> Result<Reached, Error> {
+    let at_once = |kind, x| Reached {
+        kind,
+        period_uncertainty: 0.0,
+        family: None,
+        points: Vec::new(),
+        phases: Vec::new(),
+        transitions: Vec::new(),
+        in_stick: 0.0,
+        // No run has begun that would be in one.
+        mode: Modes::new(&vec![Mode::Stick; system.contacts()]),
+        t: 0.0,
+        x,
+    };
+    let x = x0.clone();
+    attractor_of(system, x0, settings, options).or_else(|error| match error {
+        Error::Escaped { .. } => Ok(at_once(self::Kind::Escape, x)),
+        Error::StartOutsideDomain { .. } => Ok(at_once(self::Kind::Failure(error), x)),
+        error => Err(error),
+    })
 }
 
 /// As [`attractor`].

@@ -13,7 +13,7 @@ use crate::system::Side;
 /// A system of `M` contacts: a smooth field for every combination of sides, and a boundary for each contact.
 ///
 /// The two functions are all that is needed, as with [`crate::Filippov`], which is simpler for one contact. Contacts that hold at the same time slide on the intersection of their boundaries. The sliding field is the multi-affine combination of the fields of all sides that is tangent to each boundary (Alexander & Seidman, *Houston J. Math.* 24 (1998) 545; Dieci & Lopez, *Numer. Math.* 117 (2011) 779; Jeffrey, *SIAM J. Appl. Dyn. Syst.* 13 (2014) 1082). If frictions add, this is Coulomb's law: each contact's force is what holding takes, up to its limit.
-/// 
+///
 /// The complementarity problem of all contacts at zero decides which of them hold after an event. If it has no solution, or more than one, the run ends with an error.
 ///
 /// [`crate::AtRepelling`] applies to systems of one boundary only. Only these end at two-folds and may lose their normal force ([`crate::Filippov::contact`]). Friction that couples contacts in other ways than Coulomb's is decided for at most eight contacts at zero together. Contacts whose weight or rate vanishes are decided by the next derivative, one after the other.

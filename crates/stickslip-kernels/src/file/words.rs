@@ -1,0 +1,80 @@
+//! Names and sequences of phases of a system in words.
+
+use stickslip::dynamics::Modes;
+use stickslip::{Mode, Side};
+
+use super::System;
+use crate::kernel::{Motion, Outcome};
+
+impl System {
+    /// The name of a contact, or of a jump or an input, whose numbers are behind those; empty where
+    /// it is none of the system's.
+    pub fn contact_name(&self, number: usize) -> String {
+        let contacts = self.file.contacts.iter().map(|contact| &contact.name);
+        let jumps = self.file.jumps.iter().map(|jump| &jump.name);
+        let inputs = self.file.inputs.iter().map(|input| &input.name);
+        let mut all = contacts.chain(jumps).chain(inputs);
+        all.nth(number).cloned().unwrap_or_default()
+    }
+
+    /// The modes of a phase in a few letters, of several contacts separated by `|`: `+` and `-` for
+    /// slip above and below, `S` for stick. Behind them is the jump that ends the phase, in brackets
+    /// where there is a contact; `·` is a phase that no jump ends, of a system without contacts.
+    pub fn letters(&self, modes: &Modes) -> String {
+        let letters = modes.iter().map(|mode| match mode {
+            Mode::Stick => "S",
+            Mode::Slip(Side::Above) => "+",
+            Mode::Slip(Side::Below) => "-",
+        });
+        let letters = letters.collect::<Vec<_>>().join("|");
+        match modes.jump() {
+            None if letters.is_empty() => "·".to_owned(),
+            _ => self.with_jump(letters, modes),
+        }
+    }
+
+    /// Letters of modes with the jump that ends the phase.
+    pub fn with_jump(&self, letters: String, modes: &Modes) -> String {
+        let jump = modes.jump().map(|jump| self.contacts() + jump);
+        match jump.map(|number| self.contact_name(number)) {
+            Some(name) if letters.is_empty() => name,
+            Some(name) => format!("{letters}({name})"),
+            None => letters,
+        }
+    }
+
+    /// The modes of successive phases, in letters.
+    pub fn sequence(&self, modes: &[Modes]) -> String {
+        let phases: Vec<String> = modes.iter().map(|modes| self.letters(modes)).collect();
+        phases.join(" ")
+    }
+
+    /// The phases of a period, the same text wherever in the cycle they were found to begin, or the
+    /// modes of a rest, in letters; empty for other motions, whose phases are only the last ones.
+    pub fn phases(&self, outcome: &Outcome) -> String {
+        match outcome.motion {
+            Motion::Periodic { .. } => {
+                let phases = outcome.sequence();
+                let turned = |by: usize| {
+                    let (end, begin) = phases.split_at(by);
+                    self.sequence(&[begin, end].concat())
+                };
+                (0..phases.len()).map(turned).min().unwrap_or_default()
+            }
+            Motion::Equilibrium | Motion::EquilibriumSet => self.letters(&outcome.modes),
+            _ => String::new(),
+        }
+    }
+
+    /// The kind of motion, of a periodic orbit with the cycle of its phases.
+    pub fn class(&self, outcome: &Outcome) -> String {
+        let word = outcome.motion.word();
+        match outcome.motion {
+            Motion::Periodic { .. } => match self.phases(outcome) {
+                phases if phases.trim().is_empty() => word.to_owned(),
+                phases => format!("{word}, {phases}"),
+            },
+            _ => word.to_owned(),
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! A bifurcation diagram, one value of the parameter after the other.
+
+use std::cell::Cell;
+
+use serde::{Deserialize, Serialize};
+use stickslip::analysis::{RecurrenceSettings, SweepSettings, attractor, sweep};
+use stickslip::dynamics::DynamicsRef;
+use stickslip::{Error, Options};
+
+use super::{Largest, recurrence};
+use crate::file::{SettingError, System};
+use crate::kernel::{Change, Motion, Outcome};
+
+/// How an attractor is followed over a parameter.
+#[derive(Clone, Copy)]
+pub struct Diagram<'a> {
+    /// The system.
+    pub system: &'a System,
+    /// Name of the parameter.
+    pub parameter: &'a str,
+    /// Time after which an orbit is undecided.
+    pub until: f64,
+    /// Time over which the largest exponent is measured, if it is.
+    pub duration: Option<f64>,
+    /// Whether changes of the attractor are located.
+    pub locates: bool,
+    /// Settings of the solver.
+    pub options: &'a Options,
+}
+
+/// What is found at one value.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct AtValue {
+    /// The parameter.
+    pub value: f64,
+    /// What the orbit has come to.
+    pub outcome: Outcome,
+    /// Its largest exponent.
+    pub largest: Largest,
+}
+
+/// A change between two neighbouring values.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct ChangeBetween {
+    /// The two values.
+    pub values: (f64, f64),
+    /// What changes.
+    pub change: Change,
+}
+
+/// From where the next value goes on.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct ValueEnd {
+    /// The parameter.
+    pub value: f64,
+    /// The motion there, as [`System::class`] has it.
+    pub class: String,
+    /// The state that the orbit there began from.
+    pub start: Vec<f64>,
+    /// The state that the orbit at the next value begins from.
+    pub carried: Vec<f64>,
+}
+
+impl Diagram<'_> {
+    /// What is found at a value, the changes of the attractor since the last one, and from where the
+    /// next one goes on. The first orbit begins where `start` says; `told` puts into words what an
+    /// integration failed with.
+    ///
+    /// # Errors
+    /// Those of [`attractor`], of settings, and of `start`.
+    pub fn at<E: From<Error> + From<SettingError>>(
+        &self,
+        value: f64,
+        last: Option<&ValueEnd>,
+        start: impl FnOnce(&System) -> Result<Vec<f64>, E>,
+        told: &dyn Fn(&Error) -> String,
+    ) -> Result<(AtValue, Vec<ChangeBetween>, ValueEnd), E> {
+        let here = self.system.with_values(&[(self.parameter, value)])?;
+        let settings = recurrence(&here, self.until);
+        let start = match last {
+            Some(last) => last.carried.clone(),
+            None => start(&here)?,
+        };
+        let reached = attractor(here.dynamics(), &*start, &settings, self.options)?;
+        let outcome = Outcome::of(&reached, told);
+        let class = here.class(&outcome);
+        let mut changes = Vec::new();
+        if let Some(last) = last.filter(|last| self.locates && last.class != class) {
+            let found = self.changes::<E>(last, value, &settings)?;
+            let values = (last.value, value);
+            let found = found.into_iter();
+            changes.extend(found.map(|change| ChangeBetween { values, change }));
+        }
+        let end = ValueEnd {
+            value,
+            class,
+            carried: carried_on(&outcome, settings.forcing.is_some())
+                .unwrap_or_else(|| start.clone()),
+            start,
+        };
+        let largest = match self.duration {
+            Some(duration) => Largest::on(&here, &outcome, duration, self.options),
+            None => Largest::Unmeasured,
+        };
+        let found = AtValue {
+            value,
+            outcome,
+            largest,
+        };
+        Ok((found, changes, end))
+    }
+
+    /// What the attractor becomes between the last value and this one.
+    fn changes<E: From<Error> + From<SettingError>>(
+        &self,
+        last: &ValueEnd,
+        value: f64,
+        recurrence: &RecurrenceSettings,
+    ) -> Result<Vec<Change>, E> {
+        let settings = SweepSettings {
+            recurrence: *recurrence,
+            ..SweepSettings::within(self.until)
+        };
+        // In a time in which the drive has one period, though its own may change with the
+        // parameter. Where there is no system, the search goes on with this one, and what it finds
+        // is not told.
+        let complete = Cell::new(true);
+        let family = |value| {
+            let there = self.system.with_values(&[(self.parameter, value)]).ok();
+            let there = there.and_then(|there| there.in_period(recurrence.forcing).ok());
+            there.unwrap_or_else(|| {
+                complete.set(false);
+                DynamicsRef::Borrowed(&**self.system.dynamics())
+            })
+        };
+        let between = [last.value, value];
+        let found = sweep(family, between, &*last.start, &settings, self.options)?;
+        if !complete.get() {
+            return Ok(vec![Change::Unlocated]);
+        }
+        let found = found.changes.iter();
+        let mut found: Vec<Change> = found.map(|change| Change::from(&change.what)).collect();
+        for change in &mut found {
+            if let (
+                Change::Sequence {
+                    parameter, period, ..
+                },
+                Some(reference),
+            ) = (change, recurrence.forcing)
+            {
+                let there = self.system.with_values(&[(self.parameter, *parameter)])?;
+                *period *= there.built.period.map_or(1.0, |there| there / reference);
+            }
+        }
+        Ok(found)
+    }
+}
+
+/// The state that the next value's orbit begins from; none where this one has come to no attractor.
+fn carried_on(outcome: &Outcome, is_forced: bool) -> Option<Vec<f64>> {
+    match outcome.motion {
+        Motion::Escape | Motion::Failure(_) | Motion::Repelling | Motion::TwoFold => None,
+        // At a flash of the strobe, so that the next orbit begins at the same phase of the forcing.
+        _ if is_forced => outcome.points.last().map(|(_, x)| x.clone()),
+        _ => Some(outcome.left_at.1.clone()),
+    }
+}

@@ -1,0 +1,141 @@
+//! Computations that Ctrl-C ends, and that say how far they are.
+//!
+//! An analysis runs on threads of its own, on a system whose orbits end when they are told to. The
+//! thread that Python called on looks for signals meanwhile.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
+
+use pyo3::prelude::*;
+use stickslip_kernels::file::System;
+use stickslip_kernels::kernel::Stop;
+
+use crate::wrong;
+
+/// How often a computation looks whether it is interrupted.
+pub(crate) const LOOK: Duration = Duration::from_millis(50);
+
+/// What is called with how far a computation is: a number of things done, or a time.
+pub(crate) type Report = Option<Py<PyAny>>;
+
+/// A computation under way.
+pub(crate) struct Task {
+    stop: Arc<Stop>,
+    done: AtomicUsize,
+}
+
+impl Task {
+    /// Whether it is to end.
+    pub(crate) fn is_stopped(&self) -> bool {
+        self.stop.is_raised()
+    }
+
+    /// One more thing is done.
+    pub(crate) fn count(&self) {
+        self.done.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// The system, with orbits that end with the task.
+    pub(crate) fn system(&self, of: &System) -> PyResult<System> {
+        of.stoppable(self.stop.clone()).map_err(wrong)
+    }
+}
+
+/// What a computation says of how far it is.
+#[derive(Clone, Copy)]
+pub(crate) enum Tells {
+    Count,
+    Time,
+}
+
+/// What a computation has come to, and what has ended it early.
+pub(crate) struct Outcome<T> {
+    pub(crate) found: T,
+    pub(crate) raised: Option<PyErr>,
+}
+
+impl<T, E> Outcome<Result<T, E>> {
+    /// Of a computation that leaves nothing when it is interrupted.
+    pub(crate) fn whole(self, failed: impl FnOnce(E) -> PyErr) -> PyResult<T> {
+        match self.raised {
+            Some(raised) => Err(raised),
+            None => self.found.map_err(failed),
+        }
+    }
+}
+
+/// Looks for signals, and calls what is to be told of.
+pub(crate) fn look(report: &Report, at: f64) -> PyResult<()> {
+    Python::attach(|py| {
+        py.check_signals()?;
+        match report {
+            Some(report) => report.call1(py, (at,)).map(|_| ()),
+            None => Ok(()),
+        }
+    })
+}
+
+/// Computes without the interpreter's lock, on as many threads as are given, 0 for all. The pool of
+/// threads ends with the computation, so that a process can fork afterwards.
+pub(crate) fn computed<T: Send>(
+    py: Python<'_>,
+    workers: usize,
+    (report, tells): (&Report, Tells),
+    compute: impl FnOnce(&Task) -> T + Send,
+) -> PyResult<Outcome<T>> {
+    let task = Task {
+        stop: Arc::new(match tells {
+            Tells::Time => Stop::with_time(),
+            Tells::Count => Stop::default(),
+        }),
+        done: AtomicUsize::new(0),
+    };
+    let builder = rayon::ThreadPoolBuilder::new().num_threads(workers);
+    let pool = builder.build().map_err(|error| {
+        pyo3::exceptions::PyRuntimeError::new_err(format!("cannot start threads: {error}"))
+    })?;
+    let mut raised = None;
+    let outcome = py.detach(|| {
+        std::thread::scope(|scope| {
+            let task = &task;
+            let (done, wait) = channel();
+            let computation = scope.spawn(move || {
+                let outcome = pool.install(|| compute(task));
+                // Whoever waits sees the end of the thread, too.
+                let _ = done.send(());
+                outcome
+            });
+            while let Err(RecvTimeoutError::Timeout) = wait.recv_timeout(LOOK) {
+                let at = match tells {
+                    Tells::Time => task.stop.time(),
+                    Tells::Count => task.done.load(Ordering::Relaxed) as f64,
+                };
+                if raised.is_none()
+                    && let Err(error) = look(report, at)
+                {
+                    raised = Some(error);
+                    task.stop.raise();
+                }
+            }
+            computation.join()
+        })
+    });
+    match outcome {
+        Ok(found) => Ok(Outcome { found, raised }),
+        // A panic of the computation is one of this call.
+        Err(panic) => std::panic::resume_unwind(panic),
+    }
+}
+
+/// A computation with a defect, for the tests: it unwinds as a panic does.
+#[pyfunction]
+#[pyo3(name = "_unwind")]
+pub(crate) fn unwind(py: Python<'_>) -> PyResult<()> {
+    let report = (&None, Tells::Count);
+    let outcome = computed(py, 1, report, |_| -> PyResult<()> {
+        std::panic::resume_unwind(Box::new("on purpose"))
+    })?;
+    outcome.whole(|error| error)
+}

@@ -1,0 +1,92 @@
+#!/usr/bin/env bash
+# Makes the wheel, and tests it as its users install it:
+#
+#     python/make.sh wheel [PROFILE]    dist/*.whl; PROFILE of Cargo.toml, release unless given
+#     python/make.sh test [PROFILE]     the same, dev unless given, and python/tests on it
+#
+# Exit code 75: nothing was tested, for the package index cannot be reached. What was installed once
+# is kept in target/, so that later runs need no network.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+python="${PYTHON:-python3}"
+cargo="${CARGO:-cargo}"
+maturin=target/wheel-venv
+tests=target/python-venv
+empty=target/empty-venv
+wheels=target/python-wheels
+log=target/pip.log
+
+# Asks pip; where it fails for the network, that is said by the exit code.
+pip() {
+    local venv="$1"
+    shift
+    mkdir -p target
+    "$venv/bin/python" -m pip --disable-pip-version-check "$@" >"$log" 2>&1 && return
+    # Of what is asked for here an index that can be reached has versions.
+    if grep -q 'connection broken by\|from versions: none' "$log"; then
+        echo "not tested: the Python package index cannot be reached; try again with a network" >&2
+        exit 75
+    fi
+    cat "$log" >&2
+    exit 1
+}
+
+# An environment with these requirements; a stamp says that all of them are there.
+environment() {
+    local venv="$1" wanted
+    shift
+    wanted="$("$python" --version) $*"
+    [ "$(cat "$venv/wanted.txt" 2>/dev/null)" = "$wanted" ] && return
+    "$python" -m venv --clear "$venv"
+    pip "$venv" install "$@"
+    printf '%s' "$wanted" >"$venv/wanted.txt"
+}
+
+wheel() {
+    environment "$maturin" 'maturin>=1.7,<2'
+    rm -rf dist
+    "$maturin/bin/maturin" build --locked --profile "$1" --out dist
+}
+
+# The requirements of an extra in pyproject.toml.
+extra() {
+    "$python" -c 'import sys, tomllib
+project = tomllib.load(open("pyproject.toml", "rb"))["project"]
+extra = project["optional-dependencies"][sys.argv[1]]
+print("\n".join(project["dependencies"] + extra))' "$1"
+}
+
+test_wheel() {
+    wheel "$1"
+    # The program, whose bits the package must have.
+    "$cargo" build --locked -p stickslip-cli
+    local folder
+    folder="$("$cargo" metadata --locked --no-deps --format-version 1 |
+        sed -E 's/.*"target_directory":"([^"]*)".*/\1/')"
+
+    # NumPy is the only dependency.
+    if ! ls "$wheels"/numpy-*.whl >/dev/null 2>&1; then
+        mkdir -p "$wheels"
+        pip "$maturin" download --quiet --dest "$wheels" 'numpy>=1.26'
+    fi
+    "$python" -m venv --clear "$empty"
+    pip "$empty" install --no-index --find-links "$wheels" dist/*.whl
+    "$empty/bin/python" -c 'import stickslip'
+
+    readarray -t wanted < <(extra test)
+    environment "$tests" "${wanted[@]}"
+    pip "$tests" install --no-index --no-deps --force-reinstall dist/*.whl
+    export STICKSLIP="$folder/debug/stickslip"
+    # shellcheck disable=SC2086 # Arguments, of which there may be several.
+    "$tests/bin/python" -m pytest -q python/tests ${PYTEST_ARGS:-}
+}
+
+case "${1:-}" in
+wheel) wheel "${2:-release}" ;;
+test) test_wheel "${2:-dev}" ;;
+*)
+    sed -n '2,9s/^# \{0,1\}//p' "$0" >&2
+    exit 2
+    ;;
+esac

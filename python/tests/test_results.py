@@ -1,0 +1,117 @@
+"""Results: copies, short texts, figures."""
+
+import copy
+import pickle
+
+import matplotlib
+import matplotlib.pyplot
+import numpy as np
+import pytest
+import stickslip as ss
+
+
+matplotlib.use("Agg")
+
+
+def belt_system():
+    x, v = ss.states("x v")
+    mu0, vp = ss.parameters(mu0=0.4, vp=0.2)
+    belt = ss.Contact("belt", boundary=v - vp)
+    rate = -x - belt.side * mu0 / (1 + belt.side * (v - vp))
+    return ss.System({x: v, v: rate}, contacts=[belt])
+
+
+def results():
+    system, start = belt_system(), [0.5, 0]
+    v = ss.state("v")
+    grid = np.stack(np.meshgrid(np.linspace(-1, 1, 3), np.linspace(-1, 1, 2)), axis=-1)
+    return {
+        "solution": ss.solve_ivp(system, (0, 30), start, dense_output=True, events=v),
+        "map": ss.poincare_map(system, ss.event(v, -1), start, returns=5),
+        "orbit": ss.periodic_orbit(system, start),
+        "branch": ss.continuation(system, "mu0", (0.38, 0.42), start),
+        "spectrum": ss.lyapunov_spectrum(system, start, transient=20, duration=50),
+        "diagram": ss.bifurcation_diagram(system, "mu0", [0.38, 0.42], start, longest=200),
+        "basins": ss.basins_of_attraction(system, grid, longest=200),
+        "row of basins": ss.basins_of_attraction(system, grid[0], longest=200),
+        "plane": ss.parameter_map(
+            system, ("mu0", [0.3, 0.4]), ("vp", [0.2, 0.3, 0.4]), start, longest=200, duration=20
+        ),
+        "data": ss.lyapunov_from_data(np.sin(0.1 * np.arange(3000.0)) ** 3, dt=0.1),
+    }
+
+
+RESULTS = results()
+
+
+def same(one, other):
+    if isinstance(one, np.ndarray):
+        return one.dtype == other.dtype and one.tobytes() == other.tobytes()
+    if isinstance(one, (list, tuple)):
+        return len(one) == len(other) and all(map(same, one, other))
+    return one is other or one == other or repr(one) == repr(other)
+
+
+@pytest.mark.parametrize("name", RESULTS)
+@pytest.mark.parametrize(
+    "copied", [copy.copy, copy.deepcopy, lambda one: pickle.loads(pickle.dumps(one))]
+)
+def test_results_are_copied(name, copied):
+    result = RESULTS[name]
+    again = copied(result)
+    assert type(again) is type(result)
+    for field, value in vars(result).items():
+        assert same(value, getattr(again, field)), field
+
+
+def test_a_solution_from_a_pickle_has_the_same_bits():
+    x = ss.state("x")
+    times = np.linspace(0, 12, 101)
+    stop = ss.event(x - 0.1, direction=-1, terminal=3)
+    for sol in (
+        ss.solve_ivp(belt_system(), (0, 12), [0.5, 0], dense_output=True, rtol=1e-8),
+        ss.solve_ivp(belt_system(), (0, 1e6), [0.5, 0], events=stop, dense_output=True),
+    ):
+        again = pickle.loads(pickle.dumps(sol)).sol
+        asked = times[times <= sol.sol.t_max]
+        assert np.array_equal(again(asked), sol.sol(asked)) and len(asked) > 50
+        assert np.array_equal(again(sol.sol.t_max), sol.sol(sol.sol.t_max))
+        with pytest.raises(ValueError, match="the run goes from"):
+            again(sol.sol.t_max + 1)
+
+
+@pytest.mark.parametrize("name", RESULTS)
+def test_texts_are_short_and_figures_show_something(name, tmp_path):
+    result = RESULTS[name]
+    assert len(repr(result)) < 500 and type(result).__name__ in repr(result)
+    axes = result.plot()
+    assert axes.get_xlabel() and axes.get_ylabel() + axes.get_xlabel()
+    assert axes.lines or axes.collections or axes.patches
+    assert result.plot(axes) is axes
+    axes.figure.savefig(tmp_path / "figure.png")
+    assert (tmp_path / "figure.png").stat().st_size > 2000
+    matplotlib.pyplot.close(axes.figure)
+
+
+@pytest.mark.parametrize("what", ["exponent", "in_stick", "period"])
+def test_a_map_shows_numbers(what):
+    axes = RESULTS["plane"].plot(what=what)
+    drawn = axes.collections[0].get_array().reshape(3, 2)
+    assert np.ma.allequal(drawn, np.ma.masked_invalid(getattr(RESULTS["plane"], what)))
+    with pytest.raises(ValueError, match="what = 'other'"):
+        RESULTS["plane"].plot(what="other")
+
+
+def test_an_orbit_closes_and_its_stick_is_drawn():
+    orbit = RESULTS["orbit"]
+    sol = orbit.solution()
+    assert np.allclose(sol.y[:, 0], sol.y[:, -1], atol=1e-9)
+    assert [line.get_label() for line in orbit.plot().lines][1] == "stick"
+
+
+def test_without_matplotlib_a_figure_says_what_is_missing(monkeypatch):
+    import sys
+
+    monkeypatch.setitem(sys.modules, "matplotlib.pyplot", None)
+    with pytest.raises(ImportError, match=r"stickslip\[plot\]"):
+        RESULTS["solution"].plot()
