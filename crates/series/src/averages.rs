@@ -22,6 +22,8 @@ pub(crate) struct Average {
     /// The same without regard to how few the blocks are: what a difference is measured by that is
     /// not told by scatter.
     pub(crate) scatter: f64,
+    /// Steps that it is over, those without a stretching among them.
+    pub(crate) steps: usize,
     /// Steps in which the direction was annihilated.
     pub(crate) collapses: usize,
     /// Steps in which the data determine nothing.
@@ -47,15 +49,9 @@ impl Sum {
     }
 }
 
-/// Averages over the stretchings of all reference points in the order of time, each over the time
-/// `tau`.
-pub(crate) fn averages(stretches: &[Stretch], columns: usize, tau: f64) -> Vec<Average> {
-    (0..columns)
-        .map(|position| average(stretches, position, tau))
-        .collect()
-}
-
-fn average(stretches: &[Stretch], position: usize, tau: f64) -> Average {
+/// The average over the stretchings in a position of all reference points in the order of time,
+/// each over the time `tau`.
+pub(crate) fn average(stretches: &[Stretch], position: usize, tau: f64) -> Average {
     let blocks = (stretches.len() / SHORTEST_BLOCK).clamp(1, BLOCKS);
     let mut all = Sum::default();
     let mut parts = vec![Sum::default(); blocks];
@@ -76,6 +72,7 @@ fn average(stretches: &[Stretch], position: usize, tau: f64) -> Average {
         mean: all.mean() / tau,
         stderr: widened * scatter / tau,
         scatter: scatter / tau,
+        steps: stretches.len(),
         collapses,
         undetermined,
     }

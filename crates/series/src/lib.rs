@@ -113,6 +113,7 @@ mod estimate;
 mod evidence;
 mod extrapolation;
 mod fit;
+mod least_squares;
 mod matrix;
 mod neighbours;
 mod polynomial;
