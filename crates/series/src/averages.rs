@@ -122,6 +122,7 @@ fn block_error(blocks: impl Iterator<Item = Sum>) -> (f64, f64) {
 /// How many standard errors hold a mean as often as two do where the scatter is known exactly, if
 /// it is known from `freedom` degrees of freedom: a quantile of Student's distribution.
 fn student(freedom: usize) -> f64 {
+    // Probability that a normal quantity is within two standard errors.
     const HELD: f64 = 0.954_499_736_103_641_6;
     // The probability grows from 0 to 1, and one degree of freedom needs 14.
     let (mut low, mut high) = (0.0, 16.0);

@@ -2,7 +2,7 @@
 
 use super::averages::Average;
 use super::extrapolation::Extrapolated;
-use super::result::{DataExponent, Status};
+use super::result::{DataExponent, OK_ERRORS, Status};
 
 /// Part of the reference points that may fail to determine a direction that counts as determined.
 const UNDETERMINED: f64 = 0.01;
@@ -13,11 +13,10 @@ const UNPREDICTABLE: f64 = 0.8;
 /// An estimate moves with the size of the neighbourhoods if it does by more than this part of the
 /// value,
 const PART: f64 = 0.05;
-/// and by more than so many standard errors of Eqs. (25) and (26), whose error holds no bias,
-const STANDARD_ERRORS: f64 = 4.0;
-/// or so many of an extrapolated one: its error holds the way to size zero, and two are to hold the
-/// true value.
-const EXTRAPOLATED_ERRORS: f64 = 2.0;
+/// and by more than so many standard errors of Eqs. (25) and (26), twice as many as the promise, as
+/// both estimates have one. The error of an extrapolated one holds the way to size zero, and
+/// [`OK_ERRORS`] decide.
+const STANDARD_ERRORS: f64 = 2.0 * OK_ERRORS;
 
 /// What is known of all exponents alike.
 pub(crate) struct Evidence {
@@ -83,9 +82,8 @@ impl Evidence {
     ) -> Status {
         let is_undetermined =
             |average: &Average| average.undetermined as f64 > UNDETERMINED * average.steps as f64;
-        let is_flattened = |corrected: &Extrapolated| {
-            corrected.noise / self.tau > EXTRAPOLATED_ERRORS * best.stderr
-        };
+        let is_flattened =
+            |corrected: &Extrapolated| corrected.noise / self.tau > OK_ERRORS * best.stderr;
         let is_small = |change: f64, errors: f64, scatter: f64, value: f64| {
             change.abs() <= (errors * scatter).max(PART * value.abs())
         };
@@ -94,7 +92,7 @@ impl Evidence {
             // ones, if these exist.
             Some(corrected) => !corrected.changes.iter().all(|change| {
                 let scatter = corrected.zero.scatter;
-                is_small(*change, EXTRAPOLATED_ERRORS, scatter, best.mean)
+                is_small(*change, OK_ERRORS, scatter, best.mean)
             }),
             // Nothing moves where nothing else was estimated.
             None => {

@@ -132,7 +132,7 @@ pub use error::DataError;
 pub use estimate::{data_spectrum, data_spectrum_with};
 pub use extrapolation::Sizes;
 pub use polynomial::Degree;
-pub use result::{Balance, Counts, DataExponent, DataSpectrum, Running, Status};
+pub use result::{Balance, Counts, DataExponent, DataSpectrum, OK_ERRORS, Running, Status};
 pub use reversal::{Origin, Reversal, reversal};
 pub use series::{MAX_COLUMNS, Series};
 pub use settings::{DataSettings, Estimator, FEWEST_REFERENCES, Neighbourhood};
