@@ -22,6 +22,8 @@ pub(crate) struct Average {
     /// The same without regard to how few the blocks are: what a difference is measured by that is
     /// not told by scatter.
     pub(crate) scatter: f64,
+    /// Steps that it is over, those without a stretching among them.
+    pub(crate) steps: usize,
     /// Steps in which the direction was annihilated.
     pub(crate) collapses: usize,
     /// Steps in which the data determine nothing.
@@ -47,15 +49,9 @@ impl Sum {
     }
 }
 
-/// Averages over the stretchings of all reference points in the order of time, each over the time
-/// `tau`.
-pub(crate) fn averages(stretches: &[Stretch], columns: usize, tau: f64) -> Vec<Average> {
-    (0..columns)
-        .map(|position| average(stretches, position, tau))
-        .collect()
-}
-
-fn average(stretches: &[Stretch], position: usize, tau: f64) -> Average {
+/// The average over the stretchings in a position of all reference points in the order of time,
+/// each over the time `tau`.
+pub(crate) fn average(stretches: &[Stretch], position: usize, tau: f64) -> Average {
     let blocks = (stretches.len() / SHORTEST_BLOCK).clamp(1, BLOCKS);
     let mut all = Sum::default();
     let mut parts = vec![Sum::default(); blocks];
@@ -76,6 +72,7 @@ fn average(stretches: &[Stretch], position: usize, tau: f64) -> Average {
         mean: all.mean() / tau,
         stderr: widened * scatter / tau,
         scatter: scatter / tau,
+        steps: stretches.len(),
         collapses,
         undetermined,
     }
@@ -125,6 +122,7 @@ fn block_error(blocks: impl Iterator<Item = Sum>) -> (f64, f64) {
 /// How many standard errors hold a mean as often as two do where the scatter is known exactly, if
 /// it is known from `freedom` degrees of freedom: a quantile of Student's distribution.
 fn student(freedom: usize) -> f64 {
+    // Probability that a normal quantity is within two standard errors.
     const HELD: f64 = 0.954_499_736_103_641_6;
     // The probability grows from 0 to 1, and one degree of freedom needs 14.
     let (mut low, mut high) = (0.0, 16.0);

@@ -3,7 +3,7 @@
 use super::fit::LocalMap;
 use super::matrix::{Matrix, Row, product};
 use super::series::MAX_COLUMNS;
-use super::svd::svds;
+use super::svd::svd;
 
 /// What one map did to the tangent vectors.
 #[derive(Clone, Copy, Debug)]
@@ -32,8 +32,8 @@ impl Stretch {
 /// Interleaved chains of maps: the point that a reference point moves to is one of the same chain.
 pub(crate) struct Chains {
     /// How many chains there are, and how many vectors are taken along each.
-    count: usize,
-    width: usize,
+    pub(crate) count: usize,
+    pub(crate) width: usize,
     /// Where the vectors of each chain are.
     bases: Vec<Matrix>,
     /// Memory for where they are next.
@@ -139,7 +139,7 @@ fn align(basis: &mut Matrix, domain: &Matrix, width: usize) {
             *cell = product(direction, vector);
         }
     }
-    let [parts] = svds([&projection]);
+    let parts = svd(&projection);
     for (c, vector) in basis.rows_mut().enumerate().take(width) {
         vector.fill(0.0);
         for (r, direction) in domain.first(width).enumerate() {

@@ -8,9 +8,11 @@
 use rayon::prelude::*;
 
 use super::cloud::Cloud;
-use super::fit::Scratch;
+use super::fit::{ABOVE_ROUNDING, Decomposed};
+use super::least_squares::Scratch;
 use super::matrix::Row;
 use super::neighbours::{Finder, LARGEST_PART, Neighbour};
+use super::series::MAX_COLUMNS;
 use super::settings::DataSettings;
 use crate::statistics::{power, upper_median};
 
@@ -76,6 +78,15 @@ struct Vote {
     slopes: Row,
 }
 
+/// What a point is measured with.
+struct Probe<'a> {
+    cloud: &'a Cloud,
+    finder: &'a Finder<'a>,
+    settings: &'a DataSettings,
+    /// Neighbours at each size.
+    counts: [usize; LEVELS],
+}
+
 /// Measures the directions. `smallest` is the number of neighbours in the smallest neighbourhood.
 pub(crate) fn measure(
     cloud: &Cloud,
@@ -84,13 +95,18 @@ pub(crate) fn measure(
     smallest: usize,
 ) -> Vec<Direction> {
     let points = cloud.points.len() - settings.step;
-    let counts = counts(smallest, points);
     let every = points.div_ceil(SAMPLES).max(1);
+    let probe = Probe {
+        cloud,
+        finder,
+        settings,
+        counts: counts(smallest, points),
+    };
     let votes: Vec<Option<Vote>> = (0..points.div_ceil(every))
         .into_par_iter()
         .map_init(
             || (Scratch::default(), Vec::new()),
-            |(scratch, found), i| vote(cloud, finder, settings, &counts, i * every, scratch, found),
+            |(scratch, nearest), i| probe.vote(i * every, scratch, nearest),
         )
         .collect();
     let votes: Vec<Vote> = votes.into_iter().flatten().collect();
@@ -109,36 +125,41 @@ fn counts(smallest: usize, points: usize) -> [usize; LEVELS] {
     })
 }
 
-fn vote(
-    cloud: &Cloud,
-    finder: &Finder<'_>,
-    settings: &DataSettings,
-    counts: &[usize; LEVELS],
-    j: usize,
-    scratch: &mut Scratch,
-    found: &mut Vec<Neighbour>,
-) -> Option<Vote> {
-    finder.nearest(j, counts[LEVELS - 1], f64::INFINITY, found);
-    let mut radius = [0.0; LEVELS];
-    let mut neighbourhoods: [&[Neighbour]; LEVELS] = [&[]; LEVELS];
-    for (level, &count) in counts.iter().enumerate() {
-        neighbourhoods[level] = found.get(..count)?;
-        radius[level] = neighbourhoods[level].last()?.0.sqrt();
+impl Probe<'_> {
+    fn vote(&self, j: usize, scratch: &mut Scratch, nearest: &mut Vec<Neighbour>) -> Option<Vote> {
+        let (cloud, settings) = (self.cloud, self.settings);
+        let most = self.counts[LEVELS - 1];
+        self.finder.nearest(j, most, f64::INFINITY, nearest);
+        let mut vote = Vote {
+            radius: [0.0; LEVELS],
+            sizes: [[0.0; MAX_COLUMNS]; LEVELS],
+            slopes: [0.0; MAX_COLUMNS],
+        };
+        for (level, &count) in self.counts.iter().enumerate() {
+            let inside = nearest.get(..count)?;
+            vote.radius[level] = inside.last()?.0.sqrt();
+            let decomposed = Decomposed::new(scratch, cloud, (j, inside), false, settings);
+            let root = (count as f64).sqrt();
+            let sizes = decomposed.sizes().map(|s| s / root);
+            let zero = (ABOVE_ROUNDING * cloud.rounding).max(settings.rank_tolerance * sizes[0]);
+            for (slope, size) in vote.slopes.iter_mut().zip(sizes) {
+                if size <= zero {
+                    *slope = f64::NAN;
+                }
+            }
+            vote.sizes[level] = sizes;
+        }
+        if vote.radius[LEVELS - 1] < SMALLEST_SPAN * vote.radius[0] {
+            return None;
+        }
+        for (i, slope) in vote.slopes.iter_mut().enumerate() {
+            if !slope.is_nan() {
+                let sizes = vote.sizes.iter().map(|sizes| sizes[i]);
+                *slope = power(vote.radius.into_iter().zip(sizes));
+            }
+        }
+        Some(vote)
     }
-    if radius[LEVELS - 1] < SMALLEST_SPAN * radius[0] {
-        return None;
-    }
-    let found = scratch.singular_values(cloud, j, neighbourhoods, settings);
-    let slope = |i: usize| {
-        let sizes = found.iter().map(|(sizes, _)| sizes[i]);
-        let is_resolved = found.iter().all(|(sizes, zero)| sizes[i] > *zero);
-        is_resolved.then(|| power(radius.into_iter().zip(sizes)))
-    };
-    Some(Vote {
-        slopes: std::array::from_fn(|i| slope(i).unwrap_or(f64::NAN)),
-        radius,
-        sizes: found.map(|(sizes, _)| sizes),
-    })
 }
 
 fn direction(votes: &[Vote], i: usize, unit: f64) -> Direction {
@@ -174,7 +195,7 @@ fn direction(votes: &[Vote], i: usize, unit: f64) -> Direction {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::series::{MAX_COLUMNS, Series};
+    use crate::series::Series;
 
     #[test]
     fn counts_grow_geometrically_and_stay_a_small_part() {
@@ -192,24 +213,20 @@ mod tests {
         });
         let cloud = Cloud::new(&Series::from_rows(rows, 1.0).unwrap()).unwrap();
         let finder = Finder::new(&cloud, 1, 0).unwrap();
-        let (mut scratch, mut found) = (Scratch::default(), Vec::new());
-        let counts = counts(20, 300);
         // Nothing is cut off.
         let settings = DataSettings {
             rank_tolerance: 0.0,
             ..DataSettings::default()
         };
-        let mut has_vote = |j| {
-            vote(
-                &cloud,
-                &finder,
-                &settings,
-                &counts,
-                j,
-                &mut scratch,
-                &mut found,
-            )
-            .is_some()
+        let probe = Probe {
+            cloud: &cloud,
+            finder: &finder,
+            settings: &settings,
+            counts: counts(20, 300),
+        };
+        let has_vote = |j| {
+            let mut scratch = Scratch::default();
+            probe.vote(j, &mut scratch, &mut Vec::new()).is_some()
         };
         assert!(has_vote(10) && !has_vote(150));
     }

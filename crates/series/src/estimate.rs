@@ -2,17 +2,17 @@
 
 use rayon::prelude::*;
 
-use super::averages::{averages, running, volume};
+use super::averages::{average, running, volume};
 use super::chain::Chains;
 use super::cloud::Cloud;
 use super::directions::{self, Kind};
 use super::error::DataError;
 use super::evidence::Evidence;
 use super::extrapolation::{Extrapolation, Maps, Plan};
-use super::fit::{LocalMap, Scratch};
+use super::fit::{Decomposed, LocalMap};
+use super::least_squares::{LeastSquares, Scratch, ShiftedColumns};
 use super::matrix::Matrix;
-use super::neighbours::{Finder, Neighbour, Selection};
-use super::polynomial::{Fitter, Images};
+use super::neighbours::{Finder, Neighbour};
 use super::result::{Counts, DataSpectrum, Running};
 use super::series::Series;
 use super::settings::{DataSettings, Estimator, Neighbourhood};
@@ -82,92 +82,46 @@ pub fn data_spectrum_with(
     }
     let cloud = cloud?;
     let finder = Finder::new(&cloud, step, theiler)?;
-    let directions =
-        directions::measure(&cloud, &finder, settings, SMALLEST_LEVEL.max(2 * columns));
-    let dimension = directions
-        .iter()
-        .take_while(|direction| direction.kind == Kind::Tangent)
-        .count();
+    let shifted = ShiftedColumns::of(&cloud.points, step);
+    let smallest = SMALLEST_LEVEL.max(2 * columns);
+    let directions = directions::measure(&cloud, &finder, settings, smallest);
+    let are_tangent = directions.iter().map(|one| one.kind == Kind::Tangent);
+    let dimension = are_tangent.take_while(|is_tangent| *is_tangent).count();
     let fixed_rank = settings.fixed_rank.unwrap_or(dimension);
-
-    // The other estimator has two sizes of its own.
-    let sensitivity = settings.sensitivity && settings.estimator == Estimator::SanoSawada;
-    let references = references(series.len(), settings);
-    let plan = match settings.estimator {
+    let count = settings.chains();
+    let mut extrapolation = match settings.estimator {
         Estimator::Extrapolated { degree } if dimension > 0 => {
-            Some(Plan::new(&cloud, settings, degree, dimension))
+            let plan = Plan::new(&cloud, settings, degree, dimension);
+            Some(Extrapolation::new(plan, count, columns))
         }
         _ => None,
     };
-    let times = if sensitivity { 2 } else { 1 };
-    let furthest = plan.as_ref().map_or(0, Plan::furthest);
-    // The neighbourhood of Eq. (25), among so many of the nearest as are extrapolated from.
-    let around = |j: usize, found: &mut Found| {
-        let (from, neighbours) = ((found.of.replace(j), j), &settings.neighbours);
-        let (found, spread) = (&mut found.neighbours, cloud.spread);
-        if furthest < neighbours.most() {
-            return finder.select(from, neighbours, (times, furthest), spread, found);
-        }
-        finder.follow(from, furthest, f64::INFINITY, found);
-        Selection::of(found, neighbours, spread)
+    let around = Around {
+        cloud: &cloud,
+        finder,
+        settings,
+        // The other estimator has two sizes of its own.
+        has_wide: settings.sensitivity && settings.estimator == Estimator::SanoSawada,
+        fixed_rank,
     };
-    let count = settings.chains();
-    let images = Images::of(&cloud.points, step);
     let [mut full, mut wide] = [0; 2].map(|_| Chains::new(count, columns));
     let mut fixed = Chains::new(count, fixed_rank);
-    let mut extrapolation = Extrapolation::new(count, columns);
+    let references = references(rows, settings);
     let mut points: Vec<Point> = Vec::with_capacity(references);
     while points.len() < references {
         progress(points.len(), references);
         let until = (points.len() + CHUNK).min(references);
+        let plan = extrapolation.as_ref().map(Extrapolation::plan);
         let locals: Vec<Local> = (points.len()..until)
             .into_par_iter()
             .map_init(
-                || {
-                    let fitter = Fitter::new(&cloud.points, &images);
-                    (Scratch::default(), fitter, Found::default())
+                || Memory {
+                    nearest: Vec::new(),
+                    of: None,
+                    scratch: Scratch::default(),
+                    fit: LeastSquares::new(&cloud.points, &shifted),
                 },
-                |(scratch, fitter, found), i| {
-                    let j = settings.reference(i);
-                    let selection = around(j, found);
-                    let neighbours = &found.neighbours[..selection.count];
-                    let (wide, decomposed) = if sensitivity {
-                        let both = [found.neighbours.as_slice(), neighbours];
-                        let [wide, decomposed] = scratch.decompose(&cloud, j, both, settings);
-                        let map = wide.map(columns, settings);
-                        (Some((map, wide.into_directions())), decomposed)
-                    } else {
-                        let [decomposed] = scratch.decompose(&cloud, j, [neighbours], settings);
-                        (None, decomposed)
-                    };
-                    let mut point = Point {
-                        neighbours: selection.count,
-                        radius: neighbours.last().map_or(0.0, |furthest| furthest.0.sqrt()),
-                        residual_ratio: decomposed.residual_ratio(),
-                        starved: selection.starved,
-                    };
-                    let full = decomposed.map(columns, settings);
-                    let fixed = decomposed.map(fixed_rank, settings);
-                    let directions = decomposed.into_directions();
-                    let maps = plan.as_ref().map(|plan| {
-                        let nearest = &found.neighbours;
-                        let maps = plan.fit(fitter, j, nearest, &directions);
-                        // Judged by what the exponents come from.
-                        if let Neighbourhood::Ball { eps, .. } = settings.neighbours {
-                            point.starved = maps.radius[0] > LARGE * eps * cloud.spread
-                                || nearest.len() < plan.neighbours[0];
-                        }
-                        maps
-                    });
-                    Local {
-                        directions,
-                        full,
-                        fixed,
-                        wide,
-                        maps,
-                        point,
-                    }
-                },
+                |memory, i| around.point(settings.reference(i), plan, memory),
             )
             .collect();
         for local in locals {
@@ -176,7 +130,7 @@ pub fn data_spectrum_with(
             if let Some((map, directions)) = &local.wide {
                 wide.push(map, directions);
             }
-            if let Some(maps) = local.maps {
+            if let (Some(extrapolation), Some(maps)) = (&mut extrapolation, &local.maps) {
                 extrapolation.push(maps, &local.directions);
             }
             points.push(local.point);
@@ -185,10 +139,7 @@ pub fn data_spectrum_with(
     progress(references, references);
 
     let tau = step as f64 * series.dt();
-    let corrected = plan.map(|plan| extrapolation.corrected(&plan, tau, cloud.unit));
-    let of = |chains: &Chains| averages(&chains.stretches, columns, tau);
-    let [full_averages, fixed_averages] = [&full, &fixed].map(of);
-    let wide_averages = sensitivity.then(|| of(&wide));
+    let corrected = extrapolation.map(|extrapolation| extrapolation.corrected(tau, cloud.unit));
     let residual_ratio = upper_median(points.iter().map(|point| point.residual_ratio));
     let evidence = Evidence {
         dimension,
@@ -199,12 +150,13 @@ pub fn data_spectrum_with(
     };
     let exponents = (0..columns)
         .map(|i| {
+            let of = |chains: &Chains| average(&chains.stretches, i, tau);
             evidence.exponent(
                 i,
-                &full_averages[i],
-                (i < fixed_rank).then(|| &fixed_averages[i]),
-                wide_averages.as_ref().map(|wide| &wide[i]),
-                corrected.as_ref(),
+                &of(&full),
+                (i < fixed_rank).then(|| of(&fixed)).as_ref(),
+                around.has_wide.then(|| of(&wide)).as_ref(),
+                corrected.as_ref().map(|corrected| &corrected.exponents[i]),
             )
         })
         .collect();
@@ -254,11 +206,13 @@ pub fn data_spectrum_with(
     })
 }
 
-/// Neighbours that were found, and of which point.
-#[derive(Default)]
-struct Found {
-    neighbours: Vec<Neighbour>,
+/// Memory that is used again for the next reference point.
+struct Memory<'a> {
+    /// Neighbours, the nearest first, and of which point they are.
+    nearest: Vec<Neighbour>,
     of: Option<usize>,
+    scratch: Scratch,
+    fit: LeastSquares<'a>,
 }
 
 /// What is kept of a reference point.
@@ -278,6 +232,65 @@ struct Local {
     wide: Option<(LocalMap, Matrix)>,
     maps: Option<Maps>,
     point: Point,
+}
+
+/// What is estimated around each reference point.
+struct Around<'a> {
+    cloud: &'a Cloud,
+    finder: Finder<'a>,
+    settings: &'a DataSettings,
+    has_wide: bool,
+    fixed_rank: usize,
+}
+
+impl Around<'_> {
+    fn point(&self, j: usize, plan: Option<&Plan>, memory: &mut Memory<'_>) -> Local {
+        let (settings, cloud) = (self.settings, self.cloud);
+        let (columns, spread) = (cloud.points.columns(), cloud.spread);
+        // The neighbourhood of Eq. (25), among so many of the nearest as are extrapolated from.
+        let size = (
+            1 + usize::from(self.has_wide),
+            plan.map_or(0, Plan::furthest),
+        );
+        let from = (memory.of.replace(j), j);
+        let nearest = &mut memory.nearest;
+        let selection = (self.finder).select(from, &settings.neighbours, size, spread, nearest);
+        let (nearest, inside) = (nearest.as_slice(), &nearest[..selection.count]);
+        let scratch = &mut memory.scratch;
+        let mut decomposed = |neighbours| {
+            Decomposed::new(scratch, cloud, (j, neighbours), settings.affine, settings)
+        };
+        let narrow = decomposed(inside);
+        let wide = self.has_wide.then(|| {
+            let wide = decomposed(nearest);
+            (wide.map(columns, settings), wide.into_directions())
+        });
+        let mut point = Point {
+            neighbours: selection.count,
+            radius: inside.last().map_or(0.0, |furthest| furthest.0.sqrt()),
+            residual_ratio: narrow.residual_ratio(),
+            starved: selection.starved,
+        };
+        let full = narrow.map(columns, settings);
+        let fixed = narrow.map(self.fixed_rank, settings);
+        let directions = narrow.into_directions();
+        let maps = plan.map(|plan| plan.maps(&mut memory.fit, j, nearest, &directions));
+        // Judged by what the exponents come from.
+        if let (Some(plan), Some(maps), Neighbourhood::Ball { eps, .. }) =
+            (plan, &maps, settings.neighbours)
+        {
+            point.starved =
+                maps.radius[0] > LARGE * eps * spread || nearest.len() < plan.neighbours[0];
+        }
+        Local {
+            directions,
+            full,
+            fixed,
+            wide,
+            maps,
+            point,
+        }
+    }
 }
 
 /// Reference points of so many rows.

@@ -1,8 +1,8 @@
 //! What speaks for and against an exponent.
 
 use super::averages::Average;
-use super::extrapolation::Corrected;
-use super::result::{DataExponent, Status};
+use super::extrapolation::Extrapolated;
+use super::result::{DataExponent, OK_ERRORS, Status};
 
 /// Part of the reference points that may fail to determine a direction that counts as determined.
 const UNDETERMINED: f64 = 0.01;
@@ -13,11 +13,10 @@ const UNPREDICTABLE: f64 = 0.8;
 /// An estimate moves with the size of the neighbourhoods if it does by more than this part of the
 /// value,
 const PART: f64 = 0.05;
-/// and by more than so many standard errors of Eqs. (25) and (26), whose error holds no bias,
-const STANDARD_ERRORS: f64 = 4.0;
-/// or so many of an extrapolated one: its error holds the way to size zero, and two are to hold the
-/// true value.
-const EXTRAPOLATED_ERRORS: f64 = 2.0;
+/// and by more than so many standard errors of Eqs. (25) and (26), twice as many as the promise, as
+/// both estimates have one. The error of an extrapolated one holds the way to size zero, and
+/// [`OK_ERRORS`] decide.
+const STANDARD_ERRORS: f64 = 2.0 * OK_ERRORS;
 
 /// What is known of all exponents alike.
 pub(crate) struct Evidence {
@@ -38,19 +37,21 @@ impl Evidence {
         full: &Average,
         fixed: Option<&Average>,
         wide: Option<&Average>,
-        corrected: Option<&Corrected>,
+        corrected: Option<&Extrapolated>,
     ) -> DataExponent {
         let corrected = corrected.filter(|_| i < self.dimension);
-        let best = corrected.map_or(*full, |corrected| corrected.best(i));
-        let eps_sensitivity = match (corrected, wide) {
-            (Some(corrected), _) => corrected.large[i].mean - corrected.small[i].mean,
-            (None, Some(wide)) => wide.mean - full.mean,
-            (None, None) => f64::NAN,
+        let best = corrected.map_or(*full, Extrapolated::best);
+        let mut eps_sensitivity = match corrected {
+            Some(corrected) => corrected.eps_sensitivity,
+            None => wide.map_or(f64::NAN, |wide| wide.mean - full.mean),
         };
         let status = self.status(i, full, &best, eps_sensitivity, corrected);
-        let annihilated = status == Status::Annihilated;
+        let is_annihilated = status == Status::Annihilated;
+        if is_annihilated {
+            eps_sensitivity = f64::NAN;
+        }
         let of = |average: &Average| {
-            if annihilated {
+            if is_annihilated {
                 (f64::NEG_INFINITY, f64::NAN)
             } else {
                 (average.mean, average.stderr)
@@ -61,11 +62,7 @@ impl Evidence {
             sano_sawada: of(full),
             value,
             stderr,
-            eps_sensitivity: if annihilated {
-                f64::NAN
-            } else {
-                eps_sensitivity
-            },
+            eps_sensitivity,
             status,
             fixed_rank: fixed.map(of),
             collapses: full.collapses,
@@ -81,40 +78,42 @@ impl Evidence {
         full: &Average,
         best: &Average,
         eps_sensitivity: f64,
-        corrected: Option<&Corrected>,
+        corrected: Option<&Extrapolated>,
     ) -> Status {
-        let are_many = |count: usize, part: f64, all: usize| count as f64 > part * all as f64;
-        let undetermined = corrected
-            .is_some_and(|corrected| are_many(best.undetermined, UNDETERMINED, corrected.counted));
-        let flattened = corrected.is_some_and(|corrected| {
-            corrected.noise[i] / self.tau > EXTRAPOLATED_ERRORS * best.stderr
-        });
+        let is_undetermined =
+            |average: &Average| average.undetermined as f64 > UNDETERMINED * average.steps as f64;
+        let is_flattened =
+            |corrected: &Extrapolated| corrected.noise / self.tau > OK_ERRORS * best.stderr;
+        let is_small = |change: f64, errors: f64, scatter: f64, value: f64| {
+            change.abs() <= (errors * scatter).max(PART * value.abs())
+        };
         let moves = match corrected {
             // To the exponents at the larger size, and from those by the maps that judge linear
             // ones, if these exist.
-            Some(corrected) => {
-                let tolerance = EXTRAPOLATED_ERRORS * corrected.zero[i].scatter;
-                let ways = [corrected.range(i), corrected.gap(i)];
-                !ways
-                    .iter()
-                    .all(|way| way.abs() <= tolerance.max(PART * best.mean.abs()))
-            }
+            Some(corrected) => !corrected.changes.iter().all(|change| {
+                let scatter = corrected.zero.scatter;
+                is_small(*change, OK_ERRORS, scatter, best.mean)
+            }),
+            // Nothing moves where nothing else was estimated.
             None => {
-                let tolerance = STANDARD_ERRORS * full.scatter;
-                eps_sensitivity.abs() > tolerance.max(PART * full.mean.abs())
+                !eps_sensitivity.is_nan()
+                    && !is_small(eps_sensitivity, STANDARD_ERRORS, full.scatter, full.mean)
             }
         };
-        let is_unknown = are_many(full.undetermined, UNDETERMINED, self.references);
+        let is_starved = self.starved as f64 > STARVED * self.references as f64;
         let reasons = [
-            (i >= self.dimension || is_unknown, Status::Unidentified),
+            (
+                i >= self.dimension || is_undetermined(full),
+                Status::Unidentified,
+            ),
             (full.collapses > 0, Status::Annihilated),
             (self.residual_ratio > UNPREDICTABLE, Status::Unpredictable),
+            (is_starved, Status::Starved),
             (
-                are_many(self.starved, STARVED, self.references),
-                Status::Starved,
+                corrected.is_some() && is_undetermined(best),
+                Status::Undetermined,
             ),
-            (undetermined, Status::Undetermined),
-            (flattened, Status::Noisy),
+            (corrected.is_some_and(is_flattened), Status::Noisy),
             (moves, Status::Unstable),
         ];
         let reason = reasons.iter().find(|(holds, _)| *holds);
@@ -125,8 +124,6 @@ impl Evidence {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::extrapolation::Sizes;
-    use crate::polynomial::Degree;
 
     const EVIDENCE: Evidence = Evidence {
         dimension: 1,
@@ -142,6 +139,7 @@ mod tests {
             mean,
             stderr: 0.05,
             scatter: 0.01,
+            steps: 1000,
             collapses: 0,
             undetermined: 0,
         }
@@ -156,22 +154,13 @@ mod tests {
         assert_eq!(status(0.041), Status::Unstable);
         // Twice, on the way from the larger size to zero.
         for (way, status) in [(0.019, Status::Ok), (0.021, Status::Unstable)] {
-            let corrected = Corrected {
-                sizes: Sizes {
-                    degree: Degree::Linear,
-                    neighbours: [20, 40],
-                    radius: [0.1, 0.2],
-                },
-                small: vec![full],
-                large: vec![from_few_blocks(0.1 + way)],
-                zero: vec![full],
-                noise: vec![0.0],
-                counted: 1000,
-                judged: None,
-                sum: full,
-                running: Vec::new(),
+            let corrected = Extrapolated {
+                zero: full,
+                eps_sensitivity: f64::NAN,
+                changes: [way, 0.0],
+                noise: 0.0,
             };
-            let best = corrected.best(0);
+            let best = corrected.best();
             let found = EVIDENCE.status(0, &full, &best, f64::NAN, Some(&corrected));
             assert_eq!(found, status);
             let whole = (0.05_f64 * 0.05 + way * way).sqrt();

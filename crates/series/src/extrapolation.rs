@@ -13,13 +13,14 @@
 //! Quadratic maps are fitted beside them where the points suffice, and the distance between the two
 //! is counted as an error, too.
 
-use super::averages::{Average, averages, running, volume};
+use super::averages::{Average, average, running, volume};
 use super::chain::{Chains, Stretch};
 use super::cloud::Cloud;
 use super::fit::LocalMap;
+use super::least_squares::LeastSquares;
 use super::matrix::{Matrix, Row};
 use super::neighbours::{LARGEST_PART, Neighbour};
-use super::polynomial::{Degree, Fitter, Polynomial};
+use super::polynomial::{Degree, Polynomial};
 use super::settings::DataSettings;
 use super::statistics::upper_median;
 
@@ -42,11 +43,11 @@ pub struct Sizes {
 
 /// A plan for sizes and maps.
 pub(crate) struct Plan {
-    pub(crate) degree: Degree,
-    pub(crate) polynomial: Polynomial,
+    degree: Degree,
+    polynomial: Polynomial,
     pub(crate) neighbours: [usize; 2],
     /// What linear maps are held against, and its neighbours.
-    pub(crate) judge: Option<(Polynomial, usize)>,
+    judge: Option<(Polynomial, usize)>,
 }
 
 impl Plan {
@@ -59,30 +60,25 @@ impl Plan {
         tangent: usize,
     ) -> Self {
         let columns = cloud.points.columns();
-        let linear = Polynomial {
-            forms: 0,
-            tangent,
-            affine: settings.affine,
-            step: settings.step,
-            rounding: cloud.rounding,
-        };
+        let linear = Polynomial::linear(settings.affine, settings.step, tangent, cloud.rounding);
         let quadratic = linear.quadratic(columns);
         let fewest = settings.neighbours.fewest();
-        let needed = fewest.max(PER_UNKNOWN * quadratic.unknowns(columns));
-        let enough = 2 * needed <= cloud.points.len() / LARGEST_PART;
-        let of = |degree, polynomial, neighbours, judge| Self {
+        let needed = fewest.max(PER_UNKNOWN * quadratic.terms.unknowns(columns));
+        let are_enough = 2 * needed <= cloud.points.len() / LARGEST_PART;
+        let is_quadratic = match degree {
+            Some(degree) => degree == Degree::Quadratic,
+            None => are_enough,
+        };
+        let (degree, polynomial, neighbours) = if is_quadratic {
+            (Degree::Quadratic, quadratic, needed)
+        } else {
+            (Degree::Linear, linear, fewest)
+        };
+        Self {
             degree,
             polynomial,
             neighbours: [neighbours, 2 * neighbours],
-            judge,
-        };
-        match degree {
-            Some(Degree::Quadratic) => of(Degree::Quadratic, quadratic, needed, None),
-            None if enough => of(Degree::Quadratic, quadratic, needed, None),
-            None | Some(Degree::Linear) => {
-                let judge = enough.then_some((quadratic, needed));
-                of(Degree::Linear, linear, fewest, judge)
-            }
+            judge: (!is_quadratic && are_enough).then_some((quadratic, needed)),
         }
     }
 
@@ -94,26 +90,28 @@ impl Plan {
 
     /// The maps around point `j` from its nearest neighbours; `directions` are those of the
     /// neighbourhood, the widest first.
-    pub(crate) fn fit(
+    pub(crate) fn maps(
         &self,
-        fitter: &mut Fitter<'_>,
+        fit: &mut LeastSquares<'_>,
         j: usize,
-        found: &[Neighbour],
+        nearest: &[Neighbour],
         directions: &Matrix,
     ) -> Maps {
-        let (near, further) = found.split_at(self.neighbours[0].min(found.len()));
-        let further = &further[..further.len().min(self.neighbours[1] - self.neighbours[0])];
-        let distance = |near: &[Neighbour]| near.last().map(|far| far.0.sqrt());
-        let radius = distance(near).unwrap_or(0.0);
-        let small = fitter.fit(j, near, directions, &self.polynomial);
-        let large = fitter.extend(j, further, directions, &self.polynomial);
+        let first = |count: usize| &nearest[..nearest.len().min(count)];
+        let [small, large] = self.neighbours.map(first);
+        let distance = |inside: &[Neighbour]| inside.last().map_or(0.0, |last| last.0.sqrt());
+        let terms = self.polynomial.terms;
+        fit.fit(j, small, directions, terms);
+        let at_small = self.polynomial.derivative(fit, directions);
+        fit.extend(j, &large[small.len()..], directions, terms);
+        let at_large = self.polynomial.derivative(fit, directions);
         Maps {
-            radius: [radius, distance(further).unwrap_or(radius)],
-            noise: small.noise,
-            sizes: [small.map, large.map],
-            judge: self.judge.as_ref().map(|(polynomial, count)| {
-                let near = &found[..found.len().min(*count)];
-                fitter.fit(j, near, directions, polynomial).map
+            radius: [small, large].map(distance),
+            noise: at_small.noise,
+            sizes: [at_small.map, at_large.map],
+            judge: self.judge.map(|(polynomial, count)| {
+                fit.fit(j, first(count), directions, polynomial.terms);
+                polynomial.derivative(fit, directions).map
             }),
         }
     }
@@ -132,125 +130,117 @@ pub(crate) struct Maps {
 
 /// The chains at both sizes, and that of the maps that judge.
 pub(crate) struct Extrapolation {
+    plan: Plan,
     sizes: [Chains; 2],
-    /// Without maps that judge nothing is pushed.
-    judged: Chains,
-    /// Interleaved chains of each of them.
-    count: usize,
+    judged: Option<Chains>,
     /// Sum of the radii, in the unit of the cloud.
     radius: [f64; 2],
     /// Part of the neighbours' variance in each direction that is noise, at the smaller size.
     noises: Vec<Row>,
-    columns: usize,
 }
 
-/// Averages at both sizes and at size zero.
+/// An exponent at size zero and what it is extrapolated from.
+pub(crate) struct Extrapolated {
+    /// With its statistical error.
+    pub(crate) zero: Average,
+    /// From the smaller size to the larger.
+    pub(crate) eps_sensitivity: f64,
+    /// From the larger size to zero, and from the maps that judge linear ones: 0 if there are none,
+    /// NaN where they determine nothing.
+    pub(crate) changes: [f64; 2],
+    /// Part of the neighbours' variance in its direction that is noise, by which the maps are
+    /// flattened.
+    pub(crate) noise: f64,
+}
+
+impl Extrapolated {
+    /// At size zero, with an error that holds the changes, too. A change from nothing adds nothing;
+    /// the status tells.
+    pub(crate) fn best(&self) -> Average {
+        let [range, gap] = self.changes;
+        let gap = gap.abs().max(0.0);
+        let statistical = self.zero.stderr;
+        Average {
+            stderr: (statistical * statistical + range * range + gap * gap).sqrt(),
+            ..self.zero
+        }
+    }
+}
+
+/// What is found at size zero.
 pub(crate) struct Corrected {
     pub(crate) sizes: Sizes,
-    pub(crate) small: Vec<Average>,
-    pub(crate) large: Vec<Average>,
-    /// With statistical errors.
-    pub(crate) zero: Vec<Average>,
-    /// Part of the neighbours' variance in each direction that is noise, by which the maps are
-    /// flattened.
-    pub(crate) noise: Vec<f64>,
-    /// Reference points that the averages are over.
-    pub(crate) counted: usize,
-    /// By the maps that judge linear ones.
-    pub(crate) judged: Option<Vec<Average>>,
+    pub(crate) exponents: Vec<Extrapolated>,
     /// Sum of the exponents of the tangent directions, with its whole error.
     pub(crate) sum: Average,
-    /// Running means at size zero, with the number of reference points before each.
+    /// Running means, with the number of reference points before each.
     pub(crate) running: Vec<(usize, Vec<f64>)>,
-}
-
-impl Corrected {
-    /// The way from the larger size to zero.
-    pub(crate) fn range(&self, i: usize) -> f64 {
-        self.zero[i].mean - self.large[i].mean
-    }
-
-    /// From the maps that judge linear ones to size zero; 0 if there are none, NaN where they
-    /// determine nothing.
-    pub(crate) fn gap(&self, i: usize) -> f64 {
-        gap(&self.zero[i], self.judged.as_ref().map(|judged| &judged[i]))
-    }
-
-    /// At size zero, with the whole error.
-    pub(crate) fn best(&self, i: usize) -> Average {
-        with_bias(self.zero[i], self.range(i), self.gap(i))
-    }
-}
-
-fn gap(zero: &Average, judged: Option<&Average>) -> f64 {
-    judged.map_or(0.0, |judged| zero.mean - judged.mean)
-}
-
-/// The error holds the range and the gap, too. A gap to nothing adds nothing; the status tells.
-fn with_bias(zero: Average, range: f64, gap: f64) -> Average {
-    let gap = gap.abs().max(0.0);
-    Average {
-        stderr: (zero.stderr * zero.stderr + range * range + gap * gap).sqrt(),
-        ..zero
-    }
 }
 
 impl Extrapolation {
     /// So many interleaved chains, of which nothing is known yet.
-    pub(crate) fn new(count: usize, columns: usize) -> Self {
+    pub(crate) fn new(plan: Plan, count: usize, columns: usize) -> Self {
         let chains = || Chains::new(count, columns);
         Self {
             sizes: [chains(), chains()],
-            judged: chains(),
-            count,
+            judged: plan.judge.map(|_| chains()),
+            plan,
             radius: [0.0; 2],
             noises: Vec::new(),
-            columns,
         }
     }
 
+    pub(crate) fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
     /// Takes the chains through the maps of the next reference point.
-    pub(crate) fn push(&mut self, maps: Maps, directions: &Matrix) {
+    pub(crate) fn push(&mut self, maps: &Maps, directions: &Matrix) {
         for (size, map) in maps.sizes.iter().enumerate() {
             self.radius[size] += maps.radius[size];
             self.sizes[size].push(map, directions);
         }
-        if let Some(map) = &maps.judge {
-            self.judged.push(map, directions);
+        if let (Some(judged), Some(map)) = (&mut self.judged, &maps.judge) {
+            judged.push(map, directions);
         }
         self.noises.push(maps.noise);
     }
 
     /// The averages; `unit` is that of the cloud.
-    pub(crate) fn corrected(&self, plan: &Plan, tau: f64, unit: f64) -> Corrected {
-        let dimension = plan.polynomial.tangent;
-        let settled = self.noises.len() / self.count / SETTLING * self.count;
-        let stretches = self.at_zero();
-        let stretches = &stretches[settled..];
-        let [small, large] = [0, 1].map(|size| &self.sizes[size].stretches[settled..]);
-        let columns = self.columns;
-        let mut running = running(stretches, columns, tau);
+    pub(crate) fn corrected(&self, tau: f64, unit: f64) -> Corrected {
+        let [small, large] = &self.sizes;
+        let (count, columns) = (small.count, small.width);
+        let settled = self.noises.len() / count / SETTLING * count;
+        let at_zero = self.at_zero();
+        let zero = &at_zero[settled..];
+        let extrapolated = |noise: f64, of: &dyn Fn(&[Stretch]) -> Average| {
+            let [small, large] = [small, large].map(|chains| of(&chains.stretches[settled..]).mean);
+            let judged = self.judged.as_ref();
+            let judged = judged.map(|chains| of(&chains.stretches[settled..]).mean);
+            let zero = of(zero);
+            Extrapolated {
+                eps_sensitivity: large - small,
+                changes: [large, judged.unwrap_or(zero.mean)].map(|other| zero.mean - other),
+                zero,
+                noise,
+            }
+        };
+        let exponents = (0..columns).map(|i| {
+            let noise = upper_median(self.noises.iter().map(|noise| noise[i]));
+            extrapolated(noise, &|stretches| average(stretches, i, tau))
+        });
+        let tangent = self.plan.polynomial.tangent;
+        let sum = extrapolated(0.0, &|stretches| volume(stretches, tangent, tau));
+        let mut running = running(zero, columns, tau);
         running.iter_mut().for_each(|(count, _)| *count += settled);
-        let sum = volume(stretches, dimension, tau);
-        let range = sum.mean - volume(large, dimension, tau).mean;
-        let judged = self.judged.stretches.get(settled..);
-        let judged = judged.filter(|judged| !judged.is_empty());
-        let judged_sum = judged.map(|judged| volume(judged, dimension, tau));
         Corrected {
             sizes: Sizes {
-                degree: plan.degree,
-                neighbours: plan.neighbours,
+                degree: self.plan.degree,
+                neighbours: self.plan.neighbours,
                 radius: self.radius().map(|radius| unit * radius),
             },
-            small: averages(small, columns, tau),
-            large: averages(large, columns, tau),
-            zero: averages(stretches, columns, tau),
-            noise: (0..columns)
-                .map(|i| upper_median(self.noises.iter().map(|noise| noise[i])))
-                .collect(),
-            counted: stretches.len(),
-            judged: judged.map(|judged| averages(judged, columns, tau)),
-            sum: with_bias(sum, range, gap(&sum, judged_sum.as_ref())),
+            exponents: exponents.collect(),
+            sum: sum.best(),
             running,
         }
     }

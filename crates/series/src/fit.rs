@@ -1,10 +1,11 @@
 //! The map between neighbourhoods, Eq. (25).
 
 use super::cloud::Cloud;
+use super::least_squares::Scratch;
 use super::matrix::{Matrix, Row, product};
 use super::neighbours::Neighbour;
 use super::settings::DataSettings;
-use super::svd::{Svd, svds, triangle};
+use super::svd::{Svd, svd};
 
 /// How far above the rounding of the data a singular value must be, for one neighbour.
 pub(crate) const ABOVE_ROUNDING: f64 = 4.0;
@@ -21,151 +22,49 @@ pub(crate) struct LocalMap {
     pub(crate) nothing: f64,
 }
 
-/// Neighbour matrix of a point after reduction to its triangle, with its singular values.
+/// A linear fit with the singular values of its neighbour matrix.
 pub(crate) struct Decomposed {
-    triangle: Matrix,
     /// `Qᵀ Y'`, upper rows.
     images: Matrix,
     /// Size of the rounding in the neighbour matrix.
     rounding: f64,
     /// Sum of squares of what no linear map of the neighbours makes of the images.
     outside: f64,
-    /// Independent rows: the neighbours, less one where their mean is taken out.
+    /// Independent rows: the neighbours, less one where a constant is fitted.
     independent: usize,
     svd: Svd,
     /// How many singular values are not zero.
     rank: usize,
 }
 
-/// Memory for neighbour matrices, used again for every point.
-#[derive(Default)]
-pub(crate) struct Scratch {
-    left: Vec<f64>,
-    right: Vec<f64>,
-}
-
-impl Scratch {
-    /// The matrices of several neighbourhoods of `j` and their images, decomposed, which takes
-    /// hardly longer than of one.
-    pub(crate) fn decompose<const L: usize>(
-        &mut self,
-        cloud: &Cloud,
-        j: usize,
-        neighbourhoods: [&[Neighbour]; L],
-        settings: &DataSettings,
-    ) -> [Decomposed; L] {
-        let columns = cloud.points.columns();
-        let mut decomposed = neighbourhoods.map(|neighbours| {
-            let rows = self.fill(
-                &cloud.points,
-                j,
-                neighbours,
-                Some(settings.step),
-                settings.affine,
-            );
-            let (triangle, images) = triangle(&mut self.left, &mut self.right, rows, columns);
-            let right = self.right.chunks_exact(rows);
-            let rest = right.flat_map(|column| &column[columns..]);
-            Decomposed {
-                triangle,
-                images,
-                rounding: ABOVE_ROUNDING * cloud.rounding * (rows as f64).sqrt(),
-                outside: rest.map(|v| v * v).sum(),
-                independent: neighbours
-                    .len()
-                    .saturating_sub(usize::from(settings.affine)),
-                svd: Svd::default(),
-                rank: 0,
-            }
-        });
-        let found = svds(decomposed.each_ref().map(|one| &one.triangle));
-        for (one, svd) in decomposed.iter_mut().zip(found) {
-            let zero = one.rounding.max(settings.rank_tolerance * svd.s[0]);
-            one.rank = svd.s.iter().filter(|&&s| s > zero).count();
-            one.svd = svd;
-        }
-        decomposed
-    }
-
-    /// Singular values of several neighbour matrices of `j`, each divided by the root of the number
-    /// of neighbours, and what below is zero.
-    pub(crate) fn singular_values<const L: usize>(
-        &mut self,
-        cloud: &Cloud,
-        j: usize,
-        neighbourhoods: [&[Neighbour]; L],
-        settings: &DataSettings,
-    ) -> [(Row, f64); L] {
-        let triangles = neighbourhoods.map(|neighbours| {
-            let rows = self.fill(&cloud.points, j, neighbours, None, false);
-            triangle(
-                &mut self.left,
-                &mut self.right,
-                rows,
-                cloud.points.columns(),
-            )
-            .0
-        });
-        let found = svds(triangles.each_ref());
-        std::array::from_fn(|l| {
-            let root = (neighbourhoods[l].len().max(1) as f64).sqrt();
-            let s = found[l].s.map(|s| s / root);
-            let zero = (ABOVE_ROUNDING * cloud.rounding).max(settings.rank_tolerance * s[0]);
-            (s, zero)
-        })
-    }
-
-    /// Writes the differences to the neighbours, column after column, and returns the number of
-    /// rows (at least that of columns).
-    fn fill(
-        &mut self,
-        points: &Matrix,
-        j: usize,
-        neighbours: &[Neighbour],
-        step: Option<usize>,
-        centred: bool,
-    ) -> usize {
-        let rows = neighbours.len().max(points.columns());
-        self.right.clear();
-        differences(points, j, 0, neighbours, rows, centred, &mut self.left);
-        if let Some(step) = step {
-            differences(points, j, step, neighbours, rows, centred, &mut self.right);
-        }
-        rows
-    }
-}
-
-/// `x_{k + ahead} − x_{j + ahead}` of all neighbours `k`; with `centred` minus their mean, which is
-/// what a fitted constant amounts to.
-fn differences(
-    points: &Matrix,
-    j: usize,
-    ahead: usize,
-    neighbours: &[Neighbour],
-    rows: usize,
-    centred: bool,
-    columns: &mut Vec<f64>,
-) {
-    let origin = &points[j + ahead];
-    columns.clear();
-    columns.resize(points.columns() * rows, 0.0);
-    // A point's coordinates lie together: each point is fetched once.
-    for (row, &(_, k)) in neighbours.iter().enumerate() {
-        let point = &points[k as usize + ahead];
-        for (c, (v, origin)) in point.iter().zip(origin).enumerate() {
-            columns[c * rows + row] = v - origin;
-        }
-    }
-    if centred && !neighbours.is_empty() {
-        for column in columns.chunks_exact_mut(rows) {
-            let column = &mut column[..neighbours.len()];
-            let mean = column.iter().sum::<f64>() / neighbours.len() as f64;
-            column.iter_mut().for_each(|v| *v -= mean);
-        }
-    }
-}
-
 impl Decomposed {
+    /// Of the neighbours of point `j`, with a constant or without one.
+    pub(crate) fn new(
+        scratch: &mut Scratch,
+        cloud: &Cloud,
+        (j, neighbours): (usize, &[Neighbour]),
+        affine: bool,
+        settings: &DataSettings,
+    ) -> Self {
+        let triangle = scratch.triangle(&cloud.points, j, neighbours, settings.step, affine);
+        let svd = svd(&triangle.points);
+        let rounding = ABOVE_ROUNDING * cloud.rounding * (triangle.rows as f64).sqrt();
+        let zero = rounding.max(settings.rank_tolerance * svd.s[0]);
+        Self {
+            images: triangle.images,
+            rounding,
+            outside: triangle.rest,
+            independent: neighbours.len().saturating_sub(usize::from(affine)),
+            rank: svd.s.iter().filter(|&&s| s > zero).count(),
+            svd,
+        }
+    }
+
+    /// Singular values of the neighbour matrix.
+    pub(crate) fn sizes(&self) -> &Row {
+        &self.svd.s
+    }
+
     /// Part of the images' deviations from the image of the point that the map (without ridge) does
     /// not predict: root mean square per degree of freedom, over the same without a map. 0 for a
     /// smooth map of small neighbourhoods, 1 if the images have nothing to do with the points. NaN
@@ -243,14 +142,6 @@ mod tests {
     use crate::neighbours::Finder;
     use crate::series::Series;
 
-    /// A linear fit that cuts nothing off.
-    fn plain() -> DataSettings {
-        DataSettings {
-            rank_tolerance: 0.0,
-            ..DataSettings::default()
-        }
-    }
-
     #[test]
     fn a_linear_map_is_recovered_to_the_rounding_over_the_extent_of_the_neighbourhood() {
         // A spiral inwards.
@@ -263,20 +154,22 @@ mod tests {
         });
         let cloud = Cloud::new(&Series::from_rows(rows, 1.0).unwrap()).unwrap();
         let finder = Finder::new(&cloud, 1, 0).unwrap();
-        let (mut scratch, mut found) = (Scratch::default(), Vec::new());
+        // Nothing is cut off.
+        let plain = DataSettings {
+            rank_tolerance: 0.0,
+            ..DataSettings::default()
+        };
+        let (mut scratch, mut nearest) = (Scratch::default(), Vec::new());
         for count in [10, 40] {
-            finder.nearest(500, count, f64::INFINITY, &mut found);
-            let [decomposed] = scratch.decompose(&cloud, 500, [&found], &plain());
-            let map = decomposed.map(2, &plain());
+            finder.nearest(500, count, f64::INFINITY, &mut nearest);
+            let decomposed = Decomposed::new(&mut scratch, &cloud, (500, &nearest), false, &plain);
+            let map = decomposed.map(2, &plain);
             assert_eq!(map.rank, 2);
             for (row, wanted) in map.matrix.rows().zip([[c, -s], [s, c]]) {
                 for (cell, wanted) in row.iter().zip(wanted) {
                     assert!((cell - wanted).abs() < map.nothing, "{cell} {wanted}");
                 }
             }
-            // Both by the root of the number of neighbours.
-            let [(sizes, zero)] = scratch.singular_values(&cloud, 500, [&found], &plain());
-            assert!((map.nothing * sizes[1] / zero - 1.0).abs() < 1e-9);
         }
     }
 }

@@ -17,7 +17,7 @@ pub(crate) const LARGEST_PART: usize = 20;
 /// A neighbour: squared distance and index.
 pub(crate) type Neighbour = (f64, u32);
 
-/// How many of the points found are the neighbourhood asked for.
+/// How many of the nearest points are the neighbourhood asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Selection {
     /// The first so many.
@@ -28,17 +28,17 @@ pub(crate) struct Selection {
 
 impl Selection {
     /// Of the nearest points, at least as many as the neighbourhood may have.
-    pub(crate) fn of(found: &[Neighbour], neighbours: &Neighbourhood, spread: f64) -> Self {
+    fn of(nearest: &[Neighbour], neighbours: &Neighbourhood, spread: f64) -> Self {
         match *neighbours {
             Neighbourhood::Nearest(k) => Selection {
-                count: found.len().min(k),
-                starved: found.len() < k,
+                count: nearest.len().min(k),
+                starved: nearest.len() < k,
             },
             Neighbourhood::Ball { eps, min, max } => {
                 let radius = eps * spread;
-                let inside = found.partition_point(|n| n.0 <= radius * radius).min(max);
+                let inside = nearest.partition_point(|n| n.0 <= radius * radius).min(max);
                 Selection {
-                    count: inside.max(min).min(found.len()),
+                    count: inside.max(min).min(nearest.len()),
                     starved: inside < min,
                 }
             }
@@ -78,54 +78,51 @@ impl<'c> Finder<'c> {
         })
     }
 
-    /// The neighbours of point `j` in a neighbourhood `times` the size, nearest first, or so many
-    /// of the nearest where it holds fewer; and how many of them are the neighbourhood itself.
-    /// `found` are those of the point `before`, if there is one.
+    /// The neighbours of point `j` in a neighbourhood `times` the size, or the `fewest` nearest
+    /// points where it holds fewer, nearest first; and how many of them are the neighbourhood
+    /// itself. `nearest` are those of the point `before`, if there is one.
     pub(crate) fn select(
         &self,
         (before, j): (Option<usize>, usize),
         neighbours: &Neighbourhood,
         (times, fewest): (usize, usize),
         spread: f64,
-        found: &mut Vec<Neighbour>,
+        nearest: &mut Vec<Neighbour>,
     ) -> Selection {
-        match *neighbours {
-            Neighbourhood::Nearest(k) => {
-                let wanted = k.saturating_mul(times);
-                self.follow((before, j), wanted, f64::INFINITY, found);
-            }
-            Neighbourhood::Ball { eps, min, max } => {
-                let (least, most) = (min.saturating_mul(times), max.saturating_mul(times));
-                self.follow((before, j), most, times as f64 * eps * spread, found);
-                let least = least.max(fewest);
-                if found.len() < least {
-                    self.nearest(j, least, f64::INFINITY, found);
-                }
-            }
+        let of_size = |count: usize| count.saturating_mul(times).max(fewest);
+        let (least, most) = (of_size(neighbours.fewest()), of_size(neighbours.most()));
+        // Where the ball decides nothing but which points are starved, it bounds no search.
+        let radius = match *neighbours {
+            Neighbourhood::Ball { eps, .. } if most > least => times as f64 * eps * spread,
+            _ => f64::INFINITY,
+        };
+        self.follow((before, j), most, radius, nearest);
+        if nearest.len() < least && radius.is_finite() {
+            self.nearest(j, least, f64::INFINITY, nearest);
         }
-        Selection::of(found, neighbours, spread)
+        Selection::of(nearest, neighbours, spread)
     }
 
-    /// As [`Finder::nearest`], where `found` are those of the point `before`: where they have gone
+    /// As [`Finder::nearest`], where `nearest` are those of the point `before`: where they have gone
     /// is no nearer than the ones that are looked for, which makes for a short search in a flow.
     pub(crate) fn follow(
         &self,
         (before, j): (Option<usize>, usize),
         wanted: usize,
         radius: f64,
-        found: &mut Vec<Neighbour>,
+        nearest: &mut Vec<Neighbour>,
     ) {
-        let reach2 = match (before, found.get(..wanted)) {
-            (Some(before), Some(found)) if before < j => self.reach2(j, j - before, found),
+        let reach2 = match (before, nearest.get(..wanted)) {
+            (Some(before), Some(nearest)) if before < j => self.reach2(j, j - before, nearest),
             _ => f64::INFINITY,
         };
-        self.within(j, wanted, reach2.min(radius * radius), found);
+        self.within(j, wanted, reach2.min(radius * radius), nearest);
     }
 
     /// Square of the largest distance from point `j` of where neighbours are so much later;
     /// infinite if one of them is none then.
-    fn reach2(&self, j: usize, later: usize, found: &[Neighbour]) -> f64 {
-        found.iter().fold(0.0, |reach: f64, &(_, k)| {
+    fn reach2(&self, j: usize, later: usize, nearest: &[Neighbour]) -> f64 {
+        nearest.iter().fold(0.0, |reach: f64, &(_, k)| {
             let k = k as usize + later;
             let is_candidate = k < self.candidates;
             let square = is_candidate.then(|| distance2(&self.points[k], &self.points[j]));
@@ -136,15 +133,21 @@ impl<'c> Finder<'c> {
 
     /// The `wanted` nearest admissible points within `radius`, nearest first, equally distant ones
     /// by index. Fewer if there are no more.
-    pub(crate) fn nearest(&self, j: usize, wanted: usize, radius: f64, found: &mut Vec<Neighbour>) {
-        self.within(j, wanted, radius * radius, found);
+    pub(crate) fn nearest(
+        &self,
+        j: usize,
+        wanted: usize,
+        radius: f64,
+        nearest: &mut Vec<Neighbour>,
+    ) {
+        self.within(j, wanted, radius * radius, nearest);
     }
 
-    fn within(&self, j: usize, wanted: usize, radius2: f64, found: &mut Vec<Neighbour>) {
+    fn within(&self, j: usize, wanted: usize, radius2: f64, nearest: &mut Vec<Neighbour>) {
         let between = (self.repeat2, radius2);
         let admissible = |k: u32| (k as usize).abs_diff(j) > self.theiler;
         self.tree
-            .nearest(&self.points[j], wanted, between, admissible, found);
+            .nearest(&self.points[j], wanted, between, admissible, nearest);
     }
 }
 
@@ -176,14 +179,14 @@ mod tests {
     fn agrees_with_brute_force<const N: usize>(rows: impl Iterator<Item = [f64; N]>) {
         let series = Series::from_rows(rows, 1.0).unwrap();
         let cloud = Cloud::new(&series).unwrap();
-        let mut found = Vec::new();
+        let mut nearest = Vec::new();
         for (step, theiler) in [(1, 0), (1, 1), (3, 40)] {
             let finder = Finder::new(&cloud, step, theiler).unwrap();
             for j in (0..cloud.points.len()).step_by(17) {
                 for (wanted, radius) in [(30, f64::INFINITY), (30, 0.05), (500, 0.3), (1, 1.0)] {
-                    finder.nearest(j, wanted, radius, &mut found);
+                    finder.nearest(j, wanted, radius, &mut nearest);
                     let expected = brute(&cloud, &finder, step, j, wanted, radius);
-                    assert_eq!(found, expected, "{j} {wanted} {radius}");
+                    assert_eq!(nearest, expected, "{j} {wanted} {radius}");
                 }
             }
             // A chain for each radius: what is followed was found within it, and is fewer than
@@ -191,11 +194,11 @@ mod tests {
             for (wanted, radius) in [(30, f64::INFINITY), (30, 0.05), (30, 0.3), (3, 1.5)] {
                 let mut before = None;
                 for j in (0..cloud.points.len()).step_by(3) {
-                    finder.follow((before, j), wanted, radius, &mut found);
+                    finder.follow((before, j), wanted, radius, &mut nearest);
                     before = Some(j);
                     if j % 17 == 0 {
                         let expected = brute(&cloud, &finder, step, j, wanted, radius);
-                        assert_eq!(found, expected, "{j} {wanted} {radius}");
+                        assert_eq!(nearest, expected, "{j} {wanted} {radius}");
                     }
                 }
             }
@@ -245,8 +248,8 @@ mod tests {
         let rows = (0..3000).map(|i| [f64::from(u8::from(i == 2999))]);
         let cloud = Cloud::new(&Series::from_rows(rows, 1.0).unwrap()).unwrap();
         let finder = Finder::new(&cloud, 1, 1).unwrap();
-        let mut found = vec![(0.0, 0)];
-        finder.nearest(10, 20, f64::INFINITY, &mut found);
-        assert!(found.is_empty());
+        let mut nearest = vec![(0.0, 0)];
+        finder.nearest(10, 20, f64::INFINITY, &mut nearest);
+        assert!(nearest.is_empty());
     }
 }

@@ -166,10 +166,9 @@ pub struct DataSpectrum {
     pub settings: DataSettings,
 }
 
-/// The sums differ if they are apart by more than so many standard errors, within which `ok`
-/// promises the truth,
-const STANDARD_ERRORS: f64 = 2.0;
-/// and by more than this part of the divergence: it is given in a few digits.
+/// Standard errors within which `ok` promises the truth: two hold 95 % of a normal distribution.
+pub const OK_ERRORS: f64 = 2.0;
+/// A divergence given in four digits is off by this part of it at most.
 const ROUNDING: f64 = 5e-4;
 
 /// What a known divergence says of a spectrum.
@@ -211,7 +210,7 @@ impl DataSpectrum {
             0 => Balance::Whole {
                 excess,
                 stderr,
-                agrees: excess.abs() <= (STANDARD_ERRORS * stderr).max(ROUNDING * divergence.abs()),
+                agrees: excess.abs() <= (OK_ERRORS * stderr).max(ROUNDING * divergence.abs()),
             },
             exponents => Balance::Rest {
                 exponents,

@@ -97,14 +97,13 @@ pub fn reversal(
         ..spectrum.settings.clone()
     };
     settings.references = Some(settings.references_before(covered));
-    let turned_series = reversed(embedded)?;
-    let backward = data_spectrum_with(&turned_series, &settings, progress)?;
+    let backward = data_spectrum_with(&reversed(embedded)?, &settings, progress)?;
     let [forward, reversed] = [spectrum, &backward].map(|spectrum| -> Vec<(f64, f64)> {
         let all = spectrum.exponents.iter();
         all.filter_map(|exponent| exponent.fixed_rank).collect()
     });
-    let turned = reversed.iter().map(|&(value, stderr)| (-value, stderr));
-    let turned: Vec<(f64, f64)> = turned.collect();
+    let negated = reversed.iter().map(|&(value, stderr)| (-value, stderr));
+    let negated: Vec<(f64, f64)> = negated.collect();
     let of_a_map = FIT / (step as f64 * embedded.dt());
     let first = forward.first().map_or(0.0, |first| first.0.abs());
     let scale = if first < of_a_map {
@@ -112,26 +111,25 @@ pub fn reversal(
     } else {
         first
     };
-    let is_again = |first: &(f64, f64)| {
-        let mut turned = turned.iter();
-        turned.any(|other| gap(*first, *other, scale).is_some())
+    let is_among_negated = |first: &(f64, f64)| {
+        let mut negated = negated.iter();
+        negated.any(|other| gap(*first, *other, scale).is_some())
     };
     let is_conclusive =
-        backward.residual_ratio < UNPREDICTABLE && forward.first().is_some_and(is_again);
-    let noisy = spectrum.residual_ratio > UNPREDICTABLE;
+        backward.residual_ratio < UNPREDICTABLE && forward.first().is_some_and(is_among_negated);
+    let is_noisy = spectrum.residual_ratio > UNPREDICTABLE;
     let full = spectrum.exponents.iter();
     let full: Vec<(f64, f64)> = full.map(|one| (one.value, one.stderr)).collect();
-    let determined = spectrum.dimension;
-    let found = matched(&full, &forward, scale, determined);
-    let also = matched(&full, &turned, scale, determined);
+    let [by_rank, by_reversal] =
+        [&forward, &negated].map(|known| matched(&full, known, scale, spectrum.dimension));
     // A fit of full rank has room for the embedding's own, too, and tells nothing of what it has
     // not.
     let is_judged = is_conclusive || forward.len() < full.len();
-    let origins = full.iter().zip(found.into_iter().zip(also));
-    let origins = origins.map(|(exponent, (found, also))| {
-        if forward.is_empty() || noisy || !exponent.0.is_finite() {
+    let origins = full.iter().zip(by_rank.into_iter().zip(by_reversal));
+    let origins = origins.map(|(exponent, (by_rank, by_reversal))| {
+        if forward.is_empty() || is_noisy || !exponent.0.is_finite() {
             Origin::Unknown
-        } else if found || is_conclusive && also {
+        } else if by_rank || is_conclusive && by_reversal {
             Origin::System
         } else if is_judged {
             Origin::Spurious
@@ -178,14 +176,14 @@ fn matched(all: &[(f64, f64)], known: &[(f64, f64)], scale: f64, determined: usi
         let late = |pair: &(f64, usize, usize)| pair.1 >= determined;
         late(a).cmp(&late(b)).then(a.0.total_cmp(&b.0))
     });
-    let mut found = vec![false; all.len()];
-    let mut used = vec![false; known.len()];
+    let mut is_known = vec![false; all.len()];
+    let mut is_used = vec![false; known.len()];
     for (_, i, k) in pairs {
-        if !found[i] && !used[k] {
-            (found[i], used[k]) = (true, true);
+        if !is_known[i] && !is_used[k] {
+            (is_known[i], is_used[k]) = (true, true);
         }
     }
-    found
+    is_known
 }
 
 #[cfg(test)]

@@ -194,18 +194,18 @@ impl Tree {
         wanted: usize,
         between: (f64, f64),
         admissible: impl Fn(u32) -> bool,
-        found: &mut Vec<Neighbour>,
+        nearest: &mut Vec<Neighbour>,
     ) {
-        found.clear();
+        nearest.clear();
         if wanted == 0 {
             return;
         }
         // With the machine's vectors, which change no bit: a distance is a lane.
         Arch::new().dispatch(
             #[inline(always)]
-            || self.collect(centre, wanted, between, admissible, found),
+            || self.collect(centre, wanted, between, admissible, nearest),
         );
-        sort(found, wanted);
+        sort(nearest, wanted);
     }
 
     /// What [`Tree::nearest`] looks for, unsorted, and some beyond the wanted ones.
@@ -216,7 +216,7 @@ impl Tree {
         wanted: usize,
         (repeat2, radius2): (f64, f64),
         admissible: impl Fn(u32) -> bool,
-        found: &mut Vec<Neighbour>,
+        nearest: &mut Vec<Neighbour>,
     ) {
         let mut furthest = (radius2, u32::MAX);
         // Candidates are collected until they are twice as many, and those that are too far then go
@@ -254,23 +254,17 @@ impl Tree {
                 if !is_any {
                     continue;
                 }
-                let mut near = 0_u32;
-                for (lane, square) in squares.iter().enumerate() {
-                    near |= u32::from(*square <= furthest.0 && *square > repeat2) << lane;
-                }
-                while near != 0 {
-                    let lane = near.trailing_zeros() as usize;
-                    near &= near - 1;
-                    let (square, index) = (squares[lane], self.indices[block][lane]);
-                    let is_near = square < furthest.0 || index <= furthest.1;
-                    if is_near && admissible(index) {
-                        found.push((square, index));
+                for (&square, &index) in squares.iter().zip(&self.indices[block]) {
+                    let is_inside = square > repeat2 && square <= furthest.0;
+                    let is_before = square < furthest.0 || index <= furthest.1;
+                    if is_inside && is_before && admissible(index) {
+                        nearest.push((square, index));
                     }
                 }
             }
-            if found.len() >= full {
-                furthest = *found.select_nth_unstable_by(wanted - 1, order).1;
-                found.truncate(wanted);
+            if nearest.len() >= full {
+                furthest = *nearest.select_nth_unstable_by(wanted - 1, order).1;
+                nearest.truncate(wanted);
                 full = wanted.saturating_mul(2);
             }
         }
@@ -278,9 +272,9 @@ impl Tree {
 }
 
 /// Sorts by distance and then by index, and keeps the first so many.
-fn sort(found: &mut Vec<Neighbour>, wanted: usize) {
-    found.sort_unstable_by(order);
-    found.truncate(wanted);
+fn sort(nearest: &mut Vec<Neighbour>, wanted: usize) {
+    nearest.sort_unstable_by(order);
+    nearest.truncate(wanted);
 }
 
 /// By distance and then by index.
@@ -314,8 +308,8 @@ mod tests {
             let admissible = |k: u32| !k.is_multiple_of(3);
             for wanted in [0, 1, 2, 30, 500, usize::MAX] {
                 for between in [(-1.0, f64::INFINITY), (0.0, 0.0), (1e-20, 0.05), (0.0, 2.0)] {
-                    let mut found = Vec::new();
-                    tree.nearest(&centre, wanted, between, admissible, &mut found);
+                    let mut nearest = Vec::new();
+                    tree.nearest(&centre, wanted, between, admissible, &mut nearest);
                     let mut all: Vec<Neighbour> = (0..)
                         .zip(points.rows())
                         .map(|(k, point)| (distance2(point, &centre), k))
@@ -325,7 +319,7 @@ mod tests {
                         .collect();
                     all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
                     all.truncate(wanted);
-                    assert_eq!(found, all, "{columns} {count} {wanted} {between:?}");
+                    assert_eq!(nearest, all, "{columns} {count} {wanted} {between:?}");
                 }
             }
         }
@@ -343,7 +337,7 @@ mod tests {
     fn neighbours_are_sorted_by_distance_and_then_by_index() {
         let mut draw = SplitMix::new(7);
         for count in [0, 1, 2, 50, 4096, 4097, 6000] {
-            let mut found: Vec<Neighbour> = (0..count)
+            let mut nearest: Vec<Neighbour> = (0..count)
                 .map(|_| {
                     let place = (3.0 * draw.uniform()).floor();
                     let ulps = (5.0 * draw.uniform()).floor();
@@ -353,14 +347,14 @@ mod tests {
                     )
                 })
                 .collect();
-            let mut expected = found.clone();
+            let mut expected = nearest.clone();
             expected.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-            let mut all = found.clone();
+            let mut all = nearest.clone();
             sort(&mut all, count);
             assert_eq!(all, expected, "{count}");
             expected.truncate(40);
-            sort(&mut found, 40);
-            assert_eq!(found, expected, "40 of {count}");
+            sort(&mut nearest, 40);
+            assert_eq!(nearest, expected, "40 of {count}");
         }
     }
 

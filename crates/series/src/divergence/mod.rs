@@ -8,12 +8,11 @@
 
 mod straight;
 
-use pulp::Arch;
 use rayon::prelude::*;
 
 use super::cloud::Cloud;
 use super::error::DataError;
-use super::matrix::distance2;
+use super::matrix::{Matrix, distance2};
 use super::neighbours::{Finder, Neighbour};
 use super::series::Series;
 use super::statistics::upper_median;
@@ -131,49 +130,55 @@ pub fn divergence(
     let points = rows - longest;
     let every = points.div_ceil(SAMPLES).max(1);
     let references: Vec<usize> = (0..points).step_by(every).collect();
-    let found: Vec<Vec<Neighbour>> = references
+    let nearest: Vec<Vec<Neighbour>> = references
         .par_iter()
         .map(|&j| {
-            let mut found = Vec::new();
-            finder.nearest(j, MOST, f64::INFINITY, &mut found);
-            found
+            let mut nearest = Vec::new();
+            finder.nearest(j, MOST, f64::INFINITY, &mut nearest);
+            nearest
         })
         .collect();
+    let saturation = saturation(&cloud);
+    let curve = |radius2: Option<f64>| {
+        let inside = |neighbours: &[Neighbour]| match radius2 {
+            Some(radius2) => neighbours.partition_point(|neighbour| neighbour.0 <= radius2),
+            None => neighbours.len().min(1),
+        };
+        let pairs = references.iter().zip(&nearest);
+        let pairs = pairs.map(|(&j, neighbours)| (j, &neighbours[..inside(neighbours)]));
+        let mut growth = Growth {
+            points: &cloud.points,
+            pairs: pairs.filter(|(_, inside)| !inside.is_empty()).collect(),
+            longest,
+            saturation,
+            means: Vec::new(),
+            blocks: Vec::new(),
+        };
+        let level = growth.follow().unwrap_or(saturation);
+        let ln_unit = libm::log(cloud.unit);
+        let points = growth.means.iter().enumerate();
+        DivergenceCurve {
+            radius: radius2.map(|square| cloud.unit * square.sqrt()),
+            references: growth.pairs.len(),
+            straight: straight_part(&growth.means, &growth.blocks, level, series.dt()),
+            points: points
+                .map(|(k, mean)| (k as f64 * series.dt(), mean + ln_unit))
+                .collect(),
+        }
+    };
     progress(1, total);
-    let nearest: Vec<usize> = found.iter().map(|found| found.len().min(1)).collect();
-    let balls = KANTZ.map(|count| {
-        let reach = found.iter().filter_map(|found| found.get(count - 1));
-        let radius2 = upper_median(reach.map(|neighbour| neighbour.0));
-        let within = found
-            .iter()
-            .map(|found| found.partition_point(|neighbour| neighbour.0 <= radius2));
-        Course::new(Some(radius2.sqrt()), within.collect())
+    let rosenstein = curve(None);
+    let kantz = KANTZ.iter().enumerate().map(|(i, count)| {
+        progress(1 + i, total);
+        let reach = nearest.iter().filter_map(|found| found.get(count - 1));
+        curve(Some(upper_median(reach.map(|neighbour| neighbour.0))))
     });
-    let mut courses = vec![Course::new(None, nearest)];
-    courses.extend(balls);
-    let column = |c: usize| -> Vec<f64> {
-        let values = cloud.points.rows().map(|point| point[c]);
-        values.chain([0.0; LANES]).collect()
-    };
-    let follow = Follow {
-        columns: (0..series.columns()).map(column).collect(),
-        references: &references,
-        found: &found,
-        longest,
-        saturation: saturation(&cloud),
-    };
-    follow.run(&mut courses);
+    let kantz = kantz.collect();
     progress(total, total);
-    let mut curves = courses
-        .iter()
-        .map(|course| course.curve(&follow, cloud.unit, series.dt()));
-    let Some(rosenstein) = curves.next() else {
-        return Err(too_few(theiler));
-    };
     Ok(Divergence {
         rosenstein,
-        kantz: curves.collect(),
-        saturation: follow.saturation + libm::log(cloud.unit),
+        kantz,
+        saturation: saturation + libm::log(cloud.unit),
     })
 }
 
@@ -194,198 +199,72 @@ fn saturation(cloud: &Cloud) -> f64 {
     sum / count
 }
 
-/// Points of time that are followed together, each in a lane.
-const LANES: usize = 8;
-
-/// Sums of logarithms, one in each lane, as the logarithms of products, which are fewer: they were
-/// most of the time of a curve.
-#[derive(Clone, Copy)]
-struct SumsOfLogarithms {
-    sums: [f64; LANES],
-    products: [f64; LANES],
-    counts: [f64; LANES],
-}
-
-impl SumsOfLogarithms {
-    /// A product within this factor of one can take another such number without overflow.
-    const ROOM: f64 = 1e100;
-
-    const fn new() -> Self {
-        Self {
-            sums: [0.0; LANES],
-            products: [1.0; LANES],
-            counts: [0.0; LANES],
-        }
-    }
-
-    /// Adds the logarithm of a number to each lane, where it is positive.
-    #[inline(always)]
-    fn add(&mut self, numbers: &[f64; LANES]) {
-        let are_within = |numbers: &[f64; LANES]| {
-            let is_within = |v: &f64| (*v >= Self::ROOM.recip()) & (*v <= Self::ROOM);
-            numbers.iter().fold(true, |all, v| all & is_within(v))
-        };
-        if !are_within(numbers) {
-            for (lane, number) in numbers.iter().enumerate() {
-                self.add_one(lane, *number);
-            }
-            return;
-        }
-        for (lane, number) in numbers.iter().enumerate() {
-            self.products[lane] *= number;
-            self.counts[lane] += 1.0;
-        }
-        if !are_within(&self.products) {
-            (0..LANES).for_each(|lane| self.keep_within(lane));
-        }
-    }
-
-    fn add_one(&mut self, lane: usize, number: f64) {
-        if number <= 0.0 {
-            return;
-        }
-        self.counts[lane] += 1.0;
-        if (Self::ROOM.recip()..=Self::ROOM).contains(&number) {
-            self.products[lane] *= number;
-            self.keep_within(lane);
-        } else {
-            self.sums[lane] += libm::log(number);
-        }
-    }
-
-    fn keep_within(&mut self, lane: usize) {
-        if !(Self::ROOM.recip()..=Self::ROOM).contains(&self.products[lane]) {
-            self.sums[lane] += libm::log(self.products[lane]);
-            self.products[lane] = 1.0;
-        }
-    }
-
-    fn value(&self, lane: usize) -> f64 {
-        self.sums[lane] + libm::log(self.products[lane])
-    }
-}
+/// Points of time between two looks at where the curve is.
+const TOGETHER: usize = 16;
 
 /// A curve in the making.
-struct Course {
-    radius: Option<f64>,
-    /// How many neighbours of each reference point are followed, the nearest.
-    counts: Vec<usize>,
-    /// Reference points that have any.
-    followed: usize,
-    curve: Vec<f64>,
-    blocks: Vec<[f64; BLOCKS]>,
-    /// Where the curve levels off, once it has.
-    level: Option<f64>,
-}
-
-impl Course {
-    fn new(radius: Option<f64>, counts: Vec<usize>) -> Self {
-        Self {
-            radius,
-            followed: counts.iter().filter(|count| **count > 0).count(),
-            counts,
-            curve: Vec::new(),
-            blocks: Vec::new(),
-            level: None,
-        }
-    }
-
-    /// The next point of time: mean logarithms of the blocks and their numbers.
-    fn push(&mut self, sums: &[SumsOfLogarithms; BLOCKS], lane: usize) {
-        let sums = sums.map(|sum| (sum.value(lane), sum.counts[lane]));
-        let (all, count) = sums
-            .iter()
-            .fold((0.0, 0.0), |all, sum| (all.0 + sum.0, all.1 + sum.1));
-        self.curve.push(all / count);
-        self.blocks.push(sums.map(|(sum, count)| sum / count));
-    }
-
-    fn curve(&self, follow: &Follow<'_>, unit: f64, dt: f64) -> DivergenceCurve {
-        let level = self.level.unwrap_or(follow.saturation);
-        let points = self.curve.iter().enumerate();
-        DivergenceCurve {
-            radius: self.radius.map(|radius| unit * radius),
-            references: self.followed,
-            straight: straight_part(&self.curve, &self.blocks, level, dt),
-            points: points
-                .map(|(k, mean)| (k as f64 * dt, mean + libm::log(unit)))
-                .collect(),
-        }
-    }
-}
-
-/// How neighbours are followed.
-struct Follow<'a> {
-    /// The points, column by column: what a neighbour does lies together. Zeros follow, so that
-    /// there are always as many as lanes.
-    columns: Vec<Vec<f64>>,
-    references: &'a [usize],
-    /// Their neighbours, the nearest first.
-    found: &'a [Vec<Neighbour>],
+struct Growth<'a> {
+    points: &'a Matrix,
+    /// Reference points, and the neighbours of each that are followed.
+    pairs: Vec<(usize, &'a [Neighbour])>,
     longest: usize,
     saturation: f64,
+    /// Mean logarithms of the distance, over time.
+    means: Vec<f64>,
+    /// The same of each block of reference points.
+    blocks: Vec<[f64; BLOCKS]>,
 }
 
-/// A point of time after another, until the distances are those of any two points: so many between
-/// two looks.
-const TOGETHER: usize = 2 * LANES;
-
-impl Follow<'_> {
-    /// All curves at once: the neighbours of one are among those of the next.
-    fn run(&self, courses: &mut [Course]) {
-        let mut from = 0;
-        while from < self.longest {
-            let mut open: Vec<&mut Course> = courses
-                .iter_mut()
-                .filter(|course| course.followed > 0 && course.level.is_none())
-                .collect();
-            if open.is_empty() {
-                return;
-            }
+impl Growth<'_> {
+    /// Follows the neighbours until the distances are those of any two points, and returns where
+    /// the curve levels off, if it does.
+    fn follow(&mut self) -> Option<f64> {
+        while !self.pairs.is_empty() && self.means.len() < self.longest {
+            let from = self.means.len();
             let until = (from + TOGETHER).min(self.longest);
-            let counts: Vec<(&[usize], usize)> = open
-                .iter()
-                .map(|course| (course.counts.as_slice(), course.followed))
-                .collect();
-            let sums: Vec<Vec<[SumsOfLogarithms; BLOCKS]>> = (from..until)
-                .into_par_iter()
-                .step_by(LANES)
-                .map(|ahead| {
-                    // With the machine's vectors, which change no bit: every point of time is a
-                    // lane.
-                    Arch::new().dispatch(
-                        #[inline(always)]
-                        || self.sums(&counts, ahead),
-                    )
-                })
-                .collect();
-            for (course, open) in open.iter_mut().enumerate() {
-                for ahead in from..until {
-                    let (part, lane) = ((ahead - from) / LANES, (ahead - from) % LANES);
-                    open.push(&sums[part][course], lane);
-                }
-                open.level = self.level(&open.curve);
+            let sums = (from..until).into_par_iter();
+            let sums: Vec<_> = sums.map(|ahead| self.logarithms(ahead)).collect();
+            for of_blocks in sums {
+                let all = |(sum, count), &(more, others)| (sum + more, count + others);
+                let (sum, count) = of_blocks.iter().fold((0.0, 0.0), all);
+                self.means.push(sum / count);
+                self.blocks.push(of_blocks.map(|(sum, count)| sum / count));
             }
-            from = until;
+            if *self.means.last()? > self.saturation - SATURATED {
+                return Some(self.saturation);
+            }
+            // Neighbours that keep in phase, as Rössler's do, never come to be as far apart as any
+            // two points.
+            if self.is_flat() {
+                return self.means.iter().copied().reduce(f64::max);
+            }
         }
+        None
     }
 
-    /// Where a curve levels off, if it does.
-    fn level(&self, curve: &[f64]) -> Option<f64> {
-        let last = curve.last()?;
-        if *last > self.saturation - SATURATED {
-            return Some(self.saturation);
+    /// Sums of the logarithms of mean distances so many points later, and their numbers, for each
+    /// block of reference points. Distances of zero are passed over.
+    fn logarithms(&self, ahead: usize) -> [(f64, f64); BLOCKS] {
+        let mut sums = [(0.0, 0.0); BLOCKS];
+        for (i, (j, neighbours)) in self.pairs.iter().enumerate() {
+            let distances = neighbours.iter().map(|&(_, k)| {
+                let later = &self.points[k as usize + ahead];
+                distance2(&self.points[j + ahead], later).sqrt()
+            });
+            let mean = distances.sum::<f64>() / neighbours.len() as f64;
+            if mean > 0.0 {
+                let (sum, count) = &mut sums[i * BLOCKS / self.pairs.len()];
+                *sum += libm::log(mean);
+                *count += 1.0;
+            }
         }
-        // Neighbours that keep in phase, as Rössler's do, never come to be as far apart as any two
-        // points.
-        let highest = || curve.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        self.is_flat(curve).then(highest)
+        sums
     }
 
     /// Whether the curve, going on as over its last half, would not rise any more by half a factor
     /// of e.
-    fn is_flat(&self, curve: &[f64]) -> bool {
-        let quarter = curve.len() / 4;
+    fn is_flat(&self) -> bool {
+        let (curve, quarter) = (&self.means, self.means.len() / 4);
         if curve.len() < LOOKED_BACK {
             return false;
         }
@@ -394,92 +273,5 @@ impl Follow<'_> {
         let before = mean(&curve[curve.len() - 2 * quarter..curve.len() - quarter]);
         let left = (self.longest - curve.len()) as f64;
         (later - before) / quarter as f64 * left < 0.5
-    }
-
-    /// Distances of a reference point and its neighbour from so many points ahead on. Beyond the
-    /// end of the series, which no curve reaches, they mean nothing.
-    #[inline(always)]
-    fn distances(&self, j: usize, k: usize, ahead: usize) -> [f64; LANES] {
-        let mut squares = [0.0; LANES];
-        for column in &self.columns {
-            let at = |i: usize| column[i + ahead..].first_chunk::<LANES>();
-            if let (Some(a), Some(b)) = (at(j), at(k)) {
-                for lane in 0..LANES {
-                    squares[lane] += (a[lane] - b[lane]) * (a[lane] - b[lane]);
-                }
-            }
-        }
-        squares.map(f64::sqrt)
-    }
-
-    /// Some points of time that are followed together: the logarithms of the mean distances of the
-    /// neighbours, for each curve and block of reference points. Distances of zero are passed over.
-    /// `counts` holds for each curve how many neighbours are followed, and how many reference
-    /// points have any.
-    #[inline(always)]
-    fn sums(&self, counts: &[(&[usize], usize)], ahead: usize) -> Vec<[SumsOfLogarithms; BLOCKS]> {
-        let mut sums = vec![[SumsOfLogarithms::new(); BLOCKS]; counts.len()];
-        let mut orders = vec![0; counts.len()];
-        for (i, &j) in self.references.iter().enumerate() {
-            let mut total = [0.0; LANES];
-            let mut done = 0;
-            // Each curve's neighbours are the nearest so many, and each curve has more than the one
-            // before.
-            for (course, (counts, followed)) in counts.iter().enumerate() {
-                let count = counts[i];
-                if count == 0 {
-                    continue;
-                }
-                if count < done {
-                    (total, done) = ([0.0; LANES], 0);
-                }
-                for &(_, k) in &self.found[i][done..count] {
-                    let distances = self.distances(j, k as usize, ahead);
-                    for (total, distance) in total.iter_mut().zip(distances) {
-                        *total += distance;
-                    }
-                }
-                done = count;
-                let mean = total.map(|total| total / count as f64);
-                let block = orders[course] * BLOCKS / followed;
-                orders[course] += 1;
-                sums[course][block].add(&mean);
-            }
-        }
-        sums
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sums_of_logarithms_are_those_of_each_at_any_size() {
-        let numbers = [
-            0.3,
-            1e-90,
-            1e-90,
-            7.0,
-            5e-324,
-            1e99,
-            1e99,
-            f64::MAX,
-            1e-200,
-            2.5,
-        ];
-        let mut sums = SumsOfLogarithms::new();
-        for v in numbers {
-            // One lane has other numbers, and one nothing but zeros.
-            sums.add(&[v, v, 2.0, v, 0.0, v, v, v]);
-        }
-        let wanted: f64 = numbers.map(libm::log).iter().sum();
-        for lane in [0, 1, 3, 5, 6, 7] {
-            let value = sums.value(lane);
-            assert!((value - wanted).abs() < 1e-12, "{value} {wanted}");
-            assert_eq!(sums.counts[lane], 10.0);
-        }
-        assert!((sums.value(2) - 10.0 * libm::log(2.0)).abs() < 1e-13);
-        assert_eq!((sums.value(4), sums.counts[4]), (0.0, 0.0));
     }
 }

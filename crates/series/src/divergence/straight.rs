@@ -2,14 +2,12 @@
 
 use super::BLOCKS;
 
-/// A straight part ends where distances are a factor of e below where they level off: beyond,
-/// folding bends it.
-const BELOW_LEVEL: f64 = 1.0;
-/// It has so many points at least,
+/// A factor of e in logarithms, the time scale of an exponent. A straight part rises by one at
+/// least, and ends one below where distances level off: beyond, folding bends it.
+const E_FOLD: f64 = 1.0;
+/// It has so many points at least, three more than its line has parameters,
 const FEWEST: usize = 5;
-/// and rises by a factor of e at least,
-const RISE: f64 = 1.0;
-/// and by this part of the whole rise to there: a shorter piece may be straight by chance and has
+/// and rises by this part of the whole rise to there: a shorter piece may be straight by chance and has
 /// the growth of a few places only.
 const PART: f64 = 0.5;
 /// Scatter about the line, as a part of the rise, above which there is no straight part.
@@ -51,7 +49,7 @@ pub(crate) fn straight_part(
     level: f64,
     dt: f64,
 ) -> Option<StraightPart> {
-    let top = level - BELOW_LEVEL;
+    let top = level - E_FOLD;
     let end = curve
         .iter()
         .position(|v| v.is_nan() || *v >= top)
@@ -60,7 +58,7 @@ pub(crate) fn straight_part(
     let highest = curve.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let least = curve
         .first()
-        .map_or(RISE, |first| RISE.max(PART * (highest - first)));
+        .map_or(E_FOLD, |first| E_FOLD.max(PART * (highest - first)));
     let mut best: Option<(f64, usize, usize)> = None;
     for from in 0..curve.len() {
         let mut sums = Sums::default();

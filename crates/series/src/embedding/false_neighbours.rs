@@ -65,13 +65,13 @@ pub(crate) fn level(
     let ahead = embedding.delay * embedding.dimension;
     let votes: Vec<Option<Level>> = (0..points.div_ceil(every))
         .into_par_iter()
-        .map_init(Vec::new, |found, i| {
+        .map_init(Vec::new, |nearest, i| {
             let j = i * every;
-            finder.nearest(j, 1, f64::INFINITY, found);
-            let &(square, k) = found.first()?;
+            finder.nearest(j, 1, f64::INFINITY, nearest);
+            let &(square, k) = nearest.first()?;
             let k = k as usize;
-            let near = cloud.points[j].iter().zip(&cloud.points[k]);
-            let largest = near.fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()));
+            let coordinates = cloud.points[j].iter().zip(&cloud.points[k]);
+            let largest = coordinates.fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()));
             let (mut next_square, mut next_largest): (f64, f64) = (0.0, 0.0);
             for column in 0..columns {
                 let value = |row: usize| series.values()[(row + ahead) * columns + column];

@@ -269,20 +269,20 @@ fn delay(
     let classes = Classes::new(series);
     let longest = longest_lag(series.len()).min(MOST_LAGS);
     let mut curve = Information::new();
-    let mut found = given.map(|delay| (delay, DelayReason::Given));
-    if found.is_none() && decorrelation <= 1 {
-        found = Some((1, DelayReason::Uncorrelated));
+    let mut chosen = given.map(|delay| (delay, DelayReason::Given));
+    if chosen.is_none() && decorrelation <= 1 {
+        chosen = Some((1, DelayReason::Uncorrelated));
     }
     let mut least = (1, f64::INFINITY);
     let mut has_risen = false;
     for lag in 0..=longest {
-        let shown = found.map(|(delay, _)| delay.saturating_mul(SHOWN).max(10));
+        let shown = chosen.map(|(delay, _)| delay.saturating_mul(SHOWN).max(10));
         if shown.is_some_and(|shown| lag > shown) {
             break;
         }
         let information = classes.information(lag);
         curve.push((lag, information));
-        if lag == 0 || found.is_some() {
+        if lag == 0 || chosen.is_some() {
             continue;
         }
         if information < least.1 {
@@ -293,19 +293,19 @@ fn delay(
         has_risen |= rises;
         let on_curve = least.1 > ON_CURVE * curve[0].1;
         if information < classes.chance(lag) {
-            found = Some((lag, DelayReason::Independent));
+            chosen = Some((lag, DelayReason::Independent));
         } else if rises && !on_curve {
-            found = Some((least.0, DelayReason::FirstMinimum));
+            chosen = Some((least.0, DelayReason::FirstMinimum));
         } else if on_curve && has_risen && lag >= longest.min(PERIOD.saturating_mul(decorrelation))
         {
             let zero = Cloud::new(series)?.uncorrelated_at(0.0);
-            found = Some(match zero.filter(|&lag| lag <= longest) {
+            chosen = Some(match zero.filter(|&lag| lag <= longest) {
                 Some(lag) => (lag, DelayReason::OnCurve),
                 None => (longest, DelayReason::NoMinimum),
             });
         }
     }
-    Ok((curve, found.unwrap_or((longest, DelayReason::NoMinimum))))
+    Ok((curve, chosen.unwrap_or((longest, DelayReason::NoMinimum))))
 }
 
 fn evidence(levels: &[Level]) -> Vec<DimensionEvidence> {

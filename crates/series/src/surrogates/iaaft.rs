@@ -78,7 +78,7 @@ impl Randomiser {
     pub(crate) fn surrogate(&self, seed: u64) -> Result<Series, DataError> {
         let rows = self.original.len();
         let mut random = SplitMix::new(seed);
-        let turns: Vec<Complex<f64>> = (0..rows / 2 + 1)
+        let phases: Vec<Complex<f64>> = (0..rows / 2 + 1)
             .map(|_| {
                 let angle = std::f64::consts::TAU * random.uniform();
                 Complex::new(libm::cos(angle), libm::sin(angle))
@@ -93,9 +93,11 @@ impl Randomiser {
         bell.sort_by(f64::total_cmp);
         let mut values = vec![0.0; rows * self.columns.len()];
         for (c, column) in self.columns.iter().enumerate() {
-            let found = self.randomise(column, &bell, &turns)?;
+            let surrogate = self.randomise(column, &bell, &phases)?;
             let places = values.iter_mut().skip(c).step_by(self.columns.len());
-            places.zip(found).for_each(|(place, value)| *place = value);
+            places
+                .zip(surrogate)
+                .for_each(|(place, value)| *place = value);
         }
         Series::new(values, self.columns.len(), self.original.dt())
     }
@@ -104,7 +106,7 @@ impl Randomiser {
         &self,
         column: &Column,
         bell: &[f64],
-        turns: &[Complex<f64>],
+        phases: &[Complex<f64>],
     ) -> Result<Vec<f64>, DataError> {
         // The order of the values with a Gaussian distribution, whose phases are turned (Theiler's
         // amplitude-adjusted surrogate).
@@ -112,8 +114,8 @@ impl Randomiser {
         let mut spectrum = transform(&*self.forward, gaussian)?;
         spectrum
             .iter_mut()
-            .zip(turns)
-            .for_each(|(c, turn)| *c *= turn);
+            .zip(phases)
+            .for_each(|(c, phase)| *c *= phase);
         let mut order = ranks(&self.back(spectrum)?);
         // Spectrum and values in turn, until the order of the values stays.
         for _ in 0..ITERATIONS {

@@ -125,11 +125,11 @@ pub fn surrogate_test(
     while surrogates.len() < count {
         progress(surrogates.len(), count);
         let until = (surrogates.len() + TOGETHER).min(count);
-        let found: Vec<Statistics> = (surrogates.len()..until)
+        let more: Vec<Statistics> = (surrogates.len()..until)
             .into_par_iter()
             .map(|i| statistics(&randomiser.surrogate(seed.wrapping_add(i as u64))?))
             .collect::<Result<_, DataError>>()?;
-        surrogates.extend(found);
+        surrogates.extend(more);
     }
     progress(count, count);
     // One that has no residual is no evidence.

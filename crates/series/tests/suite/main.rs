@@ -699,120 +699,47 @@ fn bad_series_and_settings_are_refused_with_their_numbers() {
     assert!(refused(vec![f64::INFINITY], 1, 1.0).contains("inf"));
 
     let rows = henon(500);
-    let series = |rows: &[[f64; 2]]| Series::from_rows(rows.iter().copied(), 1.0).unwrap();
-    let settings = DataSettings::sano_sawada;
-    let few = data_spectrum(&series(&rows[..10]), &settings()).unwrap_err();
-    assert!(matches!(few, DataError::TooFew { rows: 10, .. }), "{few}");
-    let none = data_spectrum(&series(&[]), &settings()).unwrap_err();
-    assert!(matches!(none, DataError::TooFew { rows: 0, .. }), "{none}");
-    let constant = data_spectrum(&series(&[[1.5, -2.0]; 100]), &settings()).unwrap_err();
-    assert_eq!(constant, DataError::Constant { rows: 100 });
-    let wide = DataSettings {
-        theiler: Some(usize::MAX),
-        ..settings()
+    let of = |rows: &[[f64; 2]], change: &dyn Fn(&mut DataSettings)| {
+        let mut settings = DataSettings::sano_sawada();
+        change(&mut settings);
+        let series = Series::from_rows(rows.iter().copied(), 1.0).unwrap();
+        data_spectrum(&series, &settings).unwrap_err()
     };
-    assert!(matches!(
-        data_spectrum(&series(&rows), &wide),
-        Err(DataError::TooFew { .. })
-    ));
-    let ball = |eps, min, max| Neighbourhood::Ball { eps, min, max };
-    for (bad, name) in [
-        (
-            DataSettings {
-                neighbours: ball(0.0, 20, 40),
-                ..settings()
-            },
-            "eps",
-        ),
-        (
-            DataSettings {
-                neighbours: ball(f64::NAN, 20, 40),
-                ..settings()
-            },
-            "eps",
-        ),
-        (
-            DataSettings {
-                neighbours: ball(0.1, 2, 40),
-                ..settings()
-            },
-            "min",
-        ),
-        (
-            DataSettings {
-                neighbours: ball(0.1, 20, 19),
-                ..settings()
-            },
-            "max",
-        ),
-        (
-            DataSettings {
-                neighbours: Neighbourhood::Nearest(2),
-                ..settings()
-            },
-            "neighbours",
-        ),
-        (
-            DataSettings {
-                step: 0,
-                ..settings()
-            },
-            "step",
-        ),
-        (
-            DataSettings {
-                step: 4,
-                stride: 5,
-                ..settings()
-            },
-            "stride",
-        ),
-        (
-            DataSettings {
-                stride: 0,
-                ..settings()
-            },
-            "stride",
-        ),
-        (
-            DataSettings {
-                rank_tolerance: 1.0,
-                ..settings()
-            },
-            "rank_tolerance",
-        ),
-        (
-            DataSettings {
-                ridge: -1.0,
-                ..settings()
-            },
-            "ridge",
-        ),
-        (
-            DataSettings {
-                fixed_rank: Some(3),
-                ..settings()
-            },
-            "fixed_rank",
-        ),
-        (
-            DataSettings {
-                references: Some(19),
-                ..settings()
-            },
-            "references",
-        ),
+    let few = of(&rows[..10], &|_| ());
+    assert!(matches!(few, DataError::TooFew { rows: 10, .. }), "{few}");
+    let none = of(&[], &|_| ());
+    assert!(matches!(none, DataError::TooFew { rows: 0, .. }), "{none}");
+    let constant = of(&[[1.5, -2.0]; 100], &|_| ());
+    assert_eq!(constant, DataError::Constant { rows: 100 });
+    for change in [
+        |settings: &mut DataSettings| settings.theiler = Some(usize::MAX),
+        |settings: &mut DataSettings| settings.step = usize::MAX,
     ] {
-        let error = data_spectrum(&series(&rows), &bad).unwrap_err();
+        assert!(matches!(of(&rows, &change), DataError::TooFew { .. }));
+    }
+    const fn ball(eps: f64, min: usize, max: usize) -> Neighbourhood {
+        Neighbourhood::Ball { eps, min, max }
+    }
+    type Change = fn(&mut DataSettings);
+    let bad: [(&str, Change); 12] = [
+        ("eps", |bad| bad.neighbours = ball(0.0, 20, 40)),
+        ("eps", |bad| bad.neighbours = ball(f64::NAN, 20, 40)),
+        ("min", |bad| bad.neighbours = ball(0.1, 2, 40)),
+        ("max", |bad| bad.neighbours = ball(0.1, 20, 19)),
+        ("neighbours", |bad| {
+            bad.neighbours = Neighbourhood::Nearest(2);
+        }),
+        ("step", |bad| bad.step = 0),
+        ("stride", |bad| (bad.step, bad.stride) = (4, 5)),
+        ("stride", |bad| bad.stride = 0),
+        ("rank_tolerance", |bad| bad.rank_tolerance = 1.0),
+        ("ridge", |bad| bad.ridge = -1.0),
+        ("fixed_rank", |bad| bad.fixed_rank = Some(3)),
+        ("references", |bad| bad.references = Some(19)),
+    ];
+    for (name, change) in bad {
+        let error = of(&rows, &change);
         let says = matches!(error, DataError::Setting { name: found, .. } if found == name);
         assert!(says, "{name}: {error}");
     }
-    let huge = DataSettings {
-        step: usize::MAX,
-        ..settings()
-    };
-    assert!(matches!(
-        data_spectrum(&series(&rows), &huge),
-        Err(DataError::TooFew { .. })
-    ));
 }

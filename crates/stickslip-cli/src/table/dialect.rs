@@ -1,6 +1,6 @@
 //! How a text file separates its columns and writes its numbers.
 
-use std::borrow::Cow;
+use csv::StringRecord;
 
 /// Separator, and whether numbers have a decimal comma.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -8,14 +8,17 @@ pub(super) struct Dialect {
     /// What separates the columns of a line; without one any number of spaces and tabs does.
     separator: Option<char>,
     has_decimal_comma: bool,
-    /// Nothing but the commas' own digits says that they are decimal ones.
-    by_digits: bool,
 }
 
 impl Dialect {
-    /// What the first lines use. The very first counts only if there is a number in it, or no other
-    /// line.
-    pub(super) fn sense<'t>(lines: impl Iterator<Item = &'t str>) -> Self {
+    /// What the first lines use, and a note where nothing but their digits shows that commas are
+    /// decimal ones. The very first line counts only if there is a number in it, or no other line.
+    ///
+    /// # Errors
+    /// Why the columns cannot be told.
+    pub(super) fn sense<'t>(
+        lines: impl Iterator<Item = &'t str>,
+    ) -> Result<(Self, Option<&'static str>), &'static str> {
         let mut sample: Vec<&str> = lines.collect();
         let may_be_number = |part: &str| parse(part).is_some();
         let parts = |line: &'t str| line.split([',', ';', '\t', ' ', '\r']);
@@ -24,78 +27,61 @@ impl Dialect {
         }
         let separator = separator(&sample);
         if separator == Some(',') && are_parts(&sample) {
-            let alone = sample.iter().all(|line| line.matches(',').count() == 1);
-            return Dialect {
-                separator: separator.filter(|_| !alone),
-                has_decimal_comma: alone,
-                by_digits: true,
+            if sample.iter().any(|line| line.matches(',').count() > 1) {
+                return Err(
+                    "commas separate the columns and are decimal commas, too, as no whole numbers begin with -0 or 0: write \
+                     decimal points, or separate the columns by semicolons",
+                );
+            }
+            let dialect = Dialect {
+                separator: None,
+                has_decimal_comma: true,
             };
+            return Ok((
+                dialect,
+                Some(
+                    "the commas are read as decimal commas, as no whole numbers begin with -0 or 0; if they separate columns, \
+                     write semicolons",
+                ),
+            ));
         }
         let mut dialect = Dialect {
             separator,
             has_decimal_comma: false,
-            by_digits: false,
         };
         // Between columns that something else separates, a comma can only be a decimal one. Where
         // points are found too, none is taken as one.
-        let cells = || sample.iter().flat_map(|line| dialect.cells(line));
-        let commas = cells().any(|cell| with_point(&cell).is_some());
-        let points = cells().any(|cell| cell.contains('.') && parse(&cell).is_some());
+        let cells: Vec<StringRecord> = sample.iter().map(|line| dialect.cells(line)).collect();
+        let any = |holds: &dyn Fn(&str) -> bool| cells.iter().flatten().any(holds);
+        let commas = any(&|cell| with_point(cell).is_some());
+        let points = any(&|cell| cell.contains('.') && parse(cell).is_some());
         dialect.has_decimal_comma = separator != Some(',') && commas && !points;
-        dialect
-    }
-
-    /// That commas are decimal ones by their digits alone: what is to be said of it, or why the
-    /// columns cannot be told.
-    pub(super) fn doubt(&self) -> Result<Option<&'static str>, &'static str> {
-        match (self.by_digits, self.has_decimal_comma) {
-            (false, _) => Ok(None),
-            (true, true) => Ok(Some(
-                "the commas are read as decimal commas, as no whole numbers begin with -0 or 0; if they separate columns, write semicolons",
-            )),
-            (true, false) => Err(
-                "commas separate the columns and are decimal commas, too, as no whole numbers begin with -0 or 0: write decimal points, or \
-                 separate the columns by semicolons",
-            ),
-        }
+        Ok((dialect, None))
     }
 
     /// The cells of a line, without spaces around them and without quotes.
-    pub(super) fn cells<'t>(&self, line: &'t str) -> Vec<Cow<'t, str>> {
+    pub(super) fn cells(&self, line: &str) -> StringRecord {
         match self.separator {
             None => line.split_whitespace().map(unquoted).collect(),
             Some(separator) if line.contains('"') => quoted(line, separator),
-            Some(separator) => line
-                .split(separator)
-                .map(|cell| Cow::Borrowed(cell.trim()))
-                .collect(),
+            Some(separator) => line.split(separator).map(str::trim).collect(),
         }
     }
 
     /// The names in a comment, if there are `count` and none is a number. A word with a colon and
     /// what it is of the file, as Octave writes them (`# columns: 1`), are none.
-    pub(super) fn header<'t>(&self, comment: &'t str, count: usize) -> Option<Vec<Cow<'t, str>>> {
+    pub(super) fn header(&self, comment: &str, count: usize) -> Option<StringRecord> {
         let mut words = comment.split_whitespace();
-        let tells = words.next().is_some_and(|word| word.ends_with(':')) && words.next().is_some();
-        if tells {
+        if words.next().is_some_and(|word| word.ends_with(':')) && words.next().is_some() {
             return None;
         }
         let words = comment.split_whitespace();
         let by_spaces = words.map(|word| unquoted(word.trim_end_matches([',', ';'])));
-        let separated = match self.separator {
-            None => Vec::new(),
-            Some(_) => self.cells(comment),
-        };
-        let names: Vec<Cow<str>> = if separated.len() == count {
-            separated
-        } else {
-            by_spaces.collect()
-        };
-        let are_names = names.len() == count
-            && names
-                .iter()
-                .all(|name| !name.is_empty() && self.number(name).is_none());
-        are_names.then_some(names)
+        let separated = self.separator.map(|_| self.cells(comment));
+        let separated = separated.filter(|names| names.len() == count);
+        let names = separated.unwrap_or_else(|| by_spaces.collect());
+        let is_name = |name: &str| !name.is_empty() && self.number(name).is_none();
+        (names.len() == count && names.iter().all(is_name)).then_some(names)
     }
 
     /// The number in a cell.
@@ -184,28 +170,20 @@ fn with_point(cell: &str) -> Option<String> {
     (begins && goes_on && parse(&pointed).is_some()).then_some(pointed)
 }
 
-fn unquoted(cell: &str) -> Cow<'_, str> {
-    let inside = cell
-        .strip_prefix('"')
-        .and_then(|cell| cell.strip_suffix('"'));
-    Cow::Borrowed(inside.unwrap_or(cell))
+fn unquoted(cell: &str) -> &str {
+    let inside = cell.strip_prefix('"');
+    let inside = inside.and_then(|cell| cell.strip_suffix('"'));
+    inside.unwrap_or(cell)
 }
 
 /// A line with quotes, in which separators may stand.
-fn quoted(line: &str, separator: char) -> Vec<Cow<'_, str>> {
-    let delimiter = u8::try_from(separator).unwrap_or(b',');
+fn quoted(line: &str, separator: char) -> StringRecord {
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
         .trim(csv::Trim::All)
-        .delimiter(delimiter)
+        .delimiter(u8::try_from(separator).unwrap_or(b','))
         .from_reader(line.as_bytes());
-    let mut record = csv::StringRecord::new();
-    match reader.read_record(&mut record) {
-        Ok(true) => record
-            .iter()
-            .map(|cell| Cow::Owned(cell.to_owned()))
-            .collect(),
-        // The text of a line is read already, and is not empty.
-        _ => vec![Cow::Borrowed(line)],
-    }
+    let record = reader.records().next().and_then(Result::ok);
+    // The text of a line is read already, and is not empty.
+    record.unwrap_or_else(|| StringRecord::from(vec![line]))
 }

@@ -6,7 +6,6 @@ mod npy;
 mod rows;
 mod time;
 
-use std::borrow::Cow;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
@@ -17,12 +16,8 @@ use dialect::Dialect;
 use lines::Lines;
 use rows::Rows;
 
-/// Lines from which the separator is sensed,
+/// Lines from which the separator is sensed.
 const SAMPLE: usize = 64;
-/// as long as they have fewer bytes.
-const SAMPLE_BYTES: usize = 1 << 24;
-/// Bytes that are read at a time.
-const BUFFER: usize = 1 << 16;
 /// Most numbers that are read: 1 GiB of them.
 const MOST: usize = 1 << 27;
 /// Values are the same again where they differ by no more than this part of their column's range:
@@ -103,8 +98,8 @@ impl TableError {
 /// `#` or `%` are skipped; the first line, or a comment right above the numbers, may hold names. An
 /// array of numpy (`.npy`) has no names. A column named `t` or `time` is no coordinate: without
 /// `dt` it says what the time between two rows is, and else is held against it. Without names a
-/// first column that goes on evenly is the time, too, and an error if it has gaps. A column that is
-/// constant is left out.
+/// first column that goes on evenly is the time, too, and one that rises unevenly is an error. A
+/// column that is constant is left out.
 ///
 /// # Errors
 /// Everything that is not a complete table of finite numbers, with line and column; a time between rows that is neither given nor found.
@@ -127,7 +122,7 @@ pub fn read(
         total,
         report,
     };
-    parse(input, BufReader::with_capacity(BUFFER, counted), wanted, dt)
+    parse(input, BufReader::new(counted), wanted, dt)
 }
 
 /// A file that tells how much of it was read.
@@ -165,20 +160,15 @@ pub fn parse(
     }
     let mut lines = Lines::new(&input, source)?;
     let mut sample: Vec<(u64, String)> = Vec::new();
-    let mut bytes = 0;
     while sample.len() < SAMPLE
-        && bytes < SAMPLE_BYTES
         && let Some((number, text)) = lines.next()?
     {
-        bytes += text.len();
         sample.push((number, text.to_owned()));
     }
     let Some((line, first)) = sample.first() else {
         return Err(TableError::empty(&input));
     };
-    let dialect = Dialect::sense(sample.iter().map(|(_, text)| text.as_str()));
-    let decimal = dialect
-        .doubt()
+    let (dialect, note) = Dialect::sense(sample.iter().map(|(_, text)| text.as_str()))
         .map_err(|cause| TableError::File(format!("{input}, line {line}: {cause}")))?;
     let cells = dialect.cells(first);
     let count = cells.len();
@@ -190,7 +180,7 @@ pub fn parse(
         let comment = lines.comment.as_deref();
         comment.and_then(|text| dialect.header(text, count))
     };
-    let names = header.map(|names| names.into_iter().map(Cow::into_owned).collect());
+    let names = header.map(|names| names.iter().map(str::to_owned).collect());
     let mut rows = Rows::new(&input, count, names, wanted)?;
     for (number, text) in sample.iter().skip(usize::from(is_header)) {
         rows.push(*number, &dialect.cells(text), &dialect)?;
@@ -199,7 +189,7 @@ pub fn parse(
         rows.push(number, &dialect.cells(text), &dialect)?;
     }
     let mut table = rows.finish(dt)?;
-    table.notes.extend(decimal.map(str::to_owned));
+    table.notes.extend(note.map(str::to_owned));
     table.notes.extend(lines.gap.map(|line| {
         format!(
             "line {line} is blank, and the numbers behind it are read as the same series: cut the file there if they are another one"

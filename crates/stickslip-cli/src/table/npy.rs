@@ -91,12 +91,12 @@ fn widened<R: Read, T: Deserialize>(
     file: NpyFile<R>,
     widen: impl Fn(T) -> f64,
 ) -> Result<Vec<f64>, String> {
-    let told = |error: Error| match error.kind() {
+    let cause = |error: Error| match error.kind() {
         ErrorKind::UnexpectedEof => {
             "it ends before its last number; save or copy it once more".to_owned()
         }
         _ => error.to_string(),
     };
-    let numbers = file.into_vec::<T>().map_err(told)?;
+    let numbers = file.into_vec::<T>().map_err(cause)?;
     Ok(numbers.into_iter().map(widen).collect())
 }

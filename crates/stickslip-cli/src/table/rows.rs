@@ -1,7 +1,6 @@
 //! The rows that are read, which of their columns, and what is wrong with them.
 
-use std::borrow::Cow;
-
+use csv::StringRecord;
 use stickslip::error::readable;
 use stickslip_series::MAX_COLUMNS;
 
@@ -13,8 +12,8 @@ const TIME: [&str; 2] = ["t", "time"];
 /// Most names that a message lists, and letters of a cell that it shows.
 const LISTED: usize = 20;
 const SHOWN: usize = 40;
-/// Fewer values than this go on evenly by chance.
-const TELLING: usize = 10;
+/// So many values rise by chance once in 10!, which is 3.6 million times.
+const RISING: usize = 10;
 
 /// Which columns are read, and the rows so far.
 pub(super) struct Rows<'a> {
@@ -124,16 +123,17 @@ impl<'a> Rows<'a> {
     pub(super) fn push(
         &mut self,
         line: u64,
-        cells: &[Cow<'_, str>],
+        cells: &StringRecord,
         dialect: &Dialect,
     ) -> Result<(), TableError> {
-        let (found, count) = (cells.len(), self.count);
-        if found != count {
+        if cells.len() != self.count {
             let cause = format!(
-                "the line has {found} columns, separated by {}, the first has {count}; complete it or take it out",
-                dialect.separated_by()
+                "the line has {} columns, separated by {}, the first has {}; complete it or take it out",
+                cells.len(),
+                dialect.separated_by(),
+                self.count
             );
-            return Err(self.cell(line, found.min(count), &cause));
+            return Err(self.cell(line, cells.len().min(self.count), &cause));
         }
         if self.values.len() + self.columns.len() > MOST {
             return Err(TableError::File(format!(
@@ -155,12 +155,12 @@ impl<'a> Rows<'a> {
     fn number(
         &self,
         line: u64,
-        cells: &[Cow<'_, str>],
+        cells: &StringRecord,
         column: usize,
         dialect: &Dialect,
     ) -> Result<f64, TableError> {
         const GAP: &str = "a series must have no gaps: cut the file there or fill the gap";
-        let text = cells[column].as_ref();
+        let text = &cells[column];
         let has_comma = || {
             text.split_once(',')
                 .is_some_and(|(_, rest)| !rest.is_empty())
@@ -187,20 +187,20 @@ impl<'a> Rows<'a> {
 
     /// That all steps in time are `dt`; if not, what is wrong with the first that is another.
     fn holds(&self, dt: f64) -> Result<(), TableError> {
-        let gap = |pair: &&[(u64, f64)]| !time::agree(pair[1].1 - pair[0].1, dt);
-        let Some(&[(_, from), (line, to)]) = self.times.windows(2).find(gap) else {
+        let Some(gap) = time::first_gap(self.times.iter().map(|row| row.1), dt) else {
             return Ok(());
         };
+        let [(_, from), (line, to)] = [self.times[gap - 1], self.times[gap]];
         let cause = if to > from {
             format!(
-                "the time goes from {from} to {to}, not on by dt = {}; cut the file at the gap, correct --dt if it was given, or give \
-                 --columns and --dt if this is not the time",
+                "the time goes from {from} to {to}, not on by dt = {}; cut the file at the gap, correct --dt if it was given, or \
+                 give --columns and --dt if this is not the time",
                 readable(dt)
             )
         } else {
             format!(
-                "the time goes from {from} to {to}, not forward; reverse the order of the rows or cut the file there, or give --columns \
-                 and --dt if this is not the time"
+                "the time goes from {from} to {to}, not forward; reverse the order of the rows or cut the file there, or give \
+                 --columns and --dt if this is not the time"
             )
         };
         Err(self.cell(line, self.time.unwrap_or(0), &cause))
@@ -208,16 +208,14 @@ impl<'a> Rows<'a> {
 
     /// The step in time that they all are.
     fn step(&self) -> Result<f64, TableError> {
-        let Some(middle) = time::middle_step(self.times.iter().map(|row| row.1)) else {
+        let times = || self.times.iter().map(|row| row.1);
+        let Some((middle, mean)) = time::middle_step(times()).zip(time::mean_step(times())) else {
             // One row is too few whatever its step.
             return Ok(1.0);
         };
-        // Times that descend or stand still are told at the first row that does.
-        self.holds(time::rounded(middle.abs()).max(f64::MIN_POSITIVE))?;
-        let steps = self.times.len() - 1;
-        Ok(time::rounded(
-            (self.times[steps].1 - self.times[0].1) / steps as f64,
-        ))
+        // Of times that descend or stand still the first that does is reported.
+        self.holds(middle.abs().max(f64::MIN_POSITIVE))?;
+        Ok(mean)
     }
 
     /// The table, with its time sorted out and without constant columns.
@@ -281,7 +279,7 @@ impl<'a> Rows<'a> {
 }
 
 /// Without names and a choice, a first column that goes on evenly is the time, unless another step
-/// is given or it has gaps. Its step.
+/// is given; its step. One that rises from row to row is no state of a system that comes back.
 fn time_in_first_column(table: &mut Table, given: Option<f64>) -> Result<Option<f64>, TableError> {
     let all = table.names.join(",");
     let first = || table.column(0);
@@ -293,31 +291,29 @@ fn time_in_first_column(table: &mut Table, given: Option<f64>) -> Result<Option<
             readable(step)
         )))
     };
-    let step = time::even_step(first()).filter(|step| *step > 0.0);
-    let fits = |step: f64| given.is_none_or(|dt| time::agree(step, dt));
-    let is_telling = first().count() >= TELLING;
-    match (step, given) {
-        (Some(step), Some(dt)) if is_telling && !fits(step) => {
-            let [dt, right] = [dt, step].map(readable);
-            return refused(step, &format!("while --dt is {dt}: give --dt {right}"));
-        }
-        (Some(_), _) => {}
-        (None, _) if !is_telling => {}
-        (None, _) => {
-            if let Some((step, row)) = time::first_gap(first()) {
-                let mut values = first().skip(row - 1).map(readable);
-                let [from, to] = [values.next(), values.next()].map(Option::unwrap_or_default);
-                let but = format!(
-                    "but from {from} to {to} at row {}: cut the file there, as a series must have no gaps",
-                    row + 1
-                );
-                return refused(step, &but);
-            }
-        }
-    }
-    let Some(step) = step.filter(|&step| fits(step)) else {
-        return Ok(None);
+    let is_rising = first().zip(first().skip(1)).all(|(one, next)| one < next);
+    let is_time = is_rising && table.rows() >= RISING;
+    let Some(step) = time::even_step(first()).filter(|step| *step > 0.0) else {
+        let step = time::middle_step(first()).filter(|_| is_time);
+        let gap = step.and_then(|step| Some((step, time::first_gap(first(), step)?)));
+        let Some((step, row)) = gap else {
+            return Ok(None);
+        };
+        let mut values = first().skip(row - 1).map(readable);
+        let [from, to] = [values.next(), values.next()].map(Option::unwrap_or_default);
+        let but = format!(
+            "but from {from} to {to} at row {}: cut the file there, as a series must have no gaps",
+            row + 1
+        );
+        return refused(step, &but);
     };
+    if let Some(dt) = given.filter(|&dt| !time::agree(step, dt)) {
+        if !is_time {
+            return Ok(None);
+        }
+        let [dt, right] = [dt, step].map(readable);
+        return refused(step, &format!("while --dt is {dt}: give --dt {right}"));
+    }
     table.notes.push(format!(
         "column {} goes on evenly by {} and is taken as the time; --columns {all} uses it as a coordinate",
         table.names[0],

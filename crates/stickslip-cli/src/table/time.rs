@@ -8,40 +8,32 @@ const UNEVEN: f64 = 0.01;
 /// A step that differs from one of ten digits by no more than this part is that one: the rest is
 /// rounding of the printed times.
 const ROUNDING: f64 = 1e-9;
-/// At most so many steps, and one in a hundred, that are not as all others are gaps of a time: a
-/// phase that begins anew has more.
-const GAPS: usize = 10;
 
 /// The middle one of the steps between values; none of fewer than two values.
 pub(super) fn middle_step(values: impl Iterator<Item = f64> + Clone) -> Option<f64> {
     let pairs = values.clone().zip(values.skip(1));
-    Some(middle_two(pairs.map(|(one, next)| next - one))?[0])
+    Some(rounded(middle_two(pairs.map(|(one, next)| next - one))?[0]))
+}
+
+/// The number, counted from 0, of the first value that is not a step behind the one before it.
+pub(super) fn first_gap(values: impl Iterator<Item = f64> + Clone, step: f64) -> Option<usize> {
+    let mut pairs = (1..).zip(values.clone().zip(values.skip(1)));
+    let (row, _) = pairs.find(|(_, (one, next))| !agree(next - one, step))?;
+    Some(row)
+}
+
+/// The step of values from the first to the last of them; none of fewer than two.
+pub(super) fn mean_step(mut values: impl DoubleEndedIterator<Item = f64> + Clone) -> Option<f64> {
+    let steps = values.clone().count().checked_sub(1)?;
+    let (first, last) = (values.next()?, values.next_back()?);
+    Some(rounded((last - first) / steps as f64))
 }
 
 /// The step of values that rise or fall evenly; two are even whatever they are.
 pub(super) fn even_step(values: impl DoubleEndedIterator<Item = f64> + Clone) -> Option<f64> {
-    let steps = values
-        .clone()
-        .count()
-        .checked_sub(1)
-        .filter(|&steps| steps > 1)?;
-    let (first, last) = (values.clone().next()?, values.clone().next_back()?);
-    let mean = (last - first) / steps as f64;
-    let mut pairs = values.clone().zip(values.skip(1));
-    let is_even = mean != 0.0 && pairs.all(|(one, next)| agree(next - one, mean));
-    is_even.then(|| rounded(mean))
-}
-
-/// Of values that rise evenly but for a few steps their step, and the number of the first value
-/// behind one of these, counted from 0.
-pub(super) fn first_gap(values: impl Iterator<Item = f64> + Clone) -> Option<(f64, usize)> {
-    let step = middle_step(values.clone()).filter(|step| *step > 0.0)?;
-    let steps = values.clone().count() - 1;
-    let pairs = (1..).zip(values.clone().zip(values.skip(1)));
-    let mut gaps = pairs.filter(|(_, (one, next))| !agree(next - one, step));
-    let (first, _) = gaps.next()?;
-    let gaps = 1 + gaps.count();
-    (gaps <= GAPS && 100 * gaps <= steps).then(|| (rounded(step), first))
+    let step = mean_step(values.clone()).filter(|step| *step != 0.0)?;
+    let is_even = values.clone().count() > 2 && first_gap(values, step).is_none();
+    is_even.then_some(step)
 }
 
 /// What all distances of different, ascending values are multiples of, up to rounding. None if
@@ -70,7 +62,8 @@ pub(super) fn agree(step: f64, dt: f64) -> bool {
     (step - dt).abs() <= UNEVEN * dt.abs()
 }
 
-pub(super) fn rounded(step: f64) -> f64 {
+/// The step itself, or the shorter number that it is but for the rounding of printed times.
+fn rounded(step: f64) -> f64 {
     let short: f64 = format!("{step:.9e}").parse().unwrap_or(step);
     if (short - step).abs() <= ROUNDING * step.abs() {
         short

@@ -151,8 +151,8 @@ fn a_time_column_says_what_the_step_is() {
     let unknown = without("0 5\n0.25 7\n0.5 2\n", &["1", "2"]).unwrap_err();
     assert!(unknown.starts_with("--dt is missing"), "{unknown}");
     assert!(without("5 0\n7 3\n2 1\n", &[]).is_err());
-    // One that is not the step given, or that has a few gaps, is used if it is asked for, and
-    // warned of elsewhere.
+    // One that is not the step given, or that has gaps, is used if it is asked for, and warned of
+    // elsewhere.
     let quarters = |rows: usize| -> String {
         let row = |i: usize| format!("{} {}\n", 0.25 * i as f64, i * i % 7);
         (0..rows).map(row).collect()
@@ -182,8 +182,16 @@ fn a_time_column_says_what_the_step_is() {
         assert!(gap.contains(&says), "{gap}");
         assert_eq!(without(&with_jumps(every), &[]).unwrap_err(), gap);
     }
-    // A phase that begins anew many times is a coordinate.
-    assert_eq!(table(&with_jumps(150), &[]).unwrap().names.len(), 2);
+    // What rises in all rows is no state that comes back, however many gaps it has.
+    assert!(table(&with_jumps(150), &[]).is_err());
+    let squares: String = (0..20).map(|i| format!("{} {}\n", i * i, i % 3)).collect();
+    let uneven = table(&squares, &[]).unwrap_err();
+    assert!(uneven.contains("but from 0 to 1 at row 2"), "{uneven}");
+    // A phase that begins anew is a coordinate.
+    let phase: String = (0..2000)
+        .map(|i| format!("{} {}\n", 0.5 * f64::from(i % 150), i * i % 7))
+        .collect();
+    assert_eq!(table(&phase, &[]).unwrap().names.len(), 2);
     assert_eq!(table("0 5\n0.5 7\n1 2\n", &[]).unwrap().names.len(), 1);
 }
 

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use stickslip::error::readable;
 use stickslip_series::{
     Balance, DataExponent, DataSpectrum, Divergence, EmbeddingChoice, Estimator, Neighbourhood,
-    Origin, Reversal, Statistics, Status, SurrogateTest,
+    OK_ERRORS, Origin, Reversal, Statistics, Status, SurrogateTest,
 };
 
 use crate::render::{self, OutputError};
@@ -13,8 +13,6 @@ use crate::table::Table;
 
 /// What is called ok was held against the truth on series of so many points and more.
 const COUNTED_POINTS: usize = 5000;
-/// An exponent that is called ok is within so many standard errors of the truth nine times in ten.
-const STANDARD_ERRORS: f64 = 2.0;
 /// What exponents are measured in.
 pub(super) const UNIT: &str =
     "natural logarithms of growth per unit of the time that dt is given in";
@@ -212,14 +210,14 @@ impl Findings {
         let spectrum = &self.spectrum;
         let mut notes = Vec::new();
         let exponents = spectrum.exponents.iter().enumerate();
-        let near = numbers(exponents.map(|(i, exponent)| {
-            self.is_ok(i) && exponent.value.abs() <= STANDARD_ERRORS * exponent.stderr
+        let around_zero = numbers(exponents.map(|(i, exponent)| {
+            self.is_ok(i) && exponent.value.abs() <= OK_ERRORS * exponent.stderr
         }));
-        if !near.is_empty() {
-            let plural = if near.len() > 1 { "s" } else { "" };
+        if !around_zero.is_empty() {
+            let plural = if around_zero.len() > 1 { "s" } else { "" };
             notes.push(format!(
                 "Zero is within two stderr of exponent{plural} {}: that it is ok says nothing of its sign.",
-                near.join(", ")
+                around_zero.join(", ")
             ));
         }
         let rows = source.rows();
@@ -262,9 +260,9 @@ fn estimator(spectrum: &DataSpectrum) -> String {
     let uncorrected: Vec<String> = tangent
         .map(|exponent| short(exponent.sano_sawada.0))
         .collect();
-    let ([few, many], [near, far]) = (sizes.neighbours, sizes.radius.map(short));
+    let ([few, many], [smaller, larger]) = (sizes.neighbours, sizes.radius.map(short));
     format!(
-        "Extrapolated to size zero from {} maps of {few} and {many} neighbours, mean distance {near} and {far}; by Sano-Sawada, Eqs. (25) and \
+        "Extrapolated to size zero from {} maps of {few} and {many} neighbours, mean distance {smaller} and {larger}; by Sano-Sawada, Eqs. (25) and \
          (26), no correction: {}.\nstderr holds scatter over time and extrapolation",
         sizes.degree.word(),
         uncorrected.join(", ")
@@ -374,8 +372,8 @@ fn against_divergence(spectrum: &DataSpectrum, divergence: f64, balance: &Balanc
 
 /// The largest exponent by diverging neighbours.
 fn by_divergence(divergence: &Divergence) -> String {
-    let opinion = |found: Option<(f64, f64)>| {
-        found.map_or(
+    let opinion = |exponent: Option<(f64, f64)>| {
+        exponent.map_or(
             "none, distances do not grow by a factor of e in a straight line".into(),
             with_error,
         )

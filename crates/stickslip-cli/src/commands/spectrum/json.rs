@@ -91,8 +91,8 @@ pub(super) fn fields(findings: &Findings, source: &Table, warnings: &[String]) -
     })
 }
 
-fn balance(found: &Balance) -> Value {
-    match *found {
+fn balance(balance: &Balance) -> Value {
+    match *balance {
         Balance::Whole {
             excess,
             stderr,
@@ -132,8 +132,8 @@ fn embedding(embedded: &Embedded) -> Value {
 }
 
 fn diverging(divergence: &Divergence) -> Value {
-    let opinion = |found: Option<(f64, f64)>| {
-        found.map(|(value, stderr)| json!({ "exponent": value, "stderr": stderr }))
+    let opinion = |exponent: Option<(f64, f64)>| {
+        exponent.map(|(value, stderr)| json!({ "exponent": value, "stderr": stderr }))
     };
     let curve = |curve: &DivergenceCurve| {
         json!({

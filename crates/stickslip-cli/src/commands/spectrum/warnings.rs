@@ -19,11 +19,11 @@ const STANDING: f64 = 0.01;
 /// Reference points that reach over fewer Theiler windows are one short piece of an orbit, of which
 /// `ok` was found to be worth less.
 const WINDOWS: usize = 2;
-/// Times the mean distance of two values that fill a turn evenly, by which the turn's ends may be
-/// missed,
-const NEAR_ENDS: f64 = 20.0;
-/// but by no more than this part of the turn.
-const FARTHEST_END: f64 = 0.01;
+/// Mean distances of two values by which both ends of a turn may be missed. Values that fill it
+/// evenly miss them by more once in 2e7 (21 exp(−20)),
+const MISSED_ENDS: f64 = 20.0;
+/// but no larger part of the turn: ranges of other quantities come as near to one by chance.
+const MISSED_PART: f64 = 0.01;
 /// The two fits disagree where they differ by more than so many standard errors of the difference.
 const COMBINED_ERRORS: f64 = 4.0;
 
@@ -71,8 +71,8 @@ pub(super) fn all(findings: &Findings, source: &Table, arguments: &Arguments) ->
 /// The exponents of a status with their verb.
 fn with_status(spectrum: &DataSpectrum, status: Status) -> Option<String> {
     let exponents = spectrum.exponents.iter();
-    let found = numbers(exponents.map(|exponent| exponent.status == status));
-    match &found[..] {
+    let indices = numbers(exponents.map(|exponent| exponent.status == status));
+    match &indices[..] {
         [] => None,
         [one] => Some(format!("exponent {one} is")),
         more => Some(format!("exponents {} are", more.join(", "))),
@@ -283,8 +283,7 @@ fn short_of_references(spectrum: &DataSpectrum) -> Option<String> {
 /// back by a turn tears neighbours apart.
 fn wrapped(source: &Table) -> Option<String> {
     const TURNS: [(f64, &str); 2] = [(2.0 * PI, "2π"), (360.0, "360")];
-    // Of so many values the least and the largest are about so near the ends of the turn.
-    let gap = (NEAR_ENDS / source.rows() as f64).min(FARTHEST_END);
+    let gap = (MISSED_ENDS / source.rows() as f64).min(MISSED_PART);
     source.names.iter().enumerate().find_map(|(column, name)| {
         let (low, high) = source.range(column);
         let fills = |turn: f64| (1.0 - gap..=1.0).contains(&((high - low) / turn));
