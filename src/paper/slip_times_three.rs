@@ -12,7 +12,7 @@ use std::ops::ControlFlow;
 
 use crate::numbers::missing;
 use crate::paper::bounded;
-use crate::paper::listing::{END, Params};
+use crate::paper::listing::{END, Setup};
 use crate::paper::pattern::Pattern;
 use stickslip::filippov::first_zero;
 use stickslip::models::ForcedOscillator;
@@ -80,7 +80,7 @@ const TOLERANCE: f64 = 1e-13;
 pub fn settled(injected: Injected) -> Result<Pattern, Error> {
     let model = ForcedOscillator::default();
     let zones = model.stick_zones()?;
-    let start = State::from([Params::default().x1, model.belt_speed]);
+    let start = Setup::default().state();
     let phases = run(injected, &model, &zones, start, END, &bounded(TOLERANCE))?;
     let pattern = Pattern::of_phases(&phases, END, model.period());
     pattern.ok_or_else(|| missing("a motion that repeats", 0.0, END))

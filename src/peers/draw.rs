@@ -126,7 +126,7 @@ fn processes(rows: &[Row], names: &[&str], problems: &[Problem]) -> Panel {
     let mut panel = Panel::new(
         Axis::decades("time to start, compile and run once, s", shown),
         // The names say what they are; a label would lie over the longest.
-        Axis::new("", 0.0, place(0) + 1.0).ticks(&lines.collect::<Vec<_>>()),
+        Axis::new("", 0.0, place(0) + 1.0).ticks(lines),
     )
     .title(&title);
     for (i, times) in times.iter().enumerate() {

@@ -187,8 +187,8 @@ mod tests {
             ("one,decay", "2 cells"),
         ] {
             let error = read(&format!("{head}\n{line}\n"), &problems).unwrap_err();
-            let told = error.to_string();
-            assert!(told.contains("line 2") && told.contains(cause), "{told}");
+            let text = error.to_string();
+            assert!(text.contains("line 2") && text.contains(cause), "{text}");
         }
         let error = read("solver,problem\n", &problems).unwrap_err().to_string();
         assert!(

@@ -88,8 +88,8 @@ fn solved(system: &BlockAndBracket, start: State<4>, plan: &Plan, method: Method
         .escape(BOUND)
         .at_repelling(AtRepelling::GoBelow);
     let t_end = plan.from + plan.duration();
-    // The spectrum tells nothing of its transient: whether the orbit can be followed at all is
-    // found out without it.
+    // The spectrum does not report its transient. A run without it decides whether the orbit can
+    // be followed at all.
     let mut alone = Watch::new(system, &options, plan);
     let stayed = run(system, 0.0, start, t_end, &options, &mut alone);
     match stayed.map_err(Error::from) {
@@ -188,9 +188,10 @@ fn in_place(system: &BlockAndBracket, start: State<4>, h: f64, plan: &Plan) -> O
     Outcome::Bounded(motion)
 }
 
-/// Shares of pairs between which the slope is taken.
+/// Shares of pairs between which the slope is taken: beyond the scatter of the few nearest pairs,
+/// and well within the set.
 const SHARES: (f64, f64) = (2e-3, 2e-2);
-/// Radii at which it is measured.
+/// Radii at which it is measured: a dozen to the decade average the scatter out.
 const RADII: u32 = 12;
 
 /// The correlation dimension (Grassberger & Procaccia 1983): slope of ln C(r), C being the share of

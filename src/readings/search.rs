@@ -52,10 +52,9 @@ pub fn group_rows(group: &Group, plan: &Plan) -> Vec<Row> {
             continue;
         };
         sizes[figure] = [motion.amplitude, motion.dimension];
-        series[figure] = if kept || classes[figure].is_of_kind(figure) {
-            Scaled::of(&motion.series).ok_or(table::NO_ESTIMATE)
-        } else {
-            Err(table::LOST)
+        series[figure] = match kept || classes[figure].is_of_kind(figure) {
+            true => Scaled::of(&motion.series).ok_or(table::NO_ESTIMATE),
+            false => Err(table::LOST),
         };
     }
     let keys = plan::keys(plan, group).into_iter();

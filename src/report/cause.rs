@@ -68,7 +68,7 @@ impl Injection {
 
 described! {
     /// Whether a cause is shown.
-    Status: &'static str as name {
+    Status: &'static str as pub name {
         /// All three parts hold.
         Shown = "shown",
         /// One does not.

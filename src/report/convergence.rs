@@ -4,11 +4,11 @@
 use rayon::prelude::*;
 use stickslip::statistics::PowerLaw;
 
-use super::ReportError;
 use super::digits::Agreement;
 use super::matrix::{Cell, four_digits};
 use crate::numbers::{extent, largest};
 use crate::paper::listing::Defects;
+use crate::paper::published::Claims;
 use crate::text::joined;
 
 /// Steps (s), from ten times the printed one to a hundredth of it. The finest come first, since
@@ -117,24 +117,20 @@ pub struct Convergence {
 
 impl Convergence {
     /// Runs the listing as printed at all steps and calls `tick` after each.
-    ///
-    /// # Errors
-    /// [`ReportError`] if the setup or the table of claims is not sound.
-    pub fn compute(limit: [f64; 4], tick: &(dyn Fn() + Sync)) -> Result<Convergence, ReportError> {
+    pub fn compute(claims: &Claims, limit: [f64; 4], tick: &(dyn Fn() + Sync)) -> Convergence {
         let middle = (AROUND / 2) as f64;
         let around =
             (0..AROUND).map(|k| PRINTED_STEP * (1.0 + REACH * (k as f64 - middle) / middle));
         let all: Vec<f64> = STEPS.into_iter().chain(around).collect();
         let run = |&h: &f64| {
-            let cell = Cell::run(Defects::AS_PRINTED, h);
+            let cell = Cell::run(claims, Defects::AS_PRINTED, h);
             tick();
             cell
         };
         let runs = all.par_iter().with_max_len(1).map(run);
-        let mut steps = runs.collect::<Result<Vec<Cell>, _>>()?;
+        let mut steps: Vec<Cell> = runs.collect();
         let around = steps.split_off(STEPS.len());
-        let digits = four_digits(&limit)?;
-        Ok(Convergence::new(limit, digits, steps, around))
+        Convergence::new(limit, four_digits(claims, &limit), steps, around)
     }
 
     /// Sets runs of the listing, in ascending order of their steps, against a limit.

@@ -2,7 +2,7 @@
 
 use super::convergence::{Convergence, PRINTED_STEP, REACH, distances};
 use super::scan::{Class, Line, Point, Scan};
-use crate::figures::{pair, with_ticks};
+use crate::figures::pair;
 use crate::text::joined;
 use plot::*;
 use stickslip::math;
@@ -51,16 +51,9 @@ fn log((h, error): (f64, f64)) -> (f64, f64) {
 }
 
 fn approach(data: &Convergence) -> Panel {
-    let powers = |from: i32, to: i32| {
-        let power = |k: i32| (f64::from(k), format!("10^{{{}}}", number(f64::from(k), 0)));
-        (from..=to).map(power)
-    };
     let mut panel = Panel::new(
-        with_ticks(Axis::new("step *h*, s", -6.15, -2.85), powers(-6, -3)),
-        with_ticks(
-            Axis::new("distance from the limit", -7.0, -2.0),
-            powers(-7, -2),
-        ),
+        Axis::decades("step *h*, s", (-6.15, -2.85)),
+        Axis::decades("distance from the limit", (-7.0, -2.0)),
     )
     .label("(a)")
     .title("as printed, *h* → 0")
@@ -151,13 +144,12 @@ pub fn draw_scan(scan: &Scan) -> Result<String, PlotError> {
     let ticks = factors.map(|factor| (position(factor), number(factor, 1)));
     let names = scan.lines.iter().enumerate();
     let names = names.map(|(k, line)| (base(k) + 0.5 * HEIGHT, line.symbol));
-    let names: Vec<(f64, &str)> = names.collect();
     let half = half_column(scan);
     let (low, high) = (-1.0 - 2.0 * half, 1.0 + 2.0 * half);
     let factor = Axis::new("factor on the printed value", low, high);
     let mut panel = Panel::new(
-        with_ticks(factor, ticks),
-        Axis::new("", -0.25, rows as f64).ticks(&names),
+        factor.ticks(ticks),
+        Axis::new("", -0.25, rows as f64).ticks(names),
     )
     .title("Where the starts lead in the stated model (height of a colour: part of the starts)")
     .legend(Legend::Below);

@@ -1,6 +1,6 @@
 //! The figures as the ledger needs them: computed once, each with its table and its picture.
 
-use super::remark::Sign;
+use super::exponent::Sign;
 use crate::figures::block_and_bracket::{self, FIG10, FIG11, FIG12};
 use crate::figures::fig04::{self, FIG04};
 use crate::figures::fig06::FIG06;

@@ -1,7 +1,6 @@
 //! The part of the README that says what holds: claims counted by verdict for each part of the
 //! paper.
 
-use super::digits::decimals;
 use super::finding::Finding;
 use super::ledger::{Entry, Ledger};
 use super::sentences::{PARTS, resting, sentences};
@@ -67,7 +66,7 @@ pub(super) fn shown(entry: &Entry, finding: &Finding) -> String {
     }
     let texts = values.into_iter().map(|value| match value {
         Value::Number(v) if *v == f64::NEG_INFINITY => "−∞".to_owned(),
-        Value::Number(v) if v.is_finite() => self::decimals(*v, decimals),
+        Value::Number(v) if v.is_finite() => plot::number(*v, decimals),
         other => other.to_string(),
     });
     let mut texts: Vec<String> = texts.collect();

@@ -24,7 +24,7 @@ fn all_three_parts_hold() {
 #[test]
 fn a_wrong_limit_is_not_approached_and_leaves_no_step_error() {
     let published = Claims::committed().unwrap().four();
-    let printed = Pattern::of_listing(&run(&Setup::default()).unwrap()).unwrap();
+    let printed = Pattern::of_listing(&run(&Setup::default())).unwrap();
     with(|report| {
         let right = &report.ledger.convergence;
         // The published numbers themselves, and each number wrong by itself by a fifth of its last printed digit.
@@ -55,7 +55,7 @@ fn a_wrong_limit_is_not_approached_and_leaves_no_step_error() {
 #[test]
 fn only_both_defects_make_the_motion_and_the_numbers() {
     let published = Claims::committed().unwrap().four();
-    let printed = Pattern::of_listing(&run(&Setup::default()).unwrap()).unwrap();
+    let printed = Pattern::of_listing(&run(&Setup::default())).unwrap();
     with(|report| {
         let most = SameMotion::most(&report.ledger.convergence);
         let motion =

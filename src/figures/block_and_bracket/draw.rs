@@ -3,7 +3,7 @@
 use super::compute::{Data, Literal};
 use super::numbers::{compare, worth};
 use super::watch::{END, START};
-use crate::figures::{FigureError, belt_line, pair, with_ticks};
+use crate::figures::{FigureError, belt_line, pair};
 use crate::numbers::extent;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::published::{Claims, PublishedError};
@@ -157,7 +157,7 @@ fn running(data: &Data) -> Result<Panel, PublishedError> {
         .filter(|(at, _)| (low..=high).contains(at));
     let mut panel = Panel::new(
         Axis::new("*t* − 3000", 0.0, end).step(3000.0).minor(3),
-        with_ticks(Axis::new("*λ*, running means", low, high), ticks),
+        Axis::new("*λ*, running means", low, high).ticks(ticks),
     )
     .label("(c)")
     .title(&format!("exponents{}", annihilated(data)))

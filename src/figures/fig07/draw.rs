@@ -83,7 +83,7 @@ fn branches(data: &Data) -> Panel {
     let root = 3f64.sqrt();
     let Branches { below, above, .. } = &data.branches;
     let mut panel = Panel::new(
-        Axis::new("*μ*_0, N", 0.0, 4.0 * root / 9.0).ticks(&[
+        Axis::new("*μ*_0, N", 0.0, 4.0 * root / 9.0).ticks([
             (0.0, "0"),
             (root / 9.0, "√3/9"),
             (2.0 * root / 9.0, "2√3/9"),

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::figures::{Failure, crossing, curve3};
 use crate::numbers::missing;
 use crate::paper::bounded;
-use crate::paper::listing::{self, END, Params, Sample, Setup};
+use crate::paper::listing::{self, END, Sample, Setup};
 use crate::paper::pattern::{Pattern, two_periodic};
 use crate::paper::slip_times_three::{self, Injected};
 use stickslip::analysis::{Destination, destination, multipliers, periodic_orbit_forced};
@@ -130,7 +130,7 @@ fn as_printed(model: &ForcedOscillator, zones: &[(f64, f64)]) -> Result<AsPrinte
         }
         sticking = sticks;
     };
-    let run = listing::run_with(&Setup::default(), keep)?;
+    let run = listing::run_with(&Setup::default(), keep);
     let what = "a motion of the listing that repeats";
     let pattern = Pattern::of_listing(&run).ok_or_else(|| missing(what, 0.0, END))?;
     Ok(AsPrinted {
@@ -143,7 +143,7 @@ fn as_printed(model: &ForcedOscillator, zones: &[(f64, f64)]) -> Result<AsPrinte
 
 fn exact(model: &ForcedOscillator, options: &Options) -> Result<Exact, Error> {
     let period = model.period();
-    let start = State::from([Params::default().x1, model.belt_speed]);
+    let start = Setup::default().state();
     let whole = (END / period).floor() * period;
     let settled = solve(model, 0.0, start, whole, options)?;
     let orbit = periodic_orbit_forced(model, 0.0, settled.x_end, period, options)?;

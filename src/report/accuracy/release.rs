@@ -157,8 +157,9 @@ fn listing(
             h,
             window_start: 0.0,
             end: 4.0 * h,
-            ..Setup::starting(before.t, before.x[0], before.x[1])
-        })?;
+            start: [before.t, before.x[0], before.x[1]],
+            ..Setup::default()
+        });
         let exit = outcome.phases.first().map(|phase| phase.stick.exit.t);
         let what = "the end of a stick phase of the listing";
         Ok(exit.ok_or_else(|| missing(what, before.t, 4.0 * h))?)

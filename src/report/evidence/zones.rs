@@ -9,7 +9,7 @@ use crate::figures::rows::Value;
 use crate::numbers::{bisect, changes, extent, largest, missing};
 use crate::paper::reading::Reading::Exact;
 use crate::report::digits::small;
-use crate::report::errata::{Proof, proof};
+use crate::report::errata::Proof;
 use crate::report::finding::{Finding, statement};
 use crate::report::places;
 use crate::report::scan::{Class, PARAMETERS, Point, StickSlip, starts};
@@ -175,7 +175,7 @@ impl Oscillation {
         };
         let travels = [x1, self.twice_amplitude, x2].map(Value::from);
         let shown = travels.into_iter().chain([which.into()]);
-        proof("direction", shown, self.along_x1() && x2 == 0.0)
+        Proof::new("direction", shown, self.along_x1() && x2 == 0.0)
     }
 }
 
@@ -420,6 +420,11 @@ fn sticks(model: &ForcedOscillator, t: f64, x1: f64) -> Result<bool, Error> {
 mod tests {
     use super::*;
     use crate::figures::fig07::FIG07;
+    use crate::paper::published::Claims;
+
+    fn published() -> TangentSet {
+        TangentSet::published(Claims::committed().unwrap())
+    }
 
     /// Friction that drives the body.
     fn driving() -> ForcedOscillator {
@@ -442,10 +447,7 @@ mod tests {
 
     #[test]
     fn the_zone_moves_along_x1_and_not_along_x2() {
-        let (model, set) = (
-            ForcedOscillator::default(),
-            TangentSet::published().unwrap(),
-        );
+        let (model, set) = (ForcedOscillator::default(), published());
         let found = Oscillation::of(&model, &set);
         assert_eq!(found.zone()[0].parts(), [true, false], "{found:?}");
         assert_eq!(found.boundary()[0].parts(), [false, true]);
@@ -464,10 +466,7 @@ mod tests {
 
     #[test]
     fn another_friction_or_a_displaced_point_is_seen() {
-        let (model, mut set) = (
-            ForcedOscillator::default(),
-            TangentSet::published().unwrap(),
-        );
+        let (model, mut set) = (ForcedOscillator::default(), published());
         let moves = |model: &ForcedOscillator, set: &TangentSet| {
             Oscillation::of(model, set).zone()[0].parts()[0]
         };

@@ -6,11 +6,13 @@ use super::table::{Row, Twelve};
 use stickslip::math;
 use stickslip::statistics::SplitMix;
 
-/// Least and largest size of a negative exponent; its logarithm is drawn evenly.
+/// Least and largest size of a negative exponent, a little wider than what is published. Its
+/// logarithm is drawn evenly.
 pub const NEGATIVE: (f64, f64) = (0.003, 1.0);
-/// Least and largest positive exponent; its logarithm is drawn evenly.
+/// Least and largest positive exponent, around the published one. Its logarithm is drawn evenly.
 pub const POSITIVE: (f64, f64) = (0.001, 0.05);
-/// A match is rare if no more than this share of either kind of targets is met as well (%).
+/// A match is rare if no more than this share of either kind of targets is met as well (%): the
+/// usual level of significance.
 const RARE: f64 = 5.0;
 
 /// Every run draws the same targets.
@@ -29,19 +31,11 @@ impl Targets {
         math::exp(math::ln(least) + self.0.uniform() * math::ln(most / least))
     }
 
-    fn zero(&mut self) -> f64 {
-        ZERO * (2.0 * self.0.uniform() - 1.0)
-    }
-
-    fn negative(&mut self) -> f64 {
-        -self.logarithmic(NEGATIVE.0, NEGATIVE.1)
-    }
-
     /// A spectrum of each of the published classes.
     fn target(&mut self) -> Twelve {
         let mut draw = |sign| match sign {
-            b'0' => self.zero(),
-            b'-' => self.negative(),
+            b'0' => ZERO * (2.0 * self.0.uniform() - 1.0),
+            b'-' => -self.logarithmic(NEGATIVE.0, NEGATIVE.1),
             _ => self.logarithmic(POSITIVE.0, POSITIVE.1),
         };
         let mut all = [*b"0---", *b"00--", *b"+0--"].map(|signs| signs.map(&mut draw));
@@ -121,11 +115,8 @@ impl Level {
             distance(nearest(rows.iter().copied(), &target, figures)) <= published
         };
         let near_reading = |one: &&Row| {
-            let same = |row: &&&Row| {
-                figures
-                    .iter()
-                    .all(|&f| row.exponents[f] == one.exponents[f])
-            };
+            let same_in = |row: &Row, f: &usize| row.exponents[*f] == one.exponents[*f];
+            let same = |row: &&&Row| figures.iter().all(|f| same_in(row, f));
             let twins = spectra.iter().filter(same).map(|row| row.reading());
             let twins: Vec<&str> = twins.collect();
             let others = rows.iter().copied();
