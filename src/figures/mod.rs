@@ -69,9 +69,6 @@ pub enum FigureError {
     /// A file or its folder cannot be written.
     #[error("{0}; check the disk, or choose another folder with --out-dir")]
     Write(#[from] WriteError),
-    /// The rows do not fit into a CSV file.
-    #[error("cannot put the rows into CSV: {0}")]
-    Csv(#[from] csv::Error),
     /// `--png` was given to a program built without it.
     #[error(
         "this program was built without PNG output; rebuild it with `cargo build -p stickslip-replication --profile figures --no-default-features --features png`"

@@ -191,13 +191,13 @@ fn upper_exit(
     // The zone's end returns with every forcing period, the belt goes on: half a period at a time
     // the search is short.
     let (window, most) = (0.5 * model.period(), 1000);
-    let found = (0..most).find_map(|k| {
+    let later = (0..most).find_map(|k| {
         let from = f64::from(k) * window;
         let part = first_zero(|s: f64| room(from + s * window), 0.0, 1.0)?;
         Some(from + window * part)
     });
     let span = f64::from(most) * window;
-    let later = found.ok_or_else(|| missing("the upper end of the stick zone", t, span))?;
+    let later = later.ok_or_else(|| missing("the upper end of the stick zone", t, span))?;
     let at = State::from([x[0] + model.belt_speed * later, model.belt_speed]);
     Ok((t + later, at))
 }

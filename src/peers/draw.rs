@@ -19,6 +19,7 @@ const LOOKS: [(Color, Dash, Shape); 8] = [
     (GREY, Dash::Dashed, Shape::Up),
 ];
 const PANELS_IN_ROW: usize = 2;
+/// Height of a row, px: panels are a little wider than high.
 const ROW: f64 = 290.0;
 /// Room for the legend under the last row, px.
 const LEGEND: f64 = 60.0;

@@ -91,7 +91,4 @@ pub enum PeersError {
     /// A file or its folder cannot be written.
     #[error("{0}; choose folders that can be written to with --report-dir and --figures-dir")]
     Write(#[from] WriteError),
-    /// The rows do not fit into a CSV file.
-    #[error("cannot put the rows into CSV: {0}")]
-    Csv(#[from] csv::Error),
 }

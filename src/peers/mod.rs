@@ -20,12 +20,11 @@ use crate::terminal;
 use crate::text::joined;
 use output::Artifact;
 
-pub use error::PeersError;
-pub use event::{Event, Kind};
-pub use problem::{MovingBoundary, Problem, SOLVERS, Solver, System, problems};
-pub use row::Row;
-
 use child::Peers;
+use error::PeersError;
+use event::Event;
+use problem::{Problem, SOLVERS, Solver, problems};
+use row::Row;
 
 const ABOUT: &str = "Error of event times against run time, for our solvers and, given a Python that has them, for SciPy, \
     numba, heyoka and pydiffsol, all in one run on one machine.";
@@ -50,7 +49,7 @@ Examples:
 /// Arguments of the program.
 #[derive(Debug, Parser)]
 #[command(name = "peers", version, about = ABOUT, after_help = AFTER, args_conflicts_with_subcommands = true)]
-pub struct Arguments {
+struct Arguments {
     #[command(subcommand)]
     command: Option<Single>,
 
@@ -69,7 +68,7 @@ enum Single {
 
 /// Where the files are.
 #[derive(Debug, Args)]
-pub struct Folders {
+struct Folders {
     /// Folder for bench.csv and bench.txt; made if it does not exist
     #[arg(long, value_name = "DIR", default_value = "report")]
     pub report_dir: PathBuf,
@@ -96,7 +95,7 @@ struct One {
 
 /// Measuring everything.
 #[derive(Debug, Args)]
-pub struct All {
+struct All {
     /// Rounds in which every solver is timed at every setting
     #[arg(long, value_name = "COUNT", default_value_t = 21, value_parser = clap::value_parser!(u32).range(1..))]
     pub rounds: u32,
@@ -156,7 +155,7 @@ pub fn main() -> ExitCode {
 ///
 /// # Errors
 /// Whatever one of these runs into. Files are written last, so an error leaves none behind.
-pub fn run(all: &All) -> Result<String, PeersError> {
+fn run(all: &All) -> Result<String, PeersError> {
     let chosen = match &all.problems[..] {
         [] => problems()?,
         chosen => chosen.to_vec(),
@@ -224,7 +223,7 @@ fn head(all: &All, versions: &[(String, String)]) -> String {
 }
 
 fn write(all: &All, rows: &[Row], text: &str, problems: &[Problem]) -> Result<String, PeersError> {
-    let table = row::csv(rows)?;
+    let table = row::csv(rows);
     // From the digits that the table has, so that picture and README can be written from it again.
     let rows = row::read(&table, problems)?;
     let svg = draw::draw(&rows, problems)?;

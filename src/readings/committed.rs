@@ -14,7 +14,7 @@ const TABLE: &str = include_str!("../../golden/readings.csv");
 /// Its place in the project.
 const FILE: &str = "golden/readings.csv";
 
-/// What the committed search has found.
+/// The results of the committed search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Committed {
     /// The file.

@@ -2,8 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use super::plan::{BOUND, CURVE, DT, Group, Integrator, MOST_STEPS, Plan, SAME, TOLERANCE};
+use super::plan::{CURVE, Group, Integrator, MOST_STEPS, Plan, SAME};
 use super::table::Verdict;
+use crate::figures::block_and_bracket::{DIVERGED, DT, TOLERANCE};
 use crate::numbers::extent;
 use crate::paper::in_place::{InPlace, Lost};
 use crate::turns::{Samples, Turns};
@@ -85,7 +86,7 @@ fn solved(system: &BlockAndBracket, start: State<4>, plan: &Plan, method: Method
     // Where friction drives the block away from the belt, either side is as good as the other.
     let options = Options::tol(TOLERANCE)
         .method(method)
-        .escape(BOUND)
+        .escape(DIVERGED)
         .at_repelling(AtRepelling::GoBelow);
     let t_end = plan.from + plan.duration();
     // The spectrum does not report its transient. A run without it decides whether the orbit can
@@ -158,7 +159,7 @@ fn in_place(system: &BlockAndBracket, start: State<4>, h: f64, plan: &Plan) -> O
     let passes = |t: f64| (t / h).round() as usize;
     let (first, every) = (passes(plan.from), passes(DT).max(1));
     let last = first + (plan.points - 1) * every;
-    let mut scheme = InPlace::start(system, start, h, BOUND);
+    let mut scheme = InPlace::start(system, start, h, DIVERGED);
     let (mut series, mut section) = (Vec::new(), Vec::new());
     for pass in 0..=last {
         if pass >= first && (pass - first).is_multiple_of(every) {

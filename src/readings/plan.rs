@@ -3,6 +3,7 @@
 use std::fmt::Display;
 
 use super::table::{Row, Twelve};
+use crate::figures::block_and_bracket::{DIVERGED, DT, START, TOLERANCE};
 use crate::paper::claim_id::SpectrumFigure;
 use crate::paper::published::{Claim, Claims, PublishedError};
 use crate::text::joined;
@@ -101,10 +102,6 @@ pub struct Plan {
 
 /// The captions of Figs. 10–12.
 pub const CAPTIONS: [Caption; 3] = [Caption::FIG10, Caption::FIG11, Caption::FIG12];
-/// Tolerance of the exact solver, as in the figures.
-pub const TOLERANCE: f64 = 1e-10;
-/// Larger components mean that the orbit has left for good, as in the figures.
-pub const BOUND: f64 = 1e3;
 /// Orbits that take more steps are given up: the shortest fixed steps, and one for each of some
 /// hundred thousand events.
 pub const MOST_STEPS: usize = 3_000_000;
@@ -119,10 +116,8 @@ pub const FLOOR: f64 = 0.002;
 pub const CAP: f64 = 3.0;
 /// A vanishing exponent may be printed as anything between minus this and this; drawn evenly.
 pub const ZERO: f64 = 0.002;
-/// A set of a smaller correlation dimension is a curve: above one by the estimate's own error.
+/// A set of a smaller correlation dimension is a curve: of a torus up to 1.1 is estimated.
 pub const CURVE: f64 = 1.2;
-/// Time between two points of the series, as in the paper.
-pub const DT: f64 = 0.2;
 /// Raised whenever a row of the table comes out differently for the same settings: tables of other
 /// formats are refused.
 const FORMAT: u32 = 4;
@@ -143,7 +138,7 @@ impl Plan {
         let (published, target) = published()?;
         Ok(Plan {
             name: "full",
-            from: 3000.0,
+            from: START,
             points: 45001,
             draws: 2000,
             groups: groups(&readings(), &integrators),
@@ -215,7 +210,7 @@ impl Plan {
             ("time between points", &DT),
             ("tolerance of the exact solver", &TOLERANCE),
             ("most steps of the solver", &MOST_STEPS),
-            ("bound beyond which an orbit has escaped", &BOUND),
+            ("bound beyond which an orbit has escaped", &DIVERGED),
             ("equal points of the section, exact", &same),
             ("equal points of the section, in-place", &SAME),
             ("dimension below which a section is a curve", &CURVE),

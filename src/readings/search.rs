@@ -2,8 +2,9 @@
 
 use super::judge::scores;
 use super::orbit::{Outcome, follow};
-use super::plan::{self, CAPTIONS, DT, Group, Plan, Setting, Unit};
+use super::plan::{self, CAPTIONS, Group, Plan, Setting, Unit};
 use super::table::{self, Row, Verdict};
+use crate::figures::block_and_bracket::DT;
 use crate::numbers::extent;
 use stickslip_series::{Neighbourhood, Series, data_spectrum};
 

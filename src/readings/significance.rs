@@ -3,6 +3,7 @@
 use super::judge::distance;
 use super::plan::ZERO;
 use super::table::{Row, Twelve};
+use crate::paper::published::HALF_DIGIT;
 use stickslip::math;
 use stickslip::statistics::SplitMix;
 
@@ -15,7 +16,7 @@ pub const POSITIVE: (f64, f64) = (0.001, 0.05);
 /// usual level of significance.
 const RARE: f64 = 5.0;
 
-/// Every run draws the same targets.
+/// Every run draws the same targets: the paper's year, volume and pages.
 const SEED: u64 = 0x2013_0073_0723_0736;
 
 /// Draws targets.
@@ -167,16 +168,13 @@ pub fn alone<'a>(
     Some([of(0)?, of(1)?, of(2)?])
 }
 
-/// Half a unit of the last printed digit.
-const HALF_UNIT: f64 = 5e-5;
-
 /// Of the targets drawn for exponent `k` of a figure, how many are met to the printed digits by as
 /// many rows as `wanted`, or more.
 pub fn digits(rows: &[&Row], (figure, k): (usize, usize), wanted: usize, draws: usize) -> Share {
     let mut targets = Targets::new();
     Share::count((0..draws).map(|_| {
         let target = targets.target()[figure][k];
-        let near = |row: &&&Row| (row.exponents[figure][k] - target).abs() <= HALF_UNIT;
+        let near = |row: &&&Row| (row.exponents[figure][k] - target).abs() <= HALF_DIGIT;
         rows.iter().filter(near).count() >= wanted
     }))
 }

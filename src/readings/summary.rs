@@ -1,10 +1,11 @@
-//! What the search has found, in words: `readings.txt`.
+//! The results of the search in words: `readings.txt`.
 
 use super::judge::{ExponentSpread, Pairs, Rows, meeting, sources, sources_in_words, twelve};
-use super::plan::{CAP, DT, FLOOR, Plan, SEARCH, ZERO, described};
+use super::plan::{CAP, FLOOR, Plan, SEARCH, ZERO, described};
 use super::search;
 use super::significance::{self, Level};
 use super::table::{Row, Twelve, Verdict};
+use crate::figures::block_and_bracket::DT;
 use crate::numbers::{extent, median};
 use crate::text::distinct;
 
@@ -27,7 +28,7 @@ pub fn summary(plan: &Plan, rows: &[Row]) -> String {
     text
 }
 
-fn tried(plan: &Plan, found: usize) -> String {
+fn tried(plan: &Plan, done: usize) -> String {
     let settings = plan.groups.iter().flat_map(|group| plan.settings_of(group));
     let total = settings.filter(|one| one.0 == SEARCH).count();
     let Plan {
@@ -35,9 +36,9 @@ fn tried(plan: &Plan, found: usize) -> String {
     } = plan;
     let text = format!(
         "stickslip readings: {name} search, t from {from}, {points} points at dt = {DT}\n\n\
-         Tried: {found} of {total} configurations (reading x integrator x estimator settings), each for all three figures.\n"
+         Tried: {done} of {total} configurations (reading x integrator x estimator settings), each for all three figures.\n"
     );
-    if found < total {
+    if done < total {
         return text + "The search is not complete: run it again to go on.\n";
     }
     text

@@ -31,14 +31,16 @@ const STEPS: [f64; 16] = [
     7e-4,
     1e-3,
 ];
-/// Steps below this are fine ones (s): the bound found on the others is tried on them.
+/// Steps below this are fine ones (s), finer than a tenth of the printed one: the bound found on
+/// the others is tried on them.
 pub const FINE: f64 = 0.99e-5;
-/// A fitted slope that is no further from one tells of first order. The error scatters between
-/// nothing and its bound, so that a slope over three decades is not known much better.
+/// A fitted slope that is no further from one means first order. The error scatters between nothing
+/// and its bound, so that a slope over three decades is not known much better.
 pub const SLOPE_OFF: f64 = 0.25;
-/// Steps around the printed one, the printed one in the middle.
+/// Steps around the printed one, the printed one in the middle, half a per cent apart.
 const AROUND: usize = 21;
-/// They reach this far to either side of it, as a fraction.
+/// They reach this far to either side of it, as a fraction: far enough that the grid of steps meets
+/// Σ anywhere.
 pub const REACH: f64 = 0.05;
 /// The printed step (s).
 pub const PRINTED_STEP: f64 = 1e-4;

@@ -1,6 +1,7 @@
 //! The pictures of the listing's approach to its limit and of the scan over parameters.
 
 use super::convergence::{Convergence, PRINTED_STEP, REACH, distances};
+use super::figures::Picture;
 use super::scan::{Class, Line, Point, Scan};
 use crate::figures::pair;
 use crate::text::joined;
@@ -29,20 +30,26 @@ const NAMES: [(&str, Color, Shape); 4] = [
     ("second stick duration, s", PURPLE, Shape::Down),
 ];
 
-/// Draws it.
+/// Draws the listing's approach to its limit.
 ///
 /// # Errors
 /// As [`Figure::render`].
-pub fn draw_convergence(data: &Convergence, published: [f64; 4]) -> Result<String, PlotError> {
-    let title = "The listing as printed for smaller and smaller steps";
-    let figure = Figure::new(
+pub fn convergence(data: &Convergence, published: [f64; 4]) -> Result<Picture, PlotError> {
+    let (name, title) = (
         "convergence",
-        (760.0, 430.0),
-        title,
-        &about_convergence(data),
+        "The listing as printed for smaller and smaller steps",
     );
+    let figure = Figure::new(name, (760.0, 430.0), title, &about_convergence(data));
     let panels = pair(approach(data), around(data, published));
-    figure.columns(1.0, panels).render()
+    Ok(Picture {
+        figure: name,
+        title,
+        about: "Left: the four numbers of Fig. 8 approach what the event-exact solver gives with the two defects that do not vanish with \
+            the step. Right: how far they are from the published ones at steps near the printed one, in units of the last \
+            printed digit.",
+        svg: figure.columns(1.0, panels).render()?,
+        rows: Vec::new(),
+    })
 }
 
 /// Logarithm for an axis.
@@ -132,11 +139,11 @@ fn look(class: Class) -> (Color, &'static str) {
     }
 }
 
-/// Draws it.
+/// Draws the scan over parameters.
 ///
 /// # Errors
 /// As [`Figure::render`].
-pub fn draw_scan(scan: &Scan) -> Result<String, PlotError> {
+pub fn scan(scan: &Scan) -> Result<Picture, PlotError> {
     let rows = scan.lines.len();
     // The first parameter on top.
     let base = |k: usize| (rows - 1 - k) as f64;
@@ -173,7 +180,14 @@ pub fn draw_scan(scan: &Scan) -> Result<String, PlotError> {
     }
     let title = "Where starts lead as each parameter of Fig. 8 is changed";
     let figure = Figure::new("scan", (700.0, 560.0), title, &about_scan(scan));
-    figure.row(1.0, panel).render()
+    Ok(Picture {
+        figure: "scan",
+        title,
+        about: "Each parameter of the stated model in turn from half to twice its printed value, the others as printed; solved \
+            accurately from the same starts each.",
+        svg: figure.row(1.0, panel).render()?,
+        rows: Vec::new(),
+    })
 }
 
 /// Abscissa of a factor: logarithm to the base of two.

@@ -180,8 +180,8 @@ impl Ledger {
     /// its entry, with a changed one what would be said if the paper had printed that.
     pub fn judged_anew(&self, claims: &Claims, id: ClaimId) -> Entry {
         let claim = claims.of(id);
-        let tables = self.computed.tables.iter();
-        let rows = tables.flat_map(|one| Finding::of_rows(claims, claim, one.figure, &one.rows));
+        let pictures = self.computed.pictures.iter();
+        let rows = pictures.flat_map(|one| Finding::of_rows(claims, claim, one.figure, &one.rows));
         let mut findings: Vec<Finding> = rows.collect();
         findings.extend(match id {
             ClaimId::S3ReleaseAccuracy => self.accuracy.release_findings(),

@@ -36,8 +36,8 @@ fn part_of(claim: &Claim) -> &'static str {
 /// stands with the claims.
 pub(super) fn sentences(ledger: &Ledger) -> [String; 3] {
     let gives = |ids: &[ClaimId], met: &dyn Fn(&Entry) -> bool| {
-        let found = ids.iter().filter(|id| met(ledger.entry(**id))).count();
-        format!("{found} of {}", ids.len())
+        let count = ids.iter().filter(|id| met(ledger.entry(**id))).count();
+        format!("{count} of {}", ids.len())
     };
     let by = |reading| move |entry: &Entry| entry.reading(reading).is_some_and(|one| one.agrees);
     let least = |property| {
@@ -86,9 +86,10 @@ pub(super) fn resting(ledger: &Ledger) -> String {
 fn unlike(ledger: &Ledger) -> String {
     let of = |figure: SpectrumFigure| {
         let entry = ledger.entry(figure.class());
-        let found = entry
-            .reading(Reading::Corrected)
-            .filter(|one| !one.agrees)?;
+        let corrected = entry.reading(Reading::Corrected)?;
+        if corrected.agrees {
+            return None;
+        }
         let (name, published) = (part_of(&entry.claim), &entry.claim.published);
         let class = ledger.computed.bracket[figure as usize].exact.class;
         Some(match (class, published.parse()) {
@@ -96,7 +97,7 @@ fn unlike(ledger: &Ledger) -> String {
                 let plural = if loops == 1 { "" } else { "s" };
                 format!("{name} closes after {loops} loop{plural}, not {captioned}")
             }
-            _ => format!("{name} is {}, not {published}", found.text()),
+            _ => format!("{name} is {}, not {published}", corrected.text()),
         })
     };
     let all: Vec<String> = SpectrumFigure::ALL.into_iter().filter_map(of).collect();
@@ -106,7 +107,7 @@ fn unlike(ledger: &Ledger) -> String {
     }
 }
 
-/// What was found of Figs. 10–12 and of the search over their readings.
+/// Figs. 10–12 and the search over their readings.
 pub(super) fn figs_10_to_12(ledger: &Ledger) -> String {
     let classes = SpectrumFigure::ALL.map(|figure| ledger.entry(figure.class()));
     let exponents = SpectrumFigure::ALL.map(SpectrumFigure::exponents);

@@ -12,10 +12,7 @@ use crate::readings::Values;
 use crate::text::{csv, joined};
 
 /// Every claim with its values under each reading, verdict, cause and evidence.
-///
-/// # Errors
-/// [`csv::Error`].
-pub fn claims(ledger: &Ledger) -> Result<String, csv::Error> {
+pub fn claims(ledger: &Ledger) -> String {
     let mut table: Vec<Vec<String>> = Vec::new();
     for entry in &ledger.entries {
         let (names, texts) = claim(ledger, entry).into_iter().unzip();
@@ -68,7 +65,7 @@ fn claim(ledger: &Ledger, entry: &Entry) -> Vec<(String, String)> {
     add("unidentified", &unidentified);
     let within = text(|one| one.within_range().to_string());
     add("within_unstated", &within);
-    let cause = entry.asks_for_cause().then(|| ledger.cause.status().name());
+    let cause = entry.asks_for_cause().then(|| ledger.cause.status());
     add("cause", &cause.unwrap_or_default());
     add("check", &claim.check);
     for reading in Reading::ALL {
@@ -81,10 +78,7 @@ fn claim(ledger: &Ledger, entry: &Entry) -> Vec<(String, String)> {
 }
 
 /// The listing's numbers at all steps, and their distances from the limit, which stands at step 0.
-///
-/// # Errors
-/// [`csv::Error`].
-pub fn convergence(ledger: &Ledger) -> Result<String, csv::Error> {
+pub fn convergence(ledger: &Ledger) -> String {
     let convergence = &ledger.convergence;
     let limit = convergence.limit;
     let mut header = vec!["h".to_owned(), "all_digits".to_owned()];
@@ -108,19 +102,14 @@ pub fn convergence(ledger: &Ledger) -> Result<String, csv::Error> {
 }
 
 /// What starts lead to at each set of parameters.
-///
-/// # Errors
-/// [`csv::Error`].
-pub fn scan(ledger: &Ledger) -> Result<String, csv::Error> {
+pub fn scan(ledger: &Ledger) -> String {
     let scan = &ledger.scan;
     let mut header = vec!["parameter", "factor", "value"];
     header.extend(Class::ALL.map(Class::name));
     header.extend(["motions", "distance"]);
     let mut rows = vec![header.into_iter().map(str::to_owned).collect::<Vec<_>>()];
-    let lines = scan.lines.iter();
-    let lines = lines.flat_map(|line| line.points.iter().map(|point| (line.name, point)));
     let variants = scan.variants.iter().map(|(name, point)| (*name, point));
-    for (name, point) in lines.chain(variants) {
+    for (name, point) in scan.points().chain(variants) {
         let mut row = vec![
             name.to_owned(),
             format!("{:?}", point.factor),

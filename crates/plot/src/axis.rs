@@ -46,7 +46,7 @@ impl Axis {
     /// An axis of decimal logarithms, numbered by powers of ten.
     /// Where it holds fewer than two of them, it is numbered by the logarithms.
     pub fn decades(label: &str, (low, high): (f64, f64)) -> Self {
-        /// Intervals between numbers: more than these would touch on the narrowest panel.
+        /// Most intervals between numbers: more would crowd a panel.
         const MOST: i64 = 8;
         let (first, last) = (low.ceil() as i64, high.floor() as i64);
         if last - first < 1 {

@@ -1,8 +1,9 @@
 //! The plotters backend that writes the SVG.
 //!
-//! plotters' own SVG backend has no dashes and sets text in one font; this one keeps text as `<text>` with
-//! italics and subscripts. One backend unit is a hundredth of a px: plotters rounds coordinates to whole
-//! units, and a curve rounded to whole px is a staircase; rounded to tenths it still shows kinks when enlarged.
+//! plotters' own SVG backend has no dashes and sets text in one font; this one keeps text as
+//! `<text>` with italics and subscripts. One backend unit is a hundredth of a px: plotters rounds
+//! coordinates to whole units, and a curve rounded to whole px is a staircase; rounded to tenths it
+//! still shows kinks when enlarged.
 
 use std::fmt::{self, Write};
 
@@ -31,16 +32,6 @@ pub(super) fn drawn(written: fmt::Result) -> Drawn {
     written.map_err(DrawingErrorKind::DrawingError)
 }
 
-/// What a figure is called, for readers who cannot see it.
-pub(super) struct Naming<'a> {
-    /// Prefix of the ids in the file, unique among figures on one page.
-    pub(super) id: &'a str,
-    /// Short title.
-    pub(super) title: &'a str,
-    /// What the picture shows, in words.
-    pub(super) description: &'a str,
-}
-
 /// Collects SVG elements in a string.
 pub(super) struct Canvas<'a> {
     size: (u32, u32),
@@ -48,16 +39,17 @@ pub(super) struct Canvas<'a> {
 }
 
 impl<'a> Canvas<'a> {
-    /// Opens an SVG of `width` × `height` px on white paper.
+    /// Opens an SVG of `width` × `height` px on white paper. For readers who cannot see it there
+    /// are a title and a description. The id is the prefix of the ids in the file.
     pub(super) fn new(
         out: &'a mut String,
-        width: f64,
-        height: f64,
-        naming: &Naming<'_>,
+        (width, height): (f64, f64),
+        [id, title, description]: [&str; 3],
     ) -> Result<Self, fmt::Error> {
         let size = (units(width).unsigned_abs(), units(height).unsigned_abs());
-        let id = escape(naming.id);
-        // Without `xml:space` some viewers drop the space at the beginning of a tspan, as in "x₁ = 0".
+        let id = escape(id);
+        // Without `xml:space` some viewers drop the space at the beginning of a tspan, as in "x₁ =
+        // 0".
         writeln!(
             out,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
@@ -69,12 +61,12 @@ impl<'a> Canvas<'a> {
         writeln!(
             out,
             "<title id=\"{id}-title\">{}</title>",
-            escape(&rich::plain(naming.title))
+            escape(&rich::plain(title))
         )?;
         writeln!(
             out,
             "<desc id=\"{id}-desc\">{}</desc>",
-            escape(&rich::plain(naming.description))
+            escape(&rich::plain(description))
         )?;
         writeln!(
             out,
@@ -184,8 +176,9 @@ impl<'a> Canvas<'a> {
             words.color.hex()
         )?;
         let runs = rich::parse(&words.markup);
-        // A viewer without the font sets the text in another; legends and tables hold only what is as wide as computed. Each run has its own
-        // width: given for all together, viewers stretch each run to it.
+        // A viewer without the font sets the text in another; legends and tables hold only what is
+        // as wide as computed. Each run has its own width: given for all together, viewers stretch
+        // each run to it.
         let wide = |run: &rich::Run| match metrics::run_width(run, words.size).map(units) {
             Ok(0) => Ok(String::new()),
             Ok(wide) => Ok(format!(
@@ -355,12 +348,8 @@ mod tests {
 
     fn document(draw: impl FnOnce(&mut Canvas<'_>) -> Drawn) -> String {
         let mut out = String::new();
-        let naming = Naming {
-            id: "f",
-            title: "A & B",
-            description: "*x* < 1",
-        };
-        let mut canvas = Canvas::new(&mut out, 20.0, 10.0, &naming).unwrap();
+        let texts = ["f", "A & B", "*x* < 1"];
+        let mut canvas = Canvas::new(&mut out, (20.0, 10.0), texts).unwrap();
         draw(&mut canvas).unwrap();
         canvas.present().unwrap();
         out

@@ -1,4 +1,5 @@
-//! The palette: Okabe and Ito's eight colours, told apart by readers with any colour vision, and greys.
+//! The palette: Okabe and Ito's eight colours, told apart by readers with any colour vision, and
+//! greys.
 
 /// An opaque colour, red, green, blue in 0..=255.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

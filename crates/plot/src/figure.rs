@@ -2,7 +2,7 @@
 
 use plotters::drawing::IntoDrawingArea;
 
-use super::canvas::{Canvas, Naming};
+use super::canvas::Canvas;
 use super::panel::{Margins, Panel};
 use super::plot::Frame;
 use super::table::Table;
@@ -70,8 +70,8 @@ impl Placed<'_> {
 }
 
 impl Figure {
-    /// An empty figure. `id` is unique among figures (`fig06`); `width` and `height` in px. `title` and
-    /// `description` are for readers who cannot see the picture and say what it shows.
+    /// An empty figure. `id` is unique among figures (`fig06`); `width` and `height` in px. `title`
+    /// and `description` are for readers who cannot see the picture and say what it shows.
     pub fn new(id: &str, (width, height): (f64, f64), title: &str, description: &str) -> Self {
         Self {
             id: id.to_owned(),
@@ -100,13 +100,8 @@ impl Figure {
     pub fn render(&self) -> Result<String, PlotError> {
         let placed = self.layout()?;
         let mut svg = String::new();
-        let naming = Naming {
-            id: &self.id,
-            title: &self.title,
-            description: &self.description,
-        };
-        let (width, height) = self.size;
-        let canvas = Canvas::new(&mut svg, width, height, &naming)
+        let texts = [&*self.id, &*self.title, &*self.description];
+        let canvas = Canvas::new(&mut svg, self.size, texts)
             .map_err(|error| PlotError::Draw(error.to_string()))?;
         let page = canvas.into_drawing_area();
         for place in &placed {
@@ -120,7 +115,8 @@ impl Figure {
         Ok(svg)
     }
 
-    /// Divides the page. Panels under one another get the same margins, so that their frames line up.
+    /// Divides the page. Panels under one another get the same margins, so that their frames line
+    /// up.
     fn layout(&self) -> Result<Vec<Placed<'_>>, PlotError> {
         let (width, height) = self.size;
         let mut placed = Vec::new();

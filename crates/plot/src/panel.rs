@@ -12,6 +12,7 @@ use super::pen::Pen;
 use super::plot::{Drawn, Frame, Page, Plot, Sheet};
 use crate::error::PlotError;
 
+// Lengths, px. They are chosen by eye at the nominal size.
 const TICK_TEXT: f64 = 11.0;
 const AXIS_TEXT: f64 = 12.5;
 const PANEL_TEXT: f64 = 12.5;

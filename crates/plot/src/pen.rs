@@ -40,8 +40,8 @@ impl Pen {
         }
     }
 
-    /// Lengths of strokes and gaps, px; empty for a solid line. They grow with the width, so that a bold dotted
-    /// line is still dotted.
+    /// Lengths of strokes and gaps, px; empty for a solid line. They grow with the width, so that a
+    /// bold dotted line is still dotted.
     pub(super) fn pattern(&self) -> Vec<f64> {
         let w = self.width.max(1.0);
         match self.dash {

@@ -84,10 +84,11 @@ pub struct Data {
     pub shares: Shares,
 }
 
+/// Errors of a run stay far below the differences that decide here.
 const TOLERANCE: f64 = 1e-13;
-/// Forcing periods in the picture.
+/// Forcing periods in the picture: the published pattern.
 const SHOWN: f64 = 2.0;
-/// Forcing periods in which a pattern of any length shows itself.
+/// Forcing periods in which a pattern of any length repeats: three times the longest.
 const REPEATED: f64 = 24.0;
 
 pub(super) fn compute() -> Result<Data, Failure> {
@@ -177,7 +178,7 @@ const GRID: (u32, u32) = (61, 41);
 pub const REACH: [f64; 2] = [1.2, 2.0];
 /// Forcing periods that a start is followed over.
 pub const FOLLOWED: usize = 40;
-/// States a pattern apart that are this near count as equal.
+/// States a pattern apart that are this near count as equal: the paper's last digit.
 const CLOSENESS: f64 = 1e-4;
 
 /// A grid of starts with its corners at [`REACH`].

@@ -41,20 +41,14 @@ impl Zone {
     /// The zone that holds `x1` when the forcing stands at `xs`, both in metres (lines 90–101).
     pub(super) fn holding(x1: f64, tangent_points: &[f64; 6], xs: f64) -> Option<Zone> {
         let [t1, t2, t3, t4, t5, t6] = tangent_points.map(|z| z + xs);
-        if x1 <= t1 {
-            if x1 <= t3 {
-                if x1 <= t5 {
-                    if x1 >= t6 {
-                        return Some(Zone::Lower);
-                    }
-                } else if x1 >= t4 {
-                    return Some(Zone::Middle);
-                }
-            } else if x1 >= t2 {
-                return Some(Zone::Upper);
-            }
-        }
-        None
+        // In the order of the listing, which matters where zones meet.
+        let zones = [
+            (Zone::Lower, t6..=t5),
+            (Zone::Middle, t4..=t3),
+            (Zone::Upper, t2..=t1),
+        ];
+        let mut zones = zones.into_iter();
+        Some(zones.find(|(_, ends)| ends.contains(&x1))?.0)
     }
 }
 

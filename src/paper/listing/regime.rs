@@ -6,7 +6,7 @@ use super::setup::Setup;
 /// How closely a pattern has to repeat, in steps. The steps do not fit the forcing period, so that
 /// a periodic motion is met with an error of some steps' way.
 const TOLERANCE_STEPS: f64 = 20.0;
-/// A clock that gains less than this part of its steps stands. A moving one gains nearly all.
+/// A clock that gains less than this part of its steps stands. A moving one gains most.
 const STALLED_RATE: f64 = 0.1;
 
 /// The states at whole multiples of the forcing period, and how the clock fares.

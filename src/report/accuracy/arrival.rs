@@ -58,9 +58,9 @@ impl<'a> Arrival<'a> {
     fn measure(
         &self,
         method: &'static str,
-        found: impl Fn(f64, f64) -> Result<f64, ReportError>,
+        locate: impl Fn(f64, f64) -> Result<f64, ReportError>,
     ) -> Result<EventErrors, ReportError> {
-        EventErrors::measure(method, (self.from, self.t), found)
+        EventErrors::measure(method, (self.from, self.t), locate)
     }
 
     /// RK4 with fixed steps, then one Hénon step onto Σ from the state before the crossing.
@@ -131,8 +131,8 @@ impl<'a> Arrival<'a> {
                 ..Setup::default()
             });
             let what = "a crossing of Σ by the listing";
-            let found = first_on_belt(&outcome);
-            Ok(found.ok_or_else(|| missing(what, self.t0, 2.0 * LEAD))?)
+            let first = first_on_belt(&outcome);
+            Ok(first.ok_or_else(|| missing(what, self.t0, 2.0 * LEAD))?)
         })
     }
 

@@ -6,6 +6,7 @@ use std::ops::ControlFlow;
 use rayon::prelude::*;
 
 use super::proof::{Proof, Shown};
+use crate::figures::block_and_bracket::{DIVERGED, START, TOLERANCE};
 use crate::figures::rows::Value;
 use crate::report::ReportError;
 use crate::report::spread::mended_captions;
@@ -14,13 +15,7 @@ use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
 use stickslip::models::{BlockAndBracket, Caption, CaptionOrder, Reading, Rig, Unloading};
 use stickslip::{Error, Observer, Options, State, StepRecord, run, solve};
 
-/// As in the figures.
-const TOLERANCE: f64 = 1e-10;
-/// A component beyond this has diverged: a hundred times the largest of the bounded motions.
-const DIVERGED: f64 = 1e3;
-/// The published series begins here (t): what has diverged by then is in no figure.
-const SERIES_FROM: f64 = 3000.0;
-/// The section is kept from there to here.
+/// The section is kept from the begin of the published series to here: over a hundred turns.
 const SECTION_END: f64 = 4500.0;
 /// The figures and their captions.
 const FIGURES: [(&str, Caption); 3] = [
@@ -37,7 +32,7 @@ struct LargestThenSection<'a> {
 
 impl Observer<4> for LargestThenSection<'_> {
     fn step(&mut self, step: &StepRecord<4>) -> ControlFlow<()> {
-        if step.t_start >= SERIES_FROM {
+        if step.t_start >= START {
             self.turns.step(step);
         }
         self.largest = self.largest.max(step.x_end.amax());
@@ -50,7 +45,7 @@ impl Observer<4> for LargestThenSection<'_> {
 enum Outcome {
     /// A component passes the bound at this time.
     Diverges(f64),
-    /// None does; the largest component until [`SERIES_FROM`].
+    /// None does; the largest component until [`START`].
     Bounded(f64),
     /// The block turns nowhere: it rests or sticks for good.
     Rests,
@@ -74,10 +69,10 @@ fn outcome(caption: &Caption, reading: &Reading, end: f64) -> Result<Outcome, Er
         other => other?,
     };
     let section = observer.turns.points;
-    let window = (Of::Flow, &[][..], SECTION_END - SERIES_FROM);
+    let window = (Of::Flow, &[][..], SECTION_END - START);
     let evidence = Evidence::gather(&section, window, &Criterion::default());
     Ok(match evidence.class() {
-        _ if end <= SERIES_FROM => Outcome::Bounded(observer.largest),
+        _ if end <= START => Outcome::Bounded(observer.largest),
         _ if section.is_empty() => Outcome::Rests,
         Class::Periodic(turns) => Outcome::Closes(turns, turns as f64 * evidence.return_time),
         _ => Outcome::Open(section.len()),
@@ -98,7 +93,7 @@ impl Outcome {
                 "t",
             ),
             Outcome::Bounded(size) => (
-                format!(": largest component until t = {SERIES_FROM}"),
+                format!(": largest component until t = {START}"),
                 size.into(),
                 "1",
             ),
@@ -127,8 +122,8 @@ pub(super) fn signs() -> Result<Proof, Error> {
     let mut holds = true;
     for (name, caption) in FIGURES {
         let (printed, corrected) = rayon::join(
-            || outcome(&caption, &Reading::as_printed(), SERIES_FROM),
-            || outcome(&caption, &Reading::exact(), SERIES_FROM),
+            || outcome(&caption, &Reading::as_printed(), START),
+            || outcome(&caption, &Reading::exact(), START),
         );
         let (printed, corrected) = (printed?, corrected?);
         holds &= matches!(printed, Outcome::Diverges(_));
@@ -157,7 +152,7 @@ fn rig(gravity: f64, stiffness: f64) -> Rig {
     }
 }
 
-/// Time over which the rig is followed, in units of 1/ω: several turns, stick among them.
+/// Time over which the rig is followed, in units of 1/ω: several turns.
 const RIG_SPAN: f64 = 40.0;
 
 /// The state of a rig after [`RIG_SPAN`], in the units of Eq. (27).

@@ -60,7 +60,7 @@ fn sticking_starts(defects: Defects) -> usize {
 
 /// States of the logistic map: some ten in each neighbourhood.
 const STATES: usize = 4000;
-/// Radius of the neighbourhoods, in which the map is straight to a thousandth.
+/// Radius of the neighbourhoods, within which the slope of the map changes by 0.016.
 const RADIUS: f64 = 2e-3;
 
 /// Eqs. (25) and (26) to the letter, for a series of one component: the neighbours' differences `y`

@@ -136,29 +136,25 @@ pub(super) fn time_in_stick(accuracy: &Accuracy) -> Proof {
     let release = &accuracy.release;
     let [below, above] = &release.belt.literal;
     let corrected = &release.belt.corrected;
-    let accurate = match release.forced.corrected.is_accurate() {
-        true => "yes",
-        false => "no",
-    };
+    let is_accurate = release.forced.corrected.is_accurate();
     let off = |errors: &EventErrors| Value::from(errors.at_printed_step);
-    let (forced, moving) = (off(&release.forced.corrected), off(&release.moving));
     let shown = [
         off(below),
         off(above),
         off(corrected),
-        accurate.into(),
-        forced,
-        moving,
+        if is_accurate { "yes" } else { "no" }.into(),
+        off(&release.forced.corrected),
+        off(&release.moving),
     ];
     let holds = corrected.is_accurate()
-        && !release.belt.literal_is_accurate()
+        && !release.belt.literal_better().is_accurate()
         && release.moving.is_accurate();
     Proof::new("time_in_stick", shown, holds)
 }
 
-/// A hundredth of the distances that decide here.
+/// Errors of a run stay far below the differences that decide here.
 const TOLERANCE: f64 = 1e-12;
-/// Forcing periods that starts are followed over: stick and escape come within the first.
+/// Forcing periods that starts are followed over: long enough for stick and for escape.
 const FOLLOWED: f64 = 6.0;
 
 /// Starts of both models: positions (m) and velocities (m/s).

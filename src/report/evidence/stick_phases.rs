@@ -13,11 +13,11 @@ use stickslip::analysis::{Visibility, visibility};
 use stickslip::models::ForcedOscillator;
 use stickslip::{Error, Orbit, State};
 
-/// Starts in position and in velocity: enough that each zone is entered from either side.
+/// Starts in position and in velocity, of which no row has the belt's speed.
 const STARTS: (u32, u32) = (13, 9);
 /// Forcing periods that each is followed over: stick phases occur on the way only.
 const FOLLOWED: f64 = 10.0;
-/// A decade above the rounding of the states.
+/// Errors of a run stay far below the differences that decide here.
 pub(super) const TOLERANCE: f64 = 1e-13;
 /// A stick phase of the listing no longer than ten of its steps (s) is chatter: it leaves a zone's
 /// end on the wrong side, is thrown back and sticks again, thousands of times.

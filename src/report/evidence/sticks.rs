@@ -8,6 +8,7 @@ use crate::figures::normals;
 use crate::figures::rows::Value;
 use crate::numbers::{extent, largest};
 use crate::paper::listing::{End, Instant, Stick, StickPhase};
+use crate::paper::published::HALF_DIGIT;
 use crate::paper::reading::Reading::Exact;
 use crate::report::digits::small;
 use crate::report::errata::Proof;
@@ -140,7 +141,8 @@ pub(super) fn exit_at_visible(grid: &GridPhases) -> Vec<Finding> {
     ]
 }
 
-/// Moments in a forcing period at which it is seen which tangent points have been passed.
+/// Moments in a forcing period at which the tangent points that have been passed are counted: in
+/// between a point moves by less than a hundredth of a zone.
 const MOMENTS: f64 = 2000.0;
 
 /// Stick phases against the tangent points that move past them.
@@ -240,7 +242,7 @@ pub(super) fn length_is_way(grid: &GridPhases, published: [f64; 4]) -> (Vec<Find
     let published = excess(published);
     let listing = excess(grid.fig08.four_numbers().unwrap_or([f64::NAN; 4]));
     // Half a unit of the last printed digit in both numbers.
-    let rounding = 0.5e-4 + 0.5e-4 / belt;
+    let rounding = HALF_DIGIT + HALF_DIGIT / belt;
     let sticks = grid.model.iter().map(|phase| phase.stick);
     let of_model = largest(sticks.map(|one| (one.duration() - one.length() / belt).abs()));
     let within = |excess: [f64; 2]| excess.iter().all(|one| one.abs() <= rounding);
@@ -269,9 +271,9 @@ pub(super) fn length_is_way(grid: &GridPhases, published: [f64; 4]) -> (Vec<Find
 
 /// Starts on Σ, relative to the support (m): where σ vanishes without friction, and between.
 const ON_BOUNDARY: [f64; 7] = [-1.0, -0.7, -0.3, 0.0, 0.3, 0.7, 1.0];
-/// Times of the period at which they start.
+/// Times of the period at which they start, its quarters among them.
 const TIMES: u32 = 8;
-/// A kink below this is none (m/s²).
+/// A kink below this is none (m/s²): accelerations are near 10 m/s², so that it is rounding.
 const NO_KINK: f64 = 1e-12;
 
 /// `s4.no_stick_at_zero`: model 2 without friction.

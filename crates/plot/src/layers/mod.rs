@@ -49,7 +49,8 @@ pub trait Layer {
 pub enum Place {
     /// In data units.
     Data(f64, f64),
-    /// In fractions of the plot rectangle: (0, 0) is its lower left corner, (1, 1) its upper right one.
+    /// In fractions of the plot rectangle: (0, 0) is its lower left corner, (1, 1) its upper right
+    /// one.
     Fraction(f64, f64),
 }
 

@@ -37,8 +37,9 @@ impl Note {
         }
     }
 
-    /// Moves the text by `(right, up)` px. It then stands on that side of the place, instead of being
-    /// centred at it: to the right of it for an offset to the right, above it for an offset upwards.
+    /// Moves the text by `(right, up)` px. It then stands on that side of the place, instead of
+    /// being centred at it: to the right of it for an offset to the right, above it for an offset
+    /// upwards.
     pub fn offset(mut self, right: f64, up: f64) -> Self {
         self.offset = (right, up);
         self
