@@ -10,24 +10,16 @@ use indicatif::ProgressBar;
 #[cfg(feature = "report")]
 use indicatif::ProgressStyle;
 
-/// An error that ends a program.
-pub(crate) trait ProgramError: Display {
-    /// Whether the command line is at fault (exit code 2) and not the data or the machine (1).
-    fn is_usage(&self) -> bool {
-        false
-    }
-}
-
 /// Prints what a program has to say, named `what` if that fails, or its error.
 ///
-/// Exit code 0 on success, 1 if something failed (`error: …` on standard error), 2 for a wrong
-/// command line.
-pub(crate) fn finish<E: ProgramError>(what: &str, outcome: Result<String, E>) -> ExitCode {
+/// Exit code 0 on success, 1 if something failed (`error: …` on standard error). Of a wrong command
+/// line clap has said so before, with exit code 2.
+pub(crate) fn finish(what: &str, outcome: Result<String, impl Display>) -> ExitCode {
     match outcome {
         Ok(text) => end_of_print(what, print(&text)),
         Err(error) => {
             note(&format!("error: {error}"));
-            ExitCode::from(if error.is_usage() { 2 } else { 1 })
+            ExitCode::FAILURE
         }
     }
 }
@@ -77,28 +69,15 @@ pub(crate) fn bar(done: usize, total: usize, text: &str) -> ProgressBar {
 mod tests {
     use super::*;
 
-    #[derive(Debug, thiserror::Error)]
-    #[error("no such thing")]
-    struct Wrong {
-        usage: bool,
-    }
-
-    impl ProgramError for Wrong {
-        fn is_usage(&self) -> bool {
-            self.usage
-        }
-    }
-
     fn same(one: ExitCode, other: u8) {
         // Exit codes can be shown, not compared.
         assert_eq!(format!("{one:?}"), format!("{:?}", ExitCode::from(other)));
     }
 
     #[test]
-    fn the_exit_code_tells_whose_fault_it_was() {
-        same(finish("text", Ok::<_, Wrong>(String::new())), 0);
-        same(finish("text", Err(Wrong { usage: false })), 1);
-        same(finish("text", Err(Wrong { usage: true })), 2);
+    fn the_exit_code_says_whether_something_failed() {
+        same(finish("text", Ok::<_, &str>(String::new())), 0);
+        same(finish("text", Err("no such thing")), 1);
     }
 
     #[test]

@@ -35,9 +35,9 @@ fn a_row_that_claims_something_is_compared() {
         for row in report
             .ledger
             .computed
-            .tables
+            .pictures
             .iter()
-            .flat_map(|table| &table.rows)
+            .flat_map(|picture| &picture.rows)
         {
             let claim = matches!(row.quantity, Quantity::Claim(_) | Quantity::Member(..));
             assert_eq!(
@@ -56,7 +56,7 @@ fn a_row_that_claims_something_is_compared() {
 #[test]
 fn no_row_stands_twice_in_a_table() {
     with(|report| {
-        for table in &report.ledger.computed.tables {
+        for table in &report.ledger.computed.pictures {
             for (i, row) in table.rows.iter().enumerate() {
                 let again = table.rows[i + 1..]
                     .iter()

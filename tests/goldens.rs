@@ -10,12 +10,12 @@ use crate::report::with;
 use replication::figures::locator::LOCATOR;
 use replication::figures::rows;
 use replication::paper::published::Claims;
-use replication::report::figures::Table;
+use replication::report::figures::Picture;
 
 /// Relative difference up to which two numbers in a golden are the same.
 const TOLERANCE: f64 = 1e-10;
 
-fn is_golden(table: &Table) {
+fn is_golden(table: &Picture) {
     let text = rows::golden(&table.rows, Claims::committed().unwrap());
     assert_golden(table.figure, text, TOLERANCE);
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("figures/{}.svg", table.figure));
@@ -33,7 +33,7 @@ macro_rules! figures {
         #[test]
         fn $name() {
             with(|report| {
-                let tables = &report.ledger.computed.tables;
+                let tables = &report.ledger.computed.pictures;
                 let table = tables.iter().find(|table| table.figure == stringify!($name));
                 is_golden(table.unwrap());
             });
@@ -46,7 +46,7 @@ figures!(fig04, fig06, fig07, fig08, fig10, fig11, fig12);
 #[test]
 fn locator() {
     let data = LOCATOR.compute().unwrap();
-    is_golden(&Table::of(&LOCATOR, &data).unwrap());
+    is_golden(&Picture::of(&LOCATOR, &data).unwrap());
 }
 
 #[test]

@@ -88,8 +88,8 @@ fn without_a_table_nothing_is_redrawn() {
     command
         .arg("--figures-dir")
         .arg(folder.path().join("figures"));
-    let told = contains("cannot read").and(contains("--report-dir"));
-    command.assert().code(1).stderr(told);
+    let stderr = contains("cannot read").and(contains("--report-dir"));
+    command.assert().code(1).stderr(stderr);
     assert!(!folder.path().join("figures").exists());
 }
 
@@ -106,7 +106,7 @@ fn one_problem_prints_its_events() {
 #[test]
 fn a_wrong_command_line_is_told_apart() {
     let folder = tempfile::tempdir().unwrap();
-    let unknown = contains("'drift' is no problem").and(contains("belt_sensitive"));
+    let unknown = contains("invalid value 'drift'").and(contains("belt_sensitive"));
     short(folder.path(), "1")
         .args(["--problems", "drift"])
         .assert()
@@ -116,12 +116,12 @@ fn a_wrong_command_line_is_told_apart() {
     none.args(["--rounds", "0"])
         .assert()
         .code(2)
-        .stderr(contains("--rounds 0"));
+        .stderr(contains("--rounds"));
     let mut one = cargo_bin_cmd!("peers");
     one.args(["one", "--problem", "decay", "--solver", "euler"]);
     one.assert()
         .code(2)
-        .stderr(contains("'euler' is no solver"));
+        .stderr(contains("invalid value 'euler'").and(contains("stickslip Taylor")));
 }
 
 #[test]

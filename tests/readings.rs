@@ -138,7 +138,7 @@ fn a_table_of_other_settings_is_refused_by_the_setting_that_differs() {
             program(folder.path())
                 .assert()
                 .code(1)
-                .stderr(contains(format!("with {name} = ")))
+                .stderr(contains(format!("'# {name} = {value}'")))
                 .stderr(contains("move it away"));
             assert_eq!(std::fs::read_to_string(&table).unwrap(), other);
         }

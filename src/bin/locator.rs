@@ -1,10 +1,8 @@
 //! Error of a located event against the step.
 
-use std::process::ExitCode;
-
 use replication::figures::cli;
 use replication::figures::locator::LOCATOR;
 
-fn main() -> ExitCode {
+fn main() -> std::process::ExitCode {
     cli::main(&LOCATOR)
 }

@@ -1,7 +1,5 @@
 //! Work and precision of this solver beside those that people use now.
 
-use std::process::ExitCode;
-
-fn main() -> ExitCode {
+fn main() -> std::process::ExitCode {
     replication::peers::main()
 }

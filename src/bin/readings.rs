@@ -1,7 +1,5 @@
 //! Search over how Figs. 10–12 of the paper can be read.
 
-use std::process::ExitCode;
-
-fn main() -> ExitCode {
+fn main() -> std::process::ExitCode {
     replication::readings::main()
 }

@@ -1,7 +1,5 @@
 //! What becomes of every claim of the paper.
 
-use std::process::ExitCode;
-
-fn main() -> ExitCode {
+fn main() -> std::process::ExitCode {
     replication::report::cli::main()
 }

@@ -1,4 +1,4 @@
-//! How exactly an event is located, by four ways to do it: error against step length.
+//! How exactly an event is located, by five methods: error against step length.
 //!
 //! Not a figure of the paper: what its title promises, measured.
 
@@ -17,9 +17,9 @@ use stickslip::models::BeltOscillator;
 use stickslip::ode::{Dense, Dop853, Rk4, RungeKutta, Timed, dense_slopes, henon_step, stages};
 use stickslip::{Filippov, Side, State};
 
-/// One way to locate an event.
+/// One method to locate an event.
 #[derive(Clone, Debug)]
-pub struct Way {
+pub struct LocatorMethod {
     /// Name in rows.
     pub id: &'static str,
     /// Name in the legend.
@@ -31,7 +31,8 @@ pub struct Way {
     pub order: f64,
 }
 
-/// The event is that part of the step away from its start.
+/// The event is that part of the step away from its start. Its middle would favour methods whose
+/// errors are symmetrical.
 const PART: f64 = 0.6;
 /// Speed of the belt, m/s.
 const BELT_SPEED: f64 = 1.3;
@@ -39,7 +40,7 @@ const BELT_SPEED: f64 = 1.3;
 const FACTOR: f64 = 0.749_894_209_332_455_8;
 const STEPS: usize = 25;
 /// Places of the steps 0.1 and 0.01.
-const TOLD: [(usize, &str); 2] = [(8, "error_at_0.1"), (16, "error_at_0.01")];
+const REPORTED: [(usize, &str); 2] = [(8, "error_at_0.1"), (16, "error_at_0.01")];
 /// Errors below are rounding.
 const FLOOR: f64 = 2e-15;
 /// Errors below say nothing of an order, those of steps above this length not yet.
@@ -47,7 +48,7 @@ const ORDER_FLOOR: f64 = 3e-14;
 const ORDER_STEP: f64 = 0.5;
 
 /// Error of the located event against step length.
-pub const LOCATOR: FigureSpec<[Way; 5]> = FigureSpec {
+pub const LOCATOR: FigureSpec<[LocatorMethod; 5]> = FigureSpec {
     name: "locator",
     title: "Error of a located event against the step",
     about: "A block on a belt of speed 1.3, x'' = -x - 0.4 sgn(x' - 1.3), moves on a circle of radius 2.6 about (0.4, 0) until it is as fast \
@@ -59,7 +60,7 @@ pub const LOCATOR: FigureSpec<[Way; 5]> = FigureSpec {
     draw,
 };
 
-fn compute() -> Result<[Way; 5], Failure> {
+fn compute() -> Result<[LocatorMethod; 5], Failure> {
     let belt = BeltOscillator {
         k1: -1.0,
         k2: 0.0,
@@ -68,10 +69,10 @@ fn compute() -> Result<[Way; 5], Failure> {
         belt_speed: BELT_SPEED,
         ..BeltOscillator::default()
     };
-    let way = |id, name, locate: fn(&Step) -> f64| {
+    let method = |id, name, locate: fn(&Step) -> f64| {
         let errors = (0..STEPS).map(|k| math::powi(FACTOR, k as i32));
         let errors: Vec<(f64, f64)> = errors.map(|h| (h, error(&belt, h, locate))).collect();
-        Way {
+        LocatorMethod {
             id,
             name,
             order: order(&errors),
@@ -79,19 +80,19 @@ fn compute() -> Result<[Way; 5], Failure> {
         }
     };
     Ok([
-        way("linear", "linear interpolation", Step::chord),
-        way(
+        method("linear", "linear interpolation", Step::chord),
+        method(
             "dense_4",
             "dense output of order 3 (RK4)",
             Step::on_dense::<Rk4>,
         ),
-        way("henon_4", "Hénon step, order 4 (RK4)", Step::henon::<Rk4>),
-        way(
+        method("henon_4", "Hénon step, order 4 (RK4)", Step::henon::<Rk4>),
+        method(
             "dense_8",
             "dense output of order 7 (DOP853)",
             Step::on_dense::<Dop853>,
         ),
-        way(
+        method(
             "henon_8",
             "Hénon step, order 8 (DOP853)",
             Step::henon::<Dop853>,
@@ -99,13 +100,13 @@ fn compute() -> Result<[Way; 5], Failure> {
     ])
 }
 
-fn numbers(ways: &[Way; 5]) -> Vec<Row> {
+fn numbers(methods: &[LocatorMethod; 5]) -> Vec<Row> {
     let mut rows = Vec::new();
-    for way in ways {
-        let id = |what: &str| format!("locator.{}.{what}", way.id);
-        rows.push(Row::number(id("order"), Exact, way.order, "1"));
-        for (place, what) in TOLD {
-            if let Some((_, error)) = way.errors.get(place) {
+    for method in methods {
+        let id = |what: &str| format!("locator.{}.{what}", method.id);
+        rows.push(Row::number(id("order"), Exact, method.order, "1"));
+        for (place, what) in REPORTED {
+            if let Some((_, error)) = method.errors.get(place) {
                 rows.push(Row::number(id(what), Exact, *error, "s"));
             }
         }
@@ -113,16 +114,16 @@ fn numbers(ways: &[Way; 5]) -> Vec<Row> {
     rows
 }
 
-fn draw(ways: &[Way; 5]) -> Result<String, FigureError> {
+fn draw(methods: &[LocatorMethod; 5]) -> Result<String, FigureError> {
     let mut panel = Panel::new(
         Axis::decades("step *h*, s", (-3.05, 0.05)),
         Axis::decades("error of the event's time, s", (-14.8, 0.3)),
     )
     .legend(Legend::Below);
-    for (way, (color, dash, shape)) in ways.iter().zip(LOOKS) {
-        let above = way.errors.iter().filter(|(_, error)| *error > FLOOR);
+    for (method, (color, dash, shape)) in methods.iter().zip(LOOKS) {
+        let above = method.errors.iter().filter(|(_, error)| *error > FLOOR);
         let points = above.map(|&(h, e)| (math::log10(h), math::log10(e)));
-        let name = format!("{}: slope {:.1}", way.name, way.order);
+        let name = format!("{}: slope {:.1}", method.name, method.order);
         let curve = Curve::new(points.clone()).color(color).dash(dash);
         panel.add(curve.legend(&name));
         panel.add(Markers::new(points).color(color).shape(shape).size(5.0));
@@ -230,12 +231,12 @@ mod tests {
     #[test]
     fn each_way_has_the_order_of_its_construction() {
         let ways = LOCATOR.compute().unwrap();
-        let orders: Vec<f64> = ways.iter().map(|way| way.order).collect();
+        let orders: Vec<f64> = ways.iter().map(|method| method.order).collect();
         // Over one step an interpolant of degree p errs by h^(p+1), a step of order p by h^(p+1),
         // too. Order 8 reaches rounding before it shows its last half.
         let wanted = [1.9..2.1, 3.8..4.4, 4.7..5.3, 7.3..8.3, 8.0..9.3];
-        for (found, wanted) in orders.iter().zip(wanted) {
-            assert!(wanted.contains(found), "{orders:?}");
+        for (order, wanted) in orders.iter().zip(wanted) {
+            assert!(wanted.contains(order), "{orders:?}");
         }
     }
 }

@@ -11,9 +11,8 @@ pub mod rows;
 
 use crate::numbers::missing;
 use crate::paper::published::PublishedError;
-use crate::terminal::ProgramError;
 use output::{PngError, WriteError};
-use plot::{Axis, Cell, Dash, GREY, Guide, Panel};
+use plot::{Cell, Dash, GREY, Guide, Panel};
 use rows::Row;
 use stickslip::filippov::normal_component;
 use stickslip::{Error, Filippov, Mode, Orbit, Scalar, Side, Transition, TransitionKind};
@@ -70,9 +69,6 @@ pub enum FigureError {
     /// A file or its folder cannot be written.
     #[error("{0}; check the disk, or choose another folder with --out-dir")]
     Write(#[from] WriteError),
-    /// The rows do not fit into a CSV file.
-    #[error("cannot put the rows into CSV: {0}")]
-    Csv(#[from] csv::Error),
     /// `--png` was given to a program built without it.
     #[error(
         "this program was built without PNG output; rebuild it with `cargo build -p stickslip-replication --profile figures --no-default-features --features png`"
@@ -82,8 +78,6 @@ pub enum FigureError {
     #[error(transparent)]
     Png(#[from] PngError),
 }
-
-impl ProgramError for FigureError {}
 
 /// Points per integration step: an order-8 step is long, and a curve through its ends alone would
 /// be polygonal. What cannot be seen is thinned out when the curve is drawn.
@@ -130,13 +124,6 @@ fn crossing(orbit: &Orbit<2>, to: Side) -> Result<&Transition<2>, Error> {
 fn belt_line(speed: f64) -> Guide {
     let line = Guide::horizontal(speed).color(GREY).width(0.7);
     line.dash(Dash::Dashed)
-}
-
-/// An axis with ticks whose texts are made at run time.
-pub(crate) fn with_ticks(axis: Axis, ticks: impl IntoIterator<Item = (f64, String)>) -> Axis {
-    let ticks: Vec<(f64, String)> = ticks.into_iter().collect();
-    let ticks = ticks.iter().map(|(at, text)| (*at, text.as_str()));
-    axis.ticks(&ticks.collect::<Vec<_>>())
 }
 
 /// Two panels side by side, of one width.

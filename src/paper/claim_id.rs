@@ -1,4 +1,5 @@
-//! The names of the published quantities and statements: one typed identifier for each row of `data/claims.csv`.
+//! The names of the published quantities and statements: one typed identifier for each row of
+//! `data/claims.csv`.
 
 use std::fmt;
 
@@ -110,26 +111,15 @@ impl fmt::Display for ClaimId {
 }
 
 described! {
-    /// A figure that publishes a spectrum of Lyapunov exponents.
-    SpectrumFigure: (&'static str, [ClaimId; 4], ClaimId) as described {
+    /// A figure that publishes a spectrum of Lyapunov exponents, by the name of its program and the
+    /// first of its five rows in the table of claims: four exponents, then the class of its motion.
+    SpectrumFigure: (&'static str, ClaimId) as described {
         /// Fig. 10.
-        Fig10 = (
-            "fig10",
-            [ClaimId::Fig10Lambda1, ClaimId::Fig10Lambda2, ClaimId::Fig10Lambda3, ClaimId::Fig10Lambda4],
-            ClaimId::Fig10Class,
-        ),
+        Fig10 = ("fig10", ClaimId::Fig10Lambda1),
         /// Fig. 11.
-        Fig11 = (
-            "fig11",
-            [ClaimId::Fig11Lambda1, ClaimId::Fig11Lambda2, ClaimId::Fig11Lambda3, ClaimId::Fig11Lambda4],
-            ClaimId::Fig11Class,
-        ),
+        Fig11 = ("fig11", ClaimId::Fig11Lambda1),
         /// Fig. 12.
-        Fig12 = (
-            "fig12",
-            [ClaimId::Fig12Lambda1, ClaimId::Fig12Lambda2, ClaimId::Fig12Lambda3, ClaimId::Fig12Lambda4],
-            ClaimId::Fig12Class,
-        ),
+        Fig12 = ("fig12", ClaimId::Fig12Lambda1),
     }
 }
 
@@ -140,12 +130,32 @@ impl SpectrumFigure {
     }
 
     /// Its exponents, λ1 first.
-    pub const fn exponents(self) -> [ClaimId; 4] {
-        self.described().1
+    pub fn exponents(self) -> [ClaimId; 4] {
+        std::array::from_fn(|k| self.row(k))
     }
 
     /// The class of its motion.
-    pub const fn class(self) -> ClaimId {
-        self.described().2
+    pub fn class(self) -> ClaimId {
+        self.row(4)
+    }
+
+    fn row(self, place: usize) -> ClaimId {
+        ClaimId::ALL[self.described().1 as usize + place]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rows_of_a_figure_are_its_own() {
+        for figure in SpectrumFigure::ALL {
+            let name = figure.name();
+            assert_eq!(figure.class().name(), format!("{name}.class"));
+            for (k, id) in (1..).zip(figure.exponents()) {
+                assert_eq!(id.name(), format!("{name}.lambda.{k}"));
+            }
+        }
     }
 }

@@ -1,16 +1,15 @@
 //! What is measured of Fig. 8's motion: one definition for the listing, for its limit and for the
 //! exact solution.
 
-use super::listing::{Crossing, Direction, Instant, Motion, Run, Stick};
+use super::listing::{
+    Crossing, Direction, Instant, LEAST_COMPARED, Motion, Run, Stick, pattern_begin,
+};
 use stickslip::{Mode, Phase, Side, State};
 
-/// How much a pattern is shortened, in forcing periods, so as not to count its first event twice.
-const MARGIN: f64 = 0.01;
 /// Patterns longer than this many forcing periods are not looked for, as in [`Motion`].
 const LONGEST: usize = Motion::LONGEST_PATTERN;
-/// Forcing periods compared at least before a pattern counts as repeating.
-const LEAST_COMPARED: usize = 6;
-/// Events of an accurate solution a pattern apart that differ by no more are the same (m, s).
+/// Events of an accurate solution a pattern apart that differ by no more are the same (m, s). That
+/// is far above the solver's tolerance and far below the digits that the paper prints.
 const SAME: f64 = 1e-6;
 
 /// Whether a motion is what the caption of Fig. 8 says: it has stick phases and repeats after two
@@ -145,14 +144,8 @@ impl Pattern {
 
     /// The time after which what happens belongs to the last pattern.
     fn begin(&self) -> f64 {
-        begin(self.end, self.period, self.forcing_period)
+        pattern_begin(self.end, self.period, self.forcing_period)
     }
-}
-
-/// What happens exactly `periods` before the end belongs to the pattern before; a clock may jitter
-/// around that.
-fn begin(end: f64, periods: usize, forcing_period: f64) -> f64 {
-    end - (periods as f64 - MARGIN) * forcing_period
 }
 
 /// What may happen on Σ.
@@ -209,7 +202,7 @@ impl Events {
         let Some(end) = self.end else { return false };
         let all = self.ordered();
         let since = |periods: usize| {
-            let from = begin(end, periods, self.forcing_period);
+            let from = pattern_begin(end, periods, self.forcing_period);
             all.iter().filter(|(_, at)| at.t > from).count()
         };
         let compared = since((2 * period).max(LEAST_COMPARED));
@@ -227,7 +220,7 @@ impl Events {
 
     fn pattern(self, period: usize) -> Option<Pattern> {
         let end = self.end?;
-        let from = begin(end, period.max(2), self.forcing_period);
+        let from = pattern_begin(end, period.max(2), self.forcing_period);
         let within = |t: f64| t > from && t <= end;
         let Events {
             mut sticks,

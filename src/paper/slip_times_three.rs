@@ -12,7 +12,7 @@ use std::ops::ControlFlow;
 
 use crate::numbers::missing;
 use crate::paper::bounded;
-use crate::paper::listing::{END, Params};
+use crate::paper::listing::{END, Setup};
 use crate::paper::pattern::Pattern;
 use stickslip::filippov::first_zero;
 use stickslip::models::ForcedOscillator;
@@ -80,7 +80,7 @@ const TOLERANCE: f64 = 1e-13;
 pub fn settled(injected: Injected) -> Result<Pattern, Error> {
     let model = ForcedOscillator::default();
     let zones = model.stick_zones()?;
-    let start = State::from([Params::default().x1, model.belt_speed]);
+    let start = Setup::default().state();
     let phases = run(injected, &model, &zones, start, END, &bounded(TOLERANCE))?;
     let pattern = Pattern::of_phases(&phases, END, model.period());
     pattern.ok_or_else(|| missing("a motion that repeats", 0.0, END))
@@ -191,13 +191,13 @@ fn upper_exit(
     // The zone's end returns with every forcing period, the belt goes on: half a period at a time
     // the search is short.
     let (window, most) = (0.5 * model.period(), 1000);
-    let found = (0..most).find_map(|k| {
+    let later = (0..most).find_map(|k| {
         let from = f64::from(k) * window;
         let part = first_zero(|s: f64| room(from + s * window), 0.0, 1.0)?;
         Some(from + window * part)
     });
     let span = f64::from(most) * window;
-    let later = found.ok_or_else(|| missing("the upper end of the stick zone", t, span))?;
+    let later = later.ok_or_else(|| missing("the upper end of the stick zone", t, span))?;
     let at = State::from([x[0] + model.belt_speed * later, model.belt_speed]);
     Ok((t + later, at))
 }

@@ -35,47 +35,48 @@ pub enum Answer {
 /// # Errors
 /// What is wrong with it, in words.
 pub fn parse(line: &str) -> Result<Answer, String> {
-    let cells = |count: usize| -> Result<Vec<&str>, String> {
-        let cells: Vec<&str> = line.splitn(count, ',').collect();
-        let found = cells.len();
-        let is_due = (found == count).then_some(cells);
-        is_due.ok_or_else(|| format!("{count} cells are due, there are {found}"))
+    let count = match line.split(',').next() {
+        Some("version" | "seconds") => 3,
+        Some("cannot") => 5,
+        Some("curve") => 7,
+        _ => 1,
     };
-    match line.split(',').next() {
-        Some("version") => {
-            let cells = cells(3)?;
-            Ok(Answer::Version(cells[1].into(), cells[2].into()))
-        }
-        Some("curve") => {
-            let cells = cells(7)?;
+    let cells: Vec<&str> = line.splitn(count, ',').collect();
+    match cells[..] {
+        ["version", package, number] => Ok(Answer::Version(package.into(), number.into())),
+        ["curve", place, solver, setting, tolerance, compile, events] => {
             let row = Row {
-                solver: cells[2].into(),
-                setting: cells[3].into(),
-                tolerance: Some(positive(cells[4])?),
-                compile: Some(seconds(cells[5])?),
+                solver: solver.into(),
+                setting: setting.into(),
+                tolerance: Some(positive(tolerance)?),
+                compile: Some(number(
+                    compile,
+                    |s| s >= 0.0,
+                    " s is a time before its start",
+                )?),
                 ..Row::default()
             };
-            let events = cells[6].split(';').filter(|event| !event.is_empty());
+            let events = events.split(';').filter(|event| !event.is_empty());
             let events = events.map(str::parse).collect::<Result<_, _>>()?;
-            Ok(Answer::Curve(index(cells[1])?, row, events))
+            Ok(Answer::Curve(index(place)?, row, events))
         }
-        Some("cannot") => {
-            let cells = cells(5)?;
-            let tolerance = (!cells[3].is_empty()).then(|| positive(cells[3]));
+        ["cannot", solver, setting, tolerance, reason] => {
+            let tolerance = (!tolerance.is_empty()).then(|| positive(tolerance));
             Ok(Answer::Cannot(Row {
-                solver: cells[1].into(),
-                setting: cells[2].into(),
+                solver: solver.into(),
+                setting: setting.into(),
                 tolerance: tolerance.transpose()?,
-                note: cells[4].into(),
+                note: reason.into(),
                 ..Row::default()
             }))
         }
-        Some("seconds") => {
-            let cells = cells(3)?;
-            Ok(Answer::Seconds(index(cells[1])?, positive(cells[2])?))
+        ["seconds", place, seconds] => Ok(Answer::Seconds(index(place)?, positive(seconds)?)),
+        ["done"] => Ok(Answer::Done),
+        _ if count == 1 => Err("it is neither version, curve, cannot, seconds nor done".into()),
+        _ => {
+            let found = cells.len();
+            Err(format!("{count} cells are due, there are {found}"))
         }
-        Some("done") if line == "done" => Ok(Answer::Done),
-        _ => Err("it is neither version, curve, cannot, seconds nor done".into()),
     }
 }
 
@@ -84,18 +85,16 @@ fn index(text: &str) -> Result<usize, String> {
 }
 
 fn positive(text: &str) -> Result<f64, String> {
-    let allowed = Some(number(text)?).filter(|value| *value > 0.0);
-    allowed.ok_or_else(|| format!("{text} is not greater than 0"))
+    number(text, |value| value > 0.0, " is not greater than 0")
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
-    let allowed = Some(number(text)?).filter(|value| *value >= 0.0);
-    allowed.ok_or_else(|| format!("{text} s is a time before its start"))
-}
-
-fn number(text: &str) -> Result<f64, String> {
-    let value = text.parse().ok().filter(|value: &f64| value.is_finite());
-    value.ok_or_else(|| format!("'{text}' is no finite number"))
+/// A finite number that is allowed, or what is wrong with it.
+fn number(text: &str, is_allowed: fn(f64) -> bool, fault: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && is_allowed(value) => Ok(value),
+        Ok(value) if value.is_finite() => Err(format!("{text}{fault}")),
+        _ => Err(format!("'{text}' is no finite number")),
+    }
 }
 
 /// The running process; it ends when this is dropped.
@@ -192,9 +191,8 @@ impl Drop for Peers {
     fn drop(&mut self) {
         // The end of its input is its sign to leave.
         self.input = None;
-        if self.child.wait().is_err() {
-            // It is gone already; there is nobody to tell.
-        }
+        // Where it is gone already, nobody is left to wait for.
+        let _ = self.child.wait();
     }
 }
 

@@ -145,7 +145,7 @@ mod tests {
             row("lost", 10.0, None),
         ];
         let ratios = ratios(&rows, &["us"]);
-        let told: Vec<(&str, f64, Option<f64>)> = ratios
+        let compared: Vec<(&str, f64, Option<f64>)> = ratios
             .iter()
             .map(|r| {
                 (
@@ -156,7 +156,7 @@ mod tests {
             })
             .collect();
         assert_eq!(
-            told,
+            compared,
             [("exact", 1e-12, Some(15.0)), ("rough", 1e-6, Some(10.0))]
         );
     }

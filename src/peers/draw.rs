@@ -19,6 +19,7 @@ const LOOKS: [(Color, Dash, Shape); 8] = [
     (GREY, Dash::Dashed, Shape::Up),
 ];
 const PANELS_IN_ROW: usize = 2;
+/// Height of a row, px: panels are a little wider than high.
 const ROW: f64 = 290.0;
 /// Room for the legend under the last row, px.
 const LEGEND: f64 = 60.0;
@@ -126,7 +127,7 @@ fn processes(rows: &[Row], names: &[&str], problems: &[Problem]) -> Panel {
     let mut panel = Panel::new(
         Axis::decades("time to start, compile and run once, s", shown),
         // The names say what they are; a label would lie over the longest.
-        Axis::new("", 0.0, place(0) + 1.0).ticks(&lines.collect::<Vec<_>>()),
+        Axis::new("", 0.0, place(0) + 1.0).ticks(lines),
     )
     .title(&title);
     for (i, times) in times.iter().enumerate() {

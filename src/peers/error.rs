@@ -2,33 +2,12 @@
 
 use std::path::PathBuf;
 
-use crate::terminal::ProgramError;
 use output::WriteError;
 
 /// Failure of the program `peers`.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PeersError {
-    /// A name that is in no table.
-    #[error("'{name}' is no {what}; there are {known}")]
-    Unknown {
-        /// What was looked for, such as `problem`.
-        what: &'static str,
-        /// The name given.
-        name: String,
-        /// The names in the table.
-        known: String,
-    },
-    /// A number on the command line that is out of its range.
-    #[error("--{name} {value} is not allowed; it must be {bound}")]
-    Argument {
-        /// Name of the argument.
-        name: &'static str,
-        /// The value given.
-        value: f64,
-        /// What is allowed.
-        bound: &'static str,
-    },
     /// A reference file that does not have the form that its generator writes.
     #[error(
         "reference of {problem}, line {line}: {cause}; run data/references/generate.py {problem}"
@@ -41,6 +20,9 @@ pub enum PeersError {
         /// What is wrong.
         cause: String,
     },
+    /// A model of a problem has a parameter that is not allowed.
+    #[error(transparent)]
+    Model(#[from] stickslip::Error),
     /// The solver failed on a problem that it has to solve.
     #[error("{problem} at tolerance {tolerance:e}: {source}")]
     Solve {
@@ -94,7 +76,7 @@ pub enum PeersError {
     #[error("cannot read {}: {source}; choose its folder with --report-dir", path.display())]
     Input {
         /// The file.
-        path: std::path::PathBuf,
+        path: PathBuf,
         /// What the operating system said.
         source: std::io::Error,
     },
@@ -109,13 +91,4 @@ pub enum PeersError {
     /// A file or its folder cannot be written.
     #[error("{0}; choose folders that can be written to with --report-dir and --figures-dir")]
     Write(#[from] WriteError),
-    /// The rows do not fit into a CSV file.
-    #[error("cannot put the rows into CSV: {0}")]
-    Csv(#[from] csv::Error),
-}
-
-impl ProgramError for PeersError {
-    fn is_usage(&self) -> bool {
-        matches!(self, Self::Unknown { .. } | Self::Argument { .. })
-    }
 }

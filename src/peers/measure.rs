@@ -12,9 +12,11 @@ use super::problem::{Problem, SOLVERS, Solver};
 use super::row::Row;
 use crate::numbers::median;
 
-/// A sample is the mean over as many calls as take this long (s).
+/// A sample is the mean over as many calls as take this long (s), thousands of times the clock's
+/// resolution.
 const BATCH: f64 = 5e-3;
-/// A row that has taken longer than this (s) gets no further rounds once it has `ENOUGH`.
+/// A row that has taken longer than this (s) gets no further rounds once it has `ENOUGH`: a median
+/// of three leaves an outlier out.
 const PATIENCE: f64 = 10.0;
 const ENOUGH: usize = 3;
 
@@ -32,7 +34,7 @@ enum Timed {
 /// gets a note.
 pub fn problem(
     problem: &Problem,
-    rounds: usize,
+    rounds: u32,
     peers: Option<&mut Peers>,
     versions: &mut Vec<(String, String)>,
 ) -> Result<Vec<Row>, PeersError> {
@@ -135,17 +137,17 @@ fn time(problem: &Problem, solver: &Solver, tolerance: f64) -> Result<f64, Peers
 /// [`PeersError::Start`], [`PeersError::Process`].
 pub fn processes(
     rows: &mut [Row],
-    named: impl Fn(&Row) -> bool,
-    rounds: usize,
+    is_timed: impl Fn(&Row) -> bool,
+    rounds: u32,
     command: impl Fn(&Row) -> Option<Command>,
 ) -> Result<(), PeersError> {
     let mut best = most_accurate(rows);
-    best.retain(|&i| named(&rows[i]) && rows[i].error.is_some());
+    best.retain(|&i| is_timed(&rows[i]) && rows[i].error.is_some());
     let mut samples = vec![Vec::new(); best.len()];
     for _ in 0..rounds {
         for (samples, &i) in samples.iter_mut().zip(&best) {
             if let Some(mut command) = command(&rows[i]) {
-                samples.push(whole(&mut command)?);
+                samples.push(time_process(&mut command)?);
             }
         }
     }
@@ -155,7 +157,7 @@ pub fn processes(
     Ok(())
 }
 
-fn whole(command: &mut Command) -> Result<f64, PeersError> {
+fn time_process(command: &mut Command) -> Result<f64, PeersError> {
     let begin = Instant::now();
     let status = command
         .stdout(Stdio::null())

@@ -20,12 +20,11 @@ use crate::terminal;
 use crate::text::joined;
 use output::Artifact;
 
-pub use error::PeersError;
-pub use event::{Event, Kind};
-pub use problem::{MovingBoundary, Problem, SOLVERS, Solver, System, problems};
-pub use row::Row;
-
 use child::Peers;
+use error::PeersError;
+use event::Event;
+use problem::{Problem, SOLVERS, Solver, problems};
+use row::Row;
 
 const ABOUT: &str = "Error of event times against run time, for our solvers and, given a Python that has them, for SciPy, \
     numba, heyoka and pydiffsol, all in one run on one machine.";
@@ -50,7 +49,7 @@ Examples:
 /// Arguments of the program.
 #[derive(Debug, Parser)]
 #[command(name = "peers", version, about = ABOUT, after_help = AFTER, args_conflicts_with_subcommands = true)]
-pub struct Arguments {
+struct Arguments {
     #[command(subcommand)]
     command: Option<Single>,
 
@@ -69,7 +68,7 @@ enum Single {
 
 /// Where the files are.
 #[derive(Debug, Args)]
-pub struct Folders {
+struct Folders {
     /// Folder for bench.csv and bench.txt; made if it does not exist
     #[arg(long, value_name = "DIR", default_value = "report")]
     pub report_dir: PathBuf,
@@ -82,12 +81,12 @@ pub struct Folders {
 #[derive(Debug, Args)]
 struct One {
     /// Problem
-    #[arg(long)]
-    problem: String,
+    #[arg(long, value_parser = Problem::named)]
+    problem: Problem,
 
     /// Solver
-    #[arg(long, default_value = SOLVERS[0].name)]
-    solver: String,
+    #[arg(long, default_value = SOLVERS[0].name, value_parser = Solver::named)]
+    solver: &'static Solver,
 
     /// Relative and absolute tolerance
     #[arg(long, default_value_t = 1e-12)]
@@ -96,27 +95,28 @@ struct One {
 
 /// Measuring everything.
 #[derive(Debug, Args)]
-pub struct All {
+struct All {
     /// Rounds in which every solver is timed at every setting
-    #[arg(long, value_name = "COUNT", default_value_t = 21)]
-    pub rounds: usize,
+    #[arg(long, value_name = "COUNT", default_value_t = 21, value_parser = clap::value_parser!(u32).range(1..))]
+    pub rounds: u32,
 
     /// Rounds in which whole processes are timed; 0 to leave them out
     #[arg(long, value_name = "COUNT", default_value_t = 5)]
-    pub process_rounds: usize,
+    pub process_rounds: u32,
 
     /// Problems of which whole processes are timed
     #[arg(
         long,
         value_name = "LIST",
         value_delimiter = ',',
-        default_value = "belt_sensitive,bracket"
+        default_value = "belt_sensitive,bracket",
+        value_parser = Problem::named
     )]
-    pub process_problems: Vec<String>,
+    pub process_problems: Vec<Problem>,
 
     /// Problems [default: all]
-    #[arg(long, value_name = "LIST", value_delimiter = ',')]
-    pub problems: Vec<String>,
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = Problem::named)]
+    pub problems: Vec<Problem>,
 
     /// Python that has the packages of requirements.txt; without it ours alone are measured
     #[arg(long, value_name = "PATH")]
@@ -155,21 +155,11 @@ pub fn main() -> ExitCode {
 ///
 /// # Errors
 /// Whatever one of these runs into. Files are written last, so an error leaves none behind.
-pub fn run(all: &All) -> Result<String, PeersError> {
-    if all.rounds == 0 {
-        return Err(PeersError::Argument {
-            name: "rounds",
-            value: 0.0,
-            bound: "at least 1",
-        });
-    }
-    let known = all_problems()?;
-    let chosen = if all.problems.is_empty() {
-        known.clone()
-    } else {
-        pick(&known, &all.problems)?
+fn run(all: &All) -> Result<String, PeersError> {
+    let chosen = match &all.problems[..] {
+        [] => problems()?,
+        chosen => chosen.to_vec(),
     };
-    let as_processes = pick(&known, &all.process_problems)?;
     // Said before a long computation, not after it.
     for folder in [&all.folders.report_dir, &all.folders.figures_dir] {
         output::write_all(folder, &[])?;
@@ -190,9 +180,12 @@ pub fn run(all: &All) -> Result<String, PeersError> {
             program: "peers".into(),
             source,
         })?;
-        let named = |row: &Row| as_processes.iter().any(|one| one.name == row.problem);
+        let is_timed = |row: &Row| {
+            let mut names = all.process_problems.iter().map(|one| one.name);
+            names.any(|name| name == row.problem)
+        };
         let command = |row: &Row| once(all, &ours, row);
-        measure::processes(&mut rows, named, all.process_rounds, command)?;
+        measure::processes(&mut rows, is_timed, all.process_rounds, command)?;
     }
     let names: Vec<&str> = SOLVERS.iter().map(|solver| solver.name).collect();
     let text = report::text(&rows, &names, &head(all, &versions));
@@ -230,7 +223,7 @@ fn head(all: &All, versions: &[(String, String)]) -> String {
 }
 
 fn write(all: &All, rows: &[Row], text: &str, problems: &[Problem]) -> Result<String, PeersError> {
-    let table = row::csv(rows)?;
+    let table = row::csv(rows);
     // From the digits that the table has, so that picture and README can be written from it again.
     let rows = row::read(&table, problems)?;
     let svg = draw::draw(&rows, problems)?;
@@ -256,11 +249,11 @@ fn redraw(folders: &Folders) -> Result<String, PeersError> {
         path: path.clone(),
         source,
     })?;
-    let known = all_problems()?;
-    let rows = row::read(&table, &known)?;
-    let measured = |problem: &Problem| rows.iter().any(|row| row.problem == problem.name);
-    let problems: Vec<Problem> = known.into_iter().filter(measured).collect();
-    let picture = Artifact::text("bench.svg", draw::draw(&rows, &problems)?);
+    let all = problems()?;
+    let rows = row::read(&table, &all)?;
+    let is_measured = |problem: &Problem| rows.iter().any(|row| row.problem == problem.name);
+    let measured: Vec<Problem> = all.into_iter().filter(is_measured).collect();
+    let picture = Artifact::text("bench.svg", draw::draw(&rows, &measured)?);
     let mut paths = output::write_all(&folders.figures_dir, &[picture])?;
     paths.extend(write_page(folders, &rows)?);
     Ok(output::listing(&paths))
@@ -284,42 +277,10 @@ const TABLES: &str = "report";
 /// The solver of ours that the page of speeds compares with.
 const OURS: &str = "stickslip Taylor";
 
-fn all_problems() -> Result<Vec<Problem>, PeersError> {
-    problems().map_err(|source| PeersError::Solve {
-        problem: "the problems' parameters",
-        tolerance: 0.0,
-        source,
-    })
-}
-
-fn pick(known: &[Problem], names: &[String]) -> Result<Vec<Problem>, PeersError> {
-    names.iter().map(|name| find(known, name)).collect()
-}
-
-fn find(known: &[Problem], name: &str) -> Result<Problem, PeersError> {
-    named("problem", known, name, |one| one.name).copied()
-}
-
-/// One of those that are known, by its name.
-fn named<'a, T>(
-    what: &'static str,
-    known: &'a [T],
-    name: &str,
-    of: impl Fn(&T) -> &'static str,
-) -> Result<&'a T, PeersError> {
-    let found = known.iter().find(|one| of(one) == name);
-    found.ok_or_else(|| PeersError::Unknown {
-        what,
-        name: name.into(),
-        known: joined(known.iter().map(of), ", "),
-    })
-}
-
 fn solve_one(one: &One) -> Result<String, PeersError> {
-    let problem = find(&all_problems()?, &one.problem)?;
-    let solver = named("solver", SOLVERS, &one.solver, |one| one.name)?;
     let mut events = Vec::new();
-    problem.solve(&solver.options(one.tolerance), &mut events)?;
+    let options = one.solver.options(one.tolerance);
+    one.problem.solve(&options, &mut events)?;
     let line = |event: &Event| format!("{:?},{:e}\n", event.kind, event.t).to_lowercase();
     Ok(events.iter().map(line).collect())
 }

@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 
 use super::error::PeersError;
 use super::event::{self, Event, Kind};
+use crate::text::joined;
 use stickslip::models::{BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading};
 use stickslip::{
     Filippov, Method, Observer, Options, Scalar, Side, State, Transition, TransitionKind, run,
@@ -141,6 +142,15 @@ pub fn problems() -> Result<Vec<Problem>, stickslip::Error> {
 }
 
 impl Problem {
+    /// The problem of this name.
+    ///
+    /// # Errors
+    /// In words, if there is none.
+    pub fn named(name: &str) -> Result<Problem, String> {
+        let problems = problems().map_err(|error| error.to_string())?;
+        one_of(&problems, |one| one.name, name).copied()
+    }
+
     /// The events of its reference, to thirty digits.
     ///
     /// # Errors
@@ -235,7 +245,21 @@ pub const SOLVERS: &[Solver] = &[
     },
 ];
 
+/// The one of this name.
+fn one_of<'a, T>(all: &'a [T], name_of: fn(&T) -> &str, name: &str) -> Result<&'a T, String> {
+    let named = all.iter().find(|one| name_of(one) == name);
+    named.ok_or_else(|| format!("there are {}", joined(all.iter().map(name_of), ", ")))
+}
+
 impl Solver {
+    /// The solver of this name.
+    ///
+    /// # Errors
+    /// In words, if there is none.
+    pub fn named(name: &str) -> Result<&'static Solver, String> {
+        one_of(SOLVERS, |one| one.name, name)
+    }
+
     /// Its settings for a tolerance.
     pub fn options(&self, tolerance: f64) -> Options {
         Options::tol(tolerance).method(self.method)

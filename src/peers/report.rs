@@ -127,18 +127,18 @@ const OWN: &str = "stickslip";
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::peers::{OURS, all_problems, row};
+    use crate::peers::{OURS, problems, row};
 
     #[test]
     fn times_have_three_digits_and_a_unit() {
-        let told: Vec<String> = [1.234e-5, 4.5e-3, 0.1234, 2.0].map(duration).into();
-        assert_eq!(told, ["12.3 µs", "4.50 ms", "123 ms", "2.00 s"]);
+        let times = [1.234e-5, 4.5e-3, 0.1234, 2.0].map(duration);
+        assert_eq!(times, ["12.3 µs", "4.50 ms", "123 ms", "2.00 s"]);
     }
 
     #[test]
     fn the_page_has_the_committed_measurements() {
         let table = include_str!("../../report/bench.csv");
-        let rows = row::read(table, &all_problems().unwrap()).unwrap();
+        let rows = row::read(table, &problems().unwrap()).unwrap();
         let page = include_str!("../../docs/speed.md");
         let written = MARKS.put(page, &block(&rows, OURS)).unwrap();
         assert!(written == page, "run `peers redraw`");

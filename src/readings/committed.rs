@@ -2,11 +2,11 @@
 
 use sha2::{Digest, Sha256};
 
-use super::chance::{Level, Share, alone, digits};
 use super::error::ReadingsError;
 use super::judge::{BorneOut, ExponentSpread, Pairs, Rows, meeting, sources, twelve};
 use super::plan::{self, Plan};
 use super::search;
+use super::significance::{Level, Share, alone, digits};
 use super::table::Row;
 
 /// The committed table of all readings.
@@ -14,7 +14,7 @@ const TABLE: &str = include_str!("../../golden/readings.csv");
 /// Its place in the project.
 const FILE: &str = "golden/readings.csv";
 
-/// What the committed search has found.
+/// The results of the committed search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Committed {
     /// The file.
@@ -44,7 +44,7 @@ pub struct Committed {
     pub motions: Vec<Row>,
     /// How often targets drawn for an exponent are met by as many of these configurations as the
     /// published one. Nothing where none meets it.
-    pub digits_by_chance: [[Option<Share>; 4]; 3],
+    pub digits_by_random_targets: [[Option<Share>; 4]; 3],
     /// What the settings that the paper does not state make of each exponent of each figure, for
     /// the recommended reading.
     pub spread: [[ExponentSpread; 4]; 3],
@@ -96,12 +96,12 @@ impl Committed {
         let met = twelve(|exponent| meeting(&kept, exponent, published));
         let alone = alone(&search, target, plan.draws).ok_or_else(incomplete)?;
         let digest = Sha256::digest(table.as_bytes());
-        let by_chance = |(figure, k): (usize, usize)| {
+        let by_random_targets = |(figure, k): (usize, usize)| {
             let met = met[figure][k];
             (met > 0).then(|| digits(&kept, (figure, k), met, plan.draws))
         };
         let level = |rows| Level::of(rows, &kept, (target, &[0, 1, 2]), plan.draws);
-        let found = |(level, row): (Level, &Row)| {
+        let with_motions = |(level, row): (Level, &Row)| {
             let (row, motions) = (row.clone(), search::motions(&plan, row));
             (level, Match { row, motions })
         };
@@ -114,9 +114,9 @@ impl Committed {
             ranked_from: sources(&ranked),
             pairs: Pairs::count(&pairs),
             together: [level(&kept), level(&ranked)],
-            alone: alone.map(found),
+            alone: alone.map(with_motions),
             motions: pairs.into_iter().cloned().collect(),
-            digits_by_chance: twelve(by_chance),
+            digits_by_random_targets: twelve(by_random_targets),
             spread: twelve(|exponent| ExponentSpread::of(&recommended, exponent, published)),
             borne_out: BorneOut::count(&recommended),
             digits: met,

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use crate::paper::published::PublishedError;
-use crate::terminal::ProgramError;
 use output::WriteError;
 
 /// Failure of the program `readings`.
@@ -18,22 +17,14 @@ pub enum ReadingsError {
         /// What the operating system said.
         source: std::io::Error,
     },
-    /// A table is there that this search cannot continue.
-    #[error("{} is no table of readings (its first line must be '{marker}'); move it away or choose another folder with --out", path.display())]
-    Foreign {
+    /// A table is there that this search cannot continue: of other settings, or none of readings.
+    #[error("{} is not of this search: its line {line} is '{found}' and should be '{wanted}'; move it away or choose another folder with --out", path.display())]
+    OtherSearch {
         /// The table.
         path: PathBuf,
-        /// What its first line must be.
-        marker: &'static str,
-    },
-    /// A table is there of a search with other settings.
-    #[error("{} was made with {name} = {found}, this search has {wanted}; move it away or choose another folder with --out", path.display())]
-    OtherSettings {
-        /// The table.
-        path: PathBuf,
-        /// What differs.
-        name: &'static str,
-        /// What the table says; "nothing" if it does not.
+        /// The first line that differs, counted from 1.
+        line: usize,
+        /// What it says; "nothing" if it is not there.
         found: String,
         /// What it must say.
         wanted: String,
@@ -65,5 +56,3 @@ pub enum ReadingsError {
         reason: String,
     },
 }
-
-impl ProgramError for ReadingsError {}

@@ -8,20 +8,20 @@ use crate::numbers::{extent, median};
 use stickslip_series::Status;
 
 /// Root mean square of the differences of some figures (0, 1, 2).
-pub fn distance(found: &Twelve, wanted: &Twelve, figures: &[usize]) -> f64 {
+pub fn distance(values: &Twelve, wanted: &Twelve, figures: &[usize]) -> f64 {
     let square = |(value, wanted): (&f64, &f64)| {
         let difference = (value - wanted).abs() / (wanted.abs() + FLOOR);
         let bounded = difference.min(CAP);
         bounded * bounded
     };
-    let of_figure = |&f: &usize| found[f].iter().zip(&wanted[f]).map(square).sum::<f64>();
+    let of_figure = |&f: &usize| values[f].iter().zip(&wanted[f]).map(square).sum::<f64>();
     let sum: f64 = figures.iter().map(of_figure).sum();
     (sum / (4 * figures.len()) as f64).sqrt()
 }
 
 /// Distances of the three figures, and of all.
-pub fn scores(found: &Twelve, wanted: &Twelve) -> [f64; 4] {
-    [&[0][..], &[1], &[2], &[0, 1, 2]].map(|figures| distance(found, wanted, figures))
+pub fn scores(values: &Twelve, wanted: &Twelve) -> [f64; 4] {
+    [&[0][..], &[1], &[2], &[0, 1, 2]].map(|figures| distance(values, wanted, figures))
 }
 
 /// Rows of a search, by what they count for.

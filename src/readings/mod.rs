@@ -7,13 +7,13 @@
 //! ranked. What matters is the last part of the summary: how near other targets are met by the same
 //! search, and how far the estimator's settings alone move an exponent.
 
-mod chance;
 mod committed;
 mod error;
 mod judge;
 mod orbit;
 mod plan;
 mod search;
+mod significance;
 mod store;
 mod summary;
 mod table;
@@ -30,12 +30,12 @@ use rayon::prelude::*;
 use crate::terminal;
 use output::{Artifact, write_all};
 
-pub use chance::{Level, Share};
 pub use committed::{Committed, Match};
 pub use error::ReadingsError;
 pub use judge::{BorneOut, ExponentSpread, Pairs, Values, sources_in_words};
 use plan::Plan;
 pub use plan::{Integrator, ZERO};
+pub use significance::{Level, Share};
 use store::{Store, TABLE};
 pub use table::{Row, Verdict, others};
 

@@ -2,8 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use super::plan::{BOUND, CURVE, DT, Group, Integrator, MOST_STEPS, Plan, SAME, TOLERANCE};
+use super::plan::{CURVE, Group, Integrator, MOST_STEPS, Plan, SAME};
 use super::table::Verdict;
+use crate::figures::block_and_bracket::{DIVERGED, DT, TOLERANCE};
 use crate::numbers::extent;
 use crate::paper::in_place::{InPlace, Lost};
 use crate::turns::{Samples, Turns};
@@ -85,11 +86,11 @@ fn solved(system: &BlockAndBracket, start: State<4>, plan: &Plan, method: Method
     // Where friction drives the block away from the belt, either side is as good as the other.
     let options = Options::tol(TOLERANCE)
         .method(method)
-        .escape(BOUND)
+        .escape(DIVERGED)
         .at_repelling(AtRepelling::GoBelow);
     let t_end = plan.from + plan.duration();
-    // The spectrum tells nothing of its transient: whether the orbit can be followed at all is
-    // found out without it.
+    // The spectrum does not report its transient. A run without it decides whether the orbit can
+    // be followed at all.
     let mut alone = Watch::new(system, &options, plan);
     let stayed = run(system, 0.0, start, t_end, &options, &mut alone);
     match stayed.map_err(Error::from) {
@@ -158,7 +159,7 @@ fn in_place(system: &BlockAndBracket, start: State<4>, h: f64, plan: &Plan) -> O
     let passes = |t: f64| (t / h).round() as usize;
     let (first, every) = (passes(plan.from), passes(DT).max(1));
     let last = first + (plan.points - 1) * every;
-    let mut scheme = InPlace::start(system, start, h, BOUND);
+    let mut scheme = InPlace::start(system, start, h, DIVERGED);
     let (mut series, mut section) = (Vec::new(), Vec::new());
     for pass in 0..=last {
         if pass >= first && (pass - first).is_multiple_of(every) {
@@ -188,9 +189,10 @@ fn in_place(system: &BlockAndBracket, start: State<4>, h: f64, plan: &Plan) -> O
     Outcome::Bounded(motion)
 }
 
-/// Shares of pairs between which the slope is taken.
+/// Shares of pairs between which the slope is taken: beyond the scatter of the few nearest pairs,
+/// and well within the set.
 const SHARES: (f64, f64) = (2e-3, 2e-2);
-/// Radii at which it is measured.
+/// Radii at which it is measured: a dozen to the decade average the scatter out.
 const RADII: u32 = 12;
 
 /// The correlation dimension (Grassberger & Procaccia 1983): slope of ln C(r), C being the share of

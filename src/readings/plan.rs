@@ -3,6 +3,7 @@
 use std::fmt::Display;
 
 use super::table::{Row, Twelve};
+use crate::figures::block_and_bracket::{DIVERGED, DT, START, TOLERANCE};
 use crate::paper::claim_id::SpectrumFigure;
 use crate::paper::published::{Claim, Claims, PublishedError};
 use crate::text::joined;
@@ -101,10 +102,6 @@ pub struct Plan {
 
 /// The captions of Figs. 10–12.
 pub const CAPTIONS: [Caption; 3] = [Caption::FIG10, Caption::FIG11, Caption::FIG12];
-/// Tolerance of the exact solver, as in the figures.
-pub const TOLERANCE: f64 = 1e-10;
-/// Larger components mean that the orbit has left for good.
-pub const BOUND: f64 = 1e3;
 /// Orbits that take more steps are given up: the shortest fixed steps, and one for each of some
 /// hundred thousand events.
 pub const MOST_STEPS: usize = 3_000_000;
@@ -119,15 +116,13 @@ pub const FLOOR: f64 = 0.002;
 pub const CAP: f64 = 3.0;
 /// A vanishing exponent may be printed as anything between minus this and this; drawn evenly.
 pub const ZERO: f64 = 0.002;
-/// A set of a smaller correlation dimension is a curve.
+/// A set of a smaller correlation dimension is a curve: of a torus up to 1.1 is estimated.
 pub const CURVE: f64 = 1.2;
-/// Time between two points of the series, as in the paper.
-pub const DT: f64 = 0.2;
 /// Raised whenever a row of the table comes out differently for the same settings: tables of other
 /// formats are refused.
 const FORMAT: u32 = 4;
 /// First line of every table.
-pub const MARKER: &str = "# stickslip readings";
+const MARKER: &str = "# stickslip readings";
 /// Most neighbours in a ball of a tenth of the spread.
 const MANY: usize = 400;
 
@@ -143,7 +138,7 @@ impl Plan {
         let (published, target) = published()?;
         Ok(Plan {
             name: "full",
-            from: 3000.0,
+            from: START,
             points: 45001,
             draws: 2000,
             groups: groups(&readings(), &integrators),
@@ -197,10 +192,10 @@ impl Plan {
         (self.points - 1) as f64 / (1.0 / DT)
     }
 
-    /// The settings that determine all rows alike: the table begins with them, and a table that
+    /// The lines before the table proper: the settings that determine all rows alike. A table that
     /// begins otherwise is not continued. What differs from row to row is in the rows; changes of
     /// the code are what `format` counts.
-    pub fn common(&self) -> Vec<(&'static str, String)> {
+    pub fn heading(&self) -> String {
         let numbers = |list: &[f64]| joined(list, " ");
         let captions = CAPTIONS.iter().map(|caption| {
             let (numbers, start) = (numbers(&caption.numbers), numbers(&caption.start));
@@ -215,7 +210,7 @@ impl Plan {
             ("time between points", &DT),
             ("tolerance of the exact solver", &TOLERANCE),
             ("most steps of the solver", &MOST_STEPS),
-            ("bound beyond which an orbit has escaped", &BOUND),
+            ("bound beyond which an orbit has escaped", &DIVERGED),
             ("equal points of the section, exact", &same),
             ("equal points of the section, in-place", &SAME),
             ("dimension below which a section is a curve", &CURVE),
@@ -228,14 +223,8 @@ impl Plan {
             ("distance floor", &FLOOR),
             ("distance cap", &CAP),
         ];
-        let text = |(name, value): (&'static str, &dyn Display)| (name, value.to_string());
-        common.map(text).into()
-    }
-
-    /// The lines before the table proper.
-    pub fn heading(&self) -> String {
-        let line = |(name, value): &(&str, String)| format!("# {name} = {value}\n");
-        let lines: String = self.common().iter().map(line).collect();
+        let line = |(name, value): &(&str, &dyn Display)| format!("# {name} = {value}\n");
+        let lines: String = common.iter().map(line).collect();
         format!("{MARKER}\n{lines}")
     }
 }
@@ -337,10 +326,8 @@ fn settings(eps: f64, max: usize, step: usize, affine: bool) -> DataSettings {
 }
 
 pub fn of_spread(settings: Vec<DataSettings>) -> Vec<Setting> {
-    settings
-        .into_iter()
-        .map(|one| (Unit::Spread, one))
-        .collect()
+    let all = settings.into_iter();
+    all.map(|one| (Unit::Spread, one)).collect()
 }
 
 fn search_settings() -> Vec<Setting> {
@@ -393,10 +380,7 @@ pub fn settings_name((unit, settings): &Setting) -> String {
         rank_tolerance,
         ..
     } = settings;
-    let (theiler, rank) = (
-        or(settings.theiler, "auto"),
-        or(settings.fixed_rank, "auto"),
-    );
+    let [theiler, rank] = [settings.theiler, settings.fixed_rank].map(|one| or(one, "auto"));
     let references = or(settings.references, "all");
     format!(
         "{neighbours} d={step} stride={stride} {fit} ridge={ridge:e} theiler={theiler} rank={rank} rank-tolerance={rank_tolerance:e} references={references}"
@@ -407,13 +391,7 @@ pub fn settings_name((unit, settings): &Setting) -> String {
 pub fn keys(plan: &Plan, group: &Group) -> Vec<[String; 4]> {
     let (reading, integrator) = (reading_name(&group.reading), group.integrator.name());
     let key = |(part, settings): (&str, Setting)| {
-        let settings = settings_name(&settings);
-        [
-            part.to_owned(),
-            reading.clone(),
-            integrator.clone(),
-            settings,
-        ]
+        [part, &reading, &integrator, &settings_name(&settings)].map(str::to_owned)
     };
     plan.settings_of(group).into_iter().map(key).collect()
 }

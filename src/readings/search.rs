@@ -2,8 +2,9 @@
 
 use super::judge::scores;
 use super::orbit::{Outcome, follow};
-use super::plan::{self, CAPTIONS, DT, Group, Plan, Setting, Unit};
+use super::plan::{self, CAPTIONS, Group, Plan, Setting, Unit};
 use super::table::{self, Row, Verdict};
+use crate::figures::block_and_bracket::DT;
 use crate::numbers::extent;
 use stickslip_series::{Neighbourhood, Series, data_spectrum};
 
@@ -52,10 +53,9 @@ pub fn group_rows(group: &Group, plan: &Plan) -> Vec<Row> {
             continue;
         };
         sizes[figure] = [motion.amplitude, motion.dimension];
-        series[figure] = if kept || classes[figure].is_of_kind(figure) {
-            Scaled::of(&motion.series).ok_or(table::NO_ESTIMATE)
-        } else {
-            Err(table::LOST)
+        series[figure] = match kept || classes[figure].is_of_kind(figure) {
+            true => Scaled::of(&motion.series).ok_or(table::NO_ESTIMATE),
+            false => Err(table::LOST),
         };
     }
     let keys = plan::keys(plan, group).into_iter();

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::ReadingsError;
 use super::judge::scores;
-use super::plan::{self, Group, MARKER, Plan};
+use super::plan::{self, Group, Plan};
 use super::table::Row;
 use output::{Artifact, write_all};
 
@@ -24,7 +24,7 @@ impl<'a> Store<'a> {
     /// damaged counts for nothing.
     ///
     /// # Errors
-    /// [`ReadingsError::Read`], [`ReadingsError::Foreign`], [`ReadingsError::OtherSettings`].
+    /// [`ReadingsError::Read`], [`ReadingsError::OtherSearch`].
     pub fn open(plan: &'a Plan, folder: &'a Path) -> Result<Store<'a>, ReadingsError> {
         let path = folder.join(TABLE);
         let text = match std::fs::read(&path) {
@@ -86,25 +86,16 @@ impl<'a> Store<'a> {
 
 /// Whether the lines before the table are those of this search.
 fn same_search(text: &str, plan: &Plan, path: PathBuf) -> Result<(), ReadingsError> {
-    let mut lines = text.lines();
-    if lines.next() != Some(MARKER) {
-        let marker = MARKER;
-        return Err(ReadingsError::Foreign { path, marker });
+    let heading = plan.heading();
+    let lines = text.lines().chain(std::iter::repeat("nothing"));
+    let mut pairs = (1..).zip(heading.lines().zip(lines));
+    match pairs.find(|(_, (wanted, found))| wanted != found) {
+        Some((line, (wanted, found))) => Err(ReadingsError::OtherSearch {
+            path,
+            line,
+            found: found.to_owned(),
+            wanted: wanted.to_owned(),
+        }),
+        None => Ok(()),
     }
-    let there: Vec<(&str, &str)> = lines
-        .map_while(|line| line.strip_prefix("# ")?.split_once(" = "))
-        .collect();
-    for (name, wanted) in plan.common() {
-        let found = there.iter().find(|one| one.0 == name);
-        let found = found.map_or("nothing", |one| one.1).to_owned();
-        if found != wanted {
-            return Err(ReadingsError::OtherSettings {
-                path,
-                name,
-                found,
-                wanted,
-            });
-        }
-    }
-    Ok(())
 }

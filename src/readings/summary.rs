@@ -1,21 +1,22 @@
-//! What the search has found, in words: `readings.txt`.
+//! The results of the search in words: `readings.txt`.
 
-use super::chance::{self, Level};
 use super::judge::{ExponentSpread, Pairs, Rows, meeting, sources, sources_in_words, twelve};
-use super::plan::{CAP, DT, FLOOR, Plan, SEARCH, ZERO, described};
+use super::plan::{CAP, FLOOR, Plan, SEARCH, ZERO, described};
 use super::search;
+use super::significance::{self, Level};
 use super::table::{Row, Twelve, Verdict};
+use crate::figures::block_and_bracket::DT;
 use crate::numbers::{extent, median};
-use crate::text::{distinct, joined};
+use crate::text::distinct;
 
 /// The text of `readings.txt`.
 pub fn summary(plan: &Plan, rows: &[Row]) -> String {
     let rows = Rows::of(rows);
     let mut text = tried(plan, rows.search.len());
-    if let Some(alone) = chance::alone(&rows.search, &plan.target, plan.draws) {
+    if let Some(alone) = significance::alone(&rows.search, &plan.target, plan.draws) {
         text += &motions(&rows.pairs);
         let each = alone.into_iter().enumerate();
-        text += &joined(each.map(|(figure, one)| nearest(plan, figure, one)), "");
+        text.extend(each.map(|(figure, one)| nearest(plan, figure, one)));
     }
     if !rows.kept.is_empty() {
         text += &best(plan, &rows.kept);
@@ -27,7 +28,7 @@ pub fn summary(plan: &Plan, rows: &[Row]) -> String {
     text
 }
 
-fn tried(plan: &Plan, found: usize) -> String {
+fn tried(plan: &Plan, done: usize) -> String {
     let settings = plan.groups.iter().flat_map(|group| plan.settings_of(group));
     let total = settings.filter(|one| one.0 == SEARCH).count();
     let Plan {
@@ -35,9 +36,9 @@ fn tried(plan: &Plan, found: usize) -> String {
     } = plan;
     let text = format!(
         "stickslip readings: {name} search, t from {from}, {points} points at dt = {DT}\n\n\
-         Tried: {found} of {total} configurations (reading x integrator x estimator settings), each for all three figures.\n"
+         Tried: {done} of {total} configurations (reading x integrator x estimator settings), each for all three figures.\n"
     );
-    if found < total {
+    if done < total {
         return text + "The search is not complete: run it again to go on.\n";
     }
     text
@@ -53,20 +54,13 @@ fn motions(pairs: &[&Row]) -> String {
         kind: [k10, k11, k12],
         kinds,
     } = Pairs::count(pairs);
-    let by_integrator = distinct(pairs.iter().map(|row| row.integrator()));
-    let by_integrator = by_integrator.into_iter().map(|integrator| {
-        let of = pairs
-            .iter()
-            .copied()
-            .filter(|row| row.integrator() == integrator);
-        let of: Vec<&Row> = of.collect();
-        let Pairs {
-            all,
-            kept,
-            kind: [_, quasi_periodic, _],
-            kinds,
-            ..
-        } = Pairs::count(&of);
+    let integrators = distinct(pairs.iter().map(|row| row.integrator()));
+    let by_integrator = integrators.into_iter().map(|integrator| {
+        let of = pairs.iter().copied();
+        let of: Vec<&Row> = of.filter(|row| row.integrator() == integrator).collect();
+        let count = Pairs::count(&of);
+        let (all, kept, kinds, quasi_periodic) =
+            (count.all, count.kept, count.kinds, count.kind[1]);
         let stays: Vec<&&Row> = of.iter().filter(|row| row.classes[1].stays()).collect();
         let range = |size: usize| {
             let (least, most) = extent(stays.iter().map(|row| row.sizes[1][size]));
@@ -78,7 +72,7 @@ fn motions(pairs: &[&Row]) -> String {
         };
         format!("  {integrator:<20} {kept:>2} of {all}, {kinds}; Fig. 11 {of_fig11}\n")
     });
-    let by_integrator = joined(by_integrator, "");
+    let by_integrator: String = by_integrator.collect();
     format!(
         "Of {all} pairs of reading and integrator {kept} keep all three motions. As captioned, loops and all, Fig. 10 is in {c10}, Fig. 11 in {c11}, Fig. 12 in {c12}, \
          all three in {classes}.\nIn kind, periodic with any number of loops passing for Fig. 10: {k10}, {k11}, {k12}, all three in {kinds}.\n\n\
@@ -92,19 +86,18 @@ fn motions(pairs: &[&Row]) -> String {
 /// The nearest of all rows to a figure, and whether it can count.
 fn nearest(plan: &Plan, figure: usize, (level, row): (Level, &Row)) -> String {
     let (described, exponents) = (describe(row), exponents(row, &plan.target, figure));
-    let (chance, motions) = (
-        level.random.best_of_three(),
-        search::motions(plan, row).join(", "),
-    );
-    let counts = if row.is_ranked() {
-        ""
-    } else {
-        ": a reading that loses a figure or gives it another kind of motion is no match and is not ranked"
+    let percent = level.random.best_of_three();
+    let motions = search::motions(plan, row).join(", ");
+    let counts = match row.is_ranked() {
+        true => "",
+        false => {
+            ": a reading that loses a figure or gives it another kind of motion is no match and is not ranked"
+        }
     };
     let (figure, level) = (figure + 10, level_of(&level));
     format!(
         "Nearest to Fig. {figure} alone, motions aside:\n{described}{exponents}{level}  \
-         three figures were looked at: the best of three is met so well by chance in {chance:.1} %\n  its motions: {motions}{counts}\n\n"
+         three figures were looked at: the best of three is met so well by chance in {percent:.1} %\n  its motions: {motions}{counts}\n\n"
     )
 }
 
@@ -112,10 +105,7 @@ fn best(plan: &Plan, kept: &[&Row]) -> String {
     let of = |(what, row): (&str, Option<&Row>)| {
         let row = row?;
         let (described, distance) = (describe(row), row.scores[3]);
-        let exponents = joined(
-            (0..3).map(|figure| exponents(row, &plan.target, figure)),
-            "",
-        );
+        let exponents: String = (0..3).map(|f| exponents(row, &plan.target, f)).collect();
         let kinds = row.right(Verdict::is_of_kind);
         let classes = row.right(Verdict::is_published);
         let met = twelve(|exponent| meeting(&[row], exponent, &plan.published));
@@ -145,8 +135,8 @@ fn describe(row: &Row) -> String {
 }
 
 fn exponents(row: &Row, target: &Twelve, figure: usize) -> String {
-    let found = row.exponents[figure].iter().zip(row.statuses[figure]);
-    let found = found.map(|(value, status)| {
+    let values = row.exponents[figure].iter().zip(row.statuses[figure]);
+    let values = values.map(|(value, status)| {
         let mark = match status {
             "unidentified" => "?",
             "ok" | "annihilated" => " ",
@@ -154,14 +144,11 @@ fn exponents(row: &Row, target: &Twelve, figure: usize) -> String {
         };
         format!("{value:+.4}{mark} ")
     });
+    let values: String = values.collect();
     let published = target[figure].iter().map(|value| format!(" {value:+.4}"));
-    format!(
-        "  Fig. {}  {} published{}  {}\n",
-        figure + 10,
-        found.collect::<String>(),
-        published.collect::<String>(),
-        row.classes[figure]
-    )
+    let (published, class) = (published.collect::<String>(), row.classes[figure]);
+    let figure = figure + 10;
+    format!("  Fig. {figure}  {values} published{published}  {class}\n")
 }
 
 fn together(plan: &Plan, rows: &Rows) -> String {
@@ -174,7 +161,7 @@ fn together(plan: &Plan, rows: &Rows) -> String {
         let figures = (&plan.target, &[0, 1, 2][..]);
         text += &level_of(&Level::of(of, &rows.kept, figures, plan.draws));
     }
-    let (zero, negative, positive) = (ZERO, chance::NEGATIVE, chance::POSITIVE);
+    let (zero, negative, positive) = (ZERO, significance::NEGATIVE, significance::POSITIVE);
     text + &format!(
         "Random targets: a zero exponent evenly from -{zero} to {zero}; a negative one from -{} to -{}, a positive one from {} to {}, their logarithms\n\
          evenly; periodic 0 - - -, quasi-periodic 0 0 - -, chaotic + 0 - -. Spectra of other readings: those with the published signs where the published\n\

@@ -99,37 +99,30 @@ const FIELDS: usize = 4 + 3 * 11 + 6;
 /// What becomes of the figures other than one (0, 1, 2), by their three motions in words.
 pub fn others(motions: &[String; 3], figure: usize) -> String {
     let others = (0..3).filter(|f| *f != figure);
-    joined(
-        others.map(|f| format!("Fig. {} {}", f + 10, motions[f])),
-        ", ",
-    )
+    let others = others.map(|f| format!("Fig. {} {}", f + 10, motions[f]));
+    joined(others, ", ")
 }
 
 /// Nothing for NaN; other numbers read back to the same bits.
 fn text(value: f64) -> String {
-    if value.is_nan() {
-        String::new()
-    } else {
-        value.to_string()
+    match value.is_nan() {
+        true => String::new(),
+        false => value.to_string(),
     }
 }
 
 fn number(text: &str) -> Option<f64> {
-    if text.is_empty() {
-        Some(f64::NAN)
-    } else {
-        text.parse().ok()
+    match text {
+        "" => Some(f64::NAN),
+        _ => text.parse().ok(),
     }
 }
 
 /// A status by its name.
 fn known(status: &str) -> Option<&'static str> {
-    let mut all = Status::ALL.map(Status::word).into_iter();
-    all.find(|one| *one == status).or_else(|| {
-        [NO_SERIES, LOST, NO_ESTIMATE]
-            .into_iter()
-            .find(|one| *one == status)
-    })
+    let all = Status::ALL.iter().map(|one| one.word());
+    all.chain([NO_SERIES, LOST, NO_ESTIMATE])
+        .find(|one| *one == status)
 }
 
 impl Row {

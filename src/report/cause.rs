@@ -10,15 +10,13 @@
 use super::convergence::{Approach, Convergence, PRINTED_STEP};
 use crate::numbers::missing;
 use crate::paper::pattern::Pattern;
+use crate::paper::published::HALF_DIGIT;
 use crate::paper::slip_times_three::{Injected, settled};
-use crate::text::{described, joined};
+use crate::text::joined;
 use stickslip::Error;
 
 /// Two stick lengths (m), then their durations (s).
 type Four = [f64; 4];
-
-/// Half a unit of the last digit to which the paper prints the four numbers (m, s).
-const HALF_DIGIT: f64 = 0.5e-4;
 
 /// The settled motions with the defects injected.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,24 +64,9 @@ impl Injection {
     }
 }
 
-described! {
-    /// Whether a cause is shown.
-    Status: &'static str as name {
-        /// All three parts hold.
-        Shown = "shown",
-        /// One does not.
-        ShownInPart = "shown in part",
-    }
-}
-
-impl std::fmt::Display for Status {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-fn within(found: &Four, most: &Four) -> bool {
-    found.iter().zip(most).all(|(one, most)| one.abs() <= *most)
+fn within(values: &Four, most: &Four) -> bool {
+    let mut pairs = values.iter().zip(most);
+    pairs.all(|(one, most)| one.abs() <= *most)
 }
 
 /// (a) What the event-exact solver does with defects injected, beside the listing and the published
@@ -266,11 +249,17 @@ impl Cause {
         self.step.as_ref().is_some_and(StepError::holds)
     }
 
-    /// Whether the cause is shown.
-    pub fn status(&self) -> Status {
-        match self.motion.holds() && self.first_order() && self.is_step_error() {
-            true => Status::Shown,
-            false => Status::ShownInPart,
+    /// Whether all three parts hold.
+    pub fn is_shown(&self) -> bool {
+        self.motion.holds() && self.first_order() && self.is_step_error()
+    }
+
+    /// The same in words.
+    pub fn status(&self) -> &'static str {
+        if self.is_shown() {
+            "shown"
+        } else {
+            "shown in part"
         }
     }
 

@@ -7,7 +7,7 @@ use clap::Parser;
 
 use super::ReportError;
 use super::ledger::{Ledger, TICKS};
-use super::page::{Picture, Report, page};
+use super::page::{Report, page};
 use super::{draw, readme, tables};
 use crate::figures::FigureError;
 use crate::paper::published::Claims;
@@ -53,8 +53,8 @@ pub fn main() -> ExitCode {
 /// Computes, writes the files and returns the ledger with the text for the terminal.
 ///
 /// # Errors
-/// [`ReportError`]. Folders are made first, so that one that cannot be written to is told of before
-/// the work; files are written last.
+/// [`ReportError`]. Folders are made first, so that one that cannot be written to is reported
+/// before the work. Files are written last.
 pub fn run(
     arguments: &Arguments,
     tick: &(dyn Fn() + Sync),
@@ -71,26 +71,14 @@ pub fn run(
 
 /// Draws and writes everything, and says what was written.
 fn write(ledger: &Ledger, folder: &Path) -> Result<String, FigureError> {
-    let claims = Claims::committed()?;
-    let published = claims.four();
-    let convergence = Picture {
-        title: "The listing as printed for smaller and smaller steps",
-        about: "Left: the four numbers of Fig. 8 approach what the event-exact solver gives with the two defects that do not vanish with \
-            the step. Right: how far they are from the published ones at steps near the printed one, in units of the last \
-            printed digit.",
-        svg: draw::draw_convergence(&ledger.convergence, published)?,
-    };
-    let scan = Picture {
-        title: "Where starts lead as each parameter of Fig. 8 is changed",
-        about: "Each parameter of the stated model in turn from half to twice its printed value, the others as printed; solved \
-            accurately from the same starts each.",
-        svg: draw::draw_scan(&ledger.scan)?,
-    };
+    let published = Claims::committed()?.four();
+    let convergence = draw::convergence(&ledger.convergence, published)?;
+    let scan = draw::scan(&ledger.scan)?;
     let figures = [
         Artifact::text("convergence.svg", &*convergence.svg),
-        Artifact::text("convergence.csv", tables::convergence(ledger)?),
+        Artifact::text("convergence.csv", tables::convergence(ledger)),
         Artifact::text("scan.svg", &*scan.svg),
-        Artifact::text("scan.csv", tables::scan(ledger)?),
+        Artifact::text("scan.csv", tables::scan(ledger)),
     ];
     let report = Report {
         ledger,
@@ -98,7 +86,7 @@ fn write(ledger: &Ledger, folder: &Path) -> Result<String, FigureError> {
         scan,
     };
     let pages = [
-        Artifact::text("claims.csv", tables::claims(ledger)?),
+        Artifact::text("claims.csv", tables::claims(ledger)),
         Artifact::text("index.html", page(&report)),
     ];
     let mut paths = write_all(&folder.join(FOLDERS[1]), &figures)?;

@@ -4,11 +4,11 @@
 use rayon::prelude::*;
 use stickslip::statistics::PowerLaw;
 
-use super::ReportError;
 use super::digits::Agreement;
 use super::matrix::{Cell, four_digits};
 use crate::numbers::{extent, largest};
 use crate::paper::listing::Defects;
+use crate::paper::published::Claims;
 use crate::text::joined;
 
 /// Steps (s), from ten times the printed one to a hundredth of it. The finest come first, since
@@ -31,14 +31,16 @@ const STEPS: [f64; 16] = [
     7e-4,
     1e-3,
 ];
-/// Steps below this are fine ones (s): the bound found on the others is tried on them.
+/// Steps below this are fine ones (s), finer than a tenth of the printed one: the bound found on
+/// the others is tried on them.
 pub const FINE: f64 = 0.99e-5;
-/// A fitted slope that is no further from one tells of first order. The error scatters between
-/// nothing and its bound, so that a slope over three decades is not known much better.
+/// A fitted slope that is no further from one means first order. The error scatters between nothing
+/// and its bound, so that a slope over three decades is not known much better.
 pub const SLOPE_OFF: f64 = 0.25;
-/// Steps around the printed one, the printed one in the middle.
+/// Steps around the printed one, the printed one in the middle, half a per cent apart.
 const AROUND: usize = 21;
-/// They reach this far to either side of it, as a fraction.
+/// They reach this far to either side of it, as a fraction: far enough that the grid of steps meets
+/// Σ anywhere.
 pub const REACH: f64 = 0.05;
 /// The printed step (s).
 pub const PRINTED_STEP: f64 = 1e-4;
@@ -117,24 +119,20 @@ pub struct Convergence {
 
 impl Convergence {
     /// Runs the listing as printed at all steps and calls `tick` after each.
-    ///
-    /// # Errors
-    /// [`ReportError`] if the setup or the table of claims is not sound.
-    pub fn compute(limit: [f64; 4], tick: &(dyn Fn() + Sync)) -> Result<Convergence, ReportError> {
+    pub fn compute(claims: &Claims, limit: [f64; 4], tick: &(dyn Fn() + Sync)) -> Convergence {
         let middle = (AROUND / 2) as f64;
         let around =
             (0..AROUND).map(|k| PRINTED_STEP * (1.0 + REACH * (k as f64 - middle) / middle));
         let all: Vec<f64> = STEPS.into_iter().chain(around).collect();
         let run = |&h: &f64| {
-            let cell = Cell::run(Defects::AS_PRINTED, h);
+            let cell = Cell::run(claims, Defects::AS_PRINTED, h);
             tick();
             cell
         };
         let runs = all.par_iter().with_max_len(1).map(run);
-        let mut steps = runs.collect::<Result<Vec<Cell>, _>>()?;
+        let mut steps: Vec<Cell> = runs.collect();
         let around = steps.split_off(STEPS.len());
-        let digits = four_digits(&limit)?;
-        Ok(Convergence::new(limit, digits, steps, around))
+        Convergence::new(limit, four_digits(claims, &limit), steps, around)
     }
 
     /// Sets runs of the listing, in ascending order of their steps, against a limit.

@@ -77,17 +77,6 @@ pub(super) fn ten_to(power: f64) -> f64 {
     stickslip::math::pow(10.0, power)
 }
 
-/// A number to so many decimals, with a true minus and no sign at a zero.
-pub(super) fn decimals(value: f64, decimals: usize) -> String {
-    let text = format!("{value:.decimals$}");
-    let is_zero = text.chars().all(|c| "-0.".contains(c));
-    minus(if is_zero {
-        text.trim_start_matches('-')
-    } else {
-        &text
-    })
-}
-
 /// A true minus for the hyphen before a number; words keep theirs.
 pub(super) fn minus(text: &str) -> String {
     match text.strip_prefix('-') {

@@ -1,6 +1,6 @@
 //! The figures as the ledger needs them: computed once, each with its table and its picture.
 
-use super::remark::Sign;
+use super::exponent::Sign;
 use crate::figures::block_and_bracket::{self, FIG10, FIG11, FIG12};
 use crate::figures::fig04::{self, FIG04};
 use crate::figures::fig06::FIG06;
@@ -9,9 +9,9 @@ use crate::figures::fig08::{self, FIG08};
 use crate::figures::rows::Row;
 use crate::figures::{FigureError, FigureSpec};
 
-/// One figure's table.
+/// A picture on the page, and the numbers behind it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Table {
+pub struct Picture {
     /// Name of the figure.
     pub figure: &'static str,
     /// One line on what it shows.
@@ -20,14 +20,14 @@ pub struct Table {
     pub about: &'static str,
     /// The picture.
     pub svg: String,
-    /// Its rows.
+    /// Its rows; none of the report's own pictures, whose numbers are in the ledger.
     pub rows: Vec<Row>,
 }
 
 /// What the ledger needs of the figures.
 pub struct Computed {
-    /// All tables.
-    pub tables: Vec<Table>,
+    /// The paper's figures.
+    pub pictures: Vec<Picture>,
     /// Fig. 4 in full.
     pub fig04: fig04::Data,
     /// Fig. 7 in full.
@@ -41,13 +41,13 @@ pub struct Computed {
 /// Figures computed.
 pub const FIGURES: usize = 7;
 
-impl Table {
+impl Picture {
     /// A figure's.
     ///
     /// # Errors
     /// [`FigureError`] where it cannot be drawn.
-    pub fn of<D>(figure: &FigureSpec<D>, data: &D) -> Result<Table, FigureError> {
-        Ok(Table {
+    pub fn of<D>(figure: &FigureSpec<D>, data: &D) -> Result<Picture, FigureError> {
+        Ok(Picture {
             figure: figure.name,
             title: figure.title,
             about: figure.about,
@@ -57,11 +57,11 @@ impl Table {
     }
 }
 
-fn made<D>(figure: &FigureSpec<D>, tick: &(dyn Fn() + Sync)) -> Result<(D, Table), FigureError> {
+fn made<D>(figure: &FigureSpec<D>, tick: &(dyn Fn() + Sync)) -> Result<(D, Picture), FigureError> {
     let data = figure.compute()?;
-    let table = Table::of(figure, &data)?;
+    let picture = Picture::of(figure, &data)?;
     tick();
-    Ok((data, table))
+    Ok((data, picture))
 }
 
 impl Computed {
@@ -81,7 +81,7 @@ impl Computed {
         let ((fig04, fig06), (fig07, fig08)) = ((fig04?, fig06?), (fig07?, fig08?));
         let (fig10, fig11, fig12) = (fig10?, fig11?, fig12?);
         Ok(Computed {
-            tables: vec![
+            pictures: vec![
                 fig04.1, fig06.1, fig07.1, fig08.1, fig10.1, fig11.1, fig12.1,
             ],
             fig04: fig04.0,

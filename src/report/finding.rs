@@ -1,6 +1,6 @@
 //! What one reading gives for a claim.
 
-use super::digits::{Agreement, agreement, decimals};
+use super::digits::{Agreement, agreement};
 use crate::figures::rows::{Part, Quantity, Row, Value};
 use crate::paper::published::{Claim, Claims, Kind};
 use crate::paper::reading::Reading;
@@ -143,7 +143,7 @@ impl Finding {
             format!("{what}: {word}")
         };
         let texts = self.values.iter().map(|value| match value {
-            Value::Number(v) if v.is_finite() => decimals(*v, places),
+            Value::Number(v) if v.is_finite() => plot::number(*v, places),
             Value::Statement(parts) => joined(parts.iter().map(part), "; "),
             other => other.to_string(),
         });

@@ -7,10 +7,10 @@ use super::convergence::{self, Convergence};
 use super::digits::Agreement;
 use super::errata::{Erratum, errata};
 use super::evidence::Statements;
+use super::exponent::ExponentCheck;
 use super::figures::{self, Computed, signs};
 use super::finding::Finding;
 use super::matrix::{Matrix, SUBSETS};
-use super::remark::Remark;
 use super::scan::{self, Scan};
 use super::spread::{self, Spread};
 use super::verdict::{Correction, Verdict};
@@ -35,7 +35,7 @@ pub struct Entry {
     /// What the corrected readings correct; empty where there is none.
     pub corrections: Vec<Correction>,
     /// What is said besides of a published exponent.
-    pub remark: Option<Remark>,
+    pub exponent: Option<ExponentCheck>,
     /// Further lines of evidence.
     pub further: Vec<String>,
 }
@@ -129,19 +129,19 @@ impl Ledger {
         let claims = Claims::committed()?;
         let published = claims.four();
         let computed = Computed::compute(tick)?;
-        let matrix = Matrix::compute(tick)?;
+        let matrix = Matrix::compute(claims, tick);
         let injection = Injection::compute()?;
-        let convergence = Convergence::compute(injection.numbers, tick)?;
+        let convergence = Convergence::compute(claims, injection.numbers, tick);
         let printed = &computed.fig08.as_printed.pattern;
         let both = injection.both.clone();
         let accuracy = Accuracy::compute()?;
-        let statements = Statements::compute(&computed)?;
+        let statements = Statements::compute(claims, &computed)?;
         let mut ledger = Ledger {
             entries: Vec::new(),
             cause: Cause::new(printed, both, &convergence, published),
             scan: Scan::compute([published[0], published[1]], tick)?,
             spread: Spread::compute(tick)?,
-            errata: errata(&matrix, &accuracy, &statements.errata)?,
+            errata: errata(claims, &matrix, &accuracy, &statements.errata)?,
             matrix,
             convergence,
             injection,
@@ -180,8 +180,8 @@ impl Ledger {
     /// its entry, with a changed one what would be said if the paper had printed that.
     pub fn judged_anew(&self, claims: &Claims, id: ClaimId) -> Entry {
         let claim = claims.of(id);
-        let tables = self.computed.tables.iter();
-        let rows = tables.flat_map(|one| Finding::of_rows(claims, claim, one.figure, &one.rows));
+        let pictures = self.computed.pictures.iter();
+        let rows = pictures.flat_map(|one| Finding::of_rows(claims, claim, one.figure, &one.rows));
         let mut findings: Vec<Finding> = rows.collect();
         findings.extend(match id {
             ClaimId::S3ReleaseAccuracy => self.accuracy.release_findings(),
@@ -192,12 +192,12 @@ impl Ledger {
             }
             _ => self.statements.of(id).to_vec(),
         });
-        let remark = id.exponent().map(|(figure, k)| Remark {
+        let exponent = id.exponent().map(|(figure, k)| ExponentCheck {
             published: claims.value(id),
             sign: signs(&self.computed.bracket[figure as usize])[k],
             spread: self.spread.search.spread[figure as usize][k],
         });
-        if remark.is_some_and(|remark| remark.is_undetermined(claim)) {
+        if exponent.is_some_and(|exponent| exponent.is_undetermined(claim)) {
             for one in &mut findings {
                 one.undetermined |= one.reading == Reading::CorrectedData;
             }
@@ -207,8 +207,8 @@ impl Ledger {
         Entry {
             verdict: Verdict::of(claim.kind, &findings),
             corrections: self.corrections(claim).filter(|_| corrected).collect(),
-            remark,
-            further: self.further(claim, &findings, remark.as_ref()),
+            exponent,
+            further: self.further(claim, &findings, exponent),
             claim: claim.clone(),
             findings,
         }
@@ -228,9 +228,9 @@ impl Ledger {
     /// Another reading of "close to zero": of the estimate from data.
     fn nearest_to_zero(&self) -> String {
         let nearest = self.computed.bracket.each_ref().map(|data| {
-            let told = data.from_data.exponents.iter();
-            let told = told.filter(|one| one.status == Status::Ok);
-            format!("{:.4}", extent(told.map(|one| one.value.abs())).0)
+            let exponents = data.from_data.exponents.iter();
+            let determined = exponents.filter(|one| one.status == Status::Ok);
+            format!("{:.4}", extent(determined.map(|one| one.value.abs())).0)
         });
         format!(
             "of the exponents that an estimate from the sampled motion determines, the nearest to zero is {} in size (Figs. 10, 11, 12)",
@@ -239,8 +239,13 @@ impl Ledger {
     }
 
     /// Lines of evidence besides the findings.
-    fn further(&self, claim: &Claim, findings: &[Finding], remark: Option<&Remark>) -> Vec<String> {
-        let search = &self.spread.search;
+    fn further(
+        &self,
+        claim: &Claim,
+        findings: &[Finding],
+        exponent: Option<ExponentCheck>,
+    ) -> Vec<String> {
+        let Spread { search, .. } = &self.spread;
         let borne_out = |met: usize, what: &str| {
             let all = search.spread[0][0].settings;
             format!(
@@ -253,13 +258,13 @@ impl Ledger {
                 self.spread.mended_sentence(),
                 self.spread.two_periodic_sentence(),
             ],
-            ClaimId::Fig12Class => vec![
-                format!(
-                    "the class rests on a section that does not close and on the positive exponent: {}",
-                    self.statements.shapes.line()
-                ),
-                self.spread.chaos_sentence(),
-            ],
+            ClaimId::Fig12Class => {
+                let shapes = self.statements.shapes.line();
+                let class = format!(
+                    "the class rests on a section that does not close and on the positive exponent: {shapes}"
+                );
+                vec![class, self.spread.chaos_sentence()]
+            }
             ClaimId::Fig04NoStick => {
                 let figure = &self.computed.fig04;
                 let (sticking, all) = (figure.sticking, figure.orbits.len());
@@ -286,32 +291,30 @@ impl Ledger {
                 borne_out(counts.zero, "give each figure an exponent that is zero"),
             ],
             ClaimId::S5TwoZeroExponents => {
-                vec![borne_out(
-                    counts.two_zeros,
-                    "make the first two of Fig. 11 zero",
-                )]
+                let what = "make the first two of Fig. 11 zero";
+                vec![borne_out(counts.two_zeros, what)]
             }
             ClaimId::S5PositiveExponent => {
-                vec![borne_out(
-                    counts.positive,
-                    "make the first of Fig. 12 positive",
-                )]
+                let what = "make the first of Fig. 12 positive";
+                vec![borne_out(counts.positive, what)]
             }
             ClaimId::S3ArrivalAccuracy => self.accuracy.lines_of_arrival(),
             ClaimId::S3ReleaseAccuracy => self.accuracy.lines_of_release(),
-            _ => {
-                let digits = |(figure, k)| self.spread.digits_sentence(figure as usize, k);
-                let judged =
+            id => {
+                let (Some(exponent), Some((figure, k))) = (exponent, id.exponent()) else {
+                    return Vec::new();
+                };
+                let is_judged =
                     |one: &&Finding| one.is_evidence() && one.reading.role() == Role::Corrected;
-                let all_agree = findings.iter().filter(judged).all(|one| one.agrees);
-                let words = remark.map(|remark| match remark.sentence() {
-                    settings if all_agree => format!(
+                let all_agree = findings.iter().filter(is_judged).all(|one| one.agrees);
+                let settings = exponent.sentence();
+                let settings = match all_agree {
+                    true => format!(
                         "equations and data round to the published digits; that decides nothing where other settings do not: {settings}"
                     ),
-                    settings => settings,
-                });
-                let digits = claim.id.exponent().map(digits);
-                words.into_iter().chain(digits).collect()
+                    false => settings,
+                };
+                vec![settings, self.spread.digits_sentence(figure as usize, k)]
             }
         }
     }

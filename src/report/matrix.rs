@@ -2,11 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::ReportError;
 use super::digits::{Agreement, agreement};
 use crate::paper::claim_id::ClaimId;
 use crate::paper::listing::{Defect, Defects, Motion, Setup, run};
-use crate::paper::published::{Claims, PublishedError};
+use crate::paper::published::Claims;
 use crate::text::joined;
 
 /// Subsets of the defects.
@@ -29,19 +28,19 @@ pub struct Cell {
 
 impl Cell {
     /// Runs the listing with these defects and this step.
-    pub(super) fn run(present: Defects, h: f64) -> Result<Cell, ReportError> {
+    pub(super) fn run(claims: &Claims, present: Defects, h: f64) -> Cell {
         let outcome = run(&Setup {
             h,
             ..Setup::with(present)
-        })?;
+        });
         let numbers = outcome.four_numbers();
-        Ok(Cell {
+        Cell {
             h,
             present,
             numbers,
             motion: outcome.motion,
-            digits: numbers.as_ref().map(four_digits).transpose()?,
-        })
+            digits: numbers.map(|numbers| four_digits(claims, &numbers)),
+        }
     }
 
     /// Whether all four numbers have all printed digits.
@@ -68,18 +67,16 @@ pub type Property = fn(&Cell) -> bool;
 
 impl Matrix {
     /// Runs all subsets and calls `tick` after each.
-    ///
-    /// # Errors
-    /// [`ReportError`] if the setup or the table of claims is not sound.
-    pub fn compute(tick: &(dyn Fn() + Sync)) -> Result<Matrix, ReportError> {
+    pub fn compute(claims: &Claims, tick: &(dyn Fn() + Sync)) -> Matrix {
         let subsets: Vec<Defects> = Defects::subsets().collect();
         let cells = subsets.into_par_iter().map(|defects| {
-            let cell = Cell::run(defects, Setup::default().h);
+            let cell = Cell::run(claims, defects, Setup::default().h);
             tick();
             cell
         });
-        let cells = cells.collect::<Result<_, ReportError>>()?;
-        Ok(Matrix { cells })
+        Matrix {
+            cells: cells.collect(),
+        }
     }
 
     /// The run with these defects.
@@ -204,15 +201,11 @@ fn list(defects: impl IntoIterator<Item = Defect>) -> String {
 }
 
 /// How far four numbers agree with the published ones of Fig. 8.
-///
-/// # Errors
-/// [`PublishedError`] if the table of claims is not sound.
-pub fn four_digits(numbers: &[f64; 4]) -> Result<[Agreement; 4], PublishedError> {
-    let claims = Claims::committed()?;
+pub fn four_digits(claims: &Claims, numbers: &[f64; 4]) -> [Agreement; 4] {
     let nothing = Agreement {
         agreeing: 0,
         printed: 1,
     };
     let of = |i| agreement(claims.of(ClaimId::FOUR[i]), numbers[i]).unwrap_or(nothing);
-    Ok(std::array::from_fn(of))
+    std::array::from_fn(of)
 }

@@ -15,13 +15,13 @@ pub mod digits;
 mod draw;
 pub mod errata;
 pub mod evidence;
+pub mod exponent;
 pub mod figures;
 pub mod finding;
 pub mod ledger;
 pub mod matrix;
 pub mod page;
 pub mod readme;
-pub mod remark;
 pub mod scan;
 mod sentences;
 pub mod spread;
@@ -30,10 +30,8 @@ pub mod verdict;
 
 use crate::figures::FigureError;
 use crate::paper::bounded;
-use crate::paper::listing::ListingError;
 use crate::paper::published::PublishedError;
 use crate::readings::ReadingsError;
-use crate::terminal::ProgramError;
 use stickslip::analysis::{Visibility, tangency};
 use stickslip::models::BeltOscillator;
 use stickslip::{
@@ -49,9 +47,6 @@ pub enum ReportError {
     /// The solver.
     #[error("cannot make the ledger: {0}")]
     Solver(#[from] Error),
-    /// The listing cannot run.
-    #[error("cannot make the ledger: {0}")]
-    Listing(#[from] ListingError),
     /// The table of claims is not sound.
     #[error("cannot make the ledger: {0}")]
     Published(#[from] PublishedError),
@@ -59,8 +54,6 @@ pub enum ReportError {
     #[error("cannot make the ledger: {0}")]
     Readings(#[from] ReadingsError),
 }
-
-impl ProgramError for ReportError {}
 
 impl<R> From<Failure<R>> for ReportError {
     fn from(failure: Failure<R>) -> ReportError {

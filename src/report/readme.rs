@@ -1,6 +1,5 @@
 //! The part of the README that says what holds.
 
-use super::digits::decimals;
 use super::finding::Finding;
 use super::ledger::{Entry, Ledger};
 use super::sentences::sentences;
@@ -46,7 +45,7 @@ pub(super) fn shown(entry: &Entry, finding: &Finding) -> String {
     }
     let texts = values.into_iter().map(|value| match value {
         Value::Number(v) if *v == f64::NEG_INFINITY => "−∞".to_owned(),
-        Value::Number(v) if v.is_finite() => self::decimals(*v, decimals),
+        Value::Number(v) if v.is_finite() => plot::number(*v, decimals),
         other => other.to_string(),
     });
     let mut texts: Vec<String> = texts.collect();

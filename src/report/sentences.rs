@@ -1,6 +1,7 @@
 //! The verdict in a few sentences, every number of them formatted from the run: the page and the
 //! README open with these.
 
+use super::exponent::ExponentCheck;
 use super::ledger::{Entry, Ledger};
 use super::matrix::Cell;
 use super::verdict::{Correction, Verdict};
@@ -8,7 +9,7 @@ use crate::figures::block_and_bracket::DIVERGES;
 use crate::paper::claim_id::{ClaimId, SpectrumFigure};
 use crate::paper::published::Claim;
 use crate::paper::reading::Reading;
-use crate::readings::{Committed, others, sources_in_words};
+use crate::readings::{Committed, Match, others, sources_in_words};
 use stickslip::analysis::motion::Class;
 
 /// The parts of the paper in which claims are counted: as `data/claims.csv` has them, and their
@@ -35,8 +36,8 @@ fn part_of(claim: &Claim) -> &'static str {
 /// stands with the claims.
 pub(super) fn sentences(ledger: &Ledger) -> [String; 3] {
     let gives = |ids: &[ClaimId], met: &dyn Fn(&Entry) -> bool| {
-        let found = ids.iter().filter(|id| met(ledger.entry(**id))).count();
-        format!("{found} of {}", ids.len())
+        let count = ids.iter().filter(|id| met(ledger.entry(**id))).count();
+        format!("{count} of {}", ids.len())
     };
     let by = |reading| move |entry: &Entry| entry.reading(reading).is_some_and(|one| one.agrees);
     let least = |property| {
@@ -85,9 +86,10 @@ pub(super) fn resting(ledger: &Ledger) -> String {
 fn unlike(ledger: &Ledger) -> String {
     let of = |figure: SpectrumFigure| {
         let entry = ledger.entry(figure.class());
-        let found = entry
-            .reading(Reading::Corrected)
-            .filter(|one| !one.agrees)?;
+        let corrected = entry.reading(Reading::Corrected)?;
+        if corrected.agrees {
+            return None;
+        }
         let (name, published) = (part_of(&entry.claim), &entry.claim.published);
         let class = ledger.computed.bracket[figure as usize].exact.class;
         Some(match (class, published.parse()) {
@@ -95,7 +97,7 @@ fn unlike(ledger: &Ledger) -> String {
                 let plural = if loops == 1 { "" } else { "s" };
                 format!("{name} closes after {loops} loop{plural}, not {captioned}")
             }
-            _ => format!("{name} is {}, not {published}", found.text()),
+            _ => format!("{name} is {}, not {published}", corrected.text()),
         })
     };
     let all: Vec<String> = SpectrumFigure::ALL.into_iter().filter_map(of).collect();
@@ -105,7 +107,7 @@ fn unlike(ledger: &Ledger) -> String {
     }
 }
 
-/// What was found of Figs. 10–12 and of the search over their readings.
+/// Figs. 10–12 and the search over their readings.
 pub(super) fn figs_10_to_12(ledger: &Ledger) -> String {
     let classes = SpectrumFigure::ALL.map(|figure| ledger.entry(figure.class()));
     let exponents = SpectrumFigure::ALL.map(SpectrumFigure::exponents);
@@ -114,14 +116,12 @@ pub(super) fn figs_10_to_12(ledger: &Ledger) -> String {
     let met = [Verdict::Reproduced, Verdict::WithCorrections];
     let met = classes.iter().filter(|entry| met.contains(&entry.verdict));
     let count = |verdict| {
-        exponents
-            .iter()
-            .filter(|one| one.verdict == verdict)
-            .count()
+        let with = exponents.iter().filter(|one| one.verdict == verdict);
+        with.count()
     };
-    let remarks = || exponents.iter().filter_map(|entry| entry.remark.as_ref());
-    let signs = remarks().filter(|remark| remark.sign_agrees()).count();
-    let within = remarks().filter(|remark| remark.within_range()).count();
+    let checks = || exponents.iter().filter_map(|entry| entry.exponent);
+    let signs = checks().filter(ExponentCheck::sign_agrees).count();
+    let within = checks().filter(ExponentCheck::within_range).count();
     let printed = classes.iter();
     let printed = printed.filter_map(|entry| entry.reading(Reading::AsPrinted));
     let diverging = printed.filter(|one| one.text() == DIVERGES).count();
@@ -157,19 +157,17 @@ fn lead(search: &Committed) -> String {
     let percent = |figure: &usize| search.alone[*figure].0.random.percent();
     let nearest = (0..3).min_by(|a, b| percent(a).total_cmp(&percent(b)));
     let figure = nearest.unwrap_or(0);
-    let (level, found) = &search.alone[figure];
+    let (level, Match { row, motions }) = &search.alone[figure];
     let rare = if level.is_rare(3) {
         "a rare"
     } else {
         "no rare"
     };
-    let leaves = if found.row.is_ranked() {
-        "has all three kinds of motion".to_owned()
-    } else {
-        let others = others(&found.motions, figure);
-        format!("is no match: it leaves {others}")
+    let leaves = match row.is_ranked() {
+        true => "has all three kinds of motion".to_owned(),
+        false => format!("is no match: it leaves {}", others(motions, figure)),
     };
-    let (reading, integrator) = (found.row.reading(), found.row.integrator());
+    let (reading, integrator) = (row.reading(), row.integrator());
     format!(
         "Each figure by itself, as many random targets (the best of three looks) and spectra of other readings are met as well as its \
          exponents: {}. The nearest, Fig. {}, is {rare} match; its reading ({reading}; {integrator}) {leaves}.",
@@ -184,11 +182,8 @@ fn together(search: &Committed) -> String {
         let (random, readings) = (level.random.percent(), level.readings.percent());
         (random, readings, level.readings.of)
     });
-    let single = if search.together[1].is_rare(1) {
-        "a"
-    } else {
-        "no"
-    };
+    let is_rare = search.together[1].is_rare(1);
+    let single = if is_rare { "a" } else { "no" };
     let sources = sources_in_words(search.ranked_from);
     format!(
         "Taken together, the twelve exponents single out {single} setting. By the {} configurations with all three kinds of motion ({sources}) {:.0} % of \

@@ -99,7 +99,7 @@ impl Spread {
         let of = format!(
             "of {kept} configurations that keep all three motions {met} give the printed digits"
         );
-        match self.search.digits_by_chance[figure][k] {
+        match self.search.digits_by_random_targets[figure][k] {
             Some(share) => {
                 let percent = share.percent();
                 format!("{of}; {percent:.0} % of random targets are met by as many")

@@ -2,8 +2,8 @@
 
 use std::fmt::Display;
 
+use super::exponent::ExponentCheck;
 use super::ledger::{Entry, Ledger};
-use super::remark::Remark;
 use super::scan::Class;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::published::Digits;
@@ -12,10 +12,7 @@ use crate::readings::Values;
 use crate::text::{csv, joined};
 
 /// Every claim with its values under each reading, verdict, cause and evidence.
-///
-/// # Errors
-/// [`csv::Error`].
-pub fn claims(ledger: &Ledger) -> Result<String, csv::Error> {
+pub fn claims(ledger: &Ledger) -> String {
     let mut table: Vec<Vec<String>> = Vec::new();
     for entry in &ledger.entries {
         let (names, texts) = claim(ledger, entry).into_iter().unzip();
@@ -55,26 +52,20 @@ fn claim(ledger: &Ledger, entry: &Entry) -> Vec<(String, String)> {
     add("verdict", &entry.verdict);
     add("corrections", &joined(corrections, " | "));
     // Each is empty but for a published exponent.
-    let remark = entry.remark.as_ref();
-    let said = |of: fn(&Remark) -> String| remark.map(of).unwrap_or_default();
-    let range = remark.and_then(|one| one.spread.values);
-    let exact = |of: fn(Values) -> f64| range.map_or_else(String::new, |v| format!("{:?}", of(v)));
-    add("sign_agrees", &said(|one| one.sign_agrees().to_string()));
-    add("least_over_unstated", &exact(|range| range.least));
-    add("median_over_unstated", &exact(|range| range.median));
-    add("largest_over_unstated", &exact(|range| range.largest));
-    add("settings", &said(|one| one.spread.settings.to_string()));
-    add(
-        "unidentified",
-        &said(|one| one.spread.unidentified.to_string()),
-    );
-    add(
-        "within_unstated",
-        &said(|one| one.within_range().to_string()),
-    );
-    let cause = entry
-        .asks_for_cause()
-        .then(|| ledger.cause.status().to_string());
+    let exponent = entry.exponent.as_ref();
+    let range = exponent.and_then(|one| one.spread.values);
+    let number = |of: fn(Values) -> f64| range.map_or_else(String::new, |v| format!("{:?}", of(v)));
+    let text = |of: fn(&ExponentCheck) -> String| exponent.map(of).unwrap_or_default();
+    add("sign_agrees", &text(|one| one.sign_agrees().to_string()));
+    add("least_over_unstated", &number(|range| range.least));
+    add("median_over_unstated", &number(|range| range.median));
+    add("largest_over_unstated", &number(|range| range.largest));
+    add("settings", &text(|one| one.spread.settings.to_string()));
+    let unidentified = text(|one| one.spread.unidentified.to_string());
+    add("unidentified", &unidentified);
+    let within = text(|one| one.within_range().to_string());
+    add("within_unstated", &within);
+    let cause = entry.asks_for_cause().then(|| ledger.cause.status());
     add("cause", &cause.unwrap_or_default());
     add("check", &claim.check);
     for reading in Reading::ALL {
@@ -87,25 +78,20 @@ fn claim(ledger: &Ledger, entry: &Entry) -> Vec<(String, String)> {
 }
 
 /// The listing's numbers at all steps, and their distances from the limit, which stands at step 0.
-///
-/// # Errors
-/// [`csv::Error`].
-pub fn convergence(ledger: &Ledger) -> Result<String, csv::Error> {
+pub fn convergence(ledger: &Ledger) -> String {
     let convergence = &ledger.convergence;
     let limit = convergence.limit;
     let mut header = vec!["h".to_owned(), "all_digits".to_owned()];
     header.extend(ClaimId::FOUR.map(|id| id.to_string()));
     header.extend(ClaimId::FOUR.map(|id| format!("{id}.error")));
     let row = |h: String, complete: bool, numbers: Option<[f64; 4]>| {
+        let errors = numbers.map(|four| std::array::from_fn(|i| four[i] - limit[i]));
+        let cells = |four: Option<[f64; 4]>| match four {
+            Some(four) => four.map(|v| format!("{v:?}")),
+            None => Default::default(),
+        };
         let mut row = vec![h, complete.to_string()];
-        let exact = |v: f64| format!("{v:?}");
-        match numbers {
-            Some(numbers) => {
-                row.extend(numbers.map(exact));
-                row.extend((0..4).map(|i| exact(numbers[i] - limit[i])));
-            }
-            None => row.extend((0..8).map(|_| String::new())),
-        }
+        row.extend([cells(numbers), cells(errors)].into_iter().flatten());
         row
     };
     let complete = convergence.limit_digits.iter().all(|one| one.complete());
@@ -116,19 +102,14 @@ pub fn convergence(ledger: &Ledger) -> Result<String, csv::Error> {
 }
 
 /// What starts lead to at each set of parameters.
-///
-/// # Errors
-/// [`csv::Error`].
-pub fn scan(ledger: &Ledger) -> Result<String, csv::Error> {
+pub fn scan(ledger: &Ledger) -> String {
     let scan = &ledger.scan;
     let mut header = vec!["parameter", "factor", "value"];
     header.extend(Class::ALL.map(Class::name));
     header.extend(["motions", "distance"]);
     let mut rows = vec![header.into_iter().map(str::to_owned).collect::<Vec<_>>()];
-    let lines = scan.lines.iter();
-    let lines = lines.flat_map(|line| line.points.iter().map(|point| (line.name, point)));
     let variants = scan.variants.iter().map(|(name, point)| (*name, point));
-    for (name, point) in lines.chain(variants) {
+    for (name, point) in scan.points().chain(variants) {
         let mut row = vec![
             name.to_owned(),
             format!("{:?}", point.factor),

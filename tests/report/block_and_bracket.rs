@@ -155,7 +155,7 @@ pub fn data_against_equations(figures: &[(&str, &Data)]) {
 #[test]
 fn another_figures_exponents_do_not_confirm_a_section() {
     with(|report| {
-        let [first, second, third] = report.ledger.statements.shapes.figures;
+        let [first, second, third] = report.ledger.statements.shapes.0;
         for (one, other) in [(first, second), (second, first), (third, first)] {
             let mut mixed = one;
             (mixed.zeros, mixed.positive) = (other.zeros, other.positive);

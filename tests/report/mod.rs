@@ -81,7 +81,7 @@ fn every_claim_has_a_verdict_that_follows_from_its_findings() {
             let corrected = |one: &Finding| one.reading.role() == Role::Corrected;
             let corrected = entry.findings.iter().any(corrected);
             assert_eq!(!entry.corrections.is_empty(), corrected, "{id}");
-            assert_eq!(entry.remark.is_some(), id.exponent().is_some(), "{id}");
+            assert_eq!(entry.exponent.is_some(), id.exponent().is_some(), "{id}");
         }
         let total: usize = report.ledger.counts().iter().map(|(_, count)| count).sum();
         assert_eq!(total, report.ledger.counted());
@@ -241,9 +241,10 @@ fn golden(ledger: &Ledger) -> String {
             )
             .unwrap();
         }
-        if let Some(remark) = &entry.remark {
-            writeln!(text, "  sign {} {}", remark.sign, remark.sign_agrees()).unwrap();
-            if let Some(range) = remark.spread.values {
+        if let Some(exponent) = &entry.exponent {
+            let (sign, agrees) = (exponent.sign, exponent.sign_agrees());
+            writeln!(text, "  sign {sign} {agrees}").unwrap();
+            if let Some(range) = exponent.spread.values {
                 writeln!(text, "  from {:?} to {:?}", range.least, range.largest).unwrap();
             }
         }

@@ -30,7 +30,8 @@ impl Artifact {
     }
 }
 
-/// A file or its folder cannot be made. What to do about it, the program says that knows its options.
+/// A file or its folder cannot be made. What to do about it, the program says that knows its
+/// options.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
     /// The folder cannot be made.
@@ -67,8 +68,9 @@ pub fn make_folder(path: &Path) -> Result<(), WriteError> {
     })
 }
 
-/// Writes all files into `folder`, which is made if it is missing, and returns their paths. Each gets a temporary name first and is renamed
-/// when all are on disk, so that a reader never sees half of one.
+/// Writes all files into `folder`, which is made if it is missing, and returns their paths. Each
+/// gets a temporary name first and is renamed when all are on disk, so that a reader never sees
+/// half of one.
 ///
 /// # Errors
 /// [`WriteError`]; temporary files are removed.
@@ -104,7 +106,8 @@ pub fn write_all_by(
     Ok(written)
 }
 
-/// Gives a temporary file its name; where that is on another file system, by way of a second one there.
+/// Gives a temporary file its name; where that is on another file system, by way of a second one
+/// there.
 ///
 /// # Errors
 /// Those of the operating system; the temporary file is removed.

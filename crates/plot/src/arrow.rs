@@ -16,8 +16,8 @@ pub(super) fn single(sheet: &Sheet<'_, '_>, from: Point, to: Point, pen: &Pen) -
     head(sheet, neck, to, pen)
 }
 
-/// A line with heads at both ends. Where there is no room for two heads, they point at each other from
-/// outside.
+/// A line with heads at both ends. Where there is no room for two heads, they point at each other
+/// from outside.
 pub(super) fn double(sheet: &Sheet<'_, '_>, a: Point, b: Point, pen: &Pen) -> Drawn {
     let (dx, dy) = (b.0 - a.0, b.1 - a.1);
     let length = crate::math::hypot(dx, dy);

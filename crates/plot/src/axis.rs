@@ -30,7 +30,8 @@ impl From<f64> for Ticks {
 const AUTO_INTERVALS: f64 = 5.0;
 
 impl Axis {
-    /// An axis from `min` to `max` with a label in markup, such as `*x*_1, m`. Ticks are chosen automatically.
+    /// An axis from `min` to `max` with a label in markup, such as `*x*_1, m`.
+    /// Ticks are chosen automatically.
     pub fn new(label: &str, min: f64, max: f64) -> Self {
         Self {
             label: label.to_owned(),
@@ -42,20 +43,20 @@ impl Axis {
         }
     }
 
-    /// An axis of decimal logarithms, numbered by powers of ten; by the logarithms themselves where it holds fewer than two.
+    /// An axis of decimal logarithms, numbered by powers of ten.
+    /// Where it holds fewer than two of them, it is numbered by the logarithms.
     pub fn decades(label: &str, (low, high): (f64, f64)) -> Self {
+        /// Most intervals between numbers: more would crowd a panel.
         const MOST: i64 = 8;
         let (first, last) = (low.ceil() as i64, high.floor() as i64);
         if last - first < 1 {
             return Axis::new(&format!("log_{{10}} {label}"), low, high);
         }
         let every = (last - first) / MOST + 1;
-        let ticks: Vec<(f64, String)> = (first..=last)
-            .filter(|power| power % every == 0)
-            .map(|power| (power as f64, format!("10^{{{}}}", number(power as f64, 0))))
-            .collect();
-        let ticks: Vec<(f64, &str)> = ticks.iter().map(|(v, text)| (*v, text.as_str())).collect();
-        Axis::new(label, low, high).ticks(&ticks)
+        let powers = (first..=last).filter(|power| power % every == 0);
+        let powers = powers.map(|power| power as f64);
+        let ticks = powers.map(|power| (power, format!("10^{{{}}}", number(power, 0))));
+        Axis::new(label, low, high).ticks(ticks)
     }
 
     setters! {
@@ -66,8 +67,8 @@ impl Axis {
     }
 
     /// Ticks at the values given, with labels in markup (an empty one leaves the tick bare).
-    pub fn ticks(mut self, ticks: &[(f64, &str)]) -> Self {
-        let ticks = ticks.iter().map(|(v, text)| (*v, (*text).to_owned()));
+    pub fn ticks<S: Into<String>>(mut self, ticks: impl IntoIterator<Item = (f64, S)>) -> Self {
+        let ticks = ticks.into_iter().map(|(v, text)| (v, text.into()));
         self.ticks = Ticks::At(ticks.collect());
         self
     }
@@ -131,7 +132,7 @@ impl Axis {
     }
 }
 
-/// The largest of 1, 2, 5 × 10ⁿ that is not above `rough`, or half a decade more where that is nearer.
+/// The number among 1, 2, 5 × 10ⁿ that is nearest to `rough`.
 fn nice_step(rough: f64) -> f64 {
     let power = crate::math::power_of_ten(crate::math::log10(rough).floor() as i32);
     let mantissa = rough / power;
@@ -202,7 +203,7 @@ mod tests {
 
     #[test]
     fn given_ticks_outside_the_range_are_left_out() {
-        let axis = Axis::new("x", 0.0, 1.0).ticks(&[(0.5, "half"), (2.0, "two")]);
+        let axis = Axis::new("x", 0.0, 1.0).ticks([(0.5, "half"), (2.0, "two")]);
         assert_eq!(labels(&axis), ["half"]);
     }
 

@@ -1,15 +1,14 @@
 //! The plotters backend that writes the SVG.
 //!
-//! plotters' own SVG backend has no dashes and sets text in one font; this one keeps text as `<text>` with
-//! italics and subscripts. One backend unit is a hundredth of a px: plotters rounds coordinates to whole
-//! units, and a curve rounded to whole px is a staircase; rounded to tenths it still shows kinks when enlarged.
+//! plotters' own SVG backend has no dashes and sets text in one font; this one keeps text as
+//! `<text>` with italics and subscripts. One backend unit is a hundredth of a px: plotters rounds
+//! coordinates to whole units, and a curve rounded to whole px is a staircase; rounded to tenths it
+//! still shows kinks when enlarged.
 
 use std::fmt::{self, Write};
 
 use plotters_backend::text_anchor::{HPos, VPos};
-use plotters_backend::{
-    BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind,
-};
+use plotters_backend::{BackendColor, BackendCoord, DrawingBackend, DrawingErrorKind};
 
 use super::color::Color;
 use super::elements::{Shape, Symbol, Words};
@@ -33,16 +32,6 @@ pub(super) fn drawn(written: fmt::Result) -> Drawn {
     written.map_err(DrawingErrorKind::DrawingError)
 }
 
-/// What a figure is called, for readers who cannot see it.
-pub(super) struct Naming<'a> {
-    /// Prefix of the ids in the file, unique among figures on one page.
-    pub(super) id: &'a str,
-    /// Short title.
-    pub(super) title: &'a str,
-    /// What the picture shows, in words.
-    pub(super) description: &'a str,
-}
-
 /// Collects SVG elements in a string.
 pub(super) struct Canvas<'a> {
     size: (u32, u32),
@@ -50,16 +39,17 @@ pub(super) struct Canvas<'a> {
 }
 
 impl<'a> Canvas<'a> {
-    /// Opens an SVG of `width` × `height` px on white paper.
+    /// Opens an SVG of `width` × `height` px on white paper. For readers who cannot see it there
+    /// are a title and a description. The id is the prefix of the ids in the file.
     pub(super) fn new(
         out: &'a mut String,
-        width: f64,
-        height: f64,
-        naming: &Naming<'_>,
+        (width, height): (f64, f64),
+        [id, title, description]: [&str; 3],
     ) -> Result<Self, fmt::Error> {
         let size = (units(width).unsigned_abs(), units(height).unsigned_abs());
-        let id = escape(naming.id);
-        // Without `xml:space` some viewers drop the space at the beginning of a tspan, as in "x₁ = 0".
+        let id = escape(id);
+        // Without `xml:space` some viewers drop the space at the beginning of a tspan, as in "x₁ =
+        // 0".
         writeln!(
             out,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
@@ -71,12 +61,12 @@ impl<'a> Canvas<'a> {
         writeln!(
             out,
             "<title id=\"{id}-title\">{}</title>",
-            escape(&rich::plain(naming.title))
+            escape(&rich::plain(title))
         )?;
         writeln!(
             out,
             "<desc id=\"{id}-desc\">{}</desc>",
-            escape(&rich::plain(naming.description))
+            escape(&rich::plain(description))
         )?;
         writeln!(
             out,
@@ -186,8 +176,9 @@ impl<'a> Canvas<'a> {
             words.color.hex()
         )?;
         let runs = rich::parse(&words.markup);
-        // A viewer without the font sets the text in another; legends and tables hold only what is as wide as computed. Each run has its own
-        // width: given for all together, viewers stretch each run to it.
+        // A viewer without the font sets the text in another; legends and tables hold only what is
+        // as wide as computed. Each run has its own width: given for all together, viewers stretch
+        // each run to it.
         let wide = |run: &rich::Run| match metrics::run_width(run, words.size).map(units) {
             Ok(0) => Ok(String::new()),
             Ok(wide) => Ok(format!(
@@ -265,7 +256,7 @@ impl<'a> Canvas<'a> {
     }
 
     /// A filled polygon.
-    fn area(&mut self, corners: &[BackendCoord], color: Color) -> fmt::Result {
+    pub(super) fn polygon(&mut self, corners: &[BackendCoord], color: Color) -> fmt::Result {
         if corners.len() < 3 {
             return Ok(());
         }
@@ -273,27 +264,15 @@ impl<'a> Canvas<'a> {
         writeln!(self.out, " fill=\"{}\"/>", color.hex())
     }
 
-    /// A rectangle: filled, or with an edge of this many backend units. The corners come in any order, because
-    /// a data axis points up and the page's down.
-    fn rect(
-        &mut self,
-        (left, top): BackendCoord,
-        (right, bottom): BackendCoord,
-        color: Color,
-        edge: Option<u32>,
-    ) -> fmt::Result {
-        let (x, y) = (left.min(right), top.min(bottom));
-        let (w, h) = (left.abs_diff(right), top.abs_diff(bottom));
-        let color = color.hex();
-        let style = match edge {
-            None => format!("fill=\"{color}\""),
-            Some(width) => {
-                format!("fill=\"none\" stroke=\"{color}\" stroke-width=\"{width}\"")
-            }
+    /// A filled rectangle between its upper left and its lower right corner.
+    pub(super) fn rect(&mut self, corners: &[BackendCoord], color: Color) -> fmt::Result {
+        let &[(x, y), (right, bottom)] = corners else {
+            return Ok(());
         };
+        let (w, h, color) = (right.abs_diff(x), bottom.abs_diff(y), color.hex());
         writeln!(
             self.out,
-            "<rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" {style}/>"
+            "<rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" fill=\"{color}\"/>"
         )
     }
 
@@ -356,75 +335,10 @@ impl DrawingBackend for Canvas<'_> {
         drawn(self.out.write_str("</svg>\n"))
     }
 
+    /// Shapes are drawn by [`super::elements`], which never ask for single pixels.
     fn draw_pixel(&mut self, (x, y): BackendCoord, color: BackendColor) -> Drawn {
-        self.draw_rect((x, y), (x + 1, y + 1), &color, true)
-    }
-
-    fn draw_line<S: BackendStyle>(
-        &mut self,
-        from: BackendCoord,
-        to: BackendCoord,
-        style: &S,
-    ) -> Drawn {
-        self.draw_path([from, to], style)
-    }
-
-    fn draw_rect<S: BackendStyle>(
-        &mut self,
-        one: BackendCoord,
-        opposite: BackendCoord,
-        style: &S,
-        fill: bool,
-    ) -> Drawn {
-        let edge = (!fill).then(|| style.stroke_width());
-        drawn(self.rect(one, opposite, style.color().into(), edge))
-    }
-
-    fn draw_path<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(
-        &mut self,
-        path: I,
-        style: &S,
-    ) -> Drawn {
-        let points: Vec<BackendCoord> = path.into_iter().collect();
-        let width = f64::from(style.stroke_width()) / UNITS;
-        drawn(self.stroke(&points, &Pen::new(style.color().into(), width)))
-    }
-
-    fn draw_circle<S: BackendStyle>(
-        &mut self,
-        center: BackendCoord,
-        radius: u32,
-        style: &S,
-        fill: bool,
-    ) -> Drawn {
-        let color = Color::from(style.color());
-        let symbol = Symbol {
-            shape: Shape::Circle,
-            size: 2.0 * f64::from(radius) / UNITS,
-            fill: if fill { color } else { super::color::WHITE },
-            edge: color,
-            edge_width: f64::from(style.stroke_width()) / UNITS,
-        };
-        drawn(self.symbol(center, &symbol))
-    }
-
-    fn fill_polygon<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(
-        &mut self,
-        vert: I,
-        style: &S,
-    ) -> Drawn {
-        let corners: Vec<BackendCoord> = vert.into_iter().collect();
-        drawn(self.area(&corners, style.color().into()))
-    }
-
-    fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, at: BackendCoord) -> Drawn {
-        let anchor = style.anchor();
-        let size = style.size() / UNITS;
-        let words = Words {
-            color: style.color().into(),
-            ..Words::new(text, size, (anchor.h_pos, anchor.v_pos))
-        };
-        drawn(self.words(at, &words))
+        let (red, green, blue) = color.rgb;
+        drawn(self.rect(&[(x, y), (x + 1, y + 1)], Color(red, green, blue)))
     }
 }
 
@@ -434,12 +348,8 @@ mod tests {
 
     fn document(draw: impl FnOnce(&mut Canvas<'_>) -> Drawn) -> String {
         let mut out = String::new();
-        let naming = Naming {
-            id: "f",
-            title: "A & B",
-            description: "*x* < 1",
-        };
-        let mut canvas = Canvas::new(&mut out, 20.0, 10.0, &naming).unwrap();
+        let texts = ["f", "A & B", "*x* < 1"];
+        let mut canvas = Canvas::new(&mut out, (20.0, 10.0), texts).unwrap();
         draw(&mut canvas).unwrap();
         canvas.present().unwrap();
         out
@@ -467,7 +377,7 @@ mod tests {
         let runs = document
             .descendants()
             .filter(|node| node.has_tag_name("tspan"));
-        let told: Vec<_> = runs
+        let attributes: Vec<_> = runs
             .map(|run| {
                 let [style, size, dy] =
                     ["font-style", "font-size", "dy"].map(|name| run.attribute(name));
@@ -475,7 +385,7 @@ mod tests {
             })
             .collect();
         assert_eq!(
-            told,
+            attributes,
             [
                 ("x", Some("italic"), None, None),
                 ("1", None, Some("720"), Some("240")),
@@ -503,29 +413,5 @@ mod tests {
             drawn(canvas.stroke(&[(10, 10), (15, 8), (15, 8), (12, 9)], &Pen::default()))
         });
         assert!(svg.contains("d=\"M10 10l5-2-3 1\""));
-    }
-
-    #[test]
-    fn everything_plotters_may_ask_for_is_well_formed() {
-        let svg = document(|canvas| {
-            let pen = Pen::default();
-            canvas.draw_pixel((1, 1), pen.color())?;
-            canvas.draw_line((0, 0), (5, 5), &pen)?;
-            canvas.draw_rect((9, 9), (2, 2), &pen, false)?;
-            canvas.draw_circle((5, 5), 3, &pen, false)?;
-            canvas.fill_polygon([(0, 0), (5, 0), (0, 5)], &pen)?;
-            let style = plotters::style::TextStyle::from(("sans-serif", 100.0));
-            canvas.draw_text("a < *b*", &style, (3, 3))
-        });
-        let document = roxmltree::Document::parse(&svg).unwrap();
-        assert_eq!(
-            document
-                .root_element()
-                .children()
-                .filter(|n| n.is_element())
-                .count(),
-            9
-        );
-        assert!(svg.contains("<rect x=\"2\" y=\"2\" width=\"7\" height=\"7\" fill=\"none\""));
     }
 }

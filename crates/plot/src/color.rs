@@ -1,6 +1,5 @@
-//! The palette: Okabe and Ito's eight colours, told apart by readers with any colour vision, and greys.
-
-use plotters_backend::BackendColor;
+//! The palette: Okabe and Ito's eight colours, told apart by readers with any colour vision, and
+//! greys.
 
 /// An opaque colour, red, green, blue in 0..=255.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,11 +40,5 @@ impl Color {
     pub fn pale(self) -> Self {
         let mixed = |part: u8| (255 - (255 - u16::from(part)) * 2 / 5) as u8;
         Self(mixed(self.0), mixed(self.1), mixed(self.2))
-    }
-}
-
-impl From<BackendColor> for Color {
-    fn from(color: BackendColor) -> Self {
-        Self(color.rgb.0, color.rgb.1, color.rgb.2)
     }
 }

@@ -76,6 +76,10 @@ pub(super) enum Ink {
     Line(Pen),
     /// Rectangles that make one area; upper left and lower right corners in turn.
     Area(Color),
+    /// A filled polygon with these corners.
+    Polygon(Color),
+    /// A filled rectangle between two corners, upper left and lower right.
+    Rectangle(Color),
     /// A marker at each.
     Symbol(Symbol),
     /// A text at each.
@@ -107,6 +111,8 @@ impl<C> Drawable<Canvas<'_>> for Element<C> {
         drawn(match &self.ink {
             Ink::Line(pen) => canvas.stroke(&points, pen),
             Ink::Area(color) => canvas.tiles(&points, *color),
+            Ink::Polygon(color) => canvas.polygon(&points, *color),
+            Ink::Rectangle(color) => canvas.rect(&points, *color),
             Ink::Symbol(symbol) => points.iter().try_for_each(|at| canvas.symbol(*at, symbol)),
             Ink::Words(words) => points.iter().try_for_each(|at| canvas.words(*at, words)),
         })

@@ -19,20 +19,12 @@ pub enum Legend {
     UpperLeft,
     /// Inside, at the upper border.
     UpperMiddle,
-    /// Inside, upper right corner.
-    UpperRight,
-    /// Inside, lower left corner.
-    LowerLeft,
-    /// Inside, at the lower border.
-    LowerMiddle,
-    /// Inside, lower right corner.
-    LowerRight,
     /// Under the panel, in as many columns as fit.
     Below,
 }
 
 /// One line of a legend: a text, and before it a piece of what is drawn.
-pub(super) struct Entry {
+pub struct Entry {
     text: String,
     ink: Ink,
 }
@@ -45,6 +37,7 @@ impl Entry {
     }
 }
 
+// Lengths, px. They are chosen by eye for text of this size.
 const SIZE: f64 = 11.0;
 const LINE: f64 = 16.0;
 const KEY: f64 = 27.0;
@@ -115,14 +108,10 @@ pub(super) fn draw_inside(
     let width = widest(entries)? + 2.0 * PADDING;
     let height = entries.len() as f64 * LINE + PADDING;
     let left = match place {
-        Legend::UpperLeft | Legend::LowerLeft => plot.left + INSET,
-        Legend::UpperMiddle | Legend::LowerMiddle => (plot.left + plot.right - width) / 2.0,
-        _ => plot.right - INSET - width,
+        Legend::UpperLeft => plot.left + INSET,
+        _ => (plot.left + plot.right - width) / 2.0,
     };
-    let top = match place {
-        Legend::UpperLeft | Legend::UpperMiddle | Legend::UpperRight => plot.top + INSET,
-        _ => plot.bottom - INSET - height,
-    };
+    let top = plot.top + INSET;
     let frame = Frame::new((left, top), (width, height));
     sheet.rect(&frame, WHITE)?;
     sheet.outline(&frame, &Pen::new(Color(190, 190, 190), 0.6))?;

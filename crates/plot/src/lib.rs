@@ -1,13 +1,15 @@
-//! Figures for a journal, drawn over plotters, which nothing else knows; of what they show this crate knows nothing.
+//! Figures for a journal, drawn over plotters. No other crate knows plotters, and this one does
+//! not know what the figures show.
 //!
-//! A [`Figure`] is rows of [`Panel`]s; a panel has two [`Axis`]es and layers: [`Curve`], [`Markers`],
-//! [`Guide`], [`Band`], [`Region`], [`Cells`], [`Note`], [`Dimension`], [`Inset`]. Sizes, widths and offsets are in px at the
-//! figure's nominal size (1 px = 1/96 inch; 658 px are a journal's text width), offsets `(right, up)`. Everything
-//! else is in the data's units.
+//! A [`Figure`] is rows of [`Panel`]s. A panel has two [`Axis`]es and layers: [`Curve`],
+//! [`Markers`], [`Guide`], [`Band`], [`Region`], [`Cells`], [`Note`], [`Dimension`], [`Inset`].
+//! Sizes, widths and offsets are in px at the figure's nominal size. One px is 1/96 inch, and
+//! 658 px are a journal's text width. Offsets are `(right, up)`. Everything else is in the data's
+//! units.
 //!
-//! Texts are written in a small markup: `*x*_1` sets an italic x with the subscript 1, `_{…}` and `^{…}` put
-//! groups below and above the line, `**…**` is bold, a backslash takes the next character literally; Greek letters
-//! and signs are typed as they are.
+//! Texts are written in a small markup. `*x*_1` sets an italic x with the subscript 1, `_{…}` and
+//! `^{…}` put groups below and above the line, `**…**` is bold. A backslash takes the next
+//! character literally. Greek letters and signs are typed as they are.
 //!
 //! ```
 //! use plot::*;
@@ -17,7 +19,7 @@
 //!     Axis::new("*σ*, m^2/s^4", -0.5, 1.0).step(0.5).minor(5),
 //! )
 //! .label("(a)")
-//! .legend(Legend::UpperRight);
+//! .legend(Legend::UpperLeft);
 //! panel.add(Band::x(-0.2, 0.2).legend("stick zone"));
 //! panel.add(Guide::horizontal(0.0));
 //! let curve = (0..=300).map(|i| f64::from(i) / 100.0 - 1.5).map(|z| (z, z * z - 0.04));
@@ -69,9 +71,7 @@ pub use color::{
 pub use elements::Shape;
 pub use error::PlotError;
 pub use figure::{Cell, Figure};
-pub use layers::{
-    AnyLayer, Band, Cells, Curve, Dimension, Guide, Inset, Markers, Note, Place, Region,
-};
+pub use layers::{Band, Cells, Curve, Dimension, Guide, Inset, Markers, Note, Place, Region};
 pub use legend::Legend;
 pub use metrics::FACES;
 pub use panel::Panel;

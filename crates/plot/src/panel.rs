@@ -5,13 +5,14 @@ use plotters_backend::text_anchor::{HPos, VPos};
 use super::axis::Axis;
 use super::color::BLACK;
 use super::elements::Words;
-use super::layers::{AnyLayer, Layer};
+use super::layers::Layer;
 use super::legend::{self, Entry, Legend};
 use super::metrics;
 use super::pen::Pen;
 use super::plot::{Drawn, Frame, Page, Plot, Sheet};
 use crate::error::PlotError;
 
+// Lengths, px. They are chosen by eye at the nominal size.
 const TICK_TEXT: f64 = 11.0;
 const AXIS_TEXT: f64 = 12.5;
 const PANEL_TEXT: f64 = 12.5;
@@ -72,13 +73,13 @@ impl Panel {
     }
 
     /// Adds a layer on top of those already there.
-    pub fn add(&mut self, layer: impl Into<AnyLayer>) -> &mut Self {
-        self.layers.push(layer.into().0);
+    pub fn add(&mut self, layer: impl Layer + 'static) -> &mut Self {
+        self.layers.push(Box::new(layer));
         self
     }
 
     /// Adds a layer on top of those already there, in a chain of calls.
-    pub fn with(mut self, layer: impl Into<AnyLayer>) -> Self {
+    pub fn with(mut self, layer: impl Layer + 'static) -> Self {
         self.add(layer);
         self
     }

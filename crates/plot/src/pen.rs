@@ -1,7 +1,5 @@
 //! How a line is drawn.
 
-use plotters_backend::{BackendColor, BackendStyle};
-
 use super::color::{BLACK, Color};
 
 /// Line style; told apart without colour.
@@ -42,8 +40,8 @@ impl Pen {
         }
     }
 
-    /// Lengths of strokes and gaps, px; empty for a solid line. They grow with the width, so that a bold dotted
-    /// line is still dotted.
+    /// Lengths of strokes and gaps, px; empty for a solid line. They grow with the width, so that a
+    /// bold dotted line is still dotted.
     pub(super) fn pattern(&self) -> Vec<f64> {
         let w = self.width.max(1.0);
         match self.dash {
@@ -52,19 +50,5 @@ impl Pen {
             Dash::Dotted => vec![1.1 * w, 1.7 * w],
             Dash::DashDot => vec![5.5 * w, 1.9 * w, 1.1 * w, 1.9 * w],
         }
-    }
-}
-
-impl BackendStyle for Pen {
-    fn color(&self) -> BackendColor {
-        let Color(red, green, blue) = self.color;
-        BackendColor {
-            alpha: 1.0,
-            rgb: (red, green, blue),
-        }
-    }
-
-    fn stroke_width(&self) -> u32 {
-        super::canvas::units(self.width).unsigned_abs()
     }
 }

@@ -6,8 +6,6 @@ use plotters::coord::Shift;
 use plotters::coord::cartesian::Cartesian2d;
 use plotters::coord::types::RangedCoordf64;
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind};
-use plotters::element::{Polygon, Rectangle};
-use plotters::style::{RGBColor, ShapeStyle};
 
 use super::axis::Axis;
 use super::canvas::{Canvas, units};
@@ -20,7 +18,8 @@ use crate::error::PlotError;
 /// Nobody sees a curve move by less than this, px, even enlarged a few times.
 const TOLERANCE: f64 = 0.02;
 
-pub(super) type Drawn = Result<(), PlotError>;
+/// The outcome of drawing.
+pub type Drawn = Result<(), PlotError>;
 pub(super) type Page<'a> = DrawingArea<Canvas<'a>, Shift>;
 
 impl From<DrawingAreaErrorKind<fmt::Error>> for PlotError {
@@ -101,13 +100,11 @@ impl Sheet<'_, '_> {
     }
 
     pub(super) fn fill(&self, points: &[Point], color: Color) -> Drawn {
-        let points: Vec<(i32, i32)> = points.iter().map(backend).collect();
-        Ok(self.page.draw(&Polygon::new(points, solid(color)))?)
+        self.draw(points, Ink::Polygon(color))
     }
 
     pub(super) fn rect(&self, frame: &Frame, color: Color) -> Drawn {
-        let corners = frame.corners().map(|corner| backend(&corner));
-        Ok(self.page.draw(&Rectangle::new(corners, solid(color)))?)
+        self.draw(&frame.corners(), Ink::Rectangle(color))
     }
 
     pub(super) fn outline(&self, frame: &Frame, pen: &Pen) -> Drawn {
@@ -119,7 +116,7 @@ impl Sheet<'_, '_> {
 }
 
 /// Draws in the data coordinates of a panel.
-pub(super) struct Plot<'p, 'a> {
+pub struct Plot<'p, 'a> {
     pub(super) sheet: Sheet<'p, 'a>,
     pub(super) frame: Frame,
     pub(super) bounds: Bounds,
@@ -177,11 +174,11 @@ impl<'p, 'a> Plot<'p, 'a> {
     /// A filled polygon in data units, cut at the frame.
     pub(super) fn fill(&self, points: &[Point], color: Color) -> Drawn {
         let cut = polyline::clip_area(points, &self.bounds);
-        if cut.len() < 3 {
-            return Ok(());
-        }
-        let corners = polyline::thin(&cut, self.scale(), TOLERANCE);
-        Ok(self.data.draw(&Polygon::new(corners, solid(color)))?)
+        let (points, ink) = (
+            polyline::thin(&cut, self.scale(), TOLERANCE),
+            Ink::Polygon(color),
+        );
+        Ok(self.data.draw(&Element { points, ink })?)
     }
 
     /// Markers at those of the data points that lie inside the frame.
@@ -194,8 +191,4 @@ impl<'p, 'a> Plot<'p, 'a> {
 
 fn backend(p: &Point) -> (i32, i32) {
     (units(p.0), units(p.1))
-}
-
-fn solid(color: Color) -> ShapeStyle {
-    ShapeStyle::from(RGBColor(color.0, color.1, color.2)).filled()
 }

@@ -16,7 +16,8 @@ impl Bounds {
         self.x.0 <= x && x <= self.x.1 && self.y.0 <= y && y <= self.y.1
     }
 
-    /// The part of the segment inside the rectangle (Liang and Barsky), as parameters 0 ≤ s ≤ e ≤ 1 along it.
+    /// The part of the segment inside the rectangle (Liang and Barsky), as parameters 0 ≤ s ≤ e ≤ 1
+    /// along it.
     fn segment(&self, a: Point, b: Point) -> Option<(f64, f64)> {
         let (dx, dy) = (b.0 - a.0, b.1 - a.1);
         let (mut start, mut end) = (0.0_f64, 1.0_f64);
@@ -74,8 +75,8 @@ fn close(piece: &mut Vec<Point>, pieces: &mut Vec<Vec<Point>>) {
     }
 }
 
-/// The part of a closed polygon inside the rectangle (Sutherland and Hodgman). Where the polygon leaves and
-/// comes back the result runs along the border, which a fill does not show.
+/// The part of a closed polygon inside the rectangle (Sutherland and Hodgman). Where the polygon
+/// leaves and comes back the result runs along the border, which a fill does not show.
 pub(super) fn clip_area(points: &[Point], bounds: &Bounds) -> Vec<Point> {
     // One half-plane after the other: which coordinate, its limit, and which side is kept.
     let sides = [
@@ -108,12 +109,15 @@ pub(super) fn clip_area(points: &[Point], bounds: &Bounds) -> Vec<Point> {
     polygon
 }
 
-/// Points of a piece of a long line.
+/// Points of a piece of a long line. In the worst case a piece takes this many squared steps, some
+/// seconds.
 const PIECE: usize = 1 << 16;
 
-/// Drops points whose absence moves the line by less than `tolerance` (Ramer, Douglas and Peucker; without
-/// recursion, so a long orbit cannot exhaust the stack). `scale` turns data units into those of the tolerance. The ends of pieces of a long line
-/// are kept: where every split leaves nearly all points on one side, as of a spiral, the time grows with the square of a piece and not of the line.
+/// Drops points whose absence moves the line by less than `tolerance` (Ramer, Douglas and Peucker;
+/// without recursion, so a long orbit cannot exhaust the stack). `scale` turns data units into
+/// those of the tolerance. The ends of pieces of a long line are kept: where every split leaves
+/// nearly all points on one side, as of a spiral, the time grows with the square of a piece and not
+/// of the line.
 pub(super) fn thin(points: &[Point], scale: Point, tolerance: f64) -> Vec<Point> {
     if points.len() < 3 {
         return points.to_vec();

@@ -1,8 +1,8 @@
 //! Markup for the mathematics in labels.
 //!
-//! `*x*` is italic, `**(a)**` bold; `_` and `^` put the next character, or a group in braces, below or above
-//! the line: `*x*_1`, `*z*_{*k*}`, `10^{−4}`. A backslash takes the next character literally. Greek letters and
-//! signs are typed as they are: `*μ*_0 = √3/9`.
+//! `*x*` is italic, `**(a)**` bold; `_` and `^` put the next character, or a group in braces, below
+//! or above the line: `*x*_1`, `*z*_{*k*}`, `10^{−4}`. A backslash takes the next character
+//! literally. Greek letters and signs are typed as they are: `*μ*_0 = √3/9`.
 
 /// Where a run of text stands relative to the line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -48,7 +48,8 @@ pub(super) struct Run {
     pub(super) level: Level,
 }
 
-/// Splits marked-up text into runs. Every input is accepted: a mark that is never closed reaches to the end.
+/// Splits marked-up text into runs. Every input is accepted: a mark that is never closed reaches to
+/// the end.
 pub(super) fn parse(markup: &str) -> Vec<Run> {
     let mut parser = Parser::default();
     let mut chars = markup.chars().peekable();

@@ -9,12 +9,14 @@ use super::pen::Pen;
 use super::plot::{Drawn, Frame, Page, Sheet};
 use crate::error::PlotError;
 
+// Lengths, px. They are chosen by eye at the nominal size.
 const SIZE: f64 = 11.0;
 const LINE: f64 = 17.0;
 const COLUMN_GAP: f64 = 16.0;
 const TITLE: f64 = 22.0;
 
-/// Rows of marked-up text under a header; the first column is set to the left, the others to the right.
+/// Rows of marked-up text under a header; the first column is set to the left, the others to the
+/// right.
 #[derive(Clone, Debug)]
 pub struct Table {
     title: String,

@@ -49,9 +49,9 @@ pub const SETS: [Set; 3] = [
     },
 ];
 
-/// Tolerance of the solver.
+/// Tolerance of the solver, far below the distance of points of a section that count as equal.
 pub const TOLERANCE: f64 = 1e-10;
-/// A component beyond this has diverged.
+/// A component beyond this has diverged: it is far beyond the bounded motions.
 pub(crate) const DIVERGED: f64 = 1e3;
 
 /// A bounded motion, from `START` to `END`.

@@ -3,7 +3,7 @@
 use super::compute::{Data, Literal};
 use super::numbers::{compare, worth};
 use super::watch::{END, START};
-use crate::figures::{FigureError, belt_line, pair, with_ticks};
+use crate::figures::{FigureError, belt_line, pair};
 use crate::numbers::extent;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::published::{Claims, PublishedError};
@@ -157,7 +157,7 @@ fn running(data: &Data) -> Result<Panel, PublishedError> {
         .filter(|(at, _)| (low..=high).contains(at));
     let mut panel = Panel::new(
         Axis::new("*t* − 3000", 0.0, end).step(3000.0).minor(3),
-        with_ticks(Axis::new("*λ*, running means", low, high), ticks),
+        Axis::new("*λ*, running means", low, high).ticks(ticks),
     )
     .label("(c)")
     .title(&format!("exponents{}", annihilated(data)))
@@ -207,15 +207,15 @@ fn four(value: f64) -> String {
 }
 
 /// The places of the exponents from data as the table has them: by size, those that the data do not
-/// tell after the others.
+/// identify after the others.
 fn by_size(data: &Data) -> Vec<usize> {
     let exponents = &data.from_data.exponents;
     let is_unidentified = |i: usize| exponents[i].status == Status::Unidentified;
     let mut order: Vec<usize> = (0..exponents.len()).collect();
     order.sort_by(|&one, &other| {
         let by_value = exponents[other].value.total_cmp(&exponents[one].value);
-        let told = is_unidentified(one).cmp(&is_unidentified(other));
-        told.then(by_value)
+        let by_status = is_unidentified(one).cmp(&is_unidentified(other));
+        by_status.then(by_value)
     });
     order
 }
@@ -231,13 +231,13 @@ fn section_points(distinct: usize, returns: usize) -> String {
 
 fn table(data: &Data) -> Result<Table, PublishedError> {
     let claims = Claims::committed()?;
-    let said = |id: ClaimId| claims.of(id).published.clone();
+    let published = |id: ClaimId| claims.of(id).published.clone();
     let mut table = Table::new(["", "published", "from equations", "from data"])
         .title("**(d)**  per unit of *t*; in brackets: unidentified, last");
     let comparisons = compare(&data.from_data, &data.exact.spectrum.exponents);
     let order = by_size(data);
     for i in 0..4 {
-        let printed = said(data.set.figure.exponents()[i]).replace('-', "−");
+        let printed = published(data.set.figure.exponents()[i]).replace('-', "−");
         let exponent = &data.exact.spectrum.exponents[i];
         let equations = match exponent.std_error() {
             Some(error) => format!("{} ± {}", four(exponent.value()), four(error)),
@@ -264,21 +264,22 @@ fn table(data: &Data) -> Result<Table, PublishedError> {
     let points = section_points(exact.evidence.distinct, exact.evidence.returns);
     let stick = number(100.0 * exact.spectrum.stick_fraction, 2);
     let force = number(exact.least_force, 3);
-    let class = said(data.set.figure.class());
-    table = table.row([
-        "class".to_owned(),
-        class,
-        exact.class.to_string(),
-        String::new(),
-    ]);
-    for (name, found) in [
-        ("section points", points),
-        ("stick, % of time", stick),
-        ("least *N*/*mg*, not clipped", force),
-        ("losses of contact", exact.contact_losses.to_string()),
-        ("signs as printed", literal),
-    ] {
-        table = table.row([name.to_owned(), String::new(), found, String::new()]);
-    }
-    Ok(table)
+    let class = published(data.set.figure.class());
+    let none = String::new();
+    let rows = [
+        ("class", class, exact.class.to_string()),
+        ("section points", none.clone(), points),
+        ("stick, % of time", none.clone(), stick),
+        ("least *N*/*mg*, not clipped", none.clone(), force),
+        (
+            "losses of contact",
+            none.clone(),
+            exact.contact_losses.to_string(),
+        ),
+        ("signs as printed", none.clone(), literal),
+    ];
+    let cells = |(name, published, value): (&str, String, String)| {
+        [name.to_owned(), published, value, none.clone()]
+    };
+    Ok(rows.into_iter().map(cells).fold(table, Table::row))
 }

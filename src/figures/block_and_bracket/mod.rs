@@ -6,6 +6,8 @@ mod draw;
 mod numbers;
 mod watch;
 
+#[cfg(feature = "report")]
+pub(crate) use compute::DIVERGED;
 #[cfg(all(test, feature = "report"))]
 pub(crate) use compute::best_common;
 pub use compute::{Data, Literal, Measured, SETS, Set, TOLERANCE, by_rk4_and_henon, class};
@@ -15,6 +17,8 @@ use compute::compute;
 use draw::draw;
 use numbers::numbers;
 pub use numbers::{Comparison, DIVERGES, compare};
+#[cfg(feature = "report")]
+pub(crate) use watch::{DT, START};
 
 /// A figure with what is computed in words: which set of parameters, and what the paper publishes
 /// it as.

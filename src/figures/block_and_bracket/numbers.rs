@@ -62,7 +62,7 @@ impl Named {
     }
 
     fn count(&self, quantity: &str, value: usize) -> Row {
-        Row::count(self.name(quantity), self.reading, value as u64)
+        Row::count(self.name(quantity), self.reading, value)
     }
 
     fn class(&self, class: &str) -> Row {
@@ -169,20 +169,19 @@ impl Named {
     }
 }
 
-/// How many exponents are zero, and whether the first is positive, as the estimate from data tells.
+/// How many exponents are zero, and whether the first is positive, by the estimate from data.
 fn signs_in_data(spectrum: &DataSpectrum) -> (usize, bool) {
-    let told = |one: &&DataExponent| one.status == Status::Ok;
-    let error = |one: &DataExponent| 3.0 * one.stderr + one.eps_sensitivity.abs();
-    let exponents = spectrum.exponents.iter().filter(told);
-    let zeros = exponents
-        .filter(|one| one.value.abs() <= error(one))
-        .count();
-    let first = spectrum.exponents.first().filter(told);
-    (zeros, first.is_some_and(|one| one.value > error(one)))
+    let is_determined = |one: &&DataExponent| one.status == Status::Ok;
+    let error = |one: &DataExponent| STANDARD_ERRORS * one.stderr + one.eps_sensitivity.abs();
+    let exponents = spectrum.exponents.iter().filter(is_determined);
+    let zeros = exponents.filter(|one| one.value.abs() <= error(one));
+    let first = spectrum.exponents.first().filter(is_determined);
+    let positive = first.is_some_and(|one| one.value > error(one));
+    (zeros.count(), positive)
 }
 
-/// Standard errors that two estimates of one number may differ by: three leave chance 0.3 % of each
-/// comparison.
+/// Standard errors that two estimates of one number may differ by: by chance they differ by more in
+/// 0.3 % of the comparisons.
 const STANDARD_ERRORS: f64 = 3.0;
 
 /// An exponent that both ways give.
@@ -244,12 +243,10 @@ pub fn compare(data: &DataSpectrum, equations: &[Exponent]) -> Vec<Comparison> {
 pub(super) fn worth(data: &DataSpectrum, place: usize, comparisons: &[Comparison]) -> &'static str {
     let off = |one: &Comparison| one.place == place && !one.agrees();
     if comparisons.iter().any(off) {
-        "biased"
-    } else {
-        data.exponents
-            .get(place)
-            .map_or("", |exponent| exponent.status.word())
+        return "biased";
     }
+    let exponent = data.exponents.get(place);
+    exponent.map_or("", |exponent| exponent.status.word())
 }
 
 #[cfg(test)]

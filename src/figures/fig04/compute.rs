@@ -50,6 +50,7 @@ pub struct Data {
     pub cycle: Cycle,
 }
 
+/// Errors of a run stay far below the differences that decide here.
 const TOLERANCE: f64 = 1e-13;
 /// Length of the drawn orbits (s): about two turns, after which they cannot be told from the cycle.
 const DRAWN: f64 = 16.0;

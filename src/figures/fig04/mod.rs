@@ -2,15 +2,16 @@
 
 mod compute;
 mod draw;
-mod numbers;
 
 use super::FigureSpec;
+use crate::figures::rows::{Quantity, Row};
+use crate::paper::claim_id::ClaimId;
+use crate::paper::reading::Reading::Exact;
+use crate::text::joined;
 use compute::compute;
 pub use compute::{Cycle, Data};
 use draw::draw;
-#[cfg(feature = "report")]
-pub(crate) use numbers::kind;
-use numbers::numbers;
+use stickslip::analysis::Visibility;
 
 /// Fig. 4.
 pub const FIG04: FigureSpec<Data> = FigureSpec {
@@ -25,3 +26,92 @@ pub const FIG04: FigureSpec<Data> = FigureSpec {
     numbers,
     draw,
 };
+
+fn numbers(data: &Data) -> Vec<Row> {
+    let positions: Vec<f64> = data
+        .tangents
+        .iter()
+        .map(|tangent| tangent.position)
+        .collect();
+    let mut rows = Row::members(ClaimId::Eq12CriticalPoints, Exact, &data.stationary, "m");
+    for (id, values, unit) in [
+        (ClaimId::Eq13CriticalMu0, &data.critical_mu0, "N"),
+        (ClaimId::Eq16TangentPoints, &positions, "m"),
+    ] {
+        rows.extend(Row::members(id, Exact, values, unit));
+    }
+    rows.extend((1..).zip(&data.tangents).map(|(k, tangent): (usize, _)| {
+        let quantity = Quantity::Detail(ClaimId::Fig04Visibility, k.to_string());
+        Row::word(quantity, Exact, kind(tangent.visibility))
+    }));
+    rows.extend(limit_cycle(data));
+    rows.extend(statements(data));
+    rows
+}
+
+/// The name of a kind, as the caption has it.
+pub(crate) fn kind(visibility: Visibility) -> &'static str {
+    match visibility {
+        Visibility::Visible => "visible",
+        Visibility::Invisible => "invisible",
+        Visibility::Degenerate => "degenerate",
+    }
+}
+
+fn limit_cycle(data: &Data) -> Vec<Row> {
+    let cycle = &data.cycle;
+    let number = |name: &str, value, unit| {
+        Row::number(format!("fig04.limit_cycle.{name}"), Exact, value, unit)
+    };
+    vec![
+        number("crossing.left", cycle.left, "m"),
+        number("crossing.right", cycle.right, "m"),
+        number("period", cycle.period, "s"),
+        number("multiplier", cycle.multiplier, "1"),
+        number("kink.below", cycle.kink[0], "m/s²"),
+        number("kink.above", cycle.kink[1], "m/s²"),
+        Row::count("fig04.sticks_per_period", Exact, cycle.sticks),
+        Row::count("fig04.orbits", Exact, data.orbits.len()),
+        Row::count("fig04.orbits_that_stick", Exact, data.sticking),
+    ]
+}
+
+impl Data {
+    /// Which of the numbered tangent points are of which kind, as the caption has it.
+    pub(super) fn kinds(&self) -> String {
+        let listed = |wanted| {
+            let numbered = (1..).zip(&self.tangents);
+            let of_kind = numbered.filter(|(_, tangent)| tangent.visibility == wanted);
+            let numbers = of_kind.map(|(k, _): (usize, _)| k);
+            format!("{} {}", kind(wanted), joined(numbers, ","))
+        };
+        let (visible, invisible) = (Visibility::Visible, Visibility::Invisible);
+        format!("{}; {}", listed(visible), listed(invisible))
+    }
+}
+
+/// The captions' statements, decided from the numbers.
+fn statements(data: &Data) -> Vec<Row> {
+    let distance = |k: usize| (data.tangents[k].position - data.cycle.left).abs();
+    let nearest = (0..data.tangents.len()).min_by(|&a, &b| distance(a).total_cmp(&distance(b)));
+    let [below, above] = data.cycle.kink;
+    let deflection = [
+        (
+            "the cycle's left crossing of Σ is nearest to the third tangent point",
+            nearest == Some(2),
+        ),
+        ("the slope of the orbit jumps there", below != above),
+    ];
+    let no_stick = [
+        ("the limit cycle has no stick phase", data.cycle.sticks == 0),
+        (
+            "nor has an orbit of the figure that leads to it",
+            data.sticking == 0,
+        ),
+    ];
+    vec![
+        Row::word(ClaimId::Fig04Visibility, Exact, &data.kinds()),
+        Row::statement(ClaimId::Fig04NoStick, Exact, no_stick),
+        Row::statement(ClaimId::Fig04Deflection, Exact, deflection),
+    ]
+}

@@ -1,11 +1,9 @@
 //! The transition function, its oscillating zeros and their bifurcation.
 
-use crate::numbers::bisect;
-use std::f64::consts::PI;
-
 use crate::figures::Failure;
+use crate::numbers::bisect;
 use stickslip::Error;
-use stickslip::math;
+use stickslip::models::ForcedOscillator;
 use stickslip::models::cubic::{Cubic, TangentPoint};
 
 /// Everything in the figure. What is drawn is for `k₁ = 1 N/m`, `k₂ = 1 N/m³`, as in the paper.
@@ -47,12 +45,8 @@ pub struct Transition {
 /// The tangent points as they move with the end of the spring.
 #[derive(Clone, Debug)]
 pub struct Oscillation {
-    /// Amplitude of the forcing, m.
-    pub amplitude: f64,
-    /// Its angular frequency, 1/s.
-    pub omega: f64,
-    /// Friction coefficient.
-    pub mu0: f64,
+    /// The oscillator of Fig. 8.
+    pub model: ForcedOscillator,
     /// The six tangent points at rest, m.
     pub points: Vec<f64>,
     /// Times, s.
@@ -104,20 +98,15 @@ fn transition(spring: &Cubic, mu0: f64) -> Result<Transition, Error> {
     })
 }
 
-/// The parameters of Fig. 8.
 fn oscillation(spring: &Cubic) -> Result<Oscillation, Error> {
-    let mu0 = 3f64.sqrt() / 9.0;
-    let amplitude = 4.0 * 3f64.sqrt() / 3.0 * math::sin(PI / 18.0);
-    let omega = 3.0 * PI / 2.4728;
-    let points: Vec<f64> = spring.tangent_points(mu0)?.iter().map(|p| p.z).collect();
-    let times: Vec<f64> = grid(0.0, PERIODS * 2.0 * PI / omega, 600).collect();
-    let at = |z: f64, t: &f64| z + amplitude * math::sin(omega * t);
-    let over_time = |z: &f64| times.iter().map(|t| at(*z, t)).collect();
+    let model = ForcedOscillator::default();
+    let points = spring.tangent_points(model.mu0)?;
+    let points: Vec<f64> = points.iter().map(|point| point.z).collect();
+    let times: Vec<f64> = grid(0.0, PERIODS * model.period(), 600).collect();
+    let over_time = |z: &f64| times.iter().map(|t| z + model.support(*t)).collect();
     Ok(Oscillation {
         positions: points.iter().map(over_time).collect(),
-        amplitude,
-        omega,
-        mu0,
+        model,
         points,
         times,
     })

@@ -1,7 +1,5 @@
 //! The picture of Fig. 7.
 
-use std::f64::consts::PI;
-
 use super::compute::{Branches, Data, Oscillation, Transition, Z_MAX};
 use crate::figures::{FigureError, pair};
 use plot::{
@@ -52,7 +50,7 @@ fn transition(data: &Data) -> Panel {
 }
 
 fn oscillation(data: &Oscillation) -> Panel {
-    let period = 2.0 * PI / data.omega;
+    let (period, amplitude) = (data.model.period(), data.model.amplitude);
     let end = data.times.last().copied().unwrap_or(period);
     let mut panel = Panel::new(
         Axis::new("*t*, s", 0.0, end).step(0.5).minor(5),
@@ -67,12 +65,12 @@ fn oscillation(data: &Oscillation) -> Panel {
         panel.add(Region::between(curve(&zone[0]), curve(&zone[1])).fill(LIGHT_GREY));
     }
     panel.add(Guide::vertical(period).label("*t* = 2π/*ω*", 0.06));
-    panel.add(Note::new((0.25 * period, data.amplitude), "stick"));
+    panel.add(Note::new((0.25 * period, amplitude), "stick"));
     for (k, positions) in data.positions.iter().enumerate() {
         let (color, dash) = EDGES[k % 2];
         panel.add(Curve::new(curve(positions)).color(color).dash(dash));
         // Beside the crest of the second period, outside the zone.
-        let crest = (1.25 * period, data.points[k] + data.amplitude);
+        let crest = (1.25 * period, data.points[k] + amplitude);
         let up = if k % 2 == 0 { 5.0 } else { -5.0 };
         panel.add(Note::new(crest, &format!("{}", k + 1)).offset(0.0, up));
     }
@@ -83,7 +81,7 @@ fn branches(data: &Data) -> Panel {
     let root = 3f64.sqrt();
     let Branches { below, above, .. } = &data.branches;
     let mut panel = Panel::new(
-        Axis::new("*μ*_0, N", 0.0, 4.0 * root / 9.0).ticks(&[
+        Axis::new("*μ*_0, N", 0.0, 4.0 * root / 9.0).ticks([
             (0.0, "0"),
             (root / 9.0, "√3/9"),
             (2.0 * root / 9.0, "2√3/9"),
@@ -106,7 +104,7 @@ fn branches(data: &Data) -> Panel {
         panel.add(curve.dash(dash).width(1.6));
     }
     let drawn = &data.oscillation;
-    let six = drawn.points.iter().map(|z| (drawn.mu0, *z));
+    let six = drawn.points.iter().map(|z| (drawn.model.mu0, *z));
     let mut six = Markers::new(six).color(BLACK).open();
     for k in 0..6 {
         let up = if k % 2 == 0 { 7.0 } else { -7.0 };

@@ -2,13 +2,14 @@
 
 mod compute;
 mod draw;
-mod numbers;
 
 use super::FigureSpec;
+use crate::figures::rows::{Quantity, Row};
+use crate::paper::claim_id::ClaimId;
+use crate::paper::reading::Reading::Exact;
 use compute::compute;
 pub use compute::{Branches, Data, Oscillation, Transition};
 use draw::draw;
-use numbers::numbers;
 
 /// Fig. 7.
 pub const FIG07: FigureSpec<Data> = FigureSpec {
@@ -23,3 +24,106 @@ pub const FIG07: FigureSpec<Data> = FigureSpec {
     numbers,
     draw,
 };
+
+/// All rows.
+fn numbers(data: &Data) -> Vec<Row> {
+    // Eq. (23): the friction that makes σ zero where its slope was found to vanish.
+    let stationary = data.stationary.iter();
+    let forces: Vec<f64> = stationary.map(|z| data.unequal.force(*z)).collect();
+    let mut rows = Row::members(ClaimId::Eq22CriticalPoints, Exact, &data.stationary, "m");
+    rows.extend(Row::members(ClaimId::Eq23CriticalMu0, Exact, &forces, "N"));
+    rows.extend(limits(data));
+    rows.extend(tangency(data));
+    rows.extend(oscillation(data));
+    rows.extend(branches(data));
+    rows
+}
+
+/// Sect. 2 on the two limits of `μ₀`.
+fn limits(data: &Data) -> Vec<Row> {
+    let none = data.without.zones.is_empty();
+    let degenerate = [
+        ("there is no stick zone at mu0 = 0", none),
+        ("three tangent points remain", data.without.zeros.len() == 3),
+    ];
+    let continuous = [(
+        "there is one stick zone at mu0 = 2/(3√3)",
+        data.with_critical.zones.len() == 1,
+    )];
+    let mut rows = vec![
+        Row::statement(ClaimId::S2DegenerateZone, Exact, degenerate),
+        Row::statement(ClaimId::S2ContinuousZone, Exact, continuous),
+    ];
+    let zones = data.with_critical.zones.iter();
+    let ends: Vec<f64> = zones.flat_map(|&(low, high)| [high, low]).collect();
+    let id = ClaimId::S2BoundaryTangentPoints;
+    rows.extend(Row::members(id, Exact, &ends, "m"));
+    rows
+}
+
+/// Fig. 7a: from which side `σ` touches the axis, looked up beside each double zero.
+fn tangency(data: &Data) -> Vec<Row> {
+    let above = touching(data, &data.without, 1.0);
+    let below = touching(data, &data.with_critical, -1.0);
+    let parts = [
+        (
+            "sigma touches the axis from above in three points at mu0 = 0",
+            above == 3,
+        ),
+        ("and from below in two at mu0 = 2√3/9", below == 2),
+    ];
+    let detail = |name: &str, count| detail(ClaimId::Fig07aTangency, name, count);
+    vec![
+        Row::statement(ClaimId::Fig07aTangency, Exact, parts),
+        detail("touching_from_above", above),
+        detail("touching_from_below", below),
+    ]
+}
+
+fn touching(data: &Data, transition: &Transition, side: f64) -> usize {
+    /// Distance (m) at which the sign is looked up: far above rounding, far below that of zeros.
+    const BESIDE: f64 = 1e-3;
+    let beside = |z: f64| side * data.spring.sigma(z, transition.mu0, 1.0) > 0.0;
+    let touches = |z: f64| beside(z - BESIDE) && beside(z + BESIDE);
+    let zeros = transition.zeros.iter();
+    zeros.filter(|zero| touches(zero.z)).count()
+}
+
+/// Fig. 7b: what the curves are drawn with. Whether they bound the stick zones is computed by the
+/// report.
+fn oscillation(data: &Data) -> Vec<Row> {
+    let Oscillation { model, points, .. } = &data.oscillation;
+    let mut rows = vec![
+        Row::number("fig07b.amplitude", Exact, model.amplitude, "m"),
+        Row::number("fig07b.period", Exact, model.period(), "s"),
+    ];
+    for (i, pair) in points.chunks_exact(2).enumerate() {
+        let name = format!("fig07b.zone_width.{}", i + 1);
+        rows.push(Row::number(name, Exact, pair[0] - pair[1], "m"));
+    }
+    rows
+}
+
+/// Fig. 7c: the number of tangent points in each regime.
+fn branches(data: &Data) -> Vec<Row> {
+    let outer = data.branches.above.first().and_then(|branch| branch.last());
+    let end = outer.map_or(f64::NAN, |point| point.1);
+    let [zero, below, at, above] = data.branches.counts;
+    let parts = [
+        ("six branches below the critical mu0", below == 6),
+        ("two above it", above == 2),
+    ];
+    let detail = |name: &str, count| detail(ClaimId::Fig07cBranches, name, count);
+    vec![
+        Row::statement(ClaimId::Fig07cBranches, Exact, parts),
+        detail("points_without_friction", zero),
+        detail("points_below_critical", below),
+        detail("points_at_critical", at),
+        detail("points_above_critical", above),
+        Row::number("fig07c.outer_point_at_end", Exact, end, "m"),
+    ]
+}
+
+fn detail(id: ClaimId, name: &str, count: usize) -> Row {
+    Row::count(Quantity::Detail(id, name.to_owned()), Exact, count)
+}

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::figures::{Failure, crossing, curve3};
 use crate::numbers::missing;
 use crate::paper::bounded;
-use crate::paper::listing::{self, END, Params, Sample, Setup};
+use crate::paper::listing::{self, END, Sample, Setup};
 use crate::paper::pattern::{Pattern, two_periodic};
 use crate::paper::slip_times_three::{self, Injected};
 use stickslip::analysis::{Destination, destination, multipliers, periodic_orbit_forced};
@@ -84,10 +84,11 @@ pub struct Data {
     pub shares: Shares,
 }
 
+/// Errors of a run stay far below the differences that decide here.
 const TOLERANCE: f64 = 1e-13;
-/// Forcing periods in the picture.
+/// Forcing periods in the picture: the published pattern.
 const SHOWN: f64 = 2.0;
-/// Forcing periods in which a pattern of any length shows itself.
+/// Forcing periods in which a pattern of any length repeats: three times the longest.
 const REPEATED: f64 = 24.0;
 
 pub(super) fn compute() -> Result<Data, Failure> {
@@ -130,7 +131,7 @@ fn as_printed(model: &ForcedOscillator, zones: &[(f64, f64)]) -> Result<AsPrinte
         }
         sticking = sticks;
     };
-    let run = listing::run_with(&Setup::default(), keep)?;
+    let run = listing::run_with(&Setup::default(), keep);
     let what = "a motion of the listing that repeats";
     let pattern = Pattern::of_listing(&run).ok_or_else(|| missing(what, 0.0, END))?;
     Ok(AsPrinted {
@@ -143,7 +144,7 @@ fn as_printed(model: &ForcedOscillator, zones: &[(f64, f64)]) -> Result<AsPrinte
 
 fn exact(model: &ForcedOscillator, options: &Options) -> Result<Exact, Error> {
     let period = model.period();
-    let start = State::from([Params::default().x1, model.belt_speed]);
+    let start = Setup::default().state();
     let whole = (END / period).floor() * period;
     let settled = solve(model, 0.0, start, whole, options)?;
     let orbit = periodic_orbit_forced(model, 0.0, settled.x_end, period, options)?;
@@ -177,7 +178,7 @@ const GRID: (u32, u32) = (61, 41);
 pub const REACH: [f64; 2] = [1.2, 2.0];
 /// Forcing periods that a start is followed over.
 pub const FOLLOWED: usize = 40;
-/// States a pattern apart that are this near count as equal.
+/// States a pattern apart that are this near count as equal: the paper's last digit.
 const CLOSENESS: f64 = 1e-4;
 
 /// A grid of starts with its corners at [`REACH`].

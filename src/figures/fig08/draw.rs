@@ -1,7 +1,7 @@
 //! The picture of Fig. 8.
 
 use super::compute::Data;
-use crate::figures::{FigureError, belt_line, pair, with_ticks};
+use crate::figures::{FigureError, belt_line, pair};
 use crate::numbers::extent;
 use crate::paper::listing::Crossing;
 use plot::*;
@@ -115,8 +115,8 @@ fn add_deflections(panel: &mut Panel, side: &Side<'_>) {
     let (from, to) = (middle - 3.0 * reach, middle + 3.0 * reach);
     let ticks = positions().map(|x1| (x1, number(x1, 3)));
     let mut detail = Panel::new(
-        with_ticks(Axis::new("", from, to), ticks),
-        Axis::new("", belt - 0.1, belt + 0.1).ticks(&[]),
+        Axis::new("", from, to).ticks(ticks),
+        Axis::new("", belt - 0.1, belt + 0.1).ticks::<&str>([]),
     );
     detail.add(belt_line(belt));
     let curve = side.trajectory.iter().map(|&(_, x1, x2)| (x1, x2));

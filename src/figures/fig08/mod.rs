@@ -2,15 +2,17 @@
 
 mod compute;
 mod draw;
-mod numbers;
 
 use super::FigureSpec;
+use crate::figures::rows::Row;
+use crate::paper::claim_id::ClaimId;
+use crate::paper::pattern::Pattern;
+use crate::paper::reading::Reading;
 use compute::compute;
 #[cfg(feature = "report")]
 pub(crate) use compute::starts;
 pub use compute::{AsPrinted, Data, Exact, FOLLOWED, REACH, Shares};
 use draw::draw;
-use numbers::numbers;
 
 /// Fig. 8.
 pub const FIG08: FigureSpec<Data> = FigureSpec {
@@ -25,3 +27,97 @@ pub const FIG08: FigureSpec<Data> = FigureSpec {
     numbers,
     draw,
 };
+
+fn numbers(data: &Data) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for (reading, pattern) in [
+        (Reading::AsPrinted, &data.as_printed.pattern),
+        (Reading::SlipTimesThree, &data.slip_times_three),
+        (Reading::Exact, &data.exact.pattern),
+    ] {
+        rows.extend(four(reading, pattern));
+        let deflections = pattern.deflections().len();
+        rows.push(Row::count(ClaimId::Fig08Deflections, reading, deflections));
+    }
+    rows.extend(two_periodic(data));
+    rows.extend(as_printed(data));
+    rows.extend(exact(data));
+    rows.extend(shares(data));
+    rows
+}
+
+/// Lengths and durations, or how many stick phases there are instead of two.
+fn four(reading: Reading, pattern: &Pattern) -> Vec<Row> {
+    let numbers = pattern.four_numbers();
+    let row = |(i, unit): (usize, &'static str)| match numbers {
+        Some(values) => Row::number(ClaimId::FOUR[i], reading, values[i], unit),
+        None => {
+            let count = pattern.sticks_of_one().count();
+            Row::word(ClaimId::FOUR[i], reading, &format!("{count} stick phases"))
+        }
+    };
+    ["m", "m", "s", "s"]
+        .into_iter()
+        .enumerate()
+        .map(row)
+        .collect()
+}
+
+fn two_periodic(data: &Data) -> Vec<Row> {
+    let of_motion =
+        "the settled motion sticks and repeats after two forcing periods and not after one";
+    // Any attractor that the grid of starts finds may be the caption's.
+    let of_grid = "a start of the grid leads to a motion that sticks and repeats after two forcing periods and not after one";
+    let printed = data.as_printed.pattern.two_periodic();
+    let limit = data.slip_times_three.two_periodic();
+    [
+        (Reading::AsPrinted, of_motion, printed),
+        (Reading::SlipTimesThree, of_motion, limit),
+        (Reading::Exact, of_grid, data.shares.stick_slip_two > 0.0),
+    ]
+    .map(|(reading, what, holds)| {
+        Row::statement(ClaimId::Fig08TwoPeriodic, reading, [(what, holds)])
+    })
+    .into()
+}
+
+fn as_printed(data: &Data) -> Vec<Row> {
+    let listing = &data.as_printed;
+    let sticks = listing.pattern.sticks_of_one().count();
+    let outside = "fig08.stick_time_outside_zones";
+    vec![
+        Row::count("fig08.sticks_per_pattern", Reading::AsPrinted, sticks),
+        Row::number(outside, Reading::AsPrinted, listing.outside_zones, "1"),
+    ]
+}
+
+fn exact(data: &Data) -> Vec<Row> {
+    let exact = &data.exact;
+    let sticks = exact.pattern.sticks_of_one().count();
+    let number =
+        |name: &str, value, unit| Row::number(format!("fig08.{name}"), Reading::Exact, value, unit);
+    vec![
+        Row::count("fig08.sticks_per_period", Reading::Exact, sticks),
+        number("slip_duration.below", exact.below, "s"),
+        number("slip_duration.above", exact.above, "s"),
+        number("crossing.left", exact.left, "m"),
+        number("crossing.right", exact.right, "m"),
+        number("multiplier.modulus.1", exact.multipliers[0], "1"),
+        number("multiplier.modulus.2", exact.multipliers[1], "1"),
+    ]
+}
+
+fn shares(data: &Data) -> Vec<Row> {
+    let shares = &data.shares;
+    let share =
+        |name: &str, value| Row::number(format!("fig08.share.{name}"), Reading::Exact, value, "1");
+    vec![
+        Row::count("fig08.share.starts", Reading::Exact, shares.starts),
+        share("slip_only_period_one", shares.slip_only),
+        share("slip_only_longer_period", shares.other),
+        share("stick_slip", shares.stick_slip),
+        share("stick_slip_period_two", shares.stick_slip_two),
+        share("escapes", shares.escapes),
+        share("unsettled", shares.unsettled),
+    ]
+}

@@ -28,34 +28,28 @@
 //! use replication::paper::listing::{run, Setup};
 //!
 //! let quick = Setup { h: 1e-3, ..Setup::default() };
-//! let outcome = run(&quick)?;
+//! let outcome = run(&quick);
 //! println!("{:?}: {:?}", outcome.motion, outcome.four_numbers());
-//! # Ok::<(), replication::paper::listing::ListingError>(())
 //! ```
 
 mod defects;
-mod error;
-mod params;
 mod record;
 mod regime;
+mod setup;
 mod step;
 
 pub use defects::{Defect, Defects};
-pub use error::ListingError;
-pub use params::{END, Params, Setup};
 pub use record::{Crossing, Direction, End, Instant, Motion, Run, Sample, Stick, StickPhase, Zone};
+pub(super) use record::{LEAST_COMPARED, pattern_begin};
+pub use setup::{END, Setup};
 
 use regime::Strobe;
 use step::{Event, Machine};
 use stickslip::Mode;
 
 /// Runs the listing and keeps phases, crossings and the class of motion, but no trajectory.
-///
-/// # Errors
-///
-/// [`ListingError`] where a parameter or the step is outside what the listing can work with. A
-/// motion that escapes or breaks down is no error: see [`Motion`].
-pub fn run(setup: &Setup) -> Result<Run, ListingError> {
+/// A motion that escapes or breaks down is a result, too: see [`Motion`].
+pub fn run(setup: &Setup) -> Run {
     run_with(setup, |_| {})
 }
 
@@ -64,12 +58,7 @@ pub fn run(setup: &Setup) -> Result<Run, ListingError> {
 ///
 /// Nothing is stored on the observer's behalf: a picture keeps the samples whose `in_window` is
 /// set, and of those as many as it can draw.
-///
-/// # Errors
-///
-/// As [`run`].
-pub fn run_with(setup: &Setup, mut observe: impl FnMut(&Sample)) -> Result<Run, ListingError> {
-    setup.validate()?;
+pub fn run_with(setup: &Setup, mut observe: impl FnMut(&Sample)) -> Run {
     let last = setup.last_step();
     let first_in_window = setup.first_window_step();
     let mut machine = Machine::start(setup);
@@ -78,13 +67,13 @@ pub fn run_with(setup: &Setup, mut observe: impl FnMut(&Sample)) -> Result<Run, 
         let before = machine.instant().t;
         let event = machine.advance();
         if let Some(end) = machine.breakdown(before) {
-            return Ok(recorder.finish(Some(end)));
+            return recorder.finish(Some(end));
         }
         let sample = machine.sample(i, i >= first_in_window);
         recorder.take(&sample, event);
         observe(&sample);
     }
-    Ok(recorder.finish(None))
+    recorder.finish(None)
 }
 
 /// Builds a [`Run`] from the passes of the loop, keeping events and one sample per forcing period.
@@ -102,7 +91,7 @@ impl Recorder {
             unfinished: sticks.then(|| (machine.instant(), machine.zone)),
             crossings: Vec::new(),
             motion: Motion::NotSettled,
-            forcing_period: setup.params.period(),
+            forcing_period: setup.model.period(),
         };
         Recorder {
             run,

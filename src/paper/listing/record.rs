@@ -4,8 +4,17 @@ use std::fmt;
 
 use stickslip::Mode;
 
-/// How much a pattern is shortened, in forcing periods, so as not to count its first phase twice.
+/// How much a pattern is shortened, in forcing periods. What happens exactly a pattern before its
+/// end begins the pattern before, and a clock may jitter around that.
 const PATTERN_MARGIN: f64 = 0.01;
+/// Forcing periods compared at least before a pattern counts as repeating: three of the shortest
+/// pattern that is published.
+pub(in crate::paper) const LEAST_COMPARED: usize = 6;
+
+/// The time (s) after which what happens belongs to the last `periods` forcing periods.
+pub(in crate::paper) fn pattern_begin(end: f64, periods: usize, forcing_period: f64) -> f64 {
+    end - (periods as f64 - PATTERN_MARGIN) * forcing_period
+}
 
 /// A stick zone: an interval between two neighbouring tangent points in which the body can ride the
 /// belt.
@@ -32,20 +41,14 @@ impl Zone {
     /// The zone that holds `x1` when the forcing stands at `xs`, both in metres (lines 90–101).
     pub(super) fn holding(x1: f64, tangent_points: &[f64; 6], xs: f64) -> Option<Zone> {
         let [t1, t2, t3, t4, t5, t6] = tangent_points.map(|z| z + xs);
-        if x1 <= t1 {
-            if x1 <= t3 {
-                if x1 <= t5 {
-                    if x1 >= t6 {
-                        return Some(Zone::Lower);
-                    }
-                } else if x1 >= t4 {
-                    return Some(Zone::Middle);
-                }
-            } else if x1 >= t2 {
-                return Some(Zone::Upper);
-            }
-        }
-        None
+        // In the order of the listing, which matters where zones meet.
+        let zones = [
+            (Zone::Lower, t6..=t5),
+            (Zone::Middle, t4..=t3),
+            (Zone::Upper, t2..=t1),
+        ];
+        let mut zones = zones.into_iter();
+        Some(zones.find(|(_, ends)| ends.contains(&x1))?.0)
     }
 }
 
@@ -246,18 +249,10 @@ impl Run {
 
     /// The complete phases that ended within so many forcing periods before the last one's end.
     pub(super) fn phases_in_last(&self, periods: usize) -> &[StickPhase] {
-        let Some(last) = self.phases.last() else {
-            return &[];
-        };
-        // The phase exactly that long ago begins the pattern before; the clock may jitter around
-        // it.
-        let from = last.stick.exit.t - (periods as f64 - PATTERN_MARGIN) * self.forcing_period;
-        let before = self
-            .phases
-            .iter()
-            .rposition(|phase| phase.stick.exit.t <= from);
-        self.phases
-            .get(before.map_or(0, |index| index + 1)..)
-            .unwrap_or_default()
+        let end = self.phases.last().map_or(0.0, |last| last.stick.exit.t);
+        let from = pattern_begin(end, periods, self.forcing_period);
+        let before = |phase: &StickPhase| phase.stick.exit.t <= from;
+        let first = self.phases.iter().rposition(before);
+        &self.phases[first.map_or(0, |index| index + 1)..]
     }
 }

@@ -1,13 +1,12 @@
 //! The class of the motion a run settled on.
 
-use super::params::Setup;
-use super::record::{Motion, Run, Sample};
+use super::record::{LEAST_COMPARED, Motion, Run, Sample};
+use super::setup::Setup;
 
-/// How closely a pattern has to repeat, in steps.
+/// How closely a pattern has to repeat, in steps. The steps do not fit the forcing period, so that
+/// a periodic motion is met with an error of some steps' way.
 const TOLERANCE_STEPS: f64 = 20.0;
-/// States compared at least before a pattern counts as repeating.
-const LEAST_COMPARED: usize = 6;
-/// A clock that gains less than this part of its steps stands.
+/// A clock that gains less than this part of its steps stands. A moving one gains most.
 const STALLED_RATE: f64 = 0.1;
 
 /// The states at whole multiples of the forcing period, and how the clock fares.
@@ -23,12 +22,12 @@ pub(super) struct Strobe {
 
 impl Strobe {
     pub(super) fn new(setup: &Setup) -> Self {
-        let period = setup.params.period();
+        let period = setup.model.period();
         Strobe {
             h: setup.h,
             period,
             middle: setup.last_step() / 2,
-            next: (setup.params.t0 / period).ceil(),
+            next: (setup.start[0] / period).ceil(),
             at_middle: None,
             last: None,
             states: Vec::new(),
@@ -90,16 +89,11 @@ pub(super) fn classify(run: &Run, strobe: &Strobe) -> Motion {
     // A pattern with stick ends a phase in every `period` forcing periods; half a one is for the
     // jitter.
     let oldest = end.t - (period as f64 + 0.5) * strobe.period;
-    if run
-        .phases
-        .last()
-        .is_some_and(|phase| phase.stick.exit.t > oldest)
-    {
-        Motion::StickSlip {
+    match run.phases.last() {
+        Some(last) if last.stick.exit.t > oldest => Motion::StickSlip {
             sticks: run.phases_in_last(period).len(),
             period,
-        }
-    } else {
-        Motion::SlipOnly { period }
+        },
+        _ => Motion::SlipOnly { period },
     }
 }

@@ -1,10 +1,10 @@
 //! One pass of the listing's loop (lines 28–79).
 
 use super::defects::Defect;
-use super::params::Setup;
 use super::record::{Direction, End, Instant, Motion, Sample, Zone, ends};
+use super::setup::Setup;
 use crate::paper::stages::{in_time, in_velocity};
-use stickslip::{Mode, Side, State};
+use stickslip::{Mode, Side, State, math};
 
 /// A body further out than this many times the outermost tangent point has left for good: the
 /// spring pushes outward there with a thousand times the force it has at that point.
@@ -37,15 +37,14 @@ pub(super) struct Machine<'a> {
 impl<'a> Machine<'a> {
     /// The state at the start (lines 9–27).
     pub(super) fn start(setup: &'a Setup) -> Self {
-        let params = &setup.params;
-        let x = [params.t0, params.x1, params.x2];
-        let xs = params.harmonic(x[0]);
+        let x = setup.start;
+        let xs = setup.model.support(x[0]);
         let mut machine = Machine {
             setup,
             x,
             xs,
             mode: Mode::Slip(Side::Above),
-            zone: Zone::holding(x[1], &params.tangent_points, xs),
+            zone: Zone::holding(x[1], &setup.tangent_points, xs),
         };
         machine.mode = machine.starting_mode();
         machine
@@ -53,13 +52,13 @@ impl<'a> Machine<'a> {
 
     fn starting_mode(&self) -> Mode {
         let [_, x1, x2] = self.x;
-        let speed = self.setup.params.belt_speed;
+        let speed = self.setup.model.belt_speed;
         if x2 != speed {
             let below = x2 < speed;
             return Mode::Slip(if below { Side::Below } else { Side::Above });
         }
         if self.setup.defects.has(Defect::StartUpTest) {
-            let [t1, t2, t3, t4, ..] = self.setup.params.tangent_points;
+            let [t1, t2, t3, t4, ..] = self.setup.tangent_points;
             let inside = (x1 >= t2 && x1 <= t1) || (x1 >= t4 && x1 <= t3);
             return if inside {
                 Mode::Stick
@@ -75,7 +74,7 @@ impl<'a> Machine<'a> {
 
     /// The side both fields point to outside a zone, and the tangent one at its end.
     fn side_of_spring(&self, x1: f64, xs: f64) -> Mode {
-        if self.setup.params.spring(x1 - xs) > 0.0 {
+        if self.spring(x1 - xs) > 0.0 {
             Mode::Slip(Side::Above)
         } else {
             Mode::Slip(Side::Below)
@@ -104,7 +103,7 @@ impl<'a> Machine<'a> {
     /// How the run ended, if the state can no longer be a motion of the oscillator; `t` is the time
     /// before the last pass.
     pub(super) fn breakdown(&self, t: f64) -> Option<Motion> {
-        let outermost = self.setup.params.tangent_points[0];
+        let outermost = self.setup.tangent_points[0];
         if self.x.iter().any(|v| !v.is_finite()) {
             Some(Motion::BrokenDown { t })
         } else if (self.x[1] - self.xs).abs() > ESCAPE_FACTOR * outermost {
@@ -124,7 +123,7 @@ impl<'a> Machine<'a> {
 
     fn move_to(&mut self, x: [f64; 3]) {
         self.x = x;
-        self.xs = self.setup.params.harmonic(x[0]);
+        self.xs = self.setup.model.support(x[0]);
     }
 
     /// Lines 30–45.
@@ -132,8 +131,8 @@ impl<'a> Machine<'a> {
         let setup = self.setup;
         let start = self.x;
         let moved = [start[0] + setup.h, start[1] + setup.h * start[2], start[2]];
-        let xs = setup.params.harmonic(moved[0]);
-        let (upper, lower) = ends(self.zone, &setup.params.tangent_points);
+        let xs = setup.model.support(moved[0]);
+        let (upper, lower) = ends(self.zone, &setup.tangent_points);
         let through_lower = !setup.defects.has(Defect::OneSidedExit) && moved[1] <= lower + xs;
         // Tested so that a state that is no number leaves, as in the listing.
         let stays = moved[1] < upper + xs && !through_lower;
@@ -188,7 +187,7 @@ impl<'a> Machine<'a> {
     /// Lines 47–78.
     fn slip(&mut self) -> Option<Event> {
         let setup = self.setup;
-        let speed = setup.params.belt_speed;
+        let speed = setup.model.belt_speed;
         let start = self.x;
         let moved = self.slip_step(start);
         let crossed = match self.mode {
@@ -213,16 +212,24 @@ impl<'a> Machine<'a> {
     /// `x2'` in metres per second squared (lines 83–84). The friction is `μ0/(pole − x2)`, with the
     /// pole at `vp + 1` below the belt's speed and at `vp − 1` above (line 25).
     fn acceleration(&self, t: f64, x: &State<2>) -> f64 {
-        let params = &self.setup.params;
+        let model = &self.setup.model;
         let xs = match self.setup.defects.has(Defect::FrozenForcing) {
             true => self.xs,
-            false => params.harmonic(t),
+            false => model.support(t),
         };
         let pole = match self.mode {
-            Mode::Slip(Side::Below) => params.belt_speed + 1.0,
-            _ => params.belt_speed - 1.0,
+            Mode::Slip(Side::Below) => model.belt_speed + 1.0,
+            _ => model.belt_speed - 1.0,
         };
-        (1.0 / params.mass) * (params.spring(x[0] - xs) + params.mu0 / (pole - x[1]))
+        (1.0 / model.mass) * (self.spring(x[0] - xs) + model.mu0 / (pole - x[1]))
+    }
+
+    /// Spring force `s = k2 z³ − k1 z` in newtons at the stretch `z` in metres (lines 53, 69).
+    ///
+    /// The cube goes through a power as in the listing: a product rounds differently.
+    fn spring(&self, z: f64) -> f64 {
+        let model = &self.setup.model;
+        -model.k1 * z + model.k2 * math::pow(z, 3.0)
     }
 
     /// The loop sets the clock (lines 60 and 76).
@@ -235,12 +242,12 @@ impl<'a> Machine<'a> {
     }
 
     fn henon_step(&self, [t, x1, x2]: [f64; 3]) -> [f64; 3] {
-        let params = &self.setup.params;
         let defects = &self.setup.defects;
+        let speed = self.setup.model.belt_speed;
         let h = if self.mode == Mode::Slip(Side::Above) && defects.has(Defect::S2StepSign) {
-            x2 - params.belt_speed
+            x2 - speed
         } else {
-            params.belt_speed - x2
+            speed - x2
         };
         let sixth = if defects.has(Defect::SixthRounded) {
             h * 0.166666
@@ -259,20 +266,20 @@ impl<'a> Machine<'a> {
 
     /// Stick or cross, by the transition function of Eq. (19) (lines 53–58).
     fn arrive(&mut self) -> Event {
-        let params = &self.setup.params;
-        let inverse_mass = 1.0 / params.mass;
-        let s = params.spring(self.x[1] - self.xs);
-        let sigma = 1.0 / (inverse_mass * inverse_mass) * (s * s - params.mu0 * params.mu0);
+        let model = &self.setup.model;
+        let inverse_mass = 1.0 / model.mass;
+        let s = self.spring(self.x[1] - self.xs);
+        let sigma = 1.0 / (inverse_mass * inverse_mass) * (s * s - model.mu0 * model.mu0);
         if sigma <= 0.0 {
-            self.zone = Zone::holding(self.x[1], &params.tangent_points, self.xs);
+            self.zone = Zone::holding(self.x[1], &self.setup.tangent_points, self.xs);
             self.mode = Mode::Stick;
-            Event::Entry(self.zone)
-        } else if self.mode == Mode::Slip(Side::Below) {
-            self.mode = Mode::Slip(Side::Above);
-            Event::Crossing(Direction::Up)
-        } else {
-            self.mode = Mode::Slip(Side::Below);
-            Event::Crossing(Direction::Down)
+            return Event::Entry(self.zone);
         }
+        let (other_side, direction) = match self.mode {
+            Mode::Slip(Side::Below) => (Side::Above, Direction::Up),
+            _ => (Side::Below, Direction::Down),
+        };
+        self.mode = Mode::Slip(other_side);
+        Event::Crossing(direction)
     }
 }

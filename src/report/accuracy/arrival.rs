@@ -2,7 +2,7 @@
 
 use super::errors::{EventErrors, TOLERANCE};
 use crate::numbers::missing;
-use crate::paper::listing::{Defects, END, Params, Run, Setup, run};
+use crate::paper::listing::{Defects, END, Run, Setup, run};
 use crate::report::ReportError;
 use stickslip::models::ForcedOscillator;
 use stickslip::ode::{Rk4, Timed, henon_step};
@@ -29,8 +29,7 @@ impl<'a> Arrival<'a> {
     /// The last crossing from one side on the settled orbit.
     pub(super) fn from(model: &'a ForcedOscillator, from: Side) -> Result<Self, ReportError> {
         let options = Options::tol(TOLERANCE);
-        let start = State::from([Params::default().x1, model.belt_speed]);
-        let settled = solve(model, 0.0, start, END, &options)?;
+        let settled = solve(model, 0.0, Setup::default().state(), END, &options)?;
         let mut transitions = settled.transitions.iter();
         let crossing = transitions
             .rfind(|at| at.kind == TransitionKind::Crossing && at.from == Mode::Slip(from))
@@ -59,9 +58,9 @@ impl<'a> Arrival<'a> {
     fn measure(
         &self,
         method: &'static str,
-        found: impl Fn(f64, f64) -> Result<f64, ReportError>,
+        locate: impl Fn(f64, f64) -> Result<f64, ReportError>,
     ) -> Result<EventErrors, ReportError> {
-        EventErrors::measure(method, (self.from, self.t), found)
+        EventErrors::measure(method, (self.from, self.t), locate)
     }
 
     /// RK4 with fixed steps, then one Hénon step onto Σ from the state before the crossing.
@@ -128,11 +127,12 @@ impl<'a> Arrival<'a> {
                 h: self.step(h, part),
                 window_start: 0.0,
                 end: 2.0 * LEAD,
-                ..Setup::starting(self.t0, self.x0[0], self.x0[1])
-            })?;
+                start: [self.t0, self.x0[0], self.x0[1]],
+                ..Setup::default()
+            });
             let what = "a crossing of Σ by the listing";
-            let found = first_on_belt(&outcome);
-            Ok(found.ok_or_else(|| missing(what, self.t0, 2.0 * LEAD))?)
+            let first = first_on_belt(&outcome);
+            Ok(first.ok_or_else(|| missing(what, self.t0, 2.0 * LEAD))?)
         })
     }
 

@@ -1,18 +1,19 @@
 //! Errors of the time of one event over the step, and what they come to.
 
+use crate::paper::published::HALF_DIGIT;
 use crate::report::ReportError;
 use crate::report::convergence::PRINTED_STEP;
 use stickslip::Side;
 use stickslip::statistics::PowerLaw;
 
+/// Errors of a run stay far below the differences that decide here.
 pub(super) const TOLERANCE: f64 = 1e-14;
 /// Steps (s) at which orders are measured: their errors are well above rounding.
 pub(super) const STEPS: [f64; 5] = [1.6e-2, 1.13e-2, 8e-3, 5.7e-3, 4e-3];
 /// Parts of a step after which the event comes; the worst of them counts.
 const PARTS: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
-/// Half a unit of the last digit to which the paper prints durations (s).
-const HALF_DIGIT: f64 = 0.5e-4;
-/// Errors within this are rounding (s); there is then no order.
+/// Errors within this are rounding of the times (s), with room for it to grow; there is then no
+/// order.
 const ROUNDING: f64 = 1e-12;
 
 /// Errors of the time of one event.
@@ -31,17 +32,18 @@ pub struct EventErrors {
 }
 
 impl EventErrors {
-    /// Measures the time `found` by a step and the part of it after which the event comes, against
-    /// the event's own; the orbit comes to the event from a side, or is released at it to one.
+    /// Measures times against the event's own. `locate` gives one by a step and the part of it
+    /// after which the event comes. The orbit comes to the event from a side, or is released to
+    /// one.
     pub(super) fn measure(
         method: &'static str,
         (side, t): (Side, f64),
-        found: impl Fn(f64, f64) -> Result<f64, ReportError>,
+        locate: impl Fn(f64, f64) -> Result<f64, ReportError>,
     ) -> Result<EventErrors, ReportError> {
         // An event that is not found is worse than any error.
         let error = |h: f64| {
             PARTS.into_iter().try_fold(0.0, |worst: f64, part| {
-                let off = (found(h, part)? - t).abs();
+                let off = (locate(h, part)? - t).abs();
                 let off = if off.is_nan() { f64::INFINITY } else { off };
                 Ok::<f64, ReportError>(worst.max(off))
             })
@@ -75,14 +77,14 @@ impl EventErrors {
             Side::Above => "above",
         };
         let (order, off) = (self.order, self.at_printed_step);
-        let found = if self.is_exact() {
+        let errors = if self.is_exact() {
             format!("exact to rounding at all steps down to h = {PRINTED_STEP:e} s")
         } else if !off.is_finite() {
             format!("no event time at h = {PRINTED_STEP:e} s, a slope is infinite")
         } else {
             format!("order {order:.2}, event time off by {off:.1e} s at h = {PRINTED_STEP:e} s")
         };
-        format!("{} {side}: {found}", self.method)
+        format!("{} {side}: {errors}", self.method)
     }
 }
 

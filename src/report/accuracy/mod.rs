@@ -43,10 +43,8 @@ impl Accuracy {
     /// [`ReportError`].
     pub fn compute() -> Result<Accuracy, ReportError> {
         let model = ForcedOscillator::default();
-        let (up, down) = (
-            Arrival::from(&model, Side::Below)?,
-            Arrival::from(&model, Side::Above)?,
-        );
+        let up = Arrival::from(&model, Side::Below)?;
+        let down = Arrival::from(&model, Side::Above)?;
         let sign_alone = Defects::MENDED.flipped(Defect::S2StepSign);
         let printed = "arrival in the listing as printed from";
         let sign = "arrival in the listing with only the sign of the Hénon step as printed from";
@@ -102,13 +100,10 @@ impl Accuracy {
         let release = &self.release;
         let others = [&release.moving, &release.listing, &release.listing_mended];
         let belt = release.belt.all().map(|one| ("model 1", one));
-        let forced = release
-            .forced
-            .all()
-            .chain(others)
-            .map(|one| ("model 2", one));
-        let line = |(model, errors): (&str, &EventErrors)| format!("{model}, {}", errors.line());
-        belt.chain(forced).map(line).collect()
+        let forced = release.forced.all().chain(others);
+        let all = belt.chain(forced.map(|one| ("model 2", one)));
+        all.map(|(model, errors)| format!("{model}, {}", errors.line()))
+            .collect()
     }
 }
 

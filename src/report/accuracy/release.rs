@@ -7,11 +7,11 @@ use crate::report::{ReportError, stick_exits, until_escape};
 use stickslip::math;
 use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::ode::{Rk4, Timed, henon_step};
-use stickslip::{Error, Filippov, Options, Side, State, solve};
+use stickslip::{Error, Filippov, Options, Side, State, Transition, solve};
 
 /// Starts of model 1 on the belt (m), one in each of its stick zones.
 const ON_BELT: [f64; 3] = [-1.0, 0.0, 1.0];
-/// Time within which a body on the belt of model 1 is released (s).
+/// Time within which a body on the belt of model 1 is released (s): it rides past all zones.
 const RIDE: f64 = 2.0;
 /// Starts of model 2, and the forcing periods they are followed over, among whose stick phases long
 /// ones are sought.
@@ -54,6 +54,14 @@ struct Event {
 }
 
 impl Event {
+    fn new(at: &Transition<2>, to: Side) -> Event {
+        Event {
+            t: at.t,
+            x1: at.x[0],
+            to,
+        }
+    }
+
     /// The body in stick so long before.
     fn before(&self, span: f64, belt_speed: f64) -> Timed<2> {
         Timed {
@@ -157,8 +165,9 @@ fn listing(
             h,
             window_start: 0.0,
             end: 4.0 * h,
-            ..Setup::starting(before.t, before.x[0], before.x[1])
-        })?;
+            start: [before.t, before.x[0], before.x[1]],
+            ..Setup::default()
+        });
         let exit = outcome.phases.first().map(|phase| phase.stick.exit.t);
         let what = "the end of a stick phase of the listing";
         Ok(exit.ok_or_else(|| missing(what, before.t, 4.0 * h))?)
@@ -167,18 +176,17 @@ fn listing(
 
 /// The release of model 1 from the middle zone.
 fn on_belt(model: &BeltOscillator) -> Result<Event, Error> {
-    let mut latest: Option<Event> = None;
-    for x1 in ON_BELT {
+    let first_release = |x1| {
         let start = State::from([x1, model.belt_speed]);
         let orbit = solve(model, 0.0, start, RIDE, &Options::tol(TOLERANCE))?;
         let first = stick_exits(&orbit).next();
-        if let Some((at, to, _)) = first
-            && latest.as_ref().is_none_or(|known| at.t > known.t)
-        {
-            let (t, x1) = (at.t, at.x[0]);
-            latest = Some(Event { t, x1, to });
-        }
-    }
+        Ok(first.map(|(at, to, _)| Event::new(at, to)))
+    };
+    let releases = ON_BELT.into_iter().map(first_release);
+    let releases = releases.collect::<Result<Vec<Option<Event>>, Error>>()?;
+    // Of equally late ones the first.
+    let later = |one: Event, other: Event| if other.t > one.t { other } else { one };
+    let latest = releases.into_iter().flatten().reduce(later);
     latest.ok_or_else(|| missing("a release from stick", 0.0, RIDE))
 }
 
@@ -197,10 +205,9 @@ fn on_forced(model: &ForcedOscillator) -> Result<Event, Error> {
         let start = (0.0, State::from([x1, 0.0]));
         let (orbit, _) = until_escape(model, start, span, TOLERANCE)?;
         for (at, to, phase) in stick_exits(&orbit) {
-            let (t, x1) = (at.t, at.x[0]);
-            if phase.duration() > longest && is_upper(x1 - model.support(t)) {
+            if phase.duration() > longest && is_upper(at.x[0] - model.support(at.t)) {
                 longest = phase.duration();
-                event = Some(Event { t, x1, to });
+                event = Some(Event::new(at, to));
             }
         }
     }
@@ -211,16 +218,10 @@ impl Release {
     /// Eq. (15) as printed with that of the two fields that errs less.
     pub fn literal_better(&self) -> &EventErrors {
         let [below, above] = &self.literal;
-        if above.at_printed_step < below.at_printed_step {
-            above
-        } else {
-            below
+        match above.at_printed_step < below.at_printed_step {
+            true => above,
+            false => below,
         }
-    }
-
-    /// Whether that is accurate.
-    pub fn literal_is_accurate(&self) -> bool {
-        self.literal_better().is_accurate()
     }
 
     /// All measurements.
@@ -237,7 +238,7 @@ mod tests {
     fn only_the_corrected_step_is_accurate_and_only_where_points_stand_still() {
         let found = Releases::compute().unwrap();
         assert!(
-            !found.belt.literal_is_accurate(),
+            !found.belt.literal_better().is_accurate(),
             "{:?}",
             found.belt.literal
         );
@@ -246,7 +247,7 @@ mod tests {
             "{:?}",
             found.belt.corrected
         );
-        assert!(!found.forced.literal_is_accurate());
+        assert!(!found.forced.literal_better().is_accurate());
         assert!(
             !found.forced.corrected.is_accurate(),
             "{:?}",

@@ -5,7 +5,8 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
-use super::proof::{Proof, Shown, proof, shown, told};
+use super::proof::{Proof, Shown};
+use crate::figures::block_and_bracket::{DIVERGED, START, TOLERANCE};
 use crate::figures::rows::Value;
 use crate::report::ReportError;
 use crate::report::spread::mended_captions;
@@ -14,12 +15,7 @@ use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
 use stickslip::models::{BlockAndBracket, Caption, CaptionOrder, Reading, Rig, Unloading};
 use stickslip::{Error, Observer, Options, State, StepRecord, run, solve};
 
-const TOLERANCE: f64 = 1e-10;
-/// A component beyond this has diverged.
-const DIVERGED: f64 = 1e3;
-/// The published series begins here (t): what has diverged by then is in no figure.
-const SERIES_FROM: f64 = 3000.0;
-/// The section is kept from there to here.
+/// The section is kept from the begin of the published series to here: over a hundred turns.
 const SECTION_END: f64 = 4500.0;
 /// The figures and their captions.
 const FIGURES: [(&str, Caption); 3] = [
@@ -28,16 +24,15 @@ const FIGURES: [(&str, Caption); 3] = [
     ("Fig. 12", Caption::FIG12),
 ];
 
-/// What an orbit goes through: its largest component before the series begins, its section after
-/// that.
-struct Watch<'a> {
+/// The largest component of an orbit before the series begins, and its section after that.
+struct LargestThenSection<'a> {
     largest: f64,
     turns: Turns<'a>,
 }
 
-impl Observer<4> for Watch<'_> {
+impl Observer<4> for LargestThenSection<'_> {
     fn step(&mut self, step: &StepRecord<4>) -> ControlFlow<()> {
-        if step.t_start >= SERIES_FROM {
+        if step.t_start >= START {
             self.turns.step(step);
         }
         self.largest = self.largest.max(step.x_end.amax());
@@ -50,7 +45,7 @@ impl Observer<4> for Watch<'_> {
 enum Outcome {
     /// A component passes the bound at this time.
     Diverges(f64),
-    /// None does; the largest component until [`SERIES_FROM`].
+    /// None does; the largest component until [`START`].
     Bounded(f64),
     /// The block turns nowhere: it rests or sticks for good.
     Rests,
@@ -60,26 +55,24 @@ enum Outcome {
     Open(usize),
 }
 
-/// Follows the equations until `end`; to [`SECTION_END`] the section tells what the motion is.
+/// Follows the equations until `end`. Up to [`SECTION_END`] the section decides what the motion is.
 fn outcome(caption: &Caption, reading: &Reading, end: f64) -> Result<Outcome, Error> {
     let model = BlockAndBracket::from_caption(caption, reading)?;
     let options = Options::tol(TOLERANCE).escape(DIVERGED);
-    let mut watch = Watch {
+    let mut observer = LargestThenSection {
         largest: 0.0,
         turns: Turns::new(&model, &options),
     };
     let start = State::from(caption.start);
-    let run = run(&model, 0.0, start, end, &options, &mut watch);
-    match run.map_err(Error::from) {
-        Ok(_) => {}
+    match run(&model, 0.0, start, end, &options, &mut observer).map_err(Error::from) {
         Err(Error::Escaped { t, .. }) => return Ok(Outcome::Diverges(t)),
-        Err(error) => return Err(error),
-    }
-    let section = watch.turns.points;
-    let window = (Of::Flow, &[][..], SECTION_END - SERIES_FROM);
+        other => other?,
+    };
+    let section = observer.turns.points;
+    let window = (Of::Flow, &[][..], SECTION_END - START);
     let evidence = Evidence::gather(&section, window, &Criterion::default());
     Ok(match evidence.class() {
-        _ if end <= SERIES_FROM => Outcome::Bounded(watch.largest),
+        _ if end <= START => Outcome::Bounded(observer.largest),
         _ if section.is_empty() => Outcome::Rests,
         Class::Periodic(turns) => Outcome::Closes(turns, turns as f64 * evidence.return_time),
         _ => Outcome::Open(section.len()),
@@ -92,26 +85,30 @@ fn by_section(caption: &Caption, reading: &Reading) -> Result<Outcome, Error> {
 }
 
 impl Outcome {
-    fn shown(self, what: String) -> Shown {
-        match self {
-            Outcome::Diverges(t) => shown(
-                format!("{what}: a component passes {DIVERGED} at t"),
-                t,
+    fn shown(self, what: &str) -> Shown {
+        let (more, value, unit): (_, Value, _) = match self {
+            Outcome::Diverges(t) => (
+                format!(": a component passes {DIVERGED} at t"),
+                t.into(),
                 "t",
             ),
-            Outcome::Bounded(size) => {
-                let largest = format!("{what}: largest component until t = {SERIES_FROM}");
-                shown(largest, size, "1")
-            }
-            Outcome::Rests => shown(what, "comes to rest", ""),
-            Outcome::Closes(turns, round) => {
-                shown(format!("{what}: closes (turns: {turns}) after"), round, "t")
-            }
+            Outcome::Bounded(size) => (
+                format!(": largest component until t = {START}"),
+                size.into(),
+                "1",
+            ),
+            Outcome::Rests => (String::new(), "comes to rest".into(), ""),
+            Outcome::Closes(turns, round) => (
+                format!(": closes (turns: {turns}) after"),
+                round.into(),
+                "t",
+            ),
             Outcome::Open(points) => {
                 let open = format!("does not close in {points} turns");
-                shown(what, &*open, "")
+                (String::new(), open.as_str().into(), "")
             }
-        }
+        };
+        Shown::new(format!("{what}{more}"), value, unit)
     }
 
     /// Whether it is what a caption calls quasi-periodic or chaotic: bounded and open.
@@ -125,16 +122,16 @@ pub(super) fn signs() -> Result<Proof, Error> {
     let mut holds = true;
     for (name, caption) in FIGURES {
         let (printed, corrected) = rayon::join(
-            || outcome(&caption, &Reading::as_printed(), SERIES_FROM),
-            || outcome(&caption, &Reading::exact(), SERIES_FROM),
+            || outcome(&caption, &Reading::as_printed(), START),
+            || outcome(&caption, &Reading::exact(), START),
         );
         let (printed, corrected) = (printed?, corrected?);
         holds &= matches!(printed, Outcome::Diverges(_));
         holds &= matches!(corrected, Outcome::Bounded(_));
-        all.push(printed.shown(format!("{name}, as printed")));
-        all.push(corrected.shown(format!("{name}, corrected")));
+        all.push(printed.shown(&format!("{name}, as printed")));
+        all.push(corrected.shown(&format!("{name}, corrected")));
     }
-    Ok(told("signs", all, holds))
+    Ok(Proof::new("signs", all, holds))
 }
 
 /// A block and a bracket in SI units, undamped as in the captions.
@@ -155,7 +152,7 @@ fn rig(gravity: f64, stiffness: f64) -> Rig {
     }
 }
 
-/// Time over which the rig is followed, in units of 1/ω.
+/// Time over which the rig is followed, in units of 1/ω: several turns.
 const RIG_SPAN: f64 = 40.0;
 
 /// The state of a rig after [`RIG_SPAN`], in the units of Eq. (27).
@@ -195,7 +192,11 @@ pub(super) fn friction_counted_twice() -> Result<Proof, ReportError> {
     };
     let (printed, corrected) = (with(Unloading::Plain)?, with(Unloading::OverMu0)?);
     let holds = corrected < 1e-6 && printed > 1e-3;
-    Ok(proof("friction_counted_twice", [printed, corrected], holds))
+    Ok(Proof::new(
+        "friction_counted_twice",
+        [printed, corrected],
+        holds,
+    ))
 }
 
 /// Two rigs of other time units have the same Eq. (27).
@@ -212,14 +213,14 @@ pub(super) fn unit_of_time() -> Result<Proof, ReportError> {
     let apart = (of_rig(&slow, &start)? - of_rig(&fast, &start)?).amax();
     let (slow, fast) = (slow.time_unit(), fast.time_unit());
     let holds = (slow / fast - 2.0).abs() < 1e-12 && apart < 1e-6;
-    Ok(proof("unit_of_time", [slow, fast, apart], holds))
+    Ok(Proof::new("unit_of_time", [slow, fast, apart], holds))
 }
 
-/// Time over which the states of model 3 are sampled.
+/// Time over which the states of model 3 are sampled, a hundred turns, and how often.
 const SAMPLED: f64 = 1000.0;
 const SAMPLES: u32 = 4000;
 /// A direction is there when the states spread along it by more than this part of their largest
-/// spread.
+/// spread: what a phase plane shows as more than a line.
 const PART: f64 = 1e-2;
 
 /// Spreads (standard deviations) of the sampled states along their principal directions, the
@@ -250,7 +251,7 @@ pub(super) fn four_states() -> Result<Proof, ReportError> {
         shown.extend([directions.into(), (spreads[3] / spreads[0]).into()]);
         holds &= directions > 2;
     }
-    Ok(proof("four_states", shown, holds))
+    Ok(Proof::new("four_states", shown, holds))
 }
 
 /// Static friction (mg) tried where the heading's order leaves none.
@@ -263,12 +264,16 @@ pub(super) fn order_of_captions() -> Result<Proof, ReportError> {
         let [_, xi2, _, xi4, xi5, sixth, seventh, ..] = caption.numbers;
         let (ratio, stiffness) = (seventh / sixth, xi4 - 1.0);
         let what = format!("{figure}: seventh number over sixth");
-        all.push(shown(what, ratio, "1"));
-        all.push(shown(format!("{figure}: xi4 - 1 = k3/k2"), stiffness, "1"));
+        all.push(Shown::new(what, ratio, "1"));
+        all.push(Shown::new(
+            format!("{figure}: xi4 - 1 = k3/k2"),
+            stiffness,
+            "1",
+        ));
         holds &= (ratio - stiffness).abs() < 1e-3 && xi2 == 0.0 && xi5 == 0.0;
         let corrected = by_section(caption, &Reading::exact())?;
         holds &= corrected.is_open();
-        all.push(corrected.shown(format!("{figure}, corrected order")));
+        all.push(corrected.shown(&format!("{figure}, corrected order")));
         let headed = FRICTIONS.par_iter().map(|&mu0| {
             let reading = Reading {
                 order: CaptionOrder::Heading { mu0 },
@@ -277,31 +282,31 @@ pub(super) fn order_of_captions() -> Result<Proof, ReportError> {
             by_section(caption, &reading)
         });
         let headed = headed.collect::<Result<Vec<Outcome>, Error>>()?;
-        for (mu0, found) in FRICTIONS.into_iter().zip(headed) {
-            holds &= !found.is_open();
-            all.push(found.shown(format!("{figure}, order of the heading, mu0 = {mu0}")));
+        for (mu0, outcome) in FRICTIONS.into_iter().zip(headed) {
+            holds &= !outcome.is_open();
+            all.push(outcome.shown(&format!("{figure}, order of the heading, mu0 = {mu0}")));
         }
     }
-    Ok(told("order_of_captions", all, holds))
+    Ok(Proof::new("order_of_captions", all, holds))
 }
 
 pub(super) fn caption_of_fig10() -> Result<Proof, ReportError> {
     let [_, _, _, xi4, _, mu0, xi6, ..] = Caption::FIG10.numbers;
     let (ratio, stiffness) = (xi6 / mu0, xi4 - 1.0);
     let mut all = vec![
-        shown("seventh number over sixth", ratio, "1"),
-        shown("xi4 - 1", stiffness, "1"),
+        Shown::new("seventh number over sixth", ratio, "1"),
+        Shown::new("xi4 - 1", stiffness, "1"),
     ];
     let printed = by_section(&Caption::FIG10, &Reading::exact())?;
-    all.push(printed.shown("as printed".to_owned()));
+    all.push(printed.shown("as printed"));
     let mended = mended_captions();
-    let found = mended.par_iter();
-    let found = found.map(|(_, caption)| by_section(caption, &Reading::exact()));
-    let found = found.collect::<Result<Vec<Outcome>, Error>>()?;
-    let holds = (ratio - stiffness).abs() > 1e-2 && !found.contains(&printed);
-    let with = mended.iter().zip(found);
-    all.extend(with.map(|((entry, _), one)| one.shown(format!("with {entry}"))));
-    Ok(told("caption_of_fig10", all, holds))
+    let outcomes = mended.par_iter();
+    let outcomes = outcomes.map(|(_, caption)| by_section(caption, &Reading::exact()));
+    let outcomes = outcomes.collect::<Result<Vec<Outcome>, Error>>()?;
+    let holds = (ratio - stiffness).abs() > 1e-2 && !outcomes.contains(&printed);
+    let with = mended.iter().zip(outcomes);
+    all.extend(with.map(|((entry, _), one)| one.shown(&format!("with {entry}"))));
+    Ok(Proof::new("caption_of_fig10", all, holds))
 }
 
 #[cfg(test)]

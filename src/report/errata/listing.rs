@@ -1,67 +1,66 @@
 //! The defects of the Appendix's listing, each mended alone, and the shifts of Eq. (25), by which
 //! it is to be evaluated.
 
-use super::proof::{Proof, Shown, proof, shown, told};
-use crate::paper::listing::{Defect, Defects, ListingError, Params, Setup, run};
-use crate::report::ReportError;
+use super::proof::{Proof, Shown};
+use crate::paper::listing::{Defect, Defects, Setup, run};
 use crate::report::matrix::{Cell, Matrix};
 use stickslip::math;
 
 /// What changes when a defect alone is mended; the test of the start changes something for another
 /// start only.
-pub(super) fn defect(matrix: &Matrix, defect: Defect) -> Result<Proof, ReportError> {
+pub(super) fn defect(matrix: &Matrix, defect: Defect) -> Proof {
     let (printed, mended) = (matrix.with(Defects::AS_PRINTED), matrix.mended(defect));
     let mut all = changes(printed, mended);
     let mut holds = mended.motion != printed.motion || mended.numbers != printed.numbers;
     if defect == Defect::StartUpTest {
-        let printed = sticking_starts(Defects::AS_PRINTED)?;
-        let mended = sticking_starts(Defects::AS_PRINTED.flipped(defect))?;
+        let printed = sticking_starts(Defects::AS_PRINTED);
+        let mended = sticking_starts(Defects::AS_PRINTED.flipped(defect));
         let what = "starts in the middles of the three zones that stick at once, printed";
-        all.push(shown(what, printed, "1"));
-        all.push(shown("the same, mended", mended, "1"));
+        all.push(Shown::new(what, printed, "1"));
+        all.push(Shown::new("the same, mended", mended, "1"));
         holds = printed < mended;
     }
-    Ok(told(defect.name(), all, holds))
+    Proof::new(defect.name(), all, holds)
 }
 
 fn changes(printed: &Cell, mended: &Cell) -> Vec<Shown> {
     let (Some(after), Some(before)) = (mended.numbers, printed.numbers) else {
         let motion = mended.motion.to_string();
-        return vec![shown("mended alone, the listing's motion", &*motion, "")];
+        return vec![Shown::new(
+            "mended alone, the listing's motion",
+            &*motion,
+            "",
+        )];
     };
     let what = "mended alone, first stick length changes by";
     vec![
-        shown(what, after[0] - before[0], "m"),
-        shown("second stick length by", after[1] - before[1], "m"),
+        Shown::new(what, after[0] - before[0], "m"),
+        Shown::new("second stick length by", after[1] - before[1], "m"),
     ]
 }
 
 /// How many bodies on the belt in the middles of the three stick zones stick at once.
-fn sticking_starts(defects: Defects) -> Result<usize, ListingError> {
-    let Params {
-        tangent_points,
-        belt_speed,
-        ..
-    } = Params::default();
-    let mut found = 0;
-    for zone in tangent_points.chunks_exact(2) {
+fn sticking_starts(defects: Defects) -> usize {
+    let printed = Setup::with(defects);
+    let sticks_at_once = |zone: &&[f64]| {
         let middle = zone[0].midpoint(zone[1]);
         let outcome = run(&Setup {
-            defects,
+            start: [0.0, middle, printed.model.belt_speed],
             end: 0.01,
             window_start: 0.0,
-            ..Setup::starting(0.0, middle, belt_speed)
-        })?;
+            ..printed
+        });
         let first = outcome.phases.first().map(|phase| phase.stick.entry);
         let entry = first.or(outcome.unfinished.map(|(entry, _)| entry));
-        found += usize::from(entry.is_some_and(|entry| entry.t == 0.0));
-    }
-    Ok(found)
+        entry.is_some_and(|entry| entry.t == 0.0)
+    };
+    let zones = printed.tangent_points.chunks_exact(2);
+    zones.filter(sticks_at_once).count()
 }
 
-/// States of the logistic map.
+/// States of the logistic map: some ten in each neighbourhood.
 const STATES: usize = 4000;
-/// Radius of the neighbourhoods.
+/// Radius of the neighbourhoods, within which the slope of the map changes by 0.016.
 const RADIUS: f64 = 2e-3;
 
 /// Eqs. (25) and (26) to the letter, for a series of one component: the neighbours' differences `y`
@@ -98,7 +97,7 @@ pub(super) fn shifts() -> Proof {
     let [equal, twice, half] = [(1, 1), (2, 1), (1, 2)].map(|(m, d)| exponent(&series, m, d));
     let near = |value: f64| (value - truth).abs() < 0.05;
     let holds = near(equal) && !near(twice) && !near(half);
-    proof("shifts", [truth, equal, twice, half], holds)
+    Proof::new("shifts", [truth, equal, twice, half], holds)
 }
 
 #[cfg(test)]

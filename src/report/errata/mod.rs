@@ -12,8 +12,7 @@ use super::ReportError;
 use super::accuracy::Accuracy;
 use super::matrix::Matrix;
 use crate::paper::listing::Defect;
-use crate::paper::published::PublishedError;
-pub(super) use proof::proof;
+use crate::paper::published::{Claims, PublishedError};
 pub use proof::{Proof, Shown};
 
 /// A misprint or defect.
@@ -40,15 +39,16 @@ const MISPRINTS: &str = include_str!("../../../data/errata.csv");
 /// # Errors
 /// [`ReportError`].
 pub fn errata(
+    claims: &Claims,
     matrix: &Matrix,
     accuracy: &Accuracy,
     of_statements: &[Proof],
 ) -> Result<Vec<Erratum>, ReportError> {
     let mut proofs = vec![
         sections_two_to_four::unit_of_mu0(),
-        sections_two_to_four::critical_points()?,
-        sections_two_to_four::negative_friction()?,
-        sections_two_to_four::wrong_reference()?,
+        sections_two_to_four::critical_points(claims),
+        sections_two_to_four::negative_friction(claims),
+        sections_two_to_four::wrong_reference(claims)?,
         sections_two_to_four::step_from_above(accuracy),
         sections_two_to_four::time_in_stick(accuracy),
         sections_two_to_four::sign_of_friction()?,
@@ -62,9 +62,7 @@ pub fn errata(
         bracket::caption_of_fig10()?,
     ];
     proofs.extend_from_slice(of_statements);
-    for defect in Defect::ALL {
-        proofs.push(listing::defect(matrix, defect)?);
-    }
+    proofs.extend(Defect::ALL.map(|defect| listing::defect(matrix, defect)));
     Ok(proven(MISPRINTS, proofs)?)
 }
 
@@ -81,24 +79,18 @@ fn proven(table: &str, proofs: Vec<Proof>) -> Result<Vec<Erratum>, PublishedErro
         let name = cell(0);
         let proof = proofs.remove(&*name);
         let proof = proof.ok_or_else(|| malformed(format!("nothing proves misprint {name:?}")))?;
-        let labels: Vec<(&str, &str)> = row
-            .get(4)
-            .unwrap_or_default()
-            .split(" | ")
-            .filter_map(|label| label.strip_suffix(']')?.split_once(" ["))
-            .collect();
+        let labels = cell(4);
+        let label = |label| str::strip_suffix(label, ']')?.split_once(" [");
+        let mut labels = labels.split(" | ").filter_map(label);
         let mut shown = proof.shown;
-        let unnamed = shown.iter_mut().filter(|one| one.what.is_empty());
-        let mut labelled = 0;
-        for (one, (what, unit)) in unnamed.zip(&labels) {
-            (one.what, one.unit) = ((*what).to_owned(), (*unit).to_owned());
-            labelled += 1;
+        for one in shown.iter_mut().filter(|one| one.what.is_empty()) {
+            let (what, unit) = labels.next().unwrap_or_default();
+            (one.what, one.unit) = (what.to_owned(), unit.to_owned());
         }
-        if labelled != labels.len() || shown.iter().any(|one| one.what.is_empty()) {
-            let (found, due) = (shown.len(), labels.len());
-            return Err(malformed(format!(
-                "{name:?} has {due} labels for {found} values"
-            )));
+        if labels.next().is_some() || shown.iter().any(|one| one.what.is_empty()) {
+            let values = shown.len();
+            let reason = format!("{name:?} has not one label for each of its {values} values");
+            return Err(malformed(reason));
         }
         all.push(Erratum {
             name,
@@ -120,23 +112,22 @@ fn proven(table: &str, proofs: Vec<Proof>) -> Result<Vec<Erratum>, PublishedErro
 #[cfg(test)]
 mod tests {
     use super::*;
-    use proof::shown;
 
     #[test]
     fn every_misprint_has_a_proof_and_every_proof_a_misprint() {
         let table = "name,place,printed,correct,shown\none,Eq. (1),a,b,c [m]\n";
         let of = |names: &[&'static str]| {
-            let proofs = names.iter().map(|name| proof(name, [1.0], true));
+            let proofs = names.iter().map(|name| Proof::new(name, [1.0], true));
             proven(table, proofs.collect())
         };
-        let found = of(&["one"]).unwrap().remove(0);
+        let proven_one = of(&["one"]).unwrap().remove(0);
         assert_eq!(
-            (&*found.place, found.shown),
-            ("Eq. (1)", vec![shown("c", 1.0, "m")])
+            (&*proven_one.place, proven_one.shown),
+            ("Eq. (1)", vec![Shown::new("c", 1.0, "m")])
         );
         assert!(of(&[]).is_err() && of(&["one", "two"]).is_err());
         for values in [vec![], vec![1.0, 2.0]] {
-            assert!(proven(table, vec![proof("one", values, true)]).is_err());
+            assert!(proven(table, vec![Proof::new("one", values, true)]).is_err());
         }
     }
 }

@@ -2,15 +2,32 @@
 
 use crate::figures::rows::Value;
 
-/// What a computation shows of a misprint.
+/// One result of a computation that shows a misprint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shown {
-    /// What it is.
+    /// What it is. Where this is empty, the table of misprints has the words and the unit.
     pub what: String,
     /// A number, a count or a word.
     pub value: Value,
     /// Its unit: `1` for a pure number, empty for a word.
     pub unit: String,
+}
+
+impl Shown {
+    /// With words of its own.
+    pub(super) fn new(what: impl Into<String>, value: impl Into<Value>, unit: &str) -> Shown {
+        Shown {
+            what: what.into(),
+            value: value.into(),
+            unit: unit.to_owned(),
+        }
+    }
+}
+
+impl<V: Into<Value>> From<V> for Shown {
+    fn from(value: V) -> Shown {
+        Shown::new("", value, "")
+    }
 }
 
 /// What a computation shows of a misprint in `data/errata.csv`.
@@ -24,38 +41,17 @@ pub struct Proof {
     pub holds: bool,
 }
 
-/// A misprint's proof by values, whose words are in the table.
-pub(in crate::report) fn proof<V: Into<Value>>(
-    misprint: &'static str,
-    values: impl IntoIterator<Item = V>,
-    holds: bool,
-) -> Proof {
-    let shown = values.into_iter().map(|value| Shown {
-        what: String::new(),
-        value: value.into(),
-        unit: String::new(),
-    });
-    Proof {
-        misprint,
-        shown: shown.collect(),
-        holds,
-    }
-}
-
-/// A misprint's proof by what brings its own words.
-pub(super) fn told(misprint: &'static str, shown: Vec<Shown>, holds: bool) -> Proof {
-    Proof {
-        misprint,
-        shown,
-        holds,
-    }
-}
-
-/// What brings its own words.
-pub(super) fn shown(what: impl Into<String>, value: impl Into<Value>, unit: &str) -> Shown {
-    Shown {
-        what: what.into(),
-        value: value.into(),
-        unit: unit.to_owned(),
+impl Proof {
+    /// By results with words of their own, or by values with words in the table.
+    pub(in crate::report) fn new<S: Into<Shown>>(
+        misprint: &'static str,
+        shown: impl IntoIterator<Item = S>,
+        holds: bool,
+    ) -> Proof {
+        Proof {
+            misprint,
+            shown: shown.into_iter().map(Into::into).collect(),
+            holds,
+        }
     }
 }

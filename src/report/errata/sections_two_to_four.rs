@@ -3,19 +3,20 @@
 
 use rayon::prelude::*;
 
-use super::proof::{Proof, proof};
+use super::proof::Proof;
 use crate::figures::normals;
 use crate::figures::rows::Value;
 use crate::numbers::{bisect, extent};
 use crate::paper::claim_id::ClaimId;
-use crate::paper::published::{Claims, PublishedError};
+use crate::paper::published::Claims;
 use crate::report::accuracy::{Accuracy, EventErrors};
-use crate::report::{ReportError, places, tangent_at, until_escape};
+use crate::report::{places, tangent_at, until_escape};
 use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::system::Unchecked;
 use stickslip::{Ending, Error, Fate, Filippov, Options, Side, State, TransitionKind, fate, solve};
 
-/// Places between the outer tangent points at which it is seen whether a body sticks.
+/// Places between the outer tangent points at which it is tested whether a body sticks. The results
+/// are ratios of what the same places give, so that their number does not matter.
 const PLACES: u32 = 400;
 
 /// The least μ0 (N) at which a body on the belt of model 1 sticks wherever it is put between the
@@ -48,19 +49,13 @@ pub(super) fn unit_of_mu0() -> Proof {
     });
     let (stiffer, heavier) = (stiffer / plain, heavier / plain);
     let holds = (stiffer - 2.0).abs() < 1e-9 && (heavier - 1.0).abs() < 1e-9;
-    proof("unit_of_mu0", [plain, stiffer, heavier], holds)
-}
-
-fn published_points() -> Result<&'static [f64], PublishedError> {
-    Ok(Claims::committed()?
-        .of(ClaimId::Eq12CriticalPoints)
-        .values())
+    Proof::new("unit_of_mu0", [plain, stiffer, heavier], holds)
 }
 
 /// Eq. (12) finds where σ is stationary, and calls that tangent points.
-pub(super) fn critical_points() -> Result<Proof, ReportError> {
+pub(super) fn critical_points(claims: &Claims) -> Proof {
     let model = BeltOscillator::default();
-    let points = published_points()?;
+    let points = claims.of(ClaimId::Eq12CriticalPoints).values();
     let mut least_sigma = f64::INFINITY;
     let (mut tangent, mut sticks, mut slips) = (0, 0, 0);
     for &x1 in points {
@@ -77,13 +72,13 @@ pub(super) fn critical_points() -> Result<Proof, ReportError> {
     let counts = [points.len(), tangent, sticks, slips].map(Value::from);
     let shown = counts.into_iter().chain([least_sigma.into()]);
     let holds = !points.is_empty() && tangent == 0 && least_sigma > 1e-6;
-    Ok(proof("critical_points", shown, holds))
+    Proof::new("critical_points", shown, holds)
 }
 
 /// Eq. (13) has a negative value of μ0 too, at which the continuous stick zone is said to exist as
 /// well.
-pub(super) fn negative_friction() -> Result<Proof, ReportError> {
-    let values = Claims::committed()?.of(ClaimId::Eq13CriticalMu0).values();
+pub(super) fn negative_friction(claims: &Claims) -> Proof {
+    let values = claims.of(ClaimId::Eq13CriticalMu0).values();
     let along = |mu0: f64| {
         let model = BeltOscillator {
             mu0,
@@ -97,41 +92,33 @@ pub(super) fn negative_friction() -> Result<Proof, ReportError> {
     let (negative, positive) = extent(values.iter().copied());
     let (sticks, repels) = (along(positive), along(negative));
     let holds = sticks.0 == PLACES as usize && repels == (0, PLACES as usize);
-    Ok(proof(
-        "negative_friction",
-        [sticks.0, repels.0, repels.1],
-        holds,
-    ))
+    let shown = [sticks.0, repels.0, repels.1];
+    Proof::new("negative_friction", shown, holds)
 }
 
 /// Sect. 3 names Eq. (12) for the system that is to be solved.
-pub(super) fn wrong_reference() -> Result<Proof, ReportError> {
+pub(super) fn wrong_reference(claims: &Claims) -> Result<Proof, Error> {
     // What has a solution: the orbit of Eq. (5) through each member of Eq. (12), off the belt's
     // speed.
     const SPAN: f64 = 30.0;
-    let points = published_points()?;
+    let points = claims.of(ClaimId::Eq12CriticalPoints).values();
     let crossings = |belt_speed: f64| -> Result<usize, Error> {
         let model = BeltOscillator {
             belt_speed,
             ..BeltOscillator::default()
         };
-        let mut found = 0;
-        for &x1 in points {
+        points.iter().try_fold(0, |count, &x1| {
             let start = State::from([x1, 0.5 * belt_speed]);
             let orbit = solve(&model, 0.0, start, SPAN, &Options::tol(1e-12))?;
             let changes = orbit.transitions.iter();
             let changes = changes.filter(|at| at.kind != TransitionKind::Touch);
-            found += changes.count();
-        }
-        Ok(found)
+            Ok(count + changes.count())
+        })
     };
     let (printed, slower) = (crossings(1.0)?, crossings(0.3)?);
     let holds = printed > 0 && printed != slower;
-    Ok(proof(
-        "wrong_reference",
-        [points.len(), printed, slower],
-        holds,
-    ))
+    let shown = [points.len(), printed, slower];
+    Ok(Proof::new("wrong_reference", shown, holds))
 }
 
 pub(super) fn step_from_above(accuracy: &Accuracy) -> Proof {
@@ -140,7 +127,7 @@ pub(super) fn step_from_above(accuracy: &Accuracy) -> Proof {
     let listing = &accuracy.printed_sign;
     let holds = !text.is_accurate() && !listing.is_accurate() && stated.is_accurate();
     let shown = [text, listing, stated].map(|one| one.at_printed_step);
-    proof("step_from_above", shown, holds)
+    Proof::new("step_from_above", shown, holds)
 }
 
 /// Eq. (15) takes an acceleration for a velocity: on the belt it is one that vanishes where the
@@ -149,28 +136,25 @@ pub(super) fn time_in_stick(accuracy: &Accuracy) -> Proof {
     let release = &accuracy.release;
     let [below, above] = &release.belt.literal;
     let corrected = &release.belt.corrected;
-    let accurate = match release.forced.corrected.is_accurate() {
-        true => "yes",
-        false => "no",
-    };
+    let is_accurate = release.forced.corrected.is_accurate();
     let off = |errors: &EventErrors| Value::from(errors.at_printed_step);
-    let (forced, moving) = (off(&release.forced.corrected), off(&release.moving));
     let shown = [
         off(below),
         off(above),
         off(corrected),
-        accurate.into(),
-        forced,
-        moving,
+        if is_accurate { "yes" } else { "no" }.into(),
+        off(&release.forced.corrected),
+        off(&release.moving),
     ];
     let holds = corrected.is_accurate()
-        && !release.belt.literal_is_accurate()
+        && !release.belt.literal_better().is_accurate()
         && release.moving.is_accurate();
-    proof("time_in_stick", shown, holds)
+    Proof::new("time_in_stick", shown, holds)
 }
 
+/// Errors of a run stay far below the differences that decide here.
 const TOLERANCE: f64 = 1e-12;
-/// Forcing periods that starts are followed over.
+/// Forcing periods that starts are followed over: long enough for stick and for escape.
 const FOLLOWED: f64 = 6.0;
 
 /// Starts of both models: positions (m) and velocities (m/s).
@@ -184,15 +168,14 @@ fn starts() -> Vec<State<2>> {
 /// Stick phases of model 2 from all starts, and orbits that end where Σ repels.
 fn sticks_and_ends(model: &ForcedOscillator) -> Result<(usize, usize), Error> {
     let span = FOLLOWED * model.period();
-    let found = starts().into_par_iter().map(|x| {
+    let counts = starts().into_par_iter().map(|x| {
         // Friction of the other sign is what is asked about.
         let (orbit, _) = until_escape(&Unchecked(model), (0.0, x), span, TOLERANCE)?;
         let ends = usize::from(orbit.ending == Ending::Repelling);
         Ok((orbit.sticks().count(), ends))
     });
-    let found = found.collect::<Result<Vec<(usize, usize)>, Error>>()?;
-    let (sticks, ends): (Vec<usize>, Vec<usize>) = found.into_iter().unzip();
-    Ok((sticks.iter().sum(), ends.iter().sum()))
+    let sum = |one: (usize, usize), other: (usize, usize)| (one.0 + other.0, one.1 + other.1);
+    counts.try_reduce(|| (0, 0), |one, other| Ok(sum(one, other)))
 }
 
 pub(super) fn sign_of_friction() -> Result<Proof, Error> {
@@ -204,7 +187,7 @@ pub(super) fn sign_of_friction() -> Result<Proof, Error> {
     let (with_plus, with_minus) = (sticks_and_ends(&printed)?, sticks_and_ends(&model)?);
     let shown = [starts().len(), with_plus.0, with_plus.1, with_minus.0];
     let holds = with_plus.0 == 0 && with_plus.1 > 0 && with_minus.0 > 0;
-    Ok(proof("sign_of_friction", shown, holds))
+    Ok(Proof::new("sign_of_friction", shown, holds))
 }
 
 pub(super) fn spring_signs() -> Result<Proof, Error> {
@@ -232,7 +215,7 @@ pub(super) fn spring_signs() -> Result<Proof, Error> {
     let counts = [starts().len(), escapes_first, escapes_second].map(Value::from);
     let shown = std::iter::once(sigma.into()).chain(counts);
     let holds = sigma < 1e-14 && escapes_first == 0 && escapes_second > 0;
-    Ok(proof("spring_signs", shown, holds))
+    Ok(Proof::new("spring_signs", shown, holds))
 }
 
 #[cfg(test)]

@@ -9,10 +9,12 @@ use crate::report::tangent_at;
 use stickslip::models::BeltOscillator;
 use stickslip::{Error, Mode, Options, State, solve};
 
+/// Errors of a run stay far below the differences that decide here.
 const TOLERANCE: f64 = 1e-13;
 /// Where the body is put on the belt (m): left of both inner points, inside the zone.
 const START: f64 = -0.9;
-/// A release this near to the outer point is at it (m).
+/// A release this near to the outer point is at it (m). The largest excess of friction moves that
+/// point by less.
 const AT: f64 = 1e-9;
 /// Friction above the critical one by these parts of it: at the critical value itself rounding
 /// decides at the inner points.
@@ -65,7 +67,7 @@ fn judged(rides: &[Ride], below: Ride) -> Vec<Finding> {
             least.is_some() && !below.goes_through(),
         ),
     ];
-    let [left, right] = tangent.map(|found| found.map_or("no", kind));
+    let [left, right] = tangent.map(|visibility| visibility.map_or("no", kind));
     let friction = match least.map(|ride| ride.excess) {
         Some(0.0) => "at the critical friction itself".to_owned(),
         Some(excess) => format!("friction exceeding the critical one by {excess:.0e} of it"),

@@ -5,31 +5,29 @@ use super::stick_phases::TOLERANCE;
 use crate::figures::rows::Value;
 use crate::paper::bounded;
 use crate::paper::claim_id::ClaimId;
-use crate::paper::listing::{Defects, END, Motion, Params, Run, Setup, run, run_with};
+use crate::paper::listing::{Defects, END, Motion, Run, Sample, Setup, run, run_with};
 use crate::paper::pattern::two_periodic;
-use crate::paper::published::{Claims, PublishedError};
+use crate::paper::published::Claims;
 use crate::paper::reading::Reading::{AsPrinted, Exact};
-use crate::report::ReportError;
-use crate::report::digits::decimals;
-use crate::report::errata::{Proof, proof};
+use crate::report::errata::Proof;
 use crate::report::finding::{Finding, as_printed, statement};
+use plot::number;
 use stickslip::analysis::{Destination, destination};
 use stickslip::models::ForcedOscillator;
-use stickslip::{Error, Filippov, Mode, Side, State, solve};
+use stickslip::{Error, Filippov, Mode, Side, solve};
 
 /// Forcing periods that a start of the stated model is followed over, and the distance of states
-/// that count as equal.
+/// that count as equal: as in the scan over parameters.
 const SETTLING: (usize, f64) = (60, 1e-5);
+/// Forcing periods of the settled motion that are looked at: two of the published pattern.
 const SHOWN: f64 = 4.0;
 
 /// How many of the four published numbers a run of the listing gives to all printed digits.
-fn published_digits(run: &Run) -> Result<usize, PublishedError> {
-    let claims = Claims::committed()?;
+fn published_digits(claims: &Claims, run: &Run) -> usize {
     let numbers = run.four_numbers().into_iter().flatten();
     let numbers = ClaimId::FOUR.into_iter().zip(numbers);
-    Ok(numbers
-        .filter(|(id, value)| claims.of(*id).agrees(*value))
-        .count())
+    let agrees = |(id, value): &(ClaimId, f64)| claims.of(*id).agrees(*value);
+    numbers.filter(agrees).count()
 }
 
 /// The program and the stated model from one start on Σ.
@@ -45,10 +43,13 @@ struct FromPoint {
     model_two_periodic: bool,
 }
 
-fn from(x1: f64) -> Result<FromPoint, ReportError> {
+fn from(claims: &Claims, x1: f64) -> Result<FromPoint, Error> {
     let model = ForcedOscillator::default();
-    let outcome = run(&Setup::starting(0.0, x1, model.belt_speed))?;
-    let start = (0.0, State::from([x1, model.belt_speed]));
+    let setup = Setup {
+        start: [0.0, x1, model.belt_speed],
+        ..Setup::default()
+    };
+    let (outcome, start) = (run(&setup), (0.0, setup.state()));
     let (periods, same) = SETTLING;
     let options = bounded(TOLERANCE);
     let end = destination(&model, start, model.period(), periods, same, &options)?;
@@ -56,22 +57,22 @@ fn from(x1: f64) -> Result<FromPoint, ReportError> {
     Ok(FromPoint {
         x1,
         first_release: first.map_or(f64::NAN, |phase| phase.stick.exit.t),
-        digits: published_digits(&outcome)?,
+        digits: published_digits(claims, &outcome),
         model_two_periodic: matches!(end, Destination::Periodic { period, sticks, .. } if two_periodic(sticks, period)),
     })
 }
 
 /// `fig08.start`: the caption's start, the third tangent point, and the listing's, which is `T[3]`,
 /// the fourth.
-pub(super) fn start() -> Result<(Vec<Finding>, Proof), ReportError> {
-    let points = Params::default().tangent_points;
-    let (captioned, listed) = (from(points[2])?, from(points[3])?);
+pub(super) fn start(claims: &Claims) -> Result<(Vec<Finding>, Proof), Error> {
+    let points = Setup::default().tangent_points;
+    let (captioned, listed) = (from(claims, points[2])?, from(claims, points[3])?);
     let what = "from the third tangent point the stated model settles on stick–slip of period two";
     let parts = [(what, captioned.model_two_periodic)];
     let what = "the program settles on the published trajectory with the third point put in the place of its own start, the fourth";
     let printed = [(what, captioned.digits == ClaimId::FOUR.len())];
     let [from_third, from_fourth] = [&captioned, &listed].map(|from| {
-        let (x1, release, digits) = (decimals(from.x1, 4), from.first_release, from.digits);
+        let (x1, release, digits) = (number(from.x1, 4), from.first_release, from.digits);
         format!("from x1 = {x1} m the program releases the body first at {release:.4} s and settles on {digits} of the four published numbers")
     });
     let line = format!(
@@ -82,7 +83,7 @@ pub(super) fn start() -> Result<(Vec<Finding>, Proof), ReportError> {
     let apart = captioned.first_release - listed.first_release;
     Ok((
         vec![statement(Exact, parts, line), as_printed(printed)],
-        proof("start", shown.into_iter().flatten(), apart.abs() > 1e-3),
+        Proof::new("start", shown.into_iter().flatten(), apart.abs() > 1e-3),
     ))
 }
 
@@ -139,9 +140,9 @@ impl Sides {
 }
 
 /// `s4.arcs`: on which sides of Σ the slip phases lie, and which of them are the upper ones.
-pub(super) fn arcs() -> Result<(Vec<Finding>, Proof), ReportError> {
+pub(super) fn arcs() -> Result<(Vec<Finding>, Proof), Error> {
     let model = ForcedOscillator::default();
-    let (exact, listing) = (sides_of_model(&model)?, sides_of_listing()?);
+    let (exact, listing) = (sides_of_model(&model)?, sides_of_listing());
     let (of_listing, of_model) = (listing.line("listing"), exact.line("stated model"));
     let line = format!(
         "{of_listing}; {of_model}; the belt's speed is {} m/s, so that S1 holds the lower arcs",
@@ -154,28 +155,33 @@ pub(super) fn arcs() -> Result<(Vec<Finding>, Proof), ReportError> {
             statement(Exact, exact.parts(), line),
             as_printed(listing.parts()),
         ],
-        proof("regions", shown.into_iter().flatten(), holds),
+        Proof::new("regions", shown.into_iter().flatten(), holds),
     ))
 }
 
 /// Of the attractor of the stated model, or of one like it.
 fn sides_of_model<S: Filippov<2>>(system: &S) -> Result<Sides, Error> {
     let printed = ForcedOscillator::default();
-    let x = State::from([Params::default().x1, printed.belt_speed]);
     let end = END + SHOWN * printed.period();
-    let orbit = solve(system, 0.0, x, end, &bounded(TOLERANCE))?;
+    let orbit = solve(
+        system,
+        0.0,
+        Setup::default().state(),
+        end,
+        &bounded(TOLERANCE),
+    )?;
     let settled = orbit.phases.iter().filter(|phase| phase.t_start >= END);
-    let mut found = Sides {
+    let mut sides = Sides {
         sides: settled.filter_map(|phase| side_of(phase.mode)).collect(),
         ..Sides::NONE
     };
     for step in orbit.steps.iter().filter(|step| step.t_start >= END) {
         if let Some(side) = side_of(step.mode) {
             let middle = step.dense.at_time(0.5 * (step.t_start + step.t_end));
-            found.take(side, middle[1]);
+            sides.take(side, middle[1]);
         }
     }
-    Ok(found)
+    Ok(sides)
 }
 
 fn side_of(mode: Mode) -> Option<Side> {
@@ -185,55 +191,40 @@ fn side_of(mode: Mode) -> Option<Side> {
     }
 }
 
-/// Of the listing as printed, in the plotted window; the single steps on the wrong side after a
-/// stick phase left out.
-fn sides_of_listing() -> Result<Sides, ReportError> {
+/// Of the listing as printed, in the plotted window.
+fn sides_of_listing() -> Sides {
     let setup = Setup::default();
-    let mut found = Sides::NONE;
-    // Side of the slip phase under way, and the passes it has lasted.
-    let mut under_way: Option<(Side, u32)> = None;
-    let belt_speed = setup.params.belt_speed;
+    let mut window: Vec<Sample> = Vec::new();
     run_with(&setup, |sample| {
-        if !sample.in_window {
-            return;
+        window.extend(Some(*sample).filter(|one| one.in_window))
+    });
+    let mut sides = Sides::NONE;
+    for phase in window.chunk_by(|one, next| one.mode == next.mode) {
+        let Some(side) = side_of(phase[0].mode) else {
+            continue;
+        };
+        // A single pass only mends the side after a stick phase.
+        if phase.len() > 1 {
+            sides.sides.push(side);
         }
-        let side = side_of(sample.mode);
-        match (side, &mut under_way) {
-            (Some(side), Some((known, passes))) if side == *known => {
-                *passes += 1;
-                // A phase counts from its second pass: the first may only mend the side after a
-                // stick phase.
-                if *passes == 2 {
-                    found.sides.push(side);
-                }
-            }
-            (Some(side), _) => under_way = Some((side, 1)),
-            (None, _) => under_way = None,
-        }
-        if let Some(side) = side
-            && sample.x2 != belt_speed
-        {
-            found.take(side, sample.x2);
-        }
-    })?;
-    Ok(found)
+        let off_belt = phase.iter().filter(|at| at.x2 != setup.model.belt_speed);
+        off_belt.for_each(|at| sides.take(side, at.x2));
+    }
+    sides
 }
 
 /// `s4.found_by_appendix`: what the Appendix's program finds. The claim is that; what the program
-/// without its defects finds is told beside it.
-pub(super) fn found_by_appendix(defects: Defects) -> Result<Vec<Finding>, ReportError> {
-    let (printed, mended) = (
-        run(&Setup::with(defects))?,
-        run(&Setup::with(Defects::MENDED))?,
-    );
-    let (digits, all) = (published_digits(&printed)?, ClaimId::FOUR.len());
+/// without its defects finds stands beside it.
+pub(super) fn found_by_appendix(claims: &Claims, defects: Defects) -> Vec<Finding> {
+    let [printed, mended] = [defects, Defects::MENDED].map(|of| run(&Setup::with(of)));
+    let (digits, all) = (published_digits(claims, &printed), ClaimId::FOUR.len());
     let what = "the Appendix's program as printed gives the published trajectory";
     let parts = [(what, printed.motion == Motion::PUBLISHED && digits == all)];
     let (printed, mended) = (words(printed.motion), words(mended.motion));
     let line = format!(
         "listing as printed: {printed}, {digits} of {all} published numbers to all digits; with its defects mended: {mended}"
     );
-    Ok(vec![statement(AsPrinted, parts, line)])
+    vec![statement(AsPrinted, parts, line)]
 }
 
 fn words(motion: Motion) -> String {
@@ -281,7 +272,7 @@ mod tests {
 
     #[test]
     fn the_program_finds_it_and_not_with_its_stages_mended() {
-        let agrees = |defects| found_by_appendix(defects).unwrap()[0].agrees;
+        let agrees = |defects| found_by_appendix(Claims::committed().unwrap(), defects)[0].agrees;
         assert!(agrees(Defects::AS_PRINTED));
         let mended = Defects::AS_PRINTED.flipped(Defect::InPlaceStages);
         assert!(!agrees(mended) && !agrees(Defects::MENDED));
@@ -289,12 +280,13 @@ mod tests {
 
     #[test]
     fn the_listing_settles_on_the_published_numbers_from_its_own_start() {
-        let points = Params::default().tangent_points;
-        let (captioned, listed) = (from(points[2]).unwrap(), from(points[3]).unwrap());
+        let claims = Claims::committed().unwrap();
+        let points = Setup::default().tangent_points;
+        let [captioned, listed] = [points[2], points[3]].map(|x1| from(claims, x1).unwrap());
         assert_eq!(listed.digits, 4);
         assert!((captioned.first_release - listed.first_release).abs() > 1e-3);
         // Between the zones nothing sticks, and the program has no zone to release the body from.
-        assert_ne!(from(0.5).unwrap(), captioned);
-        assert!(start().unwrap().1.holds);
+        assert_ne!(from(claims, 0.5).unwrap(), captioned);
+        assert!(start(claims).unwrap().1.holds);
     }
 }

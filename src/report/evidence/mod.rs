@@ -13,12 +13,15 @@ mod zones;
 
 pub use motions::{ByProcedure, Shape, Shapes};
 
-use super::ReportError;
 use super::errata::Proof;
 use super::figures::Computed;
 use super::finding::Finding;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::listing::Defects;
+use crate::paper::published::Claims;
+use crate::paper::slip_times_three::{Injected, settled};
+use stick_phases::GridPhases;
+use stickslip::Error;
 use stickslip::models::ForcedOscillator;
 
 /// The evidence for all such statements.
@@ -38,21 +41,22 @@ impl Statements {
     /// Computes all of it.
     ///
     /// # Errors
-    /// [`ReportError`] of what fails.
-    pub fn compute(computed: &Computed) -> Result<Statements, ReportError> {
+    /// The solver's of what fails.
+    pub fn compute(claims: &Claims, computed: &Computed) -> Result<Statements, Error> {
         use ClaimId::*;
-        let ((zone_attracts, followed), by_procedure) = rayon::join(
-            || rayon::join(zones::attracts, stick_phases::Followed::compute),
+        let ((zone_attracts, grid), by_procedure) = rayon::join(
+            || rayon::join(zones::attracts, || GridPhases::compute(claims)),
             ByProcedure::compute,
         );
-        let (followed, by_procedure) = (followed?, by_procedure?);
+        let (grid, by_procedure) = (grid?, by_procedure?);
         let model = ForcedOscillator::default();
-        let zone = zones::Oscillation::of(&model, &followed.set);
-        let shapes = Shapes::of(&computed.bracket);
+        let zone = zones::Oscillation::of(&model, &grid.set);
+        let shapes = Shapes(computed.bracket.each_ref().map(Shape::of));
         let (arcs, regions) = fig08::arcs()?;
-        let (start, start_erratum) = fig08::start()?;
-        let (way, durations) = sticks::length_is_way(&followed)?;
+        let (start, start_erratum) = fig08::start(claims)?;
+        let (way, durations) = sticks::length_is_way(&grid, claims.four());
         let drawn = &computed.fig07.oscillation;
+        let by_appendix = fig08::found_by_appendix(claims, Defects::AS_PRINTED);
         let findings = vec![
             (S2Sigma, sigma::of_belt()),
             (Eq19Sigma, sigma::of_forced()),
@@ -61,16 +65,16 @@ impl Statements {
             (S4ZoneAttracts, zone_attracts?),
             (S4NoStickAtZero, sticks::no_stick_at_zero()?),
             (S4ZoneLocation, zones::location(&model)),
-            (S4ExactLengths, sticks::exact_lengths(&followed)),
-            (S4UntilTangent, sticks::until_tangent(&followed)?),
-            (Fig08ExitAtVisible, sticks::exit_at_visible(&followed)),
+            (S4ExactLengths, sticks::exact_lengths(&grid)),
+            (
+                S4UntilTangent,
+                sticks::until_tangent(&grid, settled_sticks()?),
+            ),
+            (Fig08ExitAtVisible, sticks::exit_at_visible(&grid)),
             (S4LengthIsWay, way),
             (S4Arcs, arcs),
             (Fig08Start, start),
-            (
-                S4FoundByAppendix,
-                fig08::found_by_appendix(Defects::AS_PRINTED)?,
-            ),
+            (S4FoundByAppendix, by_appendix),
             (S4ZoneOscillates, zone.zone()),
             (S6OscillatingBoundary, zone.boundary()),
             (S5ByProcedure, by_procedure.findings()),
@@ -86,9 +90,14 @@ impl Statements {
         })
     }
 
-    /// What the evidence says of a claim; nothing of one that a figure's table answers.
+    /// Findings on a claim; none on one that a figure's table answers.
     pub fn of(&self, id: ClaimId) -> &[Finding] {
         let known = self.findings.iter().find(|(known, _)| *known == id);
         known.map_or(&[], |(_, findings)| findings)
     }
+}
+
+/// Stick phases of the motion on which the stated model settles from the start of Fig. 8.
+fn settled_sticks() -> Result<usize, Error> {
+    Ok(settled(Injected::NONE)?.sticks_of_one().count())
 }

@@ -13,9 +13,9 @@ use rayon::prelude::*;
 use crate::figures::block_and_bracket::{Data, SETS, by_rk4_and_henon};
 use crate::paper::reading::Reading::{Corrected, CorrectedEquations};
 use crate::readings::Verdict;
-use crate::report::ReportError;
 use crate::report::finding::{Finding, as_printed, statement};
 use crate::text::joined;
+use stickslip::Error;
 use stickslip::analysis::motion::Class;
 use stickslip::models::Reading;
 
@@ -34,12 +34,12 @@ pub struct ByProcedure {
 
 impl ByProcedure {
     /// Follows all six orbits.
-    pub(super) fn compute() -> Result<ByProcedure, ReportError> {
+    pub(super) fn compute() -> Result<ByProcedure, Error> {
         let readings = [Reading::exact(), Reading::as_printed()];
         let runs = readings.map(|reading| SETS.map(|set| (reading, set)));
         let runs = runs.as_flattened().par_iter();
-        let classes = runs.map(|(reading, set)| Ok(by_rk4_and_henon(set, reading, STEP)?));
-        let mut corrected = classes.collect::<Result<Vec<_>, ReportError>>()?;
+        let classes = runs.map(|(reading, set)| by_rk4_and_henon(set, reading, STEP));
+        let mut corrected = classes.collect::<Result<Vec<_>, Error>>()?;
         let as_printed = corrected.split_off(SETS.len());
         Ok(ByProcedure {
             corrected,
@@ -53,17 +53,14 @@ impl ByProcedure {
             "Fig. 11: the captioned class",
             "Fig. 12: the captioned class",
         ];
-        let parts = |found: &[Option<Class>]| {
-            let captioned = |i: usize| {
-                let class = found[i].map(Verdict::Motion);
-                class.is_some_and(|class| class.is_published(i))
-            };
+        let parts = |classes: &[Option<Class>]| {
+            let captioned =
+                |i: usize| classes[i].is_some_and(|class| Verdict::Motion(class).is_published(i));
             [0, 1, 2].map(|i| (whats[i], captioned(i)))
         };
-        let names = |found: &[Option<Class>]| {
-            let name =
-                |one: &Option<Class>| one.map_or("escapes".to_owned(), |one| one.to_string());
-            joined(found.iter().map(name), ", ")
+        let names = |classes: &[Option<Class>]| {
+            let name = |one: &Option<Class>| one.map_or("escapes".into(), |one| one.to_string());
+            joined(classes.iter().map(name), ", ")
         };
         let (corrected, printed) = (names(&self.corrected), names(&self.as_printed));
         let line = format!(
@@ -81,7 +78,7 @@ impl ByProcedure {
 /// A set with a smaller share of branching points can be strung: half of what the Hénon attractor
 /// has.
 const STRUNG: f64 = 0.05;
-/// Most distinct points of a section that closes.
+/// Most distinct points of a section that closes: as in [`stickslip::analysis::motion`].
 const MOST: usize = 64;
 
 /// One figure, looked at in two ways.
@@ -103,7 +100,7 @@ pub struct Shape {
 }
 
 impl Shape {
-    fn of(data: &Data) -> Shape {
+    pub(super) fn of(data: &Data) -> Shape {
         let evidence = &data.exact.evidence;
         let closes = evidence.repeats && (1..=MOST).contains(&evidence.distinct);
         Shape {
@@ -138,23 +135,21 @@ impl Shape {
         let section = match (self.closes_after, self.branching) {
             (Some(points), _) => format!("closes (distinct points: {points})"),
             (None, Some(branching)) => {
-                let (percent, can) = (
-                    100.0 * branching,
-                    if branching < STRUNG { "can" } else { "cannot" },
-                );
+                let percent = 100.0 * branching;
+                let can = if branching < STRUNG { "can" } else { "cannot" };
                 format!(
                     "of {all} points does not close (it branches at {percent:.1} % of them and {can} be strung, which decides nothing)"
                 )
             }
             _ => "does not tell".to_owned(),
         };
-        let told = match self.by_exponents() {
+        let class = match self.by_exponents() {
             Class::Undecided => "untold".to_owned(),
             class => class.to_string(),
         };
         let (zeros, positive) = (self.zeros, usize::from(self.positive));
         format!(
-            "Fig. {}: the section {section}; the exponents ({zeros} zero, {positive} positive): {told}",
+            "Fig. {}: the section {section}; the exponents ({zeros} zero, {positive} positive): {class}",
             figure + 10
         )
     }
@@ -191,18 +186,9 @@ fn branching<const N: usize>(points: &[[f64; N]]) -> f64 {
 
 /// Figs. 10, 11 and 12.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Shapes {
-    /// One for each figure.
-    pub figures: [Shape; 3],
-}
+pub struct Shapes(pub [Shape; 3]);
 
 impl Shapes {
-    pub(super) fn of(figures: &[Data; 3]) -> Shapes {
-        Shapes {
-            figures: figures.each_ref().map(Shape::of),
-        }
-    }
-
     /// `s5.kinds`: the kinds of motion, loops left out.
     pub(super) fn kinds(&self) -> Vec<Finding> {
         let whats = [
@@ -210,7 +196,7 @@ impl Shapes {
             "Fig. 11: a quasi-periodic one",
             "Fig. 12: a chaotic one",
         ];
-        let holds = |i: usize| Verdict::Motion(self.figures[i].class).is_of_kind(i);
+        let holds = |i: usize| Verdict::Motion(self.0[i].class).is_of_kind(i);
         let parts = [0, 1, 2].map(|i| (whats[i], holds(i)));
         vec![Finding::statement(Corrected, parts)]
     }
@@ -222,13 +208,13 @@ impl Shapes {
             "Fig. 11: it does not close as they say",
             "Fig. 12: it does not close as they say",
         ];
-        let parts = [0, 1, 2].map(|i| (whats[i], self.figures[i].confirmed()));
+        let parts = [0, 1, 2].map(|i| (whats[i], self.0[i].confirmed()));
         vec![statement(CorrectedEquations, parts, self.line())]
     }
 
     /// What was found, in words.
     pub fn line(&self) -> String {
-        let each = self.figures.iter().enumerate();
+        let each = self.0.iter().enumerate();
         let each = joined(each.map(|(figure, one)| one.line(figure)), ". ");
         format!("{each}. How many loops a closed orbit has the exponents cannot tell")
     }

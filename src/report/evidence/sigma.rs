@@ -103,12 +103,12 @@ impl Compared {
             let position = z + offset;
             let seeded = [Dual::new(position, 1.0), Dual::new(belt_speed, 0.0)];
             let [below, above] = normals(system, Dual::new(t, 0.0), &seeded);
-            let found = below * above;
+            let product = below * above;
             // What the support adds is lost in the sum: the polynomial is taken where the body is.
             let expected = printed(position - offset);
             let relative = |off: f64, size: f64| off.abs() / size.max(f64::MIN_POSITIVE);
-            let off = relative(found.re - expected.sigma, expected.size);
-            let slope_off = relative(found.eps - expected.slope, expected.slope_size);
+            let off = relative(product.re - expected.sigma, expected.size);
+            let slope_off = relative(product.eps - expected.slope, expected.slope_size);
             self.points += 1;
             (self.off, self.slope_off) = (self.off.max(off), self.slope_off.max(slope_off));
             let attracts = fate(system, t, &State::from([position, belt_speed])) == Fate::Stick;
@@ -119,25 +119,18 @@ impl Compared {
     }
 
     fn findings(&self, equations: &str) -> Vec<Finding> {
-        let Compared {
-            points,
-            parameters,
-            off,
-            slope_off,
-            negative,
-            disagreements,
-        } = *self;
-        let factors = points > 0 && slope_off <= ROUNDING;
+        let (points, parameters) = (self.points, self.parameters);
+        let (negative, disagreements) = (self.negative, self.disagreements);
+        let is_rounding = |off: f64| points > 0 && off <= ROUNDING;
         let sticks = negative > 0 && disagreements == 0;
+        let what = "the product of the two normal components on Σ is the printed polynomial";
+        let factors = "its derivative has the printed factors";
         let parts = [
-            (
-                "the product of the two normal components on Σ is the printed polynomial",
-                points > 0 && off <= ROUNDING,
-            ),
-            ("its derivative has the printed factors", factors),
+            (what, is_rounding(self.off)),
+            (factors, is_rounding(self.slope_off)),
             ("the body sticks exactly where it is negative", sticks),
         ];
-        let (off, slope_off) = (small(off), small(slope_off));
+        let [off, slope_off] = [self.off, self.slope_off].map(small);
         let line = format!(
             "{points} points of Σ, {parameters} sets of parameters: product and derivative of the library's own fields off {equations} by \
              at most {off} and {slope_off} of their terms; stick and sign of σ disagree at {disagreements} points, {negative} of them have \

@@ -3,16 +3,15 @@
 
 use rayon::prelude::*;
 
-use super::stick_phases::{At, Followed, Stick, TangentSet, ends, follow, starts};
+use super::stick_phases::{GridPhases, ModelPhase, TangentSet, follow, starts};
 use crate::figures::normals;
 use crate::figures::rows::Value;
 use crate::numbers::{extent, largest};
-use crate::paper::listing::{End, StickPhase};
-use crate::paper::published::{Claims, PublishedError};
+use crate::paper::listing::{End, Instant, Stick, StickPhase};
+use crate::paper::published::HALF_DIGIT;
 use crate::paper::reading::Reading::Exact;
-use crate::paper::slip_times_three::{Injected, settled};
 use crate::report::digits::small;
-use crate::report::errata::{Proof, proof};
+use crate::report::errata::Proof;
 use crate::report::finding::{Finding, as_printed, statement};
 use stickslip::models::ForcedOscillator;
 use stickslip::{Error, Mode, State, TransitionKind};
@@ -26,17 +25,17 @@ const SPAN: f64 = 3.0;
 
 /// `s4.exact_lengths`: whether the set gives lengths and durations of the stick phases, by
 /// `x1 + vp (t − t_entry) = z_k + A sin(ωt)` from the entry alone.
-pub(super) fn exact_lengths(followed: &Followed) -> Vec<Finding> {
-    let off = |entry: At, exit: At| off_prediction(&followed.set, entry, exit);
-    let sticks = &followed.model;
-    let error = largest(sticks.iter().map(|one| off(one.entry, one.exit)));
-    let settled = followed.fig08.settled_phases();
-    let listing_error = largest(ends(settled).map(|(entry, exit)| off(entry, exit)));
+pub(super) fn exact_lengths(grid: &GridPhases) -> Vec<Finding> {
+    let off = |stick: Stick| off_prediction(&grid.set, stick);
+    let sticks = &grid.model;
+    let error = largest(sticks.iter().map(|one| off(one.stick)));
+    let settled = grid.of_fig08().len();
+    let listing_error = largest(grid.of_fig08().map(off));
     let what = "given where and when it begins, the set gives length and duration of a stick phase of the stated model";
     let parts = [(what, !sticks.is_empty() && error <= NONE)];
     let what = "given where and when it begins, the set gives length and duration of the listing's stick phases, which are the published ones";
-    let printed = [(what, !settled.is_empty() && listing_error <= NONE)];
-    let (all, settled, error) = (sticks.len(), settled.len(), small(error));
+    let printed = [(what, settled > 0 && listing_error <= NONE)];
+    let (all, error) = (sticks.len(), small(error));
     let line = format!(
         "ends of {all} stick phases of the stated model by the scalar equation from the set and the begin: off by at most {error} s; of the {settled} \
          of Fig. 8's motion, which the listing makes and which are another reading of the sentence: by up to {listing_error:.3} s"
@@ -45,10 +44,10 @@ pub(super) fn exact_lengths(followed: &Followed) -> Vec<Finding> {
 }
 
 /// By how much (s) the end of a stick phase is off the one that the set gives for its begin.
-fn off_prediction(set: &TangentSet, entry: At, exit: At) -> f64 {
+fn off_prediction(set: &TangentSet, stick: Stick) -> f64 {
     let model = ForcedOscillator::default();
-    let predicted = set.first_meeting(&model, entry, SPAN * model.period());
-    predicted.map_or(f64::INFINITY, |t| (t - exit.0).abs())
+    let predicted = set.first_meeting(&model, stick.entry, SPAN * model.period());
+    predicted.map_or(f64::INFINITY, |t| (t - stick.exit.t).abs())
 }
 
 /// Where stick phases end: how many at each of the points, and how many elsewhere.
@@ -61,30 +60,30 @@ struct Exits {
 }
 
 impl Exits {
-    fn of_model(model: &ForcedOscillator, set: &TangentSet, sticks: &[Stick]) -> Exits {
-        let mut found = Exits::default();
-        for stick in sticks {
-            let (number, distance) = set.nearest(model, stick.exit);
-            found.largest_distance = found.largest_distance.max(distance);
+    fn of_model(model: &ForcedOscillator, set: &TangentSet, phases: &[ModelPhase]) -> Exits {
+        let mut exits = Exits::default();
+        for phase in phases {
+            let (number, distance) = set.nearest(model, phase.stick.exit);
+            exits.largest_distance = exits.largest_distance.max(distance);
             match distance <= NONE {
-                true => found.at[number] += 1,
-                false => found.elsewhere += 1,
+                true => exits.at[number] += 1,
+                false => exits.elsewhere += 1,
             }
         }
-        found
+        exits
     }
 
     /// The listing names the zone and the end that it has tested.
     fn of_listing(phases: &[StickPhase]) -> Exits {
-        let mut found = Exits::default();
+        let mut exits = Exits::default();
         for phase in phases {
             let end = usize::from(phase.end == End::Lower);
             match phase.zone {
-                Some(zone) => found.at[2 * zone as usize + end] += 1,
-                None => found.elsewhere += 1,
+                Some(zone) => exits.at[2 * zone as usize + end] += 1,
+                None => exits.elsewhere += 1,
             }
         }
-        found
+        exits
     }
 
     fn all(&self) -> usize {
@@ -103,11 +102,11 @@ impl Exits {
 }
 
 /// `fig08.exit_at_visible`: at which of the numbered tangent points stick phases end.
-pub(super) fn exit_at_visible(followed: &Followed) -> Vec<Finding> {
-    let sticks = &followed.model;
-    let model = Exits::of_model(&ForcedOscillator::default(), &followed.set, sticks);
-    let listing = Exits::of_listing(&followed.listing.phases);
-    let mended = Exits::of_listing(&followed.both_ends_tested.phases);
+pub(super) fn exit_at_visible(grid: &GridPhases) -> Vec<Finding> {
+    let sticks = &grid.model;
+    let model = Exits::of_model(&ForcedOscillator::default(), &grid.set, sticks);
+    let listing = Exits::of_listing(&grid.listing.phases);
+    let mended = Exits::of_listing(&grid.both_ends_tested.phases);
     let visible = sticks.iter().filter(|stick| stick.visible).count();
     let all = model.all();
     let parts = [
@@ -129,7 +128,7 @@ pub(super) fn exit_at_visible(followed: &Followed) -> Vec<Finding> {
     let distance = small(model.largest_distance);
     let (of_listing, all_of_listing) = (listing.at_visible(), listing.all());
     let (of_mended, all_of_mended) = (mended.at_visible(), mended.all());
-    let [chatter, more] = [&followed.listing, &followed.both_ends_tested].map(|of| of.chatter);
+    let [chatter, more] = [&grid.listing, &grid.both_ends_tested].map(|of| of.chatter);
     let line = format!(
         "stated model: {visible} of {all} ends of stick phases are visibly tangent, all within {distance} m of a point; in another reading, by the points that \
          Fig. 4's caption calls visible at rest, {odd} are at 1, 3, 5 and {even} at 2, 4, 6 (by number {at:?}); the listing tests upper ends only, so that {of_listing} of \
@@ -142,7 +141,8 @@ pub(super) fn exit_at_visible(followed: &Followed) -> Vec<Finding> {
     ]
 }
 
-/// Moments in a forcing period at which it is seen which tangent points have been passed.
+/// Moments in a forcing period at which the tangent points that have been passed are counted: in
+/// between a point moves by less than a hundredth of a zone.
 const MOMENTS: f64 = 2000.0;
 
 /// Stick phases against the tangent points that move past them.
@@ -161,54 +161,49 @@ struct Meetings {
 fn meetings(
     model: &ForcedOscillator,
     set: &TangentSet,
-    phases: impl Iterator<Item = (At, At)>,
+    sticks: impl Iterator<Item = Stick>,
 ) -> Meetings {
-    let mut found = Meetings::default();
+    let mut meetings = Meetings::default();
     let (mut time, mut outside) = (0.0, 0.0);
-    for (entry, exit) in phases {
-        found.phases += 1;
-        let distance = set.nearest(model, exit).1;
-        found.largest_distance = found.largest_distance.max(distance);
-        let duration = exit.0 - entry.0;
+    for stick in sticks {
+        meetings.phases += 1;
+        let distance = set.nearest(model, stick.exit).1;
+        meetings.largest_distance = meetings.largest_distance.max(distance);
+        let duration = stick.duration();
         let places = (duration / model.period() * MOMENTS).ceil().max(2.0);
         let (mut first, mut passes, mut places_outside) = (None, false, 0.0);
         for k in 0..places as u32 {
             // Amid each part, so that neither begin nor end, which lie on tangent points, is looked
             // at.
             let part = (f64::from(k) + 0.5) / places;
-            let at = (
-                entry.0 + part * duration,
-                entry.1 + part * (exit.1 - entry.1),
-            );
+            let at = Instant {
+                t: stick.entry.t + part * duration,
+                x1: stick.entry.x1 + part * stick.length(),
+            };
             let above = set.gaps(model, at).map(|gap| gap > 0.0);
             passes |= *first.get_or_insert(above) != above;
             let in_zone = above.chunks_exact(2).any(|zone| !zone[0] && zone[1]);
             places_outside += f64::from(u8::from(!in_zone));
         }
-        found.passing += usize::from(passes);
+        meetings.passing += usize::from(passes);
         time += duration;
         outside += duration * places_outside / places;
     }
-    found.outside_zones = if time > 0.0 { outside / time } else { 0.0 };
-    found
+    meetings.outside_zones = if time > 0.0 { outside / time } else { 0.0 };
+    meetings
 }
 
 /// `s4.until_tangent`: whether a body in stick moves at the belt's speed until the next tangent
-/// point is met.
-pub(super) fn until_tangent(followed: &Followed) -> Result<Vec<Finding>, Error> {
-    // Stick phases of the stated model's settled motion from the start of Fig. 8.
-    let sticks_of_fig08 = settled(Injected::NONE)?.sticks_of_one().count();
-    Ok(until_tangent_with(followed, sticks_of_fig08))
-}
-
-fn until_tangent_with(followed: &Followed, sticks_of_fig08: usize) -> Vec<Finding> {
-    let met = |phases: &mut dyn Iterator<Item = (At, At)>| {
-        meetings(&ForcedOscillator::default(), &followed.set, phases)
+/// point is met. `sticks_of_fig08` are the stick phases of the motion on which the stated model
+/// settles from the start of Fig. 8.
+pub(super) fn until_tangent(grid: &GridPhases, sticks_of_fig08: usize) -> Vec<Finding> {
+    let met = |sticks: &mut dyn Iterator<Item = Stick>| {
+        meetings(&ForcedOscillator::default(), &grid.set, sticks)
     };
-    let sticks = followed.model.iter();
-    let model = met(&mut sticks.clone().map(|one| (one.entry, one.exit)));
-    let fig08 = met(&mut ends(followed.fig08.settled_phases()));
-    let listing = met(&mut ends(&followed.listing.phases));
+    let sticks = grid.model.iter();
+    let model = met(&mut sticks.clone().map(|one| one.stick));
+    let fig08 = met(&mut grid.of_fig08());
+    let listing = met(&mut grid.listing.sticks());
     let speed_error = largest(sticks.map(|one| one.speed_error));
     let holds_in_the_model = model.phases > 0
         && speed_error <= NONE
@@ -241,23 +236,15 @@ fn until_tangent_with(followed: &Followed, sticks_of_fig08: usize) -> Vec<Findin
 
 /// `s4.length_is_way`: durations less lengths over the belt's speed (s), and the misprint that
 /// follows.
-pub(super) fn length_is_way(followed: &Followed) -> Result<(Vec<Finding>, Proof), PublishedError> {
-    let claims = Claims::committed()?;
-    let published = claims.four();
-    Ok(length_is_way_of(followed, published))
-}
-
-fn length_is_way_of(followed: &Followed, published: [f64; 4]) -> (Vec<Finding>, Proof) {
+pub(super) fn length_is_way(grid: &GridPhases, published: [f64; 4]) -> (Vec<Finding>, Proof) {
     let belt = ForcedOscillator::default().belt_speed;
     let excess = |four: [f64; 4]| [four[2] - four[0] / belt, four[3] - four[1] / belt];
     let published = excess(published);
-    let listing = excess(followed.fig08.four_numbers().unwrap_or([f64::NAN; 4]));
+    let listing = excess(grid.fig08.four_numbers().unwrap_or([f64::NAN; 4]));
     // Half a unit of the last printed digit in both numbers.
-    let rounding = 0.5e-4 + 0.5e-4 / belt;
-    let of_model = largest(followed.model.iter().map(|stick| {
-        let (length, duration) = (stick.exit.1 - stick.entry.1, stick.exit.0 - stick.entry.0);
-        (duration - length / belt).abs()
-    }));
+    let rounding = HALF_DIGIT + HALF_DIGIT / belt;
+    let sticks = grid.model.iter().map(|phase| phase.stick);
+    let of_model = largest(sticks.map(|one| (one.duration() - one.length() / belt).abs()));
     let within = |excess: [f64; 2]| excess.iter().all(|one| one.abs() <= rounding);
     let what =
         "the published lengths are vp times the published durations, as far as rounding lets tell";
@@ -266,7 +253,7 @@ fn length_is_way_of(followed: &Followed, published: [f64; 4]) -> (Vec<Finding>, 
     let printed = [(what, within(listing))];
     let both = |[one, other]: [f64; 2]| format!("{:.2} and {:.2} ms", 1e3 * one, 1e3 * other);
     let (of_published, of_listing, allowed) = (both(published), both(listing), 1e3 * rounding);
-    let (sticks, most) = (followed.model.len(), small(of_model));
+    let (sticks, most) = (grid.model.len(), small(of_model));
     let line = format!(
         "durations less lengths/vp: published {of_published}, the program {of_listing}, {allowed:.2} ms can be rounding; of {sticks} stick phases of the stated model, which are \
          another reading of the sentence, at most {most} s"
@@ -278,15 +265,15 @@ fn length_is_way_of(followed: &Followed, published: [f64; 4]) -> (Vec<Finding>, 
     let holds = longer && sticks > 0 && of_model <= NONE;
     (
         vec![statement(Exact, parts, line), as_printed(printed)],
-        proof("durations", shown, holds),
+        Proof::new("durations", shown, holds),
     )
 }
 
 /// Starts on Σ, relative to the support (m): where σ vanishes without friction, and between.
 const ON_BOUNDARY: [f64; 7] = [-1.0, -0.7, -0.3, 0.0, 0.3, 0.7, 1.0];
-/// Times of the period at which they start.
+/// Times of the period at which they start, its quarters among them.
 const TIMES: u32 = 8;
-/// A kink below this is none (m/s²).
+/// A kink below this is none (m/s²): accelerations are near 10 m/s², so that it is rounding.
 const NO_KINK: f64 = 1e-12;
 
 /// `s4.no_stick_at_zero`: model 2 without friction.
@@ -367,14 +354,21 @@ fn tally(model: &ForcedOscillator) -> Result<Tally, Error> {
 mod tests {
     use super::super::stick_phases::of_model;
     use super::*;
+    use crate::paper::published::Claims;
+    use crate::report::evidence::settled_sticks;
+
+    fn claims() -> &'static Claims {
+        Claims::committed().unwrap()
+    }
 
     #[test]
     fn the_set_gives_the_stated_models_phases_and_not_the_listings() {
-        let followed = Followed::compute().unwrap();
-        let found = exact_lengths(&followed);
+        let grid = GridPhases::compute(claims()).unwrap();
+        let found = exact_lengths(&grid);
         assert!(found[0].agrees && !found[1].agrees);
-        let settled = ends(followed.fig08.settled_phases());
-        let off = settled.map(|(entry, exit)| off_prediction(&followed.set, entry, exit));
+        let off = grid
+            .of_fig08()
+            .map(|stick| off_prediction(&grid.set, stick));
         assert!(largest(off) > 0.01);
     }
 
@@ -385,27 +379,27 @@ mod tests {
             belt_speed: 0.39,
             ..model
         };
-        let set = TangentSet::published().unwrap();
+        let set = TangentSet::published(claims());
         let sticks = of_model(&model).unwrap();
-        let off = sticks.iter().filter(|stick| {
+        let off = sticks.iter().map(|phase| phase.stick).filter(|stick| {
             let t = set.first_meeting(&slower, stick.entry, SPAN * model.period());
-            t.is_none_or(|t| (t - stick.exit.0).abs() > NONE)
+            t.is_none_or(|t| (t - stick.exit.t).abs() > NONE)
         });
         assert!(off.count() > sticks.len() / 2);
     }
 
     #[test]
     fn a_third_of_the_releases_is_at_points_called_invisible() {
-        let followed = Followed::compute().unwrap();
+        let grid = GridPhases::compute(claims()).unwrap();
         let model = ForcedOscillator::default();
-        let exits = Exits::of_model(&model, &followed.set, &followed.model);
+        let exits = Exits::of_model(&model, &grid.set, &grid.model);
         assert_eq!((exits.all(), exits.at_invisible()), (72, 24));
-        let found = exit_at_visible(&followed);
+        let found = exit_at_visible(&grid);
         assert!(found[0].agrees && found[1].agrees && !found[1].is_evidence());
         // By construction, until the other end is tested too.
-        let listing = Exits::of_listing(&followed.listing.phases);
+        let listing = Exits::of_listing(&grid.listing.phases);
         assert_eq!(listing.at_visible(), listing.all());
-        let mended = Exits::of_listing(&followed.both_ends_tested.phases);
+        let mended = Exits::of_listing(&grid.both_ends_tested.phases);
         assert!(mended.at_visible() < mended.all());
     }
 
@@ -413,7 +407,7 @@ mod tests {
     fn a_displaced_point_is_no_place_of_release() {
         let model = ForcedOscillator::default();
         let sticks = of_model(&model).unwrap();
-        let mut set = TangentSet::published().unwrap();
+        let mut set = TangentSet::published(claims());
         set.0[0] += 1e-6;
         let moved = Exits::of_model(&model, &set, &sticks);
         assert!(moved.elsewhere > 0 && moved.at[0] == 0);
@@ -427,22 +421,21 @@ mod tests {
             ..ForcedOscillator::default()
         };
         let sticks = of_model(&still).unwrap();
-        let found = Exits::of_model(&still, &TangentSet::published().unwrap(), &sticks);
+        let found = Exits::of_model(&still, &TangentSet::published(claims()), &sticks);
         assert!(found.all() > 0);
         assert_eq!(found.at_visible(), found.all());
     }
 
     #[test]
     fn the_stated_model_stops_at_the_next_tangent_point_and_the_listing_does_not() {
-        let followed = Followed::compute().unwrap();
-        let found = until_tangent(&followed).unwrap();
+        let grid = GridPhases::compute(claims()).unwrap();
+        let found = until_tangent(&grid, settled_sticks().unwrap());
         assert!(!found[0].agrees && !found[1].agrees);
-        assert!(until_tangent_with(&followed, 1)[0].agrees);
+        assert!(until_tangent(&grid, 1)[0].agrees);
         // With both ends tested the listing comes nearer to that.
-        let (model, set) = (ForcedOscillator::default(), followed.set);
-        let of = |phases: &[StickPhase]| meetings(&model, &set, ends(phases));
-        let listing = of(&followed.listing.phases);
-        let mended = of(&followed.both_ends_tested.phases);
+        let (model, set) = (ForcedOscillator::default(), grid.set);
+        let listing = meetings(&model, &set, grid.listing.sticks());
+        let mended = meetings(&model, &set, grid.both_ends_tested.sticks());
         assert!(listing.passing > 0 && listing.outside_zones > 0.1);
         assert!(
             mended.outside_zones < 0.1 * listing.outside_zones,
@@ -450,17 +443,17 @@ mod tests {
         );
         // A displaced point is not met.
         let displaced = TangentSet(set.0.map(|z| z + 1e-6));
-        let sticks = followed.model.iter().map(|one| (one.entry, one.exit));
+        let sticks = grid.model.iter().map(|one| one.stick);
         assert!(meetings(&model, &displaced, sticks).largest_distance > NONE);
     }
 
     #[test]
     fn lengths_of_another_belt_would_be_its_way() {
-        let followed = Followed::compute().unwrap();
-        let (found, misprint) = length_is_way(&followed).unwrap();
+        let grid = GridPhases::compute(claims()).unwrap();
+        let (found, misprint) = length_is_way(&grid, claims().four());
         assert!(!found[0].agrees && !found[1].agrees && misprint.holds);
         let belt = ForcedOscillator::default().belt_speed;
-        let (found, misprint) = length_is_way_of(&followed, [0.4, 0.2, 0.4 / belt, 0.2 / belt]);
+        let (found, misprint) = length_is_way(&grid, [0.4, 0.2, 0.4 / belt, 0.2 / belt]);
         assert!(found[0].agrees && !misprint.holds);
     }
 

@@ -9,7 +9,7 @@ use crate::figures::rows::Value;
 use crate::numbers::{bisect, changes, extent, largest, missing};
 use crate::paper::reading::Reading::Exact;
 use crate::report::digits::small;
-use crate::report::errata::{Proof, proof};
+use crate::report::errata::Proof;
 use crate::report::finding::{Finding, statement};
 use crate::report::places;
 use crate::report::scan::{Class, PARAMETERS, Point, StickSlip, starts};
@@ -17,8 +17,8 @@ use crate::text::joined;
 use stickslip::models::ForcedOscillator;
 use stickslip::{Error, Fate, Filippov, Mode, Options, Side, State, fate, solve};
 
-/// Positions relative to the support (m) within which zones are sought, and the number of places
-/// looked at.
+/// Positions relative to the support (m) within which zones are sought, half as far again as the
+/// outermost tangent point, and the number of places looked at: a hundred in the narrowest zone.
 const REACH: f64 = 1.6;
 const PLACES: u32 = 1600;
 /// Differences within this are none (m): the last digits of a bisected position.
@@ -96,7 +96,7 @@ impl Oscillation {
     /// Bisects along Σ at all times.
     pub(super) fn of(model: &ForcedOscillator, set: &TangentSet) -> Oscillation {
         let times = (0..TIMES).into_par_iter();
-        let found: Vec<(f64, Vec<f64>)> = times
+        let over_time: Vec<(f64, Vec<f64>)> = times
             .map(|k| {
                 let t = model.period() * f64::from(k) / f64::from(TIMES);
                 (t, stick_ends(model, t))
@@ -104,24 +104,29 @@ impl Oscillation {
             .collect();
         // Time, end and tangent point.
         let mut ends = Vec::new();
-        for (t, of_time) in &found {
+        for (t, of_time) in &over_time {
             let numbered = of_time.iter().rev().zip(set.0);
             ends.extend(numbered.map(|(end, z)| (*t, *end, z)));
         }
         let travel = |(low, high): (f64, f64)| high - low;
-        let last = found.iter().filter_map(|(_, ends)| ends.last().copied());
+        let last = over_time
+            .iter()
+            .filter_map(|(_, ends)| ends.last().copied());
         // The velocity (m/s) at which the boundary function vanishes above a position.
         let speed = |&(t, x1, _): &(f64, f64, f64)| {
             bisect(-10.0, 10.0, |x2| model.boundary(t, &[x1, x2]) >= 0.0)
         };
         let off = |&(t, end, z): &(f64, f64, f64)| (end - (z + model.support(t))).abs();
         Oscillation {
-            six_ends: found.iter().all(|(_, ends)| ends.len() == 6),
+            six_ends: over_time.iter().all(|(_, ends)| ends.len() == 6),
             largest_difference: largest(ends.iter().map(off)),
             travel_x1: travel(extent(last)),
             twice_amplitude: 2.0 * model.amplitude,
             travel_x2: travel(extent(ends.iter().map(speed))),
-            at_rest: found.into_iter().next().map_or_else(Vec::new, |one| one.1),
+            at_rest: over_time
+                .into_iter()
+                .next()
+                .map_or_else(Vec::new, |one| one.1),
         }
     }
 
@@ -175,7 +180,7 @@ impl Oscillation {
         };
         let travels = [x1, self.twice_amplitude, x2].map(Value::from);
         let shown = travels.into_iter().chain([which.into()]);
-        proof("direction", shown, self.along_x1() && x2 == 0.0)
+        Proof::new("direction", shown, self.along_x1() && x2 == 0.0)
     }
 }
 
@@ -282,11 +287,11 @@ impl Sweep {
             let ratio = f64::from(k) / f64::from(VALUES);
             let mu0 = ratio * critical(model);
             let model = ForcedOscillator { mu0, ..*model };
-            let found = Point::compute(&model, &starts(&model)?, ratio, mu0)?;
+            let point = Point::compute(&model, &starts(&model)?, ratio, mu0)?;
             let cycle = |motion: &StickSlip| (motion.period, motion.lengths.len());
-            let mut cycles: Vec<Cycle> = found.stick_slip.iter().map(cycle).collect();
+            let mut cycles: Vec<Cycle> = point.stick_slip.iter().map(cycle).collect();
             cycles.sort_unstable();
-            let of = |class: Class| found.counts[class as usize];
+            let of = |class: Class| point.counts[class as usize];
             Ok((cycles, of(Class::StickSlip) + of(Class::StickSlipTwo)))
         };
         let points = (1..=VALUES).into_par_iter().map(at);
@@ -328,8 +333,9 @@ impl Sweep {
 const DISTANCES: [f64; 3] = [1e-3, 1e-6, 1e-9];
 /// Times of the drawn curve, at equal distances, first and last left out.
 const BESIDE_TIMES: usize = 24;
-/// Length of the runs (s).
+/// Length of the runs (s), of which the first phase alone matters.
 const SPAN: f64 = 1e-2;
+/// Errors of a run stay far below the differences that decide here.
 const TOLERANCE: f64 = 1e-13;
 
 /// Bodies at one distance from the curves.
@@ -391,7 +397,7 @@ fn at_distance(
     times: &[usize],
     distance: f64,
 ) -> Result<Beside, Error> {
-    let mut found = Beside {
+    let mut beside = Beside {
         distance,
         ..Beside::default()
     };
@@ -400,12 +406,12 @@ fn at_distance(
         let inward = if number % 2 == 0 { -distance } else { distance };
         let places = |&k: &usize| Some((*drawn.times.get(k)?, *positions.get(k)?));
         for (t, x1) in times.iter().filter_map(places) {
-            found.pairs += 1;
-            found.inside_sticks += usize::from(sticks(model, t, x1 + inward)?);
-            found.outside_slips += usize::from(!sticks(model, t, x1 - inward)?);
+            beside.pairs += 1;
+            beside.inside_sticks += usize::from(sticks(model, t, x1 + inward)?);
+            beside.outside_slips += usize::from(!sticks(model, t, x1 - inward)?);
         }
     }
-    Ok(found)
+    Ok(beside)
 }
 
 /// Whether a body put on the belt there sticks to it at first.
@@ -420,6 +426,11 @@ fn sticks(model: &ForcedOscillator, t: f64, x1: f64) -> Result<bool, Error> {
 mod tests {
     use super::*;
     use crate::figures::fig07::FIG07;
+    use crate::paper::published::Claims;
+
+    fn published() -> TangentSet {
+        TangentSet::published(Claims::committed().unwrap())
+    }
 
     /// Friction that drives the body.
     fn driving() -> ForcedOscillator {
@@ -442,10 +453,7 @@ mod tests {
 
     #[test]
     fn the_zone_moves_along_x1_and_not_along_x2() {
-        let (model, set) = (
-            ForcedOscillator::default(),
-            TangentSet::published().unwrap(),
-        );
+        let (model, set) = (ForcedOscillator::default(), published());
         let found = Oscillation::of(&model, &set);
         assert_eq!(found.zone()[0].parts(), [true, false], "{found:?}");
         assert_eq!(found.boundary()[0].parts(), [false, true]);
@@ -464,10 +472,7 @@ mod tests {
 
     #[test]
     fn another_friction_or_a_displaced_point_is_seen() {
-        let (model, mut set) = (
-            ForcedOscillator::default(),
-            TangentSet::published().unwrap(),
-        );
+        let (model, mut set) = (ForcedOscillator::default(), published());
         let moves = |model: &ForcedOscillator, set: &TangentSet| {
             Oscillation::of(model, set).zone()[0].parts()[0]
         };

@@ -2,11 +2,11 @@
 
 use maud::{Markup, html};
 
-use super::super::digits::{decimals, minus};
+use super::super::digits::minus;
+use super::super::exponent::ExponentCheck;
 use super::super::finding::Finding;
 use super::super::ledger::{Entry, Ledger};
 use super::super::readme::shown;
-use super::super::remark::Remark;
 use super::super::sentences::PARTS;
 use super::super::verdict::{Correction, Verdict};
 use super::parts::{columns, heading};
@@ -58,10 +58,8 @@ fn by_part(ledger: &Ledger) -> Markup {
 
 pub(super) fn section(ledger: &Ledger) -> Markup {
     let identities = ledger.entries.len() - ledger.counted();
-    let filters = ledger
-        .counts()
-        .into_iter()
-        .chain([(Verdict::Identity, identities)]);
+    let filters = ledger.counts().into_iter();
+    let filters = filters.chain([(Verdict::Identity, identities)]);
     html! {
         section.claims aria-labelledby="claims" {
             (heading("claims"))
@@ -121,7 +119,7 @@ fn row(ledger: &Ledger, place: usize, entry: &Entry) -> Markup {
             td data-column="Published" { (published(entry)) }
             td data-column="Found" {
                 ul.found { @for one in entry.distinct().into_iter().filter(|one| one.reading.role() != Role::Beside) { li { (one.reading) ": " b { (worth(entry, one)) } @if one.by_construction { " by construction: no evidence" } } } }
-                @if let Some(remark) = &entry.remark { p.soft { (remarked(remark)) } }
+                @if let Some(exponent) = &entry.exponent { p.soft { (sign_and_spread(exponent)) } }
             }
             td data-column="Verdict" data-key=(entry.verdict as usize) {
                 (mark(entry.verdict))
@@ -147,7 +145,7 @@ fn published(entry: &Entry) -> String {
     }
     let texts = parts.into_iter().map(|(text, value)| match text.len() {
         0..=SHORT => minus(text),
-        _ => decimals(*value, 6) + "…",
+        _ => plot::number(*value, 6) + "…",
     });
     let text = match joined(texts, "; ") {
         none if none.is_empty() => claim.published.clone(),
@@ -164,19 +162,19 @@ fn published(entry: &Entry) -> String {
 /// first digits.
 const SHORT: usize = 8;
 
-/// What is remarked of an exponent beside the verdict.
-fn remarked(remark: &Remark) -> String {
-    let not = if remark.sign_agrees() { "" } else { "not " };
-    let (sign, sentence) = (remark.sign, remark.sentence());
+/// What is said of an exponent beside the verdict.
+fn sign_and_spread(exponent: &ExponentCheck) -> String {
+    let not = if exponent.sign_agrees() { "" } else { "not " };
+    let (sign, sentence) = (exponent.sign, exponent.sentence());
     format!("sign: {sign}, {not}as published; {sentence}")
 }
 
 /// A reading's values and, in brackets, what they are worth.
 fn worth(entry: &Entry, finding: &Finding) -> String {
-    let status = finding.note.as_ref();
-    match status.filter(|note| finding.digits.is_some() && *note != "ok" && *note != "annihilated")
-    {
-        Some(note) => format!("{} ({note})", shown(entry, finding)),
-        None => shown(entry, finding),
+    let values = shown(entry, finding);
+    match finding.note.as_deref() {
+        None | Some("ok" | "annihilated") => values,
+        Some(note) if finding.digits.is_some() => format!("{values} ({note})"),
+        Some(_) => values,
     }
 }

@@ -2,6 +2,7 @@
 
 use maud::{Markup, PreEscaped, html};
 
+use super::super::figures::Picture;
 use super::parts::{Report, heading};
 
 /// Figures that hold nothing to compute, and why.
@@ -12,15 +13,14 @@ const OPENING: &str = "fig08";
 
 /// Fig. 8.
 pub(super) fn opening(report: &Report) -> Markup {
-    let tables = report.ledger.computed.tables.iter();
+    let pictures = report.ledger.computed.pictures.iter();
     html! {
-        @for table in tables.filter(|table| table.figure == OPENING) {
-            div id=(table.figure) {
+        @for picture in pictures.filter(|one| one.figure == OPENING) {
+            div id=(picture.figure) {
                 (figure(
-                    table.title,
+                    picture,
                     "Fig. 8. Left: the Appendix’s program, run to the letter. Right: the equations it is meant to solve, with the same \
-                     parameters. Only the text of the paper was at hand: its pictures were not compared.",
-                    &table.svg
+                     parameters. Only the text of the paper was at hand: its pictures were not compared."
                 ))
             }
         }
@@ -28,14 +28,14 @@ pub(super) fn opening(report: &Report) -> Markup {
 }
 
 pub(super) fn section(report: &Report) -> Markup {
-    let tables = report.ledger.computed.tables.iter();
+    let pictures = report.ledger.computed.pictures.iter();
     html! {
         section.figures aria-labelledby="figures" {
             (heading("figures"))
             p.soft { "The numbers of each figure are in " code { "figures/figNN.csv" } " of the project." }
-            @for table in tables.filter(|table| table.figure != OPENING) {
-                h3 id=(table.figure) { (table.title) }
-                (figure(table.title, table.about, &table.svg))
+            @for picture in pictures.filter(|one| one.figure != OPENING) {
+                h3 id=(picture.figure) { (picture.title) }
+                (figure(picture, picture.about))
             }
             h3 { "Figures that hold nothing to compute" }
             (PreEscaped(DRAWINGS.trim_end()))
@@ -44,11 +44,11 @@ pub(super) fn section(report: &Report) -> Markup {
 }
 
 /// A drawing with its caption. The drawing names and describes itself.
-pub(super) fn figure(title: &str, about: &str, svg: &str) -> Markup {
+pub(super) fn figure(picture: &Picture, about: &str) -> Markup {
     html! {
         figure {
-            div.picture tabindex="0" role="group" aria-label={ (title) "; scrolls sideways on a narrow screen" } {
-                (PreEscaped(svg))
+            div.picture tabindex="0" role="group" aria-label={ (picture.title) "; scrolls sideways on a narrow screen" } {
+                (PreEscaped(&picture.svg))
             }
             figcaption { (about) }
         }

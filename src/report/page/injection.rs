@@ -54,7 +54,7 @@ pub(super) fn cause(report: &Report) -> Markup {
                 }
             }
             p { (ledger.injection.alone()) }
-            (figure(report.convergence.title, report.convergence.about, &report.convergence.svg))
+            (figure(&report.convergence, report.convergence.about))
             p { (ledger.convergence.sentence()) }
             h3 { "The program's defects" }
             p { "Each is a switch, so that every subset of them can be run. This is a statement on the program alone. " (ledger.matrix.sentence()) }
@@ -121,20 +121,18 @@ pub(super) fn existence(report: &Report) -> Markup {
                 p { "With " (name) ": " (counts(point)) "." }
             }
             p { (scan.chaos.sentence()) }
-            (figure(report.scan.title, report.scan.about, &report.scan.svg))
+            (figure(&report.scan, report.scan.about))
         }
     }
 }
 
 /// How many starts lead where.
 fn counts(point: &Point) -> String {
-    let some = Class::ALL
-        .iter()
-        .zip(point.counts)
-        .filter(|(_, count)| *count > 0);
-    let some = some.map(|(class, count)| (count, class.name().replace('_', " ")));
-    joined(
-        some.map(|(count, name)| format!("{count} starts: {name}")),
-        ", ",
-    )
+    let counts = Class::ALL.iter().zip(point.counts);
+    let some = counts.filter(|(_, count)| *count > 0);
+    let texts = some.map(|(class, count)| {
+        let name = class.name().replace('_', " ");
+        format!("{count} starts: {name}")
+    });
+    joined(texts, ", ")
 }

@@ -1,4 +1,5 @@
-//! The report as one HTML page that needs nothing else: style, figures and the little script are in it.
+//! The report as one HTML page that needs nothing else: style, figures and the little script are in
+//! it.
 
 mod claims;
 mod figures;
@@ -9,7 +10,7 @@ mod text;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::sentences::{figs_10_to_12, resting, sentences};
-pub use parts::{Picture, Report};
+pub use parts::Report;
 use parts::{SECTIONS, heading};
 
 const STYLE: &str = include_str!("../../../assets/report/style.css");

@@ -2,18 +2,8 @@
 
 use maud::{Markup, html};
 
+use super::super::figures::Picture;
 use super::super::ledger::Ledger;
-
-/// A picture of the report's own.
-#[derive(Clone, Debug)]
-pub struct Picture {
-    /// Heading.
-    pub title: &'static str,
-    /// What it shows.
-    pub about: &'static str,
-    /// The drawing.
-    pub svg: String,
-}
 
 /// Everything on the page.
 pub struct Report<'a> {

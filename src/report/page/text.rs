@@ -75,10 +75,8 @@ pub(super) fn cite() -> Markup {
 }
 
 pub(super) fn remake() -> Markup {
-    prose(
-        "remake",
-        &REMAKE.replace("{version}", env!("CARGO_PKG_VERSION")),
-    )
+    let text = REMAKE.replace("{version}", env!("CARGO_PKG_VERSION"));
+    prose("remake", &text)
 }
 
 /// A section of ready markup.

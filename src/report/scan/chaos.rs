@@ -8,25 +8,28 @@ use stickslip::analysis::{SpectrumOptions, lyapunov_spectrum_watched};
 use stickslip::models::ForcedOscillator;
 use stickslip::{Error, Mode, Observer, Options, Phase, State};
 
-/// Of the scan's starts one in so many is followed.
+/// Of the scan's starts one in so many is followed: all of them lead to motions of one kind.
 const EVERY: usize = 10;
 /// Forcing periods that go by before measuring.
 const TRANSIENT: f64 = 100.0;
 /// Forcing periods measured.
 const MEASURED: u32 = 2000;
 /// Forcing periods that stick phases are counted in.
-pub const COUNTED: u32 = 200;
+const COUNTED: u32 = 200;
+/// As in the figures' spectra.
 const TOLERANCE: f64 = 1e-10;
 /// A spring that pulls back for large stretches keeps a body far inside this (m, m/s).
 const ESCAPE: f64 = 1e3;
-/// Standard errors that a positive exponent has to be above zero.
+/// Standard errors that a positive exponent has to be above zero. A zero one is estimated as large
+/// once in 30 000.
 const STANDARD_ERRORS: f64 = 4.0;
-/// Stick phases whose lengths are that near to published ones, relatively, are near.
+/// Stick phases whose lengths differ from the published ones by no more than this part are near:
+/// one digit of the four that are printed.
 const NEAR: f64 = 0.1;
 
 /// One start, followed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Followed {
+pub struct MeasuredStart {
     /// First Lyapunov exponent (1/s), from the equations; −∞ if stick takes even that direction
     /// away.
     pub lambda: f64,
@@ -36,7 +39,7 @@ pub struct Followed {
     pub lengths: Vec<f64>,
 }
 
-impl Followed {
+impl MeasuredStart {
     /// Stick phases in [`COUNTED`] forcing periods, on the average over all that were measured.
     pub fn sticks(&self) -> f64 {
         self.lengths.len() as f64 * f64::from(COUNTED) / f64::from(MEASURED)
@@ -66,7 +69,7 @@ impl Followed {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chaos {
     /// Of the scan's starts every tenth, from the first on.
-    pub followed: Vec<Followed>,
+    pub followed: Vec<MeasuredStart>,
     /// The published lengths (m).
     pub published: [f64; 2],
 }
@@ -100,24 +103,24 @@ impl Chaos {
     /// What these motions are, in words.
     pub fn sentence(&self) -> String {
         let (followed, all) = (&self.followed, self.followed.len());
-        let some = |is: fn(&Followed) -> bool, verb: &str, none: &str| {
-            let found = followed.iter().filter(|one| is(one));
-            match found.count() {
+        let some = |is: fn(&MeasuredStart) -> bool, verb: &str, none: &str| {
+            let count = followed.iter().filter(|one| is(one)).count();
+            match count {
                 count if count == all => verb.to_owned(),
                 0 => none.to_owned(),
                 count => format!("{verb} from {count} of {all} starts"),
             }
         };
         let sticks = some(|one| !one.lengths.is_empty(), "sticks", "does not stick");
-        let chaotic = some(Followed::is_chaotic, "chaotically", "not chaotically");
+        let chaotic = some(MeasuredStart::is_chaotic, "chaotically", "not chaotically");
         let near = match self.is_near() {
             true => "near the published lengths",
             false => "nowhere near the published lengths",
         };
-        let least_and_most = |of: fn(&Followed) -> f64| extent(followed.iter().map(of));
+        let least_and_most = |of: fn(&MeasuredStart) -> f64| extent(followed.iter().map(of));
         let (low, high) = least_and_most(|one| one.lambda);
         let (_, error) = least_and_most(|one| one.std_error);
-        let (few, many) = least_and_most(Followed::sticks);
+        let (few, many) = least_and_most(MeasuredStart::sticks);
         let (shortest, longest) = extent(followed.iter().flat_map(|one| one.lengths.clone()));
         let of_stick = match shortest <= longest {
             true => {
@@ -140,7 +143,7 @@ impl Chaos {
 }
 
 /// Follows one start.
-fn follow(model: &ForcedOscillator, x: State<2>) -> Result<Followed, Error> {
+fn follow(model: &ForcedOscillator, x: State<2>) -> Result<MeasuredStart, Error> {
     let period = model.period();
     let (transient, measured) = (TRANSIENT * period, f64::from(MEASURED) * period);
     let options = Options::tol(TOLERANCE).escape(ESCAPE);
@@ -151,7 +154,7 @@ fn follow(model: &ForcedOscillator, x: State<2>) -> Result<Followed, Error> {
     };
     let spectrum = lyapunov_spectrum_watched(model, (0.0, x), &settings, &mut sticks)?;
     let first = spectrum.exponents[0];
-    Ok(Followed {
+    Ok(MeasuredStart {
         lambda: first.value(),
         std_error: first.std_error().unwrap_or(f64::INFINITY),
         lengths: sticks.lengths,
@@ -177,15 +180,15 @@ impl Observer<2> for Sticks {
 mod tests {
     use super::*;
 
-    fn followed(lambda: f64, lengths: &[f64]) -> Followed {
-        Followed {
+    fn followed(lambda: f64, lengths: &[f64]) -> MeasuredStart {
+        MeasuredStart {
             lambda,
             std_error: 0.02,
             lengths: lengths.to_vec(),
         }
     }
 
-    fn of(followed: Vec<Followed>) -> Chaos {
+    fn of(followed: Vec<MeasuredStart>) -> Chaos {
         let published = [0.4697, 0.1663];
         Chaos {
             followed,
@@ -223,7 +226,7 @@ mod tests {
     fn model_2_with_the_spring_of_eq_4_sticks_chaotically() {
         let found = Chaos::compute([0.4697, 0.1663]).unwrap();
         assert!(found.followed.len() >= 5);
-        let sticks = |one: &Followed| !one.lengths.is_empty() && one.is_chaotic();
+        let sticks = |one: &MeasuredStart| !one.lengths.is_empty() && one.is_chaotic();
         assert!(found.followed.iter().all(sticks) && !found.is_near());
     }
 }

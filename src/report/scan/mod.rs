@@ -5,7 +5,7 @@ mod point;
 
 use rayon::prelude::*;
 
-pub use chaos::{COUNTED, Chaos, Followed};
+pub use chaos::Chaos;
 pub use point::{Class, Point, StickSlip};
 
 use crate::numbers::extent;
@@ -59,9 +59,9 @@ pub struct Scan {
     pub chaos: Chaos,
 }
 
-/// A stick–slip motion found at a point: name of the parameter that was changed, the point, the
-/// motion, and the larger relative difference of its two lengths from the published ones.
-pub type Found<'a> = (&'static str, &'a Point, &'a StickSlip, f64);
+/// A stick–slip motion at a point: name of the parameter that was changed, the point, the motion,
+/// and the larger relative difference of its two lengths from the published ones.
+type NearestMotion<'a> = (&'static str, &'a Point, &'a StickSlip, f64);
 
 /// Values of a parameter, the printed one in the middle.
 const VALUES: usize = 33;
@@ -108,14 +108,18 @@ impl Scan {
     }
 
     /// The stick–slip motion nearest to the published lengths among those that `allowed` lets pass.
-    pub fn nearest(&self, allowed: impl Fn(&StickSlip) -> bool) -> Option<Found<'_>> {
-        let points = self.lines.iter();
-        let points = points.flat_map(|line| line.points.iter().map(|point| (line.name, point)));
-        let found = points.filter_map(|(name, point)| {
+    fn nearest(&self, allowed: impl Fn(&StickSlip) -> bool) -> Option<NearestMotion<'_>> {
+        let motions = self.points().filter_map(|(name, point)| {
             let (motion, distance) = point.nearest(self.published, &allowed)?;
             Some((name, point, motion, distance))
         });
-        found.min_by(|one, other| one.3.total_cmp(&other.3))
+        motions.min_by(|one, other| one.3.total_cmp(&other.3))
+    }
+
+    /// All points, each with the name of the parameter that is changed there.
+    pub fn points(&self) -> impl Iterator<Item = (&'static str, &Point)> {
+        let lines = self.lines.iter();
+        lines.flat_map(|line| line.points.iter().map(|point| (line.name, point)))
     }
 
     /// The answer in words.
@@ -132,11 +136,11 @@ impl Scan {
         let ranges = self.lines.iter().filter_map(|line| {
             let has = |point: &&Point| point.stick_slip.iter().any(|motion| motion.period == 2);
             let factors = line.points.iter().filter(has).map(|point| point.factor);
-            let (found, (first, last)) = (factors.clone().count(), extent(factors));
+            let (count, (first, last)) = (factors.clone().count(), extent(factors));
             let name = line.name;
             let range =
-                || format!("{name} (at {found} of {VALUES} factors, from {first:.3} to {last:.3})");
-            (found > 0).then(range)
+                || format!("{name} (at {count} of {VALUES} factors, from {first:.3} to {last:.3})");
+            (count > 0).then(range)
         });
         let ranges = joined(ranges, ", ");
         text += &match ranges.is_empty() {
@@ -150,11 +154,11 @@ impl Scan {
                 )
             }
         };
-        for (what, found) in [
+        for (what, nearest) in [
             ("of period two", self.nearest(|motion| motion.period == 2)),
             ("of any period", self.nearest(|_| true)),
         ] {
-            let Some((name, point, StickSlip { period, lengths }, distance)) = found else {
+            let Some((name, point, StickSlip { period, lengths }, distance)) = nearest else {
                 continue;
             };
             let factor = point.factor;

@@ -3,12 +3,13 @@
 use crate::numbers::largest;
 use crate::paper::ESCAPE;
 use crate::paper::pattern::two_periodic;
+use crate::report::stick_exits;
 use crate::text::described;
 use stickslip::analysis::{Destination, destination};
 use stickslip::dynamics::{Components, Vector};
 use stickslip::models::ForcedOscillator;
 use stickslip::system::Unchecked;
-use stickslip::{AtRepelling, Error, Mode, Options, State, TransitionKind, solve};
+use stickslip::{AtRepelling, Error, Options, State, solve};
 
 described! {
     /// What a start leads to.
@@ -61,7 +62,7 @@ pub(super) fn double_well() -> ForcedOscillator {
     }
 }
 
-/// Stick phases whose lengths differ by no more are the same (m).
+/// Stick phases whose lengths differ by no more are the same (m): they agree in the printed digits.
 const SAME_LENGTH: f64 = 1e-4;
 
 /// A periodic motion with stick.
@@ -99,10 +100,11 @@ impl StickSlip {
     }
 }
 
-/// Forcing periods that a start is followed over.
+/// Forcing periods that a start is followed over: half as many again as the listing runs.
 const FOLLOWED: usize = 60;
-/// States a pattern apart that are this near count as equal.
+/// States a pattern apart that are this near count as equal: a tenth of a printed digit.
 const CLOSENESS: f64 = 1e-5;
+/// Errors of a run stay a hundred times below [`CLOSENESS`].
 const TOLERANCE: f64 = 1e-9;
 
 /// What becomes of all starts at one set of parameters.
@@ -208,12 +210,8 @@ fn lengths(
     let pattern = period as f64 * model.period();
     // A phase that has begun when the first pattern begins is whole in the second.
     let orbit = solve(&Unchecked(model), 0.0, x, 2.0 * pattern, options)?;
-    let exits = orbit.transitions.iter();
-    let exits = exits.filter(|at| at.kind == TransitionKind::StickExit);
-    let ends: Vec<f64> = exits.map(|at| at.t).filter(|&t| t > pattern).collect();
-    let phases = orbit.phases.iter();
-    let within = phases.filter(|phase| phase.mode == Mode::Stick && ends.contains(&phase.t_end));
-    let mut lengths: Vec<f64> = within.map(|phase| phase.displacement()[0]).collect();
+    let exits = stick_exits(&orbit).filter(|(at, ..)| at.t > pattern);
+    let mut lengths: Vec<f64> = exits.map(|(.., phase)| phase.displacement()[0]).collect();
     lengths.sort_by(|one, other| other.total_cmp(one));
     Ok(lengths)
 }

@@ -39,8 +39,8 @@ impl Band {
         }
     }
 
-    /// A horizontal bar from abscissa to abscissa at an ordinate, `thickness` px high, such as a stick zone
-    /// in the phase plane.
+    /// A horizontal bar from abscissa to abscissa at an ordinate, `thickness` px high, such as a
+    /// stick zone in the phase plane.
     pub fn bar(x: (f64, f64), y: f64, thickness: f64) -> Self {
         let mut band = Self::rect(x, (y, y));
         band.thickness = thickness;

@@ -6,7 +6,8 @@ use crate::elements::Ink;
 use crate::legend::Entry;
 use crate::plot::{Drawn, Frame, Plot};
 
-/// The cells of a grid that are set, in one colour. A picture of several kinds of cells is a layer for each kind.
+/// The cells of a grid that are set, in one colour. A picture of several kinds of cells is a layer
+/// for each kind.
 #[derive(Clone, Debug)]
 pub struct Cells {
     x: (f64, f64),
@@ -18,8 +19,8 @@ pub struct Cells {
 }
 
 impl Cells {
-    /// The cells of a grid over the ranges `x` and `y`, row by row from the lowest `y`, in each row from the lowest `x`. A last row that is
-    /// not complete is left out.
+    /// The cells of a grid over the ranges `x` and `y`, row by row from the lowest `y`, in each row
+    /// from the lowest `x`. A last row that is not complete is left out.
     pub fn new(
         x: (f64, f64),
         y: (f64, f64),
@@ -43,7 +44,8 @@ impl Cells {
         legend: &str => legend;
     }
 
-    /// Rectangles that cover the set cells, as ranges of columns and of rows: neighbours in a row together, and equal ones above one another.
+    /// Rectangles that cover the set cells, as ranges of columns and of rows: neighbours in a row
+    /// together, and equal ones above one another.
     fn rectangles(&self) -> Vec<[(usize, usize); 2]> {
         let mut done: Vec<[(usize, usize); 2]> = Vec::new();
         // Indices of those that end at the row before.

@@ -7,7 +7,8 @@ use crate::legend::Entry;
 use crate::pen::{Dash, Pen};
 use crate::plot::{Drawn, Plot};
 
-/// A polyline in data units. Points that are not finite leave a gap; what lies outside the axes is cut off.
+/// A polyline in data units. Points that are not finite leave a gap; what lies outside the axes is
+/// cut off.
 #[derive(Clone, Debug)]
 pub struct Curve {
     points: Vec<(f64, f64)>,

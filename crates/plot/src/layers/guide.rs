@@ -53,8 +53,8 @@ impl Guide {
         legend: &str => legend;
     }
 
-    /// A text in markup beside the line, at a fraction of its length: above a horizontal line, to the right
-    /// of a vertical one.
+    /// A text in markup beside the line, at a fraction of its length: above a horizontal line, to
+    /// the right of a vertical one.
     pub fn label(mut self, text: &str, fraction: f64) -> Self {
         self.label = Some((text.to_owned(), fraction));
         self

@@ -13,8 +13,8 @@ pub struct Inset {
 }
 
 impl Inset {
-    /// `panel`, including its labels, between two corners in fractions of the outer plot rectangle, from
-    /// (0, 0) lower left to (1, 1) upper right.
+    /// `panel`, including its labels, between two corners in fractions of the outer plot rectangle,
+    /// from (0, 0) lower left to (1, 1) upper right.
     pub fn new(from: (f64, f64), to: (f64, f64), panel: Panel) -> Self {
         Self { from, to, panel }
     }

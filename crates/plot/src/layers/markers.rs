@@ -57,8 +57,8 @@ impl Markers {
         self
     }
 
-    /// A text in markup beside the point `index`, `(right, up)` px away from it. Of an index that does not
-    /// exist nothing is drawn.
+    /// A text in markup beside the point `index`, `(right, up)` px away from it. Of an index that
+    /// does not exist nothing is drawn.
     pub fn label(mut self, index: usize, text: &str, offset: (f64, f64)) -> Self {
         self.labels.push((index, text.to_owned(), offset));
         self

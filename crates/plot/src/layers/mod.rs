@@ -1,5 +1,5 @@
-//! What a panel can show. Layers are drawn in the order they are added; their texts come last, above all
-//! lines.
+//! What a panel can show. Layers are drawn in the order they are added.
+//! Their texts come last, above all lines.
 
 mod band;
 mod cells;
@@ -28,8 +28,8 @@ use super::polyline::Point;
 /// Font size of texts inside a panel, px.
 pub(super) const TEXT: f64 = 11.5;
 
-/// One thing in a panel.
-pub(super) trait Layer {
+/// One thing in a panel. The kinds are those of this crate: nothing outside can name a [`Plot`].
+pub trait Layer {
     /// Lines and areas.
     fn draw(&self, plot: &Plot<'_, '_>) -> Drawn;
 
@@ -44,28 +44,13 @@ pub(super) trait Layer {
     }
 }
 
-/// Anything that can be added to a panel.
-pub struct AnyLayer(pub(super) Box<dyn Layer>);
-
-macro_rules! any_layer {
-    ($($layer:ty),*) => {$(
-        impl From<$layer> for AnyLayer {
-            fn from(layer: $layer) -> Self {
-                Self(Box::new(layer))
-            }
-        }
-    )*};
-}
-any_layer!(
-    Band, Cells, Curve, Dimension, Guide, Inset, Markers, Note, Region
-);
-
 /// A place in a panel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Place {
     /// In data units.
     Data(f64, f64),
-    /// In fractions of the plot rectangle: (0, 0) is its lower left corner, (1, 1) its upper right one.
+    /// In fractions of the plot rectangle: (0, 0) is its lower left corner, (1, 1) its upper right
+    /// one.
     Fraction(f64, f64),
 }
 

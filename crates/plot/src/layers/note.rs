@@ -4,7 +4,7 @@ use plotters_backend::text_anchor::{HPos, VPos};
 
 use super::{Layer, Place, TEXT};
 use crate::arrow;
-use crate::color::{BLACK, Color, GREY};
+use crate::color::{BLACK, GREY};
 use crate::elements::Words;
 use crate::error::PlotError;
 use crate::metrics;
@@ -21,8 +21,6 @@ pub struct Note {
     at: Place,
     text: String,
     offset: (f64, f64),
-    size: f64,
-    color: Color,
     target: Option<Place>,
     head: bool,
 }
@@ -34,25 +32,17 @@ impl Note {
             at: at.into(),
             text: text.to_owned(),
             offset: (0.0, 0.0),
-            size: TEXT,
-            color: BLACK,
             target: None,
             head: true,
         }
     }
 
-    /// Moves the text by `(right, up)` px. It then stands on that side of the place, instead of being
-    /// centred at it: to the right of it for an offset to the right, above it for an offset upwards.
+    /// Moves the text by `(right, up)` px. It then stands on that side of the place, instead of
+    /// being centred at it: to the right of it for an offset to the right, above it for an offset
+    /// upwards.
     pub fn offset(mut self, right: f64, up: f64) -> Self {
         self.offset = (right, up);
         self
-    }
-
-    setters! {
-        /// Font size, px.
-        size: f64 => size;
-        /// Colour of the text.
-        color: Color => color;
     }
 
     /// Adds an arrow from the text to a place.
@@ -76,8 +66,8 @@ impl Note {
     /// The box the text fills on the page.
     fn frame(&self, plot: &Plot<'_, '_>) -> Result<Frame, PlotError> {
         let (x, y) = self.anchored(plot);
-        let width = metrics::width(&self.text, self.size)?;
-        let height = metrics::CAP_HEIGHT * self.size;
+        let width = metrics::width(&self.text, TEXT)?;
+        let height = metrics::CAP_HEIGHT * TEXT;
         let (h, v) = anchor_of(self.offset.0, self.offset.1);
         let left = match h {
             HPos::Left => x,
@@ -122,16 +112,14 @@ impl Layer for Note {
 
     fn annotate(&self, plot: &Plot<'_, '_>) -> Drawn {
         let anchor = anchor_of(self.offset.0, self.offset.1);
-        let words = Words {
-            color: self.color,
-            ..Words::new(&self.text, self.size, anchor).halo()
-        };
+        let words = Words::new(&self.text, TEXT, anchor).halo();
         plot.sheet.words(self.anchored(plot), words)
     }
 }
 
 /// A text moved to one side of a point is anchored at the side that faces the point.
 pub(super) fn anchor_of(right: f64, up: f64) -> (HPos, VPos) {
+    /// Offsets up to this, px, do not count as a side: they only adjust a centred text.
     const CENTRED: f64 = 2.0;
     let h = if right > CENTRED {
         HPos::Left

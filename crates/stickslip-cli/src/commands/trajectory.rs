@@ -231,8 +231,8 @@ fn history(system: &System, recording: &Recording) -> Figure {
     let contacts = system.file.contacts.iter();
     let names: Vec<String> = contacts.map(|contact| symbol(&contact.name)).collect();
     let ticks = names.iter().enumerate();
-    let ticks: Vec<(f64, &str)> = ticks.map(|(k, name)| (floor(k) + 0.5, &**name)).collect();
-    let y = Axis::new("stick", 0.0, rows as f64).ticks(&ticks);
+    let ticks = ticks.map(|(k, name)| (floor(k) + 0.5, &**name));
+    let y = Axis::new("stick", 0.0, rows as f64).ticks(ticks);
     let mut strips = Panel::new(time(&time_label(system)), y);
     for (k, sticks) in all_sticks.iter().enumerate() {
         let y = (floor(k) + 0.2, floor(k) + 0.8);

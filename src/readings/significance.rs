@@ -3,17 +3,20 @@
 use super::judge::distance;
 use super::plan::ZERO;
 use super::table::{Row, Twelve};
+use crate::paper::published::HALF_DIGIT;
 use stickslip::math;
 use stickslip::statistics::SplitMix;
 
-/// Least and largest size of a negative exponent; its logarithm is drawn evenly.
+/// Least and largest size of a negative exponent, a little wider than what is published. Its
+/// logarithm is drawn evenly.
 pub const NEGATIVE: (f64, f64) = (0.003, 1.0);
-/// Least and largest positive exponent; its logarithm is drawn evenly.
+/// Least and largest positive exponent, around the published one. Its logarithm is drawn evenly.
 pub const POSITIVE: (f64, f64) = (0.001, 0.05);
-/// A match is rare if no more than this share of either kind of targets is met as well (%).
+/// A match is rare if no more than this share of either kind of targets is met as well (%): the
+/// usual level of significance.
 const RARE: f64 = 5.0;
 
-/// Every run draws the same targets.
+/// Every run draws the same targets: the paper's year, volume and pages.
 const SEED: u64 = 0x2013_0073_0723_0736;
 
 /// Draws targets.
@@ -29,19 +32,11 @@ impl Targets {
         math::exp(math::ln(least) + self.0.uniform() * math::ln(most / least))
     }
 
-    fn zero(&mut self) -> f64 {
-        ZERO * (2.0 * self.0.uniform() - 1.0)
-    }
-
-    fn negative(&mut self) -> f64 {
-        -self.logarithmic(NEGATIVE.0, NEGATIVE.1)
-    }
-
     /// A spectrum of each of the published classes.
     fn target(&mut self) -> Twelve {
         let mut draw = |sign| match sign {
-            b'0' => self.zero(),
-            b'-' => self.negative(),
+            b'0' => ZERO * (2.0 * self.0.uniform() - 1.0),
+            b'-' => -self.logarithmic(NEGATIVE.0, NEGATIVE.1),
             _ => self.logarithmic(POSITIVE.0, POSITIVE.1),
         };
         let mut all = [*b"0---", *b"00--", *b"+0--"].map(|signs| signs.map(&mut draw));
@@ -121,11 +116,8 @@ impl Level {
             distance(nearest(rows.iter().copied(), &target, figures)) <= published
         };
         let near_reading = |one: &&Row| {
-            let same = |row: &&&Row| {
-                figures
-                    .iter()
-                    .all(|&f| row.exponents[f] == one.exponents[f])
-            };
+            let same_in = |row: &Row, f: &usize| row.exponents[*f] == one.exponents[*f];
+            let same = |row: &&&Row| figures.iter().all(|f| same_in(row, f));
             let twins = spectra.iter().filter(same).map(|row| row.reading());
             let twins: Vec<&str> = twins.collect();
             let others = rows.iter().copied();
@@ -176,16 +168,13 @@ pub fn alone<'a>(
     Some([of(0)?, of(1)?, of(2)?])
 }
 
-/// Half a unit of the last printed digit.
-const HALF_UNIT: f64 = 5e-5;
-
 /// Of the targets drawn for exponent `k` of a figure, how many are met to the printed digits by as
 /// many rows as `wanted`, or more.
 pub fn digits(rows: &[&Row], (figure, k): (usize, usize), wanted: usize, draws: usize) -> Share {
     let mut targets = Targets::new();
     Share::count((0..draws).map(|_| {
         let target = targets.target()[figure][k];
-        let near = |row: &&&Row| (row.exponents[figure][k] - target).abs() <= HALF_UNIT;
+        let near = |row: &&&Row| (row.exponents[figure][k] - target).abs() <= HALF_DIGIT;
         rows.iter().filter(near).count() >= wanted
     }))
 }

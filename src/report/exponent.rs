@@ -1,4 +1,4 @@
-//! Remarks on a published exponent that are no verdict: its sign, and how far the estimator's
+//! What is said of a published exponent besides the verdict: its sign, and how far the estimator's
 //! unstated settings move it.
 
 use std::fmt;
@@ -39,9 +39,9 @@ impl fmt::Display for Sign {
     }
 }
 
-/// What is remarked of a published exponent.
+/// A published exponent beside the equations' sign and the estimator's spread.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Remark {
+pub struct ExponentCheck {
     /// The published number.
     pub published: f64,
     /// Sign of the exponent from the corrected equations, zero within its error.
@@ -50,7 +50,7 @@ pub struct Remark {
     pub spread: ExponentSpread,
 }
 
-impl Remark {
+impl ExponentCheck {
     /// Whether the published number has the computed sign; a small number that is not zero has a
     /// sign.
     pub fn sign_agrees(&self) -> bool {
@@ -115,7 +115,7 @@ fn rounded(value: f64) -> String {
 mod tests {
     use super::*;
 
-    fn of(published: f64, sign: Sign, range: Option<(f64, f64)>) -> Remark {
+    fn of(published: f64, sign: Sign, range: Option<(f64, f64)>) -> ExponentCheck {
         let values = range.map(|(least, largest)| Values {
             least,
             median: least,
@@ -128,7 +128,7 @@ mod tests {
             doubtful: 0,
             met: 0,
         };
-        Remark {
+        ExponentCheck {
             published,
             sign,
             spread,
