@@ -6,9 +6,9 @@ use numpy::{Complex64, IntoPyArray, PyArray1, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stickslip::analysis::{
-    BranchPoint, ContinuationSettings, Exponent, PeriodicOrbit, PoincareMap, Reached,
-    RecurrenceSettings, SpectrumOptions, Stability, SweepSettings, basin,
-    continue_periodic_orbit_while, find_periodic_orbit, multipliers, periodic_orbit_forced, sweep,
+    BranchPoint, ContinuationSettings, Exponent, PartialBranch, PeriodicOrbit, PoincareMap, Reached,
+    RecurrenceSettings, SpectrumOptions, Stability, SweepSettings, basin, find_periodic_orbit,
+    multipliers, periodic_orbit_forced, sweep,
 };
 use stickslip::dynamics::{DynamicsRef, Moment, Section, Vector};
 use stickslip::{Ending, Error, Options};
@@ -207,13 +207,14 @@ pub(crate) fn continuation<'py>(
         };
         let x = [x.as_slice(), &[value]].concat();
         let along = interrupt.guarded(&*along);
-        let seen = |_: &BranchPoint| match interrupt.is_raised() {
+        let observe = |_: &PartialBranch| match interrupt.is_raised() {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
         };
         let way = |upwards| {
             let period = orbit.period;
-            continue_periodic_orbit_while(&along, &*x, period, upwards, &settings, &options, seen)
+            PartialBranch::begin(&along, &*x, period, upwards, &settings, &options)?
+                .follow(&along, &settings, &options, observe)
         };
         let (down, up) = rayon::join(|| way(false), || way(true));
         Ok((down?, up?))

@@ -1,5 +1,6 @@
 //! The search for a periodic orbit, from a run and by shooting.
 
+use serde::Serialize;
 use stickslip::analysis::{
     PeriodicOrbit, RecurrenceSettings, find_periodic_orbit, periodic_orbit, periodic_orbit_forced,
 };
@@ -16,7 +17,7 @@ use crate::terminal::patiently;
 use stickslip_kernels::file::System;
 
 /// How a periodic orbit is looked for.
-#[derive(Debug, clap::Args)]
+#[derive(Debug, clap::Args, Serialize)]
 pub(super) struct SearchArguments {
     /// How long the run before is; 0 to shoot from the start
     #[arg(long, value_name = "TIME", default_value_t = 200.0)]

@@ -978,3 +978,23 @@ fn a_change_is_followed_in_two_parameters_along_its_closed_form() {
         assert!(error.contains(told), "{also}: {error}");
     }
 }
+
+#[test]
+fn another_branch_in_the_same_folder_is_refused_and_a_failed_search_leaves_nothing() {
+    let top = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| program(top.path(), arguments).assert();
+    let range = ["basins", "--parameter", "vd=1.1:2"];
+    run(&[&range[..], &["--longest", "1"]].concat()).code(1);
+    run(&range).success();
+    let table = top.path().join("stickslip-output/branch.csv");
+    let whole = std::fs::read(&table).unwrap();
+    run(&[&range[..], &["--step", "0.01"]].concat())
+        .code(2)
+        .stderr(contains(
+            "the argument `step` was 0.02 there and is 0.01 now",
+        ))
+        .stderr(contains("choose another folder with --out"));
+    assert_eq!(std::fs::read(&table).unwrap(), whole);
+    run(&range).success();
+    assert_eq!(std::fs::read(&table).unwrap(), whole);
+}

@@ -26,8 +26,8 @@ pub use attractors::{
 pub use basin::{Basin, Share, basin};
 pub use bifurcation::{AttractorChange, Sweep, SweepPoint, SweepSettings, WhatChanges, sweep};
 pub use continuation::{
-    Branch, BranchPoint, ContinuationSettings, Curve, CurvePoint, CurveStop, Special, SpecialPoint,
-    Stop, SwitchedBranch, continue_change, continue_periodic_orbit, continue_periodic_orbit_while,
+    Branch, BranchPoint, ContinuationSettings, Curve, CurvePoint, CurveStop, PartialBranch,
+    Special, SpecialPoint, Stop, SwitchedBranch, continue_change, continue_periodic_orbit,
     switch_branches,
 };
 pub use cycle::{SequenceBifurcation, SequenceChange};

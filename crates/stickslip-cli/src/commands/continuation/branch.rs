@@ -1,12 +1,11 @@
 //! The branch through an orbit, both ways.
 
-use std::ops::ControlFlow;
 use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 use stickslip::analysis::{
-    Branch as Way, BranchPoint, ContinuationSettings, Curve, PeriodicOrbit, Special, SpecialPoint,
-    Stop, SwitchedBranch, continue_change, continue_periodic_orbit_while, switch_branches,
+    Branch as Way, BranchPoint, ContinuationSettings, Curve, PartialBranch, PeriodicOrbit, Special,
+    SpecialPoint, Stop, SwitchedBranch, continue_change, switch_branches,
 };
 use stickslip::dynamics::{DynamicsRef, Section, Summary, Vector};
 use stickslip::{Ending, Error, Options};
@@ -14,7 +13,9 @@ use stickslip_kernels::kernel::{Run, Watcher, follow};
 
 use super::super::extremes::Extremes;
 use super::super::range::{ParameterRange, with_values};
+use super::saving::{Saving, saved};
 use crate::failure::Failure;
+use crate::sweep::Writer;
 use crate::terminal::Status;
 use stickslip_kernels::file::System;
 
@@ -100,11 +101,10 @@ impl<'a> Begin<'a> {
     /// The branch through an orbit that takes so many periods of the drive, if there is one.
     pub(super) fn branch(
         &self,
-        orbit: &PeriodicOrbit,
-        periods: Option<u32>,
+        (orbit, periods): (&PeriodicOrbit, Option<u32>),
         settings: &ContinuationSettings,
         options: &Options,
-        status: &Status,
+        (writer, status): (&Writer, &Status),
     ) -> Result<Branch, Failure> {
         let settings = ContinuationSettings {
             forced: periods.map(|_| orbit.period),
@@ -114,19 +114,27 @@ impl<'a> Begin<'a> {
         let x = [x.as_slice(), &[self.value]].concat();
         let far = Mutex::new([(0_usize, self.value); 2]);
         let way = |upwards| {
-            let seen = |at: &BranchPoint| {
+            let mut saving = Saving::of(writer, usize::from(upwards));
+            let observe = |branch: &PartialBranch| {
                 let mut far = far.lock().unwrap_or_else(PoisonError::into_inner);
-                let (orbits, place) = &mut far[usize::from(upwards)];
-                (*orbits, *place) = (*orbits + 1, at.parameter);
+                let points = branch.points();
+                let place = points.last().map_or(self.value, |at| at.parameter);
+                far[usize::from(upwards)] = (points.len(), place);
                 let [down, up] = far.map(|(orbits, place)| format!("{orbits} to {place:.6}"));
                 status.set(format!(
                     "following the branch, orbits to {}: down {down}, up {up}",
                     self.range.name
                 ));
-                ControlFlow::Continue(())
+                saving.observe(branch)
             };
             let (along, period) = (&self.along, orbit.period);
-            continue_periodic_orbit_while(along, &*x, period, upwards, &settings, options, seen)
+            let begun = match saved(writer, usize::from(upwards))? {
+                Some(begun) => begun,
+                None => PartialBranch::begin(along, &*x, period, upwards, &settings, options)?,
+            };
+            let followed = begun.follow(along, &settings, options, observe)?;
+            saving.finish()?;
+            Ok::<Way, Failure>(followed)
         };
         let (down, up) = rayon::join(|| way(false), || way(true));
         let (mut down, mut up) = (down?, up?);

@@ -67,7 +67,9 @@ struct Between<'f, 'a> {
 }
 
 impl Path for Between<'_, '_> {
-    fn orbit(&self, parameter: f64, options: &Options) -> Option<Cycle> {
+    type Solution = Cycle;
+
+    fn solution(&self, parameter: f64, options: &Options) -> Option<Cycle> {
         let found = self.following.by_line(self.known, parameter, options);
         found.map(|found| found.cycle)
     }
@@ -264,7 +266,7 @@ impl<'a> Following<'a> {
     fn described(&self, last: &Known, zero: &Zero, margin: &Margin, next: f64) -> SequenceChange {
         let at = &Known {
             parameter: zero.parameter,
-            cycle: zero.cycle.clone(),
+            cycle: zero.solution.clone(),
         };
         let way = next - last.parameter;
         let modes = last.cycle.outline.modes();
@@ -390,15 +392,15 @@ impl<'a> Following<'a> {
         let path = self.between(&both);
         let [a, b] = path.bracket(begin, way, &value)?;
         let zero = path.zero([a, b], &value)?;
-        let margin = zero.cycle.margin_like(&margin)?;
+        let margin = zero.solution.margin_like(&margin)?;
         let is_valid = |other: &Margin| other.key == margin.key || !self.is_violated(other);
-        if !zero.cycle.margins.iter().all(is_valid) {
+        if !zero.solution.margins.iter().all(is_valid) {
             return None;
         }
         let system = &*(self.family)(zero.parameter);
         let sides = [cycle.outline.modes(), simple.modes()];
         let place = (zero.parameter, told(&zero, b.0 - a.0));
-        Some(describe(system, (&zero.cycle, margin), place, sides))
+        Some(describe(system, (&zero.solution, margin), place, sides))
     }
 
     /// Where the orbits end in an equilibrium of one of several modes on the way to another value,
@@ -453,14 +455,14 @@ impl<'a> Following<'a> {
                     0 => Special::BranchPoint,
                     1 => Special::Flip,
                     _ => Special::NeimarkSacker {
-                        angle: of(&zero.cycle).angle,
+                        angle: of(&zero.solution).angle,
                     },
                 };
                 let place = (
                     zero.parameter,
                     told(&zero, behind.parameter - before.parameter),
                 );
-                return Some(changed(&zero.cycle, place, what));
+                return Some(changed(&zero.solution, place, what));
             }
         }
         let (last, lost) = (way.good.last()?, way.lost?);

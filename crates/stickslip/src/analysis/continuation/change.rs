@@ -41,7 +41,7 @@ impl Walk<'_> {
     pub(super) fn passed(&self, line: &Line, next: &Cycle) -> Result<Option<Change>, ()> {
         let s = line.place(next);
         let path = line.orbits(&self.shooting);
-        let found = path.passed((0.0, &self.last), (s, next), UNCLEAR)?;
+        let found = path.passed((0.0, &self.branch.last), (s, next), UNCLEAR)?;
         let Some((at, margin)) = found else {
             return Ok(None);
         };
@@ -59,10 +59,10 @@ impl Walk<'_> {
             let beyond = line.on(&self.shooting, at.s + part * step)?;
             let outline = self.run_through(&beyond)?;
             let modes = outline.modes();
-            if is_same_cycle(&modes, &self.last.outline.modes()) {
+            if is_same_cycle(&modes, &self.branch.last.outline.modes()) {
                 return None;
             }
-            self.enter(&outline, parameter_of(&at.cycle))
+            self.enter(&outline, parameter_of(&at.solution))
         })
     }
 
@@ -73,7 +73,7 @@ impl Walk<'_> {
         let durations = || outline.segments.iter().map(|one| one.duration);
         let longest = durations().fold(0.0, f64::max);
         // Of those that are new, if any is.
-        let modes = self.last.outline.modes();
+        let modes = self.branch.last.outline.modes();
         let is_new = |k: usize| !modes.contains(&outline.segments[k].mode);
         let any_new = (0..outline.segments.len()).any(is_new);
         let may_grow = durations()
@@ -87,9 +87,9 @@ impl Walk<'_> {
             let value = row.dot(&outline.unknowns());
             let found = self.shooting.solve(outline, Some((&row, value)))?;
             let way = parameter_of(&found) - change;
-            let is_near = way.abs() <= NEAR * self.units.width;
+            let is_near = way.abs() <= NEAR * self.branch.units.width;
             let row = if row == by_parameter { row * way } else { row };
-            let line = Line::tangent(&self.shooting, self.units, &found, &row)?;
+            let line = Line::tangent(&self.shooting, self.branch.units, &found, &row)?;
             (is_near && self.shooting.is_valid(&found)).then_some((found, line))
         })
     }
@@ -140,7 +140,10 @@ impl Walk<'_> {
         let first = &numbers[..1];
         let several = || (numbers.len() > 1).then(|| self.vanishes_without(line, &numbers, place));
         let is_behind = |change: &Change| {
-            let [_, apart] = change.at.cycle.margins_about(&self.last, &numbers);
+            let [_, apart] = change
+                .at
+                .solution
+                .margins_about(&self.branch.last, &numbers);
             !apart
                 .into_iter()
                 .any(|margin| self.shooting.is_violated(margin))
@@ -153,8 +156,8 @@ impl Walk<'_> {
 
     /// The change at which some segments vanish, at about a place.
     fn vanishes_without(&self, known: &Line, numbers: &[usize], place: f64) -> Option<Change> {
-        let outline = &self.last.outline;
-        let simple = outline.without(numbers, &self.last.begins)?;
+        let outline = &self.branch.last.outline;
+        let simple = outline.without(numbers, &self.branch.last.begins)?;
         let n = outline.begin.x.len();
         let row = unit(&simple, n - 1);
         let value = row.dot(&simple.unknowns());
@@ -163,24 +166,24 @@ impl Walk<'_> {
         if first.family > self.shooting.family {
             return None;
         }
-        let line = Line::tangent(&self.shooting, self.units, &first, &row)?;
-        let margin = first.margin_about(&self.last, numbers)?;
+        let line = Line::tangent(&self.shooting, self.branch.units, &first, &row)?;
+        let margin = first.margin_about(&self.branch.last, numbers)?;
         let (at, slope) = self.zero_near(&line, margin, place)?;
         // Elsewhere than ahead, about where the segments would vanish, it is another change.
         const TOLD: f64 = 0.1;
         const FURTHER: f64 = 3.0;
-        let way = at.parameter - parameter_of(&self.last);
+        let way = at.parameter - parameter_of(&self.branch.last);
         let expected = known.heading() * place;
         let is_told = at.uncertainty <= TOLD * way.abs();
-        let least = self.units.width * SHORTEST;
+        let least = self.branch.units.width * SHORTEST;
         let is_ahead = way * expected > 0.0 && way.abs() <= FURTHER * expected.abs();
         if !is_told || !is_ahead && way.abs() > least {
             return None;
         }
-        let margin = at.cycle.margin_like(margin)?.clone();
+        let margin = at.solution.margin_like(margin)?.clone();
         let row = line.across() * slope.signum();
-        let behind = Line::tangent(&self.shooting, self.units, &at.cycle, &row)?;
-        let cycle = at.cycle.clone();
+        let behind = Line::tangent(&self.shooting, self.branch.units, &at.solution, &row)?;
+        let cycle = at.solution.clone();
         Some(Change {
             at,
             margin,
@@ -194,12 +197,12 @@ impl Walk<'_> {
         let (number, _) = *line.vanishing(place).first()?;
         let is_meant =
             |margin: &&Margin| margin.key.site == Site::Duration && margin.key.part == number;
-        let margin = self.last.margins.iter().find(is_meant)?.clone();
-        let here = parameter_of(&self.last);
+        let margin = self.branch.last.margins.iter().find(is_meant)?.clone();
+        let here = parameter_of(&self.branch.last);
         let parameter = here + line.heading() * place;
         // What the tolerances have the parameter off by at which the segment lasts as long.
         const SAFE: f64 = 2.0;
-        let outline = &self.last.outline;
+        let outline = &self.branch.last.outline;
         let row = unit(outline, outline.begin.x.len() + number);
         let finer = Shooting {
             options: &self.shooting.options.finer(),
@@ -210,7 +213,7 @@ impl Walk<'_> {
         let at = Zero {
             s: 0.0,
             parameter,
-            cycle: self.last.clone(),
+            solution: self.branch.last.clone(),
             uncertainty: (parameter - here).abs() + SAFE * by_tolerance,
         };
         let behind = None;
@@ -239,7 +242,7 @@ impl Walk<'_> {
         let margin = cycle.margins.iter();
         let mut margin = margin.filter(|margin| margin.key.site == Site::Duration);
         let margin = margin.find(|margin| margin.key.part == number)?.clone();
-        let duration = 0.1 * self.last.outline.segments[number].duration;
+        let duration = 0.1 * self.branch.last.outline.segments[number].duration;
         let mut numbers = numbers.iter();
         let swapped = numbers.try_fold(cycle.outline.clone(), |outline, &number| {
             outline.swapped(number, duration)
@@ -258,7 +261,7 @@ impl Walk<'_> {
         let at = Zero {
             s: line.place(&cycle),
             parameter,
-            cycle,
+            solution: cycle,
             uncertainty,
         };
         Some(Change { at, margin, behind })
@@ -272,9 +275,9 @@ impl Walk<'_> {
         let after = after.map_or(Vec::new(), |(cycle, _)| cycle.outline.modes());
         describe(
             self.shooting.system,
-            (&at.cycle, margin),
+            (&at.solution, margin),
             (parameter, self.at_least(parameter, at.uncertainty)),
-            [self.last.outline.modes(), after],
+            [self.branch.last.outline.modes(), after],
         )
     }
 }

@@ -84,9 +84,10 @@ pub fn continue_change<Kind>(
     let value = x[place];
     let by_other = Vector::from_fn(place + 1, |i, _| f64::from(u8::from(i == place)));
     let fixed = Extra::Plane(&by_other, value);
-    let mut walk = Walk::begin(system, x, period, settings, (fixed, options))?;
+    let start = (x, period, upwards);
+    let mut walk = Walk::begin(system, start, settings, (fixed, options))?;
     walk.wanted = Some((|_| true, number));
-    walk.go(upwards, &mut |_| ControlFlow::Continue(()));
+    walk.go_on(&mut |_| ControlFlow::Continue(()));
     let not_found = |what| Error::NotFound {
         what,
         t: 0.0,
@@ -100,7 +101,7 @@ pub fn continue_change<Kind>(
         shooting: walk.shooting,
         units: Units {
             other: Some(other.1 - other.0),
-            ..walk.units
+            ..walk.branch.units
         },
         settings,
         place,

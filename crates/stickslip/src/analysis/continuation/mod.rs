@@ -22,6 +22,7 @@ use crate::dynamics::{AsDynamics, Components, Modes, Vector};
 use crate::error::Error;
 use crate::filippov::Options;
 pub use curve::{Curve, CurvePoint, CurveStop, continue_change};
+use line::{Line, Units};
 pub use switching::{SwitchedBranch, switch_branches};
 use walk::Walk;
 
@@ -90,6 +91,7 @@ impl ContinuationSettings {
 
 /// A periodic orbit on a branch.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BranchPoint {
     /// The parameter.
     pub parameter: f64,
@@ -114,6 +116,7 @@ impl BranchPoint {
 
 /// What is special about an orbit on a branch.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Special {
     /// The branch turns back: a multiplier is 1.
     Fold,
@@ -144,6 +147,7 @@ impl fmt::Display for Special {
 
 /// A special orbit on a branch.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SpecialPoint {
     /// The parameter.
     pub parameter: f64,
@@ -165,7 +169,7 @@ pub struct SpecialPoint {
 pub enum Stop {
     /// The parameter has come to an end of its range.
     Range,
-    /// There are as many points as asked for, or [`continue_periodic_orbit_while`] was told to go no further.
+    /// There are as many points as asked for, or the observer of [`PartialBranch::follow`] asked for no more.
     Points,
     /// The branch is closed: the last orbit is the first.
     Closed,
@@ -278,28 +282,113 @@ pub fn continue_periodic_orbit<Kind>(
     settings: &ContinuationSettings,
     options: &Options,
 ) -> Result<Branch, Error> {
-    let all = |_: &BranchPoint| ControlFlow::Continue(());
-    continue_periodic_orbit_while(system, x, period, upwards, settings, options, all)
+    let begun = PartialBranch::begin(system, x, period, upwards, settings, options)?;
+    begun.follow(system, settings, options, |_| ControlFlow::Continue(()))
 }
 
-/// [`continue_periodic_orbit`] with someone who sees every orbit as it is found, and may say that this is far enough.
+/// A branch as far as it has been followed, with all that it goes on from.
 ///
-/// # Errors
-/// Those of [`continue_periodic_orbit`].
-pub fn continue_periodic_orbit_while<Kind>(
-    system: &impl AsDynamics<Kind>,
-    x: impl Components,
-    period: f64,
-    upwards: bool,
+/// With the feature `serde` it can be written to a file. Followed from there, it has the same bits
+/// as without the break.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct PartialBranch {
+    units: Units,
+    first: Cycle,
+    /// Extent of the widest orbit yet.
+    widest: f64,
+    /// The last two orbits, and the line on which the branch goes on.
+    before: Cycle,
+    last: Cycle,
+    line: Option<Line>,
+    step: f64,
+    points: Vec<BranchPoint>,
+    /// How far each of them goes.
+    extents: Vec<f64>,
+    special: Vec<SpecialPoint>,
+}
+
+impl PartialBranch {
+    /// Finds the orbit that a branch begins with, as [`continue_periodic_orbit`] does.
+    ///
+    /// # Errors
+    /// Those of [`continue_periodic_orbit`].
+    pub fn begin<Kind>(
+        system: &impl AsDynamics<Kind>,
+        x: impl Components,
+        period: f64,
+        upwards: bool,
+        settings: &ContinuationSettings,
+        options: &Options,
+    ) -> Result<Self, Error> {
+        settings.check()?;
+        let system = &*system.dynamics();
+        let start = (x.vector(), period, upwards);
+        let walk = Walk::begin(system, start, settings, (Extra::None, options))?;
+        Ok(walk.branch)
+    }
+
+    /// Follows the branch to its end, by the settings and options that it was begun with.
+    ///
+    /// `observe` sees it before every step, and may say that this is far enough. From a clone of
+    /// what it sees the branch can be followed again.
+    ///
+    /// # Errors
+    /// [`Error::Option`] for a setting that is not allowed.
+    pub fn follow<Kind>(
+        self,
+        system: &impl AsDynamics<Kind>,
+        settings: &ContinuationSettings,
+        options: &Options,
+        mut observe: impl FnMut(&PartialBranch) -> ControlFlow<()>,
+    ) -> Result<Branch, Error> {
+        settings.check()?;
+        let system = &*system.dynamics();
+        let mut walk = Walk::resume(system, self, settings, options);
+        let stop = walk.go_on(&mut observe);
+        Ok(walk.into_branch(stop))
+    }
+
+    /// The orbits found so far.
+    pub fn points(&self) -> &[BranchPoint] {
+        &self.points
+    }
+}
+
+/// Checks that a state has so many parameters behind it, and that the last is in its range.
+fn check_start(
+    x: &Vector,
+    parameters: usize,
     settings: &ContinuationSettings,
-    options: &Options,
-    mut seen: impl FnMut(&BranchPoint) -> ControlFlow<()>,
-) -> Result<Branch, Error> {
-    settings.check()?;
-    let system = &*system.dynamics();
-    let mut walk = Walk::begin(system, x.vector(), period, settings, (Extra::None, options))?;
-    let stop = walk.go(upwards, &mut seen);
-    Ok(walk.into_branch(stop))
+) -> Result<(), Error> {
+    if x.len() <= parameters {
+        return Err(Error::Parameter {
+            name: "the number of states",
+            value: x.len() as f64,
+            bound: "at least one state, and the parameters behind it",
+        });
+    }
+    let ((low, high), value) = (settings.range, x[x.len() - 1]);
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    Err(Error::Parameter {
+        name: "the last state",
+        value,
+        bound: "in the range of the continuation",
+    })
+}
+
+/// Checks that a parameter does not change.
+fn check_rate(rate: f64) -> Result<(), Error> {
+    if rate == 0.0 {
+        return Ok(());
+    }
+    Err(Error::Parameter {
+        name: "the last state's rate",
+        value: rate,
+        bound: "zero: the last state is the parameter of the continuation",
+    })
 }
 
 /// The parameter of an orbit.

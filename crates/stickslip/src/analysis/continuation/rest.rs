@@ -79,7 +79,7 @@ struct Saddle {
 impl Walk<'_> {
     /// Whether the last orbit is about to be a homoclinic one: slower than the one before it, and close to a saddle, or to several.
     pub(super) fn homoclinic(&self) -> Option<Stop> {
-        if self.settings.forced.is_some() || self.last.period <= self.before.period {
+        if self.settings.forced.is_some() || self.branch.last.period <= self.branch.before.period {
             return None;
         }
         let saddles = self.saddles()?;
@@ -104,19 +104,22 @@ impl Walk<'_> {
         // From an orbit that is as far away again.
         const TIMES: f64 = 2.0;
         let here = self.parameter();
-        let period = self.last.period;
+        let period = self.branch.last.period;
         let is_further = |point: &&BranchPoint| rate * (period - point.period) >= math::ln(TIMES);
-        let Some(other) = self.points.iter().rev().find(is_further) else {
+        let Some(other) = self.branch.points.iter().rev().find(is_further) else {
             return (here, f64::NAN);
         };
         let further = math::exp(rate * (period - other.period));
         let way = (here - other.parameter) / (further - 1.0);
-        (here + way, way.abs().max(RESOLUTION * self.units.width))
+        (
+            here + way,
+            way.abs().max(RESOLUTION * self.branch.units.width),
+        )
     }
 
     /// The saddles that the last orbit passes by slowly.
     fn saddles(&self) -> Option<Vec<Saddle>> {
-        let cycle = &self.last;
+        let cycle = &self.branch.last;
         let (system, options) = (self.shooting.system, self.shooting.options);
         let slow = SLOW * cycle.extent / cycle.period;
         let near = CLOSE * cycle.extent;

@@ -40,10 +40,11 @@ pub fn switch_branches<Kind>(
     settings.check()?;
     let system = &*system.dynamics();
     let extra = (Extra::None, options);
-    let mut walk = Walk::begin(system, x.vector(), period, settings, extra)?;
+    let start = (x.vector(), period, upwards);
+    let mut walk = Walk::begin(system, start, settings, extra)?;
     let is_meant = |what: &Special| matches!(what, Special::Flip | Special::BranchPoint);
     walk.wanted = Some((is_meant, number));
-    walk.go(upwards, &mut |_| ControlFlow::Continue(()));
+    walk.go_on(&mut |_| ControlFlow::Continue(()));
     let not_found = |what| Error::NotFound {
         what,
         t: 0.0,
@@ -76,9 +77,9 @@ pub fn switch_branches<Kind>(
     // One way and the other along the branch of twice the period are the same orbits.
     let signs: &[f64] = if is_flip { &[1.0] } else { &[1.0, -1.0] };
     let branches = signs.iter().filter_map(|sign| {
-        let units = walk.units;
+        let units = walk.branch.units;
         let line = Line::along(&shooting, units, &start, &row * *sign)?;
-        let mut other = Walk::from(shooting, settings, units, (start.clone(), line));
+        let mut other = Walk::at(shooting, settings, units, (start.clone(), Some(line)));
         let stop = other.go_on(&mut |_| ControlFlow::Continue(()));
         let mut branch = other.into_branch(stop);
         // Where it begins its functions are zero to rounding, which tells a sign.

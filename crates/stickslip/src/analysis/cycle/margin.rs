@@ -8,6 +8,7 @@ use crate::system::{Mode, Side};
 
 /// Where on an orbit a change of its phases may begin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum Site {
     /// A guard is smallest within a phase.
     Minimum(usize),
@@ -25,6 +26,7 @@ pub(crate) enum Site {
 
 /// What tells a margin from the others of the orbit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Key {
     pub part: usize,
     pub site: Site,
@@ -35,6 +37,7 @@ pub(crate) struct Key {
 /// The value of a function that is zero at a change of the phases, and positive where the orbit has
 /// the phases of its sequence.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Margin {
     pub key: Key,
     pub value: f64,

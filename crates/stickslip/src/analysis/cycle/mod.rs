@@ -25,6 +25,7 @@ pub(super) use shooting::{Extra, Shooting};
 
 /// What ends a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Event {
     /// The guard that vanishes.
     pub guard: usize,
@@ -41,6 +42,7 @@ pub(crate) struct Event {
 
 /// A part of a periodic orbit in one mode.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Segment {
     pub mode: Modes,
     /// A moment inside it: contact is lost or kept as there.
@@ -52,6 +54,7 @@ pub(crate) struct Segment {
 
 /// A periodic orbit that is sought: its segments, and where the first of them begins.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Outline {
     pub segments: Vec<Segment>,
     pub begin: Moment,
@@ -64,6 +67,7 @@ pub(crate) struct Outline {
 /// States on the orbit that are unknowns as well (multiple shooting): neighbours part on the way
 /// from one to the next only.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Cut {
     /// A segment that is cut in its middle, too: near a saddle neighbours part most in the longest.
     pub number: usize,
@@ -393,6 +397,7 @@ fn is_of_contact(kind: TransitionKind) -> bool {
 
 /// A periodic orbit that was found.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Cycle {
     pub outline: Outline,
     /// Where each segment begins.

@@ -13,6 +13,7 @@ use crate::system::Mode;
 /// *Piecewise-smooth Dynamical Systems* (2008), Ch. 8. At each the orbit meets an edge of the part
 /// of the boundary that is slid on, where the field of one side is tangent to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum SequenceBifurcation {
     /// A slip ends where the other side's field is tangent to the boundary and leads away from it:
     /// to one side the orbit crosses, to the other it slides for a short time and then leaves.
@@ -61,6 +62,7 @@ impl fmt::Display for SequenceBifurcation {
 
 /// A change of the phases of a periodic orbit.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SequenceChange {
     /// The parameter: where the event function is zero.
     pub parameter: f64,
