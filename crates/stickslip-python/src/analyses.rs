@@ -6,9 +6,9 @@ use numpy::{Complex64, IntoPyArray, PyArray1, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stickslip::analysis::{
-    BranchPoint, ContinuationSettings, Exponent, PartialBranch, PeriodicOrbit, PoincareMap, Reached,
-    RecurrenceSettings, SpectrumOptions, Stability, SweepSettings, basin, find_periodic_orbit,
-    multipliers, periodic_orbit_forced, sweep,
+    BranchPoint, ContinuationSettings, Exponent, PartialBranch, PeriodicOrbit, PoincareMap,
+    Reached, RecurrenceSettings, SpectrumOptions, Stability, SweepSettings, basin,
+    find_periodic_orbit, multipliers, periodic_orbit_forced, sweep,
 };
 use stickslip::dynamics::{DynamicsRef, Moment, Section, Vector};
 use stickslip::{Ending, Error, Options};

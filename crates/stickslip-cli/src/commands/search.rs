@@ -78,6 +78,36 @@ impl SearchArguments {
         })
     }
 
+    /// The equilibrium that the run from `x` comes to, or without a run that state.
+    pub(super) fn equilibrium(
+        &self,
+        system: &System,
+        x: &[f64],
+        options: &Options,
+    ) -> Result<Vec<f64>, Failure> {
+        if system.built.depends_on_time {
+            return Err(Failure::Usage(
+                "--equilibrium has no effect: the system depends on time, so that it has none; \
+                 leave it out"
+                    .to_owned(),
+            ));
+        }
+        if self.transient == 0.0 {
+            return Ok(x.to_vec());
+        }
+        let settings = RecurrenceSettings::within(UNTIL.max(self.transient));
+        let outcome = attractors::reached_from(system, x, &settings, options)?;
+        let point = outcome.points.first();
+        match (&outcome.motion, point) {
+            (Motion::Equilibrium, Some((_, x))) => Ok(x.clone()),
+            _ => Err(Failure::NoPeriodicOrbit(format!(
+                "no equilibrium was found: the run comes to {}; start elsewhere (--start), or \
+                 beside an equilibrium without a run (--transient 0)",
+                attractors::words(&outcome, UNTIL)
+            ))),
+        }
+    }
+
     /// Refuses what would be given in vain.
     fn have_effect(&self, drive: Option<f64>) -> Result<(), Failure> {
         match (drive, self.periods, self.longest) {

@@ -26,9 +26,10 @@ pub use attractors::{
 pub use basin::{Basin, Share, basin};
 pub use bifurcation::{AttractorChange, Sweep, SweepPoint, SweepSettings, WhatChanges, sweep};
 pub use continuation::{
-    Branch, BranchPoint, ContinuationSettings, Curve, CurvePoint, CurveStop, PartialBranch,
-    Special, SpecialPoint, Stop, SwitchedBranch, continue_change, continue_periodic_orbit,
-    switch_branches,
+    Branch, BranchPoint, ContinuationSettings, Curve, CurvePoint, CurveStop,
+    EquilibriumBifurcation, EquilibriumBranch, EquilibriumPoint, PartialBranch, Special,
+    SpecialEquilibrium, SpecialPoint, Stop, SwitchedBranch, continue_change, continue_equilibrium,
+    continue_periodic_orbit, switch_branches,
 };
 pub use cycle::{SequenceBifurcation, SequenceChange};
 pub use destination::{Destination, destination};

@@ -4,8 +4,9 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 use stickslip::analysis::{
-    Branch as Way, BranchPoint, ContinuationSettings, Curve, PartialBranch, PeriodicOrbit, Special,
-    SpecialPoint, Stop, SwitchedBranch, continue_change, switch_branches,
+    Branch as Way, BranchPoint, ContinuationSettings, Curve, EquilibriumBranch, PartialBranch,
+    PeriodicOrbit, Special, SpecialPoint, Stop, SwitchedBranch, continue_change,
+    continue_equilibrium, switch_branches,
 };
 use stickslip::dynamics::{DynamicsRef, Section, Summary, Vector};
 use stickslip::{Ending, Error, Options};
@@ -145,6 +146,18 @@ impl<'a> Begin<'a> {
             only_begun(&mut down);
         }
         self.joined(down, up, options)
+    }
+
+    /// The branch of equilibria through one near a state, downwards and upwards.
+    pub(super) fn equilibria(
+        &self,
+        x: &[f64],
+        settings: &ContinuationSettings,
+        options: &Options,
+    ) -> Result<[EquilibriumBranch; 2], Failure> {
+        let x = [x, &[self.value]].concat();
+        let way = |upwards| continue_equilibrium(&self.along, &*x, upwards, settings, options);
+        Ok([way(false)?, way(true)?])
     }
 
     /// The system with another parameter as a state, too.

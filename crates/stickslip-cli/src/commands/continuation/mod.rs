@@ -2,6 +2,7 @@
 
 mod branch;
 mod curves;
+mod equilibria;
 mod figure;
 mod saving;
 
@@ -26,7 +27,7 @@ use crate::sweep::{Share, Writer};
 use crate::terminal::patiently;
 use branch::{Begin, Branch, Other, Point};
 
-/// Continue a periodic orbit along a parameter, stable or not, through folds and changes of its phases
+/// Continue a periodic orbit or an equilibrium along a parameter, stable or not, through folds and changes of its phases
 ///
 /// The orbit is found at the parameter's present value (that of the file, or of --set) and followed
 /// both ways by pseudo-arclength. Where a multiplier is 1 or -1 or a pair is on the unit circle,
@@ -37,7 +38,10 @@ use branch::{Begin, Branch, Other, Point};
 /// 0 is the branch through the orbit, and the others are in the order of where they begin. Writes
 /// branch.csv, special.csv and continue.svg; with --also curves.csv and curves.svg. The branch is
 /// saved in sweep/ as it is followed: after a kill the same command goes on from there. With --also
-/// or --branches added to a command that is done, the branch is not followed again.
+/// or --branches added to a command that is done, the branch is not followed again. With
+/// --equilibrium the equilibrium that the run comes to is followed, also into the sliding field and
+/// out of it; folds, branch points, Hopf bifurcations and boundary equilibria are located. Writes
+/// equilibria.csv, equilibria-special.csv and equilibria.svg then.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// The parameter and the range in which the branch is followed
@@ -61,6 +65,10 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "NUMBER", value_parser = count, default_value = "1000")]
     points: NonZeroUsize,
 
+    /// Follow the equilibrium that the run comes to, or with --transient 0 the one near the start
+    #[arg(long, conflicts_with_all = ["also", "branches", "periods", "longest"])]
+    equilibrium: bool,
+
     #[command(flatten)]
     search: SearchArguments,
     #[command(flatten)]
@@ -69,6 +77,9 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let ready = arguments.run.ready()?;
+    if arguments.equilibrium {
+        return arguments.run.answered(|ready| equilibria(arguments, ready));
+    }
     let found = found(arguments, &ready).map_err(|failure| failure.of(&ready.system));
     let (report, writer) = found?;
     Ok(report.written(&writer.store.staging()?, &arguments.run.output)?)
@@ -87,6 +98,15 @@ fn settings(
     };
     settings.check()?;
     Ok((range, settings))
+}
+
+fn equilibria(arguments: &Arguments, ready: &Ready) -> Result<Report, Failure> {
+    let (system, options) = (&ready.system, &ready.options);
+    let (range, settings) = settings(arguments, system)?;
+    let begin = Begin::at(system, &range)?;
+    let x = arguments.search.equilibrium(system, &ready.x, options)?;
+    let branches = begin.equilibria(&x, &settings, options)?;
+    equilibria::report(system, &range, branches)
 }
 
 /// Everything that the branch depends on besides the system.

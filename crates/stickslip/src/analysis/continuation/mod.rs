@@ -3,6 +3,7 @@
 mod change;
 mod curve;
 mod ends;
+mod equilibrium;
 mod line;
 mod rest;
 mod special;
@@ -22,6 +23,10 @@ use crate::dynamics::{AsDynamics, Components, Modes, Vector};
 use crate::error::Error;
 use crate::filippov::Options;
 pub use curve::{Curve, CurvePoint, CurveStop, continue_change};
+pub use equilibrium::{
+    EquilibriumBifurcation, EquilibriumBranch, EquilibriumPoint, SpecialEquilibrium,
+    continue_equilibrium,
+};
 use line::{Line, Units};
 pub use switching::{SwitchedBranch, switch_branches};
 use walk::Walk;
