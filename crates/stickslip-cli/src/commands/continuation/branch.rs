@@ -79,8 +79,8 @@ impl<'a> Begin<'a> {
         let value = system.values[number];
         if !(range.low..=range.high).contains(&value) {
             return Err(Failure::Usage(format!(
-                "{name} = {value} is not in the range from {} to {}: the branch begins at the parameter's value; choose it with --set {name}=…, \
-                 or another range",
+                "{name} = {value} is not in the range from {} to {}: the branch begins at the \
+                 parameter's value; choose it with --set {name}=…, or another range",
                 range.low,
                 range.high,
                 name = range.name
@@ -180,8 +180,8 @@ impl<'a> Begin<'a> {
         }
         if !(range.low..=range.high).contains(&value) {
             return Err(Failure::Usage(format!(
-                "{name} = {value} is not in the range of --also from {} to {}: curves begin at its value; choose it with --set {name}=…, or \
-                 another range",
+                "{name} = {value} is not in the range of --also from {} to {}: curves begin at its \
+                 value; choose it with --set {name}=…, or another range",
                 range.low,
                 range.high,
                 name = range.name
@@ -191,8 +191,8 @@ impl<'a> Begin<'a> {
         Ok(Also { range, value, both })
     }
 
-    /// Each special orbit on the branch but branch points, followed in two parameters; none where no
-    /// curve goes on from it.
+    /// Each special orbit on the branch but branch points, followed in two parameters; none where
+    /// no curve goes on from it.
     pub(super) fn curves(
         &self,
         also: &Also,
@@ -286,7 +286,8 @@ impl<'a> Begin<'a> {
         Ok(others?.into_iter().flatten().collect())
     }
 
-    /// A state of the orbit at a time that is a multiple of its period: there the clock of the branch begins.
+    /// A state of the orbit at a time that is a multiple of its period: there the clock of the
+    /// branch begins.
     fn at_zero(&self, orbit: &PeriodicOrbit, options: &Options) -> Result<Vector, Failure> {
         let behind = orbit.t.rem_euclid(orbit.period);
         let t_end = orbit.t + (orbit.period - behind);

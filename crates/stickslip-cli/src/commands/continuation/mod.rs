@@ -27,7 +27,8 @@ use crate::sweep::{Share, Writer};
 use crate::terminal::patiently;
 use branch::{Begin, Branch, Other, Point};
 
-/// Continue a periodic orbit or an equilibrium along a parameter, stable or not, through folds and changes of its phases
+/// Continue a periodic orbit or an equilibrium along a parameter, stable or not, through folds and
+/// changes of its phases
 ///
 /// The orbit is found at the parameter's present value (that of the file, or of --set) and followed
 /// both ways by pseudo-arclength. Where a multiplier is 1 or -1 or a pair is on the unit circle,
@@ -411,7 +412,8 @@ impl End {
             Stop::BoundaryEquilibrium { parameter } => End {
                 stop: "boundary equilibrium",
                 words: format!(
-                    "in an equilibrium on the boundary: boundary-equilibrium bifurcation at {name} = {}",
+                    "in an equilibrium on the boundary: boundary-equilibrium bifurcation \
+                     at {name} = {}",
                     rounded(parameter)
                 ),
                 detail: Some(("boundary_equilibrium", json!(parameter))),
@@ -532,8 +534,8 @@ impl Row {
     }
 }
 
-/// The columns of `special.csv`: the special orbits, each behind so many rows that its branch has in
-/// `branch.csv`, and the ends that are bifurcations.
+/// The columns of `special.csv`: the special orbits, each behind so many rows that its branch has
+/// in `branch.csv`, and the ends that are bifurcations.
 fn special_columns<'a>(system: &System, parameter: &str, is_numbered: bool) -> Table<'a, Row> {
     let phases = |k: usize| move |row: &Row| row.phases.as_ref().map(|phases| phases[k].clone());
     numbered(is_numbered, |row: &Row| row.branch)

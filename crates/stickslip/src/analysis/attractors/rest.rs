@@ -133,6 +133,28 @@ pub(crate) fn jacobian_of(system: &dyn Dynamics, mode: Modes, at: &Moment) -> Ma
     Matrix::from_columns(&columns)
 }
 
+/// The Jacobian of the first `free` components along the boundaries of the contacts that stick.
+pub(crate) fn along_boundaries(
+    system: &dyn Dynamics,
+    mode: Modes,
+    at: &Moment,
+    jacobian: &Matrix,
+    free: usize,
+) -> Matrix {
+    let of_states = jacobian.view((0, 0), (free, free));
+    let normals = system.normals(mode, at);
+    if normals.is_empty() {
+        return of_states.into_owned();
+    }
+    let normals = Matrix::from_fn(free, normals.len(), |i, k| normals[k].1[i]);
+    let across = normals.qr().q();
+    let parts = (Matrix::identity(free, free) - &across * across.transpose()).symmetric_eigen();
+    // A projection has the eigenvalues 0 and 1.
+    let axes: Vec<usize> = (0..free).filter(|k| parts.eigenvalues[*k] > 0.5).collect();
+    let basis = parts.eigenvectors.select_columns(&axes);
+    basis.tr_mul(&(of_states * &basis))
+}
+
 /// The smallest guard of a mode at a point.
 pub(crate) fn least_guard(system: &dyn Dynamics, mode: Modes, at: &Moment) -> f64 {
     let flow = system.flow(mode, at);

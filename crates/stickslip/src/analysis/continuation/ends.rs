@@ -1,13 +1,12 @@
 //! Where a branch ends.
 
 use super::Stop;
-use super::line::unit;
 use super::rest::hopf;
 use super::walk::Walk;
 use super::{critical, parameter_of, with_parameter};
 use crate::analysis::attractors::is_same_cycle;
 use crate::analysis::boundary_equilibrium::{Approach, Held, ends_in};
-use crate::analysis::cycle::{Cycle, Site};
+use crate::analysis::cycle::{Cycle, MarginKind};
 use crate::analysis::lagrange::weights;
 use crate::dynamics::{Happening, Modes, Moment, Orbit, Section, Vector, run};
 use crate::filippov::Direction;
@@ -15,7 +14,8 @@ use crate::filippov::Direction;
 /// An orbit of less than this part of the widest one's extent is about to be an equilibrium.
 const SMALL: f64 = 0.04;
 
-/// A driven orbit that moves by less than this part of the widest one's extent may be about to rest.
+/// A driven orbit that moves by less than this part of the widest one's extent may be about to
+/// rest.
 const AT_REST: f64 = 1e-3;
 
 /// So near to an end of the range, in parts of it, the orbit is at that end.
@@ -83,12 +83,8 @@ impl Walk<'_> {
         let held = |parameter: f64, mode, x: &Vector| {
             Held::near(system, mode, &with_parameter(x.clone(), parameter), states)
         };
-        let orbits = [&self.branch.before, &self.branch.last].map(|cycle| Approach {
-            parameter: parameter_of(cycle),
-            modes: cycle.outline.modes(),
-            begins: cycle.begins.iter().map(|at| at.x.clone()).collect(),
-            extent: cycle.extent,
-        });
+        let orbits = [&self.branch.before, &self.branch.last]
+            .map(|cycle| Approach::of(parameter_of(cycle), cycle));
         Some(ends_in(&orbits, self.branch.widest, states, held)?.0)
     }
 
@@ -100,7 +96,7 @@ impl Walk<'_> {
         const LIKE: f64 = 0.2;
         let rates = |cycle: &Cycle| {
             let landings = cycle.margins.iter();
-            let landings = landings.filter(|margin| margin.key.site == Site::Landing);
+            let landings = landings.filter(|margin| margin.key.kind == MarginKind::Landing);
             landings.map(|margin| margin.scale).collect::<Vec<f64>>()
         };
         let [before, last] = [&self.branch.before, &self.branch.last].map(rates);
@@ -149,7 +145,8 @@ impl Walk<'_> {
         })
     }
 
-    /// Whether an orbit a step further on begins where the last one sticks, and does so all the time.
+    /// Whether an orbit a step further on begins where the last one sticks, and does so all the
+    /// time.
     fn rests_further_on(&self) -> bool {
         let segments = self
             .branch
@@ -186,7 +183,7 @@ impl Walk<'_> {
         if self.branch.points.len() <= 3 || !passes || !is_same_cycle(&one, &first) {
             return None;
         }
-        let row = unit(&self.branch.last.outline, self.place());
+        let row = self.branch.last.outline.unit(self.place());
         let found = self
             .shooting
             .solve(&self.branch.last.outline, Some((&row, begin)))?;

@@ -1,4 +1,5 @@
-//! Equilibria followed along a parameter: of the field on one side of each boundary, and of sliding.
+//! Equilibria followed along a parameter: of the field on one side of each boundary, and of
+//! sliding.
 
 use std::fmt;
 
@@ -7,8 +8,10 @@ use nalgebra::Complex;
 use super::line::BEND;
 use super::walk::SHORTEST;
 use super::{ContinuationSettings, Stop, check_rate, check_start};
-use crate::analysis::attractors::rest::{ZERO, equations, jacobian_of, least_guard};
-use crate::analysis::cycle::{Function, Path, Zero};
+use crate::analysis::attractors::rest::{
+    ZERO, along_boundaries, equations, jacobian_of, least_guard,
+};
+use crate::analysis::cycle::{Function, Path, Zero, at_least, unit};
 use crate::analysis::multipliers::eigenvalues;
 use crate::analysis::stability::Stability;
 use crate::dynamics::{AsDynamics, Components, Dynamics, Matrix, Modes, Moment, Section, Vector};
@@ -110,9 +113,9 @@ pub struct EquilibriumBranch {
 /// that contact that begins there, if there is one.
 ///
 /// # Errors
-/// [`Error::Option`] for a setting that is not allowed, [`Error::Parameter`] where the last state is
-/// no parameter, [`Error::NotFound`] where there is no equilibrium near the start, or where it is one
-/// of a set of equilibria at the same parameter.
+/// [`Error::Option`] for a setting that is not allowed, [`Error::Parameter`] where the last state
+/// is no parameter, [`Error::NotFound`] where there is no equilibrium near the start, or where it
+/// is one of a set of equilibria at the same parameter.
 ///
 /// ```
 /// use stickslip::analysis::{ContinuationSettings, EquilibriumBifurcation, continue_equilibrium};
@@ -168,7 +171,7 @@ pub fn continue_equilibrium<Kind>(
         options,
         units,
     };
-    let by_parameter = unit(last + 1);
+    let by_parameter = unit(last + 1, last);
     let near = |mode: Modes| walk.solve(mode, &at.x, &by_parameter);
     let is_held = |one: &Equilibrium| walk.least_guard(one) > 0.0;
     let modes = std::iter::once(mode).chain((0..mode.iter().count()).flat_map(|k| others(mode, k)));
@@ -182,11 +185,6 @@ pub fn continue_equilibrium<Kind>(
         })?;
     let sign = if upwards { 1.0 } else { -1.0 };
     Ok(walk.follow(first, &(by_parameter * sign)))
-}
-
-/// The vector of so many components along the last, the parameter.
-fn unit(count: usize) -> Vector {
-    Vector::from_fn(count, |i, _| f64::from(u8::from(i + 1 == count)))
 }
 
 /// The other modes of a contact.
@@ -222,10 +220,7 @@ impl Equilibrium {
     }
 
     fn eigenvalues(&self) -> Vec<Complex<f64>> {
-        match self.along.nrows() {
-            0 => Vec::new(),
-            _ => eigenvalues(&self.along),
-        }
+        eigenvalues(&self.along)
     }
 
     /// Of the pairs of eigenvalues the one nearest to the imaginary axis.
@@ -322,7 +317,7 @@ impl Walk<'_> {
                 let velocity = self.system.flow(mode, &at).velocity(&at);
                 let speed = (jacobian.abs() * &self.units).amax();
                 let is_at_rest = velocity.amax() <= ZERO * ZERO.sqrt() * speed;
-                let along = self.along(mode, &at, &jacobian);
+                let along = along_boundaries(self.system, mode, &at, &jacobian, count - 1);
                 return (is_zero(size) && is_zero(off) && is_at_rest).then_some(Equilibrium {
                     mode,
                     at,
@@ -379,31 +374,10 @@ impl Walk<'_> {
         let bound = ZERO * values.max();
         let is_line = values.iter().filter(|value| **value <= bound).count() == 1;
         let last = self.units.len() - 1;
-        let line = self.tangent(one, &unit(last + 1));
+        let line = self.tangent(one, &unit(last + 1, last));
         // A set at one parameter is a line as well.
         let moves = |line: Line| line.heading() > ROUNDING * self.units[last];
         is_line && line.is_some_and(moves)
-    }
-
-    /// The Jacobian of the states along the boundaries of the contacts that stick.
-    fn along(&self, mode: Modes, at: &Moment, jacobian: &Matrix) -> Matrix {
-        let n = at.x.len() - 1;
-        let of_states = jacobian.view((0, 0), (n, n));
-        let normals = self.system.normals(mode, at);
-        if normals.is_empty() {
-            return of_states.into_owned();
-        }
-        let across = Matrix::from_fn(n, normals.len(), |i, k| normals[k].1[i])
-            .qr()
-            .q();
-        let onto = Matrix::identity(n, n) - &across * across.transpose();
-        let parts = onto.symmetric_eigen();
-        let axes: Vec<Vector> = (0..n)
-            .filter(|k| parts.eigenvalues[*k] > 0.5)
-            .map(|k| parts.eigenvectors.column(k).into_owned())
-            .collect();
-        let basis = Matrix::from_fn(n, axes.len(), |i, k| axes[k][i]);
-        basis.tr_mul(&(of_states * &basis))
     }
 
     fn least_guard(&self, one: &Equilibrium) -> f64 {
@@ -497,7 +471,8 @@ impl Walk<'_> {
     fn behind(&self, at: &Equilibrium, contact: usize) -> Option<(Equilibrium, Line)> {
         // Part of a step on which the guards of the other mode tell which way it is.
         const SHORT: f64 = 1e-3;
-        let by_parameter = unit(at.at.x.len());
+        let last = at.at.x.len() - 1;
+        let by_parameter = unit(last + 1, last);
         others(at.mode, contact).find_map(|mode| {
             let one = self.solve(mode, &at.at.x, &by_parameter)?;
             let off = (&one.at.x - &at.at.x).component_div(&self.units).amax();
@@ -558,7 +533,7 @@ impl Walk<'_> {
                 let mut guess = &line.from + (&next.at.x - &line.from) * part;
                 let place = guess.len() - 1;
                 guess[place] = end;
-                let mut next = self.solve(last.mode, &guess, &unit(guess.len()))?;
+                let mut next = self.solve(last.mode, &guess, &unit(place + 1, place))?;
                 next.at.x[place] = end;
                 Some(next)
             });
@@ -593,12 +568,9 @@ impl Walk<'_> {
                     }
                     _ => {}
                 }
-                let size = zero.parameter.abs().max(high - low);
-                let known = zero.uncertainty.is_finite();
-                let off = if known { zero.uncertainty } else { place };
                 branch.special.push(SpecialEquilibrium {
                     parameter: zero.parameter,
-                    uncertainty: off.max(16.0 * f64::EPSILON * size),
+                    uncertainty: at_least((zero.parameter, zero.uncertainty), place, high - low),
                     what,
                     behind: branch.points.len(),
                     x: zero.solution.at.x,

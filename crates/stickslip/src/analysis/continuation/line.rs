@@ -55,12 +55,6 @@ impl Units {
     }
 }
 
-/// A direction that unknowns may go in: that of the parameter, or of a duration.
-pub(super) fn unit(cycle: &Outline, number: usize) -> Vector {
-    let count = cycle.unknowns().len();
-    Vector::from_fn(count, |i, _| f64::from(u8::from(i == number)))
-}
-
 impl Line {
     /// Along the branch's tangent at an orbit, the way on which the product with `row` grows.
     pub fn tangent(
@@ -82,7 +76,7 @@ impl Line {
         let is_of_families = shooting.family > 0;
         let row = if is_of_families {
             let number = cycle.outline.begin.x.len() - 1;
-            unit(&cycle.outline, number)
+            cycle.outline.unit(number)
         } else {
             direction.component_mul(&weights)
         };

@@ -1,4 +1,5 @@
-//! Periodic orbits followed along a parameter, stable or not, through folds and changes of their phases.
+//! Periodic orbits followed along a parameter, stable or not, through folds and changes of their
+//! phases.
 
 mod change;
 mod curve;
@@ -40,7 +41,8 @@ pub struct ContinuationSettings {
     pub step: f64,
     /// Orbits on the branch, at most. Default 1000.
     pub most_points: usize,
-    /// The period of the orbit, where it is the forcing's. The forcing's period itself cannot be the parameter: to vary it, measure time in it.
+    /// The period of the orbit, where it is the forcing's. The forcing's period itself cannot be
+    /// the parameter: to vary it, measure time in it.
     pub forced: Option<f64>,
 }
 
@@ -100,13 +102,15 @@ impl ContinuationSettings {
 pub struct BranchPoint {
     /// The parameter.
     pub parameter: f64,
-    /// A time and a state on the orbit, in the middle of a phase, which is not the same all along the branch; the last component is the parameter.
+    /// A time and a state on the orbit, in the middle of a phase, which is not the same all along
+    /// the branch; the last component is the parameter.
     pub t: f64,
     /// See `t`.
     pub x: Vector,
     /// Period.
     pub period: f64,
-    /// The multipliers by falling size, without the trivial one of a system that does not depend on time.
+    /// The multipliers by falling size, without the trivial one of a system that does not depend on
+    /// time.
     pub multipliers: Vec<Complex<f64>>,
     /// The modes gone through in one period.
     pub sequence: Vec<Modes>,
@@ -156,8 +160,9 @@ impl fmt::Display for Special {
 pub struct SpecialPoint {
     /// The parameter.
     pub parameter: f64,
-    /// By how much that may be off: of a change of phases, its own; of the others, what the multipliers' function lacks of zero there and what rounding
-    /// leaves of it, over its slope along the branch, and what the tolerances do, as in [`SequenceChange::uncertainty`].
+    /// By how much that may be off: of a change of phases, its own; of the others, what the
+    /// multipliers' function lacks of zero there and what rounding leaves of it, over its slope
+    /// along the branch, and what the tolerances do, as in [`SequenceChange::uncertainty`].
     pub uncertainty: f64,
     /// What is special.
     pub what: Special,
@@ -174,20 +179,22 @@ pub struct SpecialPoint {
 pub enum Stop {
     /// The parameter has come to an end of its range.
     Range,
-    /// There are as many points as asked for, or the observer of [`PartialBranch::follow`] asked for no more.
+    /// There are as many points as asked for, or the observer of [`PartialBranch::follow`] asked
+    /// for no more.
     Points,
     /// The branch is closed: the last orbit is the first.
     Closed,
-    /// The orbit shrinks to an equilibrium, which has a pair of imaginary eigenvalues at this parameter: a Hopf bifurcation.
+    /// The orbit shrinks to an equilibrium, which has a pair of imaginary eigenvalues at this
+    /// parameter: a Hopf bifurcation.
     Equilibrium {
         /// The parameter.
         parameter: f64,
         /// Size of the eigenvalues: angle per unit of time.
         frequency: f64,
     },
-    /// A boundary-equilibrium bifurcation: the orbit shrinks to an equilibrium, or comes ever nearer
-    /// to one. At this parameter that comes to the discontinuity boundary, or to the edge of the
-    /// part of it that is slid on.
+    /// A boundary-equilibrium bifurcation: the orbit shrinks to an equilibrium, or comes ever
+    /// nearer to one. At this parameter that comes to the discontinuity boundary, or to the edge of
+    /// the part of it that is slid on.
     BoundaryEquilibrium {
         /// The parameter.
         parameter: f64,
@@ -200,27 +207,31 @@ pub enum Stop {
         /// How far it may be off.
         uncertainty: f64,
     },
-    /// The orbit of a driven system comes to rest: it moves by less than a thousandth of what the widest one on the branch does, and a step further on
-    /// friction holds it all the time.
+    /// The orbit of a driven system comes to rest: it moves by less than a thousandth of what the
+    /// widest one on the branch does, and a step further on friction holds it all the time.
     Rest,
-    /// The orbit comes ever nearer to a saddle and takes ever longer: it becomes a homoclinic orbit, or with several saddles a heteroclinic cycle, and
-    /// the branch ends.
+    /// The orbit comes ever nearer to a saddle and takes ever longer: it becomes a homoclinic
+    /// orbit, or with several saddles a heteroclinic cycle, and the branch ends.
     Homoclinic {
-        /// The parameter, extrapolated from those of the last orbits: they come near to it like `e^(-rT)`, where `T` is the period.
+        /// The parameter, extrapolated from those of the last orbits: they come near to it like
+        /// `e^(-rT)`, where `T` is the period.
         parameter: f64,
-        /// How far it was extrapolated, which holds more than the error; not a number where there was nothing to extrapolate from.
+        /// How far it was extrapolated, which holds more than the error; not a number where there
+        /// was nothing to extrapolate from.
         uncertainty: f64,
         /// How many saddles it passes.
         saddles: NonZeroUsize,
-        /// The rate at which orbits leave the saddle, at the last orbit's parameter: the least positive real part of its eigenvalues, of several
-        /// saddles the least.
+        /// The rate at which orbits leave the saddle, at the last orbit's parameter: the least
+        /// positive real part of its eigenvalues, of several saddles the least.
         leaves: f64,
-        /// The rate at which they come to it: the negative real part nearest to zero; minus infinity for an equilibrium of the sliding field that
-        /// orbits come to from across the boundary, in finite time.
+        /// The rate at which they come to it: the negative real part nearest to zero; minus
+        /// infinity for an equilibrium of the sliding field that orbits come to from across the
+        /// boundary, in finite time.
         comes: f64,
     },
-    /// The phases change at the last point of all, and no orbit with other phases was found next to it; nor, of a system that does not depend on time,
-    /// by its return to a state next to it, with another period.
+    /// The phases change at the last point of all, and no orbit with other phases was found next to
+    /// it; nor, of a system that does not depend on time, by its return to a state next to it, with
+    /// another period.
     SequenceEnds,
     /// Behind the last orbit the friction is none that the solver can follow, such as static below
     /// kinetic friction.
@@ -240,11 +251,14 @@ pub struct Branch {
     pub stop: Stop,
 }
 
-/// Follows the periodic orbit near `x`, with a period near `period`, from its parameter upwards or downwards by pseudo-arclength.
+/// Follows the periodic orbit near `x`, with a period near `period`, from its parameter upwards or
+/// downwards by pseudo-arclength.
 ///
-/// **The parameter is the last state**, and its rate is zero: a system of two states and a parameter is a [`crate::Filippov`] system of three.
-/// So the derivative with respect to it comes, like that with respect to the states, from the user's functions on dual numbers and from
-/// saltation at every transition, and nothing is differenced. For a system from a file it is one input more to the same formulas.
+/// **The parameter is the last state**, and its rate is zero: a system of two states and a
+/// parameter is a [`crate::Filippov`] system of three. So the derivative with respect to it comes,
+/// like that with respect to the states, from the user's functions on dual numbers and from
+/// saltation at every transition, and nothing is differenced. For a system from a file it is one
+/// input more to the same formulas.
 ///
 /// Every orbit is found by Newton's iteration as segments with a given sequence of modes, in the
 /// plane across the branch's tangent (Keller 1977; Thota & Dankowicz 2008). Where a function of the
@@ -253,8 +267,9 @@ pub struct Branch {
 /// it turns there (a nonsmooth fold).
 ///
 /// # Errors
-/// Those of [`crate::Integration::new`]; [`Error::Option`] for a setting that is not allowed; [`Error::Parameter`] where the last state's
-/// rate is not zero; [`Error::NotFound`] where there is no orbit near the start.
+/// Those of [`crate::Integration::new`]; [`Error::Option`] for a setting that is not allowed;
+/// [`Error::Parameter`] where the last state's rate is not zero; [`Error::NotFound`] where there is
+/// no orbit near the start.
 ///
 /// ```
 /// use stickslip::analysis::{ContinuationSettings, Special, continue_periodic_orbit};

@@ -1,10 +1,10 @@
 //! The special orbits between two on a branch, by their multipliers.
 
 use super::line::Line;
-use super::walk::{By, Walk};
+use super::walk::{Vanishing, Walk};
 use super::{Special, SpecialPoint, critical, parameter_of};
 use crate::analysis::critical::zero_between;
-use crate::analysis::cycle::{Cycle, Function, Path, Shooting, Zero};
+use crate::analysis::cycle::{Cycle, Function, Path, Shooting, Zero, at_least};
 use crate::analysis::lagrange::weights;
 use crate::dynamics::Vector;
 
@@ -105,7 +105,7 @@ impl Walk<'_> {
         }
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         for (_, point, there) in found {
-            self.note_special(point, there, By::Multiplier(line.clone()));
+            self.note_special(point, there, Vanishing::Multiplier(line.clone()));
         }
         self.take(next);
         self.branch.line = onward;
@@ -199,14 +199,8 @@ impl Walk<'_> {
     /// An uncertainty, which is no less than what Newton's iteration leaves of a parameter's last
     /// places; where there is none, the place lies in the last step.
     pub(super) fn at_least(&self, parameter: f64, uncertainty: f64) -> f64 {
-        const ROUNDING: f64 = 16.0 * f64::EPSILON;
         let step = (self.parameter() - parameter_of(&self.branch.before)).abs();
-        let known = if uncertainty.is_finite() {
-            uncertainty
-        } else {
-            step
-        };
-        known.max(ROUNDING * parameter.abs().max(self.branch.units.width))
+        at_least((parameter, uncertainty), step, self.branch.units.width)
     }
 }
 

@@ -4,7 +4,7 @@
 use std::ops::ControlFlow;
 
 use super::line::Line;
-use super::walk::{By, Kept, Walk};
+use super::walk::{Junction, Vanishing, Walk};
 use super::{Branch, ContinuationSettings, Special, SpecialPoint, Stop};
 use crate::analysis::cycle::{Cycle, Extra, Shooting};
 use crate::dynamics::{AsDynamics, Components, Vector};
@@ -50,9 +50,9 @@ pub fn switch_branches<Kind>(
         t: 0.0,
         span: period,
     };
-    let kept = walk.kept.take();
-    let kept = kept.ok_or(not_found("a flip or branch point on the branch"))?;
-    let Kept { at, cycle, by } = kept;
+    let junction = walk.junction.take();
+    let junction = junction.ok_or(not_found("a flip or branch point on the branch"))?;
+    let Junction { at, cycle, by } = junction;
     let is_flip = at.what == Special::Flip;
     let times = if is_flip { 2.0 } else { 1.0 };
     let settings = &ContinuationSettings {
@@ -69,7 +69,7 @@ pub fn switch_branches<Kind>(
     };
     let start = start.ok_or(not_found("the orbit run through twice"))?;
     let known = match &by {
-        By::Multiplier(line) if !is_flip => Some(line),
+        Vanishing::Multiplier(line) if !is_flip => Some(line),
         _ => None,
     };
     let across = across(&start, known);

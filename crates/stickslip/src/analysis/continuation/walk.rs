@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::change::{BEYOND, Change};
-use super::line::{Line, Units, unit};
+use super::line::{Line, Units};
 use super::{
     Branch, BranchPoint, ContinuationSettings, PartialBranch, Special, SpecialPoint, Stop,
     check_rate, check_start, critical, parameter_of, with_parameter,
@@ -32,21 +32,21 @@ pub(super) struct Walk<'a> {
     pub(super) branch: PartialBranch,
     /// What special orbit to stop at, and how many such come before; and that one.
     pub(super) wanted: Option<(IsMeant, usize)>,
-    pub(super) kept: Option<Kept>,
+    pub(super) junction: Option<Junction>,
 }
 
 /// Whether a special orbit is one of those to stop at.
 type IsMeant = fn(&Special) -> bool;
 
 /// A special orbit from which a curve or another branch is followed.
-pub(super) struct Kept {
+pub(super) struct Junction {
     pub at: SpecialPoint,
     pub cycle: Cycle,
-    pub by: By,
+    pub by: Vanishing,
 }
 
 /// What is zero at a special orbit.
-pub(super) enum By {
+pub(super) enum Vanishing {
     Margin(Margin),
     /// A function of the multipliers, on a line on which the orbit lies.
     Multiplier(Line),
@@ -80,7 +80,7 @@ impl<'a> Walk<'a> {
             extra,
             ..Shooting::of(system, &outline, settings.forced, options)
         };
-        let row = unit(&outline, last);
+        let row = outline.unit(last);
         let first = shooting.nearest(&outline, Some((&row, value)));
         let first = first.ok_or(Error::NotFound {
             what: "a periodic orbit near the start of the branch",
@@ -121,7 +121,7 @@ impl<'a> Walk<'a> {
             settings,
             branch,
             wanted: None,
-            kept: None,
+            junction: None,
         }
     }
 
@@ -148,7 +148,7 @@ impl<'a> Walk<'a> {
                 special: Vec::new(),
             },
             wanted: None,
-            kept: None,
+            junction: None,
         };
         walk.note();
         walk
@@ -241,7 +241,7 @@ impl<'a> Walk<'a> {
             let end = there.clamp(low, high);
             let part = (end - self.parameter()) / (there - self.parameter());
             let guess = line.guess(part * step);
-            let row = unit(&guess, self.place());
+            let row = guess.unit(self.place());
             let Some(at_end) = self.shooting.solve(&guess, Some((&row, end))) else {
                 return self.shorten(step, 0.3);
             };
@@ -262,7 +262,7 @@ impl<'a> Walk<'a> {
         let longer = if next.iterations <= 5 { 1.4 } else { 1.0 };
         self.branch.step = (longer * step).min(self.settings.step);
         self.follow(&line, next, onward);
-        if self.kept.is_some() {
+        if self.junction.is_some() {
             return Some(Stop::Points);
         }
         is_outside.then_some(Stop::Range)
@@ -280,7 +280,7 @@ impl<'a> Walk<'a> {
     fn cut_anew(&mut self) {
         let mut outline = self.branch.last.outline.clone();
         outline.cut = None;
-        let row = unit(&outline, self.place());
+        let row = outline.unit(self.place());
         if let (Some(line), Some(anew)) = (
             &self.branch.line,
             self.shooting
@@ -355,8 +355,8 @@ impl<'a> Walk<'a> {
             what: Special::Sequence(Box::new(described)),
         };
         let cycle = change.at.solution.clone();
-        self.note_special(point, cycle, By::Margin(change.margin.clone()));
-        if self.kept.is_some() {
+        self.note_special(point, cycle, Vanishing::Margin(change.margin.clone()));
+        if self.junction.is_some() {
             return Some(Stop::Points);
         }
         let Some((next, line)) = change.behind else {
@@ -389,14 +389,14 @@ impl<'a> Walk<'a> {
     }
 
     /// Notes a special orbit, and keeps it if it is the one to stop at.
-    pub(super) fn note_special(&mut self, at: SpecialPoint, cycle: Cycle, by: By) {
+    pub(super) fn note_special(&mut self, at: SpecialPoint, cycle: Cycle, by: Vanishing) {
         self.branch.special.push(at.clone());
         match &mut self.wanted {
             Some((is_meant, number)) if is_meant(&at.what) => match number.checked_sub(1) {
                 Some(less) => *number = less,
                 None => {
                     self.wanted = None;
-                    self.kept = Some(Kept { at, cycle, by });
+                    self.junction = Some(Junction { at, cycle, by });
                 }
             },
             _ => {}

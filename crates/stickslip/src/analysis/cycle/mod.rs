@@ -6,22 +6,28 @@
 //! sequence does not react to the guards. So the orbit goes on smoothly where it touches a
 //! boundary, and a change of its phases is the zero of a margin along the branch.
 
+mod equations;
 mod margin;
 mod minima;
 mod name;
 mod newton;
 mod path;
+mod pieces;
 mod shooting;
 
 use crate::dynamics::{Dynamics, Matrix, Modes, Moment, Orbit, Transition, Vector};
 use crate::error::Error;
 use crate::filippov::{Options, TransitionKind};
 use crate::system::Mode;
-pub(super) use margin::{Margin, Site};
+pub(super) use margin::{Margin, MarginKind};
 pub(super) use name::describe;
 pub use name::{SequenceBifurcation, SequenceChange};
-pub(super) use path::{Function, Path, Zero};
+pub(super) use path::{Function, Path, Zero, at_least};
 pub(super) use shooting::{Extra, Shooting};
+
+/// Segments whose durations would vanish within so many times the way to where the first does may
+/// vanish at once.
+pub(super) const AT_ONCE: f64 = 4.0;
 
 /// What ends a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,8 +41,8 @@ pub(crate) struct Event {
     pub is_of_contact: bool,
     /// Whether the state jumps there.
     pub is_of_jump: bool,
-    /// Where not its own function but the kink of an input decides when it is: which input, and what
-    /// its clock reads.
+    /// Where not its own function but the kink of an input decides when it is: which input, and
+    /// what its clock reads.
     pub at_kink: Option<(usize, f64)>,
 }
 
@@ -227,6 +233,11 @@ impl Outline {
         other
     }
 
+    /// A direction in which the unknowns may go: that of the parameter, or of a duration.
+    pub fn unit(&self, number: usize) -> Vector {
+        unit(self.unknowns().len(), number)
+    }
+
     /// The orbit run through twice.
     pub fn twice(&self) -> Self {
         Outline {
@@ -387,6 +398,11 @@ fn to_cut(segments: &[Segment]) -> usize {
     best.map_or(0, |(number, _)| number)
 }
 
+/// A vector of this length with a 1 at a place.
+pub(crate) fn unit(count: usize, place: usize) -> Vector {
+    Vector::from_fn(count, |i, _| f64::from(u8::from(i == place)))
+}
+
 /// Whether a transition is a loss or gain of contact.
 fn is_of_contact(kind: TransitionKind) -> bool {
     matches!(
@@ -451,7 +467,7 @@ impl Cycle {
                 let way = (margin.at.t - middle) / other.period;
                 (way - way.round()).abs() <= lasts / other.period + NEXT_TO
             };
-            margin.key.site != Site::Duration && numbers.iter().any(is_about)
+            margin.key.kind != MarginKind::Duration && numbers.iter().any(is_about)
         });
         [about, apart]
     }

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::Cycle;
-use super::margin::{Margin, Rates, Site};
+use super::margin::{Margin, MarginKind, Rates};
 use crate::dynamics::{Dynamics, Modes, Vector};
 use crate::system::Mode;
 
@@ -117,10 +117,10 @@ fn name(system: &dyn Dynamics, margin: &Margin) -> (SequenceBifurcation, Rates) 
         return (SequenceBifurcation::AddingSliding, Rates::none());
     };
     let rates = Rates::at(system, margin.incoming, margin.contact, side, &margin.at);
-    let is_tangent = match margin.key.site {
-        Site::Minimum(_) | Site::Arrival => true,
+    let is_tangent = match margin.key.kind {
+        MarginKind::Minimum(_) | MarginKind::Arrival => true,
         // Where the fields agree, both are tangent. The last two are coincidences.
-        Site::Landing | Site::Duration | Site::End(_) | Site::Begin(_) => {
+        MarginKind::Landing | MarginKind::Duration | MarginKind::End(_) | MarginKind::Begin(_) => {
             rates.own[0].abs() <= (1.0 + AGREE) * rates.other[0].abs()
         }
     };

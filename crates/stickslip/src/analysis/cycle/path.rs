@@ -109,17 +109,19 @@ pub(crate) trait Path {
     }
 
     /// The first margin that the orbit at a place has come below zero at, behind another one, and
-    /// where; `Err` where they are too far apart to tell. Nearer than `unclear` margins that the
-    /// other one lacks are no others' cause.
+    /// where; `Err` where they are too far apart to tell, in parts of a range of places.
     fn passed(
         &self,
         (from, last): (f64, &Cycle),
         (to, next): (f64, &Cycle),
-        unclear: f64,
+        range: f64,
     ) -> Result<Option<(Zero, Margin)>, ()>
     where
         Self: Path<Solution = Cycle>,
     {
+        // Orbits nearer than this part of the range differ by one change: of the margins that the
+        // other one lacks none has a cause before the first zero.
+        const NEAREST: f64 = 1e-5;
         let mut first: Option<(Zero, Margin)> = None;
         let mut is_unclear = false;
         let violated = next.margins.iter();
@@ -152,11 +154,20 @@ pub(crate) trait Path {
             }
         }
         // Another one may come before, if the step is not short enough to tell.
-        if is_unclear && (first.is_none() || (to - from).abs() > unclear) {
+        if is_unclear && (first.is_none() || (to - from).abs() > NEAREST * range) {
             return Err(());
         }
         Ok(first)
     }
+}
+
+/// An uncertainty of a parameter that is known where the function was resolved, or else the other
+/// one: no less than what Newton's iteration leaves of the last places in a range of this width.
+pub(crate) fn at_least((parameter, uncertainty): (f64, f64), otherwise: f64, width: f64) -> f64 {
+    const ROUNDING: f64 = 16.0 * f64::EPSILON;
+    let is_known = uncertainty.is_finite();
+    let uncertainty = if is_known { uncertainty } else { otherwise };
+    uncertainty.max(ROUNDING * parameter.abs().max(width))
 }
 
 /// A function of solutions, such as of periodic orbits.
