@@ -8,9 +8,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use rayon::prelude::*;
 use stickslip::analysis::{
-    BranchPoint, ContinuationSettings, Exponent, PeriodicOrbit, PoincareMap, SpectrumOptions,
-    Stability, attractor_of_many, basin_while, continue_periodic_orbit_while, multipliers,
-    periodic_orbit_forced,
+    BranchPoint, ContinuationSettings, Exponent, PartialBranch, PeriodicOrbit, PoincareMap,
+    SpectrumOptions, Stability, attractor_of_many, basin_while, multipliers, periodic_orbit_forced,
 };
 use stickslip::dynamics::{DynamicsRef, Section, Vector};
 use stickslip::{Ending, Error, Options};
@@ -271,19 +270,17 @@ pub(crate) fn continuation<'py>(
             // What is located while it is stopped is not what it would be: what was found by then
             // counts.
             let mut found = 0;
-            let seen = |_: &BranchPoint| match task.is_stopped() {
+            let observe = |branch: &PartialBranch| match task.is_stopped() {
                 true => ControlFlow::Break(()),
                 false => {
-                    found += 1;
+                    found = branch.points().len();
                     task.count();
                     ControlFlow::Continue(())
                 }
             };
             let period = orbit.period;
-            let branch = continue_periodic_orbit_while(
-                &along, &*x, period, upwards, &settings, &options, seen,
-            );
-            branch
+            PartialBranch::begin(&along, &*x, period, upwards, &settings, &options)
+                .and_then(|branch| branch.follow(&along, &settings, &options, observe))
                 .map(|mut branch| {
                     if task.is_stopped() {
                         branch.points.truncate(found);

@@ -1,19 +1,22 @@
 //! The search for a periodic orbit, as it is given on the command line.
 
+use serde::Serialize;
 use stickslip::Options;
-use stickslip::analysis::PeriodicOrbit;
+use stickslip::analysis::{PeriodicOrbit, RecurrenceSettings, attractor};
 use stickslip::error::Point;
 use stickslip_kernels::file::System;
-use stickslip_kernels::study::{PeriodicSearch, SearchError};
+use stickslip_kernels::kernel::{Motion, Outcome};
+use stickslip_kernels::study::{PeriodicSearch, SearchError, UNTIL};
 
 use super::arguments::time_or;
+use super::attractors;
 use super::sweeping::check_period;
 use crate::failure::Failure;
 use crate::render::state_words;
 use crate::terminal::patiently;
 
 /// How a periodic orbit is looked for.
-#[derive(Debug, clap::Args)]
+#[derive(Debug, clap::Args, Serialize)]
 pub(super) struct SearchArguments {
     /// How long the run before is; 0 to shoot from the start. Default 200, or 1000 periods of a drive
     /// that is faster than 0.2
@@ -50,6 +53,39 @@ impl SearchArguments {
             search.found(system, (t, x), options)
         });
         found.map_err(in_words)
+    }
+
+    /// The equilibrium that the run from `x` comes to, or without a run that state.
+    pub(super) fn equilibrium(
+        &self,
+        system: &System,
+        x: &[f64],
+        options: &Options,
+    ) -> Result<Vec<f64>, Failure> {
+        if system.built.depends_on_time {
+            return Err(Failure::Usage(
+                "--equilibrium has no effect: the system depends on time, so that it has none; \
+                 leave it out"
+                    .to_owned(),
+            ));
+        }
+        let transient = time_or(self.transient, 200.0, system);
+        if transient == 0.0 {
+            return Ok(x.to_vec());
+        }
+        let settings = RecurrenceSettings::within(UNTIL.max(transient));
+        let reached = attractor(system.dynamics(), x, &settings, options);
+        let reached = reached.map_err(|error| Failure::from(error).of(system))?;
+        let outcome = Outcome::of(&reached, &|error| crate::failure::in_words(error, system));
+        let point = outcome.points.first();
+        match (&outcome.motion, point) {
+            (Motion::Equilibrium, Some((_, x))) => Ok(x.clone()),
+            _ => Err(Failure::NoPeriodicOrbit(format!(
+                "no equilibrium was found: the run comes to {}; start elsewhere (--start), or \
+                 beside an equilibrium without a run (--transient 0)",
+                attractors::words(system, &outcome, UNTIL)
+            ))),
+        }
     }
 
     /// Refuses what would be given in vain.

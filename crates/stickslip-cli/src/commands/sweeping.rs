@@ -130,7 +130,7 @@ pub(super) fn table<T: DeserializeOwned, R>(
 const PARAMETERS: &str = "parameters";
 
 /// The folder of a sweep in the folder for all files.
-fn folder(out: &str) -> PathBuf {
+pub(super) fn folder(out: &str) -> PathBuf {
     Path::new(out).join("sweep")
 }
 
@@ -143,7 +143,7 @@ pub(super) fn sweep<S: Sweep>(
     let (system, output) = (of.system()?, &of.output);
     check_period(&system)?;
     let wanted = wanted(&system)?;
-    let plan = plan(&wanted, &system)?;
+    let plan = plan(S::COMMAND, &wanted, wanted.size(), &system)?;
     let task = Task {
         plan: &plan,
         folder: &folder(&output.out),
@@ -197,7 +197,14 @@ pub(super) fn check_period(system: &System) -> Result<(), Failure> {
     checked.map_err(|error| Failure::Usage(error.to_string()))
 }
 
-fn plan<S: Sweep>(wanted: &S, system: &System) -> Result<Plan, Failure> {
+/// What is computed: by which command, with everything that it depends on besides the system, in so
+/// many chains of so many blocks.
+pub(super) fn plan(
+    command: &str,
+    wanted: &impl Serialize,
+    size: (NonZeroUsize, NonZeroUsize),
+    system: &System,
+) -> Result<Plan, Failure> {
     let internal = |error: serde_json::Error| Failure::Usage(error.to_string());
     let value = serde_json::to_value(wanted).map_err(internal)?;
     let mut arguments: BTreeMap<String, serde_json::Value> =
@@ -210,7 +217,7 @@ fn plan<S: Sweep>(wanted: &S, system: &System) -> Result<Plan, Failure> {
     arguments.insert(PARAMETERS.to_owned(), json!(values));
     let Source { name, text } = system.file.source.clone();
     let definition = Definition::new(name, text);
-    Ok(Plan::new(S::COMMAND, arguments, wanted.size(), definition))
+    Ok(Plan::new(command, arguments, size, definition))
 }
 
 fn of_plan<S: Sweep>(plan: &Plan) -> Result<(S, System), Failure> {

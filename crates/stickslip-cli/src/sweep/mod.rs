@@ -23,4 +23,4 @@ pub use error::{BlockError, SweepError};
 pub use merge::{Merged, merge};
 pub use plan::{Definition, Plan, Share};
 pub use run::{Computed, Task, run};
-pub use store::{Store, write_whole};
+pub use store::{Store, Whole, Writer, write_whole};

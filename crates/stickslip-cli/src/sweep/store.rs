@@ -17,7 +17,7 @@ const LOCK: &str = "lock";
 const ENDING: &str = ".block";
 
 /// The content of a block, or how it is damaged.
-pub(super) type Whole = Result<Vec<u8>, &'static str>;
+pub type Whole = Result<Vec<u8>, &'static str>;
 
 /// A folder with blocks of a sweep.
 #[derive(Debug)]
@@ -32,8 +32,9 @@ pub struct Store {
 
 /// A folder that a share's blocks are written into.
 #[derive(Debug)]
-pub(super) struct Writer {
-    pub(super) store: Store,
+pub struct Writer {
+    /// Where they are read.
+    pub store: Store,
     staging: PathBuf,
 }
 
@@ -108,7 +109,7 @@ impl Store {
     ///
     /// # Errors
     /// [`SweepError::Stranger`], [`SweepError::Read`].
-    pub(super) fn find(&self, block: usize) -> Result<Option<Whole>, SweepError> {
+    pub fn find(&self, block: usize) -> Result<Option<Whole>, SweepError> {
         let path = self.path(block);
         match fs::read(&path) {
             Ok(bytes) => match decode(&self.fingerprint, block, &bytes) {
@@ -143,13 +144,21 @@ impl Store {
 }
 
 impl Writer {
+    /// Checks that a folder holds nothing but what is asked for, before anything is made.
+    ///
+    /// # Errors
+    /// [`SweepError::Differs`], [`SweepError::NoManifest`], [`SweepError::BadManifest`], [`SweepError::Read`].
+    pub fn check(folder: &Path, plan: &Plan) -> Result<(), SweepError> {
+        is_free(folder, plan).map(drop)
+    }
+
     /// Makes the folder fit for a share of a sweep: nobody else at work on that share, the manifest of this sweep and of no other,
     /// nothing unfinished.
     ///
     /// # Errors
     /// [`SweepError::CreateFolder`], [`SweepError::Write`], [`SweepError::Read`], [`SweepError::Busy`], [`SweepError::Differs`],
     /// [`SweepError::BadManifest`], [`SweepError::NoManifest`].
-    pub(super) fn open(folder: &Path, plan: &Plan, share: Share) -> Result<Self, SweepError> {
+    pub fn open(folder: &Path, plan: &Plan, share: Share) -> Result<Self, SweepError> {
         // Before anything is made: a folder of another sweep is left as it is.
         let is_new = is_free(folder, plan)?;
         let staging = folder
@@ -176,11 +185,11 @@ impl Writer {
         })
     }
 
-    /// Puts a block on disk.
+    /// Puts a block on disk, whole or not at all; what was there of it before is gone then.
     ///
     /// # Errors
     /// [`SweepError::Write`].
-    pub(super) fn put(&self, block: usize, content: &[u8]) -> Result<(), SweepError> {
+    pub fn put(&self, block: usize, content: &[u8]) -> Result<(), SweepError> {
         let bytes = encode(&self.store.fingerprint, block, content);
         let path = self.store.path(block);
         write_whole(&path, &self.staging, |file| {

@@ -978,3 +978,229 @@ fn a_change_is_followed_in_two_parameters_along_its_closed_form() {
         assert!(error.contains(told), "{also}: {error}");
     }
 }
+
+#[test]
+fn another_branch_in_the_same_folder_is_refused_and_a_failed_search_leaves_nothing() {
+    let top = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| program(top.path(), arguments).assert();
+    let range = ["basins", "--parameter", "vd=1.1:2"];
+    run(&[&range[..], &["--longest", "1"]].concat()).code(1);
+    run(&range).success();
+    let table = top.path().join("stickslip-output/branch.csv");
+    let whole = std::fs::read(&table).unwrap();
+    run(&[&range[..], &["--step", "0.01"]].concat())
+        .code(2)
+        .stderr(contains(
+            "the argument `step` was 0.02 there and is 0.01 now",
+        ))
+        .stderr(contains("choose another folder with --out"));
+    assert_eq!(std::fs::read(&table).unwrap(), whole);
+    run(&range).success();
+    assert_eq!(std::fs::read(&table).unwrap(), whole);
+}
+
+/// What the program says of the equilibria of a file, with the rows of both tables.
+fn equilibria(file: &str, arguments: &[&str]) -> (Value, Vec<Value>, Vec<Value>) {
+    let top = tempfile::tempdir().unwrap();
+    std::fs::write(top.path().join("system.toml"), file).unwrap();
+    let output = program(top.path(), &["system.toml", "--equilibrium", "--json"])
+        .args(arguments)
+        .assert()
+        .success();
+    let json = serde_json::from_slice(&output.get_output().stdout).unwrap();
+    let folder = top.path().join("stickslip-output");
+    let svg = std::fs::read_to_string(folder.join("equilibria.svg")).unwrap();
+    roxmltree::Document::parse(&svg).unwrap();
+    let tables = ["equilibria.csv", "equilibria-special.csv"];
+    let [points, special] = tables.map(|name| rows(&folder.join(name)));
+    (json, points, special)
+}
+
+/// C7: friction of a treadmill, `fc + (fs - fc) exp(-w) + fv w` with a negative fc.
+const TREADMILL: &str = r#"
+name = "treadmill"
+[states]
+u = ""
+v = ""
+[parameters]
+p = 3
+[definitions]
+w = "v - p"
+[contacts.belt]
+boundary = "w"
+friction = "-0.5 + 2.5*exp(-belt*w) + 0.3*belt*w"
+[field]
+u = "v"
+v = "-u - friction(belt)"
+[start]
+u = 0
+v = 0
+"#;
+
+/// At rest the belt slips at p: the Hopf point is where the friction's slope there is zero, at
+/// ln(25/3), with the frequency of the spring. At p = 0 the belt stops, and the block may rest
+/// anywhere as far as the friction at rest holds it; from there on it rests on the other side.
+#[test]
+fn hopf_point_and_boundary_equilibria_of_a_stribeck_oscillator_are_closed_forms() {
+    let (json, points, special) = equilibria(TREADMILL, &["--parameter", "p=-4:4"]);
+    let at = |what: &str| {
+        let there = special.iter().filter(|row| row["what"] == what);
+        there.collect::<Vec<_>>()
+    };
+    let exact = math::ln(25.0 / 3.0);
+    let hopf = at("Hopf");
+    assert_eq!(hopf.len(), 2, "{special:?}");
+    for (row, exact) in hopf.iter().zip([-exact, exact]) {
+        assert!((number(row, "p") - exact).abs() < 1e-12, "{row}");
+        assert!((number(row, "frequency") - 1.0).abs() < 1e-12);
+        assert!(number(row, "uncertainty") < 1e-8);
+    }
+    let boundary = at("boundary equilibrium");
+    let modes =
+        |row: &Value| [&row["before"], &row["after"]].map(|one| one.as_str().unwrap().to_owned());
+    assert_eq!(boundary.len(), 2, "{special:?}");
+    for (row, (modes_there, u)) in boundary.iter().zip([(["+", "S"], -2.0), (["S", "-"], 2.0)]) {
+        assert!(number(row, "p").abs() < 1e-12, "{row}");
+        assert_eq!(modes(row), modes_there);
+        assert!((number(row, "u") - u).abs() < 1e-12, "{row}");
+    }
+    for row in &points {
+        let (p, u) = (number(row, "p"), number(row, "u"));
+        let friction = |w: f64| -0.5 + 2.5 * math::exp(-w) + 0.3 * w;
+        match row["mode"].as_str().unwrap() {
+            "-" => assert!(p >= 0.0 && (u - friction(p)).abs() < 1e-12, "{row}"),
+            "+" => assert!(p <= 0.0 && (u + friction(-p)).abs() < 1e-12, "{row}"),
+            _ => assert!(p.abs() < 1e-12 && u.abs() <= 2.0 + 1e-12, "{row}"),
+        }
+        if row["mode"] != "S" {
+            let is_stable = row["stability"] == "stable";
+            assert_eq!(is_stable, p.abs() > exact, "{row}");
+        }
+    }
+    let stops = ["range", "range"];
+    for (end, stop) in json["ends"].as_array().unwrap().iter().zip(stops) {
+        assert_eq!(end["stop"], stop);
+    }
+}
+
+/// A focus at (p, 0) below x = 0, above it (-1, -1): for p < 0 there is an equilibrium of sliding
+/// at y = 1.3 p / 0.7, too, and at p = 0 both are gone.
+const MEETS: &str = r#"
+name = "meets"
+[states]
+x = ""
+y = ""
+[parameters]
+p = -0.3
+[definitions]
+above = "by_side(wall, 0, 1)"
+[contacts.wall]
+boundary = "x"
+[field]
+x = "(1 - above)*(-0.3*(x - p) - y) - above"
+y = "(1 - above)*((x - p) - 0.3*y) - above"
+[start]
+x = -0.4
+y = 0.1
+"#;
+
+#[test]
+fn a_nonsmooth_fold_turns_the_branch_back_on_the_boundary() {
+    let range = ["--parameter", "p=-0.5:0.5"];
+    let (json, points, special) = equilibria(MEETS, &range);
+    let [fold] = special.as_slice() else {
+        panic!("{special:?}");
+    };
+    assert!(number(fold, "p").abs() < 1e-12, "{fold}");
+    assert_eq!(
+        (&fold["before"], &fold["after"]),
+        (&"-".into(), &"S".into())
+    );
+    assert_eq!(json["special"][0]["boundary"]["turns"], true);
+    let ends = [points.first().unwrap(), points.last().unwrap()];
+    assert_eq!(ends.map(|row| number(row, "p")), [-0.5, -0.5]);
+    for row in &points {
+        let (p, x, y) = (number(row, "p"), number(row, "x"), number(row, "y"));
+        let exact = if row["mode"] == "-" {
+            [p, 0.0]
+        } else {
+            [0.0, 1.3 * p / 0.7]
+        };
+        assert!(
+            (x - exact[0]).abs().max((y - exact[1]).abs()) < 1e-12,
+            "{row}"
+        );
+    }
+}
+
+/// `x' = p + x - x³` turns at `x = ±1/√3`.
+#[test]
+fn folds_of_equilibria_turn_the_branch_where_the_slope_is_zero() {
+    let cubic = "name = \"cubic\"\n[states]\nx = \"\"\n[parameters]\np = -0.8\n[field]\n\
+                 x = \"p + x - x^3\"\n[start]\nx = -1\n";
+    let (_, points, special) = equilibria(cubic, &["--parameter", "p=-1:1"]);
+    let exact = 2.0 / (3.0 * 3.0_f64.sqrt());
+    assert_eq!(special.len(), 2, "{special:?}");
+    for (row, (p, x)) in special.iter().zip([(exact, -1.0), (-exact, 1.0)]) {
+        assert_eq!(row["what"], "fold");
+        assert!((number(row, "p") - p).abs() < 1e-12, "{row}");
+        assert!(
+            (number(row, "x") - x / 3.0_f64.sqrt()).abs() < 1e-6,
+            "{row}"
+        );
+        assert!(number(row, "uncertainty") < 1e-9, "{row}");
+    }
+    assert_eq!(number(points.last().unwrap(), "p"), 1.0);
+    for row in &points {
+        let x = number(row, "x");
+        assert!((number(row, "p") + x - x * x * x).abs() < 1e-12);
+        let is_stable = row["stability"] == "stable";
+        assert_eq!(is_stable, x * x > 1.0 / 3.0, "{row}");
+    }
+}
+
+#[test]
+fn an_equilibrium_that_is_none_or_one_of_a_set_is_refused() {
+    let top = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| program(top.path(), arguments).assert();
+    run(&[
+        "basins",
+        "--equilibrium",
+        "--parameter",
+        "vd=1.1:2",
+        "--start",
+        "v=1.9",
+    ])
+    .code(1)
+    .stderr(contains(
+        "no equilibrium was found: the run comes to periodic",
+    ));
+    run(&["den-hartog", "--equilibrium", "--parameter", "O=0.6:0.95"])
+        .code(2)
+        .stderr(contains(
+            "--equilibrium has no effect: the system depends on time",
+        ));
+    run(&[
+        "basins",
+        "--equilibrium",
+        "--also",
+        "d=0:1",
+        "--parameter",
+        "vd=1.1:2",
+    ])
+    .code(2)
+    .stderr(contains("cannot be used with"));
+    std::fs::write(top.path().join("system.toml"), TREADMILL).unwrap();
+    // With the belt at rest it rests anywhere.
+    let rests = [
+        "system.toml",
+        "--equilibrium",
+        "--set",
+        "p=0",
+        "--start",
+        "u=1",
+    ];
+    run(&[&rests[..], &["--parameter", "p=-1:1", "--transient", "0"]].concat())
+        .code(1)
+        .stderr(contains("none of a set of equilibria"));
+}

@@ -166,6 +166,58 @@ fn the_program_killed_at_any_moment_goes_on_by_the_same_command() {
 }
 
 #[test]
+fn a_branch_killed_as_it_grows_goes_on_by_the_same_command() {
+    let top = folder();
+    let range = ["--parameter", "vd=1.1:2", "--step", "0.004"];
+    let branch = [&["continue", "basins"], &range[..]].concat();
+    let run = |name: &str| {
+        let to = ["--out", name];
+        program(top.path())
+            .args(&branch)
+            .args(to)
+            .assert()
+            .success();
+    };
+    run("whole");
+    let out = |name: &str| top.path().join(name);
+    let whole = files(&out("whole"));
+    let block = out("killed").join("sweep/blocks/00000001.block");
+    // As long as the way upwards is saved with more orbits in it than before.
+    let mut size = 0;
+    for kill in 0..2 {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_stickslip"))
+            .current_dir(top.path())
+            .args(&branch)
+            .args(["--out", "killed"])
+            .stdout(Stdio::null())
+            .spawn()
+            .unwrap();
+        let saved = || std::fs::metadata(&block).map_or(0, |file| file.len());
+        while saved() <= size {
+            assert_eq!(
+                child.try_wait().unwrap(),
+                None,
+                "{kill}: it was done at {size}"
+            );
+            sleep(Duration::from_millis(1));
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+        assert!(!out("killed/branch.csv").exists());
+        size = saved();
+    }
+    // A way that goes on has what was saved, and not its beginning.
+    assert!(size > 0 && whole[Path::new("sweep/blocks/00000001.block")].len() as u64 > size);
+    run("killed");
+    assert!(files(&out("killed")) == whole);
+    // What is torn is computed anew.
+    let bytes = std::fs::read(&block).unwrap();
+    std::fs::write(&block, &bytes[..bytes.len() / 2]).unwrap();
+    run("killed");
+    assert!(files(&out("killed")) == whole);
+}
+
+#[test]
 fn two_processes_do_not_compute_the_same_share() {
     let folder = tempfile::tempdir().unwrap();
     let mut child = begin(folder.path());

@@ -8,7 +8,7 @@ use stickslip::analysis::RecurrenceSettings;
 
 pub use diagram::{AtValue, ChangeBetween, Diagram, ValueEnd};
 pub use largest::Largest;
-pub use search::{MOST_PERIODS, PeriodicSearch, SearchError};
+pub use search::{MOST_PERIODS, PeriodicSearch, SearchError, UNTIL};
 
 use crate::file::System;
 

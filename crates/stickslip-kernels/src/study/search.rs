@@ -14,7 +14,7 @@ use crate::file::{PeriodError, System};
 use crate::kernel::{Run, Watcher, follow};
 
 /// How long the run is followed to see what it comes to, where no periodic orbit was found.
-const UNTIL: f64 = 2000.0;
+pub const UNTIL: f64 = 2000.0;
 
 /// Most periods of the drive that are tried for one of the orbit.
 pub const MOST_PERIODS: u32 = 16;

@@ -2,6 +2,7 @@
 
 use super::attractors::rest::{equilibrium_near, least_guard};
 use super::critical::zero_between;
+use super::cycle::Cycle;
 use crate::dynamics::{Dynamics, Modes, Moment, Vector};
 
 /// An orbit may end in an equilibrium that it comes to within this part of a wider one's extent.
@@ -36,6 +37,17 @@ pub(super) struct Approach {
     /// The states at which the phases begin.
     pub begins: Vec<Vector>,
     pub extent: f64,
+}
+
+impl Approach {
+    pub fn of(parameter: f64, cycle: &Cycle) -> Self {
+        Approach {
+            parameter,
+            modes: cycle.outline.modes(),
+            begins: cycle.begins.iter().map(|at| at.x.clone()).collect(),
+            extent: cycle.extent,
+        }
+    }
 }
 
 /// The parameter at which periodic orbits end in an equilibrium of one mode, and that equilibrium.

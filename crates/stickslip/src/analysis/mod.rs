@@ -27,9 +27,10 @@ pub use attractors::{
 pub use basin::{Basin, Share, basin, basin_while};
 pub use bifurcation::{AttractorChange, Sweep, SweepPoint, SweepSettings, WhatChanges, sweep};
 pub use continuation::{
-    Branch, BranchPoint, ContinuationSettings, Curve, CurvePoint, CurveStop, Special, SpecialPoint,
-    Stop, SwitchedBranch, continue_change, continue_periodic_orbit, continue_periodic_orbit_while,
-    switch_branches,
+    Branch, BranchPoint, ContinuationSettings, Curve, CurvePoint, CurveStop,
+    EquilibriumBifurcation, EquilibriumBranch, EquilibriumPoint, PartialBranch, Special,
+    SpecialEquilibrium, SpecialPoint, Stop, SwitchedBranch, continue_change, continue_equilibrium,
+    continue_periodic_orbit, switch_branches,
 };
 pub use cycle::{SequenceBifurcation, SequenceChange};
 pub use destination::{Destination, destination};

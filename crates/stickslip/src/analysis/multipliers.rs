@@ -40,6 +40,7 @@ pub(super) fn eigenvalues(matrix: &Matrix) -> Vec<Complex<f64>> {
         return unknown();
     }
     match matrix.nrows() {
+        0 => Vec::new(),
         1 => vec![Complex::new(matrix[(0, 0)], 0.0)],
         2 => planar(
             matrix[(0, 0)],

@@ -38,14 +38,14 @@ const TOLERANCES: f64 = 100.0;
 /// The periodic orbit near `x` of a system with period `period` in time (a forced one), at the time
 /// `t`.
 ///
-/// It is found by Newton's iteration for its segments, with the sequence of phases that the run from
-/// `x` has. An orbit that has not this sequence itself is sought again with its own. Where there is
-/// none the run goes on for a period: eight sequences are tried.
+/// It is found by Newton's iteration for its segments, with the sequence of phases that the run
+/// from `x` has. An orbit that has not this sequence itself is sought again with its own. Where
+/// there is none the run goes on for a period: eight sequences are tried.
 ///
 /// # Errors
 /// Those of [`crate::run`]; [`Error::NoUniqueFuture`] and [`Error::TangentSingular`] as for
-/// [`crate::analysis::monodromy`]; [`Error::NotFound`] where none of the sequences has an orbit that
-/// closes to 100 tolerances or to what rounding of state and time leaves, and moves by more;
+/// [`crate::analysis::monodromy`]; [`Error::NotFound`] where none of the sequences has an orbit
+/// that closes to 100 tolerances or to what rounding of state and time leaves, and moves by more;
 /// [`Error::NotConverged`] where the run from the orbit found does not come back to it.
 pub fn periodic_orbit_forced<Kind>(
     system: &impl AsDynamics<Kind>,
@@ -58,10 +58,11 @@ pub fn periodic_orbit_forced<Kind>(
     orbit_near(&*system.dynamics(), &at, (period, true), options)
 }
 
-/// The periodic orbit near `x`, with a period near `period` (within three tenths of it), of a system
-/// that does not depend on time; as [`periodic_orbit_forced`], with the period unknown too.
+/// The periodic orbit near `x`, with a period near `period` (within three tenths of it), of a
+/// system that does not depend on time; as [`periodic_orbit_forced`], with the period unknown too.
 ///
-/// The state returned is where the orbit passes the plane through `x` that is across the flow there.
+/// The state returned is where the orbit passes the plane through `x` that is across the flow
+/// there.
 ///
 /// # Errors
 /// As [`periodic_orbit_forced`].
@@ -89,13 +90,16 @@ pub fn periodic_orbit<Kind>(
     )
 }
 
-/// The periodic orbit that the orbit from `x0` comes to, of a system that does not depend on time; no guess is needed.
+/// The periodic orbit that the orbit from `x0` comes to, of a system that does not depend on time;
+/// no guess is needed.
 ///
-/// After `transient` the run goes on through a plane across its way, for `longest` at most. Of its returns the first that comes
-/// back about as near as any does (within a factor of two) gives the period that [`periodic_orbit`] begins with.
+/// After `transient` the run goes on through a plane across its way, for `longest` at most. Of its
+/// returns the first that comes back about as near as any does (within a factor of two) gives the
+/// period that [`periodic_orbit`] begins with.
 ///
 /// # Errors
-/// As [`periodic_orbit`]; [`Error::NotFound`] where there is no return, as on the way to an equilibrium.
+/// As [`periodic_orbit`]; [`Error::NotFound`] where there is no return, as on the way to an
+/// equilibrium.
 ///
 /// ```
 /// use stickslip::{Options, analysis::find_periodic_orbit, models::BeltOscillator};

@@ -40,6 +40,21 @@ impl Stability {
     }
 }
 
+impl Stability {
+    /// By the eigenvalues of an equilibrium: a pair may be imaginary to 1e-6 of the largest.
+    pub(super) fn of_eigenvalues(eigenvalues: &[Complex<f64>]) -> Self {
+        let sizes = eigenvalues.iter().map(|value| value.norm());
+        let noise = NEUTRAL * sizes.fold(0.0, f64::max);
+        if eigenvalues.iter().all(|value| value.re < -noise) {
+            Stability::Stable
+        } else if eigenvalues.iter().all(|value| value.re <= noise) {
+            Stability::Neutral
+        } else {
+            Stability::Unstable
+        }
+    }
+}
+
 impl fmt::Display for Stability {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {

@@ -33,6 +33,7 @@ pub type Matrix = DMatrix<f64>;
 
 /// A time and the state at that time.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Moment {
     /// Time.
     pub t: f64,

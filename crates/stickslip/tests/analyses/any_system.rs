@@ -25,7 +25,7 @@ traced!(
 
 traced!(
     3:
-    Belt, DrivenIsland, Dragged, DrivenFamily, Focus, Grip, Island, AtParameter<Lags>, Smooth<Lorenz>, Pulse, Rings, Rough, AtParameter<Sheet>, Smooth<Softening>, Twisted,
+    Belt, DrivenIsland, Dragged, DrivenFamily, Focus, Grip, Island, AtParameter<Lags>, Smooth<Lorenz>, Persists, Pulse, Rings, Rough, AtParameter<Sheet>, Smooth<Softening>, Twisted,
 );
 
 traced!(

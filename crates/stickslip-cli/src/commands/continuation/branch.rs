@@ -1,12 +1,12 @@
 //! The branch through an orbit, both ways.
 
-use std::ops::ControlFlow;
 use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 use stickslip::analysis::{
-    Branch as Way, BranchPoint, ContinuationSettings, Curve, PeriodicOrbit, Special, SpecialPoint,
-    Stop, SwitchedBranch, continue_change, continue_periodic_orbit_while, switch_branches,
+    Branch as Way, BranchPoint, ContinuationSettings, Curve, EquilibriumBranch, PartialBranch,
+    PeriodicOrbit, Special, SpecialPoint, Stop, SwitchedBranch, continue_change,
+    continue_equilibrium, switch_branches,
 };
 use stickslip::dynamics::{DynamicsRef, Section, Summary, Vector};
 use stickslip::{Ending, Error, Options};
@@ -14,7 +14,9 @@ use stickslip_kernels::kernel::{Run, Watcher, follow};
 
 use super::super::extremes::Extremes;
 use super::super::range::{ParameterRange, with_values};
+use super::saving::{Saving, saved};
 use crate::failure::Failure;
+use crate::sweep::Writer;
 use crate::terminal::Status;
 use stickslip_kernels::file::System;
 
@@ -77,8 +79,8 @@ impl<'a> Begin<'a> {
         let value = system.values[number];
         if !(range.low..=range.high).contains(&value) {
             return Err(Failure::Usage(format!(
-                "{name} = {value} is not in the range from {} to {}: the branch begins at the parameter's value; choose it with --set {name}=…, \
-                 or another range",
+                "{name} = {value} is not in the range from {} to {}: the branch begins at the \
+                 parameter's value; choose it with --set {name}=…, or another range",
                 range.low,
                 range.high,
                 name = range.name
@@ -100,11 +102,10 @@ impl<'a> Begin<'a> {
     /// The branch through an orbit that takes so many periods of the drive, if there is one.
     pub(super) fn branch(
         &self,
-        orbit: &PeriodicOrbit,
-        periods: Option<u32>,
+        (orbit, periods): (&PeriodicOrbit, Option<u32>),
         settings: &ContinuationSettings,
         options: &Options,
-        status: &Status,
+        (writer, status): (&Writer, &Status),
     ) -> Result<Branch, Failure> {
         let settings = ContinuationSettings {
             forced: periods.map(|_| orbit.period),
@@ -114,19 +115,27 @@ impl<'a> Begin<'a> {
         let x = [x.as_slice(), &[self.value]].concat();
         let far = Mutex::new([(0_usize, self.value); 2]);
         let way = |upwards| {
-            let seen = |at: &BranchPoint| {
+            let mut saving = Saving::of(writer, usize::from(upwards));
+            let observe = |branch: &PartialBranch| {
                 let mut far = far.lock().unwrap_or_else(PoisonError::into_inner);
-                let (orbits, place) = &mut far[usize::from(upwards)];
-                (*orbits, *place) = (*orbits + 1, at.parameter);
+                let points = branch.points();
+                let place = points.last().map_or(self.value, |at| at.parameter);
+                far[usize::from(upwards)] = (points.len(), place);
                 let [down, up] = far.map(|(orbits, place)| format!("{orbits} to {place:.6}"));
                 status.set(format!(
                     "following the branch, orbits to {}: down {down}, up {up}",
                     self.range.name
                 ));
-                ControlFlow::Continue(())
+                saving.observe(branch)
             };
             let (along, period) = (&self.along, orbit.period);
-            continue_periodic_orbit_while(along, &*x, period, upwards, &settings, options, seen)
+            let begun = match saved(writer, usize::from(upwards))? {
+                Some(begun) => begun,
+                None => PartialBranch::begin(along, &*x, period, upwards, &settings, options)?,
+            };
+            let followed = begun.follow(along, &settings, options, observe)?;
+            saving.finish()?;
+            Ok::<Way, Failure>(followed)
         };
         let (down, up) = rayon::join(|| way(false), || way(true));
         let (mut down, mut up) = (down?, up?);
@@ -137,6 +146,18 @@ impl<'a> Begin<'a> {
             only_begun(&mut down);
         }
         self.joined(down, up, options)
+    }
+
+    /// The branch of equilibria through one near a state, downwards and upwards.
+    pub(super) fn equilibria(
+        &self,
+        x: &[f64],
+        settings: &ContinuationSettings,
+        options: &Options,
+    ) -> Result<[EquilibriumBranch; 2], Failure> {
+        let x = [x, &[self.value]].concat();
+        let way = |upwards| continue_equilibrium(&self.along, &*x, upwards, settings, options);
+        Ok([way(false)?, way(true)?])
     }
 
     /// The system with another parameter as a state, too.
@@ -159,8 +180,8 @@ impl<'a> Begin<'a> {
         }
         if !(range.low..=range.high).contains(&value) {
             return Err(Failure::Usage(format!(
-                "{name} = {value} is not in the range of --also from {} to {}: curves begin at its value; choose it with --set {name}=…, or \
-                 another range",
+                "{name} = {value} is not in the range of --also from {} to {}: curves begin at its \
+                 value; choose it with --set {name}=…, or another range",
                 range.low,
                 range.high,
                 name = range.name
@@ -170,8 +191,8 @@ impl<'a> Begin<'a> {
         Ok(Also { range, value, both })
     }
 
-    /// Each special orbit on the branch but branch points, followed in two parameters; none where no
-    /// curve goes on from it.
+    /// Each special orbit on the branch but branch points, followed in two parameters; none where
+    /// no curve goes on from it.
     pub(super) fn curves(
         &self,
         also: &Also,
@@ -265,7 +286,8 @@ impl<'a> Begin<'a> {
         Ok(others?.into_iter().flatten().collect())
     }
 
-    /// A state of the orbit at a time that is a multiple of its period: there the clock of the branch begins.
+    /// A state of the orbit at a time that is a multiple of its period: there the clock of the
+    /// branch begins.
     fn at_zero(&self, orbit: &PeriodicOrbit, options: &Options) -> Result<Vector, Failure> {
         let behind = orbit.t.rem_euclid(orbit.period);
         let t_end = orbit.t + (orbit.period - behind);

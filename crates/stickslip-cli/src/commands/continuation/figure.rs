@@ -52,9 +52,11 @@ pub(super) fn diagram(system: &System, range: &ParameterRange, branches: &[&Bran
     let rows: Vec<(String, Value)> = extents.into_iter().chain(others).collect();
     let title = format!("{}: branch of periodic orbits", system.file.name);
     let description = format!(
-        "A branch of periodic orbits of {} over {} from {} to {}: least and greatest {}, period, and the largest multiplier up to {LARGEST}; \
-         whole lines where it is stable, dotted where neutral, dashed where unstable; marks at folds, flips, branch points, torus bifurcations, \
-         changes of its phases, and where it ends in an equilibrium, a homoclinic orbit or rest.",
+        "A branch of periodic orbits of {} over {} from {} to {}: least and \
+         greatest {}, period, and the largest multiplier up to {LARGEST}; whole lines where it is \
+         stable, dotted where neutral, dashed where unstable; marks at folds, flips, branch \
+         points, torus bifurcations, changes of its phases, and where it ends in an \
+         equilibrium, a homoclinic orbit or rest.",
         system.file.name, range.name, range.low, range.high, first.name
     );
     let height = 90.0 + 160.0 * rows.len() as f64;
@@ -162,7 +164,8 @@ fn mark_of_end(stop: &Stop) -> Option<usize> {
     }
 }
 
-/// Where the end of a branch is: an equilibrium is between the least and the greatest that the last orbit has of a state.
+/// Where the end of a branch is: an equilibrium is between the least and the greatest that the last
+/// orbit has of a state.
 fn end_mark(end: &Point, stop: &Stop, value: Value, is_extent: bool) -> (f64, f64) {
     let (least, greatest) = end.extremes[0];
     let height = match stop {
@@ -199,7 +202,8 @@ fn ends(range: &ParameterRange, branches: &[&Branch]) -> (f64, f64) {
     ((low - room).max(range.low), (high + room).min(range.high))
 }
 
-/// Where a special orbit is on the curve of a value: between its neighbours. Where stability changes by a multiplier, its size is 1.
+/// Where a special orbit is on the curve of a value: between its neighbours. Where stability
+/// changes by a multiplier, its size is 1.
 fn place(branch: &Branch, at: &SpecialPoint, value: Value, is_size: bool) -> (f64, f64) {
     let stability = |k: usize| branch.points.get(k).map(|point| point.orbit.stability());
     let changes = at.behind.checked_sub(1).and_then(stability) != stability(at.behind);
@@ -231,7 +235,8 @@ fn place(branch: &Branch, at: &SpecialPoint, value: Value, is_size: bool) -> (f6
     (at.parameter, height)
 }
 
-/// The branch in pieces of one stability. Neighbouring pieces share the special orbit between them, so that the curve has no gap.
+/// The branch in pieces of one stability. Neighbouring pieces share the special orbit between them,
+/// so that the curve has no gap.
 fn runs(branch: &Branch, value: Value, is_size: bool) -> Vec<(Stability, Vec<(f64, f64)>)> {
     let mut runs: Vec<(Stability, Vec<(f64, f64)>)> = Vec::new();
     for (k, at) in branch.points.iter().enumerate() {

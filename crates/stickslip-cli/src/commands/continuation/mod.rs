@@ -2,27 +2,33 @@
 
 mod branch;
 mod curves;
+mod equilibria;
 mod figure;
+mod saving;
 
 use std::f64::consts::TAU;
 use std::num::NonZeroUsize;
 
+use serde::Serialize;
 use serde_json::{Value, json};
 use stickslip::analysis::{ContinuationSettings, Special, SpecialPoint, Stop};
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::Change;
 
-use super::arguments::{Ready, RunArguments, count};
+use super::arguments::{Ready, RunArguments, SolverArguments, StartArguments, count};
 use super::attractors::family_words;
 use super::changes;
 use super::range::ParameterRange;
 use super::search::SearchArguments;
+use super::sweeping::{folder, plan};
 use crate::failure::{Failure, in_words};
 use crate::render::{Answer, Report, Table, explained, place, rounded, within};
+use crate::sweep::{Share, Writer};
 use crate::terminal::patiently;
 use branch::{Begin, Branch, Other, Point};
 
-/// Continue a periodic orbit along a parameter, stable or not, through folds and changes of its phases
+/// Continue a periodic orbit or an equilibrium along a parameter, stable or not, through folds and
+/// changes of its phases
 ///
 /// The orbit is found at the parameter's present value (that of the file, or of --set) and followed
 /// both ways by pseudo-arclength. Where a multiplier is 1 or -1 or a pair is on the unit circle,
@@ -30,8 +36,13 @@ use branch::{Begin, Branch, Other, Point};
 /// the boundary or off it, a two-fold, a homoclinic orbit or rest. Of a driven system the parameter
 /// may be one that the period depends on. With --also each of these places on the branch, but for
 /// branch points, is followed in two parameters. With --branches the tables have a column `branch`:
-/// 0 is the branch through the orbit, and the others are in the order of where they begin. Writes branch.csv, special.csv and continue.svg; with --also curves.csv and
-/// curves.svg.
+/// 0 is the branch through the orbit, and the others are in the order of where they begin. Writes
+/// branch.csv, special.csv and continue.svg; with --also curves.csv and curves.svg. The branch is
+/// saved in sweep/ as it is followed: after a kill the same command goes on from there. With --also
+/// or --branches added to a command that is done, the branch is not followed again. With
+/// --equilibrium the equilibrium that the run comes to is followed, also into the sliding field and
+/// out of it; folds, branch points, Hopf bifurcations and boundary equilibria are located. Writes
+/// equilibria.csv, equilibria-special.csv and equilibria.svg then.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// The parameter and the range in which the branch is followed
@@ -55,6 +66,10 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "NUMBER", value_parser = count, default_value = "1000")]
     points: NonZeroUsize,
 
+    /// Follow the equilibrium that the run comes to, or with --transient 0 the one near the start
+    #[arg(long, conflicts_with_all = ["also", "branches", "periods", "longest"])]
+    equilibrium: bool,
+
     #[command(flatten)]
     search: SearchArguments,
     #[command(flatten)]
@@ -62,30 +77,80 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
-    arguments.run.answered(|ready| found(arguments, ready))
+    let ready = arguments.run.ready()?;
+    if arguments.equilibrium {
+        return arguments.run.answered(|ready| equilibria(arguments, ready));
+    }
+    let found = found(arguments, &ready).map_err(|failure| failure.of(&ready.system));
+    let (report, writer) = found?;
+    Ok(report.written(&writer.store.staging()?, &arguments.run.output)?)
 }
 
-fn found(arguments: &Arguments, ready: &Ready) -> Result<Report, Failure> {
-    let Ready {
-        system, options, ..
-    } = ready;
+/// The range of the parameter, and how the branch is followed in it.
+fn settings(
+    arguments: &Arguments,
+    system: &System,
+) -> Result<(ParameterRange, ContinuationSettings), Failure> {
     let range = ParameterRange::new("--parameter", &arguments.parameter, system)?;
-    let begin = Begin::at(system, &range)?;
     let settings = ContinuationSettings {
         step: arguments.step,
         most_points: arguments.points.get(),
         ..ContinuationSettings::over(range.low, range.high)
     };
     settings.check()?;
+    Ok((range, settings))
+}
+
+fn equilibria(arguments: &Arguments, ready: &Ready) -> Result<Report, Failure> {
+    let (system, options) = (&ready.system, &ready.options);
+    let (range, settings) = settings(arguments, system)?;
+    let begin = Begin::at(system, &range)?;
+    let x = arguments.search.equilibrium(system, &ready.x, options)?;
+    let branches = begin.equilibria(&x, &settings, options)?;
+    equilibria::report(system, &range, branches)
+}
+
+/// Everything that the branch depends on besides the system.
+#[derive(Serialize)]
+struct Wanted<'a> {
+    parameter: &'a ParameterRange,
+    step: f64,
+    points: NonZeroUsize,
+    search: &'a SearchArguments,
+    start: &'a StartArguments,
+    solver: &'a SolverArguments,
+}
+
+/// Ways along the branch, each of them saved in a block.
+const WAYS: NonZeroUsize = NonZeroUsize::MIN.saturating_add(1);
+
+fn found(arguments: &Arguments, ready: &Ready) -> Result<(Report, Writer), Failure> {
+    let Ready {
+        system, options, ..
+    } = ready;
+    let (range, settings) = settings(arguments, system)?;
+    let begin = Begin::at(system, &range)?;
     let also = arguments.also.as_deref();
     let also = also.map(|text| ParameterRange::new("--also", text, system));
     let also = also.transpose()?;
     let also = also.map(|other| begin.also(other)).transpose()?;
+    let wanted = Wanted {
+        parameter: &range,
+        step: arguments.step,
+        points: arguments.points,
+        search: &arguments.search,
+        start: &arguments.run.start,
+        solver: &arguments.run.solver,
+    };
+    let plan = plan("continue", &wanted, (WAYS, NonZeroUsize::MIN), system)?;
+    let folder = folder(&arguments.run.output.out);
+    Writer::check(&folder, &plan)?;
     let (orbit, periods) = arguments
         .search
         .found(system, (ready.t, &ready.x), options)?;
+    let writer = Writer::open(&folder, &plan, Share::WHOLE)?;
     let branch = patiently("following the branch", |status| {
-        begin.branch(&orbit, periods, &settings, options, status)
+        begin.branch((&orbit, periods), &settings, options, (&writer, status))
     })?;
     let others = arguments.branches.then(|| {
         patiently("following the other branches", |_| {
@@ -181,7 +246,7 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<Report, Failure> {
         })?;
         curves::report(&mut report, system, &range, &also, &curves)?;
     }
-    Ok(report)
+    Ok((report, writer))
 }
 
 /// A branch that begins at another one, in words and as an object.
@@ -347,7 +412,8 @@ impl End {
             Stop::BoundaryEquilibrium { parameter } => End {
                 stop: "boundary equilibrium",
                 words: format!(
-                    "in an equilibrium on the boundary: boundary-equilibrium bifurcation at {name} = {}",
+                    "in an equilibrium on the boundary: boundary-equilibrium bifurcation \
+                     at {name} = {}",
                     rounded(parameter)
                 ),
                 detail: Some(("boundary_equilibrium", json!(parameter))),
@@ -470,8 +536,8 @@ impl Row {
     }
 }
 
-/// The columns of `special.csv`: the special orbits, each behind so many rows that its branch has in
-/// `branch.csv`, and the ends that are bifurcations.
+/// The columns of `special.csv`: the special orbits, each behind so many rows that its branch has
+/// in `branch.csv`, and the ends that are bifurcations.
 fn special_columns<'a>(system: &System, parameter: &str, is_numbered: bool) -> Table<'a, Row> {
     let phases = |k: usize| move |row: &Row| row.phases.as_ref().map(|phases| phases[k].clone());
     numbered(is_numbered, |row: &Row| row.branch)

@@ -72,6 +72,20 @@ fn newton_step(
     jacobian: &Matrix,
     free: usize,
 ) -> Option<Vector> {
+    let (matrix, right) = equations(system, mode, at, jacobian, free)?;
+    let step = matrix.svd(true, true).solve(&right, ZERO).ok()?;
+    Some(step.resize_vertically(system.states(), 0.0))
+}
+
+/// The equations of Newton's step towards an equilibrium for the first `free` components, each in
+/// its own unit: a matrix and the right-hand side.
+pub(crate) fn equations(
+    system: &dyn Dynamics,
+    mode: Modes,
+    at: &Moment,
+    jacobian: &Matrix,
+    free: usize,
+) -> Option<(Matrix, Vector)> {
     let flow = system.flow(mode, at);
     let velocity = flow.velocity(at);
     // The sliding field has no component across the boundary, there or beside it: that the equilibrium lies on it is an equation of its own.
@@ -105,12 +119,11 @@ fn newton_step(
         row *= per_size;
         *right *= per_size;
     }
-    let step = matrix.svd(true, true).solve(&right, ZERO).ok()?;
-    Some(step.resize_vertically(system.states(), 0.0))
+    Some((matrix, right))
 }
 
 /// The Jacobian of a mode's field, by dual numbers.
-fn jacobian_of(system: &dyn Dynamics, mode: Modes, at: &Moment) -> Matrix {
+pub(crate) fn jacobian_of(system: &dyn Dynamics, mode: Modes, at: &Moment) -> Matrix {
     let flow = system.flow(mode, at);
     let axes = Matrix::identity(system.states(), system.states());
     let columns: Vec<Vector> = axes
@@ -118,6 +131,28 @@ fn jacobian_of(system: &dyn Dynamics, mode: Modes, at: &Moment) -> Matrix {
         .map(|axis| flow.derivative(at, &axis.into_owned()))
         .collect();
     Matrix::from_columns(&columns)
+}
+
+/// The Jacobian of the first `free` components along the boundaries of the contacts that stick.
+pub(crate) fn along_boundaries(
+    system: &dyn Dynamics,
+    mode: Modes,
+    at: &Moment,
+    jacobian: &Matrix,
+    free: usize,
+) -> Matrix {
+    let of_states = jacobian.view((0, 0), (free, free));
+    let normals = system.normals(mode, at);
+    if normals.is_empty() {
+        return of_states.into_owned();
+    }
+    let normals = Matrix::from_fn(free, normals.len(), |i, k| normals[k].1[i]);
+    let across = normals.qr().q();
+    let parts = (Matrix::identity(free, free) - &across * across.transpose()).symmetric_eigen();
+    // A projection has the eigenvalues 0 and 1.
+    let axes: Vec<usize> = (0..free).filter(|k| parts.eigenvalues[*k] > 0.5).collect();
+    let basis = parts.eigenvectors.select_columns(&axes);
+    basis.tr_mul(&(of_states * &basis))
 }
 
 /// The smallest guard of a mode at a point.

@@ -11,7 +11,8 @@ use crate::filippov::Options;
 /// A value of the parameter and what was found there.
 pub(super) type End<'a> = (f64, &'a Reached);
 
-/// What becomes of the attractor between two values: where it ends, and, if that is another place and not the same change, where the other one begins.
+/// What becomes of the attractor between two values: where it ends, and, if that is another place
+/// and not the same change, where the other one begins.
 pub(super) fn locate<'a>(
     family: &'a Family<'a>,
     ends: [End<'_>; 2],
@@ -19,8 +20,8 @@ pub(super) fn locate<'a>(
     options: &Options,
 ) -> Vec<WhatChanges> {
     let [one, other] = ends;
-    let first = Seen::from(family, (one, other), forcing, options);
-    let second = Seen::from(family, (other, one), forcing, options).turned_round();
+    let first = Located::from(family, (one, other), forcing, options);
+    let second = Located::from(family, (other, one), forcing, options).turned_round();
     let width = other.0 - one.0;
     let are_two = match (first.place(), second.place()) {
         (Some(a), Some(b)) => (a - b).abs() > NEXT_TO * width.abs(),
@@ -28,7 +29,10 @@ pub(super) fn locate<'a>(
     };
     let phases = ends.map(|end| end.1);
     if are_two && !first.joins(phases) && !second.joins(phases) {
-        return [first, second].into_iter().filter_map(Seen::best).collect();
+        return [first, second]
+            .into_iter()
+            .filter_map(Located::best)
+            .collect();
     }
     let named = if first.joins(phases) || !second.joins(phases) {
         first.named.or(second.named)
@@ -39,47 +43,47 @@ pub(super) fn locate<'a>(
     vec![named.or(others).unwrap_or(WhatChanges::Unlocated)]
 }
 
-/// What is seen of a change from one of its sides.
-struct Seen {
+/// What is located of a change from one of its sides.
+struct Located {
     /// By an event function that vanishes, or the loss of an equilibrium.
     named: Option<WhatChanges>,
     /// By a multiplier.
     smooth: Option<WhatChanges>,
 }
 
-impl Seen {
+impl Located {
     fn from<'a>(
         family: &'a Family<'a>,
         (from, to): (End<'_>, End<'_>),
         forcing: Option<f64>,
         options: &Options,
     ) -> Self {
-        let mut seen = Seen {
+        let mut located = Located {
             named: None,
             smooth: None,
         };
         let (returns, period) = match from.1.kind {
             Kind::Periodic { returns, period } => (returns, period),
             Kind::Equilibrium => {
-                seen.named = loss_of_stability(family, from, to.0);
-                return seen;
+                located.named = loss_of_stability(family, from, to.0);
+                return located;
             }
-            _ => return seen,
+            _ => return located,
         };
         // The forcing's own period is known better.
         let forced = forcing.map(|one| one * returns as f64);
         let Some(following) = Following::begin(family, from, period, forced, options) else {
-            return seen;
+            return located;
         };
         let way = following.follow(to.0);
         // Next to it a graze would be named: all of the orbit comes to the boundary.
-        seen.named = following.boundary_equilibrium(&way, to.0);
-        if seen.named.is_some() {
-            return seen;
+        located.named = following.boundary_equilibrium(&way, to.0);
+        if located.named.is_some() {
+            return located;
         }
-        seen.smooth = following.multiplier(&way);
-        seen.named = way.change.map(WhatChanges::Sequence);
-        seen
+        located.smooth = following.multiplier(&way);
+        located.named = way.change.map(WhatChanges::Sequence);
+        located
     }
 
     /// The same, of which what was before is behind.
@@ -106,7 +110,8 @@ impl Seen {
         }
     }
 
-    /// Whether it is a change of the phases of one attractor into those of the other, or what has no such sides.
+    /// Whether it is a change of the phases of one attractor into those of the other, or what has
+    /// no such sides.
     fn joins(&self, ends: [&Reached; 2]) -> bool {
         match &self.named {
             Some(WhatChanges::Sequence(change)) => {

@@ -9,7 +9,8 @@ use crate::analysis::boundary_equilibrium::{Approach, Held, ends_in};
 use crate::analysis::continuation::Special;
 use crate::analysis::critical::{Critical, zero_between};
 use crate::analysis::cycle::{
-    Cycle, Function, Margin, Outline, Path, SequenceChange, Shooting, Site, Zero, describe,
+    AT_ONCE, Cycle, Function, Margin, MarginKind, Outline, Path, SequenceChange, Shooting, Zero,
+    at_least, describe,
 };
 use crate::analysis::lagrange::weights;
 use crate::dynamics::{Moment, Vector};
@@ -26,10 +27,6 @@ const RESOLUTION: f64 = 1e-10;
 /// it.
 const NEAR_ONE: f64 = 1e-3;
 
-/// In a step that is longer than this part of the way, margins that the last orbit lacks may be
-/// others' cause.
-const UNCLEAR: f64 = 1e-5;
-
 /// Distances at which orbits behind a change are sought, as parts of the way.
 const BEHIND: [f64; 4] = [1e-5, 1e-4, 1e-3, 1e-2];
 
@@ -41,19 +38,19 @@ pub(super) struct Following<'a> {
     /// Dimension of the families that the orbits are of.
     free: usize,
     options: Options,
-    first: Known,
+    first: OrbitAt,
 }
 
 /// An orbit at a parameter.
 #[derive(Clone)]
-struct Known {
+struct OrbitAt {
     parameter: f64,
     cycle: Cycle,
 }
 
 /// The orbits with one sequence on the way to another value.
-pub(super) struct Way {
-    good: Vec<Known>,
+pub(super) struct FollowedOrbits {
+    good: Vec<OrbitAt>,
     /// Where none was found, behind the last of these.
     lost: Option<f64>,
     /// The change of phases that the way ends with.
@@ -63,11 +60,13 @@ pub(super) struct Way {
 /// The orbits on the line through some known ones, by their parameter.
 struct Between<'f, 'a> {
     following: &'f Following<'a>,
-    known: &'f [Known],
+    known: &'f [OrbitAt],
 }
 
 impl Path for Between<'_, '_> {
-    fn orbit(&self, parameter: f64, options: &Options) -> Option<Cycle> {
+    type Solution = Cycle;
+
+    fn solution(&self, parameter: f64, options: &Options) -> Option<Cycle> {
         let found = self.following.by_line(self.known, parameter, options);
         found.map(|found| found.cycle)
     }
@@ -111,7 +110,7 @@ impl<'a> Following<'a> {
             forced,
             free: cycle.family,
             options: *options,
-            first: Known {
+            first: OrbitAt {
                 parameter: from.0,
                 cycle,
             },
@@ -119,7 +118,7 @@ impl<'a> Following<'a> {
     }
 
     /// The orbit at a parameter near an outline.
-    fn solve(&self, parameter: f64, guess: &Outline, options: &Options) -> Option<Known> {
+    fn solve(&self, parameter: f64, guess: &Outline, options: &Options) -> Option<OrbitAt> {
         let system = &*(self.family)(parameter);
         let shooting = Shooting {
             extent: self.first.cycle.extent,
@@ -127,11 +126,11 @@ impl<'a> Following<'a> {
             ..Shooting::of(system, guess, self.forced, options)
         };
         let cycle = shooting.solve(guess, None)?;
-        Some(Known { parameter, cycle })
+        Some(OrbitAt { parameter, cycle })
     }
 
     /// Where the orbit is expected at a parameter by the last two.
-    fn expected(good: &[Known], parameter: f64) -> Option<Outline> {
+    fn expected(good: &[OrbitAt], parameter: f64) -> Option<Outline> {
         let two = good.last()?;
         let own = two.cycle.outline.unknowns();
         let Some(slope) = slope(good) else {
@@ -141,7 +140,7 @@ impl<'a> Following<'a> {
         Some(two.cycle.outline.with(&moved))
     }
 
-    fn by_line(&self, good: &[Known], parameter: f64, options: &Options) -> Option<Known> {
+    fn by_line(&self, good: &[OrbitAt], parameter: f64, options: &Options) -> Option<OrbitAt> {
         let guess = Following::expected(good, parameter)?;
         let is_possible = guess.segments.iter().all(|one| one.duration >= 0.0);
         is_possible
@@ -150,9 +149,9 @@ impl<'a> Following<'a> {
     }
 
     /// Follows the orbit on the way to another value, to where its phases change or it is lost.
-    pub fn follow(&self, to: f64) -> Way {
+    pub fn follow(&self, to: f64) -> FollowedOrbits {
         let from = self.first.parameter;
-        let mut way = Way {
+        let mut way = FollowedOrbits {
             good: vec![self.first.clone()],
             lost: None,
             change: None,
@@ -181,7 +180,7 @@ impl<'a> Following<'a> {
                 next = at + 0.5 * (place - at);
             }
             match self.by_line(&way.good, next, &self.options) {
-                Some(found) => match self.passed(&way.good, &found, UNCLEAR * (to - from).abs()) {
+                Some(found) => match self.passed(&way.good, &found, (to - from).abs()) {
                     Ok(Some(change)) => {
                         way.change = Some(change);
                         break;
@@ -217,20 +216,21 @@ impl<'a> Following<'a> {
 
     /// The change that the last orbit hits: with a margin that the tolerances do not tell from zero
     /// it has the phases of one side as well as of the other.
-    fn hit(&self, good: &[Known]) -> Option<SequenceChange> {
+    fn hit(&self, good: &[OrbitAt]) -> Option<SequenceChange> {
         let [.., before, last] = good else {
             return None;
         };
-        let is_open =
-            |margin: &&Margin| margin.key.site != Site::Duration && !margin.is_told(&self.options);
+        let is_open = |margin: &&Margin| {
+            margin.key.kind != MarginKind::Duration && !margin.is_resolved(&self.options)
+        };
         let margin = last.cycle.margins.iter().find(is_open)?;
         let earlier = before.cycle.margin_like(margin)?.value;
         let slope = (margin.value - earlier) / (last.parameter - before.parameter);
         let way = margin.value / slope;
         let system = &*(self.family)(last.parameter);
         let width = (last.parameter - good.first()?.parameter).abs();
-        let rounding = 16.0 * f64::EPSILON * last.parameter.abs().max(width);
-        let place = (last.parameter - way, way.abs().max(rounding));
+        let uncertainty = at_least((last.parameter, way.abs()), width, width);
+        let place = (last.parameter - way, uncertainty);
         let sides = [last.cycle.outline.modes(), Vec::new()];
         Some(describe(system, (&last.cycle, margin), place, sides))
     }
@@ -243,28 +243,28 @@ impl<'a> Following<'a> {
     /// away to tell.
     fn passed(
         &self,
-        good: &[Known],
-        next: &Known,
-        shortest: f64,
+        good: &[OrbitAt],
+        next: &OrbitAt,
+        range: f64,
     ) -> Result<Option<SequenceChange>, ()> {
         let last = good.last().ok_or(())?;
         let both = [last.clone(), next.clone()];
         let ends = both.each_ref().map(|one| (one.parameter, &one.cycle));
-        let found = self.between(&both).passed(ends[0], ends[1], shortest)?;
+        let found = self.between(&both).passed(ends[0], ends[1], range)?;
         Ok(found.map(|(zero, margin)| self.described(last, &zero, &margin, next.parameter)))
     }
 
-    fn between<'f>(&'f self, known: &'f [Known]) -> Between<'f, 'a> {
+    fn between<'f>(&'f self, known: &'f [OrbitAt]) -> Between<'f, 'a> {
         let following = self;
         Between { following, known }
     }
 
     /// The change at a zero of a margin, with the phases of an orbit that the system itself takes
     /// next to it.
-    fn described(&self, last: &Known, zero: &Zero, margin: &Margin, next: f64) -> SequenceChange {
-        let at = &Known {
+    fn described(&self, last: &OrbitAt, zero: &Zero, margin: &Margin, next: f64) -> SequenceChange {
+        let at = &OrbitAt {
             parameter: zero.parameter,
-            cycle: zero.cycle.clone(),
+            cycle: zero.solution.clone(),
         };
         let way = next - last.parameter;
         let modes = last.cycle.outline.modes();
@@ -285,13 +285,12 @@ impl<'a> Following<'a> {
         });
         let system = &*(self.family)(at.parameter);
         let sides = [modes, after.unwrap_or_default()];
-        let place = (at.parameter, told(zero, way));
+        let place = (at.parameter, uncertainty(zero, way));
         describe(system, (&at.cycle, margin), place, sides)
     }
 
     /// The change at which the durations of segments vanish, which would be at a place.
-    fn vanishes(&self, good: &[Known], place: f64) -> Option<SequenceChange> {
-        const AT_ONCE: f64 = 4.0;
+    fn vanishes(&self, good: &[OrbitAt], place: f64) -> Option<SequenceChange> {
         let last = good.last()?;
         let way = place - last.parameter;
         let numbers = vanishing_by(good, last.parameter + AT_ONCE * way);
@@ -306,7 +305,7 @@ impl<'a> Following<'a> {
 
     /// The change at which two contacts switch in the same instant: the segment between lasts
     /// longer and longer on either side, in one order of the two and in the other.
-    fn coincides(&self, good: &[Known], number: usize, way: f64) -> Option<SequenceChange> {
+    fn coincides(&self, good: &[OrbitAt], number: usize, way: f64) -> Option<SequenceChange> {
         let last = good.last()?;
         let orbit = |parameter: f64, options: &Options| {
             let guess = Following::expected(good, parameter)?;
@@ -331,32 +330,33 @@ impl<'a> Following<'a> {
         let (_, finer) = orbit(parameter, &self.options.finer())?;
         let slope = (at_beyond - here) / (beyond - last.parameter);
         let off = left.abs() + 2.0 * (finer - left).abs();
-        let rounding = 16.0 * f64::EPSILON * parameter.abs().max(way.abs());
         let is_meant =
-            |margin: &&Margin| margin.key.site == Site::Duration && margin.key.part == number;
+            |margin: &&Margin| margin.key.kind == MarginKind::Duration && margin.key.part == number;
         let margin = at.cycle.margins.iter().find(is_meant)?;
         let system = &*(self.family)(parameter);
         let sides = [last, &other].map(|one| one.cycle.outline.modes());
-        let place = (parameter, (off / slope).abs().max(rounding));
+        let uncertainty = at_least((parameter, (off / slope).abs()), way.abs(), way.abs());
+        let place = (parameter, uncertainty);
         Some(describe(system, (&at.cycle, margin), place, sides))
     }
 
     /// The change that the orbits end in behind which none is found: at a margin that goes to zero
     /// like a root of the parameter.
-    fn ends_in(&self, good: &[Known], lost: f64) -> Option<SequenceChange> {
+    fn ends_in(&self, good: &[OrbitAt], lost: f64) -> Option<SequenceChange> {
         const NEAR: f64 = 10.0;
         let last = good.last()?;
         let bracket = (lost - last.parameter).abs();
         let zero = |margin: &Margin| {
-            let square = |one: &Known| one.cycle.margin_like(margin).map(|at| at.value * at.value);
+            let square =
+                |one: &OrbitAt| one.cycle.margin_like(margin).map(|at| at.value * at.value);
             let own = square(last)?;
-            let apart = |one: &&Known| square(one).is_some_and(|other| other >= 2.0 * own);
+            let apart = |one: &&OrbitAt| square(one).is_some_and(|other| other >= 2.0 * own);
             let apart = good.iter().rev().find(apart)?;
             let way = own * (last.parameter - apart.parameter) / (square(apart)? - own);
             (way.abs() <= NEAR * bracket).then_some(way)
         };
         let arrivals = last.cycle.margins.iter();
-        let arrivals = arrivals.filter(|margin| margin.key.site == Site::Arrival);
+        let arrivals = arrivals.filter(|margin| margin.key.kind == MarginKind::Arrival);
         let ways = arrivals.filter_map(|margin| Some((margin, zero(margin)?)));
         let (margin, way) = ways.min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
         let guess = &last.cycle.outline;
@@ -375,11 +375,11 @@ impl<'a> Following<'a> {
 
     fn vanishes_without(
         &self,
-        last: &Known,
+        last: &OrbitAt,
         numbers: &[usize],
         way: f64,
     ) -> Option<SequenceChange> {
-        let Known { parameter, cycle } = last;
+        let OrbitAt { parameter, cycle } = last;
         let simple = cycle.outline.without(numbers, &cycle.begins)?;
         let one = self.solve(*parameter, &simple, &self.options)?;
         let margin = one.cycle.margin_about(cycle, numbers)?.clone();
@@ -390,30 +390,25 @@ impl<'a> Following<'a> {
         let path = self.between(&both);
         let [a, b] = path.bracket(begin, way, &value)?;
         let zero = path.zero([a, b], &value)?;
-        let margin = zero.cycle.margin_like(&margin)?;
+        let margin = zero.solution.margin_like(&margin)?;
         let is_valid = |other: &Margin| other.key == margin.key || !self.is_violated(other);
-        if !zero.cycle.margins.iter().all(is_valid) {
+        if !zero.solution.margins.iter().all(is_valid) {
             return None;
         }
         let system = &*(self.family)(zero.parameter);
         let sides = [cycle.outline.modes(), simple.modes()];
-        let place = (zero.parameter, told(&zero, b.0 - a.0));
-        Some(describe(system, (&zero.cycle, margin), place, sides))
+        let place = (zero.parameter, uncertainty(&zero, b.0 - a.0));
+        Some(describe(system, (&zero.solution, margin), place, sides))
     }
 
     /// Where the orbits end in an equilibrium of one of several modes on the way to another value,
     /// if they do.
-    pub fn boundary_equilibrium(&self, way: &Way, to: f64) -> Option<WhatChanges> {
+    pub fn boundary_equilibrium(&self, way: &FollowedOrbits, to: f64) -> Option<WhatChanges> {
         let goes_on = way.lost.is_none() && way.change.is_none();
         if goes_on || self.forced.is_some() {
             return None;
         }
-        let approach = |one: &Known| Approach {
-            parameter: one.parameter,
-            modes: one.cycle.outline.modes(),
-            begins: one.cycle.begins.iter().map(|at| at.x.clone()).collect(),
-            extent: one.cycle.extent,
-        };
+        let approach = |one: &OrbitAt| Approach::of(one.parameter, &one.cycle);
         let orbits: Vec<Approach> = way.good.iter().map(approach).collect();
         let held = |parameter: f64, mode, x: &Vector| {
             Held::near(&*(self.family)(parameter), mode, x, x.len())
@@ -428,7 +423,7 @@ impl<'a> Following<'a> {
 
     /// The first of its multipliers to reach the unit circle on the way, or the fold that it ends
     /// in.
-    pub fn multiplier(&self, way: &Way) -> Option<WhatChanges> {
+    pub fn multiplier(&self, way: &FollowedOrbits) -> Option<WhatChanges> {
         let of = |cycle: &Cycle| Critical::of(&cycle.monodromy, self.free);
         let one = |cycle: &Cycle| Some(of(cycle).one);
         let minus_one = |cycle: &Cycle| Some(of(cycle).minus_one);
@@ -453,14 +448,14 @@ impl<'a> Following<'a> {
                     0 => Special::BranchPoint,
                     1 => Special::Flip,
                     _ => Special::NeimarkSacker {
-                        angle: of(&zero.cycle).angle,
+                        angle: of(&zero.solution).angle,
                     },
                 };
                 let place = (
                     zero.parameter,
-                    told(&zero, behind.parameter - before.parameter),
+                    uncertainty(&zero, behind.parameter - before.parameter),
                 );
-                return Some(changed(&zero.cycle, place, what));
+                return Some(changed(&zero.solution, place, what));
             }
         }
         let (last, lost) = (way.good.last()?, way.lost?);
@@ -468,13 +463,13 @@ impl<'a> Following<'a> {
             return None;
         }
         // There the square of the function goes to zero like the parameter.
-        let square = |one: &Known| of(&one.cycle).one * of(&one.cycle).one;
+        let square = |one: &OrbitAt| of(&one.cycle).one * of(&one.cycle).one;
         let own = square(last);
         // Nearer to it an orbit closes within the tolerance where there is none any more.
         const LEAST: f64 = 1e-10;
         const APART: f64 = 4.0;
         const NODES: usize = 4;
-        let mut nodes: Vec<(f64, &Known)> = Vec::new();
+        let mut nodes: Vec<(f64, &OrbitAt)> = Vec::new();
         for one in way.good.iter().rev() {
             let value = square(one);
             let is_apart = nodes.last().is_none_or(|(near, _)| value >= APART * near);
@@ -482,7 +477,7 @@ impl<'a> Following<'a> {
                 nodes.push((value, one));
             }
         }
-        let at_zero = |nodes: &[(f64, &Known)]| -> f64 {
+        let at_zero = |nodes: &[(f64, &OrbitAt)]| -> f64 {
             let values: Vec<f64> = nodes.iter().map(|node| node.0).collect();
             let weighted = weights(&values, 0.0).into_iter().zip(nodes);
             weighted
@@ -504,14 +499,16 @@ impl<'a> Following<'a> {
         let guess = &nearest.cycle.outline;
         let finer = self.solve(nearest.parameter, guess, &self.options.finer());
         let by_tolerance = finer.map_or(f64::NAN, |finer| ((square(&finer) - value) * slope).abs());
-        let told = lacks + SAFE * by_tolerance;
+        let off = lacks + SAFE * by_tolerance;
         let bracket = (lost - nearest.parameter).abs();
-        let told = if told.is_finite() { told } else { bracket };
-        let width = (lost - self.first.parameter).abs();
-        let rounding = 16.0 * f64::EPSILON * parameter.abs().max(width);
+        let uncertainty = at_least(
+            (parameter, off),
+            bracket,
+            (lost - self.first.parameter).abs(),
+        );
         Some(changed(
             &last.cycle,
-            (parameter, told.max(rounding)),
+            (parameter, uncertainty),
             Special::Fold,
         ))
     }
@@ -529,28 +526,24 @@ fn changed(at: &Cycle, (parameter, uncertainty): (f64, f64), what: Special) -> W
 
 /// By how much a zero's parameter may be off, that was found in a stretch of this width. Where
 /// another branch meets it no orbit can be computed: it lies in the stretch.
-fn told(zero: &Zero, width: f64) -> f64 {
-    let width = width.abs();
-    let rounding = 16.0 * f64::EPSILON * zero.parameter.abs().max(width);
-    let is_known = zero.uncertainty.is_finite();
-    let uncertainty = if is_known { zero.uncertainty } else { width };
-    uncertainty.max(rounding)
+fn uncertainty(zero: &Zero, width: f64) -> f64 {
+    at_least((zero.parameter, zero.uncertainty), width.abs(), width.abs())
 }
 
 /// How the unknowns change by the parameter, by the last two orbits.
-fn slope(good: &[Known]) -> Option<Vector> {
+fn slope(good: &[OrbitAt]) -> Option<Vector> {
     let [.., one, two] = good else { return None };
     let way = two.cycle.outline.unknowns() - one.cycle.outline.unknowns();
     Some(way / (two.parameter - one.parameter))
 }
 
 /// The first place up to another at which the duration of a segment would vanish.
-fn vanishing(good: &[Known], by: f64) -> Option<f64> {
+fn vanishing(good: &[OrbitAt], by: f64) -> Option<f64> {
     vanishing_by(good, by).first().map(|(_, place)| *place)
 }
 
 /// The segments whose durations would vanish up to a place, the first of them first, and where.
-fn vanishing_by(good: &[Known], by: f64) -> Vec<(usize, f64)> {
+fn vanishing_by(good: &[OrbitAt], by: f64) -> Vec<(usize, f64)> {
     let (Some(last), Some(slope)) = (good.last(), slope(good)) else {
         return Vec::new();
     };

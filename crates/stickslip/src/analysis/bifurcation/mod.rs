@@ -1,4 +1,5 @@
-//! A sweep of one parameter that carries the state on: bifurcation diagrams, with hysteresis by a second sweep the other way.
+//! A sweep of one parameter that carries the state on: bifurcation diagrams, with hysteresis by a
+//! second sweep the other way.
 
 mod change;
 mod follow;
@@ -27,7 +28,8 @@ pub struct SweepSettings {
 }
 
 impl SweepSettings {
-    /// With this longest time for each attractor; changes are located with a tolerance of 1e-13, and exponents are not measured.
+    /// With this longest time for each attractor; changes are located with a tolerance of 1e-13,
+    /// and exponents are not measured.
     pub fn within(longest: f64) -> Self {
         SweepSettings {
             recurrence: RecurrenceSettings::within(longest),
@@ -51,7 +53,8 @@ impl SweepSettings {
 pub struct SweepPoint {
     /// The parameter.
     pub parameter: f64,
-    /// The attractor: section points, phases with the sticks' durations and lengths, and their sequence.
+    /// The attractor: section points, phases with the sticks' durations and lengths, and their
+    /// sequence.
     pub reached: Reached,
     /// The largest Lyapunov exponent, if it was asked for and could be measured.
     pub exponent: Option<Exponent>,
@@ -71,25 +74,27 @@ pub struct AttractorChange {
 pub enum WhatChanges {
     /// The phases of a periodic orbit.
     Sequence(SequenceChange),
-    /// An equilibrium loses its stability, in the direction of the sweep or against it: a pair of eigenvalues of its field crosses the imaginary
-    /// axis, or one passes through zero.
+    /// An equilibrium loses its stability, in the direction of the sweep or against it: a pair of
+    /// eigenvalues of its field crosses the imaginary axis, or one passes through zero.
     Equilibrium {
         /// The parameter.
         parameter: f64,
         /// The equilibrium there.
         x: Vector,
-        /// Size of the imaginary part of the eigenvalues that cross: 0 where it is one, and otherwise a Hopf bifurcation.
+        /// Size of the imaginary part of the eigenvalues that cross: 0 where it is one, and
+        /// otherwise a Hopf bifurcation.
         frequency: f64,
     },
-    /// An equilibrium comes to the discontinuity boundary, or to the edge of the part of it that is slid on: a boundary-equilibrium bifurcation.
+    /// An equilibrium comes to the discontinuity boundary, or to the edge of the part of it that is
+    /// slid on: a boundary-equilibrium bifurcation.
     BoundaryEquilibrium {
         /// The parameter.
         parameter: f64,
         /// The equilibrium there.
         x: Vector,
     },
-    /// A periodic orbit keeps its phases and has a multiplier on the unit circle: it doubles its period or sheds a torus, meets another branch, or
-    /// ends in a fold.
+    /// A periodic orbit keeps its phases and has a multiplier on the unit circle: it doubles its
+    /// period or sheds a torus, meets another branch, or ends in a fold.
     Multiplier {
         /// The parameter.
         parameter: f64,
@@ -102,7 +107,8 @@ pub enum WhatChanges {
         /// Its period.
         period: f64,
     },
-    /// It could not be located: the orbits on both sides go on through the interval, or are not periodic, or do not converge.
+    /// It could not be located: the orbits on both sides go on through the interval, or are not
+    /// periodic, or do not converge.
     Unlocated,
 }
 
@@ -111,18 +117,20 @@ pub enum WhatChanges {
 pub struct Sweep {
     /// What was found, in the order of the parameters.
     pub points: Vec<SweepPoint>,
-    /// Where it is not the same kind of motion, with the same phases or the same mode of rest, as at the value before: one, or where one orbit
-    /// ends and another one begins that has nothing to do with it, both.
+    /// Where it is not the same kind of motion, with the same phases or the same mode of rest, as
+    /// at the value before: one, or where one orbit ends and another one begins that has nothing to
+    /// do with it, both.
     pub changes: Vec<AttractorChange>,
 }
 
-/// Follows an attractor through `parameters`, in their order, from the state that was reached at the one before: up, down or as they come.
-/// `family` makes the system of each parameter.
+/// Follows an attractor through `parameters`, in their order, from the state that was reached at
+/// the one before: up, down or as they come. `family` makes the system of each parameter.
 ///
-/// Between two values where the phases of a periodic orbit differ, the orbit itself is followed by shooting, to where its phases change: to
-/// 1e-10 of the interval, and named by the event function that vanishes there ([`super::SequenceBifurcation`]). Where none does, it is
-/// followed to where one of its multipliers is on the unit circle, or to a fold. An equilibrium is followed to where it loses its
-/// stability, or its mode no longer holds.
+/// Between two values where the phases of a periodic orbit differ, the orbit itself is followed by
+/// shooting, to where its phases change: to 1e-10 of the interval, and named by the event function
+/// that vanishes there ([`super::SequenceBifurcation`]). Where none does, it is followed to where
+/// one of its multipliers is on the unit circle, or to a fold. An equilibrium is followed to where
+/// it loses its stability, or its mode no longer holds.
 ///
 /// ```
 /// use stickslip::analysis::{SweepSettings, sweep};

@@ -1,11 +1,12 @@
 //! Where an equilibrium loses its stability, or its mode no longer holds.
 
 use super::{Family, Reached, WhatChanges};
-use crate::analysis::attractors::rest::{ZERO, equilibrium_near, least_guard};
-use crate::analysis::multipliers;
+use crate::analysis::attractors::rest::{ZERO, along_boundaries, equilibrium_near, least_guard};
+use crate::analysis::multipliers::eigenvalues;
 use crate::dynamics::{Moment, Vector};
 
-/// How far behind a value of the sweep its change is looked for where that value hits it, as a part of the way between two.
+/// How far behind a value of the sweep its change is looked for where that value hits it, as a part
+/// of the way between two.
 const BEHIND: f64 = 1.0 / 64.0;
 
 /// So much of that way behind the value it was hit; further on it is another pair's.
@@ -25,7 +26,8 @@ struct Leading {
     guard: f64,
 }
 
-/// Where the equilibrium loses its stability on the way to another value, or comes to the edge of where its mode holds.
+/// Where the equilibrium loses its stability on the way to another value, or comes to the edge of
+/// where its mode holds.
 pub(super) fn loss_of_stability(
     family: &Family<'_>,
     from: (f64, &Reached),
@@ -33,17 +35,14 @@ pub(super) fn loss_of_stability(
 ) -> Option<WhatChanges> {
     let mode = from.1.mode;
     let begin = &from.1.points.first()?.x;
-    // Of stick the zeros across the boundary do not count.
     let leading = |parameter: f64, x: &mut Vector| {
         let system = family(parameter);
         let rest = equilibrium_near(&*system, mode, 0.0, x, x.len())?;
         x.clone_from(&rest.x);
         let at = Moment { t: 0.0, x: rest.x };
-        let across = system.normals(mode, &at).len();
-        let mut values = multipliers(&rest.jacobian);
-        values.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
-        let of_field = values.iter().skip(across);
-        let first = of_field.max_by(|a, b| a.re.total_cmp(&b.re))?;
+        let along = along_boundaries(&*system, mode, &at, &rest.jacobian, x.len());
+        let values = eigenvalues(&along).into_iter();
+        let first = values.max_by(|a, b| a.re.total_cmp(&b.re))?;
         Some(Leading {
             rate: first.re,
             frequency: first.im.abs(),
@@ -78,7 +77,8 @@ pub(super) fn loss_of_stability(
     })
 }
 
-/// The zero of a function, of which what is below its noise cannot be told from zero, on the way from one value of the parameter to another.
+/// The zero of a function, of which what is below its noise cannot be told from zero, on the way
+/// from one value of the parameter to another.
 fn zero_on(
     (from, to): (f64, f64),
     mut function: impl FnMut(f64) -> Option<(f64, f64)>,

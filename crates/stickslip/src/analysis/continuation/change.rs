@@ -1,13 +1,13 @@
 //! Changes of the phases along a branch: where, by which margin, and the orbits behind them.
 
-use super::line::{Line, unit};
+use super::line::Line;
 use super::parameter_of;
 use super::walk::{SHORTEST, Walk};
 use crate::analysis::attractors::is_same_cycle;
 use crate::analysis::cycle::{
-    Cycle, Margin, Outline, Path, SequenceChange, Shooting, Site, Zero, describe,
+    AT_ONCE, Cycle, Margin, MarginKind, Outline, Path, SequenceChange, Shooting, Zero, describe,
 };
-use crate::dynamics::{Happening, Moment, Section};
+use crate::dynamics::{Happening, Moment, Section, Vector};
 use crate::filippov::Direction;
 
 /// What is found of a change.
@@ -22,9 +22,6 @@ pub(super) struct Change {
 
 /// Orbits behind a change are sought this part of a step beyond it.
 pub(super) const BEYOND: [f64; 5] = [1e-3, 1e-2, 1e-4, 1e-1, 1e-5];
-
-/// In a step that is longer than this, margins that the last orbit lacks may be others' cause.
-const UNCLEAR: f64 = 1e-5;
 
 /// A segment that begins at a change is shorter than this part of the longest.
 const SHORT: f64 = 0.2;
@@ -41,7 +38,7 @@ impl Walk<'_> {
     pub(super) fn passed(&self, line: &Line, next: &Cycle) -> Result<Option<Change>, ()> {
         let s = line.place(next);
         let path = line.orbits(&self.shooting);
-        let found = path.passed((0.0, &self.last), (s, next), UNCLEAR)?;
+        let found = path.passed((0.0, &self.branch.last), (s, next), 1.0)?;
         let Some((at, margin)) = found else {
             return Ok(None);
         };
@@ -61,10 +58,10 @@ impl Walk<'_> {
             let beyond = line.on(&self.shooting, at.s + part * step)?;
             let outline = self.run_through(&beyond)?;
             let modes = outline.modes();
-            if is_same_cycle(&modes, &self.last.outline.modes()) {
+            if is_same_cycle(&modes, &self.branch.last.outline.modes()) {
                 return None;
             }
-            self.enter(&outline, parameter_of(&at.cycle))
+            self.enter(&outline, parameter_of(&at.solution))
         })
     }
 
@@ -75,23 +72,23 @@ impl Walk<'_> {
         let durations = || outline.segments.iter().map(|one| one.duration);
         let longest = durations().fold(0.0, f64::max);
         // Of those that are new, if any is.
-        let known = &self.last.outline.segments;
+        let known = &self.branch.last.outline.segments;
         let is_new = |k: usize| !known.iter().any(|one| one.mode == outline.segments[k].mode);
         let any_new = (0..outline.segments.len()).any(is_new);
         let may_grow = durations()
             .enumerate()
             .filter(|(k, _)| !any_new || is_new(*k));
         let shortest = may_grow.min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let by_duration = (shortest.1 < SHORT * longest).then(|| unit(outline, n + shortest.0));
-        let by_parameter = unit(outline, n - 1);
+        let by_duration = (shortest.1 < SHORT * longest).then(|| outline.unit(n + shortest.0));
+        let by_parameter = outline.unit(n - 1);
         let rows = by_duration.into_iter().chain([by_parameter.clone()]);
         rows.into_iter().find_map(|row| {
             let value = row.dot(&outline.unknowns());
             let found = self.shooting.solve(outline, Some((&row, value)))?;
             let way = parameter_of(&found) - change;
-            let is_near = way.abs() <= NEAR * self.units.width;
+            let is_near = way.abs() <= NEAR * self.branch.units.width;
             let row = if row == by_parameter { row * way } else { row };
-            let line = Line::tangent(&self.shooting, self.units, &found, &row)?;
+            let line = Line::tangent(&self.shooting, self.branch.units, &found, &row)?;
             (is_near && self.shooting.is_valid(&found)).then_some((found, line))
         })
     }
@@ -136,13 +133,15 @@ impl Walk<'_> {
     /// The change at which the durations of segments vanish, of the first at a place on the line:
     /// of several at once, if an orbit without them lies behind, or else of that one.
     pub(super) fn vanishes(&self, line: &Line, place: f64) -> Option<Change> {
-        const AT_ONCE: f64 = 4.0;
         let numbers = line.vanishing(AT_ONCE * place);
         let numbers: Vec<usize> = numbers.into_iter().map(|(k, _)| k).collect();
         let first = &numbers[..1];
         let several = || (numbers.len() > 1).then(|| self.vanishes_without(line, &numbers, place));
         let is_behind = |change: &Change| {
-            let [_, apart] = change.at.cycle.margins_about(&self.last, &numbers);
+            let [_, apart] = change
+                .at
+                .solution
+                .margins_about(&self.branch.last, &numbers);
             !apart
                 .into_iter()
                 .any(|margin| self.shooting.is_violated(margin))
@@ -155,34 +154,34 @@ impl Walk<'_> {
 
     /// The change at which some segments vanish, at about a place.
     fn vanishes_without(&self, known: &Line, numbers: &[usize], place: f64) -> Option<Change> {
-        let outline = &self.last.outline;
-        let simple = outline.without(numbers, &self.last.begins)?;
+        let outline = &self.branch.last.outline;
+        let simple = outline.without(numbers, &self.branch.last.begins)?;
         let n = outline.begin.x.len();
-        let row = unit(&simple, n - 1);
+        let row = simple.unit(n - 1);
         let value = row.dot(&simple.unknowns());
         let first = self.shooting.solve(&simple, Some((&row, value)))?;
         // Of a family the margin is zero at any parameter.
         if first.family > self.shooting.family {
             return None;
         }
-        let line = Line::tangent(&self.shooting, self.units, &first, &row)?;
-        let margin = first.margin_about(&self.last, numbers)?;
+        let line = Line::tangent(&self.shooting, self.branch.units, &first, &row)?;
+        let margin = first.margin_about(&self.branch.last, numbers)?;
         let (at, slope) = self.zero_near(&line, margin, place)?;
         // Elsewhere than ahead, about where the segments would vanish, it is another change.
         const TOLD: f64 = 0.1;
         const FURTHER: f64 = 3.0;
-        let way = at.parameter - parameter_of(&self.last);
+        let way = at.parameter - parameter_of(&self.branch.last);
         let expected = known.heading() * place;
         let is_told = at.uncertainty <= TOLD * way.abs();
-        let least = self.units.width * SHORTEST;
+        let least = self.branch.units.width * SHORTEST;
         let is_ahead = way * expected > 0.0 && way.abs() <= FURTHER * expected.abs();
         if !is_told || !is_ahead && way.abs() > least {
             return None;
         }
-        let margin = at.cycle.margin_like(margin)?.clone();
+        let margin = at.solution.margin_like(margin)?.clone();
         let row = line.across() * slope.signum();
-        let behind = Line::tangent(&self.shooting, self.units, &at.cycle, &row)?;
-        let cycle = at.cycle.clone();
+        let behind = Line::tangent(&self.shooting, self.branch.units, &at.solution, &row)?;
+        let cycle = at.solution.clone();
         Some(Change {
             at,
             margin,
@@ -195,28 +194,36 @@ impl Walk<'_> {
     pub(super) fn vanished(&self, line: &Line, place: f64) -> Option<Change> {
         let (number, _) = *line.vanishing(place).first()?;
         let is_meant =
-            |margin: &&Margin| margin.key.site == Site::Duration && margin.key.part == number;
-        let margin = self.last.margins.iter().find(is_meant)?.clone();
-        let here = parameter_of(&self.last);
+            |margin: &&Margin| margin.key.kind == MarginKind::Duration && margin.key.part == number;
+        let margin = self.branch.last.margins.iter().find(is_meant)?.clone();
+        let here = parameter_of(&self.branch.last);
         let parameter = here + line.heading() * place;
-        // What the tolerances have the parameter off by at which the segment lasts as long.
+        let outline = &self.branch.last.outline;
+        let row = outline.unit(outline.begin.x.len() + number);
+        let by_tolerance =
+            self.by_tolerance(here, outline, (&row, outline.segments[number].duration));
+        let at = Zero {
+            s: 0.0,
+            parameter,
+            solution: self.branch.last.clone(),
+            uncertainty: (parameter - here).abs() + by_tolerance,
+        };
+        let behind = None;
+        Some(Change { at, margin, behind })
+    }
+
+    /// By how much the tolerances may have the parameter of an orbit off, for which the product of
+    /// the unknowns with a row has a value: twice what a tenth of them changes.
+    fn by_tolerance(&self, parameter: f64, guess: &Outline, row: (&Vector, f64)) -> f64 {
         const SAFE: f64 = 2.0;
-        let outline = &self.last.outline;
-        let row = unit(outline, outline.begin.x.len() + number);
         let finer = Shooting {
             options: &self.shooting.options.finer(),
             ..self.shooting
         };
-        let finer = finer.solve(outline, Some((&row, outline.segments[number].duration)));
-        let by_tolerance = finer.map_or(f64::NAN, |finer| (parameter_of(&finer) - here).abs());
-        let at = Zero {
-            s: 0.0,
-            parameter,
-            cycle: self.last.clone(),
-            uncertainty: (parameter - here).abs() + SAFE * by_tolerance,
-        };
-        let behind = None;
-        Some(Change { at, margin, behind })
+        let finer = finer.solve(guess, Some(row));
+        finer.map_or(f64::NAN, |finer| {
+            SAFE * (parameter_of(&finer) - parameter).abs()
+        })
     }
 
     /// Where a margin is zero near the beginning of a line, and the sign of its slope there.
@@ -236,31 +243,23 @@ impl Walk<'_> {
         let mut guess = line.guess(place);
         guess.segments[number].duration = 0.0;
         let n = guess.begin.x.len();
-        let row = unit(&guess, n + number);
+        let row = guess.unit(n + number);
         let cycle = self.shooting.solve(&guess, Some((&row, 0.0)))?;
         let margin = cycle.margins.iter();
-        let mut margin = margin.filter(|margin| margin.key.site == Site::Duration);
+        let mut margin = margin.filter(|margin| margin.key.kind == MarginKind::Duration);
         let margin = margin.find(|margin| margin.key.part == number)?.clone();
-        let duration = 0.1 * self.last.outline.segments[number].duration;
+        let duration = 0.1 * self.branch.last.outline.segments[number].duration;
         let mut numbers = numbers.iter();
         let swapped = numbers.try_fold(cycle.outline.clone(), |outline, &number| {
             outline.swapped(number, duration)
         })?;
-        let uncertainty = {
-            let options = &self.shooting.options.finer();
-            let finer = Shooting {
-                options,
-                ..self.shooting
-            };
-            let finer = finer.solve(&guess, Some((&row, 0.0)))?;
-            2.0 * (parameter_of(&finer) - parameter_of(&cycle)).abs()
-        };
         let parameter = parameter_of(&cycle);
+        let uncertainty = self.by_tolerance(parameter, &guess, (&row, 0.0));
         let behind = self.enter(&swapped, parameter);
         let at = Zero {
             s: line.place(&cycle),
             parameter,
-            cycle,
+            solution: cycle,
             uncertainty,
         };
         Some(Change { at, margin, behind })
@@ -274,9 +273,9 @@ impl Walk<'_> {
         let after = after.map_or(Vec::new(), |(cycle, _)| cycle.outline.modes());
         describe(
             self.shooting.system,
-            (&at.cycle, margin),
+            (&at.solution, margin),
             (parameter, self.at_least(parameter, at.uncertainty)),
-            [self.last.outline.modes(), after],
+            [self.branch.last.outline.modes(), after],
         )
     }
 }

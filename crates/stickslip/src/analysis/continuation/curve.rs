@@ -2,8 +2,8 @@
 
 use std::ops::ControlFlow;
 
-use super::line::{Line, Units, unit};
-use super::walk::{By, Kept, SHORTEST, Walk};
+use super::line::{Line, Units};
+use super::walk::{Junction, SHORTEST, Vanishing, Walk};
 use super::{ContinuationSettings, Special, SpecialPoint, critical, parameter_of};
 use crate::analysis::critical::Critical;
 use crate::analysis::cycle::{Cycle, Extra, Margin, Outline, Path, Shooting};
@@ -56,9 +56,9 @@ pub struct Curve {
 /// **The parameters are the last two states**, of which the last is that of the branch, as in
 /// [`super::continue_periodic_orbit`]; the other keeps its value on the branch and has the range
 /// `other`. A margin that is zero at a change of the phases is added to the equations, with its
-/// gradient from dual numbers (Thota & Dankowicz 2008). A function of the multipliers is zero at one
-/// orbit of those in the plane across the curve, which make up a branch; it is located like that on
-/// any branch. So curves pass their own folds, and those of folds their cusps.
+/// gradient from dual numbers (Thota & Dankowicz 2008). A function of the multipliers is zero at
+/// one orbit of those in the plane across the curve, which make up a branch; it is located like
+/// that on any branch. So curves pass their own folds, and those of folds their cusps.
 ///
 /// # Errors
 /// Those of [`super::continue_periodic_orbit`]; [`Error::NotFound`] where the branch does not come
@@ -84,23 +84,24 @@ pub fn continue_change<Kind>(
     let value = x[place];
     let by_other = Vector::from_fn(place + 1, |i, _| f64::from(u8::from(i == place)));
     let fixed = Extra::Plane(&by_other, value);
-    let mut walk = Walk::begin(system, x, period, settings, (fixed, options))?;
+    let start = (x, period, upwards);
+    let mut walk = Walk::begin(system, start, settings, (fixed, options))?;
     walk.wanted = Some((|_| true, number));
-    walk.go(upwards, &mut |_| ControlFlow::Continue(()));
+    walk.go_on(&mut |_| ControlFlow::Continue(()));
     let not_found = |what| Error::NotFound {
         what,
         t: 0.0,
         span: period,
     };
-    let kept = walk.kept.take();
-    let Kept { at, cycle, by } = kept.ok_or(not_found("a special orbit on the branch"))?;
+    let junction = walk.junction.take();
+    let Junction { at, cycle, by } = junction.ok_or(not_found("a special orbit on the branch"))?;
     let condition = Condition::of(&at.what, by);
     let condition = condition.ok_or(not_found("a curve through the branch point"))?;
-    let way = Way {
+    let way = CurveWalk {
         shooting: walk.shooting,
         units: Units {
             other: Some(other.1 - other.0),
-            ..walk.units
+            ..walk.branch.units
         },
         settings,
         place,
@@ -142,7 +143,7 @@ enum Condition {
 }
 
 impl Condition {
-    fn of(what: &Special, by: By) -> Option<Self> {
+    fn of(what: &Special, by: Vanishing) -> Option<Self> {
         let function: fn(&Critical) -> Option<f64> = match what {
             Special::Fold => |of| Some(of.one),
             Special::Flip => |of| Some(of.minus_one),
@@ -150,15 +151,15 @@ impl Condition {
             Special::BranchPoint | Special::Sequence(_) => |_| None,
         };
         match by {
-            By::Margin(margin) => Some(Condition::Margin(margin)),
-            By::Multiplier(_) if *what == Special::BranchPoint => None,
-            By::Multiplier(line) => Some(Condition::Multiplier(function, line)),
+            Vanishing::Margin(margin) => Some(Condition::Margin(margin)),
+            Vanishing::Multiplier(_) if *what == Special::BranchPoint => None,
+            Vanishing::Multiplier(line) => Some(Condition::Multiplier(function, line)),
         }
     }
 }
 
 /// One way along a curve.
-struct Way<'a> {
+struct CurveWalk<'a> {
     shooting: Shooting<'a>,
     units: Units,
     settings: &'a ContinuationSettings,
@@ -167,7 +168,7 @@ struct Way<'a> {
     other: (f64, f64),
 }
 
-impl Way<'_> {
+impl CurveWalk<'_> {
     fn with<'b>(&'b self, extra: Extra<'b>) -> Shooting<'b> {
         Shooting {
             extra,
@@ -222,7 +223,7 @@ impl Way<'_> {
     fn leaves(&self, first: &Cycle, condition: &Condition, sign: f64) -> Option<Line> {
         // So short a part of a step that the curve is straight.
         const SHORT: f64 = 1e-2;
-        let row = unit(&first.outline, self.place);
+        let row = first.outline.unit(self.place);
         if let Condition::Margin(margin) = condition {
             let shooting = self.with(Extra::Zero(margin));
             return Line::tangent(&shooting, self.units, first, &(row * sign));
@@ -307,7 +308,7 @@ impl Way<'_> {
         let end = value.clamp(low, high);
         let before = line.from.begin.x[place];
         let guess = line.guess(step * (end - before) / (value - before));
-        let row = unit(&guess, place);
+        let row = guess.unit(place);
         let found = self.solve(condition, &guess, (&row, end));
         Some(found.map(|(cycle, _)| cycle))
     }

@@ -1,13 +1,12 @@
 //! Where a branch ends.
 
 use super::Stop;
-use super::line::unit;
 use super::rest::hopf;
 use super::walk::Walk;
 use super::{critical, parameter_of, with_parameter};
 use crate::analysis::attractors::is_same_cycle;
 use crate::analysis::boundary_equilibrium::{Approach, Held, ends_in};
-use crate::analysis::cycle::{Cycle, Site};
+use crate::analysis::cycle::{Cycle, MarginKind};
 use crate::analysis::lagrange::weights;
 use crate::dynamics::{Happening, Modes, Moment, Orbit, Section, Vector, run};
 use crate::filippov::Direction;
@@ -15,7 +14,8 @@ use crate::filippov::Direction;
 /// An orbit of less than this part of the widest one's extent is about to be an equilibrium.
 const SMALL: f64 = 0.04;
 
-/// A driven orbit that moves by less than this part of the widest one's extent may be about to rest.
+/// A driven orbit that moves by less than this part of the widest one's extent may be about to
+/// rest.
 const AT_REST: f64 = 1e-3;
 
 /// So near to an end of the range, in parts of it, the orbit is at that end.
@@ -29,33 +29,34 @@ impl Walk<'_> {
     /// beyond it the system may not exist.
     pub(super) fn is_at_end(&self) -> bool {
         let (low, high) = self.settings.range;
-        let [before, here] = [&self.before, &self.last].map(parameter_of);
+        let [before, here] = [&self.branch.before, &self.branch.last].map(parameter_of);
         let end = if here > before { high } else { low };
-        here != before && (end - here).abs() <= AT_END * self.units.width
+        here != before && (end - here).abs() <= AT_END * self.branch.units.width
     }
 
     /// Whether the orbit is about to be an equilibrium, or at rest.
     pub(super) fn shrinks(&self) -> Option<Stop> {
-        let extent = self.last.extent;
-        if extent >= self.before.extent {
+        let extent = self.branch.last.extent;
+        if extent >= self.branch.before.extent {
             return None;
         }
         if self.settings.forced.is_some() {
-            let rests = extent < AT_REST * self.widest && self.rests_further_on();
+            let rests = extent < AT_REST * self.branch.widest && self.rests_further_on();
             return rests.then_some(Stop::Rest);
         }
         let end = self.boundary_equilibrium();
         if end.is_some() {
             return end;
         }
-        if extent >= SMALL * self.widest {
+        if extent >= SMALL * self.branch.widest {
             return None;
         }
         let two_fold = self.ends_at().is_none().then(|| self.two_fold());
         if let Some(two_fold) = two_fold.flatten() {
             return Some(two_fold);
         }
-        let (parameter, frequency) = hopf(self.shooting, &self.last, self.units.width)?;
+        let (parameter, frequency) =
+            hopf(self.shooting, &self.branch.last, self.branch.units.width)?;
         Some(Stop::Equilibrium {
             parameter,
             frequency,
@@ -82,13 +83,9 @@ impl Walk<'_> {
         let held = |parameter: f64, mode, x: &Vector| {
             Held::near(system, mode, &with_parameter(x.clone(), parameter), states)
         };
-        let orbits = [&self.before, &self.last].map(|cycle| Approach {
-            parameter: parameter_of(cycle),
-            modes: cycle.outline.modes(),
-            begins: cycle.begins.iter().map(|at| at.x.clone()).collect(),
-            extent: cycle.extent,
-        });
-        Some(ends_in(&orbits, self.widest, states, held)?.0)
+        let orbits = [&self.branch.before, &self.branch.last]
+            .map(|cycle| Approach::of(parameter_of(cycle), cycle));
+        Some(ends_in(&orbits, self.branch.widest, states, held)?.0)
     }
 
     /// The parameter at which crossing orbits shrink to a two-fold, as they do where they come to
@@ -99,15 +96,21 @@ impl Walk<'_> {
         const LIKE: f64 = 0.2;
         let rates = |cycle: &Cycle| {
             let landings = cycle.margins.iter();
-            let landings = landings.filter(|margin| margin.key.site == Site::Landing);
+            let landings = landings.filter(|margin| margin.key.kind == MarginKind::Landing);
             landings.map(|margin| margin.scale).collect::<Vec<f64>>()
         };
-        let [before, last] = [&self.before, &self.last].map(rates);
-        let falls = self.last.extent / self.before.extent;
+        let [before, last] = [&self.branch.before, &self.branch.last].map(rates);
+        let falls = self.branch.last.extent / self.branch.before.extent;
         let is_like = |(before, last): (&f64, &f64)| (last / before / falls - 1.0).abs() < LIKE;
-        let is_crossing = !self.last.outline.modes().iter().any(Modes::any_sticks);
+        let is_crossing = !self
+            .branch
+            .last
+            .outline
+            .modes()
+            .iter()
+            .any(Modes::any_sticks);
         // Near an equilibrium the period would stay.
-        let periods = (&self.before.period, &self.last.period);
+        let periods = (&self.branch.before.period, &self.branch.last.period);
         let all =
             before.len() == last.len() && before.iter().zip(&last).chain([periods]).all(is_like);
         if !is_crossing || last.is_empty() || !all {
@@ -115,7 +118,7 @@ impl Walk<'_> {
         }
         // Each goes about twice as far as the one before.
         let mut nodes: Vec<(f64, f64)> = Vec::new();
-        for (point, &extent) in self.points.iter().zip(&self.extents).rev() {
+        for (point, &extent) in self.branch.points.iter().zip(&self.branch.extents).rev() {
             if nodes.last().is_none_or(|(least, _)| extent >= 2.0 * least) {
                 nodes.push((extent, point.parameter));
             }
@@ -129,34 +132,42 @@ impl Walk<'_> {
             weighted.map(|(weight, node)| weight * node.1).sum()
         };
         // Not yet: the farthest of them is none of the small ones.
-        if nodes.len() < NODES || nodes[NODES - 1].0 > 0.5 * self.widest {
+        if nodes.len() < NODES || nodes[NODES - 1].0 > 0.5 * self.branch.widest {
             return None;
         }
         let parameter = at_nothing(&nodes);
         let uncertainty = (parameter - at_nothing(&nodes[..NODES - 1])).abs();
         // Smaller ones tell it better.
         const RESOLVED: f64 = 1e-9;
-        (uncertainty <= RESOLVED * self.units.width).then_some(Stop::TwoFold {
+        (uncertainty <= RESOLVED * self.branch.units.width).then_some(Stop::TwoFold {
             parameter,
             uncertainty: self.at_least(parameter, uncertainty),
         })
     }
 
-    /// Whether an orbit a step further on begins where the last one sticks, and does so all the time.
+    /// Whether an orbit a step further on begins where the last one sticks, and does so all the
+    /// time.
     fn rests_further_on(&self) -> bool {
-        let segments = self.last.outline.segments.iter().zip(&self.last.begins);
+        let segments = self
+            .branch
+            .last
+            .outline
+            .segments
+            .iter()
+            .zip(&self.branch.last.begins);
         let mut sticks = segments.filter(|(segment, _)| segment.mode.any_sticks());
         let Some((_, stuck)) = sticks.next() else {
             return false;
         };
-        let way = self.parameter() - parameter_of(&self.before);
-        let further = way.signum() * self.settings.step * self.units.width;
+        let way = self.parameter() - parameter_of(&self.branch.before);
+        let further = way.signum() * self.settings.step * self.branch.units.width;
         let start = Moment {
             t: stuck.t,
             x: with_parameter(stuck.x.clone(), self.parameter() + further),
         };
         let (system, options) = (self.shooting.system, self.shooting.options);
-        let Ok(orbit) = Orbit::solve(system, &start, stuck.t + self.last.period, options) else {
+        let Ok(orbit) = Orbit::solve(system, &start, stuck.t + self.branch.last.period, options)
+        else {
             return false;
         };
         orbit.transitions.is_empty() && orbit.phases.iter().all(|phase| phase.mode.any_sticks())
@@ -164,33 +175,35 @@ impl Walk<'_> {
 
     /// Whether the branch has come back to the first orbit, which is then its last.
     pub(super) fn closes(&mut self) -> Option<Stop> {
-        let begin = parameter_of(&self.first);
-        let (from, to) = (parameter_of(&self.before), self.parameter());
+        let begin = parameter_of(&self.branch.first);
+        let (from, to) = (parameter_of(&self.branch.before), self.parameter());
         let passes = (from - begin) * (to - begin) <= 0.0 && from != to;
-        let [one, first] = [&self.last, &self.first].map(|cycle| cycle.outline.modes());
-        if self.points.len() <= 3 || !passes || !is_same_cycle(&one, &first) {
+        let [one, first] =
+            [&self.branch.last, &self.branch.first].map(|cycle| cycle.outline.modes());
+        if self.branch.points.len() <= 3 || !passes || !is_same_cycle(&one, &first) {
             return None;
         }
-        let row = unit(&self.last.outline, self.place());
+        let row = self.branch.last.outline.unit(self.place());
         let found = self
             .shooting
-            .solve(&self.last.outline, Some((&row, begin)))?;
+            .solve(&self.branch.last.outline, Some((&row, begin)))?;
         if !self.is_first(&found) {
             return None;
         }
         // What lies behind the first orbit was found at the beginning.
-        let last = self.points.len() - 1;
-        self.special
+        let last = self.branch.points.len() - 1;
+        self.branch
+            .special
             .retain(|at| at.behind < last || (at.parameter - begin) * (from - begin) > 0.0);
-        self.points.pop();
-        self.extents.pop();
+        self.branch.points.pop();
+        self.branch.extents.pop();
         self.take(found);
         Some(Stop::Closed)
     }
 
     /// Whether an orbit at the first one's parameter is the first one.
     fn is_first(&self, found: &Cycle) -> bool {
-        let first = &self.first;
+        let first = &self.branch.first;
         let agree = |a: f64, b: f64| (a - b).abs() <= SAME * (1.0 + b.abs());
         let [a, b] = [found, first].map(|cycle| critical(cycle, &self.shooting));
         let alike = agree(found.period / first.period, 1.0)
@@ -204,7 +217,7 @@ impl Walk<'_> {
     /// How near an orbit comes to the first one's anchor; of a driven one, at its time.
     fn comes_by(&self, found: &Cycle) -> Option<f64> {
         let (system, options) = (self.shooting.system, self.shooting.options);
-        let (start, place) = (&found.anchor, &self.first.anchor);
+        let (start, place) = (&found.anchor, &self.branch.first.anchor);
         let off = |x: &Vector| (x - &place.x).norm();
         if self.shooting.forced.is_some() {
             let away = (place.t - start.t).rem_euclid(found.period);

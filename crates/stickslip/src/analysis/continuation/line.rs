@@ -6,7 +6,8 @@ use crate::dynamics::Vector;
 use crate::filippov::Options;
 
 /// The line through an orbit along which the next one is sought, in the plane across it.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Line {
     /// The orbit that it begins at.
     pub from: Outline,
@@ -19,7 +20,8 @@ pub(super) struct Line {
 }
 
 /// The units of a step.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Units {
     /// Size of the first orbit.
     pub size: f64,
@@ -30,7 +32,7 @@ pub(super) struct Units {
 }
 
 /// The cosine of the angle by which a branch turns in a step, at least.
-const BEND: f64 = 0.9;
+pub(super) const BEND: f64 = 0.9;
 
 impl Units {
     /// Weights of the squares of the unknowns.
@@ -51,12 +53,6 @@ impl Units {
         let all = all.chain(std::iter::repeat_n(0.0, rest));
         Vector::from_vec(all.collect())
     }
-}
-
-/// A direction that unknowns may go in: that of the parameter, or of a duration.
-pub(super) fn unit(cycle: &Outline, number: usize) -> Vector {
-    let count = cycle.unknowns().len();
-    Vector::from_fn(count, |i, _| f64::from(u8::from(i == number)))
 }
 
 impl Line {
@@ -80,7 +76,7 @@ impl Line {
         let is_of_families = shooting.family > 0;
         let row = if is_of_families {
             let number = cycle.outline.begin.x.len() - 1;
-            unit(&cycle.outline, number)
+            cycle.outline.unit(number)
         } else {
             direction.component_mul(&weights)
         };
@@ -185,7 +181,9 @@ pub(super) struct Orbits<'l> {
 }
 
 impl Path for Orbits<'_> {
-    fn orbit(&self, place: f64, options: &Options) -> Option<Cycle> {
+    type Solution = Cycle;
+
+    fn solution(&self, place: f64, options: &Options) -> Option<Cycle> {
         let shooting = Shooting {
             options,
             ..*self.shooting

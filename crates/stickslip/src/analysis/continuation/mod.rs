@@ -1,8 +1,10 @@
-//! Periodic orbits followed along a parameter, stable or not, through folds and changes of their phases.
+//! Periodic orbits followed along a parameter, stable or not, through folds and changes of their
+//! phases.
 
 mod change;
 mod curve;
 mod ends;
+mod equilibrium;
 mod line;
 mod rest;
 mod special;
@@ -22,6 +24,11 @@ use crate::dynamics::{AsDynamics, Components, Modes, Vector};
 use crate::error::Error;
 use crate::filippov::Options;
 pub use curve::{Curve, CurvePoint, CurveStop, continue_change};
+pub use equilibrium::{
+    EquilibriumBifurcation, EquilibriumBranch, EquilibriumPoint, SpecialEquilibrium,
+    continue_equilibrium,
+};
+use line::{Line, Units};
 pub use switching::{SwitchedBranch, switch_branches};
 use walk::Walk;
 
@@ -34,7 +41,8 @@ pub struct ContinuationSettings {
     pub step: f64,
     /// Orbits on the branch, at most. Default 1000.
     pub most_points: usize,
-    /// The period of the orbit, where it is the forcing's. The forcing's period itself cannot be the parameter: to vary it, measure time in it.
+    /// The period of the orbit, where it is the forcing's. The forcing's period itself cannot be
+    /// the parameter: to vary it, measure time in it.
     pub forced: Option<f64>,
 }
 
@@ -90,16 +98,19 @@ impl ContinuationSettings {
 
 /// A periodic orbit on a branch.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BranchPoint {
     /// The parameter.
     pub parameter: f64,
-    /// A time and a state on the orbit, in the middle of a phase, which is not the same all along the branch; the last component is the parameter.
+    /// A time and a state on the orbit, in the middle of a phase, which is not the same all along
+    /// the branch; the last component is the parameter.
     pub t: f64,
     /// See `t`.
     pub x: Vector,
     /// Period.
     pub period: f64,
-    /// The multipliers by falling size, without the trivial one of a system that does not depend on time.
+    /// The multipliers by falling size, without the trivial one of a system that does not depend on
+    /// time.
     pub multipliers: Vec<Complex<f64>>,
     /// The modes gone through in one period.
     pub sequence: Vec<Modes>,
@@ -114,6 +125,7 @@ impl BranchPoint {
 
 /// What is special about an orbit on a branch.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Special {
     /// The branch turns back: a multiplier is 1.
     Fold,
@@ -144,11 +156,13 @@ impl fmt::Display for Special {
 
 /// A special orbit on a branch.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SpecialPoint {
     /// The parameter.
     pub parameter: f64,
-    /// By how much that may be off: of a change of phases, its own; of the others, what the multipliers' function lacks of zero there and what rounding
-    /// leaves of it, over its slope along the branch, and what the tolerances do, as in [`SequenceChange::uncertainty`].
+    /// By how much that may be off: of a change of phases, its own; of the others, what the
+    /// multipliers' function lacks of zero there and what rounding leaves of it, over its slope
+    /// along the branch, and what the tolerances do, as in [`SequenceChange::uncertainty`].
     pub uncertainty: f64,
     /// What is special.
     pub what: Special,
@@ -165,20 +179,22 @@ pub struct SpecialPoint {
 pub enum Stop {
     /// The parameter has come to an end of its range.
     Range,
-    /// There are as many points as asked for, or [`continue_periodic_orbit_while`] was told to go no further.
+    /// There are as many points as asked for, or the observer of [`PartialBranch::follow`] asked
+    /// for no more.
     Points,
     /// The branch is closed: the last orbit is the first.
     Closed,
-    /// The orbit shrinks to an equilibrium, which has a pair of imaginary eigenvalues at this parameter: a Hopf bifurcation.
+    /// The orbit shrinks to an equilibrium, which has a pair of imaginary eigenvalues at this
+    /// parameter: a Hopf bifurcation.
     Equilibrium {
         /// The parameter.
         parameter: f64,
         /// Size of the eigenvalues: angle per unit of time.
         frequency: f64,
     },
-    /// A boundary-equilibrium bifurcation: the orbit shrinks to an equilibrium, or comes ever nearer
-    /// to one. At this parameter that comes to the discontinuity boundary, or to the edge of the
-    /// part of it that is slid on.
+    /// A boundary-equilibrium bifurcation: the orbit shrinks to an equilibrium, or comes ever
+    /// nearer to one. At this parameter that comes to the discontinuity boundary, or to the edge of
+    /// the part of it that is slid on.
     BoundaryEquilibrium {
         /// The parameter.
         parameter: f64,
@@ -191,27 +207,31 @@ pub enum Stop {
         /// How far it may be off.
         uncertainty: f64,
     },
-    /// The orbit of a driven system comes to rest: it moves by less than a thousandth of what the widest one on the branch does, and a step further on
-    /// friction holds it all the time.
+    /// The orbit of a driven system comes to rest: it moves by less than a thousandth of what the
+    /// widest one on the branch does, and a step further on friction holds it all the time.
     Rest,
-    /// The orbit comes ever nearer to a saddle and takes ever longer: it becomes a homoclinic orbit, or with several saddles a heteroclinic cycle, and
-    /// the branch ends.
+    /// The orbit comes ever nearer to a saddle and takes ever longer: it becomes a homoclinic
+    /// orbit, or with several saddles a heteroclinic cycle, and the branch ends.
     Homoclinic {
-        /// The parameter, extrapolated from those of the last orbits: they come near to it like `e^(-rT)`, where `T` is the period.
+        /// The parameter, extrapolated from those of the last orbits: they come near to it like
+        /// `e^(-rT)`, where `T` is the period.
         parameter: f64,
-        /// How far it was extrapolated, which holds more than the error; not a number where there was nothing to extrapolate from.
+        /// How far it was extrapolated, which holds more than the error; not a number where there
+        /// was nothing to extrapolate from.
         uncertainty: f64,
         /// How many saddles it passes.
         saddles: NonZeroUsize,
-        /// The rate at which orbits leave the saddle, at the last orbit's parameter: the least positive real part of its eigenvalues, of several
-        /// saddles the least.
+        /// The rate at which orbits leave the saddle, at the last orbit's parameter: the least
+        /// positive real part of its eigenvalues, of several saddles the least.
         leaves: f64,
-        /// The rate at which they come to it: the negative real part nearest to zero; minus infinity for an equilibrium of the sliding field that
-        /// orbits come to from across the boundary, in finite time.
+        /// The rate at which they come to it: the negative real part nearest to zero; minus
+        /// infinity for an equilibrium of the sliding field that orbits come to from across the
+        /// boundary, in finite time.
         comes: f64,
     },
-    /// The phases change at the last point of all, and no orbit with other phases was found next to it; nor, of a system that does not depend on time,
-    /// by its return to a state next to it, with another period.
+    /// The phases change at the last point of all, and no orbit with other phases was found next to
+    /// it; nor, of a system that does not depend on time, by its return to a state next to it, with
+    /// another period.
     SequenceEnds,
     /// Behind the last orbit the friction is none that the solver can follow, such as static below
     /// kinetic friction.
@@ -231,11 +251,14 @@ pub struct Branch {
     pub stop: Stop,
 }
 
-/// Follows the periodic orbit near `x`, with a period near `period`, from its parameter upwards or downwards by pseudo-arclength.
+/// Follows the periodic orbit near `x`, with a period near `period`, from its parameter upwards or
+/// downwards by pseudo-arclength.
 ///
-/// **The parameter is the last state**, and its rate is zero: a system of two states and a parameter is a [`crate::Filippov`] system of three.
-/// So the derivative with respect to it comes, like that with respect to the states, from the user's functions on dual numbers and from
-/// saltation at every transition, and nothing is differenced. For a system from a file it is one input more to the same formulas.
+/// **The parameter is the last state**, and its rate is zero: a system of two states and a
+/// parameter is a [`crate::Filippov`] system of three. So the derivative with respect to it comes,
+/// like that with respect to the states, from the user's functions on dual numbers and from
+/// saltation at every transition, and nothing is differenced. For a system from a file it is one
+/// input more to the same formulas.
 ///
 /// Every orbit is found by Newton's iteration as segments with a given sequence of modes, in the
 /// plane across the branch's tangent (Keller 1977; Thota & Dankowicz 2008). Where a function of the
@@ -244,8 +267,9 @@ pub struct Branch {
 /// it turns there (a nonsmooth fold).
 ///
 /// # Errors
-/// Those of [`crate::Integration::new`]; [`Error::Option`] for a setting that is not allowed; [`Error::Parameter`] where the last state's
-/// rate is not zero; [`Error::NotFound`] where there is no orbit near the start.
+/// Those of [`crate::Integration::new`]; [`Error::Option`] for a setting that is not allowed;
+/// [`Error::Parameter`] where the last state's rate is not zero; [`Error::NotFound`] where there is
+/// no orbit near the start.
 ///
 /// ```
 /// use stickslip::analysis::{ContinuationSettings, Special, continue_periodic_orbit};
@@ -278,28 +302,113 @@ pub fn continue_periodic_orbit<Kind>(
     settings: &ContinuationSettings,
     options: &Options,
 ) -> Result<Branch, Error> {
-    let all = |_: &BranchPoint| ControlFlow::Continue(());
-    continue_periodic_orbit_while(system, x, period, upwards, settings, options, all)
+    let begun = PartialBranch::begin(system, x, period, upwards, settings, options)?;
+    begun.follow(system, settings, options, |_| ControlFlow::Continue(()))
 }
 
-/// [`continue_periodic_orbit`] with someone who sees every orbit as it is found, and may say that this is far enough.
+/// A branch as far as it has been followed, with all that it goes on from.
 ///
-/// # Errors
-/// Those of [`continue_periodic_orbit`].
-pub fn continue_periodic_orbit_while<Kind>(
-    system: &impl AsDynamics<Kind>,
-    x: impl Components,
-    period: f64,
-    upwards: bool,
+/// With the feature `serde` it can be written to a file. Followed from there, it has the same bits
+/// as without the break.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct PartialBranch {
+    units: Units,
+    first: Cycle,
+    /// Extent of the widest orbit yet.
+    widest: f64,
+    /// The last two orbits, and the line on which the branch goes on.
+    before: Cycle,
+    last: Cycle,
+    line: Option<Line>,
+    step: f64,
+    points: Vec<BranchPoint>,
+    /// How far each of them goes.
+    extents: Vec<f64>,
+    special: Vec<SpecialPoint>,
+}
+
+impl PartialBranch {
+    /// Finds the orbit that a branch begins with, as [`continue_periodic_orbit`] does.
+    ///
+    /// # Errors
+    /// Those of [`continue_periodic_orbit`].
+    pub fn begin<Kind>(
+        system: &impl AsDynamics<Kind>,
+        x: impl Components,
+        period: f64,
+        upwards: bool,
+        settings: &ContinuationSettings,
+        options: &Options,
+    ) -> Result<Self, Error> {
+        settings.check()?;
+        let system = &*system.dynamics();
+        let start = (x.vector(), period, upwards);
+        let walk = Walk::begin(system, start, settings, (Extra::None, options))?;
+        Ok(walk.branch)
+    }
+
+    /// Follows the branch to its end, by the settings and options that it was begun with.
+    ///
+    /// `observe` sees it before every step, and may say that this is far enough. From a clone of
+    /// what it sees the branch can be followed again.
+    ///
+    /// # Errors
+    /// [`Error::Option`] for a setting that is not allowed.
+    pub fn follow<Kind>(
+        self,
+        system: &impl AsDynamics<Kind>,
+        settings: &ContinuationSettings,
+        options: &Options,
+        mut observe: impl FnMut(&PartialBranch) -> ControlFlow<()>,
+    ) -> Result<Branch, Error> {
+        settings.check()?;
+        let system = &*system.dynamics();
+        let mut walk = Walk::resume(system, self, settings, options);
+        let stop = walk.go_on(&mut observe);
+        Ok(walk.into_branch(stop))
+    }
+
+    /// The orbits found so far.
+    pub fn points(&self) -> &[BranchPoint] {
+        &self.points
+    }
+}
+
+/// Checks that a state has so many parameters behind it, and that the last is in its range.
+fn check_start(
+    x: &Vector,
+    parameters: usize,
     settings: &ContinuationSettings,
-    options: &Options,
-    mut seen: impl FnMut(&BranchPoint) -> ControlFlow<()>,
-) -> Result<Branch, Error> {
-    settings.check()?;
-    let system = &*system.dynamics();
-    let mut walk = Walk::begin(system, x.vector(), period, settings, (Extra::None, options))?;
-    let stop = walk.go(upwards, &mut seen);
-    Ok(walk.into_branch(stop))
+) -> Result<(), Error> {
+    if x.len() <= parameters {
+        return Err(Error::Parameter {
+            name: "the number of states",
+            value: x.len() as f64,
+            bound: "at least one state, and the parameters behind it",
+        });
+    }
+    let ((low, high), value) = (settings.range, x[x.len() - 1]);
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    Err(Error::Parameter {
+        name: "the last state",
+        value,
+        bound: "in the range of the continuation",
+    })
+}
+
+/// Checks that a parameter does not change.
+fn check_rate(rate: f64) -> Result<(), Error> {
+    if rate == 0.0 {
+        return Ok(());
+    }
+    Err(Error::Parameter {
+        name: "the last state's rate",
+        value: rate,
+        bound: "zero: the last state is the parameter of the continuation",
+    })
 }
 
 /// The parameter of an orbit.

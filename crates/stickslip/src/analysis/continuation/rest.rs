@@ -1,4 +1,5 @@
-//! Where a branch of periodic orbits ends at an equilibrium: shrinks to one, or passes ever nearer to a saddle.
+//! Where a branch of periodic orbits ends at an equilibrium: shrinks to one, or passes ever nearer
+//! to a saddle.
 
 use std::num::NonZeroUsize;
 
@@ -12,7 +13,8 @@ use crate::analysis::multipliers::eigenvalues;
 use crate::dynamics::{Dynamics, Happening, Matrix, Modes, Moment, Section, Vector};
 use crate::math;
 
-/// An orbit passes a saddle where, at its least speed, it would go this part of its extent in a period.
+/// An orbit passes a saddle where, at its least speed, it would go this part of its extent in a
+/// period.
 const SLOW: f64 = 1e-1;
 
 /// The saddle is no farther away than this part of the orbit's extent.
@@ -29,7 +31,8 @@ fn rest_near(system: &dyn Dynamics, mode: Modes, t: f64, x: &Vector) -> Option<(
     Some((rest.x, jacobian))
 }
 
-/// The parameter near to the orbit's at which the equilibrium inside it has imaginary eigenvalues, and their size.
+/// The parameter near to the orbit's at which the equilibrium inside it has imaginary eigenvalues,
+/// and their size.
 pub(super) fn hopf(
     Shooting {
         system, options, ..
@@ -77,13 +80,15 @@ struct Saddle {
 }
 
 impl Walk<'_> {
-    /// Whether the last orbit is about to be a homoclinic one: slower than the one before it, and close to a saddle, or to several.
+    /// Whether the last orbit is about to be a homoclinic one: slower than the one before it, and
+    /// close to a saddle, or to several.
     pub(super) fn homoclinic(&self) -> Option<Stop> {
-        if self.settings.forced.is_some() || self.last.period <= self.before.period {
+        if self.settings.forced.is_some() || self.branch.last.period <= self.branch.before.period {
             return None;
         }
         let saddles = self.saddles()?;
-        // How long it passes one is the logarithm of how near it comes, over the slower of its rates.
+        // How long it passes one is the logarithm of how near it comes, over the slower of its
+        // rates.
         let times = saddles
             .iter()
             .map(|saddle| saddle.leaves.min(-saddle.comes).recip());
@@ -99,24 +104,28 @@ impl Walk<'_> {
         })
     }
 
-    /// The parameter at which the period is infinite, which the orbits come near to like `e^(-rate T)` or nearly so, and how far the last one is from it.
+    /// The parameter at which the period is infinite, which the orbits come near to like `e^(-rate
+    /// T)` or nearly so, and how far the last one is from it.
     fn at_infinity(&self, rate: f64) -> (f64, f64) {
         // From an orbit that is as far away again.
         const TIMES: f64 = 2.0;
         let here = self.parameter();
-        let period = self.last.period;
+        let period = self.branch.last.period;
         let is_further = |point: &&BranchPoint| rate * (period - point.period) >= math::ln(TIMES);
-        let Some(other) = self.points.iter().rev().find(is_further) else {
+        let Some(other) = self.branch.points.iter().rev().find(is_further) else {
             return (here, f64::NAN);
         };
         let further = math::exp(rate * (period - other.period));
         let way = (here - other.parameter) / (further - 1.0);
-        (here + way, way.abs().max(RESOLUTION * self.units.width))
+        (
+            here + way,
+            way.abs().max(RESOLUTION * self.branch.units.width),
+        )
     }
 
     /// The saddles that the last orbit passes by slowly.
     fn saddles(&self) -> Option<Vec<Saddle>> {
-        let cycle = &self.last;
+        let cycle = &self.branch.last;
         let (system, options) = (self.shooting.system, self.shooting.options);
         let slow = SLOW * cycle.extent / cycle.period;
         let near = CLOSE * cycle.extent;
@@ -146,7 +155,8 @@ impl Walk<'_> {
         }
     }
 
-    /// The equilibrium of a mode near a state, if the mode holds there and orbits both come to it and leave it.
+    /// The equilibrium of a mode near a state, if the mode holds there and orbits both come to it
+    /// and leave it.
     fn saddle_near(&self, mode: Modes, at: &Moment) -> Option<Saddle> {
         let system = self.shooting.system;
         let (x, jacobian) = rest_near(system, mode, at.t, &at.x)?;

@@ -1,10 +1,10 @@
 //! The special orbits between two on a branch, by their multipliers.
 
 use super::line::Line;
-use super::walk::{By, Walk};
+use super::walk::{Vanishing, Walk};
 use super::{Special, SpecialPoint, critical, parameter_of};
 use crate::analysis::critical::zero_between;
-use crate::analysis::cycle::{Cycle, Function, Path, Shooting, Zero};
+use crate::analysis::cycle::{Cycle, Function, Path, Shooting, Zero, at_least};
 use crate::analysis::lagrange::weights;
 use crate::dynamics::Vector;
 
@@ -22,15 +22,15 @@ impl Walk<'_> {
     /// Goes on from this orbit on the line, and tells what is special between the last one and it,
     /// by the multipliers.
     pub(super) fn follow(&mut self, line: &Line, next: Cycle, onward: Option<Line>) {
-        let behind = self.points.len();
+        let behind = self.branch.points.len();
         let shooting = self.shooting;
         let of = |cycle: &Cycle| critical(cycle, &shooting);
-        let (here, there) = (of(&self.last), of(&next));
+        let (here, there) = (of(&self.branch.last), of(&next));
         let length = line.place(&next);
-        let most = self.last.monodromy.amax().max(next.monodromy.amax());
+        let most = self.branch.last.monodromy.amax().max(next.monodromy.amax());
         // Near a homoclinic orbit what is left open of large numbers.
         let noise = next.known * most * most;
-        let (units, across) = (self.units, line.across());
+        let (units, across) = (self.branch.units, line.across());
         let heading = |cycle: &Cycle| Some(line.goes_on(&shooting, units, cycle)?.heading());
         let parts = |cycle: &Cycle| Some(bordered(cycle, across));
         let minus_one = |cycle: &Cycle| Some(of(cycle).minus_one);
@@ -50,7 +50,8 @@ impl Walk<'_> {
         ];
         let mut found = Vec::new();
         for (kind, (function, is_known)) in functions.into_iter().enumerate() {
-            let (true, Some(a), Some(b)) = (is_known, function(&self.last), function(&next)) else {
+            let (true, Some(a), Some(b)) = (is_known, function(&self.branch.last), function(&next))
+            else {
                 continue;
             };
             if a * b >= 0.0 {
@@ -65,7 +66,8 @@ impl Walk<'_> {
                 continue;
             };
             // What the orbits about it do not resolve is none: the tangent is open there.
-            let ends = [&self.last, &next].map(|one| (parameter_of(one) - place.parameter).abs());
+            let ends =
+                [&self.branch.last, &next].map(|one| (parameter_of(one) - place.parameter).abs());
             let is_resolved = place.uncertainty < ends[0].max(ends[1]);
             if kind == 0 && !is_resolved {
                 continue;
@@ -80,7 +82,7 @@ impl Walk<'_> {
                         .map_or(there.angle, |cycle| of(&cycle).angle),
                 },
             };
-            let there = zero.map_or_else(|| next.clone(), |zero| zero.cycle);
+            let there = zero.map_or_else(|| next.clone(), |zero| zero.solution);
             // Next to it orbits are worse than about it.
             if what == Special::BranchPoint
                 && let Some(other) = by_polynomial(place.s)
@@ -103,10 +105,10 @@ impl Walk<'_> {
         }
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         for (_, point, there) in found {
-            self.note_special(point, there, By::Multiplier(line.clone()));
+            self.note_special(point, there, Vanishing::Multiplier(line.clone()));
         }
         self.take(next);
-        self.line = onward;
+        self.branch.line = onward;
     }
 
     /// Where a function of the multipliers is zero near a place, by a polynomial through orbits
@@ -181,7 +183,7 @@ impl Walk<'_> {
     ) -> Zero {
         const GOOD: f64 = 100.0;
         let options = self.shooting.options;
-        if zero.uncertainty <= GOOD * options.rtol * self.units.width {
+        if zero.uncertainty <= GOOD * options.rtol * self.branch.units.width {
             return zero;
         }
         match self.interpolated(line, length, zero.s, function) {
@@ -197,14 +199,8 @@ impl Walk<'_> {
     /// An uncertainty, which is no less than what Newton's iteration leaves of a parameter's last
     /// places; where there is none, the place lies in the last step.
     pub(super) fn at_least(&self, parameter: f64, uncertainty: f64) -> f64 {
-        const ROUNDING: f64 = 16.0 * f64::EPSILON;
-        let step = (self.parameter() - parameter_of(&self.before)).abs();
-        let known = if uncertainty.is_finite() {
-            uncertainty
-        } else {
-            step
-        };
-        known.max(ROUNDING * parameter.abs().max(self.units.width))
+        let step = (self.parameter() - parameter_of(&self.branch.before)).abs();
+        at_least((parameter, uncertainty), step, self.branch.units.width)
     }
 }
 
@@ -238,7 +234,7 @@ impl Place {
     fn of(zero: &Zero) -> Self {
         Place {
             uncertainty: zero.uncertainty,
-            ..Place::at(zero.s, &zero.cycle)
+            ..Place::at(zero.s, &zero.solution)
         }
     }
 }

@@ -4,7 +4,7 @@
 use std::ops::ControlFlow;
 
 use super::line::Line;
-use super::walk::{By, Kept, Walk};
+use super::walk::{Junction, Vanishing, Walk};
 use super::{Branch, ContinuationSettings, Special, SpecialPoint, Stop};
 use crate::analysis::cycle::{Cycle, Extra, Shooting};
 use crate::dynamics::{AsDynamics, Components, Vector};
@@ -40,18 +40,19 @@ pub fn switch_branches<Kind>(
     settings.check()?;
     let system = &*system.dynamics();
     let extra = (Extra::None, options);
-    let mut walk = Walk::begin(system, x.vector(), period, settings, extra)?;
+    let start = (x.vector(), period, upwards);
+    let mut walk = Walk::begin(system, start, settings, extra)?;
     let is_meant = |what: &Special| matches!(what, Special::Flip | Special::BranchPoint);
     walk.wanted = Some((is_meant, number));
-    walk.go(upwards, &mut |_| ControlFlow::Continue(()));
+    walk.go_on(&mut |_| ControlFlow::Continue(()));
     let not_found = |what| Error::NotFound {
         what,
         t: 0.0,
         span: period,
     };
-    let kept = walk.kept.take();
-    let kept = kept.ok_or(not_found("a flip or branch point on the branch"))?;
-    let Kept { at, cycle, by } = kept;
+    let junction = walk.junction.take();
+    let junction = junction.ok_or(not_found("a flip or branch point on the branch"))?;
+    let Junction { at, cycle, by } = junction;
     let is_flip = at.what == Special::Flip;
     let times = if is_flip { 2.0 } else { 1.0 };
     let settings = &ContinuationSettings {
@@ -68,7 +69,7 @@ pub fn switch_branches<Kind>(
     };
     let start = start.ok_or(not_found("the orbit run through twice"))?;
     let known = match &by {
-        By::Multiplier(line) if !is_flip => Some(line),
+        Vanishing::Multiplier(line) if !is_flip => Some(line),
         _ => None,
     };
     let across = across(&start, known);
@@ -76,9 +77,9 @@ pub fn switch_branches<Kind>(
     // One way and the other along the branch of twice the period are the same orbits.
     let signs: &[f64] = if is_flip { &[1.0] } else { &[1.0, -1.0] };
     let branches = signs.iter().filter_map(|sign| {
-        let units = walk.units;
+        let units = walk.branch.units;
         let line = Line::along(&shooting, units, &start, &row * *sign)?;
-        let mut other = Walk::from(shooting, settings, units, (start.clone(), line));
+        let mut other = Walk::at(shooting, settings, units, (start.clone(), Some(line)));
         let stop = other.go_on(&mut |_| ControlFlow::Continue(()));
         let mut branch = other.into_branch(stop);
         // Where it begins its functions are zero to rounding, which tells a sign.

@@ -3,10 +3,10 @@
 use std::ops::ControlFlow;
 
 use super::change::{BEYOND, Change};
-use super::line::{Line, Units, unit};
+use super::line::{Line, Units};
 use super::{
-    Branch, BranchPoint, ContinuationSettings, Special, SpecialPoint, Stop, critical, parameter_of,
-    with_parameter,
+    Branch, BranchPoint, ContinuationSettings, PartialBranch, Special, SpecialPoint, Stop,
+    check_rate, check_start, critical, parameter_of, with_parameter,
 };
 use crate::analysis::cycle::{Cycle, Extra, Margin, Outline, Shooting};
 use crate::dynamics::{Dynamics, Moment, Vector, run};
@@ -25,41 +25,28 @@ const BEHIND: f64 = 0.02;
 /// No step is longer than this part of the orbit's own extent.
 const OF_EXTENT: f64 = 0.1;
 
-/// A branch under way.
+/// A branch that is being followed.
 pub(super) struct Walk<'a> {
     pub(super) shooting: Shooting<'a>,
     pub(super) settings: &'a ContinuationSettings,
-    pub(super) units: Units,
-    /// The first orbit.
-    pub(super) first: Cycle,
-    /// Extent of the widest orbit yet.
-    pub(super) widest: f64,
-    /// The last two orbits, and the line on which the branch goes on.
-    pub(super) before: Cycle,
-    pub(super) last: Cycle,
-    pub(super) line: Option<Line>,
-    pub(super) step: f64,
-    pub(super) points: Vec<BranchPoint>,
-    /// How far each of them goes.
-    pub(super) extents: Vec<f64>,
-    pub(super) special: Vec<SpecialPoint>,
+    pub(super) branch: PartialBranch,
     /// What special orbit to stop at, and how many such come before; and that one.
     pub(super) wanted: Option<(IsMeant, usize)>,
-    pub(super) kept: Option<Kept>,
+    pub(super) junction: Option<Junction>,
 }
 
 /// Whether a special orbit is one of those to stop at.
 type IsMeant = fn(&Special) -> bool;
 
 /// A special orbit from which a curve or another branch is followed.
-pub(super) struct Kept {
+pub(super) struct Junction {
     pub at: SpecialPoint,
     pub cycle: Cycle,
-    pub by: By,
+    pub by: Vanishing,
 }
 
 /// What is zero at a special orbit.
-pub(super) enum By {
+pub(super) enum Vanishing {
     Margin(Margin),
     /// A function of the multipliers, on a line on which the orbit lies.
     Multiplier(Line),
@@ -68,52 +55,32 @@ pub(super) enum By {
 impl<'a> Walk<'a> {
     pub fn begin(
         system: &'a dyn Dynamics,
-        x: Vector,
-        period: f64,
+        (x, period, upwards): (Vector, f64, bool),
         settings: &'a ContinuationSettings,
         (extra, options): (Extra<'a>, &'a Options),
     ) -> Result<Self, Error> {
         let period = settings.forced.unwrap_or(period);
         let start = Moment { t: 0.0, x };
         let fewest = 2 + usize::from(!matches!(extra, Extra::None));
-        if start.x.len() < fewest {
-            return Err(Error::Parameter {
-                name: "the number of states",
-                value: start.x.len() as f64,
-                bound: "at least one state, and the parameters behind it",
-            });
-        }
+        check_start(&start.x, fewest - 1, settings)?;
         let last = start.x.len() - 1;
         // The other parameter, if there is one, is the one before the last.
         let states = last - usize::from(!matches!(extra, Extra::None));
         let (low, high) = settings.range;
         let value = start.x[last];
-        if !(low..=high).contains(&value) {
-            return Err(Error::Parameter {
-                name: "the last state",
-                value,
-                bound: "in the range of the continuation",
-            });
-        }
         let outline = Outline::of_run(system, &start, period, options)?;
         for segment in &outline.segments {
             let flow = system.flow(segment.mode, &segment.inside);
             let rates = flow.velocity(&segment.inside);
             let parameters = rates.rows(states, last + 1 - states);
-            if let Some(&rate) = parameters.iter().find(|rate| **rate != 0.0) {
-                return Err(Error::Parameter {
-                    name: "the last state's rate",
-                    value: rate,
-                    bound: "zero: the last state is the parameter of the continuation",
-                });
-            }
+            parameters.iter().try_for_each(|rate| check_rate(*rate))?;
         }
         let shooting = Shooting {
             states,
             extra,
             ..Shooting::of(system, &outline, settings.forced, options)
         };
-        let row = unit(&outline, last);
+        let row = outline.unit(last);
         let first = shooting.nearest(&outline, Some((&row, value)));
         let first = first.ok_or(Error::NotFound {
             what: "a periodic orbit near the start of the branch",
@@ -130,43 +97,58 @@ impl<'a> Walk<'a> {
             width: high - low,
             other: None,
         };
-        Ok(Walk::at(shooting, settings, units, first))
+        let sign = if upwards { 1.0 } else { -1.0 };
+        let line = Line::tangent(&shooting, units, &first, &(row * sign));
+        Ok(Walk::at(shooting, settings, units, (first, line)))
     }
 
-    /// Begins at an orbit, along a line.
-    pub fn from(
-        shooting: Shooting<'a>,
+    /// Goes on with a branch.
+    pub fn resume(
+        system: &'a dyn Dynamics,
+        branch: PartialBranch,
         settings: &'a ContinuationSettings,
-        units: Units,
-        (first, line): (Cycle, Line),
+        options: &'a Options,
     ) -> Self {
+        let outline = &branch.last.outline;
+        let shooting = Shooting {
+            states: outline.begin.x.len() - 1,
+            family: branch.first.family,
+            extent: branch.widest,
+            ..Shooting::of(system, outline, settings.forced, options)
+        };
         Walk {
-            line: Some(line),
-            ..Walk::at(shooting, settings, units, first)
+            shooting,
+            settings,
+            branch,
+            wanted: None,
+            junction: None,
         }
     }
 
-    fn at(
+    /// Begins at an orbit, along a line.
+    pub fn at(
         shooting: Shooting<'a>,
         settings: &'a ContinuationSettings,
         units: Units,
-        first: Cycle,
+        (first, line): (Cycle, Option<Line>),
     ) -> Self {
         let mut walk = Walk {
             shooting,
             settings,
-            units,
-            widest: first.extent,
-            before: first.clone(),
-            first: first.clone(),
-            last: first,
-            line: None,
-            step: 0.1 * settings.step,
-            points: Vec::new(),
-            extents: Vec::new(),
-            special: Vec::new(),
+            branch: PartialBranch {
+                units,
+                widest: first.extent,
+                before: first.clone(),
+                first: first.clone(),
+                last: first,
+                line,
+                step: 0.1 * settings.step,
+                points: Vec::new(),
+                extents: Vec::new(),
+                special: Vec::new(),
+            },
             wanted: None,
-            kept: None,
+            junction: None,
         };
         walk.note();
         walk
@@ -174,76 +156,64 @@ impl<'a> Walk<'a> {
 
     pub fn into_branch(self, stop: Stop) -> Branch {
         Branch {
-            points: self.points,
-            special: self.special,
+            points: self.branch.points,
+            special: self.branch.special,
             stop,
         }
     }
 
     /// Follows the branch to its end.
-    pub fn go(
-        &mut self,
-        upwards: bool,
-        seen: &mut dyn FnMut(&BranchPoint) -> ControlFlow<()>,
-    ) -> Stop {
-        let sign = if upwards { 1.0 } else { -1.0 };
-        let row = unit(&self.last.outline, self.place()) * sign;
-        self.line = Line::tangent(&self.shooting, self.units, &self.last, &row);
-        let (low, high) = self.settings.range;
-        let end = if upwards { high } else { low };
-        if self.parameter() == end {
-            let _ = self.points.iter().try_for_each(seen);
+    pub fn go_on(&mut self, observe: &mut dyn FnMut(&PartialBranch) -> ControlFlow<()>) -> Stop {
+        if self.branch.points.len() == 1 && self.leaves_range() {
             return Stop::Range;
         }
-        self.go_on(seen)
-    }
-
-    /// Follows the branch along its line.
-    pub fn go_on(&mut self, seen: &mut dyn FnMut(&BranchPoint) -> ControlFlow<()>) -> Stop {
-        let mut stop = None;
-        let mut told = 0;
         loop {
-            // One step may find several.
-            let new = self.points.get(told..).unwrap_or_default();
-            told = self.points.len();
-            let is_asked = new.iter().try_for_each(&mut *seen).is_break();
-            if let Some(stop) = stop {
-                return stop;
-            }
-            if is_asked || self.points.len() >= self.settings.most_points {
+            let is_enough = observe(&self.branch).is_break();
+            if is_enough || self.branch.points.len() >= self.settings.most_points {
                 return Stop::Points;
             }
             let step = self.shrinks().or_else(|| self.advance());
-            stop = match step.or_else(|| self.closes()) {
-                Some(Stop::NoConvergence) if self.is_at_end() => Some(Stop::Range),
-                Some(Stop::NoConvergence) => self.homoclinic().or(Some(Stop::NoConvergence)),
-                other => other,
-            };
+            match step.or_else(|| self.closes()) {
+                None => {}
+                Some(Stop::NoConvergence) if self.is_at_end() => return Stop::Range,
+                Some(Stop::NoConvergence) => {
+                    return self.homoclinic().unwrap_or(Stop::NoConvergence);
+                }
+                Some(stop) => return stop,
+            }
         }
+    }
+
+    /// Whether the line leads out of the range.
+    fn leaves_range(&self) -> bool {
+        let heading = self.branch.line.as_ref().map_or(0.0, Line::heading);
+        let (low, high) = self.settings.range;
+        let here = self.parameter();
+        heading > 0.0 && here >= high || heading < 0.0 && here <= low
     }
 
     /// Which component the parameter is.
     pub(super) fn place(&self) -> usize {
-        self.last.outline.begin.x.len() - 1
+        self.branch.last.outline.begin.x.len() - 1
     }
 
     pub(super) fn parameter(&self) -> f64 {
-        parameter_of(&self.last)
+        parameter_of(&self.branch.last)
     }
 
     /// Takes a step, or gets behind a change of phases.
     fn advance(&mut self) -> Option<Stop> {
-        if self.last.is_badly_cut() {
+        if self.branch.last.is_badly_cut() {
             self.cut_anew();
         }
-        let Some(line) = self.line.clone() else {
+        let Some(line) = self.branch.line.clone() else {
             return Some(Stop::NoConvergence);
         };
-        let by_extent = OF_EXTENT * self.last.extent / self.units.size;
-        let mut step = self.step.min(by_extent);
+        let by_extent = OF_EXTENT * self.branch.last.extent / self.branch.units.size;
+        let mut step = self.branch.step.min(by_extent);
         if let Some(&(_, place)) = line.vanishing(step).first() {
             let change = self.vanishes(&line, place);
-            if let Some(change) = change.filter(|change| self.is_in_range(&change.at.cycle)) {
+            if let Some(change) = change.filter(|change| self.is_in_range(&change.at.solution)) {
                 return self.pass(change);
             }
             step = 0.5 * place;
@@ -258,7 +228,7 @@ impl<'a> Walk<'a> {
         let Some(mut next) = line.on(&self.shooting, step) else {
             return self.shorten(step, 0.3);
         };
-        let mut onward = line.goes_on(&self.shooting, self.units, &next);
+        let mut onward = line.goes_on(&self.shooting, self.branch.units, &next);
         if onward
             .as_ref()
             .is_some_and(|onward| !line.bends_little(onward))
@@ -271,11 +241,11 @@ impl<'a> Walk<'a> {
             let end = there.clamp(low, high);
             let part = (end - self.parameter()) / (there - self.parameter());
             let guess = line.guess(part * step);
-            let row = unit(&guess, self.place());
+            let row = guess.unit(self.place());
             let Some(at_end) = self.shooting.solve(&guess, Some((&row, end))) else {
                 return self.shorten(step, 0.3);
             };
-            onward = line.goes_on(&self.shooting, self.units, &at_end);
+            onward = line.goes_on(&self.shooting, self.branch.units, &at_end);
             next = at_end;
         }
         match self.passed(&line, &next) {
@@ -290,9 +260,9 @@ impl<'a> Walk<'a> {
             return Some(Stop::NoConvergence);
         }
         let longer = if next.iterations <= 5 { 1.4 } else { 1.0 };
-        self.step = (longer * step).min(self.settings.step);
+        self.branch.step = (longer * step).min(self.settings.step);
         self.follow(&line, next, onward);
-        if self.kept.is_some() {
+        if self.junction.is_some() {
             return Some(Stop::Points);
         }
         is_outside.then_some(Stop::Range)
@@ -301,23 +271,23 @@ impl<'a> Walk<'a> {
     /// Whether the period grows and the parameter no longer changes by more than the tolerance.
     fn is_homoclinic(&self, next: &Cycle) -> bool {
         let least = self.shooting.options.rtol.max(16.0 * f64::EPSILON);
-        let grows = self.shooting.forced.is_none() && next.period > self.last.period;
-        let size = self.parameter().abs().max(self.units.width);
+        let grows = self.shooting.forced.is_none() && next.period > self.branch.last.period;
+        let size = self.parameter().abs().max(self.branch.units.width);
         grows && (parameter_of(next) - self.parameter()).abs() <= least * size
     }
 
     /// Cuts the last orbit in another segment.
     fn cut_anew(&mut self) {
-        let mut outline = self.last.outline.clone();
+        let mut outline = self.branch.last.outline.clone();
         outline.cut = None;
-        let row = unit(&outline, self.place());
+        let row = outline.unit(self.place());
         if let (Some(line), Some(anew)) = (
-            &self.line,
+            &self.branch.line,
             self.shooting
                 .solve(&outline, Some((&row, self.parameter()))),
         ) {
-            self.line = line.goes_on(&self.shooting, self.units, &anew);
-            self.last = anew;
+            self.branch.line = line.goes_on(&self.shooting, self.branch.units, &anew);
+            self.branch.last = anew;
         }
     }
 
@@ -329,8 +299,8 @@ impl<'a> Walk<'a> {
 
     /// A shorter step is next, unless that leads nowhere.
     fn shorten(&mut self, step: f64, part: f64) -> Option<Stop> {
-        self.step = part * step;
-        if self.step >= SHORTEST {
+        self.branch.step = part * step;
+        if self.branch.step >= SHORTEST {
             return None;
         }
         let end = self.boundary_equilibrium();
@@ -343,7 +313,7 @@ impl<'a> Walk<'a> {
         let Shooting {
             system, options, ..
         } = self.shooting;
-        let error = run(system, start, start.t + self.last.period, options).err()?;
+        let error = run(system, start, start.t + self.branch.last.period, options).err()?;
         let is_of_friction = matches!(
             error,
             Error::StaticBelowKinetic { .. }
@@ -367,7 +337,7 @@ impl<'a> Walk<'a> {
             }
         }
         if let (_, Some(last)) = good {
-            let onward = line.goes_on(&self.shooting, self.units, &last);
+            let onward = line.goes_on(&self.shooting, self.branch.units, &last);
             self.follow(line, last, onward);
         }
         why
@@ -379,23 +349,23 @@ impl<'a> Walk<'a> {
         let point = SpecialPoint {
             parameter: described.parameter,
             uncertainty: described.uncertainty,
-            behind: self.points.len(),
-            x: change.at.cycle.anchor.x.clone(),
-            period: change.at.cycle.period,
+            behind: self.branch.points.len(),
+            x: change.at.solution.anchor.x.clone(),
+            period: change.at.solution.period,
             what: Special::Sequence(Box::new(described)),
         };
-        let cycle = change.at.cycle.clone();
-        self.note_special(point, cycle, By::Margin(change.margin.clone()));
-        if self.kept.is_some() {
+        let cycle = change.at.solution.clone();
+        self.note_special(point, cycle, Vanishing::Margin(change.margin.clone()));
+        if self.junction.is_some() {
             return Some(Stop::Points);
         }
         let Some((next, line)) = change.behind else {
-            let way = (change.at.parameter - self.parameter()).signum() * self.units.width;
+            let way = (change.at.parameter - self.parameter()).signum() * self.branch.units.width;
             let beyond = |at: &Moment, part: &f64| Moment {
                 t: at.t,
                 x: with_parameter(at.x.clone(), change.at.parameter + part * way),
             };
-            let starts = self.last.begins.iter();
+            let starts = self.branch.last.begins.iter();
             let mut starts = starts.flat_map(|at| BEYOND.iter().map(move |part| beyond(at, part)));
             let refused = starts.find_map(|start| self.refused(&start));
             return refused.or(Some(Stop::SequenceEnds));
@@ -404,29 +374,29 @@ impl<'a> Walk<'a> {
             return Some(Stop::Range);
         }
         // A fold may lie next to it.
-        self.step = BEHIND * self.settings.step;
+        self.branch.step = BEHIND * self.settings.step;
         self.take(next);
-        self.line = Some(line);
+        self.branch.line = Some(line);
         None
     }
 
     /// Goes on from this orbit.
     pub(super) fn take(&mut self, next: Cycle) {
-        self.widest = self.widest.max(next.extent);
-        self.shooting.extent = self.widest;
-        self.before = std::mem::replace(&mut self.last, next);
+        self.branch.widest = self.branch.widest.max(next.extent);
+        self.shooting.extent = self.branch.widest;
+        self.branch.before = std::mem::replace(&mut self.branch.last, next);
         self.note();
     }
 
     /// Notes a special orbit, and keeps it if it is the one to stop at.
-    pub(super) fn note_special(&mut self, at: SpecialPoint, cycle: Cycle, by: By) {
-        self.special.push(at.clone());
+    pub(super) fn note_special(&mut self, at: SpecialPoint, cycle: Cycle, by: Vanishing) {
+        self.branch.special.push(at.clone());
         match &mut self.wanted {
             Some((is_meant, number)) if is_meant(&at.what) => match number.checked_sub(1) {
                 Some(less) => *number = less,
                 None => {
                     self.wanted = None;
-                    self.kept = Some(Kept { at, cycle, by });
+                    self.junction = Some(Junction { at, cycle, by });
                 }
             },
             _ => {}
@@ -434,15 +404,15 @@ impl<'a> Walk<'a> {
     }
 
     fn note(&mut self) {
-        let Moment { t, x } = self.last.anchor.clone();
-        self.extents.push(self.last.extent);
-        self.points.push(BranchPoint {
-            parameter: parameter_of(&self.last),
+        let Moment { t, x } = self.branch.last.anchor.clone();
+        self.branch.extents.push(self.branch.last.extent);
+        self.branch.points.push(BranchPoint {
+            parameter: parameter_of(&self.branch.last),
             t,
             x,
-            period: self.last.period,
-            multipliers: critical(&self.last, &self.shooting).multipliers,
-            sequence: self.last.outline.modes(),
+            period: self.branch.last.period,
+            multipliers: critical(&self.branch.last, &self.shooting).multipliers,
+            sequence: self.branch.last.outline.modes(),
         });
     }
 }

@@ -1,14 +1,16 @@
 //! How far the event functions of a periodic orbit are from a change of its phases.
 
 use super::Outline;
-use super::shooting::{Piece, TOLERANCES};
+use super::pieces::Piece;
+use super::shooting::TOLERANCES;
 use crate::dynamics::{Dynamics, Modes, Moment, SmoothFlow};
 use crate::filippov::Options;
 use crate::system::{Mode, Side};
 
 /// Where on an orbit a change of its phases may begin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Site {
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) enum MarginKind {
     /// A guard is smallest within a phase.
     Minimum(usize),
     /// A guard is smallest at the end of a phase, which another contact ends.
@@ -23,11 +25,24 @@ pub(crate) enum Site {
     Duration,
 }
 
+impl MarginKind {
+    /// The guard of the phase's own mode whose value it is, if it is one's.
+    pub fn guard(self) -> Option<usize> {
+        match self {
+            MarginKind::Minimum(guard) | MarginKind::End(guard) | MarginKind::Begin(guard) => {
+                Some(guard)
+            }
+            MarginKind::Landing | MarginKind::Arrival | MarginKind::Duration => None,
+        }
+    }
+}
+
 /// What tells a margin from the others of the orbit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Key {
     pub part: usize,
-    pub site: Site,
+    pub kind: MarginKind,
     /// Which of its kind in the part.
     pub count: usize,
 }
@@ -35,6 +50,7 @@ pub(crate) struct Key {
 /// The value of a function that is zero at a change of the phases, and positive where the orbit has
 /// the phases of its sequence.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Margin {
     pub key: Key,
     pub value: f64,
@@ -59,13 +75,13 @@ impl Margin {
     }
 
     /// Whether the tolerances tell it from zero.
-    pub fn is_told(&self, options: &Options) -> bool {
+    pub fn is_resolved(&self, options: &Options) -> bool {
         self.relative().abs() > TOLERANCES * options.rtol.max(options.atol)
     }
 
     /// Whether it is below zero by more than the tolerances leave open.
     pub fn is_violated(&self, options: &Options) -> bool {
-        self.value < 0.0 && self.is_told(options)
+        self.value < 0.0 && self.is_resolved(options)
     }
 
     /// Of the margins of an orbit of a period that of the same kind, at about the same time.
@@ -76,7 +92,7 @@ impl Margin {
             (way - way.round()).abs()
         };
         let is_alike =
-            |margin: &&Margin| margin.key.part == self.key.part && margin.key.site == self.key.site;
+            |margin: &&Margin| margin.key.part == self.key.part && margin.key.kind == self.key.kind;
         let alike = margins.iter().filter(is_alike);
         let nearest = alike.min_by(|a, b| off(a).total_cmp(&off(b)))?;
         (off(&nearest) <= SAME_TIME).then_some(nearest)
@@ -141,10 +157,10 @@ pub(super) fn at_events(system: &dyn Dynamics, outline: &Outline, pieces: &[Piec
             continue;
         };
         let at = &piece.begin;
-        let margin = |site, value, scale| Margin {
+        let margin = |kind, value, scale| Margin {
             key: Key {
                 part,
-                site,
+                kind,
                 count: 0,
             },
             value,
@@ -161,11 +177,11 @@ pub(super) fn at_events(system: &dyn Dynamics, outline: &Outline, pieces: &[Piec
             let other = (end.contact != begin.contact).then_some(end.contact);
             found.push(Margin {
                 other,
-                ..margin(Site::Duration, segment.duration, outline.period())
+                ..margin(MarginKind::Duration, segment.duration, outline.period())
             });
         }
         if let (Mode::Slip(side), false) = (before.mode.get(begin.contact), begin.is_of_contact) {
-            let stuck = margin(Site::Landing, 0.0, 0.0).landing(system);
+            let stuck = margin(MarginKind::Landing, 0.0, 0.0).landing(system);
             // Positive where it would stick.
             let least = stuck.map_or(f64::NAN, |(flow, guard)| flow.guard(guard, at));
             let sticks = segment.mode.get(begin.contact) == Mode::Stick;
@@ -174,9 +190,9 @@ pub(super) fn at_events(system: &dyn Dynamics, outline: &Outline, pieces: &[Piec
             let landing = if sticks { least } else { -least };
             // Where the fields of both sides agree, no force is determined that would hold it.
             if landing.is_finite() {
-                found.push(margin(Site::Landing, landing, scale));
+                found.push(margin(MarginKind::Landing, landing, scale));
             }
-            found.push(margin(Site::Arrival, -rates.own[0], scale));
+            found.push(margin(MarginKind::Arrival, -rates.own[0], scale));
         }
     }
     found

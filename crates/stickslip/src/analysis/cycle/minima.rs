@@ -2,8 +2,8 @@
 //! these are another contact's.
 
 use super::Outline;
-use super::margin::{Key, Margin, Site};
-use super::shooting::Piece;
+use super::margin::{Key, Margin, MarginKind};
+use super::pieces::Piece;
 use crate::dynamics::{Dynamics, Guard, Moment, SmoothFlow, Step, Vector};
 
 /// Samples of a step by which the minima of its guards are sought.
@@ -43,14 +43,14 @@ pub(super) fn minima(system: &dyn Dynamics, outline: &Outline, pieces: &[Piece])
                 *scale = of_step.max(*scale);
             }
             for Minimum {
-                site,
+                kind,
                 guard,
                 other,
                 at,
                 value,
             } in of_step.minima
             {
-                let same = |margin: &&Margin| margin.key.part == part && margin.key.site == site;
+                let same = |margin: &&Margin| margin.key.part == part && margin.key.kind == kind;
                 // At the end of a step rounding may have seen it, and sees it again at the
                 // beginning of the next.
                 let near = NEXT_TO * (step.t_end - step.t_start);
@@ -62,9 +62,9 @@ pub(super) fn minima(system: &dyn Dynamics, outline: &Outline, pieces: &[Piece])
                 let contact = guard.contact;
                 let switches =
                     |k: usize| neighbours[k].mode.get(contact) != segment.mode.get(contact);
-                let is_of_switch = match site {
-                    Site::Begin(_) => switches(0),
-                    Site::End(_) => switches(1),
+                let is_of_switch = match kind {
+                    MarginKind::Begin(_) => switches(0),
+                    MarginKind::End(_) => switches(1),
                     _ => false,
                 };
                 if is_of_switch {
@@ -72,7 +72,7 @@ pub(super) fn minima(system: &dyn Dynamics, outline: &Outline, pieces: &[Piece])
                 }
                 let count = found.iter().filter(same).count();
                 found.push(Margin {
-                    key: Key { part, site, count },
+                    key: Key { part, kind, count },
                     value,
                     scale: f64::MIN_POSITIVE,
                     incoming: segment.mode,
@@ -85,14 +85,9 @@ pub(super) fn minima(system: &dyn Dynamics, outline: &Outline, pieces: &[Piece])
             }
         }
         for margin in &mut found[first..] {
-            let (Site::Minimum(number) | Site::Begin(number) | Site::End(number)) = margin.key.site
-            else {
-                continue;
-            };
-            let place = flow
-                .guards()
-                .iter()
-                .position(|guard| guard.number == number);
+            let number = margin.key.kind.guard();
+            let mut guards = flow.guards().into_iter();
+            let place = guards.position(|guard| Some(guard.number) == number);
             margin.scale = place.map_or(margin.scale, |place| scales[place]);
         }
     }
@@ -128,25 +123,25 @@ fn minima_of(
         scales.push(sizes.fold(0.0, f64::max));
         // A step may end at a minimum, and rounding take its rate there for one of either sign.
         let falls = before.get(k).is_some_and(|rate| *rate < 0.0);
-        let minimum = |site, other, s: f64| Minimum {
-            site,
+        let minimum = |kind, other, s: f64| Minimum {
+            kind,
             guard,
             other,
             at: place(s),
             value: jet(s)[0],
         };
         if falls && samples[0].1[1] >= 0.0 && (!guard.is_of_jump || samples[0].1[0] > 0.0) {
-            found.push(minimum(Site::Minimum(guard.number), None, 0.0));
+            found.push(minimum(MarginKind::Minimum(guard.number), None, 0.0));
         }
         // Where another contact switches it may jump.
         let others = ends.map(|one| one.filter(|one| *one != guard.contact));
         // What a jump's function is beyond already does not happen.
         let is_before = !guard.is_of_jump || samples[0].1[0] > 0.0;
         if others[0].is_some() && is_before && jet(0.0)[1] > 0.0 {
-            found.push(minimum(Site::Begin(guard.number), others[0], 0.0));
+            found.push(minimum(MarginKind::Begin(guard.number), others[0], 0.0));
         }
         if others[1].is_some() && is_before && jet(1.0)[1] < 0.0 {
-            found.push(minimum(Site::End(guard.number), others[1], 1.0));
+            found.push(minimum(MarginKind::End(guard.number), others[1], 1.0));
         }
         rates.extend(samples.last().map(|(_, jet)| jet[1]));
         for pair in samples.windows(2) {
@@ -174,7 +169,7 @@ fn minima_of(
                 }
                 s = next;
             }
-            found.push(minimum(Site::Minimum(guard.number), None, s));
+            found.push(minimum(MarginKind::Minimum(guard.number), None, s));
         }
     }
     OfStep {
@@ -195,7 +190,7 @@ struct OfStep {
 
 /// The smallest value of a guard among those around it.
 struct Minimum {
-    site: Site,
+    kind: MarginKind,
     guard: Guard,
     /// The contact beside whose transition it is.
     other: Option<usize>,

@@ -6,25 +6,32 @@
 //! sequence does not react to the guards. So the orbit goes on smoothly where it touches a
 //! boundary, and a change of its phases is the zero of a margin along the branch.
 
+mod equations;
 mod margin;
 mod minima;
 mod name;
 mod newton;
 mod path;
+mod pieces;
 mod shooting;
 
 use crate::dynamics::{Dynamics, Matrix, Modes, Moment, Orbit, Transition, Vector};
 use crate::error::Error;
 use crate::filippov::{Options, TransitionKind};
 use crate::system::Mode;
-pub(super) use margin::{Margin, Site};
+pub(super) use margin::{Margin, MarginKind};
 pub(super) use name::describe;
 pub use name::{SequenceBifurcation, SequenceChange};
-pub(super) use path::{Function, Path, Zero};
+pub(super) use path::{Function, Path, Zero, at_least};
 pub(super) use shooting::{Extra, Shooting};
+
+/// Segments whose durations would vanish within so many times the way to where the first does may
+/// vanish at once.
+pub(super) const AT_ONCE: f64 = 4.0;
 
 /// What ends a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Event {
     /// The guard that vanishes.
     pub guard: usize,
@@ -41,6 +48,7 @@ pub(crate) struct Event {
 
 /// A part of a periodic orbit in one mode.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Segment {
     pub mode: Modes,
     /// A moment inside it: contact is lost or kept as there.
@@ -52,6 +60,7 @@ pub(crate) struct Segment {
 
 /// A periodic orbit that is sought: its segments, and where the first of them begins.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Outline {
     pub segments: Vec<Segment>,
     pub begin: Moment,
@@ -64,6 +73,7 @@ pub(crate) struct Outline {
 /// States on the orbit that are unknowns as well (multiple shooting): neighbours part on the way
 /// from one to the next only.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Cut {
     /// A segment that is cut in its middle, too: near a saddle neighbours part most in the longest.
     pub number: usize,
@@ -221,6 +231,11 @@ impl Outline {
             *x = unknowns.rows(time + 1 + k * n, n).into_owned();
         }
         other
+    }
+
+    /// A direction in which the unknowns may go: that of the parameter, or of a duration.
+    pub fn unit(&self, number: usize) -> Vector {
+        unit(self.unknowns().len(), number)
     }
 
     /// The orbit run through twice.
@@ -389,6 +404,11 @@ fn to_cut(segments: &[Segment]) -> usize {
     best.map_or(0, |(number, _)| number)
 }
 
+/// A vector of this length with a 1 at a place.
+pub(crate) fn unit(count: usize, place: usize) -> Vector {
+    Vector::from_fn(count, |i, _| f64::from(u8::from(i == place)))
+}
+
 /// Whether a transition is a loss or gain of contact.
 fn is_of_contact(kind: TransitionKind) -> bool {
     matches!(
@@ -399,6 +419,7 @@ fn is_of_contact(kind: TransitionKind) -> bool {
 
 /// A periodic orbit that was found.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Cycle {
     pub outline: Outline,
     /// Where each segment begins.
@@ -452,7 +473,7 @@ impl Cycle {
                 let way = (margin.at.t - middle) / other.period;
                 (way - way.round()).abs() <= lasts / other.period + NEXT_TO
             };
-            margin.key.site != Site::Duration && numbers.iter().any(is_about)
+            margin.key.kind != MarginKind::Duration && numbers.iter().any(is_about)
         });
         [about, apart]
     }

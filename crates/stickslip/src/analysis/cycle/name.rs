@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::Cycle;
-use super::margin::{Margin, Rates, Site};
+use super::margin::{Margin, MarginKind, Rates};
 use crate::dynamics::{Dynamics, Modes, Vector};
 use crate::system::Mode;
 
@@ -13,6 +13,7 @@ use crate::system::Mode;
 /// *Piecewise-smooth Dynamical Systems* (2008), Ch. 8. At each the orbit meets an edge of the part
 /// of the boundary that is slid on, where the field of one side is tangent to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum SequenceBifurcation {
     /// A slip ends where the other side's field is tangent to the boundary and leads away from it:
     /// to one side the orbit crosses, to the other it slides for a short time and then leaves.
@@ -61,6 +62,7 @@ impl fmt::Display for SequenceBifurcation {
 
 /// A change of the phases of a periodic orbit.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SequenceChange {
     /// The parameter: where the event function is zero.
     pub parameter: f64,
@@ -115,10 +117,10 @@ fn name(system: &dyn Dynamics, margin: &Margin) -> (SequenceBifurcation, Rates) 
         return (SequenceBifurcation::AddingSliding, Rates::none());
     };
     let rates = Rates::at(system, margin.incoming, margin.contact, side, &margin.at);
-    let is_tangent = match margin.key.site {
-        Site::Minimum(_) | Site::Arrival => true,
+    let is_tangent = match margin.key.kind {
+        MarginKind::Minimum(_) | MarginKind::Arrival => true,
         // Where the fields agree, both are tangent. The last two are coincidences.
-        Site::Landing | Site::Duration | Site::End(_) | Site::Begin(_) => {
+        MarginKind::Landing | MarginKind::Duration | MarginKind::End(_) | MarginKind::Begin(_) => {
             rates.own[0].abs() <= (1.0 + AGREE) * rates.other[0].abs()
         }
     };

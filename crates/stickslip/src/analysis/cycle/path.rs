@@ -1,23 +1,26 @@
-//! Orbits along a path: of a branch by their arclength, of a sweep by their parameter.
+//! Solutions along a path: of a branch by their arclength, of a sweep by their parameter.
 
 use super::{Cycle, Margin};
 use crate::analysis::critical::zero_between;
 use crate::filippov::Options;
 
-/// Orbits with one sequence, each at a place.
+/// Solutions of one kind, each at a place: periodic orbits with one sequence, or equilibria of one
+/// mode.
 pub(crate) trait Path {
-    /// The orbit at a place.
-    fn orbit(&self, place: f64, options: &Options) -> Option<Cycle>;
+    type Solution: Clone;
+
+    /// The solution at a place.
+    fn solution(&self, place: f64, options: &Options) -> Option<Self::Solution>;
 
     /// With which options it is found.
     fn options(&self) -> &Options;
 
-    /// The parameter of the orbit at a place, and how it changes with that.
-    fn parameter(&self, place: f64, cycle: &Cycle) -> f64;
+    /// The parameter of the solution at a place, and how it changes with that.
+    fn parameter(&self, place: f64, solution: &Self::Solution) -> f64;
     fn pace(&self) -> f64;
 
-    fn on(&self, place: f64) -> Option<Cycle> {
-        self.orbit(place, self.options())
+    fn on(&self, place: f64) -> Option<Self::Solution> {
+        self.solution(place, self.options())
     }
 
     /// Two places at which a function has different signs, or is zero, near one where it has a
@@ -26,7 +29,7 @@ pub(crate) trait Path {
         &self,
         (mut a, mut at_a): Value,
         step: f64,
-        function: &Function<'_>,
+        function: &Function<'_, Self::Solution>,
     ) -> Option<[Value; 2]> {
         // First step, and how far beyond the zero that it tells the next one goes.
         const FIRST: f64 = 1e-2;
@@ -45,27 +48,35 @@ pub(crate) trait Path {
     }
 
     /// Where a function is zero, between two places at which it has different signs.
-    fn root(&self, [a, b]: [Value; 2], function: &Function<'_>) -> Option<(f64, Cycle)> {
+    fn root(
+        &self,
+        [a, b]: [Value; 2],
+        function: &Function<'_, Self::Solution>,
+    ) -> Option<(f64, Self::Solution)> {
         let s = zero_between(a, b, |s| function(&self.on(s)?))?;
         // Where another branch meets this one none is found; next to it one is.
         const PARTS: [f64; 5] = [0.0, 1e-10, -1e-10, 1e-9, -1e-9];
         let place = |part: &f64| s + part * (b.0 - a.0);
         let found = |s: f64| Some((s, self.on(s)?));
-        let (s, cycle) = PARTS.iter().map(place).find_map(found)?;
+        let (s, solution) = PARTS.iter().map(place).find_map(found)?;
         // Of a family a function may jump.
         const SMALL: f64 = 1e-3;
-        let is_zero = function(&cycle)?.abs() <= SMALL * a.1.abs().max(b.1.abs());
-        is_zero.then_some((s, cycle))
+        let is_zero = function(&solution)?.abs() <= SMALL * a.1.abs().max(b.1.abs());
+        is_zero.then_some((s, solution))
     }
 
     /// The same, and by how much its parameter may be off.
-    fn zero(&self, [a, b]: [Value; 2], function: &Function<'_>) -> Option<Zero> {
-        let (s, cycle) = self.root([a, b], function)?;
-        let uncertainty = self.uncertainty((s, &cycle), (b.0 - a.0).abs(), function);
+    fn zero(
+        &self,
+        [a, b]: [Value; 2],
+        function: &Function<'_, Self::Solution>,
+    ) -> Option<Zero<Self::Solution>> {
+        let (s, solution) = self.root([a, b], function)?;
+        let uncertainty = self.uncertainty((s, &solution), (b.0 - a.0).abs(), function);
         Some(Zero {
             s,
-            parameter: self.parameter(s, &cycle),
-            cycle,
+            parameter: self.parameter(s, &solution),
+            solution,
             uncertainty: uncertainty.unwrap_or(f64::NAN),
         })
     }
@@ -75,9 +86,9 @@ pub(crate) trait Path {
     /// with a tenth of them tells that. Not a number where nothing tells.
     fn uncertainty(
         &self,
-        (s, cycle): (f64, &Cycle),
+        (s, solution): (f64, &Self::Solution),
         length: f64,
-        function: &Function<'_>,
+        function: &Function<'_, Self::Solution>,
     ) -> Option<f64> {
         const APART: f64 = 1e-4;
         // Most of what a value is off by is its difference to one with a tenth of the tolerances;
@@ -85,11 +96,11 @@ pub(crate) trait Path {
         const SAFE: f64 = 2.0;
         let places = [s - APART * length, s + APART * length];
         let [one, two] = [self.on(places[0])?, self.on(places[1])?];
-        let (value, [before, behind]) = (function(cycle)?, [function(&one)?, function(&two)?]);
-        let finer = self.orbit(s, &self.options().finer())?;
+        let (value, [before, behind]) = (function(solution)?, [function(&one)?, function(&two)?]);
+        let finer = self.solution(s, &self.options().finer())?;
         let by_tolerance = SAFE * (function(&finer)? - value).abs();
         let lacks = value.abs() + (behind - 2.0 * value + before).abs() + by_tolerance;
-        let parameter = self.parameter(s, cycle);
+        let parameter = self.parameter(s, solution);
         // At a fold the parameter changes by the square of the way only.
         let ways = [(places[0], &one), (places[1], &two)]
             .map(|(s, one)| (self.parameter(s, one) - parameter).abs());
@@ -98,14 +109,19 @@ pub(crate) trait Path {
     }
 
     /// The first margin that the orbit at a place has come below zero at, behind another one, and
-    /// where; `Err` where they are too far apart to tell. Nearer than `unclear` margins that the
-    /// other one lacks are no others' cause.
+    /// where; `Err` where they are too far apart to tell, in parts of a range of places.
     fn passed(
         &self,
         (from, last): (f64, &Cycle),
         (to, next): (f64, &Cycle),
-        unclear: f64,
-    ) -> Result<Option<(Zero, Margin)>, ()> {
+        range: f64,
+    ) -> Result<Option<(Zero, Margin)>, ()>
+    where
+        Self: Path<Solution = Cycle>,
+    {
+        // Orbits nearer than this part of the range differ by one change: of the margins that the
+        // other one lacks none has a cause before the first zero.
+        const NEAREST: f64 = 1e-5;
         let mut first: Option<(Zero, Margin)> = None;
         let mut is_unclear = false;
         let violated = next.margins.iter();
@@ -121,14 +137,14 @@ pub(crate) trait Path {
                 Zero {
                     s: from,
                     parameter: self.parameter(from, last),
-                    cycle: last.clone(),
+                    solution: last.clone(),
                     uncertainty: (self.pace() * before.value / slope).abs(),
                 }
             } else {
                 let ends = [(from, before.value), (to, margin.value)];
                 self.zero(ends, &value).ok_or(())?
             };
-            let margin = zero.cycle.margin_like(margin).ok_or(())?.clone();
+            let margin = zero.solution.margin_like(margin).ok_or(())?.clone();
             let way = |zero: &Zero| (zero.s - from).abs();
             if first
                 .as_ref()
@@ -138,23 +154,32 @@ pub(crate) trait Path {
             }
         }
         // Another one may come before, if the step is not short enough to tell.
-        if is_unclear && (first.is_none() || (to - from).abs() > unclear) {
+        if is_unclear && (first.is_none() || (to - from).abs() > NEAREST * range) {
             return Err(());
         }
         Ok(first)
     }
 }
 
-/// A function of orbits.
-pub(crate) type Function<'f> = dyn Fn(&Cycle) -> Option<f64> + 'f;
+/// An uncertainty of a parameter that is known where the function was resolved, or else the other
+/// one: no less than what Newton's iteration leaves of the last places in a range of this width.
+pub(crate) fn at_least((parameter, uncertainty): (f64, f64), otherwise: f64, width: f64) -> f64 {
+    const ROUNDING: f64 = 16.0 * f64::EPSILON;
+    let is_known = uncertainty.is_finite();
+    let uncertainty = if is_known { uncertainty } else { otherwise };
+    uncertainty.max(ROUNDING * parameter.abs().max(width))
+}
 
-/// An orbit at which a function is zero.
-pub(crate) struct Zero {
+/// A function of solutions, such as of periodic orbits.
+pub(crate) type Function<'f, S = Cycle> = dyn Fn(&S) -> Option<f64> + 'f;
+
+/// A solution at which a function is zero.
+pub(crate) struct Zero<S = Cycle> {
     /// Its place.
     pub s: f64,
-    /// Its parameter, and the orbit that is computed there.
+    /// Its parameter, and what is computed there.
     pub parameter: f64,
-    pub cycle: Cycle,
+    pub solution: S,
     /// By how much its parameter may be off; not a number where nothing tells.
     pub uncertainty: f64,
 }

@@ -4,8 +4,8 @@ use std::f64::consts::{LN_10, PI};
 use std::ops::ControlFlow;
 
 use stickslip::analysis::{
-    Branch, BranchPoint, ContinuationSettings, SequenceBifurcation, Special, Stability, Stop,
-    continue_periodic_orbit, continue_periodic_orbit_while, monodromy,
+    Branch, ContinuationSettings, PartialBranch, SequenceBifurcation, Special, Stability, Stop,
+    continue_periodic_orbit, monodromy,
 };
 use stickslip::nalgebra::Matrix3;
 use stickslip::{Error, Filippov, Method, Mode, Options, Side, State, math, solve};
@@ -309,10 +309,6 @@ fn a_closed_branch_is_followed_once() {
         let radius = (1.0 + (0.25_f64 - p * p).sqrt()).sqrt();
         let found = branch(&Island, [radius, 0.0, p], (2.0 * PI, upwards), &settings);
         assert_eq!(found.stop, Stop::Closed);
-        if !upwards {
-            let (found, seen) = watched(&Island, [radius, 0.0, p], &settings, usize::MAX);
-            assert_eq!(found.points, seen);
-        }
         let [one, two] = found.special.as_slice() else {
             panic!("{:?}", found.special);
         };
@@ -593,44 +589,38 @@ fn a_cycle_is_followed_to_its_homoclinic_end_with_the_multiplier_of_its_area() {
     assert!((parameter - low).abs() < 1e-10, "{parameter}, known {low}");
 }
 
-/// A branch, and the orbits that were seen of it before it was left.
-fn watched<S: Listed<3>>(
-    system: &S,
-    x: [f64; 3],
-    settings: &ContinuationSettings,
-    most: usize,
-) -> (Branch, Vec<BranchPoint>) {
-    let mut seen = Vec::new();
-    let (system, options, period) = (system.dynamics(), Options::tol(1e-13), 2.0 * PI);
-    let see = |point: &BranchPoint| {
-        seen.push(point.clone());
-        if seen.len() == most {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
-    };
-    let found = continue_periodic_orbit_while(&system, x, period, false, settings, &options, see);
-    (found.unwrap(), seen)
-}
-
 #[test]
-fn a_branch_is_seen_as_it_grows_and_left_when_asked() {
+fn a_branch_left_anywhere_goes_on_with_the_same_bits() {
     let system = Rings { place: 50.0 };
+    let (system, options) = (system.dynamics(), Options::tol(1e-13));
     let start = [(1.0 + 0.5_f64.sqrt()).sqrt(), 0.0, -0.5];
+    let begin = |settings: &ContinuationSettings| {
+        PartialBranch::begin(&system, start, 2.0 * PI, false, settings, &options).unwrap()
+    };
     // Around the fold to an equilibrium, to an end of the range, and from there nowhere.
-    let [whole, short, none] = [-1.5, -0.8, -0.5].map(|low| ContinuationSettings::over(low, 0.5));
-    for settings in [&whole, &short, &none] {
-        let (found, seen) = watched(&system, start, settings, usize::MAX);
-        assert_eq!(found.points, seen);
-        let is_range = found.stop == Stop::Range;
-        assert_eq!(is_range, settings != &whole, "{:?}", found.stop);
-        assert_eq!(seen.len() == 1, settings == &none);
+    for (low, stops_at_end) in [(-1.5, false), (-0.8, true), (-0.5, true)] {
+        let settings = ContinuationSettings::over(low, 0.5);
+        let mut seen: Vec<PartialBranch> = Vec::new();
+        let all = |branch: &PartialBranch| {
+            seen.push(branch.clone());
+            ControlFlow::Continue(())
+        };
+        let whole = begin(&settings).follow(&system, &settings, &options, all);
+        let whole = whole.unwrap();
+        assert_eq!(whole.stop == Stop::Range, stops_at_end, "{:?}", whole.stop);
+        assert_eq!(seen.is_empty(), low == -0.5);
+        for part in seen {
+            let points = part.points().to_vec();
+            assert_eq!(whole.points[..points.len()], points);
+            let none = |_: &PartialBranch| ControlFlow::Break(());
+            let left = part.clone().follow(&system, &settings, &options, none);
+            let left = left.unwrap();
+            assert_eq!((left.stop, left.points), (Stop::Points, points));
+            let again = |_: &PartialBranch| ControlFlow::Continue(());
+            let again = part.follow(&system, &settings, &options, again);
+            assert_eq!(again.unwrap(), whole);
+        }
     }
-    let (part, seen) = watched(&system, start, &whole, 10);
-    assert_eq!((part.stop, seen.len()), (Stop::Points, 10));
-    assert_eq!(part.points, seen);
-    assert_eq!(watched(&system, start, &whole, usize::MAX).1[..10], seen);
 }
 
 /// Whether the orbit that leaves the saddle at -1 passes the one at 1.

@@ -3,6 +3,7 @@
 mod boundary_equilibria;
 mod branches;
 mod curves;
+mod equilibria;
 mod on_the_boundary;
 mod several;
 mod static_friction;

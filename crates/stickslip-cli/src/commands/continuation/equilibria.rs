@@ -1,0 +1,261 @@
+//! A branch of equilibria, both ways.
+
+use plot::{BLACK, BLUE, Curve, Dash, Figure, Legend, Markers, Panel, Shape, VERMILLION};
+use serde_json::{Value, json};
+use stickslip::analysis::{
+    EquilibriumBifurcation, EquilibriumBranch, EquilibriumPoint, SpecialEquilibrium, Stability,
+};
+use stickslip_kernels::file::System;
+
+use super::super::figures;
+use super::super::range::ParameterRange;
+use super::End;
+use crate::failure::Failure;
+use crate::render::{Report, Table, place, rounded};
+
+/// What was found of the branch downwards and upwards.
+pub(super) fn report(
+    system: &System,
+    range: &ParameterRange,
+    [down, up]: [EquilibriumBranch; 2],
+) -> Result<Report, Failure> {
+    let name = &range.name;
+    let stops = [down.stop, up.stop];
+    // The first one is on both.
+    let first = down.points.len() - 1;
+    let points: Vec<EquilibriumPoint> = down
+        .points
+        .into_iter()
+        .skip(1)
+        .rev()
+        .chain(up.points)
+        .collect();
+    let before = down.special.into_iter().rev().map(|mut at| {
+        at.behind = first + 1 - at.behind;
+        if let EquilibriumBifurcation::Boundary {
+            before,
+            after: Some(after),
+            ..
+        } = &mut at.what
+        {
+            std::mem::swap(before, after);
+        }
+        at
+    });
+    let behind = up.special.into_iter().map(|at| SpecialEquilibrium {
+        behind: at.behind + first,
+        ..at
+    });
+    let special: Vec<SpecialEquilibrium> = before.chain(behind).collect();
+    let count = points.len();
+    let (low, high) = (range.low, range.high);
+    let mut report = Report::of(
+        system,
+        format!("{count} equilibria over {name} from {low} to {high}"),
+    );
+    report.field("parameter", range).field("points", count);
+    if let Some(at) = points.get(first) {
+        let (value, stability) = (rounded(at.parameter), at.stability());
+        let begun = format!("begun at {name} = {value}: {stability}");
+        report.note(match system.contacts() {
+            0 => begun,
+            _ => {
+                let phases = system.sequence(&[at.mode]);
+                format!("{begun}, mode {phases}  (- below, + above, S stick)")
+            }
+        });
+    }
+    for at in &special {
+        let value = place(at.parameter, at.uncertainty);
+        report.note(format!("at {name} = {value}: {}", words(at, system)));
+    }
+    let objects: Vec<Value> = special.iter().map(|at| object(at, system)).collect();
+    report.field("special", objects);
+    let ends = [points.first(), points.last()].into_iter().zip(&stops);
+    let ends: Vec<Value> = ends
+        .zip(["downwards", "upwards"])
+        .map(|((last, stop), way)| {
+            let End { stop, words, .. } = End::of(stop, system, name);
+            let parameter = last.map(|last| last.parameter);
+            let at = parameter.map_or(f64::NAN, rounded);
+            report.note(format!("begun {way}, it ends at {name} = {at}, {words}"));
+            json!({ "parameter": parameter, "stop": stop })
+        })
+        .collect();
+    report.field("ends", ends);
+    report.table(columns(system, name, &points).csv("equilibria", &points)?);
+    report.table(special_columns(system, name).csv("equilibria-special", &special)?);
+    report.figure("equilibria", &diagram(system, range, &points, &special))?;
+    Ok(report)
+}
+
+/// A special equilibrium in words.
+fn words(at: &SpecialEquilibrium, system: &System) -> String {
+    match at.what {
+        EquilibriumBifurcation::Hopf { frequency } => {
+            format!("Hopf bifurcation, frequency {}", rounded(frequency))
+        }
+        EquilibriumBifurcation::Boundary {
+            contact,
+            before,
+            after,
+            turns,
+        } => {
+            let contact = match system.contacts() {
+                1 => String::new(),
+                _ => format!(" of {}", system.contact_name(contact)),
+            };
+            let before = system.sequence(&[before]);
+            let what = match after.map(|after| system.sequence(&[after])) {
+                None => format!("mode {before} ends: none was found beyond"),
+                Some(after) if turns => {
+                    format!("nonsmooth fold, between modes {before} and {after}")
+                }
+                Some(after) => format!("persistence, between modes {before} and {after}"),
+            };
+            format!("boundary equilibrium{contact}, {what}")
+        }
+        ref other => other.to_string(),
+    }
+}
+
+fn frequency(at: &SpecialEquilibrium) -> Option<f64> {
+    match at.what {
+        EquilibriumBifurcation::Hopf { frequency } => Some(frequency),
+        _ => None,
+    }
+}
+
+/// The contact on whose boundary it is, and the modes before and behind it.
+fn boundary(at: &SpecialEquilibrium, system: &System) -> Option<(String, [String; 2])> {
+    match at.what {
+        EquilibriumBifurcation::Boundary {
+            contact,
+            before,
+            after,
+            ..
+        } => {
+            let after = after.map(|after| system.sequence(&[after]));
+            let modes = [system.sequence(&[before]), after.unwrap_or_default()];
+            Some((system.contact_name(contact), modes))
+        }
+        _ => None,
+    }
+}
+
+fn object(at: &SpecialEquilibrium, system: &System) -> Value {
+    let boundary = boundary(at, system).map(|(contact, [before, after])| {
+        let turns = matches!(
+            at.what,
+            EquilibriumBifurcation::Boundary { turns: true, .. }
+        );
+        json!({ "contact": contact, "before": before, "after": after, "turns": turns })
+    });
+    json!({
+        "parameter": at.parameter,
+        "uncertainty": at.uncertainty,
+        "what": at.what.to_string(),
+        "behind": at.behind,
+        "x": at.x.as_slice()[..system.states()],
+        "frequency": frequency(at),
+        "boundary": boundary,
+    })
+}
+
+fn columns<'a>(
+    system: &'a System,
+    parameter: &str,
+    points: &[EquilibriumPoint],
+) -> Table<'a, &'a EquilibriumPoint> {
+    let states = system.states();
+    let most = points.iter().map(|at| at.eigenvalues.len()).max();
+    let numbers = 1..=most.unwrap_or(0);
+    let parts = numbers.flat_map(|k| ["re", "im"].map(|part| format!("eigenvalue{k}_{part}")));
+    Table::new()
+        .column(parameter, |at: &&EquilibriumPoint| at.parameter)
+        .column("stability", |at| at.stability().to_string())
+        .column("mode", move |at| system.sequence(&[at.mode]))
+        .state(system, "", move |at| at.x.as_slice()[..states].to_vec())
+        .many("eigenvalues", parts.collect(), |at| -> Vec<f64> {
+            let values = at.eigenvalues.iter();
+            values.flat_map(|one| [one.re, one.im]).collect()
+        })
+}
+
+/// The special equilibria, each behind so many rows of the table of all.
+fn special_columns<'a>(system: &'a System, parameter: &str) -> Table<'a, &'a SpecialEquilibrium> {
+    let states = system.states();
+    let modes = move |k: usize| {
+        move |at: &&SpecialEquilibrium| boundary(at, system).map(|(_, modes)| modes[k].clone())
+    };
+    Table::new()
+        .column("behind", |at: &&SpecialEquilibrium| at.behind)
+        .column(parameter, |at| at.parameter)
+        .column("what", |at| at.what.to_string())
+        .column("contact", |at| boundary(at, system).map(|one| one.0))
+        .column("frequency", |at| frequency(at))
+        .column("uncertainty", |at| at.uncertainty)
+        .column("before", modes(0))
+        .column("after", modes(1))
+        .state(system, "", move |at| at.x.as_slice()[..states].to_vec())
+}
+
+/// The first state over the parameter.
+fn diagram(
+    system: &System,
+    range: &ParameterRange,
+    points: &[EquilibriumPoint],
+    special: &[SpecialEquilibrium],
+) -> Figure {
+    let first = &system.file.states[0];
+    let label = figures::with_unit(&first.name, &first.unit);
+    let place = |x: &[f64], parameter: f64| (parameter, x[0]);
+    let places = points.iter().map(|at| place(at.x.as_slice(), at.parameter));
+    let places: Vec<(f64, f64)> = places.collect();
+    let x = figures::parameter_axis(system, &range.name, (range.low, range.high), true);
+    let mut panel = Panel::new(x, figures::axis(&label, places.iter().map(|at| at.1)));
+    let mut in_legend: Vec<Stability> = Vec::new();
+    let mut begin = 0;
+    for run in points.chunk_by(|a, b| a.stability() == b.stability()) {
+        let end = begin + run.len();
+        // It reaches to the run before.
+        let line = places[begin.saturating_sub(1)..end].to_vec();
+        begin = end;
+        let stability = run[0].stability();
+        let (color, dash) = match stability {
+            Stability::Stable => (BLUE, Dash::Solid),
+            Stability::Neutral => (BLUE, Dash::Dotted),
+            Stability::Unstable => (VERMILLION, Dash::Dashed),
+        };
+        let mut curve = Curve::new(line).color(color).dash(dash).width(1.4);
+        if !in_legend.contains(&stability) {
+            in_legend.push(stability);
+            curve = curve.legend(&stability.to_string());
+        }
+        panel.add(curve);
+    }
+    let kinds = [
+        ("fold", Shape::Circle),
+        ("branch point", Shape::Up),
+        ("Hopf", Shape::Diamond),
+        ("boundary equilibrium", Shape::Down),
+    ];
+    for (kind, shape) in kinds {
+        let there = special.iter().filter(|at| at.what.to_string() == kind);
+        let there: Vec<_> = there
+            .map(|at| place(at.x.as_slice(), at.parameter))
+            .collect();
+        if !there.is_empty() {
+            let markers = Markers::new(there).shape(shape).color(BLACK).open();
+            panel.add(markers.size(7.0).legend(kind));
+        }
+    }
+    let title = format!("{}: branch of equilibria", system.file.name);
+    let description = format!(
+        "Equilibria of {} over {} from {} to {}: the state {}; whole lines where stable, dotted \
+         where neutral, dashed where unstable; marks at bifurcations.",
+        system.file.name, range.name, range.low, range.high, first.name
+    );
+    Figure::new("equilibria", (640.0, 300.0), &title, &description)
+        .row(1.0, panel.legend(Legend::Below))
+}

@@ -1,0 +1,73 @@
+//! A branch on disk while it is followed, so that it goes on after a kill.
+
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+use stickslip::analysis::PartialBranch;
+
+use super::super::sweeping::{from_content, to_content};
+use crate::sweep::{SweepError, Writer};
+
+/// What was saved in a block; none where nothing whole is there.
+pub(super) fn saved(writer: &Writer, block: usize) -> Result<Option<PartialBranch>, SweepError> {
+    let failed = |source| SweepError::Block { block, source };
+    match writer.store.find(block)? {
+        Some(Ok(content)) => from_content(&content).map(Some).map_err(failed),
+        _ => Ok(None),
+    }
+}
+
+/// Saves one way along a branch in a block.
+pub(super) struct Saving<'a> {
+    writer: &'a Writer,
+    block: usize,
+    /// When it is saved next.
+    due: Instant,
+    unsaved: Option<PartialBranch>,
+    outcome: Result<(), SweepError>,
+}
+
+impl<'a> Saving<'a> {
+    pub(super) fn of(writer: &'a Writer, block: usize) -> Self {
+        Saving {
+            writer,
+            block,
+            due: Instant::now(),
+            unsaved: None,
+            outcome: Ok(()),
+        }
+    }
+
+    /// Saves the branch, if that is due. Where it fails, the branch need not go on.
+    pub(super) fn observe(&mut self, branch: &PartialBranch) -> ControlFlow<()> {
+        if Instant::now() < self.due {
+            self.unsaved = Some(branch.clone());
+            return ControlFlow::Continue(());
+        }
+        self.unsaved = None;
+        self.outcome = self.save(branch);
+        match self.outcome {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(_) => ControlFlow::Break(()),
+        }
+    }
+
+    /// Saves what the last step began with: the file is then the same however often it was left.
+    pub(super) fn finish(mut self) -> Result<(), SweepError> {
+        if let Some(branch) = self.unsaved.take() {
+            self.save(&branch)?;
+        }
+        self.outcome
+    }
+
+    fn save(&mut self, branch: &PartialBranch) -> Result<(), SweepError> {
+        /// Times as long as it takes to save the branch it is followed between.
+        const TIMES: u32 = 20;
+        let block = self.block;
+        let begun = Instant::now();
+        let content = to_content(branch).map_err(|source| SweepError::Block { block, source })?;
+        self.writer.put(block, &content)?;
+        self.due = Instant::now() + TIMES * begun.elapsed();
+        Ok(())
+    }
+}

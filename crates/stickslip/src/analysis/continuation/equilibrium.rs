@@ -1,0 +1,595 @@
+//! Equilibria followed along a parameter: of the field on one side of each boundary, and of
+//! sliding.
+
+use std::fmt;
+
+use nalgebra::Complex;
+
+use super::line::BEND;
+use super::walk::SHORTEST;
+use super::{ContinuationSettings, Stop, check_rate, check_start};
+use crate::analysis::attractors::rest::{
+    ZERO, along_boundaries, equations, jacobian_of, least_guard,
+};
+use crate::analysis::cycle::{Function, Path, Zero, at_least, unit};
+use crate::analysis::multipliers::eigenvalues;
+use crate::analysis::stability::Stability;
+use crate::dynamics::{AsDynamics, Components, Dynamics, Matrix, Modes, Moment, Section, Vector};
+use crate::error::Error;
+use crate::filippov::Options;
+use crate::system::{Mode, Side};
+
+/// An equilibrium on a branch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EquilibriumPoint {
+    /// The parameter.
+    pub parameter: f64,
+    /// The state; the last component is the parameter.
+    pub x: Vector,
+    /// The mode that it is an equilibrium of: where a contact sticks, of the sliding field.
+    pub mode: Modes,
+    /// The eigenvalues of the mode's field, along the boundaries of the contacts that stick.
+    pub eigenvalues: Vec<Complex<f64>>,
+}
+
+impl EquilibriumPoint {
+    /// What the eigenvalues say of it.
+    pub fn stability(&self) -> Stability {
+        Stability::of_eigenvalues(&self.eigenvalues)
+    }
+}
+
+/// What is special about an equilibrium on a branch.
+#[derive(Clone, Debug, PartialEq)]
+pub enum EquilibriumBifurcation {
+    /// The branch turns back: an eigenvalue is zero.
+    Fold,
+    /// An eigenvalue is zero, and the branch goes on: another one meets it.
+    BranchPoint,
+    /// A pair of eigenvalues is imaginary: periodic orbits are shed.
+    Hopf {
+        /// Their size: angle per unit of time.
+        frequency: f64,
+    },
+    /// The equilibrium comes to a boundary, or to the edge of the part of it that is slid on (di
+    /// Bernardo, Budd, Champneys & Kowalczyk 2008, Ch. 5).
+    Boundary {
+        /// The contact whose boundary it is, counted from 0.
+        contact: usize,
+        /// The mode before it.
+        before: Modes,
+        /// The mode of the equilibrium that the branch goes on with, if there is one.
+        after: Option<Modes>,
+        /// Whether the branch turns back with it: a nonsmooth fold, and not persistence.
+        turns: bool,
+    },
+}
+
+impl fmt::Display for EquilibriumBifurcation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            EquilibriumBifurcation::Fold => "fold",
+            EquilibriumBifurcation::BranchPoint => "branch point",
+            EquilibriumBifurcation::Hopf { .. } => "Hopf",
+            EquilibriumBifurcation::Boundary { .. } => "boundary equilibrium",
+        })
+    }
+}
+
+/// A special equilibrium on a branch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpecialEquilibrium {
+    /// The parameter.
+    pub parameter: f64,
+    /// By how much that may be off: what the function that vanishes there lacks of zero, and what
+    /// rounding leaves of it, over its slope along the branch.
+    pub uncertainty: f64,
+    /// What is special.
+    pub what: EquilibriumBifurcation,
+    /// Behind how many points of the branch it lies.
+    pub behind: usize,
+    /// The state; the last component is the parameter.
+    pub x: Vector,
+}
+
+/// A branch of equilibria.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EquilibriumBranch {
+    /// The equilibria, in the order in which they were found.
+    pub points: Vec<EquilibriumPoint>,
+    /// The special ones between them, in the same order.
+    pub special: Vec<SpecialEquilibrium>,
+    /// Why there are no more: at an end of the range, behind as many points as asked for, on a
+    /// boundary behind which there is no equilibrium, or where none was found.
+    pub stop: Stop,
+}
+
+/// Follows the equilibrium near `x` from its parameter upwards or downwards by pseudo-arclength, in
+/// the mode that the system takes there or in one that differs from it by one contact.
+///
+/// **The parameter is the last state**, as in [`super::continue_periodic_orbit`]. Folds, branch
+/// points and Hopf bifurcations are zeros of functions of the Jacobian. A boundary equilibrium is
+/// the zero of a guard of the mode, and the branch goes on with the equilibrium of another mode of
+/// that contact that begins there, if there is one.
+///
+/// # Errors
+/// [`Error::Option`] for a setting that is not allowed, [`Error::Parameter`] where the last state
+/// is no parameter, [`Error::NotFound`] where there is no equilibrium near the start, or where it
+/// is one of a set of equilibria at the same parameter.
+///
+/// ```
+/// use stickslip::analysis::{ContinuationSettings, EquilibriumBifurcation, continue_equilibrium};
+/// use stickslip::{Filippov, Options, Scalar, Side};
+///
+/// /// A block on a belt of speed v, with damping 0.1 and friction that falls with the slip speed.
+/// struct Block;
+/// impl Filippov<3> for Block {
+///     fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 3]) -> [T; 3] {
+///         let slip_speed = (x[1] - x[2]) * side.sign();
+///         let friction = ((slip_speed * -2.0).exp() * 0.5 + 0.5) * side.sign();
+///         [x[1], -x[0] - x[1] * 0.1 - friction, T::constant(0.0)]
+///     }
+///     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
+///         x[1] - x[2]
+///     }
+/// }
+///
+/// let settings = ContinuationSettings::over(0.5, 2.0);
+/// let start = [0.5, 0.0, 2.0];
+/// let branch = continue_equilibrium(&Block, start, false, &settings, &Options::tol(1e-12))?;
+/// // The slope of the friction takes the damping: 0.1 = exp(-2 v).
+/// let EquilibriumBifurcation::Hopf { frequency } = branch.special[0].what else { panic!() };
+/// assert!((branch.special[0].parameter - 0.5 * 10.0_f64.ln()).abs() < 1e-12);
+/// assert!((frequency - 1.0).abs() < 1e-12);
+/// # Ok::<(), stickslip::Error>(())
+/// ```
+pub fn continue_equilibrium<Kind>(
+    system: &impl AsDynamics<Kind>,
+    x: impl Components,
+    upwards: bool,
+    settings: &ContinuationSettings,
+    options: &Options,
+) -> Result<EquilibriumBranch, Error> {
+    settings.check()?;
+    let system = &*system.dynamics();
+    let x = x.vector();
+    check_start(&x, 1, settings)?;
+    let (at, width) = (Moment { t: 0.0, x }, settings.range.1 - settings.range.0);
+    let mode = system.begin(&at, at.t + 1.0, options, &Section::None)?;
+    let mode = mode.mode();
+    let last = at.x.len() - 1;
+    let rate = system.flow(mode, &at).velocity(&at)[last];
+    check_rate(rate)?;
+    let mut units = Vector::repeat(last + 1, at.x.rows(0, last).amax());
+    units[last] = width;
+    if units[0] == 0.0 {
+        units.rows_mut(0, last).fill(1.0);
+    }
+    let walk = Walk {
+        system,
+        settings,
+        options,
+        units,
+    };
+    let by_parameter = unit(last + 1, last);
+    let near = |mode: Modes| walk.solve(mode, &at.x, &by_parameter);
+    let is_held = |one: &Equilibrium| walk.least_guard(one) > 0.0;
+    let modes = std::iter::once(mode).chain((0..mode.iter().count()).flat_map(|k| others(mode, k)));
+    let first = modes.filter_map(near).find(is_held);
+    let first = first
+        .filter(|one| walk.is_isolated(one))
+        .ok_or(Error::NotFound {
+            what: "an equilibrium near the start of the branch that is none of a set of equilibria",
+            t: at.t,
+            span: 0.0,
+        })?;
+    let sign = if upwards { 1.0 } else { -1.0 };
+    Ok(walk.follow(first, &(by_parameter * sign)))
+}
+
+/// The other modes of a contact.
+fn others(mode: Modes, contact: usize) -> impl Iterator<Item = Modes> {
+    let all = [
+        Mode::Stick,
+        Mode::Slip(Side::Below),
+        Mode::Slip(Side::Above),
+    ];
+    let own = mode.get(contact);
+    let other = all.into_iter().filter(move |one| *one != own);
+    other.map(move |one| mode.with(contact, one))
+}
+
+/// Part of the size of what cancels that is rounding.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+#[derive(Clone)]
+struct Equilibrium {
+    mode: Modes,
+    /// The state, with the parameter behind it.
+    at: Moment,
+    /// The derivative of the equations, each in its own unit, by all components.
+    equations: Matrix,
+    /// The Jacobian along the boundaries of the contacts that stick.
+    along: Matrix,
+    iterations: usize,
+}
+
+impl Equilibrium {
+    fn parameter(&self) -> f64 {
+        self.at.x[self.at.x.len() - 1]
+    }
+
+    fn eigenvalues(&self) -> Vec<Complex<f64>> {
+        eigenvalues(&self.along)
+    }
+
+    /// Of the pairs of eigenvalues the one nearest to the imaginary axis.
+    fn pair(&self) -> Option<Complex<f64>> {
+        let pairs = self.eigenvalues().into_iter().filter(|one| one.im > 0.0);
+        pairs.min_by(|a, b| a.re.abs().total_cmp(&b.re.abs()))
+    }
+
+    fn point(&self) -> EquilibriumPoint {
+        let mut eigenvalues = self.eigenvalues();
+        eigenvalues.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
+        EquilibriumPoint {
+            parameter: self.parameter(),
+            x: self.at.x.clone(),
+            mode: self.mode,
+            eigenvalues,
+        }
+    }
+}
+
+/// The line through an equilibrium along which the next one is sought.
+#[derive(Clone)]
+struct Line {
+    mode: Modes,
+    from: Vector,
+    direction: Vector,
+    /// The plane across it.
+    row: Vector,
+}
+
+impl Line {
+    fn heading(&self) -> f64 {
+        self.direction[self.direction.len() - 1]
+    }
+}
+
+struct Walk<'a> {
+    system: &'a dyn Dynamics,
+    settings: &'a ContinuationSettings,
+    options: &'a Options,
+    /// Sizes of the components.
+    units: Vector,
+}
+
+/// The equilibria on a line.
+struct OnLine<'l> {
+    walk: &'l Walk<'l>,
+    line: &'l Line,
+}
+
+impl Path for OnLine<'_> {
+    type Solution = Equilibrium;
+
+    fn solution(&self, place: f64, _: &Options) -> Option<Equilibrium> {
+        let line = self.line;
+        let guess = &line.from + &line.direction * place;
+        self.walk.solve(line.mode, &guess, &line.row)
+    }
+
+    fn options(&self) -> &Options {
+        self.walk.options
+    }
+
+    fn parameter(&self, _: f64, one: &Equilibrium) -> f64 {
+        one.parameter()
+    }
+
+    fn pace(&self) -> f64 {
+        self.line.heading()
+    }
+}
+
+impl Walk<'_> {
+    /// The equilibrium of a mode in the plane across a row through a guess.
+    fn solve(&self, mode: Modes, guess: &Vector, row: &Vector) -> Option<Equilibrium> {
+        const MOST: usize = 20;
+        let count = guess.len();
+        let mut at = Moment {
+            t: 0.0,
+            x: guess.clone(),
+        };
+        let mut last = f64::INFINITY;
+        for iterations in 1..=MOST {
+            let jacobian = jacobian_of(self.system, mode, &at);
+            let (equations, right) = equations(self.system, mode, &at, &jacobian, count)?;
+            let off = row.dot(&(guess - &at.x));
+            let step = self.bordered(&equations, row, (&right, off))?;
+            let size = step.component_div(&self.units).amax();
+            // The last step is rounding once it is no smaller than the one before.
+            if size <= f64::EPSILON || size >= 0.5 * last {
+                // What a least-squares solution leaves is no rounding.
+                let is_zero = |size: f64| size <= ZERO * ZERO.sqrt();
+                let off = right.amax() / self.units.amax();
+                let velocity = self.system.flow(mode, &at).velocity(&at);
+                let speed = (jacobian.abs() * &self.units).amax();
+                let is_at_rest = velocity.amax() <= ZERO * ZERO.sqrt() * speed;
+                let along = along_boundaries(self.system, mode, &at, &jacobian, count - 1);
+                return (is_zero(size) && is_zero(off) && is_at_rest).then_some(Equilibrium {
+                    mode,
+                    at,
+                    equations,
+                    along,
+                    iterations,
+                });
+            }
+            last = size;
+            at.x += step;
+        }
+        None
+    }
+
+    /// Solves the equations with a row behind them.
+    fn bordered(
+        &self,
+        equations: &Matrix,
+        row: &Vector,
+        (right, last): (&Vector, f64),
+    ) -> Option<Vector> {
+        let rows = equations.nrows();
+        let mut matrix = equations.clone().insert_row(rows, 0.0);
+        matrix.set_row(rows, &row.transpose());
+        let mut right = right.clone().insert_row(rows, last);
+        for (k, unit) in self.units.iter().enumerate() {
+            matrix.column_mut(k).scale_mut(*unit);
+        }
+        for (mut row, right) in matrix.row_iter_mut().zip(right.iter_mut()) {
+            let size = row.amax();
+            if size > 0.0 {
+                row /= size;
+                *right /= size;
+            }
+        }
+        let bound = f64::EPSILON * matrix.nrows() as f64;
+        let solution = matrix.svd(true, true).solve(&right, bound).ok()?;
+        Some(solution.component_mul(&self.units))
+    }
+
+    /// The singular values of the equations and their directions, in units of the components.
+    fn parts(&self, one: &Equilibrium) -> (Vector, Option<Matrix>) {
+        let mut scaled = one.equations.clone();
+        for (k, unit) in self.units.iter().enumerate() {
+            scaled.column_mut(k).scale_mut(*unit);
+        }
+        let parts = scaled.svd(false, true);
+        (parts.singular_values, parts.v_t)
+    }
+
+    /// Whether no other equilibria at the same parameter are next to one.
+    fn is_isolated(&self, one: &Equilibrium) -> bool {
+        let (values, _) = self.parts(one);
+        let bound = ZERO * values.max();
+        let is_line = values.iter().filter(|value| **value <= bound).count() == 1;
+        let last = self.units.len() - 1;
+        let line = self.tangent(one, &unit(last + 1, last));
+        // A set at one parameter is a line as well.
+        let moves = |line: Line| line.heading() > ROUNDING * self.units[last];
+        is_line && line.is_some_and(moves)
+    }
+
+    fn least_guard(&self, one: &Equilibrium) -> f64 {
+        least_guard(self.system, one.mode, &one.at)
+    }
+
+    /// The line along the branch at an equilibrium, the way on which the product with a row grows.
+    fn tangent(&self, one: &Equilibrium, row: &Vector) -> Option<Line> {
+        let (_, directions) = self.parts(one);
+        let directions = directions?;
+        let way = directions.row(directions.nrows() - 1).transpose();
+        let mut direction = way.component_mul(&self.units);
+        if row.dot(&direction) < 0.0 {
+            direction.neg_mut();
+        }
+        let squares = self.units.component_mul(&self.units);
+        Some(Line {
+            mode: one.mode,
+            from: one.at.x.clone(),
+            row: direction.component_div(&squares),
+            direction,
+        })
+    }
+
+    /// What is special between two equilibria on a line, in order; behind a boundary there is
+    /// nothing of this mode.
+    fn between(
+        &self,
+        line: &Line,
+        (last, next): (&Equilibrium, &Equilibrium),
+        length: f64,
+    ) -> Vec<(Zero<Equilibrium>, EquilibriumBifurcation)> {
+        let path = OnLine { walk: self, line };
+        let width = self.units[self.units.len() - 1];
+        let heading = |one: &Equilibrium| Some(self.tangent(one, &line.row)?.heading() / width);
+        let branch = |one: &Equilibrium| Some(one.along.determinant() / heading(one)?);
+        let rate = |one: &Equilibrium| Some(one.pair()?.re);
+        let size = last.along.amax();
+        let boundary = |contact| EquilibriumBifurcation::Boundary {
+            contact,
+            before: line.mode,
+            after: None,
+            turns: false,
+        };
+        let hopf = EquilibriumBifurcation::Hopf { frequency: 0.0 };
+        let is_moved = [last, next].map(heading);
+        let is_moved = is_moved
+            .into_iter()
+            .flatten()
+            .any(|one| one.abs() > ROUNDING);
+        let flow = &*self.system.flow(line.mode, &last.at);
+        let guards = flow.guards().into_iter().filter(|guard| !guard.is_of_jump);
+        let guards: Vec<_> = guards
+            .map(|guard| {
+                let value = move |one: &Equilibrium| Some(flow.guard(guard.number, &one.at));
+                (boundary(guard.contact), value)
+            })
+            .collect();
+        type Named<'f> = (EquilibriumBifurcation, &'f Function<'f, Equilibrium>, f64);
+        let mut functions: Vec<Named<'_>> = vec![(hopf, &rate, ROUNDING * size)];
+        if is_moved {
+            functions.push((EquilibriumBifurcation::Fold, &heading, ROUNDING));
+            functions.push((EquilibriumBifurcation::BranchPoint, &branch, 0.0));
+        }
+        let of_guards = guards.iter();
+        functions.extend(of_guards.map(|(what, value)| (what.clone(), value as _, 0.0)));
+        let mut found: Vec<_> = functions
+            .into_iter()
+            .filter_map(|(what, function, noise)| {
+                let (a, b) = (function(last)?, function(next)?);
+                let is_guard = matches!(what, EquilibriumBifurcation::Boundary { .. });
+                // A guard that is zero where the line begins is one of the boundary there.
+                let changes = a * b < 0.0 && a.abs().max(b.abs()) > noise;
+                if !changes || is_guard && a < 0.0 {
+                    return None;
+                }
+                Some((path.zero([(0.0, a), (length, b)], function)?, what))
+            })
+            .collect();
+        found.sort_by(|a, b| a.0.s.total_cmp(&b.0.s));
+        let is_end =
+            |what: &EquilibriumBifurcation| matches!(what, EquilibriumBifurcation::Boundary { .. });
+        if let Some(end) = found.iter().position(|(_, what)| is_end(what)) {
+            found.truncate(end + 1);
+        }
+        found
+    }
+
+    /// The equilibrium of another mode of a contact that one on its boundary goes over into, and
+    /// the line on which it goes away from there.
+    fn behind(&self, at: &Equilibrium, contact: usize) -> Option<(Equilibrium, Line)> {
+        // Part of a step on which the guards of the other mode tell which way it is.
+        const SHORT: f64 = 1e-3;
+        let last = at.at.x.len() - 1;
+        let by_parameter = unit(last + 1, last);
+        others(at.mode, contact).find_map(|mode| {
+            let one = self.solve(mode, &at.at.x, &by_parameter)?;
+            let off = (&one.at.x - &at.at.x).component_div(&self.units).amax();
+            if off > ZERO {
+                return None;
+            }
+            let line = self.tangent(&one, &by_parameter)?;
+            let is_held = |line: &Line| {
+                let path = OnLine { walk: self, line };
+                let beyond = path.on(SHORT * self.settings.step);
+                beyond.is_some_and(|beyond| self.least_guard(&beyond) > 0.0)
+            };
+            let back = self.tangent(&one, &-&line.row);
+            let line = std::iter::once(line).chain(back).find(is_held)?;
+            Some((one, line))
+        })
+    }
+
+    fn follow(&self, first: Equilibrium, row: &Vector) -> EquilibriumBranch {
+        let mut branch = EquilibriumBranch {
+            points: vec![first.point()],
+            special: Vec::new(),
+            stop: Stop::NoConvergence,
+        };
+        let Some(line) = self.tangent(&first, row) else {
+            return branch;
+        };
+        branch.stop = self.go_on(&mut branch, first, line);
+        branch
+    }
+
+    fn go_on(&self, branch: &mut EquilibriumBranch, mut last: Equilibrium, mut line: Line) -> Stop {
+        let (low, high) = self.settings.range;
+        let mut step = 0.1 * self.settings.step;
+        loop {
+            let (here, heading) = (last.parameter(), line.heading());
+            if heading > 0.0 && here >= high || heading < 0.0 && here <= low {
+                return Stop::Range;
+            }
+            if branch.points.len() >= self.settings.most_points {
+                return Stop::Points;
+            }
+            if step < SHORTEST {
+                return Stop::NoConvergence;
+            }
+            let path = OnLine {
+                walk: self,
+                line: &line,
+            };
+            let mut is_at_end = false;
+            let next = path.on(step).and_then(|next| {
+                let end = next.parameter().clamp(low, high);
+                if end == next.parameter() {
+                    return Some(next);
+                }
+                is_at_end = true;
+                let part = (end - here) / (next.parameter() - here);
+                let mut guess = &line.from + (&next.at.x - &line.from) * part;
+                let place = guess.len() - 1;
+                guess[place] = end;
+                let mut next = self.solve(last.mode, &guess, &unit(place + 1, place))?;
+                next.at.x[place] = end;
+                Some(next)
+            });
+            let onward = next.as_ref().and_then(|next| self.tangent(next, &line.row));
+            let both = next
+                .zip(onward)
+                .filter(|(_, onward)| line.row.dot(&onward.direction) >= BEND);
+            let Some((next, onward)) = both else {
+                step *= 0.3;
+                continue;
+            };
+            let place = line.row.dot(&(&next.at.x - &line.from));
+            let mut behind = None;
+            for (zero, mut what) in self.between(&line, (&last, &next), place) {
+                match &mut what {
+                    EquilibriumBifurcation::Hopf { frequency } => {
+                        *frequency = zero.solution.pair().map_or(f64::NAN, |pair| pair.im);
+                    }
+                    EquilibriumBifurcation::Boundary {
+                        contact,
+                        after,
+                        turns,
+                        ..
+                    } => {
+                        let found = self.behind(&zero.solution, *contact);
+                        if let Some((begin, onward)) = &found {
+                            *after = Some(begin.mode);
+                            *turns = heading * onward.heading() < 0.0;
+                        }
+                        let parameter = zero.parameter;
+                        behind = Some(found.ok_or(Stop::BoundaryEquilibrium { parameter }));
+                    }
+                    _ => {}
+                }
+                branch.special.push(SpecialEquilibrium {
+                    parameter: zero.parameter,
+                    uncertainty: at_least((zero.parameter, zero.uncertainty), place, high - low),
+                    what,
+                    behind: branch.points.len(),
+                    x: zero.solution.at.x,
+                });
+            }
+            match behind {
+                Some(Err(stop)) => return stop,
+                Some(Ok(behind)) => (last, line) = behind,
+                None if is_at_end => {
+                    branch.points.push(next.point());
+                    return Stop::Range;
+                }
+                None => {
+                    let longer = if next.iterations <= 5 { 1.4 } else { 1.0 };
+                    step = (longer * step).min(self.settings.step);
+                    branch.points.push(next.point());
+                    (last, line) = (next, onward);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,240 @@
+//! Segments run through, and the derivatives of the flow over them.
+
+use super::margin::{self, Margin, MarginKind};
+use super::minima::minima;
+use super::{Outline, Segment, Shooting};
+use crate::analysis::monodromy::{TangentMap, velocity_in};
+use crate::analysis::tangent::Tangent;
+use crate::dynamics::{Happening, Matrix, Moment, Solution, Step, Vector};
+use crate::filippov::Options;
+use crate::system::{Mode, Side};
+
+/// A segment as it was run through.
+pub(super) struct Piece {
+    pub begin: Moment,
+    pub end: Moment,
+    pub steps: Vec<(Step, Solution)>,
+}
+
+impl Piece {
+    pub(super) fn followed_by(mut self, next: Piece) -> Self {
+        self.steps.extend(next.steps);
+        self.end = next.end;
+        self
+    }
+}
+
+/// The derivative of the flow over a part of the orbit, without its part along the flow, and that:
+/// near a saddle the one is small beside the other.
+pub(super) struct Map {
+    pub across: Matrix,
+    pub along: Vector,
+    /// The vector that moves the orbit at its end.
+    pub velocity: Vector,
+    pub is_autonomous: bool,
+}
+
+impl Map {
+    pub(super) fn whole(&self) -> Matrix {
+        &self.across + &self.velocity * self.along.transpose()
+    }
+
+    /// Behind a saltation, at which `rate` is that of the guard of this gradient.
+    pub(super) fn salted(&mut self, kick: &Vector, gradient: &Vector, rate: f64) {
+        let by_guard = gradient.tr_mul(&self.across) / rate;
+        self.across += kick * by_guard;
+        self.velocity += kick;
+        self.take_out();
+    }
+
+    /// Behind a jump of the state, by the derivative of its map; the kick is that of the saltation.
+    pub(super) fn reset(
+        &mut self,
+        by_state: &Matrix,
+        (kick, gradient, rate): (&Vector, &Vector, f64),
+        velocity: Vector,
+    ) {
+        let by_guard = gradient.tr_mul(&self.across) / rate;
+        self.across = by_state * &self.across + kick * by_guard;
+        self.velocity = velocity;
+        self.take_out();
+    }
+
+    /// Takes out what has come in along the flow.
+    fn take_out(&mut self) {
+        let square = self.velocity.norm_squared();
+        if self.is_autonomous && square > 0.0 {
+            let part = self.across.tr_mul(&self.velocity) / square;
+            self.across -= &self.velocity * part.transpose();
+            self.along += part;
+        }
+    }
+
+    /// Behind this one another.
+    fn followed_by(mut self, next: &Map) -> Map {
+        self.along += self.across.tr_mul(&next.along);
+        self.across = &next.across * self.across;
+        self.velocity.clone_from(&next.velocity);
+        self
+    }
+}
+
+impl Shooting<'_> {
+    /// Runs through a segment, or a part of it.
+    pub(super) fn piece(
+        &self,
+        segment: &Segment,
+        begin: Moment,
+        duration: f64,
+        options: &Options,
+    ) -> Option<Piece> {
+        let t_end = begin.t + duration;
+        let mut steps = Vec::new();
+        let mut end = begin.clone();
+        if t_end > begin.t {
+            let mode = (segment.mode, &segment.inside);
+            let mut run = self.system.begin_in(mode, &begin, t_end, options).ok()?;
+            while let Happening::Step = run.step().ok()? {
+                steps.push((run.last_step(), run.solution()));
+            }
+            end = run.now();
+        }
+        (end.t == t_end || t_end <= begin.t).then_some(Piece { begin, end, steps })
+    }
+
+    /// How far the orbit is from each change of its phases.
+    pub(super) fn margins(&self, outline: &Outline, pieces: &[Piece]) -> Vec<Margin> {
+        let mut margins = minima(self.system, outline, pieces);
+        for margin in &mut margins {
+            self.settle(outline, pieces, margin);
+        }
+        margins.extend(margin::at_events(self.system, outline, pieces));
+        margins
+    }
+
+    /// A smallest value by a step that ends there: between its ends a step is off by more than
+    /// there.
+    fn settle(&self, outline: &Outline, pieces: &[Piece], margin: &mut Margin) {
+        let MarginKind::Minimum(guard) = margin.key.kind else {
+            return;
+        };
+        let (segment, t) = (&outline.segments[margin.key.part], margin.at.t);
+        let steps = pieces[margin.key.part].steps.iter();
+        let mut steps = steps.filter(|(step, _)| step.t_start < t && t < step.t_end);
+        let Some((step, _)) = steps.next() else {
+            return;
+        };
+        let begin = Moment {
+            t: step.t_start,
+            x: step.x_start.clone(),
+        };
+        if let Some(piece) = self.piece(segment, begin, t - step.t_start, self.options) {
+            margin.at.x = piece.end.x;
+            let flow = self.system.flow(segment.mode, &segment.inside);
+            margin.value = flow.guard(guard, &margin.at);
+        }
+    }
+
+    /// The derivative, by the state and by the time, of the state in which a segment begins: what
+    /// sticks is landed on its boundary, by a change of the first `free` components.
+    pub(super) fn landed(&self, segment: &Segment, at: &Moment, free: usize) -> (Matrix, Vector) {
+        let n = at.x.len();
+        let modes = segment.mode.iter().enumerate();
+        let sticks = modes.filter(|(_, mode)| *mode == Mode::Stick);
+        let slip = Mode::Slip(Side::Above);
+        let gradients: Vec<(Vector, f64)> = sticks
+            .map(|(contact, _)| {
+                let flow = self.system.flow(segment.mode.with(contact, slip), at);
+                flow.guard_gradient(contact, at)
+            })
+            .collect();
+        let identity = Matrix::identity(n, n);
+        if gradients.is_empty() {
+            return (identity, Vector::zeros(n));
+        }
+        let normals = Matrix::from_fn(n, gradients.len(), |i, k| gradients[k].0[i]);
+        let in_time = Vector::from_fn(gradients.len(), |k, _| gradients[k].1);
+        let mut back = normals.clone();
+        back.rows_mut(free, n - free).fill(0.0);
+        let Some(inverse) = normals.tr_mul(&back).try_inverse() else {
+            return (identity, Vector::zeros(n));
+        };
+        let back = back * inverse;
+        (identity - &back * normals.transpose(), -back * in_time)
+    }
+
+    /// The derivative of the state at the end of a piece by that at its beginning.
+    pub(super) fn carried(&self, segment: &Segment, piece: &Piece) -> Map {
+        let tangent = Tangent::new(self.system, self.options);
+        let n = piece.begin.x.len();
+        let is_autonomous = self.forced.is_none();
+        let flow = self.system.flow(segment.mode, &segment.inside);
+        let mut map = TangentMap::identity(self.system);
+        if is_autonomous {
+            map.take_out(&velocity_in(self.system, segment.mode, &piece.begin));
+        }
+        for (step, _) in &piece.steps {
+            map.through_step(&tangent, step);
+        }
+        let (across, along) = map.apart();
+        Map {
+            across,
+            along: along.cloned().unwrap_or_else(|| Vector::zeros(n)),
+            velocity: flow.velocity(&piece.end),
+            is_autonomous,
+        }
+    }
+
+    /// The derivative of the state at the end of a piece by the unknowns, from those of state and
+    /// time at its beginning; it lasts as long.
+    pub(super) fn moved(
+        &self,
+        segment: &Segment,
+        piece: &Piece,
+        map: &Matrix,
+        (of_state, of_time): (&Matrix, &Vector),
+    ) -> Matrix {
+        let flow = self.system.flow(segment.mode, &segment.inside);
+        let [before, behind] = [&piece.begin, &piece.end].map(|at| flow.velocity(at));
+        let (landed, by_time) = self.landed(segment, &piece.begin, piece.begin.x.len());
+        let begun = landed * of_state + (by_time - before) * of_time.transpose();
+        map * begun + behind * of_time.transpose()
+    }
+
+    /// The derivative of the flow map of the states over the period from the cut; across the flow
+    /// where the system does not depend on time.
+    pub(super) fn monodromy(
+        &self,
+        maps: &mut [Map],
+        cut: usize,
+        (landed, velocity): (Matrix, Vector),
+    ) -> Matrix {
+        // The maps behind the cut come first; it lies behind the first piece of its segment.
+        maps.rotate_left(cut + 1);
+        let is_autonomous = self.forced.is_none();
+        let start = Map {
+            across: landed,
+            along: Vector::zeros(velocity.len()),
+            velocity: velocity.clone(),
+            is_autonomous,
+        };
+        let whole = maps.iter().fold(start, Map::followed_by);
+        let of_states = whole.across.view((0, 0), (self.states, self.states));
+        if !is_autonomous {
+            return of_states.into_owned();
+        }
+        let basis = across(&velocity.rows(0, self.states).into_owned());
+        basis.tr_mul(&(of_states * &basis))
+    }
+}
+
+/// An orthonormal basis of what is across a vector: a reflection that takes the first axis to it
+/// takes the others there.
+fn across(vector: &Vector) -> Matrix {
+    let n = vector.len();
+    let mut normal = vector / vector.norm();
+    normal[0] += if normal[0] < 0.0 { -1.0 } else { 1.0 };
+    let square = normal.norm_squared();
+    let reflection = Matrix::identity(n, n) - &normal * normal.transpose() * (2.0 / square);
+    reflection.columns(1, n - 1).into_owned()
+}

@@ -1,0 +1,130 @@
+//! Branches of equilibria, against closed forms.
+
+use stickslip::analysis::{
+    ContinuationSettings, EquilibriumBifurcation, EquilibriumBranch, Stability, Stop,
+    continue_equilibrium,
+};
+use stickslip::{Error, Mode, Options, Side};
+
+use super::systems::{Persists, Pitchfork};
+use crate::attractors::systems::Rings;
+use crate::listed::Listed;
+
+fn followed<const N: usize>(
+    system: &impl Listed<N>,
+    start: [f64; N],
+    upwards: bool,
+    (low, high): (f64, f64),
+) -> Result<EquilibriumBranch, Error> {
+    let settings = ContinuationSettings::over(low, high);
+    continue_equilibrium(
+        &system.dynamics(),
+        start,
+        upwards,
+        &settings,
+        &Options::tol(1e-12),
+    )
+}
+
+/// The middle of `r' = r (p + 2 r² - r⁴)` sheds the ring at p = 0, with the frequency 1.
+#[test]
+fn a_hopf_bifurcation_is_located_to_rounding() {
+    let system = Rings { place: 50.0 };
+    for (from, upwards) in [(-0.7, true), (0.4, false)] {
+        let found = followed(&system, [0.01, 0.02, from], upwards, (-1.0, 0.5)).unwrap();
+        let [hopf] = found.special.as_slice() else {
+            panic!("{:?}", found.special);
+        };
+        assert!(
+            hopf.parameter.abs() < 1e-13 && hopf.uncertainty < 1e-12,
+            "{hopf:?}"
+        );
+        let EquilibriumBifurcation::Hopf { frequency } = hopf.what else {
+            panic!("{hopf:?}");
+        };
+        assert!((frequency - 1.0).abs() < 1e-13);
+        assert_eq!(found.stop, Stop::Range);
+        for at in &found.points {
+            assert!(at.x.rows(0, 2).amax() < 1e-13);
+            assert!((at.eigenvalues[0].re - at.parameter).abs() < 1e-13);
+            let is_stable = at.stability() == Stability::Stable;
+            assert_eq!(is_stable, at.parameter < 0.0);
+        }
+    }
+}
+
+/// The middle of `a' = p a - a³` meets the other two equilibria at p = 0, and goes on.
+#[test]
+fn a_branch_point_is_located_and_passed() {
+    let found = followed(&Pitchfork, [0.0, 0.0, 0.0, -0.63], true, (-1.0, 1.0)).unwrap();
+    let [at] = found.special.as_slice() else {
+        panic!("{:?}", found.special);
+    };
+    assert_eq!(at.what, EquilibriumBifurcation::BranchPoint);
+    assert!(at.parameter.abs() < 1e-12, "{at:?}");
+    let last = found.points.last().unwrap();
+    assert_eq!((&found.stop, last.parameter), (&Stop::Range, 1.0));
+    assert!(found.points.iter().all(|at| at.x.rows(0, 3).amax() < 1e-13));
+}
+
+/// The focus at (p, 0) comes to the boundary at p = 0 and goes over into the equilibrium of the
+/// sliding field, where the fields `(0.3 p - y, -p - 0.3 y)` and `(-1, 1)` are opposite.
+#[test]
+fn an_equilibrium_goes_over_into_sliding_and_back() {
+    let sliding = |p: f64| -0.7 * p / 1.3;
+    for (start, upwards) in [
+        ([-0.3, 0.0, -0.3], true),
+        ([0.0, sliding(0.45), 0.45], false),
+    ] {
+        let found = followed(&Persists, start, upwards, (-0.5, 0.5)).unwrap();
+        let [at] = found.special.as_slice() else {
+            panic!("{:?}", found.special);
+        };
+        let EquilibriumBifurcation::Boundary {
+            before,
+            after: Some(after),
+            turns: false,
+            contact: 0,
+        } = at.what
+        else {
+            panic!("{at:?}");
+        };
+        assert!(
+            at.parameter.abs() < 1e-13 && at.uncertainty < 1e-12,
+            "{at:?}"
+        );
+        let modes = [before, after].map(|mode| mode.get(0));
+        let order = [Mode::Slip(Side::Below), Mode::Stick];
+        assert_eq!(modes, if upwards { order } else { [order[1], order[0]] });
+        assert_eq!(found.stop, Stop::Range);
+        for at in &found.points {
+            let p = at.parameter;
+            let exact = if p < 0.0 { [p, 0.0] } else { [0.0, sliding(p)] };
+            let off = (0..2).map(|k| (at.x[k] - exact[k]).abs());
+            assert!(off.fold(0.0, f64::max) < 1e-13, "{at:?}");
+            assert_eq!(at.eigenvalues.len(), if p < 0.0 { 2 } else { 1 });
+            assert_eq!(at.stability(), Stability::Stable);
+        }
+    }
+}
+
+/// Above the boundary nothing rests: the equilibrium of a mode that differs by the contact is taken.
+#[test]
+fn a_start_beside_an_equilibrium_finds_its_mode_and_one_outside_the_range_is_refused() {
+    for (p, mode) in [(0.2, Mode::Stick), (-0.2, Mode::Slip(Side::Below))] {
+        let found = followed(&Persists, [3.0, 3.0, p], true, (-0.5, 0.5)).unwrap();
+        assert_eq!(found.points[0].mode.get(0), mode);
+    }
+    let rings = Rings { place: 50.0 };
+    let error = followed(&rings, [0.0, 0.0, 2.0], true, (-1.0, 0.5)).unwrap_err();
+    assert!(
+        matches!(
+            error,
+            Error::Parameter {
+                name: "the last state",
+                ..
+            }
+        ),
+        "{error}"
+    );
+}
