@@ -1,5 +1,5 @@
-//! Model 3: its derivation, its stick condition, its readings. What its figures compute is tested in
-//! `report/block_and_bracket.rs`, on one computation.
+//! Model 3: its derivation, its stick condition, its readings. What its figures compute is tested
+//! in `report/block_and_bracket.rs`, on one computation.
 
 use std::fmt::Write;
 
@@ -172,8 +172,8 @@ fn run_to_the_letter_the_first_two_sets_diverge() {
     }
 }
 
-/// The chaotic run to the last bit, for as long as a difference in one bit stays below the figures' tolerance; and those
-/// of the other two sets.
+/// The chaotic run to the last bit, for as long as a difference in one bit stays below the figures'
+/// tolerance; and those of the other two sets.
 #[test]
 fn short_runs_have_the_same_bits_everywhere() {
     let mut text = String::new();

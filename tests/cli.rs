@@ -32,8 +32,8 @@ fn default_run_writes_a_named_picture_and_its_numbers(mut program: Command, name
     check_svg(&figures.join(format!("{name}.svg")), name);
 }
 
-/// Instead of a run that takes long: one function runs all these programs, and that the committed files are what is computed
-/// now is tested where the figures are computed, once.
+/// Instead of a run that takes long: one function runs all these programs, and that the committed
+/// files are what is computed now is tested where the figures are computed, once.
 fn the_committed_files_are_well_formed(name: &str) {
     let figures = Path::new(env!("CARGO_MANIFEST_DIR")).join("figures");
     check_csv(&figures.join(format!("{name}.csv")), name);

@@ -1,7 +1,8 @@
-//! The numbers of every figure against `golden/`, and the pictures against `figures/`; each figure is computed once, by the report.
+//! The numbers of every figure against `golden/`, and the pictures against `figures/`; each figure
+//! is computed once, by the report.
 //!
-//! The snapshots are the golden. The tables in `figures/*.csv` hold the same rows for other programs; that they are current is checked
-//! by `make figures` leaving the tree clean.
+//! The snapshots are the golden. The tables in `figures/*.csv` hold the same rows for other
+//! programs; that they are current is checked by `make figures` leaving the tree clean.
 
 use std::path::Path;
 

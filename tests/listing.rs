@@ -1,4 +1,5 @@
-//! The Appendix's program: what it computes, what each of its defects does, and that none of it changes.
+//! The Appendix's program: what it computes, what each of its defects does, and that none of it
+//! changes.
 
 use std::fmt::Write as _;
 
@@ -89,7 +90,8 @@ fn in_place_stages_do_not_converge_to_the_motion() {
     );
 }
 
-/// Largest |Δx1 − factor·h·x2| / h over the slip steps: how far from `factor` times the field's way.
+/// Largest |Δx1 − factor·h·x2| / h over the slip steps: how far from `factor` times the field's
+/// way.
 fn way_defect(defects: Defects, h: f64, factor: f64) -> f64 {
     samples(&slipping(defects, h))
         .windows(2)
@@ -101,7 +103,8 @@ fn way_defect(defects: Defects, h: f64, factor: f64) -> f64 {
 
 #[test]
 fn a_step_in_place_goes_three_times_as_far() {
-    // First order in h with the factor 3: halving h halves what is left. With the factor 1 it stays.
+    // First order in h with the factor 3: halving h halves what is left. With the factor 1 it
+    // stays.
     let (coarse, fine) = (
         way_defect(Defects::AS_PRINTED, 1e-3, 3.0),
         way_defect(Defects::AS_PRINTED, 1e-4, 3.0),
@@ -148,7 +151,8 @@ fn as_printed_it_has_the_published_class_and_deflections() {
             .iter()
             .all(|phase| phase.zone == Some(Zone::Middle) && phase.end == End::Upper)
     );
-    // Two deflections on the left in each pattern; the other crossings are the wrong exit side put right.
+    // Two deflections on the left in each pattern; the other crossings are the wrong exit side put
+    // right.
     let last = run.crossings.last().unwrap().at.t - 1.99 * run.forcing_period;
     let pattern = run.crossings.iter().filter(|crossing| crossing.at.t > last);
     let (repairs, deflections): (Vec<&Crossing>, Vec<&Crossing>) =
@@ -164,12 +168,14 @@ fn as_printed_it_has_the_published_class_and_deflections() {
 
 #[test]
 fn length_and_duration_disagree_by_the_zero_time_correction() {
-    // The exit is put on the zone's end but the clock keeps the whole step: less way than vp times the time.
+    // The exit is put on the zone's end but the clock keeps the whole step: less way than vp times
+    // the time.
     for phase in printed(1e-4).settled_phases() {
         let excess = phase.stick.duration() - phase.stick.length() / 0.4;
         assert!(excess > 1e-4 && excess < 4e-4, "{excess}");
     }
-    // With that mended the two agree to rounding: on the way to its motion without stick it sticks a few times.
+    // With that mended the two agree to rounding: on the way to its motion without stick it sticks
+    // a few times.
     let mended = Setup {
         defects: Defects::MENDED,
         ..Setup::default()
@@ -212,7 +218,8 @@ fn the_window_is_the_listings() {
 
 #[test]
 fn stick_slip_needs_the_stages_in_place() {
-    // Whatever else is wrong or right: of the single defects only this one makes the published class.
+    // Whatever else is wrong or right: of the single defects only this one makes the published
+    // class.
     for (defect, defects) in Defects::MENDED.one_flipped() {
         let motion = run(&Setup {
             defects,
@@ -320,8 +327,8 @@ fn flipping_a_defect_flips_it_alone() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Any start and any of the 128 sets of defects ends in a typed outcome, stuck bodies move with the
-    /// belt, and all that is handed out are numbers.
+    /// Any start and any of the 128 sets of defects ends in a typed outcome, stuck bodies move with
+    /// the belt, and all that is handed out are numbers.
     #[test]
     fn every_variant_ends(x1 in -1.3..1.3, x2 in -1.5..1.5, mended in 0u32..128) {
         let mut defects = Defects::AS_PRINTED;
@@ -359,7 +366,8 @@ fn line(table: &mut String, name: &str, setup: &Setup) {
 #[test]
 fn the_matrix_is_frozen() {
     let mut table = String::from(
-        "case; lengths of the two longest stick phases (m), their durations (s); class of the settled motion\n",
+        "case; lengths of the two longest stick phases (m), their durations (s); class of the \
+            settled motion\n",
     );
     for h in [1e-3, 2e-4, 1e-4, 5e-5] {
         line(

@@ -166,7 +166,10 @@ mod impostor {
     #[test]
     fn a_malformed_row_is_told_with_its_line() {
         let folder = tempfile::tempdir().unwrap();
-        let script = "read command\necho version,scipy,1.0\necho curve,0,SciPy,tol,tight,0.1,entry@1\necho done\n";
+        let script = "read command\n\
+            echo version,scipy,1.0\n\
+            echo curve,0,SciPy,tol,tight,0.1,entry@1\n\
+            echo done\n";
         let stderr =
             contains("line 2 of the peers' process").and(contains("'tight' is no finite number"));
         python(folder.path(), script)
@@ -189,8 +192,11 @@ mod impostor {
     #[test]
     fn rows_of_peers_stand_beside_ours() {
         let folder = tempfile::tempdir().unwrap();
-        let script = "read command\necho version,scipy,1.0\necho curve,0,SciPy,tol,1e-6,0.1,entry@1\n\
-            echo 'cannot,heyoka,tol,,it is not here'\necho done\n\
+        let script = "read command\n\
+            echo version,scipy,1.0\n\
+            echo curve,0,SciPy,tol,1e-6,0.1,entry@1\n\
+            echo 'cannot,heyoka,tol,,it is not here'\n\
+            echo done\n\
             while read command; do echo seconds,0,0.25; echo done; done";
         let stdout =
             contains("beside scipy 1.0").and(contains("failed: 1 events, the reference has 9"));

@@ -44,7 +44,8 @@ fn the_same_bytes_whatever_the_threads_and_after_a_kill() {
     assert_eq!(whole, files(two.path()));
     all_is_kept(two.path(), &whole);
 
-    // Cut within a line, within the heading, and to nothing: whole groups stay, the rest is done again.
+    // Cut within a line, within the heading, and to nothing: whole groups stay, the rest is done
+    // again.
     let length = whole[0].len();
     for left in [length - 3, length / 2, 20, 0] {
         let table = two.path().join("readings.csv");

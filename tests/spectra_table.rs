@@ -1,15 +1,18 @@
-//! What the page of speeds says of `spectrum` beside other packages is what the committed table holds.
+//! What the page of speeds says of `spectrum` beside other packages is what the committed table
+//! holds.
 
 use std::collections::BTreeMap;
 
 const TABLE: &str = include_str!("../report/spectra.csv");
 const PAGE: &str = include_str!("../docs/speed.md");
 const OURS: &str = "spectrum";
-/// With the delay and the number of values that the packages are given, which otherwise it chooses itself.
+/// With the delay and the number of values that the packages are given, which otherwise it chooses
+/// itself.
 const GIVEN: &str = "spectrum, embedding given";
 /// Those that give a spectrum.
 const SPECTRA: [&str; 2] = ["nolds lyap_e", "neurokit2 eckmann1986"];
-/// Those that give one exponent and are the quickest, the second with a straight part that was sought before.
+/// Those that give one exponent and are the quickest, the second with a straight part that was
+/// sought before.
 const QUICK: [&str; 2] = [
     "neurokit2 makowski",
     "neurokit2 rosenstein1993, straight part",
@@ -73,11 +76,14 @@ fn the_page_says_what_the_table_holds() {
     let series = ours.len();
     let quicker = QUICK.map(|peer| count(&|name| by[peer][name].seconds < ours[name].seconds));
     let said = format!(
-        "The error of the first exponent is smaller than that of nolds `lyap_e` on {} series and of neurokit2 `eckmann1986` on {}, the two \
-         that give a spectrum, and than those of the others on {} to {}; with the embedding that the packages are given, than those of all on {} to {}. The faster \
-         spectrum takes {:.0} times the time of the processor (median; {:.0} to {:.0}), 20 times or more on {} of the {series}. neurokit2's `makowski`, which gives one exponent, is faster than `spectrum` on {}, and its fit \
-         of a straight part that is given on {}. On {} of the {series} \
-         `spectrum` itself calls its first exponent `starved`: 5000 values of one column are few.",
+        "The error of the first exponent is smaller than that of nolds `lyap_e` on {} series and \
+         of neurokit2 `eckmann1986` on {}, the two that give a spectrum, and than those of the \
+         others on {} to {}; with the embedding that the packages are given, than those of all on \
+         {} to {}. The faster spectrum takes {:.0} times the time of the processor (median; {:.0} \
+         to {:.0}), 20 times or more on {} of the {series}. neurokit2's `makowski`, which gives \
+         one exponent, is faster than `spectrum` on {}, and its fit of a straight part that is \
+         given on {}. On {} of the {series} `spectrum` itself calls its first exponent `starved`: \
+         5000 values of one column are few.",
         smaller(OURS, SPECTRA[0]),
         smaller(OURS, SPECTRA[1]),
         others.iter().min().unwrap(),

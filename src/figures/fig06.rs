@@ -40,8 +40,9 @@ pub const FIG06: FigureSpec<Data> = FigureSpec {
     name: "fig06",
     title: "Fig. 6: friction force against relative velocity, Eq. (2)",
     about: "Draws T(v) = sgn(v) mu0/(1 + delta |v|) with its vertical part |T| <= mu0 at v = 0: \
-        (a) for delta = 1 and three friction coefficients, (b) for mu0 = sqrt(3)/9 and three values of delta. \
-        Bold lines are the paper's parameters. Reports whether both branches decrease, and T at 1 m/s.",
+        (a) for delta = 1 and three friction coefficients, (b) for mu0 = sqrt(3)/9 and three \
+        values of delta. Bold lines are the paper's parameters. Reports whether both branches \
+        decrease, and T at 1 m/s.",
     compute,
     numbers,
     draw,
@@ -104,10 +105,11 @@ fn draw(data: &Data) -> Result<String, FigureError> {
         panel.add(curve(paper, LINES[1].0, LINES[1].1));
     }
     let title = "Friction force against relative velocity";
-    let description = "Two panels with the friction force T between −0.5 and 0.5 N against the relative velocity v between −3 \
-        and 3 m/s. Every curve is odd: it rises vertically from −μ0 to μ0 at v = 0, and its magnitude \
-        falls as the speed grows. Panel a: δ = 1 and three values of μ0; larger μ0 stretches the curve. \
-        Panel b: μ0 = √3/9 and δ = 0.5, 1, 3; larger δ makes it fall faster. Bold: the paper's parameters.";
+    let description = "Two panels with the friction force T between −0.5 and 0.5 N against the \
+        relative velocity v between −3 and 3 m/s. Every curve is odd: it rises vertically from −μ0 \
+        to μ0 at v = 0, and its magnitude falls as the speed grows. Panel a: δ = 1 and three \
+        values of μ0; larger μ0 stretches the curve. Panel b: μ0 = √3/9 and δ = 0.5, 1, 3; larger \
+        δ makes it fall faster. Bold: the paper's parameters.";
     let figure = Figure::new(FIG06.name, (680.0, 310.0), title, description);
     Ok(figure.columns(1.0, pair(a, b)).render()?)
 }

@@ -51,10 +51,12 @@ const ORDER_STEP: f64 = 0.5;
 pub const LOCATOR: FigureSpec<[LocatorMethod; 5]> = FigureSpec {
     name: "locator",
     title: "Error of a located event against the step",
-    about: "A block on a belt of speed 1.3, x'' = -x - 0.4 sgn(x' - 1.3), moves on a circle of radius 2.6 about (0.4, 0) until it is as fast \
-        as the belt: one step from the exact state before crosses that event, which is then located by one Henon step of order 4 (the paper's way) and \
-        of order 8, by a root search on the dense output of either order, and by linear interpolation between the step's ends, as naive codes \
-        do. Reports the order of each and its error at steps of 0.1 and 0.01.",
+    about: "A block on a belt of speed 1.3, x'' = -x - 0.4 sgn(x' - 1.3), moves on a circle of \
+        radius 2.6 about (0.4, 0) until it is as fast as the belt: one step from the exact state \
+        before crosses that event, which is then located by one Henon step of order 4 (the paper's \
+        way) and of order 8, by a root search on the dense output of either order, and by linear \
+        interpolation between the step's ends, as naive codes do. Reports the order of each and \
+        its error at steps of 0.1 and 0.01.",
     compute,
     numbers,
     draw,
@@ -128,9 +130,10 @@ fn draw(methods: &[LocatorMethod; 5]) -> Result<String, FigureError> {
         panel.add(curve.legend(&name));
         panel.add(Markers::new(points).color(color).shape(shape).size(5.0));
     }
-    let description = "Logarithmic axes. Five lines rise with the step: linear interpolation least steeply and by far the highest, then the dense \
-        output of order 3, the Hénon step of order 4, the dense output of order 7 and, steepest and lowest, the Hénon step of order 8, \
-        which reaches rounding at a step of about a tenth.";
+    let description = "Logarithmic axes. Five lines rise with the step: linear interpolation least \
+        steeply and by far the highest, then the dense output of order 3, the Hénon step of order \
+        4, the dense output of order 7 and, steepest and lowest, the Hénon step of order 8, which \
+        reaches rounding at a step of about a tenth.";
     let figure = Figure::new(LOCATOR.name, (560.0, 480.0), LOCATOR.title, description);
     Ok(figure.row(1.0, panel).render()?)
 }

@@ -71,7 +71,8 @@ pub enum FigureError {
     Write(#[from] WriteError),
     /// `--png` was given to a program built without it.
     #[error(
-        "this program was built without PNG output; rebuild it with `cargo build -p stickslip-replication --profile figures --no-default-features --features png`"
+        "this program was built without PNG output; rebuild it with `cargo build -p \
+            stickslip-replication --profile figures --no-default-features --features png`"
     )]
     PngNotBuilt,
     /// The SVG cannot be rendered.

@@ -256,7 +256,8 @@ impl Claims {
 pub enum PublishedError {
     /// The text is not CSV with as many fields in each row as in the first.
     #[error(
-        "the table of published values is malformed ({reason}); give every row the fields of the first"
+        "the table of published values is malformed ({reason}); give every row the fields of the \
+            first"
     )]
     Malformed {
         /// What the reader says.
@@ -276,7 +277,8 @@ pub enum PublishedError {
     },
     /// A row has a name that nothing in the program asks for.
     #[error(
-        "{name:?} is the name of no claim; correct it, or add it to ClaimId in src/paper/claim_id.rs"
+        "{name:?} is the name of no claim; correct it, or add it to ClaimId in \
+            src/paper/claim_id.rs"
     )]
     Unknown {
         /// The name.

@@ -54,7 +54,8 @@ described! {
         /// spread.
         BestOfReadings = (
             "best-of-readings",
-            "the nearest of the search's estimator settings for the corrected equations, radii in units of the spread",
+            "the nearest of the search's estimator settings for the corrected equations, radii in \
+                units of the spread",
             Role::Beside,
         ),
     }

@@ -49,8 +49,9 @@ pub fn draw(rows: &[Row], problems: &[Problem]) -> Result<String, PlotError> {
     let height = lines as f64 * ROW + LEGEND;
     let (count, solvers) = (problems.len(), names.join(", "));
     let description = format!(
-        "{count} panels, one for each problem: largest error of the event times against the time of a run, both logarithmic, one \
-         curve for each of {solvers}. Down and to the left is better.{about_processes}"
+        "{count} panels, one for each problem: largest error of the event times against the time \
+         of a run, both logarithmic, one curve for each of {solvers}. Down and to the left is \
+         better.{about_processes}"
     );
     let mut figure = Figure::new("bench", (880.0, height), "Work and precision", &description);
     let mut panels = panels.into_iter().map(|panel| (1.0, panel.into()));

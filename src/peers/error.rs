@@ -43,7 +43,8 @@ pub enum PeersError {
     },
     /// The peers' process ended or its pipe broke.
     #[error(
-        "the peers' process ended while '{command}' was under way ({cause}); its own message stands above"
+        "the peers' process ended while '{command}' was under way ({cause}); its own message \
+            stands above"
     )]
     Ended {
         /// What it had been asked.

@@ -26,8 +26,8 @@ use event::Event;
 use problem::{Problem, SOLVERS, Solver, problems};
 use row::Row;
 
-const ABOUT: &str = "Error of event times against run time, for our solvers and, given a Python that has them, for SciPy, \
-    numba, heyoka and pydiffsol, all in one run on one machine.";
+const ABOUT: &str = "Error of event times against run time, for our solvers and, given a Python \
+    that has them, for SciPy, numba, heyoka and pydiffsol, all in one run on one machine.";
 
 const AFTER: &str = "\
 Files written:

@@ -23,7 +23,9 @@ pub fn duration(seconds: f64) -> String {
 /// The tables.
 pub fn text(rows: &[Row], ours: &[&str], head: &str) -> String {
     let mut text = format!("{head}\n");
-    text += "\nMost accurate setting of every solver: error of event times, time of a run (median), compilation\n";
+    text += "\n\
+        Most accurate setting of every solver: error of event times, time of a run (median), \
+        compilation\n";
     for row in most_accurate(rows).into_iter().map(|i| &rows[i]) {
         let cell = |value: Option<f64>| value.map_or("-".into(), duration);
         let error = row.error.map_or("-".into(), |error| format!("{error:.1e}"));
@@ -40,7 +42,9 @@ pub fn text(rows: &[Row], ours: &[&str], head: &str) -> String {
     let ratios = ratios(rows, ours);
     if !ratios.is_empty() {
         text += &format!(
-            "\nTimes at equal error, {WANTED:e} or the peer's least if that is larger, between settings by interpolation\n"
+            "\n\
+                Times at equal error, {WANTED:e} or the peer's least if that is larger, between \
+                settings by interpolation\n"
         );
         text +=
             "  problem         peer                        error      peer       ours  peer/ours\n";
@@ -59,7 +63,8 @@ pub fn text(rows: &[Row], ours: &[&str], head: &str) -> String {
             ..
         } = ratio;
         text += &format!(
-            "  {problem:15} {peer:22} {error:>10.1e} {theirs:>9} {time:>10} {quotient:>10}  ({ours})\n"
+            "  {problem:15} {peer:22} {error:>10.1e} {theirs:>9} {time:>10} {quotient:>10}  \
+                ({ours})\n"
         );
     }
     text + &processes(rows, ours)
@@ -100,7 +105,9 @@ pub fn block(rows: &[Row], ours: &str) -> String {
     let peers = all.iter().map(|one| one.peer.as_str());
     let peers = distinct(peers.filter(|peer| !peer.starts_with(OWN)));
     let mut text = format!(
-        "| time for an error of {WANTED:e} (or the peer's least), over that of `{ours}` | least | most | on |\n|---|--:|--:|---|\n"
+        "| time for an error of {WANTED:e} (or the peer's least), over that of `{ours}` | least | \
+            most | on |\n\
+            |---|--:|--:|---|\n"
     );
     for peer in peers {
         let of_peer: Vec<(&Ratio, f64)> = all

@@ -18,7 +18,8 @@ pub enum ReadingsError {
         source: std::io::Error,
     },
     /// A table is there that this search cannot continue: of other settings, or none of readings.
-    #[error("{} is not of this search: its line {line} is '{found}' and should be '{wanted}'; move it away or choose another folder with --out", path.display())]
+    #[error("{} is not of this search: its line {line} is '{found}' and should be '{wanted}'; move \
+        it away or choose another folder with --out", path.display())]
     OtherSearch {
         /// The table.
         path: PathBuf,
@@ -37,7 +38,8 @@ pub enum ReadingsError {
     Published(#[from] PublishedError),
     /// The committed table is not that of the full search.
     #[error(
-        "{file} is not the table of the full search: {found} of {wanted} configurations can be read, or they were made with other settings; make it with `make readings`"
+        "{file} is not the table of the full search: {found} of {wanted} configurations can be \
+            read, or they were made with other settings; make it with `make readings`"
     )]
     Incomplete {
         /// The table.

@@ -42,8 +42,9 @@ pub use table::{Row, Verdict, others};
 /// Name of the summary.
 const SUMMARY: &str = "readings.txt";
 
-const ABOUT: &str = "Searches the ways to read the paper's Eq. (27)-(28) and the captions of Figs. 10-12 for the one that gives the \
-    twelve published Lyapunov exponents, and says how much such a find is worth.";
+const ABOUT: &str = "Searches the ways to read the paper's Eq. (27)-(28) and the captions of Figs. \
+    10-12 for the one that gives the twelve published Lyapunov exponents, and says how much such a \
+    find is worth.";
 
 const AFTER: &str = "\
 Writes into the folder

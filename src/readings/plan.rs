@@ -383,7 +383,8 @@ pub fn settings_name((unit, settings): &Setting) -> String {
     let [theiler, rank] = [settings.theiler, settings.fixed_rank].map(|one| or(one, "auto"));
     let references = or(settings.references, "all");
     format!(
-        "{neighbours} d={step} stride={stride} {fit} ridge={ridge:e} theiler={theiler} rank={rank} rank-tolerance={rank_tolerance:e} references={references}"
+        "{neighbours} d={step} stride={stride} {fit} ridge={ridge:e} theiler={theiler} rank={rank} \
+            rank-tolerance={rank_tolerance:e} references={references}"
     )
 }
 

@@ -36,7 +36,8 @@ fn tried(plan: &Plan, done: usize) -> String {
     } = plan;
     let text = format!(
         "stickslip readings: {name} search, t from {from}, {points} points at dt = {DT}\n\n\
-         Tried: {done} of {total} configurations (reading x integrator x estimator settings), each for all three figures.\n"
+         Tried: {done} of {total} configurations (reading x integrator x estimator settings), each \
+         for all three figures.\n"
     );
     if done < total {
         return text + "The search is not complete: run it again to go on.\n";
@@ -74,12 +75,19 @@ fn motions(pairs: &[&Row]) -> String {
     });
     let by_integrator: String = by_integrator.collect();
     format!(
-        "Of {all} pairs of reading and integrator {kept} keep all three motions. As captioned, loops and all, Fig. 10 is in {c10}, Fig. 11 in {c11}, Fig. 12 in {c12}, \
-         all three in {classes}.\nIn kind, periodic with any number of loops passing for Fig. 10: {k10}, {k11}, {k12}, all three in {kinds}.\n\n\
-         By integrator: readings that keep all three motions, that have all three kinds; and of Fig. 11 where it stays: how often it is quasi-periodic,\n\
-         half the extent of x1, correlation dimension of the section:\n{by_integrator}\
-         \nDistance: root mean square of |found - published| / (|published| + {FLOOR}), each at most {CAP}; a missing or infinite \
-         exponent counts {CAP}.\nExponents in descending order, those marked ? (unidentified) or * (starved or unpredictable) included.\n\n"
+        "Of {all} pairs of reading and integrator {kept} keep all three motions. As captioned, \
+         loops and all, Fig. 10 is in {c10}, Fig. 11 in {c11}, Fig. 12 in {c12}, all three in \
+         {classes}.\n\
+         In kind, periodic with any number of loops passing for Fig. 10: {k10}, {k11}, {k12}, all \
+         three in {kinds}.\n\n\
+         By integrator: readings that keep all three motions, that have all three kinds; and of \
+         Fig. 11 where it stays: how often it is quasi-periodic,\n\
+         half the extent of x1, correlation dimension of the section:\n\
+         {by_integrator}\n\
+         Distance: root mean square of |found - published| / (|published| + {FLOOR}), each at most \
+         {CAP}; a missing or infinite exponent counts {CAP}.\n\
+         Exponents in descending order, those marked ? (unidentified) or * (starved or \
+         unpredictable) included.\n\n"
     )
 }
 
@@ -91,13 +99,16 @@ fn nearest(plan: &Plan, figure: usize, (level, row): (Level, &Row)) -> String {
     let counts = match row.is_ranked() {
         true => "",
         false => {
-            ": a reading that loses a figure or gives it another kind of motion is no match and is not ranked"
+            ": a reading that loses a figure or gives it another kind of motion is no match and is \
+                not ranked"
         }
     };
     let (figure, level) = (figure + 10, level_of(&level));
     format!(
-        "Nearest to Fig. {figure} alone, motions aside:\n{described}{exponents}{level}  \
-         three figures were looked at: the best of three is met so well by chance in {percent:.1} %\n  its motions: {motions}{counts}\n\n"
+        "Nearest to Fig. {figure} alone, motions aside:\n\
+         {described}{exponents}{level}  three figures were looked at: the best of three is met so \
+         well by chance in {percent:.1} %\n  \
+         its motions: {motions}{counts}\n\n"
     )
 }
 
@@ -111,11 +122,14 @@ fn best(plan: &Plan, kept: &[&Row]) -> String {
         let met = twelve(|exponent| meeting(&[row], exponent, &plan.published));
         let met: usize = met.as_flattened().iter().sum();
         Some(format!(
-            "{what}\n{described}{exponents}  distance {distance:.3}; {kinds} of 3 kinds of motion, {classes} of 3 classes; {met} of 12 exponents to the printed digits\n\n"
+            "{what}\n\
+                {described}{exponents}  distance {distance:.3}; {kinds} of 3 kinds of motion, \
+                {classes} of 3 classes; {met} of 12 exponents to the printed digits\n\n"
         ))
     };
     let by_kind = "Best common setting (kinds of motion first):";
-    let by_exponents = "Nearest exponents of readings that keep all three motions, not ranked without all three kinds:";
+    let by_exponents = "Nearest exponents of readings that keep all three motions, not ranked \
+        without all three kinds:";
     let both = [
         (by_kind, least(kept, Row::kinds_first)),
         (by_exponents, least(kept, |row| ((), row.scores[3]))),
@@ -163,9 +177,12 @@ fn together(plan: &Plan, rows: &Rows) -> String {
     }
     let (zero, negative, positive) = (ZERO, significance::NEGATIVE, significance::POSITIVE);
     text + &format!(
-        "Random targets: a zero exponent evenly from -{zero} to {zero}; a negative one from -{} to -{}, a positive one from {} to {}, their logarithms\n\
-         evenly; periodic 0 - - -, quasi-periodic 0 0 - -, chaotic + 0 - -. Spectra of other readings: those with the published signs where the published\n\
-         size is above {zero}, each compared with the rows of other readings; one that gives the same spectrum to the last bit is the same reading by another name.\n\n",
+        "Random targets: a zero exponent evenly from -{zero} to {zero}; a negative one from -{} to \
+         -{}, a positive one from {} to {}, their logarithms\n\
+         evenly; periodic 0 - - -, quasi-periodic 0 0 - -, chaotic + 0 - -. Spectra of other \
+         readings: those with the published signs where the published\n\
+         size is above {zero}, each compared with the rows of other readings; one that gives the \
+         same spectrum to the last bit is the same reading by another name.\n\n",
         negative.1, negative.0, positive.0, positive.1,
     )
 }
@@ -179,7 +196,8 @@ fn level_of(level: &Level) -> String {
     } = level;
     let (of_random, of_readings) = (random.percent(), readings.percent());
     format!(
-        "  distance {published:.3}; as near or nearer are {} of {} random targets ({of_random:.2} %) and {} of {} spectra that other readings give ({of_readings:.1} %)\n",
+        "  distance {published:.3}; as near or nearer are {} of {} random targets ({of_random:.2} \
+            %) and {} of {} spectra that other readings give ({of_readings:.1} %)\n",
         random.met, random.of, readings.met, readings.of,
     )
 }
@@ -188,9 +206,12 @@ fn own_spread(plan: &Plan, spread: &[&Row]) -> String {
     let (reading, integrator) = (spread[0].reading(), spread[0].integrator());
     let (count, described) = (spread.len(), described());
     let mut text = format!(
-        "The estimator's own spread: the recommended reading ({reading}; {integrator}) under {count} settings\n\
-         ({described}; and those of the search), same three series throughout; ranges of the settings that identify the exponent:\n  \
-         exponent          min    median       max   published   unidentified   starved or unpredictable   published digits\n"
+        "The estimator's own spread: the recommended reading ({reading}; {integrator}) under \
+         {count} settings\n\
+         ({described}; and those of the search), same three series throughout; ranges of the \
+         settings that identify the exponent:\n  \
+         exponent          min    median       max   published   unidentified   starved or \
+         unpredictable   published digits\n"
     );
     let mut widths = Vec::new();
     for (figure, k) in twelve(|exponent| exponent).into_iter().flatten() {
@@ -208,14 +229,16 @@ fn own_spread(plan: &Plan, spread: &[&Row]) -> String {
         let (unidentified, all, doubtful, met) =
             (of.unidentified, of.settings, of.doubtful, of.met);
         text += &format!(
-            "  fig{figure}.lambda.{k} {values}   {unidentified:>2} of {all:<15} {doubtful:<26} {met}\n"
+            "  fig{figure}.lambda.{k} {values}   {unidentified:>2} of {all:<15} {doubtful:<26} \
+                {met}\n"
         );
     }
     if let Some(median) = median(&widths) {
         let (least, most) = extent(widths.iter().copied());
         let (count, units) = (widths.len(), median / 1e-4);
         text += &format!(
-            "The settings, which the paper does not state, move the {count} exponents that some of them identify by {least:.4} to {most:.4}, median {median:.4}:\n\
+            "The settings, which the paper does not state, move the {count} exponents that some of \
+             them identify by {least:.4} to {most:.4}, median {median:.4}:\n\
              {units:.0} units of the fourth printed decimal.\n"
         );
     }

@@ -142,13 +142,15 @@ impl SameMotion {
                 let [l1, l2, d1, d2] = differences.map(thousandths);
                 let most = joined(self.most.map(allowed), ", ");
                 format!(
-                    "off the published lengths by {l1} and {l2} mm, off the durations by {d1} and {d2} ms, where {most} are allowed"
+                    "off the published lengths by {l1} and {l2} mm, off the durations by {d1} and \
+                        {d2} ms, where {most} are allowed"
                 )
             }
         };
         let listing = kind(&self.listing);
         format!(
-            "in the event-exact solver the injected defects give {injected} (the listing: {listing}), {off}"
+            "in the event-exact solver the injected defects give {injected} (the listing: \
+                {listing}), {off}"
         )
     }
 }
@@ -205,8 +207,8 @@ impl StepError {
         let [left, own] = [self.left, self.own].map(|four| joined(four.map(thousandths), ", "));
         let (most, finest) = (joined(self.most_left.map(allowed), ", "), self.finest);
         format!(
-            "at h = {PRINTED_STEP:e} s the listing is off the injected solver by {left} (mm, mm, ms, ms), where {most} are allowed, and off itself at \
-             h = {finest:e} s by {own}"
+            "at h = {PRINTED_STEP:e} s the listing is off the injected solver by {left} (mm, mm, \
+             ms, ms), where {most} are allowed, and off itself at h = {finest:e} s by {own}"
         )
     }
 }

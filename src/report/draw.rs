@@ -13,10 +13,13 @@ fn about_convergence(data: &Convergence) -> String {
     let bounds = data.approach.iter().map(|one| format!("{:.1}", one.bound));
     let (all, good) = (data.around.len(), data.steps_that_give_digits());
     format!(
-        "Left: distance of the listing's two stick lengths and two stick durations from their limit against its step, both axes \
-         logarithmic; the points scatter below and along lines of slope one, the bounds {} times h, of which the largest is drawn; the \
-         printed step is left out of the bounds and marked, the steps around it are drawn smaller. Right: deviation from the published numbers, in units of their last printed \
-         digit, for {all} steps within {} per cent of the printed one; at {good} of them all four lie within half a unit.",
+        "Left: distance of the listing's two stick lengths and two stick durations from their \
+         limit against its step, both axes logarithmic; the points scatter below and along lines \
+         of slope one, the bounds {} times h, of which the largest is drawn; the printed step is \
+         left out of the bounds and marked, the steps around it are drawn smaller. Right: \
+         deviation from the published numbers, in units of their last printed digit, for {all} \
+         steps within {} per cent of the printed one; at {good} of them all four lie within half a \
+         unit.",
         joined(bounds, ", "),
         100.0 * REACH
     )
@@ -44,9 +47,9 @@ pub fn convergence(data: &Convergence, published: [f64; 4]) -> Result<Picture, P
     Ok(Picture {
         figure: name,
         title,
-        about: "Left: the four numbers of Fig. 8 approach what the event-exact solver gives with the two defects that do not vanish with \
-            the step. Right: how far they are from the published ones at steps near the printed one, in units of the last \
-            printed digit.",
+        about: "Left: the four numbers of Fig. 8 approach what the event-exact solver gives with \
+            the two defects that do not vanish with the step. Right: how far they are from the \
+            published ones at steps near the printed one, in units of the last printed digit.",
         svg: figure.columns(1.0, panels).render()?,
         rows: Vec::new(),
     })
@@ -117,9 +120,11 @@ fn about_scan(scan: &Scan) -> String {
         point.counts[Class::StickSlip as usize] + point.counts[Class::StickSlipTwo as usize]
     });
     format!(
-        "One strip for each of {} parameters, multiplied by a factor from one half to two. At each factor a column shows in which parts the \
-         starts escape, settle on slip only, on stick–slip, on stick–slip of period two, or on nothing periodic. At the printed values, the \
-         middle, {sticking} of {} starts lead to stick–slip; stick–slip of period two is marked by triangles.",
+        "One strip for each of {} parameters, multiplied by a factor from one half to two. At each \
+         factor a column shows in which parts the starts escape, settle on slip only, on \
+         stick–slip, on stick–slip of period two, or on nothing periodic. At the printed values, \
+         the middle, {sticking} of {} starts lead to stick–slip; stick–slip of period two is \
+         marked by triangles.",
         scan.lines.len(),
         scan.starts
     )
@@ -183,8 +188,8 @@ pub fn scan(scan: &Scan) -> Result<Picture, PlotError> {
     Ok(Picture {
         figure: "scan",
         title,
-        about: "Each parameter of the stated model in turn from half to twice its printed value, the others as printed; solved \
-            accurately from the same starts each.",
+        about: "Each parameter of the stated model in turn from half to twice its printed value, \
+            the others as printed; solved accurately from the same starts each.",
         svg: figure.row(1.0, panel).render()?,
         rows: Vec::new(),
     })

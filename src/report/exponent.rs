@@ -91,13 +91,15 @@ impl ExponentCheck {
                     false => "outside of what all of these give",
                 };
                 format!(
-                    "the {others} others give {least} to {largest}, and the published value lies {lies}"
+                    "the {others} others give {least} to {largest}, and the published value lies \
+                        {lies}"
                 )
             }
             None => "there is no other".to_owned(),
         };
         format!(
-            "{unidentified} of {settings} settings of the estimator leave it unidentified, {given}; {met} of all give the published digits"
+            "{unidentified} of {settings} settings of the estimator leave it unidentified, \
+                {given}; {met} of all give the published digits"
         )
     }
 }

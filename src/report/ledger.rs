@@ -233,7 +233,8 @@ impl Ledger {
             format!("{:.4}", extent(determined.map(|one| one.value.abs())).0)
         });
         format!(
-            "of the exponents that an estimate from the sampled motion determines, the nearest to zero is {} in size (Figs. 10, 11, 12)",
+            "of the exponents that an estimate from the sampled motion determines, the nearest to \
+                zero is {} in size (Figs. 10, 11, 12)",
             nearest.join(", ")
         )
     }
@@ -249,7 +250,8 @@ impl Ledger {
         let borne_out = |met: usize, what: &str| {
             let all = search.spread[0][0].settings;
             format!(
-                "{met} of {all} settings of the estimator {what} (sizes up to {ZERO} pass for zero)"
+                "{met} of {all} settings of the estimator {what} (sizes up to {ZERO} pass for \
+                    zero)"
             )
         };
         let counts = &search.borne_out;
@@ -261,7 +263,8 @@ impl Ledger {
             ClaimId::Fig12Class => {
                 let shapes = self.statements.shapes.line();
                 let class = format!(
-                    "the class rests on a section that does not close and on the positive exponent: {shapes}"
+                    "the class rests on a section that does not close and on the positive \
+                        exponent: {shapes}"
                 );
                 vec![class, self.spread.chaos_sentence()]
             }
@@ -269,8 +272,10 @@ impl Ledger {
                 let figure = &self.computed.fig04;
                 let (sticking, all) = (figure.sticking, figure.orbits.len());
                 vec![format!(
-                    "{sticking} of the {all} orbits of the figure ride the belt before they settle; of the periodic solution alone \
-                    the sentence holds; that reading is not judged, for it says “in the considered system” and goes on to the transient trajectory"
+                    "{sticking} of the {all} orbits of the figure ride the belt before they \
+                    settle; of the periodic solution alone the sentence holds; that reading is not \
+                    judged, for it says “in the considered system” and goes on to the transient \
+                    trajectory"
                 )]
             }
             ClaimId::Fig08TwoPeriodic => vec![
@@ -310,7 +315,8 @@ impl Ledger {
                 let settings = exponent.sentence();
                 let settings = match all_agree {
                     true => format!(
-                        "equations and data round to the published digits; that decides nothing where other settings do not: {settings}"
+                        "equations and data round to the published digits; that decides nothing \
+                            where other settings do not: {settings}"
                     ),
                     false => settings,
                 };
@@ -330,7 +336,9 @@ fn shares_sentence(shares: &Shares) -> String {
     let (stick_slip, unsettled) = (percent(shares.stick_slip), percent(shares.unsettled));
     let ([x1, x2], starts) = (REACH, shares.starts);
     format!(
-        "Of {starts} starts in the stated model, from −{x1} to {x1} m and −{x2} to {x2} m/s, within {FOLLOWED} forcing periods {slip} settle on motions that never \
-         stick, {escape} escape, {stick_slip} stick and slip, and {unsettled} do not settle (other windows of starts have other shares)."
+        "Of {starts} starts in the stated model, from −{x1} to {x1} m and −{x2} to {x2} m/s, \
+         within {FOLLOWED} forcing periods {slip} settle on motions that never stick, {escape} \
+         escape, {stick_slip} stick and slip, and {unsettled} do not settle (other windows of \
+         starts have other shares)."
     )
 }

@@ -149,7 +149,8 @@ impl Matrix {
         let digits = self.about(what, Cell::gives_digits);
         let motion = self.about("the published kind of motion", Cell::gives_class);
         format!(
-            "Of all {SUBSETS} subsets of the defects, run in the listing at its printed step, {digits}; {motion}."
+            "Of all {SUBSETS} subsets of the defects, run in the listing at its printed step, \
+                {digits}; {motion}."
         )
     }
 
@@ -171,7 +172,8 @@ impl Matrix {
                 let others = match lost {
                     0 => "sufficient whatever else is present".to_owned(),
                     _ => format!(
-                        "sufficient by themselves (with others added, {lost} of the {all} subsets that contain them lose it)"
+                        "sufficient by themselves (with others added, {lost} of the {all} subsets \
+                            that contain them lose it)"
                     ),
                 };
                 format!("{named} are necessary and together {others}")

@@ -56,15 +56,18 @@ pub(super) fn sentences(ledger: &Ledger) -> [String; 3] {
     let exponents = gives(exponents.as_flattened(), &open);
     [
         format!(
-            "The paper’s equations, solved accurately, bear out {stated} of its {counted} claims as they stand and {corrected} more with misprints corrected."
+            "The paper’s equations, solved accurately, bear out {stated} of its {counted} claims \
+                as they stand and {corrected} more with misprints corrected."
         ),
         format!(
-            "Fig. 8 comes from defects of the Appendix’s program ({motion} make its motion, {digits} its digits), which gives {printed} published numbers; the \
-             equations give {exact}."
+            "Fig. 8 comes from defects of the Appendix’s program ({motion} make its motion, \
+             {digits} its digits), which gives {printed} published numbers; the equations give \
+             {exact}."
         ),
         format!(
-            "Of Figs. 10–12 the corrected equations give {classes} captioned classes{unlike}; {exponents} exponents are undeterminable, for the settings behind \
-             them are not stated."
+            "Of Figs. 10–12 the corrected equations give {classes} captioned classes{unlike}; \
+             {exponents} exponents are undeterminable, for the settings behind them are not \
+             stated."
         ),
     ]
 }
@@ -133,11 +136,14 @@ pub(super) fn figs_10_to_12(ledger: &Ledger) -> String {
     let (cited, pairs) = (search.cited(), &search.pairs);
     let (lead, together) = (lead(search), together(search));
     format!(
-        "Figs. 10–12 publish {} classes of motion. The corrected equations give {met} of them{unlike}. With the signs as printed {diverging} of the three \
-         motions diverge. Of the {} published exponents {of_open} are {open}: settings of the estimator that the paper does not state decide \
-         their digits; {missed}: {of_missed}. {signs} have the computed sign, {within} lie inside what those of {settings} settings give that identify them. A search over {configurations} ways to read and \
-         evaluate the figures ({cited}) finds {} of its {} pairs of equations and integrator with all three captioned classes, and {} with the same \
-         kinds of motion, loops aside. {lead} {together}",
+        "Figs. 10–12 publish {} classes of motion. The corrected equations give {met} of \
+         them{unlike}. With the signs as printed {diverging} of the three motions diverge. Of the \
+         {} published exponents {of_open} are {open}: settings of the estimator that the paper \
+         does not state decide their digits; {missed}: {of_missed}. {signs} have the computed \
+         sign, {within} lie inside what those of {settings} settings give that identify them. A \
+         search over {configurations} ways to read and evaluate the figures ({cited}) finds {} of \
+         its {} pairs of equations and integrator with all three captioned classes, and {} with \
+         the same kinds of motion, loops aside. {lead} {together}",
         classes.len(),
         exponents.len(),
         pairs.classes,
@@ -169,8 +175,9 @@ fn lead(search: &Committed) -> String {
     };
     let (reading, integrator) = (row.reading(), row.integrator());
     format!(
-        "Each figure by itself, as many random targets (the best of three looks) and spectra of other readings are met as well as its \
-         exponents: {}. The nearest, Fig. {}, is {rare} match; its reading ({reading}; {integrator}) {leaves}.",
+        "Each figure by itself, as many random targets (the best of three looks) and spectra of \
+         other readings are met as well as its exponents: {}. The nearest, Fig. {}, is {rare} \
+         match; its reading ({reading}; {integrator}) {leaves}.",
         join(&each),
         figure + 10,
     )
@@ -186,8 +193,10 @@ fn together(search: &Committed) -> String {
     let single = if is_rare { "a" } else { "no" };
     let sources = sources_in_words(search.ranked_from);
     format!(
-        "Taken together, the twelve exponents single out {single} setting. By the {} configurations with all three kinds of motion ({sources}) {:.0} % of \
-         random targets and {:.1} % of the {} spectra of other readings are met as well; by the {} that keep all three motions {:.0} % and {:.1} %.",
+        "Taken together, the twelve exponents single out {single} setting. By the {} \
+         configurations with all three kinds of motion ({sources}) {:.0} % of random targets and \
+         {:.1} % of the {} spectra of other readings are met as well; by the {} that keep all \
+         three motions {:.0} % and {:.1} %.",
         search.ranked, ranked.0, ranked.1, ranked.2, search.kept, kept.0, kept.1,
     )
 }

@@ -84,7 +84,8 @@ impl Spread {
             .iter()
             .map(|one| format!("{}: {}", one.reading(), one.classes[2]));
         format!(
-            "with the signs corrected and solved exactly, {} of {} readings give the class ({}): {}",
+            "with the signs corrected and solved exactly, {} of {} readings give the class ({}): \
+                {}",
             chaotic.len(),
             all.len(),
             joined(needed, "; "),

@@ -15,27 +15,29 @@ described! {
         Reproduced = [
             "reproduced",
             "reproduced",
-            "the model as stated, solved accurately, gives it to every printed digit; a statement holds in all its parts",
+            "the model as stated, solved accurately, gives it to every printed digit; a statement \
+                holds in all its parts",
         ],
         /// The model with the listed corrections gives it.
         WithCorrections = [
             "reproduced with corrected equations",
             "corrected",
-            "the model with the corrections that are listed, solved accurately, gives it to every printed digit or in all its parts; \
-            as stated it does not",
+            "the model with the corrections that are listed, solved accurately, gives it to every \
+            printed digit or in all its parts; as stated it does not",
         ],
         /// Only the paper's program or equations to the letter give it.
         AsPrintedOnly = [
             "reproduced as printed only",
             "printed",
-            "the paper's own program or equations, to the letter, give it to every printed digit or in all its parts; neither the model as \
-            stated nor a corrected one does",
+            "the paper's own program or equations, to the letter, give it to every printed digit \
+            or in all its parts; neither the model as stated nor a corrected one does",
         ],
         /// Of a statement: a part holds.
         InKind = [
             "in kind only",
             "kind",
-            "of statements and curves alone: a part holds and a part does not, and the evidence names both",
+            "of statements and curves alone: a part holds and a part does not, and the evidence \
+                names both",
         ],
         /// None of these.
         NotReproduced = [
@@ -47,14 +49,16 @@ described! {
         Undeterminable = [
             "undeterminable",
             "open",
-            "the paper does not state what the value depends on, and plausible settings, which are listed, move it by more than its printed \
-            digits or leave it unidentified; one setting that agrees or disagrees is no evidence",
+            "the paper does not state what the value depends on, and plausible settings, which are \
+            listed, move it by more than its printed digits or leave it unidentified; one setting \
+            that agrees or disagrees is no evidence",
         ],
         /// It could not be otherwise; not counted.
         Identity = [
             "identity",
             "identity",
-            "it follows from other claims or from a definition, so that it is no evidence: listed and not counted",
+            "it follows from other claims or from a definition, so that it is no evidence: listed \
+                and not counted",
         ],
     }
 }
@@ -119,13 +123,17 @@ described! {
         /// Signs of x3 and T in the second row of Eq. (27).
         BracketSigns = "Eq. (27): +x3 and +T(v) in the bracket of the second row (printed −x3, −T)",
         /// μ0 counted once in Eq. (28).
-        FrictionAmplitude = "Eq. (28): friction is mu0 − xi6 x3 − xi7 x4 (printed mu0 times that with 1 for mu0)",
+        FrictionAmplitude = "Eq. (28): friction is mu0 − xi6 x3 − xi7 x4 (printed mu0 times that \
+            with 1 for mu0)",
         /// What the nine numbers of the captions are.
-        CaptionOrder = "captions: the numbers are xi1 … xi5, mu0, xi6, delta, vp and xi7 = 0 (printed xi1 … xi7, delta, vp)",
+        CaptionOrder = "captions: the numbers are xi1 … xi5, mu0, xi6, delta, vp and xi7 = 0 \
+            (printed xi1 … xi7, delta, vp)",
         /// Contact that cannot pull.
-        ClippedNormalForce = "the normal force is never negative (not said in the paper: contact can only push)",
+        ClippedNormalForce = "the normal force is never negative (not said in the paper: contact \
+            can only push)",
         /// Sign of the Hénon step from x2 > vp.
-        StepFromAbove = "Sect. 3: the Hénon step is vp − x2 from either side (printed x2 − vp from above)",
+        StepFromAbove = "Sect. 3: the Hénon step is vp − x2 from either side (printed x2 − vp from \
+            above)",
         /// dt/dx1 in Eq. (15).
         ReleaseSlope = "Eq. (15): dt/dx1 is 1/x2 (printed 1/f2)",
     }

@@ -4,7 +4,8 @@ use insta::Comparator;
 use insta::Snapshot;
 use insta::internals::SnapshotContents;
 
-/// Line by line and word by word: numbers up to a relative difference, everything else to the letter.
+/// Line by line and word by word: numbers up to a relative difference, everything else to the
+/// letter.
 #[derive(Clone, Copy, Debug)]
 pub struct Numerically {
     /// Largest relative difference.

@@ -1,5 +1,5 @@
-//! What Figs. 10, 11 and 12 compute: the published classes, the spectra against closed statements, and exponents from
-//! data against those from the equations.
+//! What Figs. 10, 11 and 12 compute: the published classes, the spectra against closed statements,
+//! and exponents from data against those from the equations.
 //!
 //! Every check takes the figure's data, so that they are computed once.
 
@@ -32,8 +32,8 @@ fn exponents_from_data_are_those_of_the_equations_where_the_data_tell_them() {
     });
 }
 
-/// End effects of 9000 time units: a vector's growth over a broken period, and the turning of a pair's plane, are both factors
-/// of less than 30.
+/// End effects of 9000 time units: a vector's growth over a broken period, and the turning of a
+/// pair's plane, are both factors of less than 30.
 fn end_effects() -> f64 {
     math::ln(30.0) / 9000.0
 }
@@ -47,7 +47,8 @@ fn close(found: f64, wanted: f64, tolerance: f64) {
     );
 }
 
-/// What holds of all three: stick annihilates one direction, and the exponents add up to the mean divergence.
+/// What holds of all three: stick annihilates one direction, and the exponents add up to the mean
+/// divergence.
 fn spectrum_holds(data: &Data) {
     let spectrum = &data.exact.spectrum;
     assert_eq!(spectrum.exponents[3], Exponent::Annihilated);
@@ -118,9 +119,10 @@ pub fn chaotic(data: &Data) {
     close(third.value(), -0.038, 4.0 * third.std_error().unwrap());
 }
 
-/// What the estimator calls `ok` agrees with the equations within errors that are known without them. The second exponent of Fig. 12, which
-/// is zero, takes up nearly all of what is allowed: the data give 0.004, which doubling the neighbourhoods hardly moves, and another chaotic
-/// orbit may be beyond it. Its row says so then.
+/// What the estimator calls `ok` agrees with the equations within errors that are known without
+/// them. The second exponent of Fig. 12, which is zero, takes up nearly all of what is allowed: the
+/// data give 0.004, which doubling the neighbourhoods hardly moves, and another chaotic orbit may
+/// be beyond it. Its row says so then.
 pub fn data_against_equations(figures: &[(&str, &Data)]) {
     let mut off = Vec::new();
     let mut compared = 0;
@@ -133,7 +135,8 @@ pub fn data_against_equations(figures: &[(&str, &Data)]) {
             for one in compare(spectrum, equations) {
                 compared += 1;
                 println!(
-                    "{figure}.lambda.{} {reading}: data {:.6}, equations {:.6}, off by {:.6}, allowed {:.6}",
+                    "{figure}.lambda.{} {reading}: data {:.6}, equations {:.6}, off by {:.6}, \
+                        allowed {:.6}",
                     one.place + 1,
                     one.from_data,
                     one.from_equations,
@@ -146,8 +149,8 @@ pub fn data_against_equations(figures: &[(&str, &Data)]) {
             }
         }
     }
-    // One of a cycle, two of a torus, three of a chaotic motion with stick, each by two settings; but the second settings call the first of the torus
-    // unstable.
+    // One of a cycle, two of a torus, three of a chaotic motion with stick, each by two settings;
+    // but the second settings call the first of the torus unstable.
     assert_eq!(compared, 2 * (1 + 2 + 3) - 1);
     assert_eq!(off, Vec::<String>::new());
 }

@@ -14,7 +14,8 @@ fn all_three_parts_hold() {
         let cause = &report.ledger.cause;
         assert!(cause.is_shown(), "{:?}", cause.parts());
         assert!(cause.motion.holds() && cause.first_order() && cause.is_step_error());
-        // What is left at the printed step is no rounding: it is far more than the finest step leaves.
+        // What is left at the printed step is no rounding: it is far more than the finest step
+        // leaves.
         let step = cause.step.as_ref().unwrap();
         let largest = step.left.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
         assert!(largest > 1e-4, "{step:?}");
@@ -27,7 +28,8 @@ fn a_wrong_limit_is_not_approached_and_leaves_no_step_error() {
     let printed = Pattern::of_listing(&run(&Setup::default())).unwrap();
     with(|report| {
         let right = &report.ledger.convergence;
-        // The published numbers themselves, and each number wrong by itself by a fifth of its last printed digit.
+        // The published numbers themselves, and each number wrong by itself by a fifth of its last
+        // printed digit.
         let mut wrong = vec![published];
         for i in 0..4 {
             for off in [-2e-5, 2e-5] {

@@ -1,4 +1,5 @@
-//! The ledger of claims: complete, resting on evidence, frozen; and the report's files are the committed ones.
+//! The ledger of claims: complete, resting on evidence, frozen; and the report's files are the
+//! committed ones.
 
 mod block_and_bracket;
 mod browser;
@@ -287,7 +288,8 @@ fn the_committed_files_are_the_computed_ones() {
             // Not assert_eq: nobody wants two whole files in the terminal.
             assert!(
                 committed == computed,
-                "{name} is not what the program computes now; run `make report` and look at the difference"
+                "{name} is not what the program computes now; run `make report` and look at the \
+                    difference"
             );
         }
     });

@@ -8,7 +8,8 @@ use serde_json::{Value, json};
 use super::browser::{Browser, installed};
 use super::with;
 
-/// Contrast of every piece of text against what is behind it, where it is below 4.5 (WCAG 2, AA; large text asks for 3).
+/// Contrast of every piece of text against what is behind it, where it is below 4.5 (WCAG 2, AA;
+/// large text asks for 3).
 const FAINT: &str = r#"(() => {
   const parse = (color) => (color.match(/[\d.]+/g) ?? []).map(Number);
   const channel = (v) => (v /= 255) <= 0.03928 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4;
@@ -39,7 +40,8 @@ const FAINT: &str = r#"(() => {
 const OVERHANG: &str =
     "document.documentElement.scrollWidth - document.documentElement.clientWidth";
 
-const SHOWN: &str = "[...document.querySelectorAll('.claims .sortable tbody tr')].filter((row) => row.getClientRects().length > 0).length";
+const SHOWN: &str = "[...document.querySelectorAll('.claims .sortable tbody tr')].filter((row) => \
+    row.getClientRects().length > 0).length";
 
 fn count(value: &Value) -> usize {
     usize::try_from(value.as_u64().unwrap()).unwrap()
@@ -89,7 +91,8 @@ fn the_page_works_in_a_browser() {
 
 /// What is folded stays folded; what the reader opens is printed.
 fn paper_folds_as_the_reader_does(browser: &mut Browser) {
-    let folded = "[...document.querySelectorAll('details li, details td')].filter((one) => !one.checkVisibility()).length";
+    let folded = "[...document.querySelectorAll('details li, details td')].filter((one) => \
+        !one.checkVisibility()).length";
     let on_screen = count(&browser.evaluate(folded));
     assert_ne!(on_screen, 0);
     browser.call("Emulation.setEmulatedMedia", json!({ "media": "print" }));
@@ -127,13 +130,15 @@ fn pages(base64: &str) -> usize {
     text.matches("/Type /Page").count() - text.matches("/Type /Pages").count()
 }
 
-/// No word of a verdict is broken, on no width and not on paper: the text of a mark takes as many lines as it has words at most.
+/// No word of a verdict is broken, on no width and not on paper: the text of a mark takes as many
+/// lines as it has words at most.
 fn verdicts_are_whole_words(browser: &mut Browser) {
-    let broken = "[...document.querySelectorAll('.mark')].filter((mark) => { const range = document.createRange(); \
-        range.selectNodeContents(mark); const tops = [...range.getClientRects()].map((box) => Math.round(box.top)); \
-        return new Set(tops).size > mark.textContent.trim().split(/\\s+/).length || \
-        (mark.closest('td') && mark.getBoundingClientRect().right > mark.closest('td').getBoundingClientRect().right + 1); \
-        }).map((mark) => mark.textContent)";
+    let broken = "[...document.querySelectorAll('.mark')].filter((mark) => { const range = \
+        document.createRange(); range.selectNodeContents(mark); const tops = \
+        [...range.getClientRects()].map((box) => Math.round(box.top)); return new Set(tops).size > \
+        mark.textContent.trim().split(/\\s+/).length || (mark.closest('td') && \
+        mark.getBoundingClientRect().right > mark.closest('td').getBoundingClientRect().right + \
+        1); }).map((mark) => mark.textContent)";
     for width in [1280, 700, 375] {
         browser.look(width, "light");
         assert_eq!(browser.evaluate(broken), json!([]), "{width} px");
@@ -147,8 +152,9 @@ fn verdicts_are_whole_words(browser: &mut Browser) {
 
 /// On a narrow screen a figure is wider than its frame, and a note above says that it scrolls.
 fn narrow_figures_say_that_they_scroll(browser: &mut Browser) {
-    let told = "[...document.querySelectorAll('figure')].map((one) => [one.firstElementChild.scrollWidth > one.clientWidth, \
-        getComputedStyle(one, '::before').content.includes('scroll')])";
+    let told = "[...document.querySelectorAll('figure')].map((one) => \
+        [one.firstElementChild.scrollWidth > one.clientWidth, getComputedStyle(one, \
+        '::before').content.includes('scroll')])";
     browser.look(375, "light");
     for one in browser.evaluate(told).as_array().unwrap() {
         assert_eq!(*one, json!([true, true]));
@@ -161,9 +167,10 @@ fn narrow_figures_say_that_they_scroll(browser: &mut Browser) {
 
 fn every_figure_shows(browser: &mut Browser) {
     let sizes = browser.evaluate(
-        "[...document.querySelectorAll('figure svg')].map((svg) => { const box = svg.getBoundingClientRect(); \
-         return [box.width, box.height, svg.querySelectorAll('path, text, polyline, circle').length, \
-         svg.querySelector('title').textContent.length, svg.querySelector('desc').textContent.length]; })",
+        "[...document.querySelectorAll('figure svg')].map((svg) => { const box = \
+         svg.getBoundingClientRect(); return [box.width, box.height, svg.querySelectorAll('path, \
+         text, polyline, circle').length, svg.querySelector('title').textContent.length, \
+         svg.querySelector('desc').textContent.length]; })",
     );
     let sizes = sizes.as_array().unwrap();
     // Seven of the paper, the convergence and the scan.
@@ -192,7 +199,8 @@ fn the_filter_works(browser: &mut Browser, counts: &[usize]) {
         browser.press("ArrowRight", 39);
         assert_eq!(count(&browser.evaluate(SHOWN)), wanted);
         let own = browser.evaluate(
-            "new Set([...document.querySelectorAll('.claims .sortable tbody tr')].filter((row) => row.getClientRects().length > 0).map((row) => row.className)).size",
+            "new Set([...document.querySelectorAll('.claims .sortable tbody tr')].filter((row) => \
+                row.getClientRects().length > 0).map((row) => row.className)).size",
         );
         assert_eq!(count(&own), usize::from(wanted > 0));
     }
@@ -201,7 +209,8 @@ fn the_filter_works(browser: &mut Browser, counts: &[usize]) {
 }
 
 fn columns_sort(browser: &mut Browser) {
-    let order = "[...document.querySelectorAll('.claims .sortable tbody tr')].map((row) => row.cells[3].dataset.key).join('')";
+    let order = "[...document.querySelectorAll('.claims .sortable tbody tr')].map((row) => \
+        row.cells[3].dataset.key).join('')";
     let before = browser.evaluate(order);
     let click = "document.querySelectorAll('.claims .sortable thead button')[3].click()";
     browser.evaluate(click);
@@ -225,7 +234,8 @@ fn columns_sort(browser: &mut Browser) {
 /// Links within the page have a target, and there are no others: the page can be moved anywhere.
 fn links_lead_somewhere(browser: &mut Browser, page: &Path) {
     let dangling = browser.evaluate(
-        "[...document.querySelectorAll('a')].filter((a) => !a.hash || !document.getElementById(a.hash.slice(1))).map((a) => a.href)",
+        "[...document.querySelectorAll('a')].filter((a) => !a.hash || \
+            !document.getElementById(a.hash.slice(1))).map((a) => a.href)",
     );
     assert_eq!(dangling, json!([]), "{}", page.display());
 }

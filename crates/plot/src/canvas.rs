@@ -53,7 +53,8 @@ impl<'a> Canvas<'a> {
         writeln!(
             out,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
-             viewBox=\"0 0 {} {}\" role=\"img\" xml:space=\"preserve\" aria-labelledby=\"{id}-title {id}-desc\" font-family=\"{}\">",
+             viewBox=\"0 0 {} {}\" role=\"img\" xml:space=\"preserve\" \
+             aria-labelledby=\"{id}-title {id}-desc\" font-family=\"{}\">",
             size.0,
             size.1,
             metrics::CSS_FAMILY
@@ -195,7 +196,8 @@ impl<'a> Canvas<'a> {
         if words.halo {
             write!(
                 self.out,
-                " stroke=\"#ffffff\" stroke-width=\"{}\" stroke-linejoin=\"round\" paint-order=\"stroke\"",
+                " stroke=\"#ffffff\" stroke-width=\"{}\" stroke-linejoin=\"round\" \
+                    paint-order=\"stroke\"",
                 units(2.6)
             )?;
         }

@@ -25,7 +25,8 @@ pub(crate) struct Cloud {
 
 impl Cloud {
     /// # Errors
-    /// [`DataError::Constant`] if the points differ by rounding at most, [`DataError::Overflow`] if by too much.
+    /// [`DataError::Constant`] if the points differ by rounding at most, [`DataError::Overflow`] if
+    /// by too much.
     pub(crate) fn new(series: &Series) -> Result<Self, DataError> {
         let constant = DataError::Constant { rows: series.len() };
         let columns = series.columns();

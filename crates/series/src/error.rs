@@ -14,7 +14,8 @@ pub enum DataError {
     },
     /// The values do not make complete rows.
     #[error(
-        "{values} values do not fill rows of {columns} columns: the last row is not complete; drop it"
+        "{values} values do not fill rows of {columns} columns: the last row is not complete; drop \
+            it"
     )]
     Incomplete {
         /// How many values there are.
@@ -24,8 +25,8 @@ pub enum DataError {
     },
     /// A value that is not a number: a gap in the series.
     #[error(
-        "row {row}, column {column} (counted from 1) is {value}: every value must be finite, as a series with a gap has no \
-         step across it; cut the series there or fill the gap"
+        "row {row}, column {column} (counted from 1) is {value}: every value must be finite, as a \
+         series with a gap has no step across it; cut the series there or fill the gap"
     )]
     NotFinite {
         /// Row, counted from 1.
@@ -37,7 +38,8 @@ pub enum DataError {
     },
     /// The series does not vary.
     #[error(
-        "all {rows} points are the same to rounding: a series must vary for its neighbourhoods to have a size"
+        "all {rows} points are the same to rounding: a series must vary for its neighbourhoods to \
+            have a size"
     )]
     Constant {
         /// Number of points.
@@ -45,8 +47,9 @@ pub enum DataError {
     },
     /// The points are so far apart that distances between them exceed the largest number.
     #[error(
-        "row {row}, column {column} (counted from 1) is {value:e}, so far from row 1 that distances between points overflow: keep \
-         values below 1e307; multiply all columns by the same small factor, which changes no exponent"
+        "row {row}, column {column} (counted from 1) is {value:e}, so far from row 1 that \
+         distances between points overflow: keep values below 1e307; multiply all columns by the \
+         same small factor, which changes no exponent"
     )]
     Overflow {
         /// Row, counted from 1.
@@ -58,8 +61,9 @@ pub enum DataError {
     },
     /// Too few points for the neighbour counts and windows asked for.
     #[error(
-        "{rows} points are too few: {needed} are needed for {neighbours} neighbours outside a Theiler window of {theiler} and \
-         a step of {step}, and for 20 reference points; give more points, fewer neighbours, a smaller window or a smaller step"
+        "{rows} points are too few: {needed} are needed for {neighbours} neighbours outside a \
+         Theiler window of {theiler} and a step of {step}, and for 20 reference points; give more \
+         points, fewer neighbours, a smaller window or a smaller step"
     )]
     TooFew {
         /// Number of points.
@@ -75,8 +79,8 @@ pub enum DataError {
     },
     /// Delayed values that reach over the end of the series.
     #[error(
-        "{rows} points are too few for {dimension} values with a delay of {delay}: {needed} are needed; give more points, a smaller delay \
-         or a smaller dimension"
+        "{rows} points are too few for {dimension} values with a delay of {delay}: {needed} are \
+         needed; give more points, a smaller delay or a smaller dimension"
     )]
     Span {
         /// Number of points.

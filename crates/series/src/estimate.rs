@@ -47,8 +47,8 @@ const LARGE: f64 = 1.5;
 /// ```
 ///
 /// # Errors
-/// [`DataError::Setting`] for a setting that is not allowed, [`DataError::TooFew`], [`DataError::TooMany`],
-/// [`DataError::Constant`].
+/// [`DataError::Setting`] for a setting that is not allowed, [`DataError::TooFew`],
+/// [`DataError::TooMany`], [`DataError::Constant`].
 pub fn data_spectrum(series: &Series, settings: &DataSettings) -> Result<DataSpectrum, DataError> {
     data_spectrum_with(series, settings, &|_, _| ())
 }

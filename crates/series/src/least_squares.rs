@@ -231,8 +231,9 @@ impl<'a> LeastSquares<'a> {
         dot(images, images)
     }
 
-    /// What belongs to the linear terms alone: the triangle of the coordinates along the directions,
-    /// and the images row by row. Of an image that is a column of the point it is that of the column.
+    /// What belongs to the linear terms alone: the triangle of the coordinates along the
+    /// directions, and the images row by row. Of an image that is a column of the point it is that
+    /// of the column.
     pub(crate) fn linear_part(&self, directions: &Matrix) -> (Matrix, Matrix) {
         let components = self.points.columns();
         let first = self.unknowns - components;

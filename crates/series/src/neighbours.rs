@@ -103,8 +103,9 @@ impl<'c> Finder<'c> {
         Selection::of(nearest, neighbours, spread)
     }
 
-    /// As [`Finder::nearest`], where `nearest` are those of the point `before`: where they have gone
-    /// is no nearer than the ones that are looked for, which makes for a short search in a flow.
+    /// As [`Finder::nearest`], where `nearest` are those of the point `before`: where they have
+    /// gone is no nearer than the ones that are looked for, which makes for a short search in a
+    /// flow.
     pub(crate) fn follow(
         &self,
         (before, j): (Option<usize>, usize),

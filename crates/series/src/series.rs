@@ -20,8 +20,8 @@ impl Series {
     /// A series from its values, row after row, and the time `dt` between two rows (1 for a map).
     ///
     /// # Errors
-    /// [`DataError::Columns`], [`DataError::Incomplete`], [`DataError::NotFinite`] and, for a `dt` that is not positive,
-    /// [`DataError::Setting`].
+    /// [`DataError::Columns`], [`DataError::Incomplete`], [`DataError::NotFinite`] and, for a `dt`
+    /// that is not positive, [`DataError::Setting`].
     pub fn new(values: Vec<f64>, columns: usize, dt: f64) -> Result<Self, DataError> {
         if !(1..=MAX_COLUMNS).contains(&columns) {
             return Err(DataError::Columns {

@@ -1,5 +1,6 @@
-//! How much longer a system from a file takes than the same one compiled. Besides Criterion's times, the ratios are
-//! printed from runs that take turns, so that whatever else the machine does meets both alike.
+//! How much longer a system from a file takes than the same one compiled. Besides Criterion's
+//! times, the ratios are printed from runs that take turns, so that whatever else the machine does
+//! meets both alike.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};

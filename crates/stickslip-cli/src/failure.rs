@@ -123,21 +123,23 @@ fn with_names(error: &Error, name: &dyn Fn(usize) -> String) -> String {
                 }
             };
             format!(
-                "the contacts {} stand at zero {}, and {motions}; friction there may push apart, or one contact's force act on \
-                 another too strongly: look at the field with each of them on either side (--at-repelling has no effect with several contacts)",
+                "the contacts {} stand at zero {}, and {motions}; friction there may push apart, \
+                 or one contact's force act on another too strongly: look at the field with each \
+                 of them on either side (--at-repelling has no effect with several contacts)",
                 names(contacts),
                 at(t, x)
             )
         }
         Error::TooManyContacts { t, x, contacts } => format!(
-            "the contacts {} stand at zero together {}: more than eight are too many to try where friction at one does not resist \
-             all of them as Coulomb's does; move their boundaries apart, or write their friction without coupling",
+            "the contacts {} stand at zero together {}: more than eight are too many to try where \
+             friction at one does not resist all of them as Coulomb's does; move their boundaries \
+             apart, or write their friction without coupling",
             names(contacts),
             at(t, x)
         ),
         Error::DependentContacts { t, x, contacts } => format!(
-            "the boundaries of the contacts {} have gradients {} that are zero or depend on each other; each contact needs a \
-             boundary of its own",
+            "the boundaries of the contacts {} have gradients {} that are zero or depend on each \
+             other; each contact needs a boundary of its own",
             names(contacts),
             at(t, x)
         ),
@@ -147,7 +149,8 @@ fn with_names(error: &Error, name: &dyn Fn(usize) -> String) -> String {
             contact,
             ratio,
         } => format!(
-            "the static friction of the contact {} {} is {} times the kinetic; it must be at least as large",
+            "the static friction of the contact {} {} is {} times the kinetic; it must be at least \
+                as large",
             name(*contact),
             at(t, x),
             readable(*ratio)
@@ -158,15 +161,15 @@ fn with_names(error: &Error, name: &dyn Fn(usize) -> String) -> String {
             held,
             slipping,
         } => format!(
-            "with the contact {} at rest {}, its static friction changes the friction of the contact {}, which slips; only \
-             contacts at rest have static friction",
+            "with the contact {} at rest {}, its static friction changes the friction of the \
+             contact {}, which slips; only contacts at rest have static friction",
             name(*held),
             at(t, x),
             name(*slipping)
         ),
         Error::NotAdditive { t, x, pair } => format!(
-            "the friction of the contacts {} and {} does not add {}: what one does depends on the side of the other; \
-             in a file each contact's friction must depend on its own side only",
+            "the friction of the contacts {} and {} does not add {}: what one does depends on the \
+             side of the other; in a file each contact's friction must depend on its own side only",
             name(pair.0),
             name(pair.1),
             at(t, x)
@@ -178,14 +181,14 @@ fn with_names(error: &Error, name: &dyn Fn(usize) -> String) -> String {
             at(t, x)
         ),
         Error::NotConverged { .. } => format!(
-            "{error}, after a longer --transient or by another --start; the motion may also be quasi-periodic or chaotic, which `stickslip \
-             lyapunov` tells"
+            "{error}, after a longer --transient or by another --start; the motion may also be \
+             quasi-periodic or chaotic, which `stickslip lyapunov` tells"
         ),
         Error::Escaped { .. } => format!("{error} (--escape)"),
         Error::TooMany { name, .. } => format!("{error} (--{})", name.replace('_', "-")),
         Error::NoUniqueFuture { t, x } => format!(
-            "the orbit has no unique future after t = {}, x = {x}: both fields lead away from the boundary; choose one with \
-             --at-repelling below or above, or start elsewhere",
+            "the orbit has no unique future after t = {}, x = {x}: both fields lead away from the \
+             boundary; choose one with --at-repelling below or above, or start elsewhere",
             readable(*t)
         ),
         other => other.to_string(),

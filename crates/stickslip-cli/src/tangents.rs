@@ -14,7 +14,8 @@ use stickslip::{Scalar, Side};
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::Combination;
 
-/// How many values the range is divided into: two tangent points nearer than one of these are not told apart from none.
+/// How many values the range is divided into: two tangent points nearer than one of these are not
+/// told apart from none.
 const FINENESS: usize = 2000;
 
 /// Parts of the window of the solved state; two branches in one of them may be passed over.
@@ -90,7 +91,8 @@ pub struct OnLine {
     pub points: Vec<TangentPoint>,
     /// Zones of stick and of repulsion, by falling value.
     pub zones: Vec<Zone>,
-    /// The state along the line, and at which rate the fields below and above go upwards through the boundary.
+    /// The state along the line, and at which rate the fields below and above go upwards through
+    /// the boundary.
     pub rates: Vec<(f64, [f64; 2])>,
 }
 
@@ -101,7 +103,8 @@ enum Fields {
     Holding,
 }
 
-/// By how much the boundary function's rate is larger with the field above than with that below. Friction makes it smaller.
+/// By how much the boundary function's rate is larger with the field above than with that below.
+/// Friction makes it smaller.
 pub struct Jumps {
     /// In slip.
     pub slip: f64,
@@ -112,8 +115,9 @@ pub struct Jumps {
 }
 
 impl Line {
-    /// The line through a point of state space: of the state that the boundary changes with most the value is solved for; along is `along`, or the
-    /// first other state. `None` where there is no other state, or the boundary changes with none.
+    /// The line through a point of state space: of the state that the boundary changes with most
+    /// the value is solved for; along is `along`, or the first other state. `None` where there is
+    /// no other state, or the boundary changes with none.
     pub fn through(
         system: &System,
         contact: usize,
@@ -282,7 +286,8 @@ impl Line {
 
     /// See [`Jumps`], where the state along the line is `s`.
     pub fn jumps(&self, system: &System, s: f64) -> Option<Jumps> {
-        // Some operations of a field of some terms, each off by half a unit in the last place of the largest.
+        // Some operations of a field of some terms, each off by half a unit in the last place of
+        // the largest.
         const ULPS: f64 = 64.0;
         let [slip, holding] =
             [Fields::Slip, Fields::Holding].map(|fields| self.rates(system, fields, s));

@@ -1,4 +1,5 @@
-//! What the program does on a terminal: the only place that prints, decides on an exit code and draws how far it is.
+//! What the program does on a terminal: the only place that prints, decides on an exit code and
+//! draws how far it is.
 
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -48,7 +49,8 @@ pub(crate) fn note(line: &str) {
 /// Only computations longer than this show how far they are.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// How far a computation is: drawn on standard error, if that is a terminal, once it has taken a while.
+/// How far a computation is: drawn on standard error, if that is a terminal, once it has taken a
+/// while.
 pub(crate) struct Patience {
     begin: Instant,
     template: String,

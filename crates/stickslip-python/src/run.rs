@@ -48,8 +48,8 @@ impl Signals {
     }
 }
 
-/// An event as Python gives it: the system with the event's section, and with how many of it the run
-/// ends, 0 for never.
+/// An event as Python gives it: the system with the event's section, and with how many of it the
+/// run ends, 0 for never.
 type Event<'py> = (PyRef<'py, System>, usize);
 
 /// Passages of one event, up to a limit in time.

@@ -1,5 +1,5 @@
-//! Starts of a basin per second on one thread, and how much of their time is not evaluation of the field: the same starts with a field that is
-//! evaluated twice take longer by what it takes once.
+//! Starts of a basin per second on one thread, and how much of their time is not evaluation of the
+//! field: the same starts with a field that is evaluated twice take longer by what it takes once.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -11,8 +11,9 @@ use stickslip::{Filippov, Method, Options, Scalar, Side, State};
 const STARTS: usize = 3600;
 const ROUNDS: usize = 9;
 
-/// `x'' = -x - 0.1 x' - F`, a block on a belt, the friction decaying with slip speed: the example of bSTAB (Stender & Hoffmann, *Nonlinear Dyn.*
-/// 107 (2022) 1451), its field evaluated so many `TIMES`.
+/// `x'' = -x - 0.1 x' - F`, a block on a belt, the friction decaying with slip speed: the example
+/// of bSTAB (Stender & Hoffmann, *Nonlinear Dyn.* 107 (2022) 1451), its field evaluated so many
+/// `TIMES`.
 struct Block<const TIMES: usize>;
 
 const SPEED: f64 = 1.5;
@@ -20,7 +21,8 @@ const SPEED: f64 = 1.5;
 impl<const TIMES: usize> Filippov<2> for Block<TIMES> {
     #[inline(always)]
     fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
-        // That of the other side: the same work, which the compiler can not take for the same value.
+        // That of the other side: the same work, which the compiler can not take for the same
+        // value.
         for _ in 1..TIMES {
             black_box(field(side.opposite(), x));
         }
@@ -74,7 +76,8 @@ fn main() {
         });
         let [once, twice] = [0, 1].map(|k| least(rounds.iter().map(|round| round[k])));
         println!(
-            "basin of {STARTS} starts, {name}: {:.0} a second, {:.0} % of the time outside the field",
+            "basin of {STARTS} starts, {name}: {:.0} a second, {:.0} % of the time outside the \
+                field",
             once.recip(),
             100.0 * (1.0 - (twice - once) / once)
         );

@@ -1,7 +1,8 @@
-//! Speed of the solver on model 1 beside the floor under it: as many calls of the same field, each fed by the one before,
-//! as the stages of a Runge–Kutta step are. The ratio of the two is what the driver, the step-size control, the dense
-//! output and the search for events cost. Both are measured in the same run, and the ratio at the end in
-//! alternation, so that a machine whose speed drifts does not matter.
+//! Speed of the solver on model 1 beside the floor under it: as many calls of the same field, each
+//! fed by the one before, as the stages of a Runge–Kutta step are. The ratio of the two is what the
+//! driver, the step-size control, the dense output and the search for events cost. Both are
+//! measured in the same run, and the ratio at the end in alternation, so that a machine whose speed
+//! drifts does not matter.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -23,7 +24,8 @@ fn start() -> State<2> {
     State::from([0.5, 1.5])
 }
 
-/// Integrates once and returns the number of field calls (0 would mean a failure, which the callers refuse).
+/// Integrates once and returns the number of field calls (0 would mean a failure, which the callers
+/// refuse).
 fn integrate(model: &BeltOscillator) -> u64 {
     run(model, 0.0, start(), T_END, &Options::tol(1e-12), &mut ())
         .map_or(0, |summary| summary.counters.field_calls)

@@ -1,5 +1,6 @@
-//! What a step costs as the number of contacts grows: chains of one to eight blocks on a belt, joined by springs, with friction that
-//! weakens with the slip speed. Every number is compared with that of one block in the same run.
+//! What a step costs as the number of contacts grows: chains of one to eight blocks on a belt,
+//! joined by springs, with friction that weakens with the slip speed. Every number is compared with
+//! that of one block in the same run.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -116,8 +117,8 @@ where
     let time = least_time(|| integrate::<M, N>(motion, method)).as_secs_f64();
     let per_step = time / counters.steps as f64;
     println!(
-        "chain: {motion:?}, {method:?}, {M} blocks: {} steps, {} events, {:.1} field calls a step, {:.2} us a step, \
-         {:.0} ns a field call, {:.1} times one block's step",
+        "chain: {motion:?}, {method:?}, {M} blocks: {} steps, {} events, {:.1} field calls a step, \
+         {:.2} us a step, {:.0} ns a field call, {:.1} times one block's step",
         counters.steps,
         counters.events,
         counters.field_calls as f64 / counters.steps as f64,

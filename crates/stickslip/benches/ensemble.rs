@@ -1,4 +1,5 @@
-//! Time per orbit of an ensemble on one thread and on two, against a loop over single runs; measured in alternation.
+//! Time per orbit of an ensemble on one thread and on two, against a loop over single runs;
+//! measured in alternation.
 
 use std::hint::black_box;
 use std::ops::ControlFlow;
@@ -56,7 +57,8 @@ fn main() {
     rounds.sort_by(|one, other| (one[1] / one[2]).total_cmp(&(other[1] / other[2])));
     let [alone, one, two] = rounds[ROUNDS / 2].map(|seconds| 1e6 * seconds);
     println!(
-        "ensemble of {ORBITS}: {alone:.1} µs an orbit alone, {one:.1} µs together on one thread ({:.2} times), {two:.1} µs on two ({:.2} times as fast)",
+        "ensemble of {ORBITS}: {alone:.1} µs an orbit alone, {one:.1} µs together on one thread \
+            ({:.2} times), {two:.1} µs on two ({:.2} times as fast)",
         one / alone,
         one / two
     );

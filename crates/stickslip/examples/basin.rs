@@ -1,10 +1,11 @@
-//! The basins of a friction oscillator's two attractors, on all cores: the fixed point and the stick-slip cycle share the starts among them.
+//! The basins of a friction oscillator's two attractors, on all cores: the fixed point and the
+//! stick-slip cycle share the starts among them.
 
 use stickslip::analysis::{RecurrenceSettings, basin};
 use stickslip::{Error, Filippov, Method, Options, Scalar, Side, State};
 
-/// `x'' = -x - 0.1 x' - F`, a block on a belt of speed `speed`; the friction decays with slip speed. The example of bSTAB, Stender & Hoffmann,
-/// *Nonlinear Dyn.* 107 (2022) 1451.
+/// `x'' = -x - 0.1 x' - F`, a block on a belt of speed `speed`; the friction decays with slip
+/// speed. The example of bSTAB, Stender & Hoffmann, *Nonlinear Dyn.* 107 (2022) 1451.
 struct Block {
     speed: f64,
 }

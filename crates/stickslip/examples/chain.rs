@@ -1,5 +1,5 @@
-//! Eight blocks on a belt, joined by springs (Burridge & Knopoff, *Bull. Seismol. Soc. Am.* 57 (1967) 341): a block that breaks away
-//! loads its neighbours, which may follow.
+//! Eight blocks on a belt, joined by springs (Burridge & Knopoff, *Bull. Seismol. Soc. Am.* 57
+//! (1967) 341): a block that breaks away loads its neighbours, which may follow.
 
 use std::time::Instant;
 

@@ -1,4 +1,5 @@
-//! An ensemble: a thousand starts on all cores, by Taylor series side by side, and how long each orbit has stuck.
+//! An ensemble: a thousand starts on all cores, by Taylor series side by side, and how long each
+//! orbit has stuck.
 
 use std::ops::ControlFlow;
 

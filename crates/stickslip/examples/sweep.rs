@@ -1,4 +1,5 @@
-//! A sweep of a parameter, as CSV on standard output: how much of the time the block sticks, against the belt's speed.
+//! A sweep of a parameter, as CSV on standard output: how much of the time the block sticks,
+//! against the belt's speed.
 
 use stickslip::models::BeltOscillator;
 use stickslip::{Error, Options, solve};

@@ -1,7 +1,9 @@
-//! Dual numbers: a value with its derivatives, carried through any function that is written for a [`Scalar`].
+//! Dual numbers: a value with its derivatives, carried through any function that is written for a
+//! [`Scalar`].
 //!
-//! They are built over any scalar, one of their own kind among them, and every rule is written here once. The elementary
-//! functions come from [`crate::math`], so that derivatives have the same bits on every machine.
+//! They are built over any scalar, one of their own kind among them, and every rule is written here
+//! once. The elementary functions come from [`crate::math`], so that derivatives have the same bits
+//! on every machine.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -105,7 +107,8 @@ impl<T> Dual3<T> {
 }
 
 impl<T: Scalar> Dual3<T> {
-    /// `f ∘ x` to third order from the values of `f` and its first three derivatives at `x.re` (Faà di Bruno).
+    /// `f ∘ x` to third order from the values of `f` and its first three derivatives at `x.re` (Faà
+    /// di Bruno).
     #[inline(always)]
     fn compose(self, [f0, f1, f2, f3]: [T; 4]) -> Self {
         let is_flat = self.re.has_overflowed() || f0.has_overflowed();

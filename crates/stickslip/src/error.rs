@@ -42,12 +42,14 @@ fn told(candidates: &[String]) -> String {
     }
 }
 
-/// The point where infinitely many transitions accumulate, extrapolated from the last of them, whose phases are a geometric series.
+/// The point where infinitely many transitions accumulate, extrapolated from the last of them,
+/// whose phases are a geometric series.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Accumulation {
     /// Time.
     pub t: f64,
-    /// Uncertainty of that time by two rounds of transitions and by rounding. The errors of the steps before are not in it.
+    /// Uncertainty of that time by two rounds of transitions and by rounding. The errors of the
+    /// steps before are not in it.
     pub uncertainty: f64,
     /// State.
     pub x: Point,
@@ -114,7 +116,8 @@ pub enum Error {
     },
     /// The end time does not lie after the start, or one of them is not a number.
     #[error(
-        "cannot integrate from t = {t0} to t = {t_end}: both must be finite and the end later than the start", t0 = readable(*t0), t_end = readable(*t_end)
+        "cannot integrate from t = {t0} to t = {t_end}: both must be finite and the end later than \
+            the start", t0 = readable(*t0), t_end = readable(*t_end)
     )]
     Interval {
         /// Start time.
@@ -124,7 +127,8 @@ pub enum Error {
     },
     /// The start lies where the system is not defined.
     #[error(
-        "cannot start at t = {t}, x = {x}: {what}; start elsewhere, or look for a parameter that is not a number", t = readable(*t)
+        "cannot start at t = {t}, x = {x}: {what}; start elsewhere, or look for a parameter that \
+            is not a number", t = readable(*t)
     )]
     StartOutsideDomain {
         /// Start time.
@@ -136,7 +140,8 @@ pub enum Error {
     },
     /// The function of a jump or of a switch, or what a jump sets, is not a number.
     #[error(
-        "{what} with number {number} is not a number at t = {t}, x = {x}; write it so that it is defined wherever the orbit comes", t = readable(*t)
+        "{what} with number {number} is not a number at t = {t}, x = {x}; write it so that it is \
+            defined wherever the orbit comes", t = readable(*t)
     )]
     Undefined {
         /// Of what, in words.
@@ -150,7 +155,8 @@ pub enum Error {
     },
     /// The state became infinite or not a number.
     #[error(
-        "the state stopped being finite after t = {t}, x = {x}; the field may have a pole there, or the step of {step:?}, if it is fixed, may be too long", t = readable(*t)
+        "the state stopped being finite after t = {t}, x = {x}; the field may have a pole there, \
+            or the step of {step:?}, if it is fixed, may be too long", t = readable(*t)
     )]
     NonFinite {
         /// Last good time.
@@ -162,7 +168,10 @@ pub enum Error {
     },
     /// The adaptive step shrank to rounding: the solution cannot be continued to the tolerance.
     #[error(
-        "the step collapsed to {step:e} at t = {t}, x = {x}: the solution has a singularity there, the field or the boundary or contact function is not defined beyond or overflows inside, or rtol = {rtol:e}, atol = {atol:e} cannot be met; look at the system there, loosen the tolerances or set an escape bound", t = readable(*t)
+        "the step collapsed to {step:e} at t = {t}, x = {x}: the solution has a singularity there, \
+            the field or the boundary or contact function is not defined beyond or overflows \
+            inside, or rtol = {rtol:e}, atol = {atol:e} cannot be met; look at the system there, \
+            loosen the tolerances or set an escape bound", t = readable(*t)
     )]
     StepCollapse {
         /// Time reached.
@@ -178,7 +187,8 @@ pub enum Error {
     },
     /// A run is longer than allowed.
     #[error(
-        "more than {most} {} by t = {t}, x = {x}: end the run earlier, or raise {name} if it is to be that long",
+        "more than {most} {} by t = {t}, x = {x}: end the run earlier, or raise {name} if it is to \
+            be that long",
         if *name == "most_events" { "transitions" } else { "steps" }
     )]
     TooMany {
@@ -210,9 +220,13 @@ pub enum Error {
         /// Where they accumulate, if they are a geometric series.
         accumulation: Option<Box<Accumulation>>,
     },
-    /// A field with comparisons ([`crate::Scalar::exceeds`] and what uses it) reverses where they change and holds the orbit there, as a discontinuity boundary does.
+    /// A field with comparisons ([`crate::Scalar::exceeds`] and what uses it) reverses where they
+    /// change and holds the orbit there, as a discontinuity boundary does.
     #[error(
-        "the field turned round {count} times within {span:e} before t = {t}, x = {x}: comparisons in it hold the orbit where they come out otherwise; write the difference of what they compare as the boundary function, with a side for each branch; or raise pile_up_count, if it only turns so often", t = readable(*t)
+        "the field turned round {count} times within {span:e} before t = {t}, x = {x}: comparisons \
+            in it hold the orbit where they come out otherwise; write the difference of what they \
+            compare as the boundary function, with a side for each branch; or raise pile_up_count, \
+            if it only turns so often", t = readable(*t)
     )]
     BranchPileUp {
         /// Steps that ended where a comparison reverses the field.
@@ -226,7 +240,8 @@ pub enum Error {
     },
     /// A component of the state passed the bound set in the options.
     #[error(
-        "the orbit escaped: |x| > {bound} at t = {t}, x = {x}; raise the escape bound to follow it further", t = readable(*t), bound = readable(*bound)
+        "the orbit escaped: |x| > {bound} at t = {t}, x = {x}; raise the escape bound to follow it \
+            further", t = readable(*t), bound = readable(*bound)
     )]
     Escaped {
         /// Time.
@@ -238,7 +253,9 @@ pub enum Error {
     },
     /// Several contacts are at zero, and the motion that follows is not unique or does not exist.
     #[error(
-        "contacts {contacts:?} stand at zero at t = {t}, x = {x}, and {}; friction there may push apart, or one contact's force act on another too strongly: look at the field with each of them on either side (Options::at_repelling has no say for several contacts)",
+        "contacts {contacts:?} stand at zero at t = {t}, x = {x}, and {}; friction there may push \
+            apart, or one contact's force act on another too strongly: look at the field with each \
+            of them on either side (Options::at_repelling has no say for several contacts)",
         told(candidates), t = readable(*t)
     )]
     NoUniqueMode {
@@ -251,9 +268,12 @@ pub enum Error {
         /// The consistent outcomes, in the same order.
         candidates: Vec<String>,
     },
-    /// Too many contacts are at zero together to try all combinations, and their friction does not guarantee a unique solution.
+    /// Too many contacts are at zero together to try all combinations, and their friction does not
+    /// guarantee a unique solution.
     #[error(
-        "contacts {contacts:?} stand at zero together at t = {t}, x = {x}: more than eight are too many to try where friction at one does not resist all of them as Coulomb's does; move their boundaries apart, or write their friction without coupling", t = readable(*t)
+        "contacts {contacts:?} stand at zero together at t = {t}, x = {x}: more than eight are too \
+            many to try where friction at one does not resist all of them as Coulomb's does; move \
+            their boundaries apart, or write their friction without coupling", t = readable(*t)
     )]
     TooManyContacts {
         /// Time.
@@ -263,9 +283,11 @@ pub enum Error {
         /// The contacts, counted from 0.
         contacts: Vec<usize>,
     },
-    /// The boundaries of contacts at zero together are degenerate: one has no slope, or two coincide.
+    /// The boundaries of contacts at zero together are degenerate: one has no slope, or two
+    /// coincide.
     #[error(
-        "the boundary functions of contacts {contacts:?} have gradients at t = {t}, x = {x} that are zero or depend on each other; each contact needs a boundary of its own", t = readable(*t)
+        "the boundary functions of contacts {contacts:?} have gradients at t = {t}, x = {x} that \
+            are zero or depend on each other; each contact needs a boundary of its own", t = readable(*t)
     )]
     DependentContacts {
         /// Time.
@@ -277,7 +299,8 @@ pub enum Error {
     },
     /// A contact's static friction is below its kinetic friction.
     #[error(
-        "the static friction of contact {contact} at t = {t}, x = {x} is {ratio} times the kinetic; it must be at least as large", t = readable(*t), ratio = readable(*ratio)
+        "the static friction of contact {contact} at t = {t}, x = {x} is {ratio} times the \
+            kinetic; it must be at least as large", t = readable(*t), ratio = readable(*ratio)
     )]
     StaticBelowKinetic {
         /// Time.
@@ -291,7 +314,8 @@ pub enum Error {
     },
     /// The field that holds a contact also changes the friction of a slipping contact.
     #[error(
-        "with contact {held} at rest at t = {t}, x = {x}, Contacts::holding changes the friction of contact {slipping}, which slips; only contacts in `held` have static friction", t = readable(*t)
+        "with contact {held} at rest at t = {t}, x = {x}, Contacts::holding changes the friction \
+            of contact {slipping}, which slips; only contacts in `held` have static friction", t = readable(*t)
     )]
     HoldsElsewhere {
         /// Time.
@@ -305,7 +329,8 @@ pub enum Error {
     },
     /// Friction at one contact depends on the side of another, which the system does not declare.
     #[error(
-        "the friction of contacts {} and {} does not add at t = {t}, x = {x}: what one does depends on the side of the other; set Contacts::MULTI_AFFINE to true", pair.0, pair.1, t = readable(*t)
+        "the friction of contacts {} and {} does not add at t = {t}, x = {x}: what one does \
+            depends on the side of the other; set Contacts::MULTI_AFFINE to true", pair.0, pair.1, t = readable(*t)
     )]
     NotAdditive {
         /// Time.
@@ -317,7 +342,8 @@ pub enum Error {
     },
     /// The orbit does not cover the time asked for.
     #[error(
-        "t = {t} lies outside the orbit, which covers {from} to {to}; ask within it, or integrate further", t = readable(*t), from = readable(*from), to = readable(*to)
+        "t = {t} lies outside the orbit, which covers {from} to {to}; ask within it, or integrate \
+            further", t = readable(*t), from = readable(*from), to = readable(*to)
     )]
     OutsideOrbit {
         /// Time asked for.
@@ -329,7 +355,8 @@ pub enum Error {
     },
     /// An iteration did not converge.
     #[error(
-        "{what} did not converge in {iterations} iterations: residual {residual:e}, wanted {wanted:e}; start nearer to the solution"
+        "{what} did not converge in {iterations} iterations: residual {residual:e}, wanted \
+            {wanted:e}; start nearer to the solution"
     )]
     NotConverged {
         /// What was sought.
@@ -351,9 +378,12 @@ pub enum Error {
         /// How far it went.
         span: f64,
     },
-    /// The orbit reached a repelling part of Σ, or a two-fold, so that the analysis cannot continue along it.
+    /// The orbit reached a repelling part of Σ, or a two-fold, so that the analysis cannot continue
+    /// along it.
     #[error(
-        "the orbit has no unique future after t = {t}, x = {x}: both fields lead away from the boundary, or both are tangent to it (a two-fold); choose one with `at_repelling`, or start elsewhere", t = readable(*t)
+        "the orbit has no unique future after t = {t}, x = {x}: both fields lead away from the \
+            boundary, or both are tangent to it (a two-fold); choose one with `at_repelling`, or \
+            start elsewhere", t = readable(*t)
     )]
     NoUniqueFuture {
         /// Time.
@@ -363,7 +393,8 @@ pub enum Error {
     },
     /// The orbit has shrunk to a point of Σ, so that nothing can be measured along it.
     #[error(
-        "the orbit shrinks to the point x = {x} of the boundary, about which it goes round without end (t = {t}); start elsewhere, or change a parameter", t = readable(*t)
+        "the orbit shrinks to the point x = {x} of the boundary, about which it goes round without \
+            end (t = {t}); start elsewhere, or change a parameter", t = readable(*t)
     )]
     Shrunk {
         /// Time.
@@ -373,7 +404,10 @@ pub enum Error {
     },
     /// Tangent vectors have no finite image, or one of them none but zero.
     #[error(
-        "the derivative of the flow is singular at t = {t}, x = {x}: the orbit grazes the boundary or a section there, or passes along it, or two contacts come to zero in the same instant, or the field has no derivative; change the start, the section or a parameter a little", t = readable(*t)
+        "the derivative of the flow is singular at t = {t}, x = {x}: the orbit grazes the boundary \
+            or a section there, or passes along it, or two contacts come to zero in the same \
+            instant, or the field has no derivative; change the start, the section or a parameter \
+            a little", t = readable(*t)
     )]
     TangentSingular {
         /// Time.
@@ -383,7 +417,8 @@ pub enum Error {
     },
 }
 
-/// A number for messages and headings: with an exponent where it would be a row of zeros, and zero without a sign.
+/// A number for messages and headings: with an exponent where it would be a row of zeros, and zero
+/// without a sign.
 pub fn readable(value: f64) -> String {
     if value == 0.0 {
         "0".to_owned()

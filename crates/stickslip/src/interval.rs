@@ -5,9 +5,13 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::scalar::Scalar;
 
-/// All numbers between `low` and `high`. A function of intervals gives an interval that holds all its values (Moore 1966), usually a wider one. Bounds are not rounded outward: callers leave a margin for rounding.
+/// All numbers between `low` and `high`. A function of intervals gives an interval that holds all
+/// its values (Moore 1966), usually a wider one. Bounds are not rounded outward: callers leave a
+/// margin for rounding.
 ///
-/// If a result is undefined for some argument, its bounds are NaN and every comparison with them fails. If a function branches and the range does not decide, the result holds for one branch only; see [`Interval::decided`].
+/// If a result is undefined for some argument, its bounds are NaN and every comparison with them
+/// fails. If a function branches and the range does not decide, the result holds for one branch
+/// only; see [`Interval::decided`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
     /// Lower bound.

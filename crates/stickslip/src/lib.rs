@@ -1,9 +1,13 @@
 //! Event-exact integration of dry-friction (Filippov) systems.
 //!
-//! A Filippov system has two smooth vector fields, one on either side of a boundary Σ. A block on a moving belt is one. Friction pushes it forward while it is slower than the belt and back while it is faster; Σ is where both are equally fast. The orbit slips on one side, crosses Σ, or sticks to it (*slides* on it, in Filippov's words) where both fields push towards it.
+//! A Filippov system has two smooth vector fields, one on either side of a boundary Σ. A block on a
+//! moving belt is one. Friction pushes it forward while it is slower than the belt and back while
+//! it is faster; Σ is where both are equally fast. The orbit slips on one side, crosses Σ, or
+//! sticks to it (*slides* on it, in Filippov's words) where both fields push towards it.
 //!
 //! # Two functions
-//! You write the field of each side and a function that is zero on Σ, for any [`Scalar`]. Everything else is derived:
+//! You write the field of each side and a function that is zero on Σ, for any [`Scalar`].
+//! Everything else is derived:
 //!
 //! ```
 //! use stickslip::{Filippov, Mode, Options, Scalar, Side, solve};
@@ -31,7 +35,8 @@
 //! ```
 //!
 //! # Step by step
-//! [`solve`] stores the whole [`Orbit`]; [`run`] reports to an [`Observer`] and stores nothing. Both are loops over [`Integration::step`], which you can write yourself:
+//! [`solve`] stores the whole [`Orbit`]; [`run`] reports to an [`Observer`] and stores nothing.
+//! Both are loops over [`Integration::step`], which you can write yourself:
 //!
 //! ```
 //! use stickslip::{Integration, Options, Progress, models::BeltOscillator};
@@ -54,7 +59,11 @@
 //! ```
 //!
 //! # Several contacts
-//! Two rubbing bodies, or a chain of them, are a [`Contacts`] system: a field for every combination of sides, and a boundary for each contact. Wrapped in [`Several`] it goes wherever a Filippov system goes. Its modes are arrays, one [`Mode`] for each contact. Static friction above kinetic is a second field, [`Filippov::holding`] or [`Contacts::holding`]. `examples/chain.rs` is a chain of eight blocks on a belt.
+//! Two rubbing bodies, or a chain of them, are a [`Contacts`] system: a field for every combination
+//! of sides, and a boundary for each contact. Wrapped in [`Several`] it goes wherever a Filippov
+//! system goes. Its modes are arrays, one [`Mode`] for each contact. Static friction above kinetic
+//! is a second field, [`Filippov::holding`] or [`Contacts::holding`]. `examples/chain.rs` is a
+//! chain of eight blocks on a belt.
 //!
 //! ```
 //! use stickslip::{Contacts, Options, Scalar, Several, Side, solve};
@@ -85,7 +94,11 @@
 //! ```
 //!
 //! # Sections and events
-//! Zeros of your own functions ([`EventFunctions`]) are found on every step's dense output and located on the step itself, in slip and in stick. They may have a direction, and may end the run. [`solve_with_events`] stores them beside the orbit, [`Watched`] reports them among the transitions, and [`EventSearch`] finds them for an [`Observer`]. [`analysis::PoincareMap`] makes one function a system of discrete time, with the map's derivative:
+//! Zeros of your own functions ([`EventFunctions`]) are found on every step's dense output and
+//! located on the step itself, in slip and in stick. They may have a direction, and may end the
+//! run. [`solve_with_events`] stores them beside the orbit, [`Watched`] reports them among the
+//! transitions, and [`EventSearch`] finds them for an [`Observer`]. [`analysis::PoincareMap`] makes
+//! one function a system of discrete time, with the map's derivative:
 //!
 //! ```
 //! use stickslip::{Direction, EventFunctions, Options, Scalar, analysis::PoincareMap};
@@ -120,7 +133,8 @@
 //! ```
 //!
 //! # Spectra
-//! [`analysis`] has tangent points, monodromy matrices through stick and crossing, periodic orbits, and Lyapunov spectra:
+//! [`analysis`] has tangent points, monodromy matrices through stick and crossing, periodic orbits,
+//! and Lyapunov spectra:
 //!
 //! ```
 //! use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum};
@@ -137,10 +151,16 @@
 //! ```
 //!
 //! # Attractors, sweeps and branches
-//! [`analysis::attractor`] finds the attractor of a start, without a list of attractors. [`analysis::basin`] does so for many starts and gives the shares. [`analysis::sweep`] follows an attractor along a parameter, up or down, and locates the changes of its phases. The event function that vanishes names the change, one of the four sliding bifurcations say; the multipliers name folds, flips, tori and branch points. [`analysis::continue_periodic_orbit`] follows a periodic orbit, stable or not, through folds and grazes. Their pages have examples.
+//! [`analysis::attractor`] finds the attractor of a start, without a list of attractors.
+//! [`analysis::basin`] does so for many starts and gives the shares. [`analysis::sweep`] follows an
+//! attractor along a parameter, up or down, and locates the changes of its phases. The event
+//! function that vanishes names the change, one of the four sliding bifurcations say; the
+//! multipliers name folds, flips, tori and branch points. [`analysis::continue_periodic_orbit`]
+//! follows a periodic orbit, stable or not, through folds and grazes. Their pages have examples.
 //!
 //! # Ensembles
-//! [`ensemble`] integrates many starts or parameters on all cores. Each orbit is bit-for-bit the same as alone, and the results come in order:
+//! [`ensemble`] integrates many starts or parameters on all cores. Each orbit is bit-for-bit the
+//! same as alone, and the results come in order:
 //!
 //! ```
 //! use std::ops::ControlFlow;
@@ -167,7 +187,8 @@
 //! ```
 //!
 //! # Errors
-//! Every failure is an [`Error`] with the values that explain it; [`solve`] hands back the orbit up to it:
+//! Every failure is an [`Error`] with the values that explain it; [`solve`] hands back the orbit up
+//! to it:
 //!
 //! ```
 //! use stickslip::{Error, Options, models::BeltOscillator, solve};
@@ -199,7 +220,8 @@ pub mod statistics;
 pub mod system;
 mod taylor;
 
-/// The crate whose vectors and matrices appear in signatures. Use this one, so that the versions agree.
+/// The crate whose vectors and matrices appear in signatures. Use this one, so that the versions
+/// agree.
 pub use nalgebra;
 
 pub use error::Error;

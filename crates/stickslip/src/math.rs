@@ -1,8 +1,8 @@
 //! Elementary functions with the same bits on every platform.
 //!
-//! `+ - * /` and `sqrt` are exact to the last bit by IEEE 754 and rustc never contracts them, but the
-//! standard library's `sin`, `exp`, … call whatever C library the platform has. Everything in this
-//! project that needs one calls it here; the lint `disallowed-methods` bans the others.
+//! `+ - * /` and `sqrt` are exact to the last bit by IEEE 754 and rustc never contracts them, but
+//! the standard library's `sin`, `exp`, … call whatever C library the platform has. Everything in
+//! this project that needs one calls it here; the lint `disallowed-methods` bans the others.
 
 use std::cell::Cell;
 
@@ -15,7 +15,8 @@ struct Angle {
 }
 
 thread_local! {
-    // A forcing or a moving boundary is asked for many times in a row at one time: at an event ten times.
+    // A forcing or a moving boundary is asked for many times in a row at one time: at an event ten
+    // times.
     static LAST: Cell<Angle> = const {
         Cell::new(Angle {
             x: 0.0,
@@ -37,7 +38,8 @@ pub fn cos(x: f64) -> f64 {
     sin_cos(x).1
 }
 
-/// Sine and cosine of `x` in radians, for little more than one of them. The last ones are remembered.
+/// Sine and cosine of `x` in radians, for little more than one of them. The last ones are
+/// remembered.
 #[inline]
 pub fn sin_cos(x: f64) -> (f64, f64) {
     let last = LAST.get();
@@ -121,7 +123,8 @@ pub fn hypot(x: f64, y: f64) -> f64 {
     libm::hypot(x, y)
 }
 
-/// `x^n` by repeated squaring: only multiplications (and one division for `n < 0`), in a fixed order.
+/// `x^n` by repeated squaring: only multiplications (and one division for `n < 0`), in a fixed
+/// order.
 pub fn powi(x: f64, n: i32) -> f64 {
     let mut base = x;
     let mut left = n.unsigned_abs();

@@ -11,7 +11,10 @@ pub struct Counters {
     pub steps: u64,
     /// Steps rejected by error control.
     pub rejected: u64,
-    /// Calls of the user's field, on any scalar, by steps, event location and the switching rules. Samples of the guards in stick do not count. With [`crate::Method::Taylor`]: one for every order of every series, and the rules. The call that checks each step and those of location do not count.
+    /// Calls of the user's field, on any scalar, by steps, event location and the switching rules.
+    /// Samples of the guards in stick do not count. With [`crate::Method::Taylor`]: one for every
+    /// order of every series, and the rules. The call that checks each step and those of location
+    /// do not count.
     pub field_calls: u64,
     /// Transitions.
     pub events: u64,
@@ -27,11 +30,14 @@ pub enum Ending {
     /// Σ repels at the last state: both fields lead away and the future is not unique
     /// (see [`crate::AtRepelling`]).
     Repelling,
-    /// The orbit has reached a two-fold, where both fields are tangent to Σ and the future is not unique (see [`crate::AtRepelling`]).
+    /// The orbit has reached a two-fold, where both fields are tangent to Σ and the future is not
+    /// unique (see [`crate::AtRepelling`]).
     TwoFold(TwoFold),
-    /// The orbit has shrunk to a point of Σ. It circles there for ever, and no phase moves the state by more than the tolerance.
+    /// The orbit has shrunk to a point of Σ. It circles there for ever, and no phase moves the
+    /// state by more than the tolerance.
     Shrunk,
-    /// The observer stopped the run, or a terminal event did ([`crate::EventFunctions::is_terminal`]).
+    /// The observer stopped the run, or a terminal event did
+    /// ([`crate::EventFunctions::is_terminal`]).
     Stopped,
     /// The run failed; the orbit is what it computed before (see [`crate::Failure`]).
     Failed,
@@ -88,8 +94,9 @@ impl<const N: usize, K> Orbit<N, K> {
         }
     }
 
-    /// The state at time `t`, from the dense output. At the steps' ends it is as accurate as the run; between
-    /// them it may err by up to some hundred tolerances where those are tight (not with [`crate::Method::Taylor`]).
+    /// The state at time `t`, from the dense output. At the steps' ends it is as accurate as the
+    /// run; between them it may err by up to some hundred tolerances where those are tight (not
+    /// with [`crate::Method::Taylor`]).
     ///
     /// # Errors
     /// [`Error::OutsideOrbit`] when the orbit does not cover `t`.
@@ -116,7 +123,8 @@ impl<const N: usize, K> Orbit<N, K> {
 }
 
 impl<const N: usize, const M: usize> Orbit<N, [Mode; M]> {
-    /// Start and end times of a contact's sticks, whatever the others do meanwhile; empty for a contact that does not exist.
+    /// Start and end times of a contact's sticks, whatever the others do meanwhile; empty for a
+    /// contact that does not exist.
     pub fn sticks_of(&self, contact: usize) -> Vec<(f64, f64)> {
         let mut sticks: Vec<(f64, f64)> = Vec::new();
         let mut stuck = false;

@@ -10,13 +10,14 @@ use crate::math;
 
 /// A real number with the operations that a vector field may use.
 ///
-/// Models are generic over it, so that the library can run the same two functions on `f64` for values, on dual numbers for
-/// Jacobians, normal components and Lie derivatives, and on coefficients for Taylor series. It asks for little on
-/// purpose: any type with arithmetic and these few functions (an interval, say) can implement it.
+/// Models are generic over it, so that the library can run the same two functions on `f64` for
+/// values, on dual numbers for Jacobians, normal components and Lie derivatives, and on
+/// coefficients for Taylor series. It asks for little on purpose: any type with arithmetic and
+/// these few functions (an interval, say) can implement it.
 ///
-/// Constants enter through the `f64` operators (`x * 2.0`) or [`Scalar::constant`]. They stand on the right: `0.5 * x` and
-/// `1.0 - x` are refused with "cannot multiply `f64` by `T`", for a trait cannot promise operators of `f64`. Write `x * 0.5`,
-/// `-x + 1.0`, and `x.recip()` for `1.0 / x`.
+/// Constants enter through the `f64` operators (`x * 2.0`) or [`Scalar::constant`]. They stand on
+/// the right: `0.5 * x` and `1.0 - x` are refused with "cannot multiply `f64` by `T`", for a trait
+/// cannot promise operators of `f64`. Write `x * 0.5`, `-x + 1.0`, and `x.recip()` for `1.0 / x`.
 ///
 /// There is no `signum`: friction is written by [`crate::Side`], one smooth formula on each.
 pub trait Scalar:
@@ -93,18 +94,21 @@ pub trait Scalar:
         }
         if n < 0 { product.recip() } else { product }
     }
-    /// Whether both are known to be the same number by how they came about: none knows that only by its values.
+    /// Whether both are known to be the same number by how they came about: none knows that only by
+    /// its values.
     #[inline(always)]
     fn is_same(self, _other: Self) -> bool {
         false
     }
-    /// Whether the value is known to have overflowed: then it carries no derivatives, as `1/x` and the like have none there.
+    /// Whether the value is known to have overflowed: then it carries no derivatives, as `1/x` and
+    /// the like have none there.
     #[inline(always)]
     fn has_overflowed(self) -> bool {
         false
     }
-    /// Whether it is the larger by value: the comparison behind [`Scalar::max`] and [`Scalar::min`]. To branch on it is
-    /// better than on [`Scalar::value`]: where the answer changes within a step, [`crate::Method::Taylor`] ends the step there.
+    /// Whether it is the larger by value: the comparison behind [`Scalar::max`] and
+    /// [`Scalar::min`]. To branch on it is better than on [`Scalar::value`]: where the answer
+    /// changes within a step, [`crate::Method::Taylor`] ends the step there.
     #[inline(always)]
     fn exceeds(self, other: Self) -> bool {
         self.value() > other.value()

@@ -95,7 +95,8 @@ mod tests {
 
     #[test]
     fn the_generator_is_the_published_one() {
-        // The first two outputs of the reference implementation for the seed 1234567, their upper 53 bits.
+        // The first two outputs of the reference implementation for the seed 1234567, their upper
+        // 53 bits.
         let mut generator = SplitMix::new(1_234_567);
         for wanted in [6_457_827_717_110_365_317_u64, 3_203_168_211_198_807_973] {
             assert_eq!(

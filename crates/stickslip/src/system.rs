@@ -5,7 +5,8 @@ use nalgebra::{DVector, SVector};
 use crate::error::Error;
 use crate::scalar::Scalar;
 
-/// A state: `N` components, on the stack. It is a vector of nalgebra, and `[f64; N]` where a function asks for one.
+/// A state: `N` components, on the stack. It is a vector of nalgebra, and `[f64; N]` where a
+/// function asks for one.
 pub type State<const N: usize> = SVector<f64, N>;
 
 /// The components of a state, as the functions of a [`Filippov`] system take them.
@@ -14,7 +15,9 @@ pub fn components<const N: usize>(x: &State<N>) -> &[f64; N] {
     &x.data.0[0]
 }
 
-/// The components of a state of `N`: an array, a vector of fixed length, or one of run-time length as the analyses return them. A vector of another length gives NaN components, which every run refuses.
+/// The components of a state of `N`: an array, a vector of fixed length, or one of run-time length
+/// as the analyses return them. A vector of another length gives NaN components, which every run
+/// refuses.
 pub trait IntoState<const N: usize> {
     /// The state.
     fn into_state(self) -> State<N>;
@@ -79,20 +82,23 @@ impl Side {
 pub enum Mode {
     /// Motion through the smooth field of one side.
     Slip(Side),
-    /// Sliding along Σ by Filippov's convex combination of the two fields: the body sticks to the belt.
+    /// Sliding along Σ by Filippov's convex combination of the two fields: the body sticks to the
+    /// belt.
     Stick,
 }
 
 /// A Filippov system of dimension `N`: two smooth fields and the boundary between them.
 ///
-/// The two functions are all that is needed. The sliding field, where sliding starts and ends, tangent
-/// points and their visibility, Jacobians and saltation matrices are derived from them by running them
-/// on dual numbers, so they must be written for any [`Scalar`].
+/// The two functions are all that is needed. The sliding field, where sliding starts and ends,
+/// tangent points and their visibility, Jacobians and saltation matrices are derived from them by
+/// running them on dual numbers, so they must be written for any [`Scalar`].
 ///
-/// Marked `#[inline(always)]` they are compiled into the solver's loops: with [`crate::Method::Taylor`] that saves a third of the time.
+/// Marked `#[inline(always)]` they are compiled into the solver's loops: with
+/// [`crate::Method::Taylor`] that saves a third of the time.
 ///
-/// `field` is also evaluated a little beyond Σ (by a step that has not yet noticed the crossing), so each
-/// side's formula should extend smoothly across it: write friction by `side`, not by the sign of a velocity.
+/// `field` is also evaluated a little beyond Σ (by a step that has not yet noticed the crossing),
+/// so each side's formula should extend smoothly across it: write friction by `side`, not by the
+/// sign of a velocity.
 ///
 /// ```
 /// use stickslip::{Filippov, Scalar, Side};
@@ -111,17 +117,25 @@ pub enum Mode {
 /// }
 /// ```
 pub trait Filippov<const N: usize> {
-    /// Whether the functions are interpreted, as those of a file: a call then takes longer than its arithmetic. [`crate::Method::Taylor`] calls interpreted functions once and repeats their operations while the mode lasts and the comparisons have the same results. It calls compiled functions (the default) once for every order, which is faster for these. The orbits agree to rounding.
+    /// Whether the functions are interpreted, as those of a file: a call then takes longer than its
+    /// arithmetic. [`crate::Method::Taylor`] calls interpreted functions once and repeats their
+    /// operations while the mode lasts and the comparisons have the same results. It calls compiled
+    /// functions (the default) once for every order, which is faster for these. The orbits agree to
+    /// rounding.
     const INTERPRETED: bool = false;
 
     /// The vector field of `side` at time `t` and state `x`: dx/dt.
     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; N]) -> [T; N];
 
-    /// The boundary function h: negative on [`Side::Below`], positive on [`Side::Above`], zero on Σ.
-    /// It may depend on time: Σ then moves. It must be a number along the whole orbit: a step at whose end it is NaN is shortened, until the run ends with an error.
+    /// The boundary function h: negative on [`Side::Below`], positive on [`Side::Above`], zero on
+    /// Σ. It may depend on time: Σ then moves. It must be a number along the whole orbit: a step at
+    /// whose end it is NaN is shortened, until the run ends with an error.
     fn boundary<T: Scalar>(&self, t: T, x: &[T; N]) -> T;
 
-    /// The field of `side` while the contact holds, for static friction above the kinetic friction of [`Filippov::field`]. Stick begins where both of these fields push to Σ and ends where one of them no longer does. The slip that follows leaves Σ across, by the field of slip. By default the friction of slip holds, and stick ends at a tangent point.
+    /// The field of `side` while the contact holds, for static friction above the kinetic friction
+    /// of [`Filippov::field`]. Stick begins where both of these fields push to Σ and ends where one
+    /// of them no longer does. The slip that follows leaves Σ across, by the field of slip. By
+    /// default the friction of slip holds, and stick ends at a tangent point.
     ///
     /// ```
     /// use stickslip::{Filippov, Options, Scalar, Side, solve};
@@ -154,16 +168,18 @@ pub trait Filippov<const N: usize> {
         self.field(side, t, x)
     }
 
-    /// A function whose sign is that of the normal force (in any unit), for systems that can lose contact. Its zeros are
-    /// located like all events and recorded as [`crate::TransitionKind::ContactLoss`] and
-    /// [`crate::TransitionKind::ContactGain`], so that a field that is clipped there is never stepped across its kink.
-    /// The default, `None`, never loses contact.
+    /// A function whose sign is that of the normal force (in any unit), for systems that can lose
+    /// contact. Its zeros are located like all events and recorded as
+    /// [`crate::TransitionKind::ContactLoss`] and [`crate::TransitionKind::ContactGain`], so that a
+    /// field that is clipped there is never stepped across its kink. The default, `None`, never
+    /// loses contact.
     #[inline(always)]
     fn contact<T: Scalar>(&self, _t: T, _x: &[T; N]) -> Option<T> {
         None
     }
 
-    /// Checks the parameters, once before every run: a negative mass gives a message and not an orbit. The default allows everything.
+    /// Checks the parameters, once before every run: a negative mass gives a message and not an
+    /// orbit. The default allows everything.
     ///
     /// # Errors
     /// [`Error::Parameter`] naming the first parameter that is not allowed.
@@ -207,7 +223,8 @@ impl<const N: usize, S: Filippov<N>> Filippov<N> for &S {
     }
 }
 
-/// A system whose parameters are not checked, for values that [`Filippov::check_parameters`] refuses on purpose, such as friction of the other sign.
+/// A system whose parameters are not checked, for values that [`Filippov::check_parameters`]
+/// refuses on purpose, such as friction of the other sign.
 ///
 /// ```
 /// use stickslip::{Ending, Options, models::BeltOscillator, solve, system::Unchecked};

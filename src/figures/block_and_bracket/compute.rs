@@ -31,21 +31,25 @@ pub const SETS: [Set; 3] = [
         caption: Caption::FIG10,
         shown: 40.0,
         title: "Fig. 10: periodic motion of the block and the bracket",
-        description: "The block's and the bracket's phase planes with the line of belt speed, and below them the running exponents beside the published ones.",
+        description: "The block's and the bracket's phase planes with the line of belt speed, and \
+            below them the running exponents beside the published ones.",
     },
     Set {
         figure: SpectrumFigure::Fig11,
         caption: Caption::FIG11,
         shown: 300.0,
         title: "Fig. 11: quasi-periodic motion of the block and the bracket",
-        description: "The block's and the bracket's phase planes with the line of belt speed, and below them the running exponents beside the published ones.",
+        description: "The block's and the bracket's phase planes with the line of belt speed, and \
+            below them the running exponents beside the published ones.",
     },
     Set {
         figure: SpectrumFigure::Fig12,
         caption: Caption::FIG12,
         shown: 300.0,
         title: "Fig. 12: chaotic motion of the block and the bracket",
-        description: "The block's and the bracket's phase planes with the line of belt speed and the region without contact, and below them the running exponents beside the published ones.",
+        description: "The block's and the bracket's phase planes with the line of belt speed and \
+            the region without contact, and below them the running exponents beside the published \
+            ones.",
     },
 ];
 

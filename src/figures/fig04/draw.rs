@@ -12,8 +12,9 @@ fn description(data: &Data) -> String {
         count => format!("sticking {count} times"),
     };
     format!(
-        "Phase plane of a block on a belt, position against velocity. Orbits from {} numbered tangent points on the line of belt speed and \
-         from further starts wind onto one limit cycle, which crosses that line {sticks}. Of the tangent points, {}. An enlargement shows \
+        "Phase plane of a block on a belt, position against velocity. Orbits from {} numbered \
+         tangent points on the line of belt speed and from further starts wind onto one limit \
+         cycle, which crosses that line {sticks}. Of the tangent points, {}. An enlargement shows \
          the cycle's kink where it crosses the line, at {:.3} metres.",
         data.tangents.len(),
         data.kinds(),

@@ -13,12 +13,13 @@ const EDGES: [(Color, Dash); 2] = [(BLUE, Dash::Solid), (VERMILLION, Dash::Dashe
 /// The SVG.
 pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
     let title = "Tangent points: transition function, oscillation, bifurcation";
-    let description = "Panel a: the transition function σ against z. Without friction it touches the axis from above at z = −1, \
-        0 and 1; with μ0 = 2√3/9 it is negative between ±2/√3 and touches the axis from below at ±1/√3. Panel b: six \
-        tangent points move up and down together over two forcing periods; the strips between the first \
-        and second, third and fourth, fifth and sixth are the stick zones. Panel c: tangent points against \
-        μ0: six branches start in pairs at z = 1, 0 and −1, the inner four meet in pairs at \
-        μ0 = 2√3/9 and ±1/√3, and two branches go on beyond it.";
+    let description = "Panel a: the transition function σ against z. Without friction it touches \
+        the axis from above at z = −1, 0 and 1; with μ0 = 2√3/9 it is negative between ±2/√3 and \
+        touches the axis from below at ±1/√3. Panel b: six tangent points move up and down \
+        together over two forcing periods; the strips between the first and second, third and \
+        fourth, fifth and sixth are the stick zones. Panel c: tangent points against μ0: six \
+        branches start in pairs at z = 1, 0 and −1, the inner four meet in pairs at μ0 = 2√3/9 and \
+        ±1/√3, and two branches go on beyond it.";
     let figure = Figure::new("fig07", (680.0, 590.0), title, description);
     let above = pair(transition(data), oscillation(&data.oscillation));
     let figure = figure.columns(1.0, above).row(1.08, branches(data));

@@ -18,10 +18,12 @@ fn description(data: &Data) -> String {
     let (deflected, left) = list(printed.deflections().iter().map(position).collect());
     let (crossed, there) = list(exact.crossings_of_one().map(position).collect());
     format!(
-        "Left: the listing as printed. In the phase plane a closed trajectory of {} rides the line of belt speed {ridden}, over {rides} metres, and \
-         crosses it without sticking {deflected} on the left, at {left} metres, enlarged in a corner; below, its position against time among the \
-         oscillating stick zones. Right: the stated model with the same parameters, solved accurately. A closed orbit of {} crosses the \
-         line {crossed}, at {there} metres, and {} sticks.",
+        "Left: the listing as printed. In the phase plane a closed trajectory of {} rides the line \
+         of belt speed {ridden}, over {rides} metres, and crosses it without sticking {deflected} \
+         on the left, at {left} metres, enlarged in a corner; below, its position against time \
+         among the oscillating stick zones. Right: the stated model with the same parameters, \
+         solved accurately. A closed orbit of {} crosses the line {crossed}, at {there} metres, \
+         and {} sticks.",
         periods(printed.period),
         periods(exact.period),
         times(exact.sticks_of_one().count()),

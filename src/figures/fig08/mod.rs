@@ -18,11 +18,12 @@ use draw::draw;
 pub const FIG08: FigureSpec<Data> = FigureSpec {
     name: "fig08",
     title: "Stick–slip of the forced oscillator: as printed, and exact (Fig. 8)",
-    about: "Left: the Appendix's listing run as printed, at its own step: its settled trajectory with its stick phases and \
-        deflections. Right: the stated model, Eq. (17), with the same parameters, solved accurately, from the listing's \
-        start. Below each, position against time with the oscillating stick zones. Numbers: stick lengths and durations as printed and for the listing's limit (slip three times \
-        too fast, exit tested at one end), the exact orbit's crossings and slip durations, and where a grid of \
-        starts ends up.",
+    about: "Left: the Appendix's listing run as printed, at its own step: its settled trajectory \
+        with its stick phases and deflections. Right: the stated model, Eq. (17), with the same \
+        parameters, solved accurately, from the listing's start. Below each, position against time \
+        with the oscillating stick zones. Numbers: stick lengths and durations as printed and for \
+        the listing's limit (slip three times too fast, exit tested at one end), the exact orbit's \
+        crossings and slip durations, and where a grid of starts ends up.",
     compute,
     numbers,
     draw,
@@ -67,7 +68,8 @@ fn two_periodic(data: &Data) -> Vec<Row> {
     let of_motion =
         "the settled motion sticks and repeats after two forcing periods and not after one";
     // Any attractor that the grid of starts finds may be the caption's.
-    let of_grid = "a start of the grid leads to a motion that sticks and repeats after two forcing periods and not after one";
+    let of_grid = "a start of the grid leads to a motion that sticks and repeats after two forcing \
+        periods and not after one";
     let printed = data.as_printed.pattern.two_periodic();
     let limit = data.slip_times_three.two_periodic();
     [

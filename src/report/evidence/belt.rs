@@ -63,7 +63,8 @@ fn judged(rides: &[Ride], below: Ride) -> Vec<Finding> {
             tangent.iter().all(Option::is_some) && at_half.iter().all(Option::is_none),
         ),
         (
-            "they lie inside the stick zone: a body on the belt rides through both to the outer point",
+            "they lie inside the stick zone: a body on the belt rides through both to the outer \
+                point",
             least.is_some() && !below.goes_through(),
         ),
     ];
@@ -77,8 +78,9 @@ fn judged(rides: &[Ride], below: Ride) -> Vec<Finding> {
     let released = released.map_or(f64::NAN, |ride| ride.released_at);
     let (off, before) = (small((released - 2.0 * inner()).abs()), below.released_at);
     let line = format!(
-        "at the critical friction a field is tangent at −1/√3 ({left}) and at 1/√3 ({right}); from x1 = {START} m on the belt, {friction}, \
-         the body is released at {released:.6} m, {off} m from 2/√3; at friction a hundredth below critical at {before:.6} m"
+        "at the critical friction a field is tangent at −1/√3 ({left}) and at 1/√3 ({right}); from \
+         x1 = {START} m on the belt, {friction}, the body is released at {released:.6} m, {off} m \
+         from 2/√3; at friction a hundredth below critical at {before:.6} m"
     );
     vec![statement(Exact, parts, line)]
 }

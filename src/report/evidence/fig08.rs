@@ -69,14 +69,19 @@ pub(super) fn start(claims: &Claims) -> Result<(Vec<Finding>, Proof), Error> {
     let (captioned, listed) = (from(claims, points[2])?, from(claims, points[3])?);
     let what = "from the third tangent point the stated model settles on stick–slip of period two";
     let parts = [(what, captioned.model_two_periodic)];
-    let what = "the program settles on the published trajectory with the third point put in the place of its own start, the fourth";
+    let what = "the program settles on the published trajectory with the third point put in the \
+        place of its own start, the fourth";
     let printed = [(what, captioned.digits == ClaimId::FOUR.len())];
     let [from_third, from_fourth] = [&captioned, &listed].map(|from| {
         let (x1, release, digits) = (number(from.x1, 4), from.first_release, from.digits);
-        format!("from x1 = {x1} m the program releases the body first at {release:.4} s and settles on {digits} of the four published numbers")
+        format!(
+            "from x1 = {x1} m the program releases the body first at {release:.4} s and \
+            settles on {digits} of the four published numbers"
+        )
     });
     let line = format!(
-        "{from_third}; {from_fourth}; the Appendix starts at the latter, T[3], which is the fourth point: another reading of the caption"
+        "{from_third}; {from_fourth}; the Appendix starts at the latter, T[3], which is the fourth \
+            point: another reading of the caption"
     );
     let shown: [[Value; 3]; 2] =
         [&captioned, &listed].map(|of| [of.x1.into(), of.first_release.into(), of.digits.into()]);
@@ -134,7 +139,8 @@ impl Sides {
         let (phases, repeats) = (self.sides.len(), self.repeats());
         let (highest, lowest) = (self.highest_in_s1, self.lowest_in_s2);
         format!(
-            "{name}: {phases} slip phases, {repeats} times two on the same side, velocities up to {highest:.4} m/s in S1 and from {lowest:.4} m/s in S2"
+            "{name}: {phases} slip phases, {repeats} times two on the same side, velocities up to \
+                {highest:.4} m/s in S1 and from {lowest:.4} m/s in S2"
         )
     }
 }
@@ -222,7 +228,8 @@ pub(super) fn found_by_appendix(claims: &Claims, defects: Defects) -> Vec<Findin
     let parts = [(what, printed.motion == Motion::PUBLISHED && digits == all)];
     let (printed, mended) = (words(printed.motion), words(mended.motion));
     let line = format!(
-        "listing as printed: {printed}, {digits} of {all} published numbers to all digits; with its defects mended: {mended}"
+        "listing as printed: {printed}, {digits} of {all} published numbers to all digits; with \
+            its defects mended: {mended}"
     );
     vec![statement(AsPrinted, parts, line)]
 }

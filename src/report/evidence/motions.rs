@@ -64,9 +64,10 @@ impl ByProcedure {
         };
         let (corrected, printed) = (names(&self.corrected), names(&self.as_printed));
         let line = format!(
-            "by RK4 with steps of {STEP} and Hénon's step, Figs. 10, 11, 12: {corrected}; with the equations as printed: {printed}. Another reading, that it \
-             gave the very trajectories of the figures, cannot be decided: neither step nor program is stated, and only the text of the \
-             paper was at hand, not its pictures"
+            "by RK4 with steps of {STEP} and Hénon's step, Figs. 10, 11, 12: {corrected}; with the \
+             equations as printed: {printed}. Another reading, that it gave the very trajectories \
+             of the figures, cannot be decided: neither step nor program is stated, and only the \
+             text of the paper was at hand, not its pictures"
         );
         vec![
             statement(Corrected, parts(&self.corrected), line),
@@ -138,7 +139,8 @@ impl Shape {
                 let percent = 100.0 * branching;
                 let can = if branching < STRUNG { "can" } else { "cannot" };
                 format!(
-                    "of {all} points does not close (it branches at {percent:.1} % of them and {can} be strung, which decides nothing)"
+                    "of {all} points does not close (it branches at {percent:.1} % of them and \
+                        {can} be strung, which decides nothing)"
                 )
             }
             _ => "does not tell".to_owned(),
@@ -149,7 +151,8 @@ impl Shape {
         };
         let (zeros, positive) = (self.zeros, usize::from(self.positive));
         format!(
-            "Fig. {}: the section {section}; the exponents ({zeros} zero, {positive} positive): {class}",
+            "Fig. {}: the section {section}; the exponents ({zeros} zero, {positive} positive): \
+                {class}",
             figure + 10
         )
     }

@@ -132,9 +132,9 @@ impl Compared {
         ];
         let [off, slope_off] = [self.off, self.slope_off].map(small);
         let line = format!(
-            "{points} points of Σ, {parameters} sets of parameters: product and derivative of the library's own fields off {equations} by \
-             at most {off} and {slope_off} of their terms; stick and sign of σ disagree at {disagreements} points, {negative} of them have \
-             σ < 0"
+            "{points} points of Σ, {parameters} sets of parameters: product and derivative of the \
+             library's own fields off {equations} by at most {off} and {slope_off} of their terms; \
+             stick and sign of σ disagree at {disagreements} points, {negative} of them have σ < 0"
         );
         vec![statement(Exact, parts, line)]
     }

@@ -31,14 +31,18 @@ pub(super) fn exact_lengths(grid: &GridPhases) -> Vec<Finding> {
     let error = largest(sticks.iter().map(|one| off(one.stick)));
     let settled = grid.of_fig08().len();
     let listing_error = largest(grid.of_fig08().map(off));
-    let what = "given where and when it begins, the set gives length and duration of a stick phase of the stated model";
+    let what = "given where and when it begins, the set gives length and duration of a stick phase \
+        of the stated model";
     let parts = [(what, !sticks.is_empty() && error <= NONE)];
-    let what = "given where and when it begins, the set gives length and duration of the listing's stick phases, which are the published ones";
+    let what = "given where and when it begins, the set gives length and duration of the listing's \
+        stick phases, which are the published ones";
     let printed = [(what, settled > 0 && listing_error <= NONE)];
     let (all, error) = (sticks.len(), small(error));
     let line = format!(
-        "ends of {all} stick phases of the stated model by the scalar equation from the set and the begin: off by at most {error} s; of the {settled} \
-         of Fig. 8's motion, which the listing makes and which are another reading of the sentence: by up to {listing_error:.3} s"
+        "ends of {all} stick phases of the stated model by the scalar equation from the set and \
+         the begin: off by at most {error} s; of the {settled} of Fig. 8's motion, which the \
+         listing makes and which are another reading of the sentence: by up to {listing_error:.3} \
+         s"
     );
     vec![statement(Exact, parts, line), as_printed(printed)]
 }
@@ -130,9 +134,12 @@ pub(super) fn exit_at_visible(grid: &GridPhases) -> Vec<Finding> {
     let (of_mended, all_of_mended) = (mended.at_visible(), mended.all());
     let [chatter, more] = [&grid.listing, &grid.both_ends_tested].map(|of| of.chatter);
     let line = format!(
-        "stated model: {visible} of {all} ends of stick phases are visibly tangent, all within {distance} m of a point; in another reading, by the points that \
-         Fig. 4's caption calls visible at rest, {odd} are at 1, 3, 5 and {even} at 2, 4, 6 (by number {at:?}); the listing tests upper ends only, so that {of_listing} of \
-         its {all_of_listing} are at 1, 3, 5 whatever the motion; with both ends tested {of_mended} of {all_of_mended} ({chatter} and {more} of no more than ten steps left out)"
+        "stated model: {visible} of {all} ends of stick phases are visibly tangent, all within \
+         {distance} m of a point; in another reading, by the points that Fig. 4's caption calls \
+         visible at rest, {odd} are at 1, 3, 5 and {even} at 2, 4, 6 (by number {at:?}); the \
+         listing tests upper ends only, so that {of_listing} of its {all_of_listing} are at 1, 3, \
+         5 whatever the motion; with both ends tested {of_mended} of {all_of_mended} ({chatter} \
+         and {more} of no more than ten steps left out)"
     );
     // The listing tests the points 1, 3 and 5 and no others.
     vec![
@@ -209,7 +216,8 @@ pub(super) fn until_tangent(grid: &GridPhases, sticks_of_fig08: usize) -> Vec<Fi
         && speed_error <= NONE
         && model.passing == 0
         && model.largest_distance <= NONE;
-    let what = "the body of Fig. 8 in the stated model sticks and moves at the belt's speed until the next tangent point is met";
+    let what = "the body of Fig. 8 in the stated model sticks and moves at the belt's speed until \
+        the next tangent point is met";
     let parts = [(what, sticks_of_fig08 > 0 && holds_in_the_model)];
     let what = "the body of Fig. 8's motion, which the program makes, does so";
     let printed = [(what, fig08.phases > 0 && fig08.passing == 0)];
@@ -225,10 +233,13 @@ pub(super) fn until_tangent(grid: &GridPhases, sticks_of_fig08: usize) -> Vec<Fi
     let (phases, passing) = (model.phases, model.passing);
     let distance = small(model.largest_distance);
     let line = format!(
-        "judged by Fig. 8's motion, of which the sentence speaks; from its start the stated model settles on {sticks_of_fig08} stick phases; of those of the \
-         listing {} pass a tangent point, and the body is in no zone for {} of the time in stick (on its first ten forcing periods from \
-         {starts} starts, phases of ten steps and less left out: {}, and {}). In another reading, of any stick phase of the stated model, it {holds}: \
-         {phases} phases, velocity off the belt's by at most {speed_error} m/s, {passing} of them pass a tangent point before they end, and the end is within {distance} m of one",
+        "judged by Fig. 8's motion, of which the sentence speaks; from its start the stated model \
+         settles on {sticks_of_fig08} stick phases; of those of the listing {} pass a tangent \
+         point, and the body is in no zone for {} of the time in stick (on its first ten forcing \
+         periods from {starts} starts, phases of ten steps and less left out: {}, and {}). In \
+         another reading, of any stick phase of the stated model, it {holds}: {phases} phases, \
+         velocity off the belt's by at most {speed_error} m/s, {passing} of them pass a tangent \
+         point before they end, and the end is within {distance} m of one",
         of_fig08.0, of_fig08.1, of_listing.0, of_listing.1,
     );
     vec![statement(Exact, parts, line), as_printed(printed)]
@@ -255,7 +266,8 @@ pub(super) fn length_is_way(grid: &GridPhases, published: [f64; 4]) -> (Vec<Find
     let (of_published, of_listing, allowed) = (both(published), both(listing), 1e3 * rounding);
     let (sticks, most) = (grid.model.len(), small(of_model));
     let line = format!(
-        "durations less lengths/vp: published {of_published}, the program {of_listing}, {allowed:.2} ms can be rounding; of {sticks} stick phases of the stated model, which are \
+        "durations less lengths/vp: published {of_published}, the program {of_listing}, \
+         {allowed:.2} ms can be rounding; of {sticks} stick phases of the stated model, which are \
          another reading of the sentence, at most {most} s"
     );
     let [first, second] = [0, 1].map(|k| [published[k], listing[k]]);
@@ -300,9 +312,11 @@ pub(super) fn no_stick_at_zero() -> Result<Vec<Finding>, Error> {
     let (sigma, kink) = (small(least_sigma), small(largest_kink));
     let (with_sticks, with_kink) = (with.sticks, with.largest_kink);
     let line = format!(
-        "model 2 at mu0 = 0 from {orbits} starts: {sticks} stick phases (with the friction of Fig. 8: {with_sticks}), least σ on Σ {sigma} m²/s⁴; at {crossings} crossings the acceleration \
-         jumps by at most {kink} m/s² (with friction by up to {with_kink:.2} m/s²): without friction nothing deflects; in another reading, \
-         that deflections appear nowhere else, the sentence holds of none: it is not judged, for it says that deflections will appear"
+        "model 2 at mu0 = 0 from {orbits} starts: {sticks} stick phases (with the friction of Fig. \
+         8: {with_sticks}), least σ on Σ {sigma} m²/s⁴; at {crossings} crossings the acceleration \
+         jumps by at most {kink} m/s² (with friction by up to {with_kink:.2} m/s²): without \
+         friction nothing deflects; in another reading, that deflections appear nowhere else, the \
+         sentence holds of none: it is not judged, for it says that deflections will appear"
     );
     Ok(vec![statement(Exact, parts, line)])
 }

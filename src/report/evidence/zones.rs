@@ -66,7 +66,8 @@ pub(super) fn location(model: &ForcedOscillator) -> Vec<Finding> {
     let [named, others] = [named, others].map(|of| joined(of.map(each), ", "));
     let percent = 100.0 * (FACTOR - 1.0);
     let line = format!(
-        "each parameter {percent:.0} % larger moves the {ends} ends of the zones by up to (m): {named}; not named and without influence: {others}"
+        "each parameter {percent:.0} % larger moves the {ends} ends of the zones by up to (m): \
+            {named}; not named and without influence: {others}"
     );
     vec![statement(Exact, [(what, ends > 0 && moves)], line)]
 }
@@ -145,8 +146,9 @@ impl Oscillation {
         ];
         let difference = small(self.largest_difference);
         let line = format!(
-            "ends of the stick zone bisected along Σ at {TIMES} times of a period: within {difference} m of z_k + A sin(ωt); they travel {travel_x1:.4} m along x1, twice A being \
-             {twice_amplitude:.4} m, and {travel_x2} m/s along x2"
+            "ends of the stick zone bisected along Σ at {TIMES} times of a period: within \
+             {difference} m of z_k + A sin(ωt); they travel {travel_x1:.4} m along x1, twice A \
+             being {twice_amplitude:.4} m, and {travel_x2} m/s along x2"
         );
         vec![statement(Exact, parts, line)]
     }
@@ -164,7 +166,8 @@ impl Oscillation {
             (what, zone > 0.0),
         ];
         let line = format!(
-            "over a forcing period Σ travels {boundary} m/s along x2; the stick zone in it travels {zone:.4} m along x1"
+            "over a forcing period Σ travels {boundary} m/s along x2; the stick zone in it travels \
+                {zone:.4} m along x1"
         );
         vec![statement(Exact, parts, line)]
     }
@@ -236,15 +239,17 @@ fn judged((attracting, least_pull): (usize, f64), sweeps: &[Sweep]) -> Vec<Findi
         let (cycles, values) = (sweep.with_cycles(), sweep.points.len());
         let (births, changes) = (sweep.births_and_deaths(), sweep.changes());
         format!(
-            "with the parameters of {caption} stick–slip cycles at {cycles} of {values} values below it ({starts} starts each), which between neighbours \
-             appear or vanish {births} times and change period or number of sticks {changes} times; at the critical friction itself, which is \
-             another reading of the sentence, {critical} starts lead to one"
+            "with the parameters of {caption} stick–slip cycles at {cycles} of {values} values \
+             below it ({starts} starts each), which between neighbours appear or vanish {births} \
+             times and change period or number of sticks {changes} times; at the critical friction \
+             itself, which is another reading of the sentence, {critical} starts lead to one"
         )
     });
     let (pull, each) = (small(least_pull), joined(each, "; "));
     let line = format!(
-        "at the critical friction {attracting} of {OF_ZONE} places of the zone attract, the weaker field by {pull} m/s² where it is weakest; “strongly” is not tested, \
-         for the paper gives no measure; {each}"
+        "at the critical friction {attracting} of {OF_ZONE} places of the zone attract, the weaker \
+         field by {pull} m/s² where it is weakest; “strongly” is not tested, for the paper gives \
+         no measure; {each}"
     );
     vec![statement(Exact, parts, line)]
 }
@@ -386,7 +391,8 @@ pub(super) fn beside_curves(
     });
     let (times, distances) = (times.len(), joined(distances, "; at "));
     let line = format!(
-        "model 2 integrated from Σ beside the {curves} drawn curves at {times} times of two periods; at {distances}"
+        "model 2 integrated from Σ beside the {curves} drawn curves at {times} times of two \
+            periods; at {distances}"
     );
     Ok(vec![statement(Exact, parts, line)])
 }

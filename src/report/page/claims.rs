@@ -75,8 +75,10 @@ pub(super) fn section(ledger: &Ledger) -> Markup {
             }
             table.sortable.cards {
                 caption {
-                    "Every quantity and statement that the paper publishes, in its order. The evidence is folded under each claim. An identity "
-                    "could not have come out otherwise and is not counted. Of two honest readings the kinder is judged and the evidence names the other."
+                    "Every quantity and statement that the paper publishes, in its order. The \
+                        evidence is folded under each claim. An identity "
+                    "could not have come out otherwise and is not counted. Of two honest readings \
+                        the kinder is judged and the evidence names the other."
                 }
                 (columns(&["Claim", "Published", "Found", "Verdict"]))
                 tbody { @for (place, entry) in ledger.entries.iter().enumerate() { (row(ledger, place, entry)) } }
@@ -89,9 +91,11 @@ pub(super) fn section(ledger: &Ledger) -> Markup {
                 dl {
                     @for reading in Reading::ALL { dt { (reading) } dd { (reading.meaning()) } }
                     dt { "unidentified, starved, unstable, unpredictable" }
-                    dd { "what the estimator itself says of an exponent from data: the data do not determine it, or too few neighbours do" }
+                    dd { "what the estimator itself says of an exponent from data: the data do not \
+                        determine it, or too few neighbours do" }
                     dt { "biased" }
-                    dd { "the estimator says it is determined, and it is off the exponent from the equations by more than its own errors explain" }
+                    dd { "the estimator says it is determined, and it is off the exponent from the \
+                        equations by more than its own errors explain" }
                 }
             }
         }
@@ -118,7 +122,8 @@ fn row(ledger: &Ledger, place: usize, entry: &Entry) -> Markup {
             }
             td data-column="Published" { (published(entry)) }
             td data-column="Found" {
-                ul.found { @for one in entry.distinct().into_iter().filter(|one| one.reading.role() != Role::Beside) { li { (one.reading) ": " b { (worth(entry, one)) } @if one.by_construction { " by construction: no evidence" } } } }
+                ul.found { @for one in entry.distinct().into_iter().filter(|one| one.reading.role() != Role::Beside) { li { (one.reading) ": " b { (worth(entry, one)) } @if one.by_construction { " \
+                    by construction: no evidence" } } } }
                 @if let Some(exponent) = &entry.exponent { p.soft { (sign_and_spread(exponent)) } }
             }
             td data-column="Verdict" data-key=(entry.verdict as usize) {

@@ -19,8 +19,9 @@ pub(super) fn opening(report: &Report) -> Markup {
             div id=(picture.figure) {
                 (figure(
                     picture,
-                    "Fig. 8. Left: the Appendix’s program, run to the letter. Right: the equations it is meant to solve, with the same \
-                     parameters. Only the text of the paper was at hand: its pictures were not compared."
+                    "Fig. 8. Left: the Appendix’s program, run to the letter. Right: the equations \
+                     it is meant to solve, with the same parameters. Only the text of the paper \
+                     was at hand: its pictures were not compared."
                 ))
             }
         }
@@ -32,7 +33,8 @@ pub(super) fn section(report: &Report) -> Markup {
     html! {
         section.figures aria-labelledby="figures" {
             (heading("figures"))
-            p.soft { "The numbers of each figure are in " code { "figures/figNN.csv" } " of the project." }
+            p.soft { "The numbers of each figure are in " code { "figures/figNN.csv" } " of the \
+                project." }
             @for picture in pictures.filter(|one| one.figure != OPENING) {
                 h3 id=(picture.figure) { (picture.title) }
                 (figure(picture, picture.about))
@@ -47,7 +49,8 @@ pub(super) fn section(report: &Report) -> Markup {
 pub(super) fn figure(picture: &Picture, about: &str) -> Markup {
     html! {
         figure {
-            div.picture tabindex="0" role="group" aria-label={ (picture.title) "; scrolls sideways on a narrow screen" } {
+            div.picture tabindex="0" role="group" aria-label={ (picture.title) "; scrolls sideways \
+                on a narrow screen" } {
                 (PreEscaped(&picture.svg))
             }
             figcaption { (about) }

@@ -22,15 +22,17 @@ const NUMBERS: [&str; 4] = [
 /// What is asked for before a cause counts as shown.
 fn asked() -> [String; 3] {
     [
-        "Put into the event-exact solver, the two defects that outlast a vanishing step make the same motion, and its four numbers are off the \
-         published ones by no more than the program's own numbers move between its step and none, and half a printed digit"
+        "Put into the event-exact solver, the two defects that outlast a vanishing step make the \
+         same motion, and its four numbers are off the published ones by no more than the \
+         program's own numbers move between its step and none, and half a printed digit"
             .to_owned(),
         format!(
-            "The program's numbers approach those of that solver as its step goes to zero, at first order: fitted slopes within {SLOPE_OFF} of one, \
-             and the finest steps within the bound found without them"
+            "The program's numbers approach those of that solver as its step goes to zero, at \
+             first order: fitted slopes within {SLOPE_OFF} of one, and the finest steps within the \
+             bound found without them"
         ),
-        "What is left at the printed step is within that bound, and is the program's own error of the step: of the digits that the motion leaves \
-         open, these come from the step alone"
+        "What is left at the printed step is within that bound, and is the program's own error of \
+         the step: of the digits that the motion leaves open, these come from the step alone"
             .to_owned(),
     ]
 }
@@ -40,7 +42,8 @@ pub(super) fn cause(report: &Report) -> Markup {
     html! {
         section aria-labelledby="cause" {
             (heading("cause"))
-            p { b { "The cause is " (ledger.cause.status()) "." } " Three things are asked for, each of which could have failed." }
+            p { b { "The cause is " (ledger.cause.status()) "." } " Three things are asked for, \
+                each of which could have failed." }
             table.cards {
                 (columns(&["What is asked for", "What was found", "Holds"]))
                 tbody {
@@ -57,7 +60,8 @@ pub(super) fn cause(report: &Report) -> Markup {
             (figure(&report.convergence, report.convergence.about))
             p { (ledger.convergence.sentence()) }
             h3 { "The program's defects" }
-            p { "Each is a switch, so that every subset of them can be run. This is a statement on the program alone. " (ledger.matrix.sentence()) }
+            p { "Each is a switch, so that every subset of them can be run. This is a statement on \
+                the program alone. " (ledger.matrix.sentence()) }
             details {
                 summary { "The defects, and the program with each alone and with each mended" }
                 dl {
@@ -78,8 +82,9 @@ fn matrix(ledger: &Ledger) -> Markup {
     html! {
         table.cards {
             caption {
-                "The listing at its printed step with each defect alone, each mended alone, all, none. Of more than two stick phases the two \
-                longest are given. In brackets: digits that agree with "
+                "The listing at its printed step with each defect alone, each mended alone, all, \
+                none. Of more than two stick phases the two longest are given. In brackets: digits \
+                that agree with "
                 @for (i, id) in ClaimId::FOUR.iter().enumerate() { @if i > 0 { ", " } code { (id) } } "."
             }
             thead {

@@ -29,7 +29,8 @@ fn document(report: &Report) -> Markup {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 title { "Replication report: Olejnik & Awrejcewicz 2013" }
-                meta name="description" content="What holds of the paper, claim by claim, and why not where it does not.";
+                meta name="description" content="What holds of the paper, claim by claim, and why \
+                    not where it does not.";
                 link rel="icon" href="data:,";
                 style { (PreEscaped(STYLE)) }
             }
@@ -63,7 +64,9 @@ fn document(report: &Report) -> Markup {
                     (text::cite())
                     (text::remake())
                 }
-                footer { p { "MIT licence. Every number given as found on this page was computed by the run that wrote it, or comes from the committed search whose file and hash stand beside it." } }
+                footer { p { "MIT licence. Every number given as found on this page was computed \
+                    by the run that wrote it, or comes from the committed search whose file and \
+                    hash stand beside it." } }
                 script { (PreEscaped(SORT)) }
             }
         }

@@ -135,9 +135,10 @@ impl Chaos {
         };
         let [first, second] = self.published;
         format!(
-            "With the spring of Eq. (4) the block {sticks}, {chaotic}, and {near}: from {all} starts, every {EVERY}th of the scan's, λ1 = {low:.2} to \
-             {high:.2} 1/s with standard errors up to {error:.2}, and in {COUNTED} forcing periods {of_stick}; published are {first} and {second} m, and \
-             {nearest}."
+            "With the spring of Eq. (4) the block {sticks}, {chaotic}, and {near}: from {all} \
+             starts, every {EVERY}th of the scan's, λ1 = {low:.2} to {high:.2} 1/s with standard \
+             errors up to {error:.2}, and in {COUNTED} forcing periods {of_stick}; published are \
+             {first} and {second} m, and {nearest}."
         )
     }
 }

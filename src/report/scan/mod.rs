@@ -130,8 +130,8 @@ impl Scan {
         let [escape, slip_only, other, two, unsettled] = printed.counts;
         let (sticking, starts) = (other + two, self.starts);
         let mut text = format!(
-            "At the printed parameters {sticking} of {starts} starts lead to a stick–slip motion ({slip_only} slip only, {escape} escape, {unsettled} \
-             unsettled)."
+            "At the printed parameters {sticking} of {starts} starts lead to a stick–slip motion \
+             ({slip_only} slip only, {escape} escape, {unsettled} unsettled)."
         );
         let ranges = self.lines.iter().filter_map(|line| {
             let has = |point: &&Point| point.stick_slip.iter().any(|motion| motion.period == 2);
@@ -144,13 +144,17 @@ impl Scan {
         });
         let ranges = joined(ranges, ", ");
         text += &match ranges.is_empty() {
-            true => " Changing one parameter by up to a factor of two, no stick–slip of period two appears."
-                .to_owned(),
+            true => {
+                " Changing one parameter by up to a factor of two, no stick–slip of period two \
+                appears."
+                    .to_owned()
+            }
             false => {
                 let apart = 100.0 * (math::pow(4.0, 1.0 / (VALUES - 1) as f64) - 1.0);
                 format!(
-                    " Changing one parameter by up to a factor of two ({VALUES} factors, {apart:.1} % apart; narrower windows would be missed), stick–slip of \
-                     period two appears for {ranges}."
+                    " Changing one parameter by up to a factor of two ({VALUES} factors, \
+                     {apart:.1} % apart; narrower windows would be missed), stick–slip of period \
+                     two appears for {ranges}."
                 )
             }
         };
@@ -169,7 +173,8 @@ impl Scan {
                 false => "where two are published".to_owned(),
             };
             text += &format!(
-                " Nearest {what}: {name} x {factor:.3}, period {period}, stick phases in it {count}, the longest {longest} m, {off}."
+                " Nearest {what}: {name} x {factor:.3}, period {period}, stick phases in it \
+                    {count}, the longest {longest} m, {off}."
             );
         }
         text

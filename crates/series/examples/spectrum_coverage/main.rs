@@ -61,7 +61,12 @@ fn write(folder: &Path) -> Result<(), Box<dyn Error>> {
     std::fs::write(
         folder.join("README.md"),
         format!(
-            "{HEAD}## Whole states\n\n{states}\n## Whole states with noise of {noise} %\n\n{noisy}\n## One column alone, embedded\n\n{column}{TAIL}"
+            "{HEAD}## Whole states\n\n\
+                {states}\n\
+                ## Whole states with noise of {noise} %\n\n\
+                {noisy}\n\
+                ## One column alone, embedded\n\n\
+                {column}{TAIL}"
         ),
     )?;
     std::fs::write(folder.join("coverage.csv"), csv)?;

@@ -7,8 +7,7 @@ use stickslip_series::statistics::middle_two;
 use super::trial::{Observed, Row, Verdict};
 
 /// First line of the CSV.
-const HEADER: &str = "system,observed,points,seed,index,known,exponent,stderr,status,holds,sano_sawada,sano_sawada_stderr,sano_sawada_status,\
-    sano_sawada_holds";
+const HEADER: &str = "system,observed,points,seed,index,known,exponent,stderr,status,holds,sano_sawada,sano_sawada_stderr,sano_sawada_status,sano_sawada_holds";
 
 /// A line for each exponent; no value is an empty cell.
 pub fn csv(rows: &[Row]) -> String {
@@ -145,7 +144,8 @@ fn percent(part: usize, whole: usize) -> String {
 /// The table of what was `observed` in a CSV, in Markdown: by system, by length, and of all.
 pub fn table(csv: &str, observed: Observed) -> String {
     let mut text = String::from(
-        "| | series | exponents | ok | within 2σ if ok | error if ok | Sano–Sawada: ok | within 2σ if ok | error if ok |\n\
+        "| | series | exponents | ok | within 2σ if ok | error if ok | Sano–Sawada: ok | within 2σ \
+         if ok | error if ok |\n\
          |---|--:|--:|--:|--:|--:|--:|--:|--:|\n",
     );
     let by_system = groups(csv, observed, |system, _| system.to_owned());

@@ -97,8 +97,8 @@ impl Divergence {
 /// `progress(done, total)` is called in between.
 ///
 /// # Errors
-/// [`DataError::TooFew`] for fewer than 50 points or a window that leaves no neighbours, [`DataError::Constant`],
-/// [`DataError::Overflow`], [`DataError::TooMany`].
+/// [`DataError::TooFew`] for fewer than 50 points or a window that leaves no neighbours,
+/// [`DataError::Constant`], [`DataError::Overflow`], [`DataError::TooMany`].
 pub fn divergence(
     series: &Series,
     theiler: Option<usize>,

@@ -7,8 +7,8 @@ use super::BLOCKS;
 const E_FOLD: f64 = 1.0;
 /// It has so many points at least, three more than its line has parameters,
 const FEWEST: usize = 5;
-/// and rises by this part of the whole rise to there: a shorter piece may be straight by chance and has
-/// the growth of a few places only.
+/// and rises by this part of the whole rise to there: a shorter piece may be straight by chance and
+/// has the growth of a few places only.
 const PART: f64 = 0.5;
 /// Scatter about the line, as a part of the rise, above which there is no straight part.
 const CROOKED: f64 = 0.05;

@@ -35,8 +35,8 @@ impl Embedding {
     /// ```
     ///
     /// # Errors
-    /// [`DataError::Setting`] for a delay or a dimension of 0 or a dimension that makes more than [`MAX_COLUMNS`] columns,
-    /// [`DataError::Span`] if the vectors are longer than the series.
+    /// [`DataError::Setting`] for a delay or a dimension of 0 or a dimension that makes more than
+    /// [`MAX_COLUMNS`] columns, [`DataError::Span`] if the vectors are longer than the series.
     pub fn of(&self, series: &Series) -> Result<Series, DataError> {
         self.check(series.columns())?;
         let span = self.span();
@@ -85,7 +85,8 @@ impl Embedding {
                 bound: match columns {
                     1 => format!("1 to {most}"),
                     _ => format!(
-                        "1 to {most}, as {columns} columns with so many delayed values each make at most {MAX_COLUMNS}"
+                        "1 to {most}, as {columns} columns with so many delayed values each make \
+                            at most {MAX_COLUMNS}"
                     ),
                 },
             });

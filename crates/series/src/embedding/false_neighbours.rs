@@ -35,7 +35,8 @@ pub(crate) struct Level {
 /// point has a neighbour.
 ///
 /// # Errors
-/// [`DataError::Span`] if no point has a next value, [`DataError::Constant`], [`DataError::Overflow`].
+/// [`DataError::Span`] if no point has a next value, [`DataError::Constant`],
+/// [`DataError::Overflow`].
 pub(crate) fn level(
     series: &Series,
     embedding: Embedding,

@@ -175,8 +175,9 @@ pub fn needed_embedding(
 /// in between.
 ///
 /// # Errors
-/// [`DataError::Setting`] for a delay or dimension that is not allowed, [`DataError::Span`] for one that the series is too short
-/// for, [`DataError::Constant`], [`DataError::Overflow`], [`DataError::TooMany`].
+/// [`DataError::Setting`] for a delay or dimension that is not allowed, [`DataError::Span`] for one
+/// that the series is too short for, [`DataError::Constant`], [`DataError::Overflow`],
+/// [`DataError::TooMany`].
 pub fn choose_embedding(
     series: &Series,
     settings: &EmbeddingSettings,

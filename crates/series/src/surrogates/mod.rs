@@ -74,7 +74,8 @@ pub fn check_surrogates(count: usize) -> Result<(), DataError> {
         name: "surrogates",
         value: count as f64,
         bound: format!(
-            "{FEWEST_SURROGATES} to {MOST_SURROGATES}: fewer give no level of 5 %, and more tell no more"
+            "{FEWEST_SURROGATES} to {MOST_SURROGATES}: fewer give no level of 5 %, and more tell \
+                no more"
         ),
     })
 }

@@ -30,7 +30,8 @@ pub(super) struct SystemArguments {
     #[arg(value_name = "FILE")]
     file: String,
 
-    /// Another value of a parameter, a number or an expression of numbers; may be given several times
+    /// Another value of a parameter, a number or an expression of numbers; may be given several
+    /// times
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
 }
@@ -126,7 +127,8 @@ impl StartArguments {
         let start = names().zip(given).map(|(name, value)| {
             value.ok_or_else(|| {
                 Failure::Usage(format!(
-                    "the start has no value of `{name}`; add [start] to the file, or --start {name}=0"
+                    "the start has no value of `{name}`; add [start] to the file, or --start \
+                        {name}=0"
                 ))
             })
         });
@@ -138,7 +140,8 @@ impl StartArguments {
     pub(super) fn at_zero(&self, system: &System) -> Result<Vec<f64>, Failure> {
         match self.of(system)? {
             (t, _) if t != 0.0 && system.built.depends_on_time => Err(Failure::Usage(format!(
-                "the start is at t = {t}, and attractors are looked for from t = 0 on; give --t-start 0"
+                "the start is at t = {t}, and attractors are looked for from t = 0 on; give \
+                    --t-start 0"
             ))),
             (_, start) => Ok(start),
         }
@@ -268,7 +271,8 @@ impl SolverArguments {
     }
 }
 
-/// What every command takes that follows orbits. It stands last in a command's options, for what is the command's own to come first.
+/// What every command takes that follows orbits. It stands last in a command's options, for what is
+/// the command's own to come first.
 #[derive(Debug, Args)]
 pub(super) struct RunArguments {
     #[command(flatten)]
@@ -296,7 +300,8 @@ impl RunArguments {
         let system = self.system.system()?;
         if system.contacts() > 1 && !matches!(self.solver.at_repelling, Repelling::Stop) {
             return Err(Failure::Usage(
-                "--at-repelling has no effect on a system of several contacts: where its future is not unique, the run ends; leave it out"
+                "--at-repelling has no effect on a system of several contacts: where its future is \
+                    not unique, the run ends; leave it out"
                     .to_owned(),
             ));
         }
@@ -316,7 +321,8 @@ impl RunArguments {
         })
     }
 
-    /// What a command finds with all that is ready, written. An error speaks of contacts by their names.
+    /// What a command finds with all that is ready, written. An error speaks of contacts by their
+    /// names.
     pub(super) fn answered(
         &self,
         find: impl FnOnce(&Ready) -> Result<Report, Failure>,

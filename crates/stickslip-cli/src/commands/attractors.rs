@@ -9,8 +9,8 @@ use crate::render::{Table, by_state, known, place as within, state_words};
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::{Motion, Outcome};
 
-/// What the orbit from `x` at time 0 comes to, for one start of many: that it lies outside the domain
-/// of the field, or beyond the escape bound, is an outcome of its own.
+/// What the orbit from `x` at time 0 comes to, for one start of many: that it lies outside the
+/// domain of the field, or beyond the escape bound, is an outcome of its own.
 pub(super) fn reached_from_one_of_many(
     system: &System,
     x: &[f64],

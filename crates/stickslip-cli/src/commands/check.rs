@@ -341,14 +341,16 @@ fn doubts_of(system: &System, contact: usize) -> Vec<String> {
     let mut doubts = Vec::new();
     if slip > rounding {
         doubts.push(format!(
-            "the friction of {name} drives the slip: the rate of {} is larger by {} above than below, so that the contact never sticks; is \
-             friction({name}) meant with the other sign?",
+            "the friction of {name} drives the slip: the rate of {} is larger by {} above than \
+             below, so that the contact never sticks; is friction({name}) meant with the other \
+             sign?",
             described.boundary.text,
             rounded(slip)
         ));
     } else if described.holding.is_some() && holding > slip + rounding {
         doubts.push(format!(
-            "static friction of {name} is less than friction in slip: it takes {} of the rate of {}, and in slip {}",
+            "static friction of {name} is less than friction in slip: it takes {} of the rate of \
+                {}, and in slip {}",
             rounded(-holding),
             described.boundary.text,
             rounded(-slip)

@@ -8,7 +8,8 @@ use stickslip_kernels::kernel::Watcher;
 /// Points of a step at which its states are looked at first.
 const PER_STEP: u32 = 16;
 
-/// Golden sections of the interval around an extreme value: the value is exact to rounding long before the place is.
+/// Golden sections of the interval around an extreme value: the value is exact to rounding long
+/// before the place is.
 const SECTIONS: usize = 40;
 
 /// The golden section.

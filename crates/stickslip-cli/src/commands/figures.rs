@@ -5,7 +5,8 @@ use std::cmp::Reverse;
 use plot::*;
 use stickslip_kernels::file::System;
 
-/// The colour of starts that lead to no attractor, by the word for what they do: none of those of attractors.
+/// The colour of starts that lead to no attractor, by the word for what they do: none of those of
+/// attractors.
 fn colour_of_none(word: &str) -> Color {
     match word {
         "escape" => LIGHT_GREY,
@@ -178,7 +179,8 @@ pub(super) fn axis(label: &str, values: impl Iterator<Item = f64>) -> Axis {
     Axis::new(label, low - room, high + room)
 }
 
-/// The least and the greatest of the values that are finite; infinite, and the greater one first, where there are none.
+/// The least and the greatest of the values that are finite; infinite, and the greater one first,
+/// where there are none.
 pub(super) fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let finite = values.filter(|value| value.is_finite());
     finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {

@@ -329,7 +329,8 @@ impl Map {
             .map(|class| class.name.as_str())
             .collect();
         let description = format!(
-            "What the orbit from the start comes to, over {} and {}: {}; its largest Lyapunov exponent; and the part of time in stick.",
+            "What the orbit from the start comes to, over {} and {}: {}; its largest Lyapunov \
+                exponent; and the part of time in stick.",
             self.plane[0].name,
             self.plane[1].name,
             classes.join("; ")

@@ -9,7 +9,8 @@ use crate::render::{Answer, OutputArguments};
 
 /// Join the shares of a sweep that were computed with --shard, and write its tables and figures
 ///
-/// Refuses gaps, blocks that differ between two shares, and shares or blocks of another sweep, and names them.
+/// Refuses gaps, blocks that differ between two shares, and shares or blocks of another sweep, and
+/// names them.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// Folders that the shares were computed into
@@ -28,7 +29,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         Bifurcation::COMMAND => finish::<Bifurcation>(&merged.store, &arguments.output),
         Map::COMMAND => finish::<Map>(&merged.store, &arguments.output),
         other => Err(Failure::Usage(format!(
-            "the shares are of `{other}`, which this program does not know; use the one that computed them"
+            "the shares are of `{other}`, which this program does not know; use the one that \
+                computed them"
         ))),
     }
 }

@@ -63,8 +63,9 @@ enum Command {
     Spectrum(spectrum::Arguments),
 }
 
-/// The command line. What follows an option is its value, also where it begins with a hyphen as a negative number does; but for the folder,
-/// which would be named after an option if its own name were forgotten.
+/// The command line. What follows an option is its value, also where it begins with a hyphen as a
+/// negative number does; but for the folder, which would be named after an option if its own name
+/// were forgotten.
 fn parsed() -> CommandLine {
     let may_be_negative = |option: Arg| match option.get_action().takes_values() {
         true if !option.is_positional() && option.get_id() != "out" => {

@@ -15,8 +15,8 @@ use stickslip_kernels::kernel::{Run, follow};
 
 /// Find a periodic orbit: from a run, refined by shooting; period, multipliers, sequence of phases
 ///
-/// Of a driven system the period is a multiple of the one that the file gives. Writes orbit.csv, multipliers.csv, phases.csv, transitions.csv,
-/// portrait.svg and history.svg of one period.
+/// Of a driven system the period is a multiple of the one that the file gives. Writes orbit.csv,
+/// multipliers.csv, phases.csv, transitions.csv, portrait.svg and history.svg of one period.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     #[command(flatten)]

@@ -21,7 +21,8 @@ pub(super) struct StateRange {
 }
 
 impl StateRange {
-    /// The range of `--option STATE=LOW:HIGH`; where it is not given, that of the file for the component `default`.
+    /// The range of `--option STATE=LOW:HIGH`; where it is not given, that of the file for the
+    /// component `default`.
     pub(super) fn new(
         option: &str,
         given: Option<&str>,
@@ -36,7 +37,8 @@ impl StateRange {
             let Some(&(default, state)) = moving.get(default) else {
                 let help = match states.iter().find(|state| state.is_discrete) {
                     Some(state) => format!(
-                        " besides discrete ones; {option} {}=LOW:HIGH takes one of these all the same",
+                        " besides discrete ones; {option} {}=LOW:HIGH takes one of these all the \
+                            same",
                         state.name
                     ),
                     None => String::new(),
@@ -48,7 +50,8 @@ impl StateRange {
             };
             let Some((low, high)) = state.range else {
                 return Err(Failure::Usage(format!(
-                    "from where to where do the starts go in `{}`? Give {option} {}=LOW:HIGH, or its range in the file",
+                    "from where to where do the starts go in `{}`? Give {option} {}=LOW:HIGH, or \
+                        its range in the file",
                     state.name, state.name
                 )));
             };
@@ -120,7 +123,8 @@ fn check_ends(low: f64, high: f64, option: &str) -> Result<(), Failure> {
         Ok(())
     } else {
         Err(Failure::Usage(format!(
-            "{option}: from {low} to {high} is no range; both ends must be finite, the lower one first"
+            "{option}: from {low} to {high} is no range; both ends must be finite, the lower one \
+                first"
         )))
     }
 }
@@ -134,7 +138,8 @@ pub(super) fn not_too_many(option: &str, points: Option<usize>) -> Result<(), Fa
         return Ok(());
     }
     Err(Failure::Usage(format!(
-        "{option}: these are more than {MOST_POINTS} points; give fewer, and look at one part after the other"
+        "{option}: these are more than {MOST_POINTS} points; give fewer, and look at one part \
+            after the other"
     )))
 }
 
@@ -145,7 +150,8 @@ pub(super) fn grid(text: &str) -> Result<(NonZeroUsize, NonZeroUsize), Failure> 
     });
     let (columns, rows): (NonZeroUsize, NonZeroUsize) = numbers.ok_or_else(|| {
         Failure::Usage(format!(
-            "--grid {text}: numbers of columns and rows are expected, both at least 1, as in --grid 200x100"
+            "--grid {text}: numbers of columns and rows are expected, both at least 1, as in \
+                --grid 200x100"
         ))
     })?;
     not_too_many(

@@ -10,10 +10,12 @@ use crate::terminal::Patience;
 use stickslip_kernels::file::{InputShape, System};
 use stickslip_kernels::kernel::Watcher;
 
-/// Parts of a step for a curve through the orbit, at least: a step of high order is long, and a curve through its ends alone would be a polygon.
+/// Parts of a step for a curve through the orbit, at least: a step of high order is long, and a
+/// curve through its ends alone would be a polygon.
 const PER_STEP: u32 = 16;
 
-/// A part is halved where its middle is off the straight line by more than this part of what the orbit has covered, so many times at most.
+/// A part is halved where its middle is off the straight line by more than this part of what the
+/// orbit has covered, so many times at most.
 const STRAIGHT: f64 = 1e-3;
 const MOST_HALVINGS: u32 = 6;
 

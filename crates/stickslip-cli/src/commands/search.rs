@@ -18,14 +18,16 @@ use crate::terminal::patiently;
 /// How a periodic orbit is looked for.
 #[derive(Debug, clap::Args, Serialize)]
 pub(super) struct SearchArguments {
-    /// How long the run before is; 0 to shoot from the start. Default 200, or 1000 periods of a drive
-    /// that is faster than 0.2
+    /// How long the run before is; 0 to shoot from the start. Default 200, or 1000 periods of a
+    /// drive that is faster than 0.2
     #[arg(long, value_name = "TIME")]
     transient: Option<f64>,
-    /// How long the orbit may take to come back, of a system that does not depend on time; default 100
+    /// How long the orbit may take to come back, of a system that does not depend on time; default
+    /// 100
     #[arg(long, value_name = "TIME")]
     longest: Option<f64>,
-    /// Periods of the drive in one of the orbit, of a driven system; default the fewest after which the run comes back, 16 at most
+    /// Periods of the drive in one of the orbit, of a driven system; default the fewest after which
+    /// the run comes back, 16 at most
     #[arg(long, value_name = "COUNT")]
     periods: Option<u32>,
 }
@@ -34,7 +36,8 @@ pub(super) struct SearchArguments {
 const LONGEST: f64 = 100.0;
 
 impl SearchArguments {
-    /// The orbit that the run from `(t, x)` comes to, and the number of periods of the drive in one of it, if there is a drive.
+    /// The orbit that the run from `(t, x)` comes to, and the number of periods of the drive in one
+    /// of it, if there is a drive.
     pub(super) fn found(
         &self,
         system: &System,
@@ -92,12 +95,12 @@ impl SearchArguments {
     fn have_effect(&self, drive: Option<f64>) -> Result<(), Failure> {
         match (drive, self.periods, self.longest) {
             (None, Some(periods), _) => Err(Failure::Usage(format!(
-                "--periods {periods} has no effect: the system does not depend on time, so that the period of its orbits is found and not \
-                 given; leave it out"
+                "--periods {periods} has no effect: the system does not depend on time, so that \
+                 the period of its orbits is found and not given; leave it out"
             ))),
             (Some(_), _, Some(longest)) => Err(Failure::Usage(format!(
-                "--longest {longest} has no effect: the system depends on time, so that its orbits come back after a multiple of the period; \
-                 give --periods, or leave it out"
+                "--longest {longest} has no effect: the system depends on time, so that its orbits \
+                 come back after a multiple of the period; give --periods, or leave it out"
             ))),
             _ => Ok(()),
         }
@@ -108,7 +111,8 @@ impl SearchArguments {
 fn in_words(error: SearchError) -> Failure {
     let comes_to = |rest: &str| {
         Failure::NoPeriodicOrbit(format!(
-            "no periodic orbit was found: the run comes to {rest}; start elsewhere (--start), or set other parameters (--set)"
+            "no periodic orbit was found: the run comes to {rest}; start elsewhere (--start), or \
+                set other parameters (--set)"
         ))
     };
     let place = |x: &Point| state_words(&x.0);

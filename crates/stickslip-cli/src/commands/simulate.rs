@@ -15,7 +15,8 @@ use stickslip_kernels::kernel::{Run, follow};
 
 /// Follow an orbit: phases of slip and stick, transitions, passages of the section
 ///
-/// Writes phases.csv, transitions.csv, steps.csv (and section.csv, if the file has a section), portrait.svg and history.svg.
+/// Writes phases.csv, transitions.csv, steps.csv (and section.csv, if the file has a section),
+/// portrait.svg and history.svg.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// Time at the end; default as in the file

@@ -20,7 +20,8 @@ use stickslip_kernels::file::{Source, System, SystemFile};
 /// How much of a sweep to compute, and by how many.
 #[derive(Debug, clap::Args)]
 pub(super) struct SweepArguments {
-    /// Compute share I of N only, for another machine or job to compute the rest; `stickslip merge` joins them
+    /// Compute share I of N only, for another machine or job to compute the rest; `stickslip merge`
+    /// joins them
     #[arg(long, value_name = "I/N", default_value_t = Share::WHOLE, hide_default_value = true)]
     shard: Share,
 
@@ -32,8 +33,8 @@ pub(super) struct SweepArguments {
 /// How long an orbit is followed that comes to no attractor.
 #[derive(Debug, clap::Args)]
 pub(super) struct UntilArguments {
-    /// Time after which an orbit that has come to no attractor is called undecided; default 2000, or
-    /// 10000 periods of a drive that is faster than 0.2
+    /// Time after which an orbit that has come to no attractor is called undecided; default 2000,
+    /// or 10000 periods of a drive that is faster than 0.2
     #[arg(long, value_name = "TIME")]
     until: Option<f64>,
 }
@@ -71,8 +72,8 @@ pub(super) fn blocks(of: NonZeroUsize, in_block: usize) -> NonZeroUsize {
     NonZeroUsize::new(of.get().div_ceil(in_block)).unwrap_or(NonZeroUsize::MIN)
 }
 
-/// A command that computes block by block. What it holds is everything that the blocks depend on, besides the system, and goes into
-/// the manifest.
+/// A command that computes block by block. What it holds is everything that the blocks depend on,
+/// besides the system, and goes into the manifest.
 pub(super) trait Sweep: Serialize + DeserializeOwned + Sync {
     /// Name of the command.
     const COMMAND: &'static str;
@@ -191,7 +192,8 @@ pub(super) fn merged(
     crate::sweep::merge(&folder(out), &shares)
 }
 
-/// Whether attractors can be looked for: of a driven system by a strobe, whose period must be known and be one.
+/// Whether attractors can be looked for: of a driven system by a strobe, whose period must be known
+/// and be one.
 pub(super) fn check_period(system: &System) -> Result<(), Failure> {
     let checked = system.checked_period().map(|_| ());
     checked.map_err(|error| Failure::Usage(error.to_string()))
@@ -243,7 +245,8 @@ fn share_done(share: Share, computed: &Computed) -> Report {
     let (new, old, repaired) = (computed.new, computed.old, computed.repaired.len());
     let folder = computed.store.folder().display().to_string();
     let text = format!(
-        "share {share}: {} blocks, {old} of them there before, {repaired} damaged and computed anew\n\
+        "share {share}: {} blocks, {old} of them there before, {repaired} damaged and computed \
+         anew\n\
          wrote {folder}\n\
          join all shares with `stickslip merge --out DIR FOLDER...`\n",
         new + old

@@ -94,7 +94,8 @@ impl Arguments {
         let whole = (f64::NEG_INFINITY, f64::INFINITY);
         let line = Line::through(system, contact, along, whole, start).ok_or_else(|| {
             Failure::Usage(
-                "there is no line to look along: the boundary must change with one state and leave another one free"
+                "there is no line to look along: the boundary must change with one state and leave \
+                    another one free"
                     .to_owned(),
             )
         })?;
@@ -102,7 +103,8 @@ impl Arguments {
         let end = |option: &str, given: Option<f64>, shown: Option<f64>| {
             given.or(shown).ok_or_else(|| {
                 Failure::Usage(format!(
-                    "from where to where of `{}`? Give {option}, or add {} = [lowest, highest] to [ranges] of the file",
+                    "from where to where of `{}`? Give {option}, or add {} = [lowest, highest] to \
+                        [ranges] of the file",
                     state.name, state.name
                 ))
             })
@@ -282,7 +284,8 @@ fn figure(system: &System, line: &Line, found: &Branches) -> Figure {
     }
     let title = format!("{}: boundary of {}", system.file.name, boundary.name);
     let description = format!(
-        "How fast the fields below and above go upwards through the boundary of {}, along {} from {low} to {high}: {} tangent points, {} zones.",
+        "How fast the fields below and above go upwards through the boundary of {}, along {} from \
+            {low} to {high}: {} tangent points, {} zones.",
         boundary.name,
         state.name,
         numbered(found, |on_it| &on_it.points).count(),

@@ -81,7 +81,8 @@ fn if_file(error: &WriteError) -> &'static str {
 fn if_not_built(error: &PngError) -> &'static str {
     match error {
         PngError::NotBuilt => {
-            " (feature png); build it with `cargo install --path crates/stickslip-cli --features png`"
+            " (feature png); build it with `cargo install --path crates/stickslip-cli --features \
+                png`"
         }
         PngError::Rendering(_) => "",
     }

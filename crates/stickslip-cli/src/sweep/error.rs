@@ -8,7 +8,8 @@ use output::WriteError;
 /// What a block fails with: an error of whatever is computed.
 pub type BlockError = Box<dyn std::error::Error + Send + Sync>;
 
-/// An error of a sweep. Blocks that were complete before it stay on disk, and the same command goes on from them.
+/// An error of a sweep. Blocks that were complete before it stay on disk, and the same command goes
+/// on from them.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
     /// A folder cannot be made.
@@ -28,7 +29,8 @@ pub enum SweepError {
         source: io::Error,
     },
     /// A file cannot be written.
-    #[error("cannot write {}: {source}; finished blocks are on disk, and the same command goes on from them", path.display())]
+    #[error("cannot write {}: {source}; finished blocks are on disk, and the same command goes on \
+        from them", path.display())]
     Write {
         /// The file.
         path: PathBuf,
@@ -36,13 +38,15 @@ pub enum SweepError {
         source: io::Error,
     },
     /// There are blocks, and nothing that says of what.
-    #[error("{} has blocks but no manifest.json, so nothing says what they are of; put the manifest back, or choose another folder", folder.display())]
+    #[error("{} has blocks but no manifest.json, so nothing says what they are of; put the \
+        manifest back, or choose another folder", folder.display())]
     NoManifest {
         /// The folder of the sweep.
         folder: PathBuf,
     },
     /// A manifest that cannot be understood.
-    #[error("{} is no manifest of a sweep ({reason}); put the right one back, or choose another folder", path.display())]
+    #[error("{} is no manifest of a sweep ({reason}); put the right one back, or choose another \
+        folder", path.display())]
     BadManifest {
         /// The file.
         path: PathBuf,
@@ -50,7 +54,8 @@ pub enum SweepError {
         reason: String,
     },
     /// The folder holds another sweep.
-    #[error("{} holds another sweep: {what} was {old} there and is {new} now; old and new blocks are not mixed: give the old value to go on with it, or choose another folder with --out", folder.display())]
+    #[error("{} holds another sweep: {what} was {old} there and is {new} now; old and new blocks \
+        are not mixed: give the old value to go on with it, or choose another folder with --out", folder.display())]
     Differs {
         /// The folder of the sweep.
         folder: PathBuf,
@@ -78,7 +83,8 @@ pub enum SweepError {
         folder: PathBuf,
     },
     /// Another process computes the same share.
-    #[error("another process computes share {share} in {}; wait for it to end, or choose another folder with --out", folder.display())]
+    #[error("another process computes share {share} in {}; wait for it to end, or choose another \
+        folder with --out", folder.display())]
     Busy {
         /// The share.
         share: String,
@@ -106,7 +112,8 @@ pub enum SweepError {
         source: BlockError,
     },
     /// A share of another sweep among those to merge.
-    #[error("{} and {} are shares of two sweeps: {what} is {one} in the first and {two} in the second; merge shares of one sweep", first.display(), second.display())]
+    #[error("{} and {} are shares of two sweeps: {what} is {one} in the first and {two} in the \
+        second; merge shares of one sweep", first.display(), second.display())]
     StrangeShare {
         /// The folder that was given first.
         first: PathBuf,
@@ -120,14 +127,16 @@ pub enum SweepError {
         two: String,
     },
     /// Nothing to merge.
-    #[error("{} holds no sweep: there is no manifest.json in it; give the folders that the shares were computed into", folder.display())]
+    #[error("{} holds no sweep: there is no manifest.json in it; give the folders that the shares \
+        were computed into", folder.display())]
     NoSweep {
         /// The folder that was given.
         folder: PathBuf,
     },
     /// Blocks that no share has.
     #[error(
-        "{missing} of {total} blocks are missing: {which}{damaged}; compute them with the command and the --shard that they are of, then merge again"
+        "{missing} of {total} blocks are missing: {which}{damaged}; compute them with the command \
+            and the --shard that they are of, then merge again"
     )]
     Gaps {
         /// How many there are not.
@@ -140,7 +149,8 @@ pub enum SweepError {
         damaged: String,
     },
     /// Two shares have the same block with other content.
-    #[error("block {block} in {} is not the one in {}; one of the two was not made by this program on these arguments: find out which, and delete it", one.display(), other.display())]
+    #[error("block {block} in {} is not the one in {}; one of the two was not made by this program \
+        on these arguments: find out which, and delete it", one.display(), other.display())]
     Overlap {
         /// Its index.
         block: usize,

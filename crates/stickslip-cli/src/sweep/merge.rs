@@ -18,13 +18,13 @@ pub struct Merged {
     pub repeated: usize,
 }
 
-/// Joins the blocks of the sweep whose shares are in `folders`, in the folder `out`, which may be one of them. Everything is checked
-/// before anything is written.
+/// Joins the blocks of the sweep whose shares are in `folders`, in the folder `out`, which may be
+/// one of them. Everything is checked before anything is written.
 ///
 /// # Errors
-/// [`SweepError::NoSweep`] for a folder without one, [`SweepError::StrangeShare`] for a share of another sweep,
-/// [`SweepError::Stranger`] for a block of another one, [`SweepError::Gaps`], [`SweepError::Overlap`]; [`SweepError::Differs`] if
-/// `out` holds another sweep; those of files.
+/// [`SweepError::NoSweep`] for a folder without one, [`SweepError::StrangeShare`] for a share of
+/// another sweep, [`SweepError::Stranger`] for a block of another one, [`SweepError::Gaps`],
+/// [`SweepError::Overlap`]; [`SweepError::Differs`] if `out` holds another sweep; those of files.
 pub fn merge(out: &Path, folders: &[impl AsRef<Path>]) -> Result<Merged, SweepError> {
     let sources = folders
         .iter()

@@ -1,8 +1,10 @@
-//! Sweeps that outgrow a session or a machine: many blocks, each a pure function of its index, each on disk whole or not at all.
+//! Sweeps that outgrow a session or a machine: many blocks, each a pure function of its index, each
+//! on disk whole or not at all.
 //!
-//! A sweep knows nothing of what is computed. [`Plan`] says what it is, [`run`] computes the blocks of a [`Share`] on all cores,
-//! [`merge()`] joins shares that were computed in folders of their own, and [`Store::for_each`] reads the blocks in order, one at a
-//! time. The bytes of a block do not depend on the number of threads, on the shares, on what was computed before, or on how often
+//! A sweep knows nothing of what is computed. [`Plan`] says what it is, [`run`] computes the blocks
+//! of a [`Share`] on all cores, [`merge()`] joins shares that were computed in folders of their
+//! own, and [`Store::for_each`] reads the blocks in order, one at a time. The bytes of a block do
+//! not depend on the number of threads, on the shares, on what was computed before, or on how often
 //! the sweep was killed.
 //!
 //! | file in the folder of a sweep | what it holds |

@@ -40,14 +40,17 @@ pub struct Computed {
 /// Whether a block is there, and whole.
 type State = Option<Result<(), &'static str>>;
 
-/// Computes what is missing of a share, on all threads. `compute` gets the index of a block and, in a chain, the bytes of the block
-/// before it, and gives the bytes of the block: they must depend on nothing else. `report` is called with the number of blocks done
-/// and of all blocks, at first with those that were there.
+/// Computes what is missing of a share, on all threads. `compute` gets the index of a block and, in
+/// a chain, the bytes of the block before it, and gives the bytes of the block: they must depend on
+/// nothing else. `report` is called with the number of blocks done and of all blocks, at first with
+/// those that were there.
 ///
-/// A block is on disk as soon as it is done, whole or not at all. Only blocks in flight are held in memory.
+/// A block is on disk as soon as it is done, whole or not at all. Only blocks in flight are held in
+/// memory.
 ///
 /// # Errors
-/// [`SweepError::Block`] with the first error of `compute`; those of the folder. Blocks that were finished before stay on disk.
+/// [`SweepError::Block`] with the first error of `compute`; those of the folder. Blocks that were
+/// finished before stay on disk.
 pub fn run<F>(
     task: &Task<'_>,
     report: &(dyn Fn(usize, usize) + Sync),

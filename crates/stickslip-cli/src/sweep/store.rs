@@ -61,7 +61,8 @@ impl Store {
         })
     }
 
-    /// A folder for what is being written of tables and figures: whoever computes or merges the whole sweep next removes what a kill leaves there.
+    /// A folder for what is being written of tables and figures: whoever computes or merges the
+    /// whole sweep next removes what a kill leaves there.
     ///
     /// # Errors
     /// [`SweepError::CreateFolder`].
@@ -82,8 +83,8 @@ impl Store {
     /// Hands the blocks to `each`, in order, one at a time.
     ///
     /// # Errors
-    /// Those of `each`; [`SweepError::Damaged`] at a block that is not there or not whole, [`SweepError::Stranger`],
-    /// [`SweepError::Read`].
+    /// Those of `each`; [`SweepError::Damaged`] at a block that is not there or not whole,
+    /// [`SweepError::Stranger`], [`SweepError::Read`].
     pub fn for_each<E: From<SweepError>>(
         &self,
         mut each: impl FnMut(usize, &[u8]) -> Result<(), E>,
@@ -147,17 +148,19 @@ impl Writer {
     /// Checks that a folder holds nothing but what is asked for, before anything is made.
     ///
     /// # Errors
-    /// [`SweepError::Differs`], [`SweepError::NoManifest`], [`SweepError::BadManifest`], [`SweepError::Read`].
+    /// [`SweepError::Differs`], [`SweepError::NoManifest`], [`SweepError::BadManifest`],
+    /// [`SweepError::Read`].
     pub fn check(folder: &Path, plan: &Plan) -> Result<(), SweepError> {
         is_free(folder, plan).map(drop)
     }
 
-    /// Makes the folder fit for a share of a sweep: nobody else at work on that share, the manifest of this sweep and of no other,
-    /// nothing unfinished.
+    /// Makes the folder fit for a share of a sweep: nobody else at work on that share, the manifest
+    /// of this sweep and of no other, nothing unfinished.
     ///
     /// # Errors
-    /// [`SweepError::CreateFolder`], [`SweepError::Write`], [`SweepError::Read`], [`SweepError::Busy`], [`SweepError::Differs`],
-    /// [`SweepError::BadManifest`], [`SweepError::NoManifest`].
+    /// [`SweepError::CreateFolder`], [`SweepError::Write`], [`SweepError::Read`],
+    /// [`SweepError::Busy`], [`SweepError::Differs`], [`SweepError::BadManifest`],
+    /// [`SweepError::NoManifest`].
     pub fn open(folder: &Path, plan: &Plan, share: Share) -> Result<Self, SweepError> {
         // Before anything is made: a folder of another sweep is left as it is.
         let is_new = is_free(folder, plan)?;
@@ -246,7 +249,8 @@ fn is_free(folder: &Path, wanted: &Plan) -> Result<bool, SweepError> {
     }
 }
 
-/// The lock of a share. Whoever holds it removes what a killed process has left in the folders for what is unfinished.
+/// The lock of a share. Whoever holds it removes what a killed process has left in the folders for
+/// what is unfinished.
 fn lock(
     staging: &Path,
     share: Share,
@@ -268,8 +272,9 @@ fn lock(
                 folder: folder.to_owned(),
             });
         }
-        // Some shared file systems have no locks. Two processes on one share then do the same work twice and write the same
-        // bytes; only what a kill has left must stay, as it may be the other's.
+        // Some shared file systems have no locks. Two processes on one share then do the same work
+        // twice and write the same bytes; only what a kill has left must stay, as it may be the
+        // other's.
         Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => {
             return Ok(file);
         }

@@ -29,8 +29,9 @@ impl Dialect {
         if separator == Some(',') && are_parts(&sample) {
             if sample.iter().any(|line| line.matches(',').count() > 1) {
                 return Err(
-                    "commas separate the columns and are decimal commas, too, as no whole numbers begin with -0 or 0: write \
-                     decimal points, or separate the columns by semicolons",
+                    "commas separate the columns and are decimal commas, too, as no whole numbers \
+                     begin with -0 or 0: write decimal points, or separate the columns by \
+                     semicolons",
                 );
             }
             let dialect = Dialect {
@@ -40,8 +41,8 @@ impl Dialect {
             return Ok((
                 dialect,
                 Some(
-                    "the commas are read as decimal commas, as no whole numbers begin with -0 or 0; if they separate columns, \
-                     write semicolons",
+                    "the commas are read as decimal commas, as no whole numbers begin with -0 or \
+                     0; if they separate columns, write semicolons",
                 ),
             ));
         }

@@ -65,7 +65,8 @@ impl<'i, R: BufRead> Lines<'i, R> {
         }
         if start.contains(&b'\r') && !start.contains(&b'\n') {
             return Err(TableError::File(format!(
-                "{input} ends its lines with carriage returns alone; turn them into line feeds: tr '\\r' '\\n'"
+                "{input} ends its lines with carriage returns alone; turn them into line feeds: tr \
+                    '\\r' '\\n'"
             )));
         }
         // Spreadsheets put a mark before the first character.
@@ -95,7 +96,10 @@ impl<'i, R: BufRead> Lines<'i, R> {
                 .read_until(b'\n', &mut self.bytes)
                 .map_err(|source| TableError::read(self.input, source))?;
             if read > LONGEST {
-                return Err(self.refused(&format!("the line is longer than {LONGEST} bytes: is this a table of numbers with one state in a line?")));
+                return Err(self.refused(&format!(
+                    "the line is longer than {LONGEST} bytes: is this \
+                    a table of numbers with one state in a line?"
+                )));
             }
             match self.bytes.trim_ascii() {
                 _ if read == 0 => return Ok(None),

@@ -61,7 +61,8 @@ pub struct Grid {
 pub enum TableError {
     /// The input cannot be read.
     #[error(
-        "cannot read {input}: {source}; give the path of a text file of numbers or a .npy array, or - for standard input"
+        "cannot read {input}: {source}; give the path of a text file of numbers or a .npy array, \
+            or - for standard input"
     )]
     Read {
         /// Path, or `standard input`.
@@ -102,7 +103,8 @@ impl TableError {
 /// column that is constant is left out.
 ///
 /// # Errors
-/// Everything that is not a complete table of finite numbers, with line and column; a time between rows that is neither given nor found.
+/// Everything that is not a complete table of finite numbers, with line and column; a time between
+/// rows that is neither given nor found.
 pub fn read(
     path: &Path,
     wanted: &[String],
@@ -192,7 +194,8 @@ pub fn parse(
     table.notes.extend(note.map(str::to_owned));
     table.notes.extend(lines.gap.map(|line| {
         format!(
-            "line {line} is blank, and the numbers behind it are read as the same series: cut the file there if they are another one"
+            "line {line} is blank, and the numbers behind it are read as the same series: cut the \
+                file there if they are another one"
         )
     }));
     Ok(table)

@@ -35,7 +35,8 @@ pub(super) fn read(
     let numbers = usize::try_from(rows.saturating_mul(count)).unwrap_or(usize::MAX);
     if numbers > MOST {
         return Err(refused(format!(
-            "it holds {numbers} numbers, at most {MOST} are read; save fewer columns, or thin the series"
+            "it holds {numbers} numbers, at most {MOST} are read; save fewer columns, or thin the \
+                series"
         )));
     }
     if numbers == 0 {
@@ -53,7 +54,8 @@ pub(super) fn read(
             let value = values[row * strides.0 + column * strides.1];
             if !value.is_finite() {
                 return Err(refused(format!(
-                    "row {}, column {} (counted from 1) is {value}; a series must have no gaps: cut it there or fill the gap",
+                    "row {}, column {} (counted from 1) is {value}; a series must have no gaps: \
+                        cut it there or fill the gap",
                     row + 1,
                     column + 1
                 )));

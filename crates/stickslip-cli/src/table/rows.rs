@@ -95,7 +95,8 @@ impl<'a> Rows<'a> {
                 let numbers: Vec<String> = called.iter().map(|c| (c + 1).to_string()).collect();
                 let numbers = numbers.join(" and ");
                 format!(
-                    "'{wanted}' is ambiguous, columns {numbers} of {input} are called so; give the number instead"
+                    "'{wanted}' is ambiguous, columns {numbers} of {input} are called so; give the \
+                        number instead"
                 )
             }
         };
@@ -128,7 +129,8 @@ impl<'a> Rows<'a> {
     ) -> Result<(), TableError> {
         if cells.len() != self.count {
             let cause = format!(
-                "the line has {} columns, separated by {}, the first has {}; complete it or take it out",
+                "the line has {} columns, separated by {}, the first has {}; complete it or take \
+                    it out",
                 cells.len(),
                 dialect.separated_by(),
                 self.count
@@ -137,7 +139,8 @@ impl<'a> Rows<'a> {
         }
         if self.values.len() + self.columns.len() > MOST {
             return Err(TableError::File(format!(
-                "{}, line {line}: more than {MOST} numbers: choose fewer columns with --columns, or thin the series",
+                "{}, line {line}: more than {MOST} numbers: choose fewer columns with --columns, \
+                    or thin the series",
                 self.input
             )));
         }
@@ -170,7 +173,8 @@ impl<'a> Rows<'a> {
             Some(_) => format!("'{text}' is not finite; {GAP}"),
             None if text.is_empty() => format!("the cell is empty; {GAP}"),
             None if has_comma() => format!(
-                "'{text}' may have a decimal comma, but other cells have decimal points; write points throughout"
+                "'{text}' may have a decimal comma, but other cells have decimal points; write \
+                    points throughout"
             ),
             None => {
                 let mut shown: String = text.chars().take(SHOWN).collect();
@@ -178,7 +182,8 @@ impl<'a> Rows<'a> {
                     shown.push('…');
                 }
                 format!(
-                    "'{shown}' is not a number; choose other columns with --columns or correct the file"
+                    "'{shown}' is not a number; choose other columns with --columns or correct the \
+                        file"
                 )
             }
         };
@@ -193,14 +198,14 @@ impl<'a> Rows<'a> {
         let [(_, from), (line, to)] = [self.times[gap - 1], self.times[gap]];
         let cause = if to > from {
             format!(
-                "the time goes from {from} to {to}, not on by dt = {}; cut the file at the gap, correct --dt if it was given, or \
-                 give --columns and --dt if this is not the time",
+                "the time goes from {from} to {to}, not on by dt = {}; cut the file at the gap, \
+                 correct --dt if it was given, or give --columns and --dt if this is not the time",
                 readable(dt)
             )
         } else {
             format!(
-                "the time goes from {from} to {to}, not forward; reverse the order of the rows or cut the file there, or give \
-                 --columns and --dt if this is not the time"
+                "the time goes from {from} to {to}, not forward; reverse the order of the rows or \
+                 cut the file there, or give --columns and --dt if this is not the time"
             )
         };
         Err(self.cell(line, self.time.unwrap_or(0), &cause))
@@ -228,14 +233,14 @@ impl<'a> Rows<'a> {
         if columns == 0 {
             let column = self.name(self.time.unwrap_or(0));
             return Err(TableError::File(format!(
-                "the only column of {input}, {column}, was skipped as the time: give a file with the columns of the state too, or \
-                 --columns {column} if this is the state"
+                "the only column of {input}, {column}, was skipped as the time: give a file with \
+                 the columns of the state too, or --columns {column} if this is the state"
             )));
         }
         if self.values.len() == columns && columns > MAX_COLUMNS {
             return Err(TableError::File(format!(
-                "{input} has one row of {columns} numbers, and a row is a state: write each state in a line of its own, of a single \
-                 column each number"
+                "{input} has one row of {columns} numbers, and a row is a state: write each state \
+                 in a line of its own, of a single column each number"
             )));
         }
         let mut table = Table {
@@ -267,8 +272,8 @@ impl<'a> Rows<'a> {
                 };
                 given.or(step).ok_or_else(|| {
                     TableError::Request(format!(
-                        "--dt is missing, and {input} has no column named t or time beside those used: give the time between two \
-                         lines, 1 for a map"
+                        "--dt is missing, and {input} has no column named t or time beside those \
+                         used: give the time between two lines, 1 for a map"
                     ))
                 })?
             }
@@ -285,7 +290,8 @@ fn time_in_first_column(table: &mut Table, given: Option<f64>) -> Result<Option<
     let first = || table.column(0);
     let refused = |step: f64, but: &str| {
         Err(TableError::File(format!(
-            "{}: column {} goes on by {} from row to row, as a time does, {but}, or --columns {all} if it is part of the state",
+            "{}: column {} goes on by {} from row to row, as a time does, {but}, or --columns \
+                {all} if it is part of the state",
             table.input,
             table.names[0],
             readable(step)
@@ -315,7 +321,8 @@ fn time_in_first_column(table: &mut Table, given: Option<f64>) -> Result<Option<
         return refused(step, &format!("while --dt is {dt}: give --dt {right}"));
     }
     table.notes.push(format!(
-        "column {} goes on evenly by {} and is taken as the time; --columns {all} uses it as a coordinate",
+        "column {} goes on evenly by {} and is taken as the time; --columns {all} uses it as a \
+            coordinate",
         table.names[0],
         readable(step)
     ));

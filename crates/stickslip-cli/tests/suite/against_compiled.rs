@@ -216,7 +216,8 @@ fn one_contact_has_the_same_bits() {
         .unwrap();
         let (ended, _) = run(&file, 20.0, &options);
         assert_eq!(ended.x.as_slice(), orbit.x_end.as_slice());
-        // Whoever keeps the whole orbit asks for the solution over every step, which takes calls of the field.
+        // Whoever keeps the whole orbit asks for the solution over every step, which takes calls of
+        // the field.
         let of = |counters: Counters| (counters.steps, counters.rejected, counters.locations);
         assert_eq!(of(ended.counters), of(orbit.counters));
     }

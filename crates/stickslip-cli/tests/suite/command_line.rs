@@ -889,7 +889,8 @@ fn tangents_are_listed_and_drawn() {
     assert!(text(top.path().join("o/tangents.svg")).contains("<svg"));
 }
 
-/// x'' = cos t - 2 x is without damping: x = cos t repeats, and all that begins beside it stays beside it.
+/// x'' = cos t - 2 x is without damping: x = cos t repeats, and all that begins beside it stays
+/// beside it.
 #[test]
 fn an_orbit_without_damping_is_neutral() {
     const UNDAMPED: &str = r#"

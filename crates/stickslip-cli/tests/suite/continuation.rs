@@ -133,8 +133,9 @@ fn a_driven_orbit_is_continued_in_its_own_period() {
     }
 }
 
-/// Friction at which Den Hartog's orbit without stops begins to stop: it turns back at its amplitude A with the acceleration A Ω² that the
-/// spring and the force leave, and sticks where friction takes that.
+/// Friction at which Den Hartog's orbit without stops begins to stop: it turns back at its
+/// amplitude A with the acceleration A Ω² that the spring and the force leave, and sticks where
+/// friction takes that.
 fn edge(frequency: f64) -> f64 {
     let square = frequency * frequency;
     let v = 1.0 / (1.0 - square);
@@ -170,8 +171,8 @@ fn the_edge_of_the_region_without_stops_is_den_hartogs() {
     }
 }
 
-/// From an orbit with stops the branch comes to the same edge downwards, and upwards to rest: a drive of amplitude 1 moves nothing that friction
-/// of 1 holds.
+/// From an orbit with stops the branch comes to the same edge downwards, and upwards to rest: a
+/// drive of amplitude 1 moves nothing that friction of 1 holds.
 #[test]
 fn a_branch_of_orbits_with_stops_ends_at_neither_side_too_early() {
     let (json, _) = followed(&["den-hartog", "--set", "S=0.9", "--parameter", "S=0.5:1.2"]);
@@ -191,8 +192,8 @@ fn a_branch_of_orbits_with_stops_ends_at_neither_side_too_early() {
     assert!((0.98..1.0).contains(&last), "{last}");
 }
 
-/// The slow side of model 1 has a saddle, which the cycle without stick comes to as the belt slows down. A test of the library finds the parameter
-/// from the saddle's own orbits.
+/// The slow side of model 1 has a saddle, which the cycle without stick comes to as the belt slows
+/// down. A test of the library finds the parameter from the saddle's own orbits.
 #[test]
 fn a_homoclinic_end_is_named() {
     let (json, rows, table) = with_special(&["belt", "--parameter", "vp=0.1:1"]);
@@ -225,7 +226,8 @@ fn a_homoclinic_end_is_named() {
     }
 }
 
-/// The same edge along the frequency, with which the drive's period changes, by branches and by sweeps.
+/// The same edge along the frequency, with which the drive's period changes, by branches and by
+/// sweeps.
 #[test]
 fn the_edge_along_the_frequency() {
     let (mut low, mut high) = (0.55, 0.65);
@@ -300,8 +302,9 @@ fn the_edge_along_the_frequency() {
     }
 }
 
-/// Den Hartog's orbit at S = 0.2 where its stick begins at the edge: it is released at x = -A with cos(O t) = S - A, and comes to rest at x = A with
-/// cos(O t) = A - S. The multiplier is 1 there, so that next to it rounding leaves the orbits open by 1e-5, and with them the place by 1e-6.
+/// Den Hartog's orbit at S = 0.2 where its stick begins at the edge: it is released at x = -A with
+/// cos(O t) = S - A, and comes to rest at x = A with cos(O t) = A - S. The multiplier is 1 there,
+/// so that next to it rounding leaves the orbits open by 1e-5, and with them the place by 1e-6.
 #[test]
 fn a_change_at_which_the_multiplier_is_one_is_located_from_afar() {
     // By Newton's iteration with 40 digits; here the equations are checked.
@@ -334,8 +337,8 @@ fn a_change_at_which_the_multiplier_is_one_is_located_from_afar() {
     }
 }
 
-/// A graze is noticed only when it is some tolerances deep; its place is the zero of the event function. At S = 0.1, by Newton's iteration with 30 digits on the
-/// closed forms of the phases.
+/// A graze is noticed only when it is some tolerances deep; its place is the zero of the event
+/// function. At S = 0.1, by Newton's iteration with 30 digits on the closed forms of the phases.
 #[test]
 fn where_phases_change_is_told_within_the_uncertainty_at_any_tolerance() {
     const PLACES: [(&str, f64); 2] = [
@@ -410,7 +413,8 @@ fn a_period_that_is_missing_or_wrong_is_told() {
     }
 }
 
-/// Two cycles at `r² = 1 ± √(1 + p)`, which meet at `p = -1`; the inner one shrinks to the focus at `p = 0`.
+/// Two cycles at `r² = 1 ± √(1 + p)`, which meet at `p = -1`; the inner one shrinks to the focus at
+/// `p = 0`.
 #[test]
 fn a_fold_of_a_system_from_a_file() {
     let top = tempfile::tempdir().unwrap();
@@ -446,7 +450,8 @@ y = 0
     );
 }
 
-/// A circle of period 2π on a curved boundary, which is pressed upon by `p` and pulled at by `x + 1/10`: the orbit never leaves it for `p > 11/10`.
+/// A circle of period 2π on a curved boundary, which is pressed upon by `p` and pulled at by `x +
+/// 1/10`: the orbit never leaves it for `p > 11/10`.
 const SHEET: &str = r#"
 name = "sheet"
 [states]
@@ -498,7 +503,8 @@ fn an_orbit_that_never_slips_is_found_and_followed_to_where_it_does() {
     assert!(rows.iter().any(|row| is_slipping(&row)) && rows.last().unwrap()["phases"] == "S");
 }
 
-/// Of `z' = cos 2t + y/5 - K sgn z` the pull has the amplitude A, the root of (17/4)/(409/100). Below K = 0, to where the branch goes, there is no system.
+/// Of `z' = cos 2t + y/5 - K sgn z` the pull has the amplitude A, the root of (17/4)/(409/100).
+/// Below K = 0, to where the branch goes, there is no system.
 const RELAY: &str = r#"
 name = "relay"
 [time]
@@ -582,7 +588,8 @@ fn what_cannot_be_continued_is_told_with_a_remedy() {
     }
 }
 
-/// About the orbit (cos t, sin t) turns a linear flow, by 0.3 while it grows at the rate p: the angle of the multipliers at p = 0 is 0.6π.
+/// About the orbit (cos t, sin t) turns a linear flow, by 0.3 while it grows at the rate p: the
+/// angle of the multipliers at p = 0 is 0.6π.
 const TORUS: &str = r#"
 name = "torus"
 [states]
@@ -623,7 +630,8 @@ fn a_torus_is_named_in_ascii_for_other_programs() {
     }
 }
 
-/// Three lags under a relay: either side's equilibrium is on the boundary where the threshold is ±1, and the orbit shrinks to it.
+/// Three lags under a relay: either side's equilibrium is on the boundary where the threshold is
+/// ±1, and the orbit shrinks to it.
 const LAGS: &str = r#"
 name = "lags"
 [states]

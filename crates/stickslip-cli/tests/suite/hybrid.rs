@@ -27,10 +27,24 @@ pub(crate) fn options(method: &str) -> Options {
     }
 }
 
-const BALL: &str = "name = \"ball\"\n[states]\nx = \"m\"\nv = \"m/s\"\n[parameters]\nr = 0.5\n\
-                    [field]\nx = \"v\"\nv = \"-9.81\"\n[jumps.bounce]\nwhen = \"x\"\n\
-                    direction = \"falling\"\nset = { x = \"0\", v = \"-r*v\" }\n[start]\nx = 1\nv = 0\n\
-                    [time]\nend = 1.3\n";
+const BALL: &str = "name = \"ball\"\n\
+                    [states]\n\
+                    x = \"m\"\n\
+                    v = \"m/s\"\n\
+                    [parameters]\n\
+                    r = 0.5\n\
+                    [field]\n\
+                    x = \"v\"\n\
+                    v = \"-9.81\"\n\
+                    [jumps.bounce]\n\
+                    when = \"x\"\n\
+                    direction = \"falling\"\n\
+                    set = { x = \"0\", v = \"-r*v\" }\n\
+                    [start]\n\
+                    x = 1\n\
+                    v = 0\n\
+                    [time]\n\
+                    end = 1.3\n";
 
 #[test]
 fn a_ball_bounces_at_times_in_geometric_progression() {
@@ -95,10 +109,28 @@ fn a_run_ends_at_the_jump_that_says_so() {
 
 #[test]
 fn jumps_that_set_each_other_off_are_a_pile_up() {
-    let text = "name = \"loop\"\n[states]\nu = \"\"\n[discrete]\na = 0\n[field]\nu = \"1\"\n\
-                [jumps.up]\nwhen = \"a - 0.5\"\ndirection = \"falling\"\nset = { a = \"1\" }\n\
-                [jumps.down]\nwhen = \"a - 0.5\"\ndirection = \"rising\"\nset = { a = \"0\" }\n\
-                [jumps.go]\nwhen = \"u - 1\"\nset = { a = \"1\" }\n[start]\nu = 0\n[time]\nend = 3\n";
+    let text = "name = \"loop\"\n\
+                [states]\n\
+                u = \"\"\n\
+                [discrete]\n\
+                a = 0\n\
+                [field]\n\
+                u = \"1\"\n\
+                [jumps.up]\n\
+                when = \"a - 0.5\"\n\
+                direction = \"falling\"\n\
+                set = { a = \"1\" }\n\
+                [jumps.down]\n\
+                when = \"a - 0.5\"\n\
+                direction = \"rising\"\n\
+                set = { a = \"0\" }\n\
+                [jumps.go]\n\
+                when = \"u - 1\"\n\
+                set = { a = \"1\" }\n\
+                [start]\n\
+                u = 0\n\
+                [time]\n\
+                end = 3\n";
     for method in METHODS {
         let (_top, mut command) = program(text);
         command.args(["simulate", "system.toml", "--method", method]);
@@ -260,10 +292,26 @@ fn a_force_that_switches_lets_a_block_go_at_that_time() {
 }
 
 /// An undamped oscillator of frequency 1 that is driven by cos(w t) and hits a wall at 0.
-const IMPACTS: &str = "name = \"impacts\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nw = 2.5\n\
-                       r = 0.8\n[field]\nx = \"v\"\nv = \"-x + cos(w*t)\"\n[jumps.wall]\nwhen = \"x\"\n\
-                       direction = \"rising\"\nset = { x = \"0\", v = \"-r*v\" }\n[start]\nx = -0.3\n\
-                       v = 0\n[time]\nperiod = \"2*pi/w\"\nend = 100\n";
+const IMPACTS: &str = "name = \"impacts\"\n\
+                       [states]\n\
+                       x = \"\"\n\
+                       v = \"\"\n\
+                       [parameters]\n\
+                       w = 2.5\n\
+                       r = 0.8\n\
+                       [field]\n\
+                       x = \"v\"\n\
+                       v = \"-x + cos(w*t)\"\n\
+                       [jumps.wall]\n\
+                       when = \"x\"\n\
+                       direction = \"rising\"\n\
+                       set = { x = \"0\", v = \"-r*v\" }\n\
+                       [start]\n\
+                       x = -0.3\n\
+                       v = 0\n\
+                       [time]\n\
+                       period = \"2*pi/w\"\n\
+                       end = 100\n";
 
 /// Of the orbit with one impact in each period: trace of its monodromy matrix, whose determinant is
 /// r² (Shaw & Holmes 1983).
@@ -645,8 +693,8 @@ fn a_branch_goes_along_the_phase_of_an_input() {
 
 #[test]
 fn an_escapement_keeps_its_clock_going() {
-    // By the flow alone: it comes back to x = a in the time for which the speed that
-    // it has lost there is that of the kick. At a = 0 that is a turn, with the multiplier exp(−0.1 T).
+    // By the flow alone: it comes back to x = a in the time for which the speed that it has lost
+    // there is that of the kick. At a = 0 that is a turn, with the multiplier exp(−0.1 T).
     let flow = |t: f64| (Matrix2::new(0.0, 1.0, -1.0, -0.2) * t).exp();
     let kept = |a: f64, t: f64| {
         let flow = flow(t);
@@ -703,13 +751,39 @@ fn switches_that_touch_zero_or_stay_there_end() {
 }
 
 /// A block that is driven by a square wave and a switch of time, and hits a wall.
-const MIXED: &str = "name = \"mixed\"\n[states]\nx = \"\"\nv = \"\"\n[discrete]\nside = 0\n\
-    [parameters]\nw = 1.2\nr = 0.6\n[inputs.gust]\nshape = \"square\"\nperiod = \"2*pi/w\"\n\
-    [switches.drive]\nfunction = \"sin(3*w*t)\"\n[contacts.floor]\nboundary = \"v - 0.1\"\n\
-    friction = \"0.3\"\n[field]\nx = \"v\"\nv = \"-x - 0.2*v + gust + 0.1*drive - friction(floor)\"\n\
-    [jumps.wall_right]\nwhen = \"x - 0.5\"\ndirection = \"rising\"\n\
-    set = { v = \"-r*v\", side = \"1 - side\" }\n[start]\nx = 0.1\nv = 0\n[ranges]\nx = [-1, 0.4]\n\
-    v = [-1, 1]\n[time]\nperiod = \"2*pi/w\"\nend = 20\n";
+const MIXED: &str = "name = \"mixed\"\n\
+    [states]\n\
+    x = \"\"\n\
+    v = \"\"\n\
+    [discrete]\n\
+    side = 0\n\
+    [parameters]\n\
+    w = 1.2\n\
+    r = 0.6\n\
+    [inputs.gust]\n\
+    shape = \"square\"\n\
+    period = \"2*pi/w\"\n\
+    [switches.drive]\n\
+    function = \"sin(3*w*t)\"\n\
+    [contacts.floor]\n\
+    boundary = \"v - 0.1\"\n\
+    friction = \"0.3\"\n\
+    [field]\n\
+    x = \"v\"\n\
+    v = \"-x - 0.2*v + gust + 0.1*drive - friction(floor)\"\n\
+    [jumps.wall_right]\n\
+    when = \"x - 0.5\"\n\
+    direction = \"rising\"\n\
+    set = { v = \"-r*v\", side = \"1 - side\" }\n\
+    [start]\n\
+    x = 0.1\n\
+    v = 0\n\
+    [ranges]\n\
+    x = [-1, 0.4]\n\
+    v = [-1, 1]\n\
+    [time]\n\
+    period = \"2*pi/w\"\n\
+    end = 20\n";
 
 #[test]
 fn kinks_of_inputs_are_in_the_table_of_transitions() {
@@ -848,9 +922,20 @@ fn a_function_that_is_no_number_is_named() {
 
 #[test]
 fn a_pole_is_no_zero() {
-    let text = "name = \"pole\"\n[states]\nx = \"\"\n[field]\nx = \"-1\"\n[jumps.pole]\n\
-                when = \"1/(x - 0.1234567)\"\nset = { x = \"5\" }\n[start]\nx = 1\n[time]\nend = 3\n\
-                [section]\nfunction = \"1/(x - 0.7654321)\"\n";
+    let text = "name = \"pole\"\n\
+                [states]\n\
+                x = \"\"\n\
+                [field]\n\
+                x = \"-1\"\n\
+                [jumps.pole]\n\
+                when = \"1/(x - 0.1234567)\"\n\
+                set = { x = \"5\" }\n\
+                [start]\n\
+                x = 1\n\
+                [time]\n\
+                end = 3\n\
+                [section]\n\
+                function = \"1/(x - 0.7654321)\"\n";
     for method in METHODS {
         let (found, transitions) = simulated(text, method, &[]);
         assert!(transitions.is_empty(), "{transitions:?}");
@@ -863,9 +948,22 @@ fn a_pole_is_no_zero() {
 fn derivatives_by_a_parameter_go_with_the_kinks_that_it_moves() {
     let by = |input: &str| {
         format!(
-            "name = \"moved\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\np = 0.3\n{input}\n[field]\n\
-             x = \"v\"\nv = \"-x - 0.3*v + (1 + 0.2*x)*d + 0.1*p\"\n[start]\nx = 0.1\nv = 0\n[jumps.wall]\n\
-             when = \"x - 1\"\nset = {{ v = \"-0.5*v\" }}\n"
+            "name = \"moved\"\n\
+             [states]\n\
+             x = \"\"\n\
+             v = \"\"\n\
+             [parameters]\n\
+             p = 0.3\n\
+             {input}\n\
+             [field]\n\
+             x = \"v\"\n\
+             v = \"-x - 0.3*v + (1 + 0.2*x)*d + 0.1*p\"\n\
+             [start]\n\
+             x = 0.1\n\
+             v = 0\n\
+             [jumps.wall]\n\
+             when = \"x - 1\"\n\
+             set = {{ v = \"-0.5*v\" }}\n"
         )
     };
     let inputs = [
@@ -950,10 +1048,26 @@ fn a_fold_along_the_phase_of_a_drive_is_located() {
 
 #[test]
 fn a_plane_of_starts_leaves_discrete_states_where_the_file_has_them() {
-    let one = "name = \"one\"\n[states]\nu = \"\"\n[discrete]\nheating = 1\n[field]\n\
-               u = \"40*heating - u\"\n[jumps.off]\nwhen = \"u - 21\"\ndirection = \"rising\"\n\
-               set = { heating = \"0\" }\n[jumps.on]\nwhen = \"u - 19\"\ndirection = \"falling\"\n\
-               set = { heating = \"1\" }\n[start]\nu = 15\n[ranges]\nu = [0, 20]\nheating = [0, 1]\n";
+    let one = "name = \"one\"\n\
+               [states]\n\
+               u = \"\"\n\
+               [discrete]\n\
+               heating = 1\n\
+               [field]\n\
+               u = \"40*heating - u\"\n\
+               [jumps.off]\n\
+               when = \"u - 21\"\n\
+               direction = \"rising\"\n\
+               set = { heating = \"0\" }\n\
+               [jumps.on]\n\
+               when = \"u - 19\"\n\
+               direction = \"falling\"\n\
+               set = { heating = \"1\" }\n\
+               [start]\n\
+               u = 15\n\
+               [ranges]\n\
+               u = [0, 20]\n\
+               heating = [0, 1]\n";
     let (_top, mut command) = program(one);
     let failed = command.args(["basin", "system.toml"]).assert().failure();
     let told = String::from_utf8(failed.get_output().stderr.clone()).unwrap();
@@ -977,10 +1091,31 @@ fn a_plane_of_starts_leaves_discrete_states_where_the_file_has_them() {
 #[test]
 fn a_stick_that_a_kink_ends_is_part_of_an_orbit() {
     // The force is 0.9 less than friction holds, but for a fifth of each half period.
-    let text = "name = \"pushed\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nh = 1.5\n[inputs.one]\n\
-                shape = \"pulse\"\nperiod = 10\nwidth = 0.2\n[inputs.two]\nshape = \"pulse\"\nperiod = 10\n\
-                width = 0.2\nphase = 0.5\n[contacts.floor]\nboundary = \"v\"\nfriction = \"1\"\n[field]\n\
-                x = \"v\"\nv = \"h*(one - two) - 0.1*x - friction(floor)\"\n[start]\nx = 0\nv = 0\n[time]\n\
+    let text = "name = \"pushed\"\n\
+                [states]\n\
+                x = \"\"\n\
+                v = \"\"\n\
+                [parameters]\n\
+                h = 1.5\n\
+                [inputs.one]\n\
+                shape = \"pulse\"\n\
+                period = 10\n\
+                width = 0.2\n\
+                [inputs.two]\n\
+                shape = \"pulse\"\n\
+                period = 10\n\
+                width = 0.2\n\
+                phase = 0.5\n\
+                [contacts.floor]\n\
+                boundary = \"v\"\n\
+                friction = \"1\"\n\
+                [field]\n\
+                x = \"v\"\n\
+                v = \"h*(one - two) - 0.1*x - friction(floor)\"\n\
+                [start]\n\
+                x = 0\n\
+                v = 0\n\
+                [time]\n\
                 period = 10\n";
     let found = json_of(text, &["orbit", "system.toml", "--t-start", "7.5"]);
     let x = [&found["x"]["x"], &found["x"]["v"]].map(|x| x.as_f64().unwrap());

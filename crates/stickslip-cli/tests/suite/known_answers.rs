@@ -56,7 +56,8 @@ fn the_amplitudes_of_den_hartog() {
     }
 }
 
-/// Eq. (16) of the paper: six tangent points in closed form, three visible, and three stick zones between them.
+/// Eq. (16) of the paper: six tangent points in closed form, three visible, and three stick zones
+/// between them.
 #[test]
 fn the_tangent_points_of_the_belt_oscillator() {
     let system = open("belt");
@@ -263,7 +264,9 @@ fn four_blocks_side_by_side_are_four_blocks() {
     for k in 1..=4 {
         text += &format!("x{k} = \"\"\nv{k} = \"\"\n");
         contacts += &format!(
-            "[contacts.c{k}]\nboundary = \"v{k} - 0.{k}\"\nfriction = \"1/(1 + 3*c{k}*(v{k} - 0.{k}))\"\n"
+            "[contacts.c{k}]\n\
+                boundary = \"v{k} - 0.{k}\"\n\
+                friction = \"1/(1 + 3*c{k}*(v{k} - 0.{k}))\"\n"
         );
         field += &format!("x{k} = \"v{k}\"\nv{k} = \"-x{k} - friction(c{k})\"\n");
         start += &format!("x{k} = 0\nv{k} = 0\n");
@@ -313,7 +316,8 @@ x = 1
     assert!((events[0].2 - 1.0).abs() < 1e-14);
 }
 
-/// What the documentation shows is a file that is understood, and all of its examples are of the same system.
+/// What the documentation shows is a file that is understood, and all of its examples are of the
+/// same system.
 #[test]
 fn the_examples_of_the_documentation_are_good_files() {
     let readme = include_str!("../../README.md").to_owned();

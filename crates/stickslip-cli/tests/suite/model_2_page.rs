@@ -2,8 +2,9 @@
 
 use serde_json::Value;
 
-/// Published shares of starts that end on the fixed point, each of 5000 random starts, by the belt's speed (Stender & Hoffmann, *Nonlinear
-/// Dyn.* 107 (2022) 1451): the table that the library's tests read.
+/// Published shares of starts that end on the fixed point, each of 5000 random starts, by the
+/// belt's speed (Stender & Hoffmann, *Nonlinear Dyn.* 107 (2022) 1451): the table that the
+/// library's tests read.
 const PUBLISHED: &str = include_str!("../../../stickslip/tests/data/shares.csv");
 
 /// Random starts of a published share.
@@ -31,7 +32,10 @@ fn the_shares_beside_the_published_ones() {
     let mut rows = csv::Reader::from_reader(PUBLISHED.as_bytes());
     let published: Vec<(f64, f64)> = rows.deserialize().map(Result::unwrap).collect();
     assert_eq!(found.len(), published.len());
-    let mut table = "| belt speed | published, of 5000 random starts | here, of a grid | off by, in standard errors |\n|--:|--:|--:|--:|\n".to_owned();
+    let mut table = "| belt speed | published, of 5000 random starts | here, of a grid | off by, \
+        in standard errors |\n\
+        |--:|--:|--:|--:|\n"
+        .to_owned();
     for ((speed, share), (published_at, published)) in found.into_iter().zip(published) {
         assert_eq!(speed, published_at);
         let error = (share * (1.0 - share) / STARTS).sqrt();

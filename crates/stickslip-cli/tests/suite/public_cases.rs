@@ -261,9 +261,20 @@ fn an_orbit_that_shrinks_to_a_point_of_the_boundary_ends_there() {
 #[test]
 fn crossings_without_end_are_limited() {
     // Both fields circle the point (0.75, 0.6), ever faster: a focus on the boundary.
-    let text = "name = \"ocean\"\n[time]\nend = 60\n[states]\nT = \"\"\nS = \"\"\n\
-        [contacts.mixing]\nboundary = \"S - 0.8*T\"\n[field]\nT = \"1 - T - by_side(mixing, 0, 1)*T\"\n\
-        S = \"0.5*(1 - S) - by_side(mixing, 0, 1)*S\"\n[start]\nT = 0.9\nS = 0.6\n";
+    let text = "name = \"ocean\"\n\
+        [time]\n\
+        end = 60\n\
+        [states]\n\
+        T = \"\"\n\
+        S = \"\"\n\
+        [contacts.mixing]\n\
+        boundary = \"S - 0.8*T\"\n\
+        [field]\n\
+        T = \"1 - T - by_side(mixing, 0, 1)*T\"\n\
+        S = \"0.5*(1 - S) - by_side(mixing, 0, 1)*S\"\n\
+        [start]\n\
+        T = 0.9\n\
+        S = 0.6\n";
     let (_top, mut command) = program(text);
     command.args(["simulate", "system.toml", "--most-events", "2000"]);
     command

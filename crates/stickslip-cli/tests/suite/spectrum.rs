@@ -242,8 +242,11 @@ fn writes_a_named_picture() {
         .write_stdin(henon(false))
         .assert()
         .success()
-        .stderr(contains("exponent 2 is unstable, which is said of the estimate: it changes with the size of the neighbourhoods, by more than four standard errors and \
-             5 %, which is bias: try a smaller --step, fewer --neighbours, or more points"))
+        .stderr(contains(
+            "exponent 2 is unstable, which is said of the estimate: it changes with \
+             the size of the neighbourhoods, by more than four standard errors and 5 %, which is \
+             bias: try a smaller --step, fewer --neighbours, or more points",
+        ))
         .get_output()
         .clone();
     let table = String::from_utf8(output.stdout).unwrap();
@@ -435,8 +438,8 @@ fn doubtful_spectra_come_with_a_warning() {
                 .collect(),
             vec!["--columns", "1,2,3"],
             "starved",
-            "column 1 goes on evenly by 0.25000 from row to row, as a time or an index does, and is used as part of the state: \
-             leave it out with --columns 2,3",
+            "column 1 goes on evenly by 0.25000 from row to row, as a time or an index does, and \
+             is used as part of the state: leave it out with --columns 2,3",
         ),
         (
             // On a grid of hundredths.
@@ -806,8 +809,9 @@ fn what_is_left_out_or_has_no_effect_is_said() {
         (
             vec!["--eps", "5"],
             &plain,
-            "--eps changes no extrapolated exponent, which comes from nearest points, however far; it only says which points are called starved: \
-             give other --neighbours than 12, or --estimator sano-sawada with a range such as --neighbours 12-24",
+            "--eps changes no extrapolated exponent, which comes from nearest points, however far; \
+             it only says which points are called starved: give other --neighbours than 12, or \
+             --estimator sano-sawada with a range such as --neighbours 12-24",
         ),
         (
             vec!["--ridge", "0.1"],

@@ -58,8 +58,8 @@ fn one_column_is_embedded_by_itself() {
     let output = program(&[], &text).assert().success().get_output().clone();
     let table = String::from_utf8(output.stdout).unwrap();
     for words in [
-        "embedded: 2 values of x with a delay of 1 points (uncorrelated after one point, as a map); dimension: below 1 % false neighbours; by \
-         Cao's method ",
+        "embedded: 2 values of x with a delay of 1 points (uncorrelated after one point, as a \
+         map); dimension: below 1 % false neighbours; by Cao's method ",
         "The system's exponents: 1, 2; the embedding's own: none",
         "by time reversal",
         "Rosenstein  0.4",

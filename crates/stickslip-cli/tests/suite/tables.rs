@@ -499,7 +499,8 @@ fn bad_files_are_named_by_line_and_column() {
         ),
         (
             wide.as_bytes(),
-            "f, line 2, column 2: the line has 1 columns, separated by commas, the first has 1000000",
+            "f, line 2, column 2: the line has 1 columns, separated by commas, the first has \
+                1000000",
         ),
     ];
     assert!(bad.len() >= 40);

@@ -80,7 +80,8 @@ fn other_seeds_are_other_starts_and_the_same_seed_the_same() {
     assert_eq!(one.lines().count(), 21);
 }
 
-/// At this speed of the belt all starts lead to the focus, slowly: in a short time none is decided, in a long one all are.
+/// At this speed of the belt all starts lead to the focus, slowly: in a short time none is decided,
+/// in a long one all are.
 #[test]
 fn undecided_starts_are_none_of_the_attractors() {
     let top = folder();
@@ -323,7 +324,8 @@ fn more_points_than_any_memory_holds_are_refused() {
     }
 }
 
-/// A drive weaker than friction leaves the block where it is, in one set of equilibria and not in one attractor for each place.
+/// A drive weaker than friction leaves the block where it is, in one set of equilibria and not in
+/// one attractor for each place.
 #[test]
 fn rest_under_a_weak_drive_is_one_attractor() {
     let top = folder();

@@ -31,8 +31,9 @@ fn values(table: &str, way: &str, motion: &str) -> Vec<f64> {
     found
 }
 
-/// The stick-slip cycle ends above the speed at which the equilibrium has become stable: between, each way keeps to its own attractor. The
-/// equilibrium becomes stable at (1/2) ln 10; the published shares say that the cycle is there at 1.775, and no more at 1.85.
+/// The stick-slip cycle ends above the speed at which the equilibrium has become stable: between,
+/// each way keeps to its own attractor. The equilibrium becomes stable at (1/2) ln 10; the
+/// published shares say that the cycle is there at 1.775, and no more at 1.85.
 #[test]
 fn up_and_down_show_the_hysteresis() {
     let top = folder();
@@ -141,7 +142,8 @@ fn wrong_diagrams_are_told() {
     assert_eq!(std::fs::read_dir(top.path()).unwrap().count(), 0);
 }
 
-/// y' = -y + sin t + cos t attracts to sin t below the boundary of `roof`, y = p, and above it all falls; beside it z follows sin(t - q) across zero.
+/// y' = -y + sin t + cos t attracts to sin t below the boundary of `roof`, y = p, and above it all
+/// falls; beside it z follows sin(t - q) across zero.
 const TWO: &str = r#"
 name = "two"
 [states]
@@ -228,7 +230,8 @@ fn a_change_of_phases_is_told_at_the_contact_of_that_name() {
     }
 }
 
-/// The block of `roof` leaves it where sin t + cos t falls through p, at 3π/4 - asin(p/√2); at q the other one passes zero.
+/// The block of `roof` leaves it where sin t + cos t falls through p, at 3π/4 - asin(p/√2); at q
+/// the other one passes zero.
 #[test]
 fn contacts_that_change_places_are_told_together() {
     let top = folder();

@@ -1,4 +1,5 @@
-//! A sweep that is quick to compute and whose bits depend on everything they may depend on; and the program.
+//! A sweep that is quick to compute and whose bits depend on everything they may depend on; and the
+//! program.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;

@@ -1,4 +1,5 @@
-//! Expressions with their names resolved: what they share is there once, what is constant is folded.
+//! Expressions with their names resolved: what they share is there once, what is constant is
+//! folded.
 
 use std::collections::HashMap;
 
@@ -69,7 +70,8 @@ impl Node {
 
 /// Numbers and how they are made of each other; each stands behind what it is made of.
 ///
-/// Nothing is reordered or multiplied out: a number has the bits that the expression as written has.
+/// Nothing is reordered or multiplied out: a number has the bits that the expression as written
+/// has.
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
     nodes: Vec<Node>,
@@ -211,7 +213,8 @@ impl Graph {
 
     fn power(&mut self, a: Id, b: Id) -> Made {
         let Some(exponent) = self.value(b) else {
-            // For positive bases: of others a power with an exponent that changes is no real number.
+            // For positive bases: of others a power with an exponent that changes is no real
+            // number.
             let logarithm = self.call(Function::Ln, a)?;
             let product = self.product(logarithm, b)?;
             return self.call(Function::Exp, product);

@@ -1,15 +1,16 @@
 //! Expressions of mathematics: from text to a tape that runs on any [`stickslip::Scalar`].
 //!
 //! # Why no kept crate
-//! The library evaluates a system on a dozen number types: on `f64`, on dual numbers, on Taylor coefficients and on dual numbers of
-//! those. Some are private to it, and a Taylor coefficient borrows from the pass that it belongs to. What the expression crates make of a text is
-//! tied to one number type when it is parsed (exmex wants `FromStr` and `Default` of it, evalexpr, meval and fasteval have `f64` only).
-//! So the text is parsed here, once and to no number type at all.
+//! The library evaluates a system on a dozen number types: on `f64`, on dual numbers, on Taylor
+//! coefficients and on dual numbers of those. Some are private to it, and a Taylor coefficient
+//! borrows from the pass that it belongs to. What the expression crates make of a text is tied to
+//! one number type when it is parsed (exmex wants `FromStr` and `Default` of it, evalexpr, meval
+//! and fasteval have `f64` only). So the text is parsed here, once and to no number type at all.
 //!
 //! # The way of an expression
-//! [`parse()`] makes a tree of the text, and every branch knows its place there. A [`Graph`] takes trees with all names resolved,
-//! shares what they have in common and folds what is constant. A [`Tape`] is the graph in the order of evaluation, with few
-//! registers.
+//! [`parse()`] makes a tree of the text, and every branch knows its place there. A [`Graph`] takes
+//! trees with all names resolved, shares what they have in common and folds what is constant. A
+//! [`Tape`] is the graph in the order of evaluation, with few registers.
 
 mod functions;
 mod graph;

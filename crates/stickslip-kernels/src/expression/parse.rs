@@ -11,8 +11,9 @@ const DEEPEST: usize = 100;
 
 /// The tree of a text.
 ///
-/// Of the operators `^` binds first, and to the right (`-x^2` is the negative of a square, `2^3^2` is 2⁹), then `*` and `/`, then `+` and `-`. A
-/// function's arguments stand in brackets. `·`, `×` and `−` are what they look like, and `x²` is `x^2`.
+/// Of the operators `^` binds first, and to the right (`-x^2` is the negative of a square, `2^3^2`
+/// is 2⁹), then `*` and `/`, then `+` and `-`. A function's arguments stand in brackets. `·`, `×`
+/// and `−` are what they look like, and `x²` is `x^2`.
 ///
 /// # Errors
 /// [`SyntaxError`] with the place of the first thing that cannot be read.

@@ -16,7 +16,8 @@ const SOME_REGISTERS: usize = 64;
 /// An expression needs more than [`MOST_REGISTERS`] numbers at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "the expressions need more than {MOST_REGISTERS} numbers at once; write sums so that one part is finished before the next begins"
+    "the expressions need more than {MOST_REGISTERS} numbers at once; write sums so that one part \
+        is finished before the next begins"
 )]
 pub struct TooLarge;
 
@@ -57,8 +58,8 @@ enum Operation {
     Other(Other),
 }
 
-/// The operations that take longer than a call does: for nested dual numbers these are long functions, which would be compiled for each number of
-/// registers.
+/// The operations that take longer than a call does: for nested dual numbers these are long
+/// functions, which would be compiled for each number of registers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Other {
     /// The exponent is the constant.
@@ -90,7 +91,8 @@ impl Tape {
         self.steps.len()
     }
 
-    /// The numbers at time `t` and state `x`. They are written to the front of `out`; those that it has no room for are left out.
+    /// The numbers at time `t` and state `x`. They are written to the front of `out`; those that it
+    /// has no room for are left out.
     #[inline(always)]
     pub fn evaluate<T: Scalar>(&self, t: T, x: &[T], out: &mut [T]) {
         if self.registers <= FEW_REGISTERS {
@@ -132,8 +134,8 @@ impl Tape {
             let to = usize::from(step.to) & mask;
             let constant = step.constant;
             let r = &mut *registers;
-            // Each writes its result itself. One place for all would have it put together first and copied then, which takes longer than
-            // most operations.
+            // Each writes its result itself. One place for all would have it put together first and
+            // copied then, which takes longer than most operations.
             match step.operation {
                 Operation::Add => r[to] = r[a] + r[b],
                 Operation::Subtract => r[to] = r[a] - r[b],

@@ -50,7 +50,8 @@ pub fn is_in_name(c: char) -> bool {
     begins_name(c) || c.is_ascii_digit() || ('₀'..='₉').contains(&c)
 }
 
-/// A name as it is compared: the micro sign is the Greek letter, which looks the same and is another character.
+/// A name as it is compared: the micro sign is the Greek letter, which looks the same and is
+/// another character.
 pub fn normal(name: &str) -> String {
     name.replace('\u{b5}', "μ")
 }
@@ -97,16 +98,22 @@ pub(super) fn tokens(text: &str) -> Result<Vec<(Token, Range<usize>)>, SyntaxErr
             ')' => Token::Close,
             ',' => Token::Comma,
             '|' => {
-                return Err(SyntaxError::new("`|` does not belong into an expression", place).help(
-                    "the magnitude of a slip speed is the contact's sign times the speed; an absolute value is `abs(…)`",
-                ));
-            }
-            '<' | '>' | '=' | '?' | '!' | '&' => {
                 return Err(
-                    SyntaxError::new(format!("`{c}` does not belong into an expression"), place).help(
-                        "what differs from side to side of a contact is `by_side(contact, below, above)`; bounds are `min` and `max`",
+                    SyntaxError::new("`|` does not belong into an expression", place).help(
+                        "the magnitude of a slip speed is the contact's sign times the speed; an \
+                        absolute value is `abs(…)`",
                     ),
                 );
+            }
+            '<' | '>' | '=' | '?' | '!' | '&' => {
+                return Err(SyntaxError::new(
+                    format!("`{c}` does not belong into an expression"),
+                    place,
+                )
+                .help(
+                    "what differs from side to side of a contact is `by_side(contact, below, \
+                            above)`; bounds are `min` and `max`",
+                ));
             }
             '[' | '{' => {
                 return Err(SyntaxError::new(

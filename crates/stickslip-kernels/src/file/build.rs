@@ -121,7 +121,8 @@ pub(crate) enum Variant {
 /// The tapes with these values of the parameters.
 ///
 /// # Errors
-/// [`Problem`] where a constant part of an expression is no number with them, or an expression is too large.
+/// [`Problem`] where a constant part of an expression is no number with them, or an expression is
+/// too large.
 pub(crate) fn built(
     file: &Arc<SystemFile>,
     values: &[f64],

@@ -325,7 +325,8 @@ impl<'a> Builder<'a> {
         }
         let Some(file) = self.file else {
             return problem.help(
-                "the value of a parameter has numbers only; what depends on other parameters goes into [definitions]",
+                "the value of a parameter has numbers only; what depends on other parameters goes \
+                    into [definitions]",
             );
         };
         problem.help(file.names.like(name).unwrap_or_else(|| {
@@ -543,8 +544,8 @@ impl<'a> Builder<'a> {
             .chain(FURTHER_FUNCTIONS);
         problem.help(match function {
             "sgn" | "sign" | "signum" => {
-                "friction is written by side: the name of a contact is the sign of its side; the sign \
-                 of a function of time is a switch, [switches.NAME] with function = \"…\""
+                "friction is written by side: the name of a contact is the sign of its side; the \
+                 sign of a function of time is a switch, [switches.NAME] with function = \"…\""
                     .to_owned()
             }
             "mod" | "floor" | "ceil" | "round" | "square" | "triangle" | "sawtooth" | "pulse" => {

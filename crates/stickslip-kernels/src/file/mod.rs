@@ -28,17 +28,18 @@
 //! v = 0
 //! ```
 //!
-//! Friction is written by side and not by the sign of a velocity, so that each side's formula goes on smoothly across Σ.
-//! `static` beside `friction` is how large it may be while the contact holds. Where the sides differ in more than friction,
-//! `by_side(belt, below, above)` is one expression or the other, and so is `v = { below = "…", above = "…" }` in `[field]`.
+//! Friction is written by side and not by the sign of a velocity, so that each side's formula goes
+//! on smoothly across Σ. `static` beside `friction` is how large it may be while the contact holds.
+//! Where the sides differ in more than friction, `by_side(belt, below, above)` is one expression or
+//! the other, and so is `v = { below = "…", above = "…" }` in `[field]`.
 //!
-//! A state jumps where `[jumps.NAME]` says: `when` is the function whose zero it is, `direction` which
-//! way that passes (`rising`, `falling`, `both`), `set` what the states become. With `stop = true`, or
-//! `count = n`, the run ends there, or with the n-th. `[discrete]` has states that change by jumps
-//! only, each with its start. What depends on time alone is `[inputs.NAME]`, with `shape` (`square`,
-//! `triangle`, `sawtooth`, `pulse` with `width`; each with `period` and `phase`, in parts of the
-//! period; or `table` with `times` and `values`, or a `file`, and `between`), or `[switches.NAME]`, the
-//! sign of a `function` of time.
+//! A state jumps where `[jumps.NAME]` says: `when` is the function whose zero it is, `direction`
+//! which way that passes (`rising`, `falling`, `both`), `set` what the states become. With `stop =
+//! true`, or `count = n`, the run ends there, or with the n-th. `[discrete]` has states that change
+//! by jumps only, each with its start. What depends on time alone is `[inputs.NAME]`, with `shape`
+//! (`square`, `triangle`, `sawtooth`, `pulse` with `width`; each with `period` and `phase`, in
+//! parts of the period; or `table` with `times` and `values`, or a `file`, and `between`), or
+//! `[switches.NAME]`, the sign of a `function` of time.
 
 mod build;
 mod builder;
@@ -258,7 +259,8 @@ pub struct SectionEntry {
 pub enum FileError {
     /// It cannot be read.
     #[error(
-        "cannot read {path}: {cause}; {meant}give the path of a system's file or the name of a shipped model ({shipped})"
+        "cannot read {path}: {cause}; {meant}give the path of a system's file or the name of a \
+            shipped model ({shipped})"
     )]
     Unreadable {
         /// The path as given.

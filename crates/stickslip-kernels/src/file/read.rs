@@ -90,7 +90,8 @@ fn not_toml(error: &toml::de::Error, source: &Source) -> Problem {
     if unquoted {
         let key = key.trim();
         return problem.help(format!(
-            "to the left of `=` a name with other letters than A to Z stands in quotes: \"{key}\" = …"
+            "to the left of `=` a name with other letters than A to Z stands in quotes: \"{key}\" \
+                = …"
         ));
     }
     problem.help(
@@ -127,7 +128,8 @@ fn states(file: &Table<'_>, names: &mut Names) -> Result<Vec<StateEntry>, Proble
         if number == MOST_STATES {
             let message = format!("this is state number {}", number + 1);
             return Err(Problem::new(message, place).help(format!(
-                "a file can have {MOST_STATES} states; a larger system can be written in Rust with the library"
+                "a file can have {MOST_STATES} states; a larger system can be written in Rust with \
+                    the library"
             )));
         }
         let name = names.add(name, place, Meaning::State(number))?;
@@ -225,7 +227,8 @@ fn contacts(file: &Table<'_>, names: &mut Names) -> Result<Vec<Contact>, Problem
         if number == MOST_CONTACTS {
             let message = format!("this is contact number {}", number + 1);
             return Err(Problem::new(message, place).help(format!(
-                "a file can have {MOST_CONTACTS} contacts; a larger system can be written in Rust with the library"
+                "a file can have {MOST_CONTACTS} contacts; a larger system can be written in Rust \
+                    with the library"
             )));
         }
         let name = names.add(name, place.clone(), Meaning::Contact(number))?;

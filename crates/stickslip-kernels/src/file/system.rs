@@ -53,7 +53,8 @@ pub enum PeriodError {
     Missing,
     /// The one given is none.
     #[error(
-        "the field or a boundary is not the same after the file's period {period}; correct the period in [time]"
+        "the field or a boundary is not the same after the file's period {period}; correct the \
+            period in [time]"
     )]
     Wrong {
         /// The period given.
@@ -99,7 +100,8 @@ impl SystemFile {
     /// The system with some of its parameters set to other values.
     ///
     /// # Errors
-    /// [`SettingError`] for a name that there is not, a value outside the parameter's range, or one with which an expression is no number.
+    /// [`SettingError`] for a name that there is not, a value outside the parameter's range, or one
+    /// with which an expression is no number.
     pub fn with(&self, settings: &[(String, f64)]) -> Result<System, SettingError> {
         let values = self.values_with(build::values(self), settings)?;
         Ok(System::new(Arc::new(self.clone()), values, None)?)
@@ -435,11 +437,13 @@ fn solver(
     solver.filter(|_| contacts <= states).ok_or_else(|| {
         let message = if contacts > states {
             format!(
-                "{contacts} contacts are too many for {states} states: their boundaries cannot be independent"
+                "{contacts} contacts are too many for {states} states: their boundaries cannot be \
+                    independent"
             )
         } else {
             format!(
-                "{states} states and {} inputs are too many: each input counts as {HELD} states, and there is room for {}",
+                "{states} states and {} inputs are too many: each input counts as {HELD} states, \
+                    and there is room for {}",
                 file.inputs.len(),
                 states + 66 - room.min(66)
             )

@@ -18,8 +18,9 @@ impl System {
     }
 
     /// The modes of a phase in a few letters, of several contacts separated by `|`: `+` and `-` for
-    /// slip above and below, `S` for stick. Behind them is the jump that ends the phase, in brackets
-    /// where there is a contact; `·` is a phase that no jump ends, of a system without contacts.
+    /// slip above and below, `S` for stick. Behind them is the jump that ends the phase, in
+    /// brackets where there is a contact; `·` is a phase that no jump ends, of a system without
+    /// contacts.
     pub fn letters(&self, modes: &Modes) -> String {
         let letters = modes.iter().map(|mode| match mode {
             Mode::Stick => "S",

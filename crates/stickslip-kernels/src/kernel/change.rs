@@ -8,7 +8,8 @@ use stickslip::dynamics::Modes;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Change {
-    /// The phases of a periodic orbit: as [`stickslip::analysis::SequenceChange`], which says more of each.
+    /// The phases of a periodic orbit: as [`stickslip::analysis::SequenceChange`], which says more
+    /// of each.
     Sequence {
         /// The parameter.
         parameter: f64,
@@ -16,7 +17,8 @@ pub enum Change {
         uncertainty: f64,
         /// What it is called.
         name: String,
-        /// The contacts whose event function vanishes, counted from 0; none where the change has no name.
+        /// The contacts whose event function vanishes, counted from 0; none where the change has no
+        /// name.
         contacts: Vec<usize>,
         /// Where on the orbit.
         x: Vec<f64>,

@@ -5,7 +5,8 @@ use stickslip::analysis::{Attractors, Kind, Reached};
 use stickslip::dynamics::{Modes, Moment, Phase, Vector};
 use stickslip::{Error, TransitionKind};
 
-/// What kind of motion an orbit has come to: as [`stickslip::analysis::Kind`], which says more of each.
+/// What kind of motion an orbit has come to: as [`stickslip::analysis::Kind`], which says more of
+/// each.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Motion {
@@ -129,7 +130,8 @@ pub struct Outcome {
     pub period_uncertainty: f64,
     /// Dimension of the family of periodic orbits that it is one of, where that is known.
     pub family: Option<usize>,
-    /// Time and state at the points of the section, or at the equilibrium. Kinds that points do not tell apart have none.
+    /// Time and state at the points of the section, or at the equilibrium. Kinds that points do not
+    /// tell apart have none.
     pub points: Vec<(f64, Vec<f64>)>,
     /// The phases that ended in one period. Kinds that points do not tell apart have none.
     pub phases: Vec<PhaseThere>,

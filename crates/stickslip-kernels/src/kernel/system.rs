@@ -183,7 +183,8 @@ pub struct ManyContacts {
     pub fields: Fields,
     /// Whether a field is another one while contacts hold.
     pub has_static: bool,
-    /// The boundary functions; more than there are contacts are asked for, and those are never zero.
+    /// The boundary functions; more than there are contacts are asked for, and those are never
+    /// zero.
     pub boundaries: Tape,
 }
 
@@ -219,7 +220,8 @@ impl<const N: usize, const M: usize> Contacts<N, M> for ManyContacts {
 
     #[inline(always)]
     fn boundaries<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; M] {
-        // Where there are fewer contacts than the number that is compiled, the rest is never at zero.
+        // Where there are fewer contacts than the number that is compiled, the rest is never at
+        // zero.
         let mut heights = [T::one(); M];
         self.boundaries.evaluate(t, x, &mut heights);
         heights

@@ -62,9 +62,9 @@ pub struct ValueEnd {
 }
 
 impl Diagram<'_> {
-    /// What is found at a value, the changes of the attractor since the last one, and from where the
-    /// next one goes on. The first orbit begins where `start` says; `told` puts into words what an
-    /// integration failed with.
+    /// What is found at a value, the changes of the attractor since the last one, and from where
+    /// the next one goes on. The first orbit begins where `start` says; `told` puts into words what
+    /// an integration failed with.
     ///
     /// # Errors
     /// Those of [`attractor`], of settings, and of `start`.

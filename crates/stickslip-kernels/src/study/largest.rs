@@ -51,7 +51,8 @@ impl Largest {
         }
     }
 
-    /// Measured on an attractor from where the orbit has come to it; not measured where there is none.
+    /// Measured on an attractor from where the orbit has come to it; not measured where there is
+    /// none.
     pub fn on(system: &System, outcome: &Outcome, duration: f64, options: &Options) -> Self {
         if outcome.points.is_empty() {
             return Largest::Unmeasured;

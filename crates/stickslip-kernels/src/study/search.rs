@@ -53,7 +53,8 @@ pub enum SearchError {
     Period(#[from] PeriodError),
     /// Friction holds the run against the drive.
     #[error(
-        "no periodic orbit was found: the run comes to rest at {x}, where friction holds it against the drive"
+        "no periodic orbit was found: the run comes to rest at {x}, where friction holds it \
+            against the drive"
     )]
     Held {
         /// Where.
@@ -69,7 +70,8 @@ pub enum SearchError {
     },
     /// The run takes longer to come back.
     #[error(
-        "no periodic orbit was found that comes back within {longest}: the run comes to one of period {period:.6}"
+        "no periodic orbit was found that comes back within {longest}: the run comes to one of \
+            period {period:.6}"
     )]
     TakesLonger {
         /// The time given.
@@ -83,8 +85,8 @@ pub enum SearchError {
 }
 
 impl PeriodicSearch {
-    /// The orbit that the run from a time and state comes to, and the number of periods of the drive
-    /// in one of it, if there is a drive.
+    /// The orbit that the run from a time and state comes to, and the number of periods of the
+    /// drive in one of it, if there is a drive.
     ///
     /// # Errors
     /// [`SearchError`].

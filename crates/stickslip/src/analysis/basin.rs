@@ -16,7 +16,8 @@ const WAVE: usize = 4096;
 /// The attractor of each start.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Basin {
-    /// The attractors by their numbers, which are given in the order in which the starts first lead there.
+    /// The attractors by their numbers, which are given in the order in which the starts first lead
+    /// there.
     pub attractors: Vec<Reached>,
     /// For each start, in order, the number of its attractor.
     pub reached: Vec<usize>,
@@ -47,7 +48,9 @@ impl Basin {
     }
 }
 
-/// The basins of attraction of a system on a set of starts, on all threads, with the same bits on any number of them. Every start is followed by itself. The attractors are distinguished afterwards, in the order of the starts.
+/// The basins of attraction of a system on a set of starts, on all threads, with the same bits on
+/// any number of them. Every start is followed by itself. The attractors are distinguished
+/// afterwards, in the order of the starts.
 ///
 /// ```
 /// use stickslip::analysis::{RecurrenceSettings, basin};

@@ -1,4 +1,5 @@
-//! Boundary-equilibrium bifurcations: an equilibrium reaches the edge of its mode's domain (di Bernardo, Budd, Champneys & Kowalczyk 2008, Ch. 5).
+//! Boundary-equilibrium bifurcations: an equilibrium reaches the edge of its mode's domain (di
+//! Bernardo, Budd, Champneys & Kowalczyk 2008, Ch. 5).
 
 use super::attractors::rest::{equilibrium_near, least_guard};
 use super::critical::zero_between;

@@ -1,4 +1,5 @@
-//! Functions of an orbit's multipliers that vanish at a branch point, fold, flip or Neimark–Sacker bifurcation.
+//! Functions of an orbit's multipliers that vanish at a branch point, fold, flip or Neimark–Sacker
+//! bifurcation.
 
 use nalgebra::Complex;
 
@@ -8,7 +9,8 @@ use crate::dynamics::Matrix;
 /// The functions at one orbit.
 #[derive(Clone, Debug)]
 pub(super) struct Critical {
-    /// Zero where a multiplier besides the trivial one is 1: the determinant of Newton's matrix for a given parameter.
+    /// Zero where a multiplier besides the trivial one is 1: the determinant of Newton's matrix for
+    /// a given parameter.
     pub one: f64,
     /// Zero where a multiplier is −1.
     pub minus_one: f64,
@@ -62,14 +64,16 @@ impl Critical {
     }
 }
 
-/// The zero between two points with different signs, by regula falsi with the Illinois rule. At a branch point no orbit can be computed: the function is then evaluated next to it.
+/// The zero between two points with different signs, by regula falsi with the Illinois rule. At a
+/// branch point no orbit can be computed: the function is then evaluated next to it.
 pub(super) fn zero_between(
     (mut a, mut at_a): (f64, f64),
     (mut b, mut at_b): (f64, f64),
     mut function: impl FnMut(f64) -> Option<f64>,
 ) -> Option<f64> {
     const MOST: usize = 60;
-    // Part of the way between the places that is as good as none, and of the function's values there.
+    // Part of the way between the places that is as good as none, and of the function's values
+    // there.
     const NEXT_TO: f64 = 1e-10;
     const SMALL: f64 = 1e-6;
     let (width, size) = (b - a, at_a.abs().min(at_b.abs()));

@@ -30,13 +30,15 @@ pub enum Destination {
 /// Patterns longer than this many forcing periods are not looked for.
 const LONGEST_PATTERN: usize = 8;
 
-/// Follows the orbit from `(t0, x0)` over `periods` forcing periods of length `period` and says where it has ended up: two
-/// states a pattern apart that differ by at most `closeness` in every component count as equal.
+/// Follows the orbit from `(t0, x0)` over `periods` forcing periods of length `period` and says
+/// where it has ended up: two states a pattern apart that differ by at most `closeness` in every
+/// component count as equal.
 ///
 /// The escape bound in `options` decides what counts as escaping.
 ///
 /// # Errors
-/// Those of [`crate::run`] except [`Error::Escaped`]; [`Error::NoUniqueFuture`] where Σ repels, and at a two-fold.
+/// Those of [`crate::run`] except [`Error::Escaped`]; [`Error::NoUniqueFuture`] where Σ repels, and
+/// at a two-fold.
 pub fn destination<Kind>(
     system: &impl AsDynamics<Kind>,
     (t0, x0): (f64, impl Components),

@@ -15,17 +15,22 @@ pub struct Monodromy {
     /// The derivative, square in the states: column `j` is the change of the end state with
     /// component `j` of the start.
     pub matrix: Matrix,
-    /// Number of entries into stick. The first entry reduces the rank by one; so does stick at the start, which is no entry.
+    /// Number of entries into stick. The first entry reduces the rank by one; so does stick at the
+    /// start, which is no entry.
     pub stick_entries: usize,
     /// How the run ended.
     pub summary: Summary,
 }
 
-/// The monodromy matrix from `(t0, x0)` to `t_end`. Every step is repeated on dual numbers, and every transition contributes its saltation matrix. If a contact sticks at the start, the orbit is assumed to have been on its Σ before. A change across Σ is projected back along the kinetic friction, also if that is too weak to bring it back.
+/// The monodromy matrix from `(t0, x0)` to `t_end`. Every step is repeated on dual numbers, and
+/// every transition contributes its saltation matrix. If a contact sticks at the start, the orbit
+/// is assumed to have been on its Σ before. A change across Σ is projected back along the kinetic
+/// friction, also if that is too weak to bring it back.
 ///
 /// # Errors
-/// Those of [`crate::run`]; [`Error::NoUniqueFuture`] where Σ repels, and at a two-fold; [`Error::TangentSingular`] where the orbit grazes Σ, or
-/// two contacts come to zero in the same instant.
+/// Those of [`crate::run`]; [`Error::NoUniqueFuture`] where Σ repels, and at a two-fold;
+/// [`Error::TangentSingular`] where the orbit grazes Σ, or two contacts come to zero in the same
+/// instant.
 pub fn monodromy<Kind>(
     system: &impl AsDynamics<Kind>,
     t0: f64,
@@ -45,7 +50,10 @@ pub(super) fn velocity_in(system: &dyn Dynamics, mode: Modes, at: &Moment) -> Ve
     system.flow(mode, at).velocity(at)
 }
 
-/// The monodromy matrix. An autonomous flow carries its own direction exactly. So that direction is removed from the carried vectors and restored at the end. Otherwise the errors of steps along the flow would grow without bound near an equilibrium, where an orbit is slow and neighbours separate fast.
+/// The monodromy matrix. An autonomous flow carries its own direction exactly. So that direction is
+/// removed from the carried vectors and restored at the end. Otherwise the errors of steps along
+/// the flow would grow without bound near an equilibrium, where an orbit is slow and neighbours
+/// separate fast.
 ///
 /// # Errors
 /// As [`monodromy`].
@@ -144,10 +152,12 @@ impl TangentMap {
         }
     }
 
-    /// An orbit that begins in stick is assumed to have been on Σ before: a change across Σ vanishes.
+    /// An orbit that begins in stick is assumed to have been on Σ before: a change across Σ
+    /// vanishes.
     pub(super) fn begin(&mut self, system: &dyn Dynamics, mode: Modes, at: &Moment) {
         for (contact, normal) in system.normals(mode, at) {
-            // The way back to Σ is along the difference of one side's field and the sliding field, which lies between both sides' fields.
+            // The way back to Σ is along the difference of one side's field and the sliding field,
+            // which lies between both sides' fields.
             let [below, above] = [Side::Below, Side::Above]
                 .map(|side| velocity_in(system, mode.with(contact, Mode::Slip(side)), at));
             let way = above - below;

@@ -13,7 +13,8 @@ const MOST: usize = 64;
 pub enum Class {
     /// Closes after so many turns.
     Periodic(usize),
-    /// Fills a torus: no closing, no growth, and a vanishing exponent besides that of the direction in time.
+    /// Fills a torus: no closing, no growth, and a vanishing exponent besides that of the direction
+    /// in time.
     QuasiPeriodic,
     /// Nearby orbits separate: the first exponent is positive.
     Chaotic,
@@ -37,7 +38,8 @@ impl fmt::Display for Class {
 /// A word that names no class.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "'{0}' is no class of motion; it must be periodic, two-periodic, 3-periodic, ..., quasi-periodic, chaotic or undecided"
+    "'{0}' is no class of motion; it must be periodic, two-periodic, 3-periodic, ..., \
+        quasi-periodic, chaotic or undecided"
 )]
 pub struct UnknownClass(pub String);
 
@@ -77,10 +79,12 @@ pub enum Of {
 /// How fine the evidence has to be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Criterion {
-    /// Points of the section nearer than this, as a fraction of its extent, count as one. Default 1e-5, for a solver that
-    /// locates the section.
+    /// Points of the section nearer than this, as a fraction of its extent, count as one. Default
+    /// 1e-5, for a solver that locates the section.
     pub same: f64,
-    /// Largest uncertainty, per unit of time, of an exponent that counts as zero: slower growth cannot be distinguished from none. Default 1e-3, less than half of the slowest growth that the paper reports (0.0025, Fig. 12).
+    /// Largest uncertainty, per unit of time, of an exponent that counts as zero: slower growth
+    /// cannot be distinguished from none. Default 1e-3, less than half of the slowest growth that
+    /// the paper reports (0.0025, Fig. 12).
     pub resolution: f64,
 }
 
@@ -115,8 +119,8 @@ pub struct Evidence {
 }
 
 impl Evidence {
-    /// From the points `(t, x)` of the section in the order of time and the exponents, descending, as measured over `duration`.
-    /// Without exponents only a periodic motion can be recognised.
+    /// From the points `(t, x)` of the section in the order of time and the exponents, descending,
+    /// as measured over `duration`. Without exponents only a periodic motion can be recognised.
     pub fn gather<const N: usize>(
         section: &[(f64, [f64; N])],
         (of, exponents, duration): (Of, &[Exponent], f64),
@@ -250,7 +254,8 @@ mod tests {
             Class::QuasiPeriodic
         );
         assert_eq!(map(&[zero]), Class::QuasiPeriodic);
-        // Chaos as slow as the published one counts if its exponent is certain enough; otherwise the class is undecided.
+        // Chaos as slow as the published one counts if its exponent is certain enough; otherwise
+        // the class is undecided.
         assert_eq!(
             flow(&[finite(0.0025, 3e-4), zero, negative]),
             Class::Chaotic

@@ -4,8 +4,9 @@ use nalgebra::{Complex, Schur};
 
 use crate::dynamics::Matrix;
 
-/// Multipliers of a periodic orbit: the eigenvalues of its monodromy matrix, the one nearest to 1 first (the trivial one of a
-/// system that does not depend on time), then by falling size. Not numbers where the matrix is not finite.
+/// Multipliers of a periodic orbit: the eigenvalues of its monodromy matrix, the one nearest to 1
+/// first (the trivial one of a system that does not depend on time), then by falling size. Not
+/// numbers where the matrix is not finite.
 ///
 /// Two by a closed form, more by the real Schur form.
 ///

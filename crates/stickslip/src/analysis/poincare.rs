@@ -25,11 +25,13 @@ pub struct Return {
 /// The rate of a passage below this fraction of its summands is rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// The Poincaré map of a system and a section: a system of discrete time, of which each step is one return.
+/// The Poincaré map of a system and a section: a system of discrete time, of which each step is one
+/// return.
 ///
-/// The section is an event function ([`EventFunctions`]) with a direction: [`crate::Plane`], or one of your own, of time too (a strobe).
-/// A start on the section is no return. The orbit goes on from return to return without a new start, so that the returns are
-/// those of one run. As an iterator the map has no end; after an error there is nothing more.
+/// The section is an event function ([`EventFunctions`]) with a direction: [`crate::Plane`], or one
+/// of your own, of time too (a strobe). A start on the section is no return. The orbit goes on from
+/// return to return without a new start, so that the returns are those of one run. As an iterator
+/// the map has no end; after an error there is nothing more.
 ///
 /// ```
 /// use stickslip::{Direction, Options, Plane, analysis::PoincareMap, models::BeltOscillator};
@@ -63,7 +65,8 @@ pub struct PoincareMap<'a> {
 }
 
 impl<'a> PoincareMap<'a> {
-    /// The map from `start` (time and state), on the section or off it. A return must take no more than `longest`. Terminal sections are not treated specially.
+    /// The map from `start` (time and state), on the section or off it. A return must take no more
+    /// than `longest`. Terminal sections are not treated specially.
     ///
     /// # Errors
     /// Those of [`crate::Integration::new`]; [`Error::Option`] where `longest` is not positive.
@@ -152,8 +155,9 @@ impl<'a> PoincareMap<'a> {
     /// The next return.
     ///
     /// # Errors
-    /// Those of [`crate::Integration::step`]; [`Error::NotFound`] where there is no return within the longest time, and
-    /// [`Error::NoUniqueFuture`] where Σ repels or the orbit comes to a two-fold.
+    /// Those of [`crate::Integration::step`]; [`Error::NotFound`] where there is no return within
+    /// the longest time, and [`Error::NoUniqueFuture`] where Σ repels or the orbit comes to a
+    /// two-fold.
     pub fn step(&mut self) -> Result<Return, Error> {
         let passage = self.advance(None)?;
         Ok(self.arrive(passage))
@@ -162,15 +166,18 @@ impl<'a> PoincareMap<'a> {
     /// The next return, and the derivative of its state with respect to the state at the last one,
     /// or the start: square in the states, column `j` for its component `j`.
     ///
-    /// It is `(I − f ∇gᵀ/(∂g/∂t + ∇g·f)) Φ`, with the tangent flow Φ from there to here, the field `f` here, and the section
-    /// `g`: what a change of the start does to the time of the return is taken out along the motion. On the section it has the
-    /// Floquet multipliers of a periodic orbit but the one along it, in whose place there is a zero. The time at the last return is held:
-    /// of a system that depends on time the derivatives of returns in a row multiply where the section fixes the time. From a state in stick it
-    /// begins as [`crate::analysis::monodromy`] does.
+    /// It is `(I − f ∇gᵀ/(∂g/∂t + ∇g·f)) Φ`, with the tangent flow Φ from there to here, the field
+    /// `f` here, and the section `g`: what a change of the start does to the time of the return is
+    /// taken out along the motion. On the section it has the Floquet multipliers of a periodic
+    /// orbit but the one along it, in whose place there is a zero. The time at the last return is
+    /// held: of a system that depends on time the derivatives of returns in a row multiply where
+    /// the section fixes the time. From a state in stick it begins as
+    /// [`crate::analysis::monodromy`] does.
     ///
     /// # Errors
-    /// As [`PoincareMap::step`]; [`Error::TangentSingular`] where the orbit does not pass through the section with a rate, which is a return
-    /// all the same and the start of the next derivative, and where the flow up to there has no derivative.
+    /// As [`PoincareMap::step`]; [`Error::TangentSingular`] where the orbit does not pass through
+    /// the section with a rate, which is a return all the same and the start of the next
+    /// derivative, and where the flow up to there has no derivative.
     pub fn step_with_derivative(&mut self) -> Result<(Return, Matrix), Error> {
         let mut map = TangentMap::identity(&*self.dynamics);
         map.begin(&*self.dynamics, self.orbit.mode(), &self.at);
@@ -181,7 +188,8 @@ impl<'a> PoincareMap<'a> {
         let (normal, in_time) = self.dynamics.section_gradient(&self.section, &here);
         let rate = in_time + normal.dot(&velocity);
         let derivative = &flow - &velocity * (normal.transpose() * &flow) / rate;
-        // An exit from stick at a tangent point passes a section that is Σ with no rate but rounding's.
+        // An exit from stick at a tangent point passes a section that is Σ with no rate but
+        // rounding's.
         let size = in_time.abs() + normal.norm() * velocity.norm();
         let arrived = self.arrive(passage);
         if rate.abs() <= ROUNDING * size || derivative.iter().any(|v| !v.is_finite()) {

@@ -4,7 +4,8 @@ use std::fmt;
 
 use nalgebra::Complex;
 
-/// Tolerance for a multiplier of modulus 1. If two multipliers meet at 1, as without damping, an error of the monodromy matrix moves them by its square root, and orbits have errors of 1e-12.
+/// Tolerance for a multiplier of modulus 1. If two multipliers meet at 1, as without damping, an
+/// error of the monodromy matrix moves them by its square root, and orbits have errors of 1e-12.
 const NEUTRAL: f64 = 1e-6;
 
 /// The fate of a small deviation from a periodic orbit.
@@ -12,14 +13,16 @@ const NEUTRAL: f64 = 1e-6;
 pub enum Stability {
     /// It dies out: all multipliers are inside the unit circle.
     Stable,
-    /// It stays, to first order: a multiplier is on the unit circle, to 1e-6, and none outside. Multipliers of an orbit that was computed with a tolerance above 1e-12 may be less exact.
+    /// It stays, to first order: a multiplier is on the unit circle, to 1e-6, and none outside.
+    /// Multipliers of an orbit that was computed with a tolerance above 1e-12 may be less exact.
     Neutral,
     /// It grows: a multiplier is outside the unit circle.
     Unstable,
 }
 
 impl Stability {
-    /// From the multipliers without the trivial one of an autonomous system. NaN multipliers give an unstable orbit.
+    /// From the multipliers without the trivial one of an autonomous system. NaN multipliers give
+    /// an unstable orbit.
     ///
     /// ```
     /// use stickslip::analysis::Stability;

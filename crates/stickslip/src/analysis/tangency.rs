@@ -5,8 +5,9 @@ pub use crate::filippov::Visibility;
 use crate::filippov::LieDerivatives;
 use crate::system::{Filippov, Side, State};
 
-/// Whether the field of `side` is tangent to Σ at `(t, x)`, and how, by the sign of the second Lie derivative
-/// of the boundary function along it; `None` where its normal component does not vanish to rounding.
+/// Whether the field of `side` is tangent to Σ at `(t, x)`, and how, by the sign of the second Lie
+/// derivative of the boundary function along it; `None` where its normal component does not vanish
+/// to rounding.
 ///
 /// ```
 /// use stickslip::{analysis::{tangency, Visibility}, models::BeltOscillator, Side, State};

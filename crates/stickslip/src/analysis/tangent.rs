@@ -1,4 +1,5 @@
-//! Tangent vectors along a run: the steps themselves carry them on dual numbers, transitions by saltation.
+//! Tangent vectors along a run: the steps themselves carry them on dual numbers, transitions by
+//! saltation.
 
 use nalgebra::SMatrix;
 
@@ -10,9 +11,10 @@ use crate::system::{Filippov, State};
 /// The saltation matrix of a transition at `(t, x)` from the vector `before` to `after`:
 /// `S = I + (f⁺ − f⁻) ∇hᵀ / (∂h/∂t + ∇h·f⁻)`.
 ///
-/// Aizerman & Gantmakher 1958; Müller, *Chaos, Solitons & Fractals* 5 (1995) 1671; Leine & Nijmeijer 2004, Ch. 7. It
-/// holds for crossing and for entry into stick (`after` the sliding field), where it has a zero eigenvalue; leaving
-/// stick at a tangent point changes no vector and its saltation matrix is the identity.
+/// Aizerman & Gantmakher 1958; Müller, *Chaos, Solitons & Fractals* 5 (1995) 1671; Leine &
+/// Nijmeijer 2004, Ch. 7. It holds for crossing and for entry into stick (`after` the sliding
+/// field), where it has a zero eigenvalue; leaving stick at a tangent point changes no vector and
+/// its saltation matrix is the identity.
 pub fn saltation<S: Filippov<N>, const N: usize>(
     system: &S,
     t: f64,
@@ -39,7 +41,8 @@ fn entry([gradient, before, after]: [&[f64]; 3], in_time: f64) -> impl Fn(usize,
 pub(crate) struct Jump {
     /// Saltation matrix.
     pub matrix: Matrix,
-    /// Field after the transition minus field before it; at a mapping of the state, minus the image of the latter.
+    /// Field after the transition minus field before it; at a mapping of the state, minus the image
+    /// of the latter.
     pub kick: Vector,
     /// Its determinant: zero on entry into stick.
     pub determinant: f64,
@@ -63,8 +66,8 @@ impl<'a> Tangent<'a> {
         Tangent { system, carrying }
     }
 
-    /// Replaces each of these vectors by its image behind the end of the step, and behind the kink of
-    /// an input there.
+    /// Replaces each of these vectors by its image behind the end of the step, and behind the kink
+    /// of an input there.
     pub(crate) fn carry<'v>(&self, step: &Step, vectors: impl IntoIterator<Item = &'v mut Vector>) {
         let flow = self.system.flow(step.mode, &step.end());
         let shifts = self.system.kink_shifts(step);
@@ -80,8 +83,8 @@ impl<'a> Tangent<'a> {
     /// `S = D + (f⁺ − D f⁻ − ∂R/∂t) ∇hᵀ / (∂h/∂t + ∇h·f⁻)`.
     ///
     /// # Errors
-    /// [`Error::TangentSingular`] where the orbit grazes what it jumps at, and where another jump in
-    /// the same instant sets this one off and the field changes at it.
+    /// [`Error::TangentSingular`] where the orbit grazes what it jumps at, and where another jump
+    /// in the same instant sets this one off and the field changes at it.
     fn reset(&self, at: &Transition) -> Result<Jump, Error> {
         let here = at.moment();
         let reset = self.system.reset(at.contact, &here);
@@ -113,12 +116,14 @@ impl<'a> Tangent<'a> {
         })
     }
 
-    /// What the transition does, or `None` where it changes no vector: on leaving stick, at a touch,
-    /// where contact is lost or gained, and where the two fields agree (friction without normal force): the
-    /// saltation matrix is the limit there, the identity, though its formula may read 0/0.
+    /// What the transition does, or `None` where it changes no vector: on leaving stick, at a
+    /// touch, where contact is lost or gained, and where the two fields agree (friction without
+    /// normal force): the saltation matrix is the limit there, the identity, though its formula may
+    /// read 0/0.
     ///
     /// # Errors
-    /// [`Error::TangentSingular`] where two contacts come to zero in the same instant: which comes first depends on the change.
+    /// [`Error::TangentSingular`] where two contacts come to zero in the same instant: which comes
+    /// first depends on the change.
     pub(crate) fn jump(&self, at: &Transition) -> Result<Option<Jump>, Error> {
         if at.kind == TransitionKind::Jump {
             return self.reset(at).map(Some);
@@ -190,7 +195,8 @@ mod tests {
 
     #[test]
     fn where_the_fields_agree_vectors_pass_unchanged() {
-        // At rest at the origin: with friction the block sticks; without, Σ is nothing to it and its formula reads 0/0.
+        // At rest at the origin: with friction the block sticks; without, Σ is nothing to it and
+        // its formula reads 0/0.
         let entry = Transition {
             t: 0.0,
             x: Vector::zeros(2),

@@ -197,8 +197,8 @@ pub struct Reset {
     pub in_time: f64,
 }
 
-/// What an input's kink at the end of a step does to tangent vectors: its time moves with them where
-/// its clock depends on the state.
+/// What an input's kink at the end of a step does to tangent vectors: its time moves with them
+/// where its clock depends on the state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KinkShift {
     /// Field behind the kink less the field before it.

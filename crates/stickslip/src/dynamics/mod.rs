@@ -371,7 +371,8 @@ impl<'a> std::ops::Deref for DynamicsRef<'a> {
 /// can be shared between threads. The parameter says which of them it is, and is always inferred.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no system",
-    note = "implement `Filippov` for a system of one boundary; one that implements `Contacts` goes in as `Several(system)`"
+    note = "implement `Filippov` for a system of one boundary; one that implements `Contacts` goes \
+        in as `Several(system)`"
 )]
 pub trait AsDynamics<Kind> {
     /// The dynamics.

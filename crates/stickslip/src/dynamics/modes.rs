@@ -5,7 +5,8 @@ use std::fmt;
 use crate::system::{Mode, Side};
 
 /// The mode of each contact, of at most [`Modes::MOST`] contacts; of a phase that a jump ends, with
-/// that jump. Written as one letter a contact: `-` for slip below, `+` for slip above, `S` for stick.
+/// that jump. Written as one letter a contact: `-` for slip below, `+` for slip above, `S` for
+/// stick.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(into = "String", try_from = "String"))]
@@ -72,8 +73,8 @@ impl Modes {
         Modes { until, ..self }
     }
 
-    /// The jump that ends the phase, by its number from 0; of two phases that differ in it the modes
-    /// are not the same.
+    /// The jump that ends the phase, by its number from 0; of two phases that differ in it the
+    /// modes are not the same.
     pub fn jump(&self) -> Option<usize> {
         usize::from(self.until).checked_sub(1)
     }

@@ -151,8 +151,8 @@ where
         jumping.is_some_and(|jumping| jumping.has_kinked(t))
     }
 
-    /// Whether an input kinks here and what it sets off is not done yet. The state at such a time is
-    /// that behind it, from which a run goes on.
+    /// Whether an input kinks here and what it sets off is not done yet. The state at such a time
+    /// is that behind it, from which a run goes on.
     fn is_settling(&self, t: f64) -> bool {
         let is_here = |jumping: &Jumping<'_, S, V, J, N, G>| {
             let is_under_way = jumping.has_kinked(t) && jumping.is_due();

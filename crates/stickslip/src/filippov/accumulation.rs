@@ -11,11 +11,13 @@ use crate::ode::{Dense, Timed};
 use crate::orbit::Ending;
 
 impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G> {
-    /// What a step that has failed means: an event that no step resolves, a pile-up or an ending; if it is none, the error.
+    /// What a step that has failed means: an event that no step resolves, a pile-up or an ending;
+    /// if it is none, the error.
     #[cold]
     pub(super) fn after(&mut self, error: Error) -> Result<Due, Error> {
         let (t, options) = (self.run.at.t, &self.run.options);
-        // Near an accumulation point contacts are not told apart by tolerance any more, nor steps by rounding.
+        // Near an accumulation point contacts are not told apart by tolerance any more, nor steps
+        // by rounding.
         let series = match &error {
             Error::EventPileUp { .. } => return self.piled_up(self.pile_up.series()),
             Error::StepCollapse { .. } => self.pile_up.under_way(t, options),

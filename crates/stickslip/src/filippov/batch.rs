@@ -1,6 +1,9 @@
-//! A batch of orbits by Taylor series. Orbits of one system that are in the same mode are expanded together, one orbit in each lane.
+//! A batch of orbits by Taylor series. Orbits of one system that are in the same mode are expanded
+//! together, one orbit in each lane.
 //!
-//! A coefficient is then a vector with one number for each orbit. The lengths and ends of the steps are computed in lanes, too. Everything else is done for each orbit by itself. Each orbit is bit-for-bit the same as when computed alone.
+//! A coefficient is then a vector with one number for each orbit. The lengths and ends of the steps
+//! are computed in lanes, too. Everything else is done for each orbit by itself. Each orbit is
+//! bit-for-bit the same as when computed alone.
 
 use pulp::{Arch, NullaryFnOnce};
 
@@ -133,14 +136,16 @@ struct Lanewise<'a, F, P, const N: usize> {
     plan: &'a mut P,
 }
 
-/// Result of expanding several orbits: the step lengths (relative to the scale of the series) and the states at the steps' ends.
+/// Result of expanding several orbits: the step lengths (relative to the scale of the series) and
+/// the states at the steps' ends.
 struct Planned<const N: usize, const G: usize> {
     expansion: Expansion<G>,
     ratios: Lanes<LANES>,
     ends: Ends<LANES, N, G>,
 }
 
-/// Expands several orbits in one mode, in the widest vectors of the machine. The width changes no bit. Without a result they are expanded one by one.
+/// Expands several orbits in one mode, in the widest vectors of the machine. The width changes no
+/// bit. Without a result they are expanded one by one.
 ///
 /// The first rows are an argument because it consists of two references: see [`Rows`].
 struct Together<'a, 'b, F, P, const N: usize, const G: usize> {
@@ -215,7 +220,8 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
         Some(group)
     }
 
-    /// Expands the orbits' series in lanes. Where that is impossible or does not pay, each step expands its own.
+    /// Expands the orbits' series in lanes. Where that is impossible or does not pay, each step
+    /// expands its own.
     fn expand(&mut self, group: &[usize]) {
         for &number in group {
             let member = &mut self.members[number];
@@ -309,7 +315,8 @@ impl<S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: usize>
     }
 }
 
-/// Runs every start with its observer, as [`crate::run`] does with [`crate::Method::Taylor`]. Outcomes are in the order of the starts.
+/// Runs every start with its observer, as [`crate::run`] does with [`crate::Method::Taylor`].
+/// Outcomes are in the order of the starts.
 pub(super) fn side_by_side<S, O, const N: usize, const G: usize>(
     starts: &[Start<S, N>],
     observers: &mut [O],

@@ -13,7 +13,8 @@ use crate::system::State;
 
 /// Number of orbits that run or wait to be reported at one time. It bounds the memory.
 const WAVE: usize = 4096;
-/// Number of orbits that a thread takes at once: enough to fill the lanes, and few enough that no thread waits long for the others.
+/// Number of orbits that a thread takes at once: enough to fill the lanes, and few enough that no
+/// thread waits long for the others.
 const MOST: usize = 128;
 const LEAST: usize = 16;
 
@@ -28,9 +29,13 @@ pub struct Start<S, const N: usize> {
     pub x: State<N>,
 }
 
-/// Integrates every start to `t_end` on all threads. Calls `each` with every orbit's number, observer and outcome, in the order of the starts. An orbit that fails does not stop the others; `each` may end the ensemble.
+/// Integrates every start to `t_end` on all threads. Calls `each` with every orbit's number,
+/// observer and outcome, in the order of the starts. An orbit that fails does not stop the others;
+/// `each` may end the ensemble.
 ///
-/// With [`Method::Taylor`], orbits of equal systems are computed side by side in vectors. Each orbit is bit-for-bit the same as by [`run`], on any number of threads. Starts are drawn as they are needed, and the memory does not grow with their number.
+/// With [`Method::Taylor`], orbits of equal systems are computed side by side in vectors. Each
+/// orbit is bit-for-bit the same as by [`run`], on any number of threads. Starts are drawn as they
+/// are needed, and the memory does not grow with their number.
 ///
 /// ```
 /// use std::ops::ControlFlow;

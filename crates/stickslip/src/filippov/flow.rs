@@ -7,8 +7,9 @@ use crate::ode::{Linear, Timed};
 use crate::scalar::Scalar;
 use crate::system::{Filippov, Side, State, components};
 
-/// Rate of the boundary function along the vector `f` at `(t, x)`: `∂h/∂t + ∇h·f`, the normal component of the
-/// field relative to a moving Σ (the first Lie derivative where `f` is a field of the system).
+/// Rate of the boundary function along the vector `f` at `(t, x)`: `∂h/∂t + ∇h·f`, the normal
+/// component of the field relative to a moving Σ (the first Lie derivative where `f` is a field of
+/// the system).
 #[inline(always)]
 pub fn normal_component<S: Filippov<N>, T: Scalar, const N: usize>(
     system: &S,
@@ -23,11 +24,12 @@ pub fn normal_component<S: Filippov<N>, T: Scalar, const N: usize>(
     system.boundary(Dual::new(t, T::one()), &along).eps
 }
 
-/// Filippov's sliding field on Σ: the convex combination of the two fields ([`Filippov::holding`]) that is tangent to Σ,
-/// `f₁ + λ (f₂ − f₁)` with `λ = a₁/(a₁ − a₂)` and `a₁`, `a₂` the fields' normal components (Filippov 1988, Sect. 4).
+/// Filippov's sliding field on Σ: the convex combination of the two fields ([`Filippov::holding`])
+/// that is tangent to Σ, `f₁ + λ (f₂ − f₁)` with `λ = a₁/(a₁ − a₂)` and `a₁`, `a₂` the fields'
+/// normal components (Filippov 1988, Sect. 4).
 ///
-/// Components that both fields share come out exactly as they are. Where both normal components vanish (a two-fold) or
-/// agree, every combination is as tangent as any other; the mean is taken.
+/// Components that both fields share come out exactly as they are. Where both normal components
+/// vanish (a two-fold) or agree, every combination is as tangent as any other; the mean is taken.
 #[inline(always)]
 pub fn sliding_field<S: Filippov<N>, T: Scalar, const N: usize>(
     system: &S,
@@ -37,7 +39,8 @@ pub fn sliding_field<S: Filippov<N>, T: Scalar, const N: usize>(
     sliding(system, t, x).0
 }
 
-/// A loop over the components of a state. The first four are written out, since the compiler does not unroll a long body. It must know at compile time where the coefficients of a series are.
+/// A loop over the components of a state. The first four are written out, since the compiler does
+/// not unroll a long body. It must know at compile time where the coefficients of a series are.
 macro_rules! for_each_state {
     ($i:ident in $n:ident, $body:block) => {
         for_each_state!(@ $i, $n, $body, 0, 1, 2, 3);
@@ -70,7 +73,8 @@ fn sliding<S: Filippov<N>, T: Scalar, const N: usize>(
         let (below, above) = (below[i], above[i]);
         if !below.is_same(above) {
             field[i] = if below.is_same(a1) && above.is_same(a2) {
-                // Where Σ is a level of one component, the sides' velocities across it cancel exactly.
+                // Where Σ is a level of one component, the sides' velocities across it cancel
+                // exactly.
                 T::zero()
             } else {
                 let weight = *weight.get_or_insert_with(|| a1.divided_or(a1 - a2, 0.5));
@@ -87,7 +91,8 @@ pub(crate) const GUARDS: usize = 3;
 /// The guard that all modes share: the contact function, times its present sign.
 pub(crate) const CONTACT: usize = 2;
 
-/// The contact function times its present sign. Without one it is a constant, which is not searched.
+/// The contact function times its present sign. Without one it is a constant, which is not
+/// searched.
 #[inline(always)]
 fn contact_guard<S: Filippov<N>, T: Scalar, const N: usize>(
     system: &S,
@@ -101,13 +106,17 @@ fn contact_guard<S: Filippov<N>, T: Scalar, const N: usize>(
     }
 }
 
-/// Margin of [`is_positive`] relative to the width of the range. The box holds the dense output. The solution differs from it by less than a thousandth of a step's motion at the loosest tolerance.
+/// Margin of [`is_positive`] relative to the width of the range. The box holds the dense output.
+/// The solution differs from it by less than a thousandth of a step's motion at the loosest
+/// tolerance.
 const OF_WIDTH: f64 = 1e-3;
 
-/// Margin relative to the size of the values. Bounds are not rounded outward; a billionth is four million roundings.
+/// Margin relative to the size of the values. Bounds are not rounded outward; a billionth is four
+/// million roundings.
 const OF_SIZE: f64 = 1e-9;
 
-/// Whether a range of values lies above zero by more than the error of the dense output and rounding.
+/// Whether a range of values lies above zero by more than the error of the dense output and
+/// rounding.
 #[inline(always)]
 fn is_positive(range: Interval) -> bool {
     range.low > OF_WIDTH * (range.high - range.low) && range.low > OF_SIZE * range.high
@@ -134,13 +143,15 @@ pub trait Flow<const N: usize> {
     /// Projects `x` onto the boundary where guard `i` has become zero.
     fn land(&self, i: usize, t: f64, x: State<N>) -> State<N>;
 
-    /// Range of guard `i` over a range of times and states, if the guard's branches are decided there.
+    /// Range of guard `i` over a range of times and states, if the guard's branches are decided
+    /// there.
     #[inline(always)]
     fn range(&self, i: usize, t: Interval, x: &[Interval; N]) -> Option<Interval> {
         Interval::decided(|| self.guard(i, t, x))
     }
 
-    /// Whether guard `i` certainly stays positive over a range of times and states. `false` proves nothing.
+    /// Whether guard `i` certainly stays positive over a range of times and states. `false` proves
+    /// nothing.
     #[inline(always)]
     fn is_clear(&self, i: usize, t: Interval, x: &[Interval; N]) -> bool {
         self.range(i, t, x).is_some_and(is_positive)
@@ -212,7 +223,8 @@ pub trait Flow<const N: usize> {
     }
 }
 
-/// The solution through `(t, x)` as third-order dual numbers in time: `x`, `ẋ`, `ẍ`, `x⃛`. Each pass through the field adds one correct derivative.
+/// The solution through `(t, x)` as third-order dual numbers in time: `x`, `ẋ`, `ẍ`, `x⃛`. Each
+/// pass through the field adds one correct derivative.
 pub(crate) fn flow_path<T: Scalar, const N: usize>(
     t: T,
     x: &[T; N],
@@ -283,8 +295,8 @@ impl<S: Filippov<N>, const ABOVE: bool, const N: usize> Flow<N> for Slip<'_, S, 
     }
 }
 
-/// Stick (sliding on Σ): ends where either field stops pushing towards Σ. Guard 0 is the normal component
-/// of the field below, guard 1 minus that of the field above.
+/// Stick (sliding on Σ): ends where either field stops pushing towards Σ. Guard 0 is the normal
+/// component of the field below, guard 1 minus that of the field above.
 pub(crate) struct Stick<'a, S> {
     pub system: &'a S,
     /// Sign of the contact function.

@@ -6,7 +6,8 @@ use crate::ode::Timed;
 
 /// A guard as a function of the part `s` of a step: 0 at the start of the step, 1 at its end.
 pub(crate) trait StepGuard<const N: usize> {
-    /// Part of the step up to which probes are valid. A touch that the step's end cuts in two turns back beyond 1.
+    /// Part of the step up to which probes are valid. A touch that the step's end cuts in two turns
+    /// back beyond 1.
     fn beyond(&self) -> f64;
 
     /// Length of the step in the time unit of the probes' rates.
@@ -58,7 +59,9 @@ impl<const N: usize> Probe<N> {
     }
 }
 
-/// The first event of a guard over a step. `locate` gets a bracket, the zero in it, and whether the bracket is the whole rest of the step. If it finds no event, the exact step does not have the dip.
+/// The first event of a guard over a step. `locate` gets a bracket, the zero in it, and whether the
+/// bracket is the whole rest of the step. If it finds no event, the exact step does not have the
+/// dip.
 pub(crate) fn first_event<E, const N: usize>(
     guard: &dyn StepGuard<N>,
     mut locate: impl FnMut(Bracket, f64, bool) -> Option<E>,
@@ -69,7 +72,8 @@ pub(crate) fn first_event<E, const N: usize>(
         if let Some(found) = locate(bracket, zero, false) {
             return Some(found);
         }
-        // The search continues where the values are positive again. If they never are, the step's end closes the bracket: values and probes agree there.
+        // The search continues where the values are positive again. If they never are, the step's
+        // end closes the bracket: values and probes agree there.
         let Some(back) = first_bracket(&mut |s| -guard.value(s), bracket.b, 1.0) else {
             let rest = Bracket {
                 a: bracket.b,
@@ -93,7 +97,8 @@ pub(crate) enum Fall<const N: usize> {
 }
 
 impl<const N: usize> Fall<N> {
-    /// Classifies a guard that is zero at the probe and falls: does it turn back no deeper than `depth`?
+    /// Classifies a guard that is zero at the probe and falls: does it turn back no deeper than
+    /// `depth`?
     pub(crate) fn behind(zero: &Probe<N>, guard: &dyn StepGuard<N>, depth: f64) -> Self {
         if zero.bend > 0.0 && zero.rate * zero.rate <= 2.0 * depth * zero.bend {
             let turn = turning_point(guard, zero.s);

@@ -29,8 +29,8 @@ pub enum Progress<const N: usize, K = Mode> {
 
 /// An integration under way: a system, where it stands, and what it does next.
 ///
-/// [`crate::solve`], [`crate::run`], [`crate::ensemble`] and everything in [`crate::analysis`] that follows an orbit are loops
-/// over [`Integration::step`].
+/// [`crate::solve`], [`crate::run`], [`crate::ensemble`] and everything in [`crate::analysis`] that
+/// follows an orbit are loops over [`Integration::step`].
 ///
 /// ```
 /// use stickslip::{Integration, Options, Progress, models::BeltOscillator};
@@ -87,11 +87,12 @@ pub(super) enum Due {
 }
 
 impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N, G> {
-    /// An integration of `system` from `(t0, x0)` to `t_end`. The start may lie anywhere: on either side, on Σ, at a tangent point.
+    /// An integration of `system` from `(t0, x0)` to `t_end`. The start may lie anywhere: on either
+    /// side, on Σ, at a tangent point.
     ///
     /// # Errors
-    /// [`Error::Option`], [`Error::Interval`], [`Error::Parameter`], [`Error::StartOutsideDomain`] and [`Error::Escaped`]; those about
-    /// friction of [`Integration::step`], if it starts on Σ.
+    /// [`Error::Option`], [`Error::Interval`], [`Error::Parameter`], [`Error::StartOutsideDomain`]
+    /// and [`Error::Escaped`]; those about friction of [`Integration::step`], if it starts on Σ.
     pub fn new(
         system: &'a S,
         t0: f64,
@@ -106,8 +107,8 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         Self::with_stepper(system, (start, N), t_end, options, Stepper::new(options))
     }
 
-    /// [`Integration::new`] of a system of so many states, which may be fewer than its type has room
-    /// for. It takes a stepper's room that another integration with the same options has left.
+    /// [`Integration::new`] of a system of so many states, which may be fewer than its type has
+    /// room for. It takes a stepper's room that another integration with the same options has left.
     pub(crate) fn with_stepper(
         system: &'a S,
         (start, states): (Timed<N>, usize),
@@ -163,13 +164,14 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         })
     }
 
-    /// Takes the next step and says so, or says what the last one has led to, one thing a call: the end of a phase, then the
-    /// transition behind it.
+    /// Takes the next step and says so, or says what the last one has led to, one thing a call: the
+    /// end of a phase, then the transition behind it.
     ///
     /// # Errors
-    /// [`Error::NonFinite`], [`Error::StepCollapse`], [`Error::EventPileUp`], [`Error::BranchPileUp`],
-    /// [`Error::TooMany`] and [`Error::Escaped`]; [`Error::StaticBelowKinetic`]; of several contacts
-    /// [`Error::NoUniqueMode`], [`Error::TooManyContacts`], [`Error::DependentContacts`], [`Error::HoldsElsewhere`] and
+    /// [`Error::NonFinite`], [`Error::StepCollapse`], [`Error::EventPileUp`],
+    /// [`Error::BranchPileUp`], [`Error::TooMany`] and [`Error::Escaped`];
+    /// [`Error::StaticBelowKinetic`]; of several contacts [`Error::NoUniqueMode`],
+    /// [`Error::TooManyContacts`], [`Error::DependentContacts`], [`Error::HoldsElsewhere`] and
     /// [`Error::NotAdditive`]. The integration stays where it has come to.
     #[inline]
     pub fn step(&mut self) -> Result<Progress<N, S::Mode>, Error> {
@@ -185,18 +187,21 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
 
     /// The last step, with the solution over it; of no length before the first.
     ///
-    /// By [`crate::Method::Dop853`] a step far from all events has no dense output before it is asked for here, which saves a
-    /// fifth of the field's calls. It is then taken again, and the next one has its dense output at once: asking every time
-    /// costs no more than that, asking now and then two steps each time.
+    /// By [`crate::Method::Dop853`] a step far from all events has no dense output before it is
+    /// asked for here, which saves a fifth of the field's calls. It is then taken again, and the
+    /// next one has its dense output at once: asking every time costs no more than that, asking now
+    /// and then two steps each time.
     #[inline]
     pub fn last_step(&mut self) -> StepRecord<N, S::Mode> {
-        // The mode of a step without dense output is still the run's: only events change that. This work cannot fail.
+        // The mode of a step without dense output is still the run's: only events change that. This
+        // work cannot fail.
         let _ = self.work(Work::Complete);
         self.run.wants_dense = true;
         self.run.last_step(self.last_mode)
     }
 
-    /// Goes on to where a step is taken next, or to where something is to be said before; returns whether it is a step.
+    /// Goes on to where a step is taken next, or to where something is to be said before; returns
+    /// whether it is a step.
     #[inline(always)]
     pub(super) fn prepare(&mut self) -> Result<bool, Error> {
         match self.due {
@@ -332,7 +337,8 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             let entry = (TransitionKind::StickEntry, rest.contact);
             return Ok(self.transition(entry, from, 0.0));
         }
-        // At a two-fold of one contact the rules would end the run, or let it stick as far as rounding does.
+        // At a two-fold of one contact the rules would end the run, or let it stick as far as
+        // rounding does.
         if self.run.options.at_pile_up == AtPileUp::Rest
             && self.system.ending_of_pile_up(&self.run, from).is_some()
             && let Some(series) = self.pile_up.under_way(event.at.t, &self.run.options)

@@ -1,4 +1,5 @@
-//! Leaving a zero of a guard, so that a phase that starts on Σ or at a tangent point does not end at once.
+//! Leaving a zero of a guard, so that a phase that starts on Σ or at a tangent point does not end
+//! at once.
 
 use super::flow::Flow;
 use super::options::Options;
@@ -8,11 +9,14 @@ use crate::ode::Timed;
 /// Part of a step at which a guard must stand clear of rounding.
 pub(crate) const RISES: [f64; 3] = [1.0, 0.5, 0.25];
 
-/// A guard that leaves its zero at the start of the step. The zero is divided out: `(g − g₀ − …)/s^order` has the guard's other zeros and none at the start. If no derivative stands out, both fields lie along Σ. The guard then ends the mode where it falls below its uncertainty.
+/// A guard that leaves its zero at the start of the step. The zero is divided out: `(g − g₀ −
+/// …)/s^order` has the guard's other zeros and none at the start. If no derivative stands out, both
+/// fields lie along Σ. The guard then ends the mode where it falls below its uncertainty.
 pub(crate) struct Leaving {
     /// Number of derivatives, from the value on, that vanish at the start.
     order: usize,
-    /// Uncertainty of the guard if no derivative leads away from zero, else 0. It is added to the guard.
+    /// Uncertainty of the guard if no derivative leads away from zero, else 0. It is added to the
+    /// guard.
     pub(crate) flat: f64,
     /// Taylor coefficients of the guard in `s` at the start of the step.
     start: [f64; 4],
@@ -42,7 +46,8 @@ impl Leaving {
     }
 }
 
-/// Taylor coefficients of the guard at a start from its own zero, over a step of length `h`. `None` if the step is too short for the guard to rise out of rounding; such a step holds no event.
+/// Taylor coefficients of the guard at a start from its own zero, over a step of length `h`. `None`
+/// if the step is too short for the guard to rise out of rounding; such a step holds no event.
 pub(crate) fn leaving<F: Flow<N>, const N: usize>(
     flow: &F,
     guard: usize,

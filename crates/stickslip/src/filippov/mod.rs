@@ -1,4 +1,5 @@
-//! Filippov systems: the switching rules on Σ, event location, and the integration that yields steps, phases and transitions.
+//! Filippov systems: the switching rules on Σ, event location, and the integration that yields
+//! steps, phases and transitions.
 
 mod accumulation;
 mod batch;

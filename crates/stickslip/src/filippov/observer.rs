@@ -30,8 +30,8 @@ impl<X, K> PhaseOf<X, K> {
         self.t_end - self.t_start
     }
 
-    /// Change of the state over the phase. For a body on a belt of speed `vp` the position's change in
-    /// a stick phase is `vp · duration`.
+    /// Change of the state over the phase. For a body on a belt of speed `vp` the position's change
+    /// in a stick phase is `vp · duration`.
     pub fn displacement(&self) -> X
     where
         for<'x> &'x X: Sub<Output = X>,
@@ -47,20 +47,24 @@ pub enum TransitionKind {
     Crossing,
     /// From slip to stick.
     StickEntry,
-    /// From stick to slip: at a tangent point, or across Σ where static friction is more than kinetic.
+    /// From stick to slip: at a tangent point, or across Σ where static friction is more than
+    /// kinetic.
     StickExit,
-    /// Slip touches Σ, or a guard of the stick phase touches zero, and the contact's mode remains. Other contacts may change their mode there.
+    /// Slip touches Σ, or a guard of the stick phase touches zero, and the contact's mode remains.
+    /// Other contacts may change their mode there.
     Touch,
     /// The contact function ([`crate::Filippov::contact`]) falls below zero; the mode remains.
     ContactLoss,
     /// The contact function rises above zero again; the mode remains.
     ContactGain,
-    /// The state is mapped: [`crate::dynamics::Jumps`]. The transition has the state before the jump. In place of a contact it has the number of the jump plus the number of contacts.
+    /// The state is mapped: [`crate::dynamics::Jumps`]. The transition has the state before the
+    /// jump. In place of a contact it has the number of the jump plus the number of contacts.
     Jump,
 }
 
 impl TransitionKind {
-    /// Kind of a change of one contact's mode. At a transition of several contacts, others may be released or stop, too.
+    /// Kind of a change of one contact's mode. At a transition of several contacts, others may be
+    /// released or stop, too.
     pub fn between(from: Mode, to: Mode) -> Self {
         kind(from, to)
     }
@@ -84,7 +88,9 @@ pub struct TransitionOf<X, K> {
     pub to: K,
     /// The contact at which it began; 0 if there is one.
     pub contact: usize,
-    /// Residual at `(t, x)` of the function whose zero was located. It is the boundary function at the end of a slip, and the normal component at the end of a stick. With several contacts it is `w (1 − w)` at the end of a stick, with `w` the weight of the field above.
+    /// Residual at `(t, x)` of the function whose zero was located. It is the boundary function at
+    /// the end of a slip, and the normal component at the end of a stick. With several contacts it
+    /// is `w (1 − w)` at the end of a stick, with `w` the weight of the field above.
     pub residual: f64,
 }
 
@@ -105,7 +111,8 @@ pub struct StepRecord<const N: usize, K = Mode> {
     pub dense: Dense<N>,
 }
 
-/// Receives everything as it happens, in order of time. Memory need not grow with the length of the run.
+/// Receives everything as it happens, in order of time. Memory need not grow with the length of the
+/// run.
 ///
 /// Each method may end the run by returning [`ControlFlow::Break`].
 ///
@@ -131,7 +138,10 @@ pub trait Observer<const N: usize, K = Mode> {
         ControlFlow::Continue(())
     }
     /// Whether it wants steps; by default it does. The answer must not change within a step.
-    /// Without observed steps, [`crate::Method::Dop853`] omits the dense output of steps far from all events, a fifth of the calls of the field. An ensemble with [`crate::Method::Taylor`] omits the coefficients of such steps. The orbit is the same, except where the field is undefined at a point that only dense output evaluates: then the step is shortened.
+    /// Without observed steps, [`crate::Method::Dop853`] omits the dense output of steps far from
+    /// all events, a fifth of the calls of the field. An ensemble with [`crate::Method::Taylor`]
+    /// omits the coefficients of such steps. The orbit is the same, except where the field is
+    /// undefined at a point that only dense output evaluates: then the step is shortened.
     fn watches_steps(&self) -> bool {
         true
     }

@@ -159,7 +159,8 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
         let [below, above] = [Side::Below, Side::Above].map(of);
         run.counters.field_calls += below.calls + above.calls;
         let departure = departure(below, above, None);
-        // If both normal components vanish, every weight is equally tangent, and the mean may lead away.
+        // If both normal components vanish, every weight is equally tangent, and the mean may lead
+        // away.
         let [along] = LieDerivatives::along(at.t, &at.x, slack, |t, x| {
             let path = flow_path(t, x, |t, x| sliding_field(self, t, x));
             [self.boundary(path.0, &path.1)]
@@ -273,7 +274,8 @@ fn onto_two_fold<S: Filippov<N>, const N: usize>(system: &S, at: &Timed<N>) -> S
 /// Newton steps from an extrapolated point onto boundaries. Each squares the distance.
 const ONTO: usize = 3;
 
-/// Ratio of static to kinetic friction at a point of Σ. Each is the difference of the normal components of its two fields. The ratio is 1 where the fields agree.
+/// Ratio of static to kinetic friction at a point of Σ. Each is the difference of the normal
+/// components of its two fields. The ratio is 1 where the fields agree.
 fn static_over_kinetic<S: Filippov<N>, const N: usize>(system: &S, at: &Timed<N>) -> f64 {
     let (t, x) = (at.t, components(&at.x));
     let sides = [Side::Below, Side::Above];
@@ -289,7 +291,8 @@ fn static_over_kinetic<S: Filippov<N>, const N: usize>(system: &S, at: &Timed<N>
     at_rest / apart([&fields[0].1, &fields[1].1])
 }
 
-/// The fate of a point of Σ. `tangent` names the side whose normal component, by the holding fields, is known to vanish: a stick phase has just ended there.
+/// The fate of a point of Σ. `tangent` names the side whose normal component, by the holding
+/// fields, is known to vanish: a stick phase has just ended there.
 fn departs<S: Filippov<N>, const N: usize>(
     system: &S,
     run: &mut Run<N, GUARDS>,

@@ -13,13 +13,22 @@ pub enum Method {
         /// Step length.
         step: f64,
     },
-    /// Taylor series of the solution with adaptive steps; the order follows from the tolerance. The fastest method for errors of 1e-9 and less.
+    /// Taylor series of the solution with adaptive steps; the order follows from the tolerance. The
+    /// fastest method for errors of 1e-9 and less.
     ///
-    /// The field runs once for each order, on numbers that carry their own recurrences. `#[inline(always)]` on the user's functions saves a third of the time.
+    /// The field runs once for each order, on numbers that carry their own recurrences.
+    /// `#[inline(always)]` on the user's functions saves a third of the time.
     ///
-    /// Events are zeros of the boundary function's series, isolated with certainty, so that `locator` has no effect. Where a field or boundary uses `max`, `min`, `abs` or [`crate::Scalar::exceeds`], a step ends where the comparison changes. It also ends where `tanh`, `exp`, `cosh` and `sinh` cease to be flat to rounding, or to be negligible beside one (from −17 to 17 for `tanh`, from −37 to 37 for the others).
+    /// Events are zeros of the boundary function's series, isolated with certainty, so that
+    /// `locator` has no effect. Where a field or boundary uses `max`, `min`, `abs` or
+    /// [`crate::Scalar::exceeds`], a step ends where the comparison changes. It also ends where
+    /// `tanh`, `exp`, `cosh` and `sinh` cease to be flat to rounding, or to be negligible beside
+    /// one (from −17 to 17 for `tanh`, from −37 to 37 for the others).
     ///
-    /// Other flat and narrow features (a high power of `1/(1 + x²)`) need [`Options::longest_step`]. A function that branches on [`crate::Scalar::value`] is sampled, as for Runge–Kutta steps. If such a branch bends it sharply, two crossings close to the bend can be missed.
+    /// Other flat and narrow features (a high power of `1/(1 + x²)`) need
+    /// [`Options::longest_step`]. A function that branches on [`crate::Scalar::value`] is sampled,
+    /// as for Runge–Kutta steps. If such a branch bends it sharply, two crossings close to the bend
+    /// can be missed.
     Taylor,
     /// The paper's classical method of order 4 with a fixed step ([`crate::ode::Rk4`]).
     Rk4 {
@@ -31,16 +40,25 @@ pub enum Method {
 /// How an event inside a step is located.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Locator {
-    /// A step to the event of the dense output, then one Hénon step over the small rest. The Hénon step has order 4 if the rest is below a thousandth of the step. Near grazing the swapped slope is nearly singular, and [`Locator::RootSearch`] is used. Accurate to the order of the method; lands on Σ to a few units in the last place.
+    /// A step to the event of the dense output, then one Hénon step over the small rest. The Hénon
+    /// step has order 4 if the rest is below a thousandth of the step. Near grazing the swapped
+    /// slope is nearly singular, and [`Locator::RootSearch`] is used. Accurate to the order of the
+    /// method; lands on Σ to a few units in the last place.
     #[default]
     Auto,
-    /// The paper's method: one Hénon step from the start of the integration step that crosses. Further ones follow while a curved Σ leaves more than rounding. [`Locator::RootSearch`] takes over if the slope is nearly singular, or if in adaptive steps an ordinary step of that length misses by more than the tolerance.
+    /// The paper's method: one Hénon step from the start of the integration step that crosses.
+    /// Further ones follow while a curved Σ leaves more than rounding. [`Locator::RootSearch`]
+    /// takes over if the slope is nearly singular, or if in adaptive steps an ordinary step of that
+    /// length misses by more than the tolerance.
     Henon,
     /// A safeguarded root search (Newton within a bracket) on re-integrated steps.
     RootSearch,
 }
 
-/// What to do where the future is not unique: where Σ repels (both fields lead away), and at a two-fold (both fields are tangent to Σ) that the orbit slides into. At a two-fold a side is chosen if its field is visible there; otherwise the run continues by the rules. With several contacts ([`crate::Several`]) nothing is chosen: the run ends with an error.
+/// What to do where the future is not unique: where Σ repels (both fields lead away), and at a
+/// two-fold (both fields are tangent to Σ) that the orbit slides into. At a two-fold a side is
+/// chosen if its field is visible there; otherwise the run continues by the rules. With several
+/// contacts ([`crate::Several`]) nothing is chosen: the run ends with an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum AtRepelling {
     /// Stop there; the orbit's ending says so.
@@ -55,12 +73,15 @@ pub enum AtRepelling {
 /// What to do where infinitely many transitions accumulate in finite time (Zeno).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum AtPileUp {
-    /// End there, with [`crate::Error::EventPileUp`] or, at a two-fold of one contact, with [`crate::Ending::TwoFold`].
+    /// End there, with [`crate::Error::EventPileUp`] or, at a two-fold of one contact, with
+    /// [`crate::Ending::TwoFold`].
     #[default]
     Stop,
-    /// Continue from the accumulation point with all contacts that pile up there in stick, if friction can hold them all at once. Otherwise end as by default.
+    /// Continue from the accumulation point with all contacts that pile up there in stick, if
+    /// friction can hold them all at once. Otherwise end as by default.
     ///
-    /// The last phase is a straight line to that point. One transition into the mode of rest follows, a [`crate::TransitionKind::StickEntry`]. The flow has no derivative there.
+    /// The last phase is a straight line to that point. One transition into the mode of rest
+    /// follows, a [`crate::TransitionKind::StickEntry`]. The flow has no derivative there.
     Rest,
 }
 
@@ -83,21 +104,27 @@ pub struct Options {
     pub method: Method,
     /// Event location; default [`Locator::Auto`].
     pub locator: Locator,
-    /// Longest step; default unbounded (the last step may be 1 % longer). Error control samples the field at a few places of each step. A push in slip, or a feature of a boundary in the state, that is much narrower than the solution's own features needs a bound here.
+    /// Longest step; default unbounded (the last step may be 1 % longer). Error control samples the
+    /// field at a few places of each step. A push in slip, or a feature of a boundary in the state,
+    /// that is much narrower than the solution's own features needs a bound here.
     pub longest_step: f64,
     /// First step; default chosen from the field.
     pub first_step: Option<f64>,
-    /// Largest component (by size) that the state may have; beyond it the run ends with [`Error::Escaped`].
-    /// Default unbounded.
+    /// Largest component (by size) that the state may have; beyond it the run ends with
+    /// [`Error::Escaped`]. Default unbounded.
     pub escape: f64,
     /// What to do where Σ repels; default stop.
     pub at_repelling: AtRepelling,
     /// What to do where transitions accumulate; default stop.
     pub at_pile_up: AtPileUp,
-    /// A contact with Σ that reaches no deeper than this many tolerances is a touch, not a pair of crossings. The solution itself is known no better. Default 10.
+    /// A contact with Σ that reaches no deeper than this many tolerances is a touch, not a pair of
+    /// crossings. The solution itself is known no better. Default 10.
     pub touch: f64,
-    /// So many consecutive transitions are a pile-up if they happen within `pile_up_span · max(1, |t|)`, or if no component moves by more than 100 tolerances between any of them. With [`Method::Taylor`] this also counts reversals of the field by a comparison. Default 100.
-    /// Fewer transitions are a pile-up if their durations are a geometric series and the steps collapse behind them, or if the tolerance no longer separates the contacts' boundaries.
+    /// So many consecutive transitions are a pile-up if they happen within `pile_up_span · max(1,
+    /// |t|)`, or if no component moves by more than 100 tolerances between any of them. With
+    /// [`Method::Taylor`] this also counts reversals of the field by a comparison. Default 100.
+    /// Fewer transitions are a pile-up if their durations are a geometric series and the steps
+    /// collapse behind them, or if the tolerance no longer separates the contacts' boundaries.
     pub pile_up_count: usize,
     /// See `pile_up_count`; default 1e-7.
     pub pile_up_span: f64,

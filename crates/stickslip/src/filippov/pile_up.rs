@@ -1,6 +1,8 @@
-//! Detects transitions, or branchings of a field, that pile up (Zeno), and extrapolates where they accumulate.
+//! Detects transitions, or branchings of a field, that pile up (Zeno), and extrapolates where they
+//! accumulate.
 //!
-//! Near an accumulation point every round of phases is the previous one, scaled by a ratio. The durations are a geometric series, and Aitken's extrapolation gives its limit.
+//! Near an accumulation point every round of phases is the previous one, scaled by a ratio. The
+//! durations are a geometric series, and Aitken's extrapolation gives its limit.
 
 use super::options::Options;
 use crate::error::{Accumulation, Error, Point};
@@ -19,7 +21,8 @@ const LASTS: f64 = 0.9;
 /// Number of transitions that are kept: three rounds of up to 15.
 const KEPT: usize = 46;
 
-/// The extrapolations of two rounds must agree to this fraction of the remaining time. Durations that are no geometric series differ by about all of it.
+/// The extrapolations of two rounds must agree to this fraction of the remaining time. Durations
+/// that are no geometric series differ by about all of it.
 const AGREEING: f64 = 0.1;
 
 /// Rounding of a transition's time, in units in the last place.
@@ -82,7 +85,9 @@ pub struct Series<const N: usize> {
     pub contacts: Vec<usize>,
 }
 
-/// Transitions pile up if many of them happen within no time. They also do if many phases in a row are too short for error control to separate their ends: then a loose tolerance has stopped the orbit before the accumulation point.
+/// Transitions pile up if many of them happen within no time. They also do if many phases in a row
+/// are too short for error control to separate their ends: then a loose tolerance has stopped the
+/// orbit before the accumulation point.
 pub struct PileUp<const N: usize, K> {
     burst: Burst,
     /// Unresolved phases in a row, the length of the first, and how many last as long.
@@ -129,7 +134,8 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         contacts
     }
 
-    /// Counts a transition of a contact into the mode `to`, where the state moves with `velocity`. Returns whether it belongs to a pile-up.
+    /// Counts a transition of a contact into the mode `to`, where the state moves with `velocity`.
+    /// Returns whether it belongs to a pile-up.
     pub(crate) fn note(
         &mut self,
         at: &Timed<N>,
@@ -140,7 +146,8 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         let (count, _) = self.burst.note(at.t, options);
         let before = self.back(0).at;
         let time = at.t - before.t;
-        // A body on a floor is at rest at either end of a slip. So its motion decides, not its velocity.
+        // A body on a floor is at rest at either end of a slip. So its motion decides, not its
+        // velocity.
         let is_resolved = |i: usize| {
             let by_rate = time * velocity[i].abs();
             let moved = f64::max((at.x[i] - before.x[i]).abs(), by_rate);
@@ -173,7 +180,9 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         self.count > 0 && last.at.t == t && last.contact == contact
     }
 
-    /// The geometric series of the last transitions, if they form one: three rounds in a row with the same ratio. Of all rounds, the one with the least uncertainty of the remaining time counts. The very last rounds may be rounding.
+    /// The geometric series of the last transitions, if they form one: three rounds in a row with
+    /// the same ratio. Of all rounds, the one with the least uncertainty of the remaining time
+    /// counts. The very last rounds may be rounding.
     pub(crate) fn series(&self) -> Option<Series<N>> {
         let best = |best: Option<Series<N>>, (newest, round)| {
             let one = self.by_rounds_of(round, newest);
@@ -239,7 +248,8 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         })
     }
 
-    /// The mode after the present transition at time `t`: as recorded, or as it was the last time that the previous one led to the same mode.
+    /// The mode after the present transition at time `t`: as recorded, or as it was the last time
+    /// that the previous one led to the same mode.
     pub(crate) fn mode_after(&self, t: f64) -> Option<K> {
         let newest = self.back(0);
         if newest.at.t == t {
@@ -282,7 +292,8 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         }
     }
 
-    /// Whether unresolved phases last as long as the first of them: the orbit approaches a point in infinite time.
+    /// Whether unresolved phases last as long as the first of them: the orbit approaches a point in
+    /// infinite time.
     pub(crate) fn shrinks(&self) -> bool {
         self.unresolved >= FEWEST && self.lasting >= FEWEST
     }
@@ -293,7 +304,8 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         (series.at.t - t <= no_time(t, options)).then_some(series)
     }
 
-    /// The pile-up in which contacts reach zero together. All of them are among these; others may stick meanwhile.
+    /// The pile-up in which contacts reach zero together. All of them are among these; others may
+    /// stick meanwhile.
     pub(crate) fn of_contacts(&self, t: f64, contacts: &[usize]) -> Option<Series<N>> {
         let series = self.series()?;
         let are_among = series.contacts.iter().all(|one| contacts.contains(one));

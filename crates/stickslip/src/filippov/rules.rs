@@ -1,11 +1,12 @@
 //! What happens on Σ: the switching rules.
 //!
-//! At a point of Σ each field either leaves into its own side or pushes towards Σ. The sign that decides is that of
-//! the first Lie derivative of the boundary function along the field that does not vanish: the normal component
-//! almost everywhere, the second derivative at a tangent point (visible: the field's orbit stays on its own
-//! side; invisible: it does not), the third at a cusp. Four cases follow, one of them with no
-//! unique continuation, which is reported and never chosen silently. Where both fields are tangent and one
-//! of them rests, the other leading back, that side's equilibrium is rested in.
+//! At a point of Σ each field either leaves into its own side or pushes towards Σ. The sign that
+//! decides is that of the first Lie derivative of the boundary function along the field that does
+//! not vanish: the normal component almost everywhere, the second derivative at a tangent point
+//! (visible: the field's orbit stays on its own side; invisible: it does not), the third at a cusp.
+//! Four cases follow, one of them with no unique continuation, which is reported and never chosen
+//! silently. Where both fields are tangent and one of them rests, the other leading back, that
+//! side's equilibrium is rested in.
 
 use crate::dual::{Dual, Dual3};
 
@@ -20,7 +21,8 @@ pub(crate) const SAME: f64 = 1e-12;
 /// The fate of a point of Σ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fate {
-    /// Slip on this side: both fields point to it, or its field is tangent and visible, or both are tangent and its field has an equilibrium there.
+    /// Slip on this side: both fields point to it, or its field is tangent and visible, or both are
+    /// tangent and its field has an equilibrium there.
     Slip(Side),
     /// Both fields push towards Σ: stick.
     Stick,
@@ -32,7 +34,9 @@ pub enum Fate {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Departure {
     pub fate: Fate,
-    /// For every guard of the mode that follows, the number of derivatives (from the value on) that vanish at the start: 0 away from zero, 1 on leaving Σ across, 2 on leaving from a tangent point.
+    /// For every guard of the mode that follows, the number of derivatives (from the value on) that
+    /// vanish at the start: 0 away from zero, 1 on leaving Σ across, 2 on leaving from a tangent
+    /// point.
     pub orders: [usize; GUARDS],
 }
 
@@ -70,7 +74,9 @@ impl LieDerivatives {
         one
     }
 
-    /// Of a function whose values along a field are given by `path`. The rounding follows from how far the derivatives move if state and time change by a few units in the last place, and every component by `slack`: a state that should be zero is zero only to that.
+    /// Of a function whose values along a field are given by `path`. The rounding follows from how
+    /// far the derivatives move if state and time change by a few units in the last place, and
+    /// every component by `slack`: a state that should be zero is zero only to that.
     pub(crate) fn along<const N: usize, const G: usize>(
         t: f64,
         x: &State<N>,
@@ -100,7 +106,8 @@ impl LieDerivatives {
         std::array::from_fn(|i| LieDerivatives {
             values: values[i],
             floors: std::array::from_fn(|k| {
-                // Each derivative is the rate of the previous one. The rate of the last one is unknown.
+                // Each derivative is the rate of the previous one. The rate of the last one is
+                // unknown.
                 let drift = values[i]
                     .get(k + 1)
                     .map_or(0.0, |rate| rate.abs() * t.abs());
@@ -110,7 +117,8 @@ impl LieDerivatives {
         })
     }
 
-    /// Index and sign of the first that does not vanish, from the first on, or from the second if the first is known to vanish. Index 4 without a sign if all vanish.
+    /// Index and sign of the first that does not vanish, from the first on, or from the second if
+    /// the first is known to vanish. Index 4 without a sign if all vanish.
     pub(crate) fn leading(&self, tangent: bool) -> (usize, f64) {
         let first = if tangent { 2 } else { 1 };
         (first..4)
@@ -118,7 +126,8 @@ impl LieDerivatives {
             .map_or((4, 0.0), |k| (k, self.values[k].signum()))
     }
 
-    /// Whether the combination of fields with these derivatives holds the function at zero. Its derivatives vanish beside those of the fields, up to the first of these that do not vanish.
+    /// Whether the combination of fields with these derivatives holds the function at zero. Its
+    /// derivatives vanish beside those of the fields, up to the first of these that do not vanish.
     pub(crate) fn holds_beside(&self, fields: [&Self; 2]) -> bool {
         let size = |k: usize| f64::max(fields[0].values[k].abs(), fields[1].values[k].abs());
         let is_moved = |k: &usize| {
@@ -182,7 +191,8 @@ fn second_derivative<S: Filippov<N>, T: Scalar, const N: usize>(
     (rate.eps, f)
 }
 
-/// A Lie derivative and its rounding, as in [`LieDerivatives`] but at a small part of the cost. `along` gives the derivative and the field.
+/// A Lie derivative and its rounding, as in [`LieDerivatives`] but at a small part of the cost.
+/// `along` gives the derivative and the field.
 #[inline(always)]
 fn one_derivative<const N: usize>(
     t: f64,
@@ -207,7 +217,8 @@ fn one_derivative<const N: usize>(
     (derivative.re, floor)
 }
 
-/// Index and sign of the first Lie derivative (from the first on) along one field that does not vanish; index 4 if all vanish.
+/// Index and sign of the first Lie derivative (from the first on) along one field that does not
+/// vanish; index 4 if all vanish.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Leading {
     order: usize,
@@ -217,7 +228,8 @@ pub(crate) struct Leading {
 }
 
 impl Leading {
-    /// Of `side`'s field at `(t, x)`; `slack` as for [`LieDerivatives::new`]. `tangent`: the first derivative is known to vanish, whatever its rounding.
+    /// Of `side`'s field at `(t, x)`; `slack` as for [`LieDerivatives::new`]. `tangent`: the first
+    /// derivative is known to vanish, whatever its rounding.
     pub(crate) fn new<S: Filippov<N>, const N: usize>(
         system: &S,
         side: Side,
@@ -254,7 +266,8 @@ impl Leading {
 /// A velocity below this fraction of the other side's is zero.
 const AT_REST: f64 = 1e-12;
 
-/// The side on which a point of Σ is an equilibrium to rounding. Both fields are tangent to Σ, so that no sliding field is determined, and the other field leads back to it.
+/// The side on which a point of Σ is an equilibrium to rounding. Both fields are tangent to Σ, so
+/// that no sliding field is determined, and the other field leads back to it.
 pub(crate) fn resting<S: Filippov<N>, const N: usize>(
     system: &S,
     t: f64,
@@ -276,7 +289,8 @@ pub(crate) fn resting<S: Filippov<N>, const N: usize>(
     (both_tangent && speed(side) <= AT_REST * speed(side.opposite())).then_some(side)
 }
 
-/// Applies the rules at a point of Σ to the leading derivatives along the two fields. `rests` is the side with an equilibrium there, if exactly one has it.
+/// Applies the rules at a point of Σ to the leading derivatives along the two fields. `rests` is
+/// the side with an equilibrium there, if exactly one has it.
 pub(crate) fn departure(below: Leading, above: Leading, rests: Option<Side>) -> Departure {
     let fate = match (below.sign < 0.0, above.sign > 0.0) {
         (true, true) => Fate::Repelling,
@@ -305,7 +319,8 @@ impl<S: Filippov<N>, const N: usize> Filippov<N> for AtRest<'_, S> {
     }
 }
 
-/// The fate of the point `(t, x)` of Σ by its two fields (Filippov 1988, Sect. 4 and 19; Kuznetsov, Rinaldi & Gragnani 2003 for tangent points).
+/// The fate of the point `(t, x)` of Σ by its two fields (Filippov 1988, Sect. 4 and 19; Kuznetsov,
+/// Rinaldi & Gragnani 2003 for tangent points).
 ///
 /// ```
 /// use stickslip::{Fate, Side, State, fate, models::BeltOscillator};

@@ -22,18 +22,22 @@ pub struct Run<const N: usize, const G: usize> {
     pub states: usize,
     pub counters: Counters,
     pub t_end: f64,
-    /// Next step length to try; 0 until the first is chosen. It is kept over events: the new field is usually as fast as the old one, and error control corrects the rest.
+    /// Next step length to try; 0 until the first is chosen. It is kept over events: the new field
+    /// is usually as fast as the old one, and error control corrects the rest.
     pub h: f64,
     /// Where the phase under way began.
     pub from: Timed<N>,
     /// Where the last step ended.
     pub at: Timed<N>,
-    /// For each guard that has not left its last zero, the number of derivatives that vanish there; 0 for the others.
+    /// For each guard that has not left its last zero, the number of derivatives that vanish there;
+    /// 0 for the others.
     pub orders: [usize; G],
-    /// Start and end of the last step, and the solution over it. [`Run::at`] differs from the end when a stick phase begins on Σ.
+    /// Start and end of the last step, and the solution over it. [`Run::at`] differs from the end
+    /// when a stick phase begins on Σ.
     pub last: (Timed<N>, Timed<N>),
     pub dense: Dense<N>,
-    /// Whether the previous step's dense output was used. Then the next step makes it at once, and so does the first.
+    /// Whether the previous step's dense output was used. Then the next step makes it at once, and
+    /// so does the first.
     pub wants_dense: bool,
     /// The last event.
     pub event: Option<Event<N>>,
@@ -122,7 +126,8 @@ impl<const N: usize, const G: usize> Run<N, G> {
         if let Some(step) = self.options.fixed_step().or(self.options.first_step) {
             return step.min(longest);
         }
-        // A state near zero would give a step that does not change the time, though nothing is singular.
+        // A state near zero would give a step that does not change the time, though nothing is
+        // singular.
         let chosen = first_step(
             field,
             t,
@@ -134,7 +139,8 @@ impl<const N: usize, const G: usize> Run<N, G> {
         chosen.max(2.0 * SHORTEST * t.abs())
     }
 
-    /// Length of the next step, and whether it ends at the end time. A last step is stretched a little rather than followed by one of rounding's length.
+    /// Length of the next step, and whether it ends at the end time. A last step is stretched a
+    /// little rather than followed by one of rounding's length.
     #[inline(always)]
     pub(crate) fn next_step(&self) -> (f64, bool) {
         let (t, h) = (self.at.t, self.h.min(self.options.longest_step));
@@ -181,7 +187,8 @@ impl<const N: usize, const G: usize> Run<N, G> {
         Ok(())
     }
 
-    /// Distance at which a state counts as being on its manifold: a thousandth of what error control admits.
+    /// Distance at which a state counts as being on its manifold: a thousandth of what error
+    /// control admits.
     pub(crate) fn slack(&self) -> f64 {
         1e-3 * self.options.atol
     }

@@ -1,8 +1,14 @@
-//! The first zero of a function over a step, found by resolving the function and not by its signs at the ends.
+//! The first zero of a function over a step, found by resolving the function and not by its signs
+//! at the ends.
 //!
-//! The function is sampled at nine Chebyshev points of the interval. The sums of its Chebyshev coefficients decide for the whole interval: there is no zero, or the function is monotone and its ends decide. The last two coefficients count twice, as a margin for the truncated tail. If neither holds, the interval is halved. So two crossings within a step, or a touch, are found however close they lie, down to rounding.
+//! The function is sampled at nine Chebyshev points of the interval. The sums of its Chebyshev
+//! coefficients decide for the whole interval: there is no zero, or the function is monotone and
+//! its ends decide. The last two coefficients count twice, as a margin for the truncated tail. If
+//! neither holds, the interval is halved. So two crossings within a step, or a touch, are found
+//! however close they lie, down to rounding.
 //!
-//! A feature between all samples is found if the function has interval bounds. An interval that samples call clear is halved until its bounds confirm that.
+//! A feature between all samples is found if the function has interval bounds. An interval that
+//! samples call clear is halved until its bounds confirm that.
 
 /// An interval with a positive value at its start and none at its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,7 +31,8 @@ const COS: [f64; 16] = {
     ]
 };
 
-/// Intervals narrower than this fraction of the step are not halved again: a parabola bends by 1e-16 over them. Longer intervals are halved as often as one step.
+/// Intervals narrower than this fraction of the step are not halved again: a parabola bends by
+/// 1e-16 over them. Longer intervals are halved as often as one step.
 pub(crate) const NARROWEST: f64 = 1.5e-8;
 
 /// The nine points of the unit interval.
@@ -39,9 +46,12 @@ const UNIT: [f64; NODES] = {
     nodes
 };
 
-/// Whether `value` stays far from zero over the whole step, by samples. The cheap test of a user's event functions.
+/// Whether `value` stays far from zero over the whole step, by samples. The cheap test of a user's
+/// event functions.
 ///
-/// Between nine Chebyshev points a polynomial leaves the range of its values by at most 1.2 times its half-width (Lebesgue constant 2.4). The test requires four times. A value that is not finite fails.
+/// Between nine Chebyshev points a polynomial leaves the range of its values by at most 1.2 times
+/// its half-width (Lebesgue constant 2.4). The test requires four times. A value that is not finite
+/// fails.
 #[inline(always)]
 pub(crate) fn far_from_zero(value: impl Fn(f64) -> f64) -> bool {
     let first = value(UNIT[0]);
@@ -87,14 +97,16 @@ const WIDE: f64 = 0.0078125;
 /// Number of halvings after which a part that bounds leave open is sampled again.
 const RESAMPLED: u32 = 3;
 
-/// The same with interval bounds of parts of the interval. Halves intervals until each is clear or holds a bracket: depth first, the left half first.
+/// The same with interval bounds of parts of the interval. Halves intervals until each is clear or
+/// holds a bracket: depth first, the left half first.
 pub(crate) fn first_bracket_within(
     value: &mut dyn FnMut(f64) -> f64,
     bounds: &mut dyn FnMut(f64, f64) -> Bounds,
     lo: f64,
     hi: f64,
 ) -> Option<Bracket> {
-    // Each halving leaves one interval waiting, and NARROWEST allows 26 of them, RESAMPLED two more.
+    // Each halving leaves one interval waiting, and NARROWEST allows 26 of them, RESAMPLED two
+    // more.
     let narrowest = NARROWEST * (hi - lo).max(1.0);
     let mut waiting = [Part::default(); 32];
     let mut count = 0;
@@ -182,7 +194,8 @@ impl Part {
     }
 }
 
-/// The part of a bracket that may have a zero before the sampled one, and the rest. `None` if bounds exclude an earlier zero.
+/// The part of a bracket that may have a zero before the sampled one, and the rest. `None` if
+/// bounds exclude an earlier zero.
 fn doubtful_before(
     Bracket { mut a, mut b }: Bracket,
     value: &mut dyn FnMut(f64) -> f64,
@@ -201,7 +214,8 @@ fn doubtful_before(
     None
 }
 
-/// The first zero of `value`, positive at `from`, in `[from, to]`; `None` without one. Two successive zeros are found however close they lie, down to rounding.
+/// The first zero of `value`, positive at `from`, in `[from, to]`; `None` without one. Two
+/// successive zeros are found however close they lie, down to rounding.
 ///
 /// ```
 /// use stickslip::filippov::first_zero;
@@ -215,8 +229,8 @@ pub fn first_zero(mut value: impl FnMut(f64) -> f64, from: f64, to: f64) -> Opti
     Some(zero_in(&mut value, bracket))
 }
 
-/// The zero of `value` in a bracket (positive at `a`, not at `b`), to a few parts in 1e15 of the step: regula falsi,
-/// Illinois variant.
+/// The zero of `value` in a bracket (positive at `a`, not at `b`), to a few parts in 1e15 of the
+/// step: regula falsi, Illinois variant.
 pub(crate) fn zero_in(value: &mut dyn FnMut(f64) -> f64, bracket: Bracket) -> f64 {
     let (mut a, mut b) = (bracket.a, bracket.b);
     let (mut at_a, mut at_b) = (value(a), value(b));
@@ -310,8 +324,8 @@ impl Samples {
     }
 }
 
-/// Chebyshev coefficients of the interpolant through the values (argument running downwards: odd ones
-/// change sign, which no use here minds).
+/// Chebyshev coefficients of the interpolant through the values (argument running downwards: odd
+/// ones change sign, which no use here minds).
 fn coefficients(values: &[f64; NODES]) -> [f64; NODES] {
     let n = NODES - 1;
     let mut c = [0.0; NODES];

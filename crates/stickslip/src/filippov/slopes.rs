@@ -20,7 +20,8 @@ use crate::system::State;
 /// A guard is not a number in a part of the step.
 pub(crate) struct Undefined;
 
-/// Allowed difference, in tolerances, between a step repeated up to an event and the dense output. Regular cases show up to some hundred.
+/// Allowed difference, in tolerances, between a step repeated up to an event and the dense output.
+/// Regular cases show up to some hundred.
 const UNRESOLVED: f64 = 1e6;
 
 /// The state that Runge–Kutta steps keep from one to the next.
@@ -28,11 +29,13 @@ const UNRESOLVED: f64 = 1e6;
 pub(crate) struct Slopes<const N: usize> {
     /// The slope at the present state, if it is known.
     slope: Option<State<N>>,
-    /// Slope at the start and length of the last step, if its dense output has not been made because no guard needed it.
+    /// Slope at the start and length of the last step, if its dense output has not been made
+    /// because no guard needed it.
     bare: Option<(State<N>, f64)>,
 }
 
-/// If a step could have been longer by this factor, error control does not bound it. Rounding alone bounds it so at tolerances near rounding.
+/// If a step could have been longer by this factor, error control does not bound it. Rounding alone
+/// bounds it so at tolerances near rounding.
 const FREE: f64 = 1.5;
 
 impl<const N: usize> Slopes<N> {
@@ -147,7 +150,8 @@ impl<const N: usize> Slopes<N> {
     }
 }
 
-/// The dense output of a step between two states, made by repeating it. Not compiled anew for every field.
+/// The dense output of a step between two states, made by repeating it. Not compiled anew for every
+/// field.
 #[inline(never)]
 fn dense_again<M: RungeKutta, const N: usize>(
     field: &mut dyn FnMut(f64, &State<N>) -> State<N>,
@@ -163,7 +167,8 @@ fn dense_again<M: RungeKutta, const N: usize>(
 }
 
 impl<const N: usize, const G: usize> Run<N, G> {
-    /// The next step within the tolerance: its length, whether it ends at the end time, whether it could have been longer, its slopes and its end.
+    /// The next step within the tolerance: its length, whether it ends at the end time, whether it
+    /// could have been longer, its slopes and its end.
     #[inline(always)]
     fn accepted_step<M: RungeKutta, F: Flow<N>>(
         &mut self,
@@ -190,7 +195,8 @@ impl<const N: usize, const G: usize> Run<N, G> {
             }
             if error <= 1.0 {
                 let factor = step_factor(error);
-                // After a rejection the step does not grow at once. A last step cut short by the end time does not change the planned length.
+                // After a rejection the step does not grow at once. A last step cut short by the
+                // end time does not change the planned length.
                 let next = h * if rejected { factor.min(1.0) } else { factor };
                 self.h = if is_last { next.max(self.h) } else { next };
                 return Ok((h, is_last, factor > FREE, step));
@@ -205,7 +211,8 @@ impl<const N: usize, const G: usize> Run<N, G> {
         }
     }
 
-    /// Whether a step certainly stays clear of every guard's zero, by its slopes alone. Never so without error control, which bounds the solution between the stages.
+    /// Whether a step certainly stays clear of every guard's zero, by its slopes alone. Never so
+    /// without error control, which bounds the solution between the stages.
     #[inline(always)]
     fn is_far<M: RungeKutta, F: Flow<N>>(&self, flow: &F, h: f64, step: &Stages<State<N>>) -> bool {
         let may_be = M::COEFFICIENTS.dense_stages > 0 && self.options.fixed_step().is_none();
@@ -221,7 +228,8 @@ impl<const N: usize, const G: usize> Run<N, G> {
     /// The first guard that fails in the step, and where.
     ///
     /// # Errors
-    /// No guard fails, but one is not a number somewhere in the step. A shorter step may avoid that.
+    /// No guard fails, but one is not a number somewhere in the step. A shorter step may avoid
+    /// that.
     #[inline(always)]
     fn first_event<F: Flow<N>>(
         &mut self,
@@ -233,7 +241,8 @@ impl<const N: usize, const G: usize> Run<N, G> {
         // Nearly every step returns here: it is certainly far from any event.
         let times = Interval::new(origin.t, origin.t + origin.h);
         let clear: [bool; G] = origin.flow.are_clear(times, &dense.enclosure());
-        // The first guards are written out, not looped over, so that each has its own compiled code.
+        // The first guards are written out, not looped over, so that each has its own compiled
+        // code.
         macro_rules! consider {
             ($guard:expr) => {
                 match self.first_failure($guard, origin, dense, &clear, self.orders[$guard]) {
@@ -305,7 +314,9 @@ impl<const N: usize, const G: usize> Run<N, G> {
         }
     }
 
-    /// Whether the state of an event, by a repeated step, agrees with the dense output. Near a singular flow, as a sliding field at a two-fold, neither is valid. A step of fixed length is accepted as it is.
+    /// Whether the state of an event, by a repeated step, agrees with the dense output. Near a
+    /// singular flow, as a sliding field at a two-fold, neither is valid. A step of fixed length is
+    /// accepted as it is.
     fn agrees(&self, event: &Event<N>, dense: &Dense<N>) -> bool {
         let there = dense.at_time(event.at.t);
         let tolerance = self.options.tolerance();
@@ -336,7 +347,8 @@ impl<const N: usize, const G: usize> Run<N, G> {
         })
     }
 
-    /// Tolerances of an event of guard `i` near a state. A step of fixed length has none: only error control gives a Hénon step a measure.
+    /// Tolerances of an event of guard `i` near a state. A step of fixed length has none: only
+    /// error control gives a Hénon step a measure.
     fn limits<F: Flow<N>>(&self, i: usize, flow: &F, near: &Timed<N>) -> Limits {
         let blur = uncertainty(flow, i, near, &self.options.tolerance());
         let adaptive = self.options.fixed_step().is_none();

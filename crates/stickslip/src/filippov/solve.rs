@@ -48,7 +48,8 @@ impl<X> SummaryOf<X> {
     }
 }
 
-/// A run that failed, and what was computed before: the [`Orbit`] of [`solve`], the [`Summary`] of [`run`] and of [`crate::ensemble`].
+/// A run that failed, and what was computed before: the [`Orbit`] of [`solve`], the [`Summary`] of
+/// [`run`] and of [`crate::ensemble`].
 ///
 /// `?` turns it into the error alone.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -153,10 +154,12 @@ pub(super) fn keep<S: Switched<N, G>, const N: usize, const G: usize>(
     Ok(false)
 }
 
-/// Integrates `system` from `(t0, x0)` to `t_end`. Reports every step, transition and phase to `observer` and stores nothing: for runs too long to store.
+/// Integrates `system` from `(t0, x0)` to `t_end`. Reports every step, transition and phase to
+/// `observer` and stores nothing: for runs too long to store.
 ///
 /// # Errors
-/// Before the first step, [`Failure`] with [`Error::Option`], [`Error::Interval`], [`Error::Parameter`] or [`Error::StartOutsideDomain`]. After it, those of [`Integration::step`].
+/// Before the first step, [`Failure`] with [`Error::Option`], [`Error::Interval`],
+/// [`Error::Parameter`] or [`Error::StartOutsideDomain`]. After it, those of [`Integration::step`].
 pub fn run<S: Switched<N, G>, O: Observer<N, S::Mode> + ?Sized, const N: usize, const G: usize>(
     system: &S,
     t0: f64,
@@ -184,7 +187,9 @@ pub fn run<S: Switched<N, G>, O: Observer<N, S::Mode> + ?Sized, const N: usize, 
     }
 }
 
-/// Reports progress to `observer`. Returns the end of the run, if it has ended or the observer asks for it. An observer that stops at the end of a phase still receives the transition; `is_stopping` remembers that.
+/// Reports progress to `observer`. Returns the end of the run, if it has ended or the observer asks
+/// for it. An observer that stops at the end of a phase still receives the transition;
+/// `is_stopping` remembers that.
 #[inline(always)]
 pub(crate) fn tell<S, O, const N: usize, const G: usize>(
     integration: &mut Integration<'_, S, N, G>,

@@ -6,7 +6,8 @@ use super::options::AtRepelling;
 use super::rules::{Departure, Fate};
 use crate::system::{Mode, Side};
 
-/// The mode that follows, and how many derivatives of each guard vanish at the start. `None` if Σ repels and no side was chosen.
+/// The mode that follows, and how many derivatives of each guard vanish at the start. `None` if Σ
+/// repels and no side was chosen.
 pub(super) fn next_mode(
     departure: Departure,
     at_repelling: AtRepelling,

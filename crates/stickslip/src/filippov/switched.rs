@@ -1,4 +1,5 @@
-//! A system as the integration uses it: one smooth flow for each mode, and the mode that follows when a flow ends.
+//! A system as the integration uses it: one smooth flow for each mode, and the mode that follows
+//! when a flow ends.
 
 use std::fmt::Debug;
 use std::hash::Hash;
@@ -17,12 +18,15 @@ use crate::orbit::Ending;
 use crate::scalar::Scalar;
 use crate::system::State;
 
-/// A switched system: what [`crate::solve`] and [`crate::run`] take. [`crate::Filippov`] systems are switched systems of one contact, and [`crate::Several`] of several. The trait is sealed.
+/// A switched system: what [`crate::solve`] and [`crate::run`] take. [`crate::Filippov`] systems
+/// are switched systems of one contact, and [`crate::Several`] of several. The trait is sealed.
 ///
-/// `N` is the number of states. `G` is the number of guards, whose zeros end a mode: 3 for a [`crate::Filippov`] system, the number of contacts for [`crate::Several`].
+/// `N` is the number of states. `G` is the number of guards, whose zeros end a mode: 3 for a
+/// [`crate::Filippov`] system, the number of contacts for [`crate::Several`].
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no system",
-    note = "implement `Filippov` for a system of one boundary; one that implements `Contacts` goes in as `Several(system)`"
+    note = "implement `Filippov` for a system of one boundary; one that implements `Contacts` goes \
+        in as `Several(system)`"
 )]
 pub trait Switched<const N: usize, const G: usize> {
     /// The mode: [`crate::Mode`] for one contact, an array of it for several.
@@ -49,15 +53,18 @@ pub trait Switched<const N: usize, const G: usize> {
         user: U,
     ) -> U::Output;
 
-    /// The field of a mode in which all contacts slip. It compiles quickly for a further number type.
+    /// The field of a mode in which all contacts slip. It compiles quickly for a further number
+    /// type.
     #[doc(hidden)]
     fn slip_field<T: Scalar>(&self, mode: Self::Mode, t: T, x: &[T; N]) -> Option<[T; N]>;
 
-    /// The mode at a start, and how many derivatives of each guard vanish there; `None` if it is not unique.
+    /// The mode at a start, and how many derivatives of each guard vanish there; `None` if it is
+    /// not unique.
     #[doc(hidden)]
     fn first_mode(&self, run: &mut Run<N, G>) -> Result<FirstMode<Self::Mode, G>, Error>;
 
-    /// The kind of an event that does not end the mode; the branch may change. `None` if the event ends the mode.
+    /// The kind of an event that does not end the mode; the branch may change. `None` if the event
+    /// ends the mode.
     #[doc(hidden)]
     fn passed(&self, guard: usize, branch: &mut Self::Branch) -> Option<TransitionKind>;
 
@@ -83,7 +90,8 @@ pub trait Switched<const N: usize, const G: usize> {
         None
     }
 
-    /// How the run continues from near the point `at`, where transitions of these contacts accumulate, with all of them in stick. `None` if they cannot all hold there.
+    /// How the run continues from near the point `at`, where transitions of these contacts
+    /// accumulate, with all of them in stick. `None` if they cannot all hold there.
     #[doc(hidden)]
     fn rest(
         &self,
@@ -93,7 +101,8 @@ pub trait Switched<const N: usize, const G: usize> {
         at: &Timed<N>,
     ) -> Option<Rest<Self::Mode, Self::Branch, N, G>>;
 
-    /// The guard whose zero is the transition, if the field jumps there: then the transition changes tangent vectors.
+    /// The guard whose zero is the transition, if the field jumps there: then the transition
+    /// changes tangent vectors.
     #[doc(hidden)]
     fn jumps_at(&self, at: &Transition<N, Self::Mode>) -> Option<usize>;
 
@@ -142,7 +151,8 @@ pub trait Switched<const N: usize, const G: usize> {
     fn restored(modes: Modes) -> Self::Mode;
 }
 
-/// The mode at a start, and how many derivatives of each of its guards vanish there, if there is a unique one.
+/// The mode at a start, and how many derivatives of each of its guards vanish there, if there is a
+/// unique one.
 pub type FirstMode<K, const G: usize> = Option<(K, [usize; G])>;
 
 /// What follows the end of a mode.
@@ -203,7 +213,8 @@ impl<const N: usize> UseFlow<N> for Settled<N> {
     }
 }
 
-/// Whether the guard of an event vanishes there, to the tolerance. It does not where the guard jumps, as at a kink of a boundary.
+/// Whether the guard of an event vanishes there, to the tolerance. It does not where the guard
+/// jumps, as at a kink of a boundary.
 pub(crate) struct Vanishes<'a, const N: usize>(pub &'a Event<N>, pub &'a Options);
 
 impl<const N: usize> UseFlow<N> for Vanishes<'_, N> {

@@ -1,7 +1,8 @@
 //! Two-folds: points of Σ where both fields are tangent to it.
 //!
-//! In three dimensions sliding orbits reach them from open sets, and so can crossings that spiral in (Teixeira, *J. Math. Anal. Appl.* 145
-//! (1990) 65; Colombo & Jeffrey, *SIAM J. Appl. Dyn. Syst.* 10 (2011) 423). Behind one the future is not unique.
+//! In three dimensions sliding orbits reach them from open sets, and so can crossings that spiral
+//! in (Teixeira, *J. Math. Anal. Appl.* 145 (1990) 65; Colombo & Jeffrey, *SIAM J. Appl. Dyn.
+//! Syst.* 10 (2011) 423). Behind one the future is not unique.
 
 use super::flow::{boundary_gradient, normal_component};
 use super::rules::{LieDerivatives, Visibility};
@@ -38,13 +39,17 @@ impl TwoFold {
     }
 }
 
-/// A two-fold that an orbit reaches within about this time counts as reached. Near it the sliding field changes as fast as its direction, and no step resolves it.
+/// A two-fold that an orbit reaches within about this time counts as reached. Near it the sliding
+/// field changes as fast as its direction, and no step resolves it.
 const NEAR: f64 = 5e-7;
 
-/// At a two-fold the fields differ by more than this factor times their normal components. Otherwise the fields agree and Σ has no effect, as where friction has no normal force.
+/// At a two-fold the fields differ by more than this factor times their normal components.
+/// Otherwise the fields agree and Σ has no effect, as where friction has no normal force.
 const APART: f64 = 10.0;
 
-/// The two-fold at the present state, if there is one: the orbits of both fields are tangent to Σ within that time. It is reached by sliding if the orbit has slid for longer than that, else by crossings.
+/// The two-fold at the present state, if there is one: the orbits of both fields are tangent to Σ
+/// within that time. It is reached by sliding if the orbit has slid for longer than that, else by
+/// crossings.
 pub(super) fn two_fold<S: Filippov<N>, const N: usize, const G: usize>(
     system: &S,
     run: &Run<N, G>,

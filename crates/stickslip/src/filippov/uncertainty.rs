@@ -5,14 +5,16 @@ use crate::dual::Dual;
 use super::flow::Flow;
 use crate::ode::{Timed, Tolerance};
 
-/// Uncertainty of guard `i` at a state, from that of the state: by the tolerance of the integration, and by rounding alone.
+/// Uncertainty of guard `i` at a state, from that of the state: by the tolerance of the
+/// integration, and by rounding alone.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Uncertainty {
     pub by_tolerance: f64,
     pub by_rounding: f64,
 }
 
-/// Fraction of the tolerance's effect below which a guard is zero: events are located a thousand times more precisely than steps.
+/// Fraction of the tolerance's effect below which a guard is zero: events are located a thousand
+/// times more precisely than steps.
 const OF_TOLERANCE: f64 = 1e-3;
 
 /// A series that differs from its function by so many tolerances does not represent it.

@@ -7,8 +7,9 @@ use crate::math;
 
 /// The zeros of `σ`, largest first, for any finite k1 and k2.
 ///
-/// With both positive the spring turns back and [`Cubic`] has its up to six points; with both negative it is the same spring
-/// reversed. Otherwise it is monotone and meets each of ±μ0 once, or not at all if there is no spring.
+/// With both positive the spring turns back and [`Cubic`] has its up to six points; with both
+/// negative it is the same spring reversed. Otherwise it is monotone and meets each of ±μ0 once, or
+/// not at all if there is no spring.
 pub(super) fn tangent_points(k1: f64, k2: f64, mu0: f64) -> Result<Vec<TangentPoint>, Error> {
     let (k1, k2) = (finite("k1", k1)?, finite("k2", k2)?);
     let mu0 = not_negative("mu0", mu0)?;
@@ -74,8 +75,8 @@ fn reversed(balance: Balance) -> Balance {
     }
 }
 
-/// The root of `a z³ + b z = mu0` with `a, b ≥ 0`; none if both are zero. By the hyperbolic sine where the trigonometric
-/// form has no real angle, then Newton's steps for the last digits.
+/// The root of `a z³ + b z = mu0` with `a, b ≥ 0`; none if both are zero. By the hyperbolic sine
+/// where the trigonometric form has no real angle, then Newton's steps for the last digits.
 fn monotone_root(b: f64, a: f64, mu0: f64) -> Option<f64> {
     let mut z = match (a > 0.0, b > 0.0) {
         (false, false) => return None,

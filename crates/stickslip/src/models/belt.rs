@@ -7,8 +7,8 @@ use crate::system::{Filippov, Side};
 
 /// Eq. (3)–(5): `m ẍ = k1 x − k2 x³ − T(ẋ − vp)` with dry friction `T(v) = sgn(v) μ0/(1 + δ|v|)`.
 ///
-/// State: position `x₁` and velocity `x₂`. Σ is `x₂ = vp`: there the block rides the belt. The `Default` is the
-/// paper's Fig. 4.
+/// State: position `x₁` and velocity `x₂`. Σ is `x₂ = vp`: there the block rides the belt. The
+/// `Default` is the paper's Fig. 4.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BeltOscillator {
     /// Mass m (kg), positive.

@@ -1,8 +1,8 @@
 //! Where sticking begins and ends: the tangent points, roots of `k₂z³ - k₁z = ±μ₀`.
 //!
 //! A body on the belt sticks while the spring asks for no more than static friction can give. Both
-//! one-degree-of-freedom models of the paper have the spring `±(k₂z³ - k₁z)`; the sign cancels in the transition
-//! function `σ`, so this module serves both (Eq. (9) and (19)).
+//! one-degree-of-freedom models of the paper have the spring `±(k₂z³ - k₁z)`; the sign cancels in
+//! the transition function `σ`, so this module serves both (Eq. (9) and (19)).
 
 use super::parameters::{not_negative, positive};
 use crate::error::Error;
@@ -59,8 +59,8 @@ impl Cubic {
         3.0 * self.k2 * z * z - self.k1
     }
 
-    /// The transition function `σ = ((k₂z³ - k₁z)² - μ₀²)/m²`, Eq. (19); with `k₁ = k₂ = m = 1` also Eq. (9).
-    /// Sticking where it is negative. Unit m²/s⁴ for `m` in kg.
+    /// The transition function `σ = ((k₂z³ - k₁z)² - μ₀²)/m²`, Eq. (19); with `k₁ = k₂ = m = 1`
+    /// also Eq. (9). Sticking where it is negative. Unit m²/s⁴ for `m` in kg.
     pub fn sigma(&self, z: f64, mu0: f64, m: f64) -> f64 {
         let force = self.force(z);
         // (a - b)(a + b) keeps the digits that a² - b² loses near a zero.
@@ -72,7 +72,8 @@ impl Cubic {
         2.0 * self.force(z) * self.stiffness(z) / (m * m)
     }
 
-    /// Critical points of `σ`, m: `{0, ±√(k₁/k₂), ±√(k₁/(3k₂))}`, Eq. (12) and (22), in the paper's order.
+    /// Critical points of `σ`, m: `{0, ±√(k₁/k₂), ±√(k₁/(3k₂))}`, Eq. (12) and (22), in the paper's
+    /// order.
     pub fn critical_points(&self) -> [f64; 5] {
         let far = (self.k1 / self.k2).sqrt();
         let near = (self.k1 / (3.0 * self.k2)).sqrt();
@@ -85,12 +86,13 @@ impl Cubic {
         [0.0, critical, -critical]
     }
 
-    /// All zeros of `σ`, from the largest to the smallest: the paper's numbering 1, 2, … of tangent points.
+    /// All zeros of `σ`, from the largest to the smallest: the paper's numbering 1, 2, … of tangent
+    /// points.
     ///
-    /// Six below the critical `μ₀`, two above it; three double ones at `μ₀ = 0`, and at the critical value two
-    /// simple ones and between them two double ones. `μ₀` within four units in the last place of the critical
-    /// value is taken to be critical: rounding alone can put it there, and would tear the double zeros apart
-    /// by `1e-8`.
+    /// Six below the critical `μ₀`, two above it; three double ones at `μ₀ = 0`, and at the
+    /// critical value two simple ones and between them two double ones. `μ₀` within four units in
+    /// the last place of the critical value is taken to be critical: rounding alone can put it
+    /// there, and would tear the double zeros apart by `1e-8`.
     ///
     /// # Errors
     /// [`Error::Parameter`] if `mu0` is negative or not finite.
@@ -100,7 +102,8 @@ impl Cubic {
             let far = (self.k1 / self.k2).sqrt();
             return Ok([far, 0.0, -far].map(|z| double(z, Balance::Both)).into());
         }
-        // With z = aw and a = 2√(k1/3k2) the equation is 4w³ - 3w = ±r, and 4cos³θ - 3cos θ = cos 3θ.
+        // With z = aw and a = 2√(k1/3k2) the equation is 4w³ - 3w = ±r, and 4cos³θ - 3cos θ = cos
+        // 3θ.
         let a = 2.0 * (self.k1 / (3.0 * self.k2)).sqrt();
         let r = mu0 / self.critical_mu0()[1];
         // Roots for +μ₀; those for -μ₀ mirror them.
@@ -128,8 +131,8 @@ impl Cubic {
         Ok(points)
     }
 
-    /// The intervals `(lower, upper)` in which the body can stick, where `σ < 0`, from the largest `z` to the
-    /// smallest: three below the critical `μ₀`, one from there on, none at `μ₀ = 0`.
+    /// The intervals `(lower, upper)` in which the body can stick, where `σ < 0`, from the largest
+    /// `z` to the smallest: three below the critical `μ₀`, one from there on, none at `μ₀ = 0`.
     ///
     /// # Errors
     /// As [`Cubic::tangent_points`].
@@ -146,8 +149,8 @@ impl Cubic {
             .collect())
     }
 
-    /// A simple root of `k₂z³ - k₁z = μ₀` near `z`, after Newton steps that remove what the elementary
-    /// functions lost.
+    /// A simple root of `k₂z³ - k₁z = μ₀` near `z`, after Newton steps that remove what the
+    /// elementary functions lost.
     fn simple(&self, z: f64, mu0: f64) -> TangentPoint {
         let mut best = z;
         for _ in 0..3 {
@@ -304,7 +307,8 @@ mod tests {
             let mu0 = r * spring.critical_mu0()[1];
             for point in spring.tangent_points(mu0).unwrap() {
                 let target = if point.balance == Balance::Plus { mu0 } else { -mu0 };
-                // Half a unit in the last place of z moves the force by this, plus the rounding of the force.
+                // Half a unit in the last place of z moves the force by this, plus the rounding of
+                // the force.
                 let size = (k2 * math::powi(point.z, 3)).abs() + (k1 * point.z).abs() + mu0;
                 prop_assert!((spring.force(point.z) - target).abs() <= 4.0 * f64::EPSILON * size);
             }

@@ -3,7 +3,8 @@
 use super::parameters::not_negative;
 use crate::error::Error;
 
-/// `T(v) = sgn(v) μ₀ / (1 + δ|v|)`, Eq. (2), for a unit normal force; at `v = 0` any force in `[-μ₀, μ₀]`.
+/// `T(v) = sgn(v) μ₀ / (1 + δ|v|)`, Eq. (2), for a unit normal force; at `v = 0` any force in
+/// `[-μ₀, μ₀]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Friction {
     mu0: f64,
@@ -23,8 +24,8 @@ pub enum Force {
 }
 
 impl Friction {
-    /// Coefficient of static friction `mu0 ≥ 0` and decay `delta ≥ 0` of kinetic friction, in seconds per
-    /// metre (both 1-degree-of-freedom models of the paper have `delta = 1`).
+    /// Coefficient of static friction `mu0 ≥ 0` and decay `delta ≥ 0` of kinetic friction, in
+    /// seconds per metre (both 1-degree-of-freedom models of the paper have `delta = 1`).
     ///
     /// # Errors
     /// [`Error::Parameter`] if one of them is negative or not finite.
@@ -50,7 +51,8 @@ impl Friction {
         self.mu0 / (1.0 + self.delta * v.abs())
     }
 
-    /// The friction force on the belt's side at the relative velocity `v`, m/s; on the body it acts as `-T`.
+    /// The friction force on the belt's side at the relative velocity `v`, m/s; on the body it acts
+    /// as `-T`.
     pub fn force(&self, v: f64) -> Force {
         if v > 0.0 {
             Force::Kinetic(self.coefficient(v))

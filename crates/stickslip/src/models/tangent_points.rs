@@ -1,4 +1,5 @@
-//! Tangent points of the two one-degree-of-freedom models, in closed form and each classified by computation.
+//! Tangent points of the two one-degree-of-freedom models, in closed form and each classified by
+//! computation.
 
 use super::any_spring;
 use super::cubic::{Balance, TangentPoint};
@@ -19,8 +20,10 @@ pub struct BeltTangency {
 }
 
 impl BeltOscillator {
-    /// The tangent points (Eq. 16 for the defaults), the largest position first: six below the critical μ0 of Eq. (13), two
-    /// above, and for a spring that does not turn back (k1 and k2 not of one sign) always two. A point at which both fields are tangent (μ0 = 0) stands once for either side.
+    /// The tangent points (Eq. 16 for the defaults), the largest position first: six below the
+    /// critical μ0 of Eq. (13), two above, and for a spring that does not turn back (k1 and k2 not
+    /// of one sign) always two. A point at which both fields are tangent (μ0 = 0) stands once for
+    /// either side.
     ///
     /// ```
     /// use stickslip::{analysis::Visibility, models::BeltOscillator};
@@ -57,7 +60,8 @@ impl BeltOscillator {
 }
 
 impl ForcedOscillator {
-    /// The tangent points at time `t` (Eq. 24 moved by the support, `z_k + A sin(ωt)`), the largest position first.
+    /// The tangent points at time `t` (Eq. 24 moved by the support, `z_k + A sin(ωt)`), the largest
+    /// position first.
     ///
     /// # Errors
     /// [`Error::Parameter`] where a parameter is not allowed.
@@ -76,7 +80,8 @@ impl ForcedOscillator {
         ))
     }
 
-    /// The stick zones as intervals (lower end, upper end) of `z = x₁ − A sin(ωt)`, the largest first.
+    /// The stick zones as intervals (lower end, upper end) of `z = x₁ − A sin(ωt)`, the largest
+    /// first.
     ///
     /// # Errors
     /// As [`ForcedOscillator::tangent_points`].
@@ -86,7 +91,8 @@ impl ForcedOscillator {
     }
 }
 
-/// The points at time `t`, moved by `offset`; `plus` is the side that is tangent where the cubic equals +μ0.
+/// The points at time `t`, moved by `offset`; `plus` is the side that is tangent where the cubic
+/// equals +μ0.
 fn classified<S: Filippov<2>>(
     model: &S,
     belt_speed: f64,

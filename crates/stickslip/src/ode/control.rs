@@ -22,8 +22,8 @@ impl Tolerance {
     }
 }
 
-/// Smallest and largest change of the step from one to the next, and the safety factor on the ideal one
-/// (the values of `dop853.f`).
+/// Smallest and largest change of the step from one to the next, and the safety factor on the ideal
+/// one (the values of `dop853.f`).
 const SHRINK_MOST: f64 = 0.333;
 const GROW_MOST: f64 = 6.0;
 const SAFETY: f64 = 0.9;
@@ -32,7 +32,9 @@ const SAFETY: f64 = 0.9;
 /// step is not. It is the mean over so many states; further ones, which only fill up the type, are
 /// zero.
 ///
-/// The square, because the next step waits for it and a root would take as long as two calls of a small field. DOP853's combination of its estimates of orders 5 and 3 (Hairer, Nørsett & Wanner, Eq. II.10.17).
+/// The square, because the next step waits for it and a root would take as long as two calls of a
+/// small field. DOP853's combination of its estimates of orders 5 and 3 (Hairer, Nørsett & Wanner,
+/// Eq. II.10.17).
 #[inline(always)]
 pub(crate) fn squared_error<M: RungeKutta, const N: usize>(
     step: &Stages<State<N>>,
@@ -70,11 +72,13 @@ pub(crate) fn squared_error<M: RungeKutta, const N: usize>(
     along * (along / (denominator * states as f64))
 }
 
-/// Factor by which the step changes after a step of this squared error: about `0.9 · error^(-1/8)`, within bounds.
+/// Factor by which the step changes after a step of this squared error: about `0.9 · error^(-1/8)`,
+/// within bounds.
 ///
-/// Every adaptive method here is of order 8. The bits of a positive number, read as an integer, grow with its logarithm:
-/// linearly between powers of two, which is its chord. The root is taken there, to within 3 % and in a few integer operations,
-/// the same on every machine; by square roots it would hold up the next step for as long as four calls of a small field.
+/// Every adaptive method here is of order 8. The bits of a positive number, read as an integer,
+/// grow with its logarithm: linearly between powers of two, which is its chord. The root is taken
+/// there, to within 3 % and in a few integer operations, the same on every machine; by square roots
+/// it would hold up the next step for as long as four calls of a small field.
 #[inline(always)]
 pub(crate) fn step_factor(squared_error: f64) -> f64 {
     /// Bits of 1, about which the logarithm is counted.
@@ -86,8 +90,8 @@ pub(crate) fn step_factor(squared_error: f64) -> f64 {
     (SAFETY * root).clamp(SHRINK_MOST, GROW_MOST)
 }
 
-/// A first step such that an explicit Euler step and the change of slope over it stay near 1 % (Hairer,
-/// Nørsett & Wanner, Sect. II.4). Calls `f` once.
+/// A first step such that an explicit Euler step and the change of slope over it stay near 1 %
+/// (Hairer, Nørsett & Wanner, Sect. II.4). Calls `f` once.
 pub(crate) fn first_step<const N: usize>(
     f: &mut dyn FnMut(f64, &State<N>) -> State<N>,
     t: f64,

@@ -9,9 +9,10 @@ use crate::taylor::MOST_ORDER;
 
 /// The solution over one step as a polynomial in `s = (t − t0)/h`, `0 ≤ s ≤ 1`.
 ///
-/// Of a Runge–Kutta step: `u(s) = c0 + s (c1 + r (c2 + s (c3 + r (c4 + s (c5 + r (c6 + s c7))))))` with `r = 1 − s` (Hairer, Nørsett &
-/// Wanner, Sect. II.6). The first four coefficients are the cubic Hermite interpolant; RK4 has only those
-/// (order 3), DOP853 all eight (order 7). Of a Taylor step: its series, as accurate inside the step as at its end.
+/// Of a Runge–Kutta step: `u(s) = c0 + s (c1 + r (c2 + s (c3 + r (c4 + s (c5 + r (c6 + s c7))))))`
+/// with `r = 1 − s` (Hairer, Nørsett & Wanner, Sect. II.6). The first four coefficients are the
+/// cubic Hermite interpolant; RK4 has only those (order 3), DOP853 all eight (order 7). Of a Taylor
+/// step: its series, as accurate inside the step as at its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dense<const N: usize> {
     /// Time at the start of the step.
@@ -32,7 +33,8 @@ enum Polynomial<const N: usize> {
 }
 
 impl<const N: usize> Dense<N> {
-    /// The polynomial of a finished step of length `h` from `(t0, x0)`, its slopes filled in by [`super::dense_slopes`].
+    /// The polynomial of a finished step of length `h` from `(t0, x0)`, its slopes filled in by
+    /// [`super::dense_slopes`].
     #[inline(always)]
     pub fn new<M: RungeKutta>(t0: f64, x0: &State<N>, h: f64, step: &Stages<State<N>>) -> Self {
         let zero = <State<N> as Linear<f64>>::zero();
@@ -93,8 +95,9 @@ impl<const N: usize> Dense<N> {
         self.polynomial = Polynomial::Series(order, *coefficients);
     }
 
-    /// Becomes a copy of another one. Of Runge–Kutta steps no more is copied than the method needs: an assignment of the whole is a copy of the
-    /// largest variant to the compiler, even where it knows which one it is.
+    /// Becomes a copy of another one. Of Runge–Kutta steps no more is copied than the method needs:
+    /// an assignment of the whole is a copy of the largest variant to the compiler, even where it
+    /// knows which one it is.
     #[inline(always)]
     pub(crate) fn become_copy(&mut self, of: &Self) {
         (self.t0, self.h) = (of.t0, of.h);
@@ -105,8 +108,8 @@ impl<const N: usize> Dense<N> {
         }
     }
 
-    /// Whether the field was a number at every stage: the slope at the end enters the fourth coefficient, all further
-    /// ones the last.
+    /// Whether the field was a number at every stage: the slope at the end enters the fourth
+    /// coefficient, all further ones the last.
     #[inline(always)]
     pub(crate) fn is_finite(&self) -> bool {
         match &self.polynomial {
@@ -126,8 +129,8 @@ impl<const N: usize> Dense<N> {
         }
     }
 
-    /// A box that holds the state throughout the step: the middle of a straight way, and as radius what every other term
-    /// of the polynomial can reach between 0 and 1.
+    /// A box that holds the state throughout the step: the middle of a straight way, and as radius
+    /// what every other term of the polynomial can reach between 0 and 1.
     #[inline(always)]
     pub(crate) fn enclosure(&self) -> [Interval; N] {
         match &self.polynomial {
@@ -170,7 +173,8 @@ fn nested<const N: usize, const K: usize>(c: &[State<N>; K], s: f64) -> State<N>
     x
 }
 
-/// What a polynomial in nested form can be while its factors, those of even and those of odd places, go between bounds that are not negative.
+/// What a polynomial in nested form can be while its factors, those of even and those of odd
+/// places, go between bounds that are not negative.
 fn horner_between<const N: usize>(c: &[State<N>], factors: [[f64; 2]; 2]) -> [Interval; N] {
     let mut x = [Interval::new(0.0, 0.0); N];
     for (k, c) in c.iter().enumerate().rev() {
@@ -243,7 +247,8 @@ mod tests {
                 for range in [range, around] {
                     prop_assert!(range.low <= x + 1e-15 && x - 1e-15 <= range.high);
                 }
-                // Each of eight terms adds no more than its factor's width times all terms behind it.
+                // Each of eight terms adds no more than its factor's width times all terms behind
+                // it.
                 let width = 28.0 * (to - from);
                 prop_assert!(around.high - around.low <= width + 1e-14);
             }

@@ -1,8 +1,8 @@
-//! DOP853: explicit Runge–Kutta of order 8 (Dormand & Prince) with error estimates of orders 5 and 3 and
-//! dense output of order 7.
+//! DOP853: explicit Runge–Kutta of order 8 (Dormand & Prince) with error estimates of orders 5 and
+//! 3 and dense output of order 7.
 //!
-//! Coefficients: E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, 2nd ed.
-//! (1993), Sect. II.5 and the code `dop853.f`, rounded to double precision.
+//! Coefficients: E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*,
+//! 2nd ed. (1993), Sect. II.5 and the code `dop853.f`, rounded to double precision.
 
 use super::tableau::{Coefficients, Embedded, RungeKutta, row, rows};
 
@@ -44,8 +44,8 @@ impl RungeKutta for Dop853 {
     });
 }
 
-/// Stage `i` is built from the pairs (stage, coefficient) of row `i`; rows 13 to 15 belong to the dense output
-/// and row 12 to the slope at the end of the step.
+/// Stage `i` is built from the pairs (stage, coefficient) of row `i`; rows 13 to 15 belong to the
+/// dense output and row 12 to the slope at the end of the step.
 const A: [&[(usize, f64)]; 16] = [
     &[],
     &[(0, 0.05260015195876773)],

@@ -1,16 +1,19 @@
-//! The Hénon step: the independent variable is swapped so that one integration step ends on a surface.
+//! The Hénon step: the independent variable is swapped so that one integration step ends on a
+//! surface.
 //!
-//! M. Hénon, *On the numerical computation of Poincaré maps*, Physica D 5 (1982) 412; Eq. (14) of the paper.
+//! M. Hénon, *On the numerical computation of Poincaré maps*, Physica D 5 (1982) 412; Eq. (14) of
+//! the paper.
 
 use super::linear::Timed;
 use super::step::stages;
 use super::tableau::RungeKutta;
 
-/// One step of method `M` with the value η of a function `η(t, x)` as the independent variable, over `change`
-/// in η: time and state where η has changed by that much.
+/// One step of method `M` with the value η of a function `η(t, x)` as the independent variable,
+/// over `change` in η: time and state where η has changed by that much.
 ///
-/// `slope` gives `(dt/dη, dx/dη) = (1, f)/η̇`, where `η̇ = ∂η/∂t + ∇η·f` is the rate of η along the field. The step has
-/// the order of `M`; where η is a coordinate of the state, its value is met to rounding.
+/// `slope` gives `(dt/dη, dx/dη) = (1, f)/η̇`, where `η̇ = ∂η/∂t + ∇η·f` is the rate of η along the
+/// field. The step has the order of `M`; where η is a coordinate of the state, its value is met to
+/// rounding.
 ///
 /// It calls `slope` and is compiled once for every number of states: such steps are taken rarely.
 #[inline(never)]

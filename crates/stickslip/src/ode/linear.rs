@@ -50,7 +50,8 @@ impl<const N: usize> Linear<f64> for State<N> {
     }
 }
 
-/// Time and state together: the unknowns of the Hénon step, in which another variable is independent.
+/// Time and state together: the unknowns of the Hénon step, in which another variable is
+/// independent.
 #[derive(Clone, Copy, Debug)]
 pub struct Timed<const N: usize> {
     /// Time.

@@ -9,19 +9,21 @@ use crate::system::State;
 /// The slopes of one step and the state that they lead to.
 #[derive(Clone, Copy, Debug)]
 pub struct Stages<V> {
-    /// Slopes; slot `stages` (the slope at the end) and those behind it are filled by [`dense_slopes`].
+    /// Slopes; slot `stages` (the slope at the end) and those behind it are filled by
+    /// [`dense_slopes`].
     pub k: [V; MAX_STAGES],
     /// State at the end of the step.
     pub end: V,
 }
 
 impl<const N: usize> Stages<State<N>> {
-    /// A box that holds the state throughout a step of method `M` from `x` over `h` whose error is within the tolerance, the
-    /// slope at its end filled in; not finite where the step is not.
+    /// A box that holds the state throughout a step of method `M` from `x` over `h` whose error is
+    /// within the tolerance, the slope at its end filled in; not finite where the step is not.
     ///
-    /// On the straight way from start to end the state is ahead by the integral of `h ẋ` less the rise, which is zero at both
-    /// ends and so nowhere more than half of its integrand's largest size. That is known at the stages; twice as much is allowed
-    /// for what lies between them and for what they are off.
+    /// On the straight way from start to end the state is ahead by the integral of `h ẋ` less the
+    /// rise, which is zero at both ends and so nowhere more than half of its integrand's largest
+    /// size. That is known at the stages; twice as much is allowed for what lies between them and
+    /// for what they are off.
     #[inline(always)]
     pub(crate) fn reach<M: RungeKutta>(&self, x: &State<N>, h: f64) -> [Interval; N] {
         let (mut bend, mut sum) = ([0.0; N], [0.0; N]);
@@ -47,8 +49,8 @@ impl<const N: usize> Stages<State<N>> {
     }
 }
 
-/// Writes out one block for every stage index, so that the compiler sees each row of the tableau as constants:
-/// zeros vanish, loops unroll, nothing is looked up at run time.
+/// Writes out one block for every stage index, so that the compiler sees each row of the tableau as
+/// constants: zeros vanish, loops unroll, nothing is looked up at run time.
 macro_rules! for_each_stage {
     ($body:ident) => {
         $body!(1);
@@ -69,10 +71,11 @@ macro_rules! for_each_stage {
     };
 }
 
-/// One step of method `M` from `(t, x)` with slope `k0 = f(t, x)` over `h`; calls `f` `stages − 1` times.
+/// One step of method `M` from `(t, x)` with slope `k0 = f(t, x)` over `h`; calls `f` `stages − 1`
+/// times.
 ///
-/// The newest slope is added last in every stage: all else is ready before it, and the chain of dependent
-/// operations is hardly longer than that of the calls to `f` themselves.
+/// The newest slope is added last in every stage: all else is ready before it, and the chain of
+/// dependent operations is hardly longer than that of the calls to `f` themselves.
 #[inline(always)]
 pub fn stages<M: RungeKutta, T: Scalar, V: Linear<T>>(
     f: &mut impl FnMut(T, &V) -> V,
@@ -99,7 +102,8 @@ pub fn stages<M: RungeKutta, T: Scalar, V: Linear<T>>(
     }
 }
 
-/// The end of such a step, for steps that are taken rarely: it calls the field and is not compiled anew for every one.
+/// The end of such a step, for steps that are taken rarely: it calls the field and is not compiled
+/// anew for every one.
 #[inline(never)]
 pub(crate) fn step_end<M: RungeKutta, V: Linear<f64>>(
     f: &mut dyn FnMut(f64, &V) -> V,
@@ -124,7 +128,8 @@ pub fn dense_slopes<M: RungeKutta, T: Scalar, V: Linear<T>>(
     further_slopes::<M, T, V>(f, t, x, h, step);
 }
 
-/// Fills in the slopes that only the dense output needs, where that at the end of the step is known.
+/// Fills in the slopes that only the dense output needs, where that at the end of the step is
+/// known.
 #[inline(always)]
 pub(crate) fn further_slopes<M: RungeKutta, T: Scalar, V: Linear<T>>(
     f: &mut impl FnMut(T, &V) -> V,
@@ -199,9 +204,10 @@ mod tests {
         })
     }
 
-    /// Of steps as long as error control lets them be, of a shaken spring that hardens or softens. In a million and a half of them
-    /// the solution took less than two fifths of the room; half of it is asked for here. (At tolerances above 1e-2 the
-    /// step itself is wrong now and then, by more than any room.)
+    /// Of steps as long as error control lets them be, of a shaken spring that hardens or softens.
+    /// In a million and a half of them the solution took less than two fifths of the room; half of
+    /// it is asked for here. (At tolerances above 1e-2 the step itself is wrong now and then, by
+    /// more than any room.)
     #[test]
     fn the_solution_stays_within_the_reach_of_a_step_within_the_tolerance() {
         let mut draw = SplitMix::new(853);

@@ -3,8 +3,8 @@
 /// Room for stages: 12 of DOP853, its slope at the end, and 3 for the dense output.
 pub const MAX_STAGES: usize = 16;
 
-/// The coefficients of an explicit Runge–Kutta method in the usual notation (c | A, b), with those of its
-/// dense output.
+/// The coefficients of an explicit Runge–Kutta method in the usual notation (c | A, b), with those
+/// of its dense output.
 #[derive(Clone, Copy, Debug)]
 pub struct Coefficients {
     /// Stages of the step itself. Slot `stages` holds the slope at the end of the step.
@@ -31,8 +31,8 @@ pub struct Embedded {
     pub third_order: [f64; MAX_STAGES],
 }
 
-/// An explicit Runge–Kutta method. The generic step, the dense output and the Hénon step are made from
-/// its data.
+/// An explicit Runge–Kutta method. The generic step, the dense output and the Hénon step are made
+/// from its data.
 pub trait RungeKutta {
     /// Name for messages.
     const NAME: &'static str;

@@ -1,4 +1,5 @@
-//! What each function's next coefficient is (Griewank & Walther, *Evaluating Derivatives*, 2008, Ch. 13).
+//! What each function's next coefficient is (Griewank & Walther, *Evaluating Derivatives*, 2008,
+//! Ch. 13).
 
 use super::jet::{Coefficient, Jet, Straight};
 use super::row::{Lanes, lanes};
@@ -7,8 +8,8 @@ use crate::scalar::Scalar;
 
 use Jet::Line;
 
-/// A function that is flat to rounding beyond some bound. Its series there tells nothing of where that ends, so the bound is taken for a
-/// comparison, which ends the step.
+/// A function that is flat to rounding beyond some bound. Its series there tells nothing of where
+/// that ends, so the bound is taken for a comparison, which ends the step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Flat {
     HyperbolicTangent,
@@ -22,7 +23,8 @@ impl Flat {
         let (low, high) = match self {
             // There 15 units in the last place are left to one.
             Flat::HyperbolicTangent => (-17.0, 17.0),
-            // Less than rounding leaves of one, or so much that rounding leaves nothing of one beside it, as in a logistic function.
+            // Less than rounding leaves of one, or so much that rounding leaves nothing of one
+            // beside it, as in a logistic function.
             Flat::Exponential => (-37.0, 37.0),
         };
         if a > high {
@@ -147,8 +149,8 @@ impl<'a, const L: usize> Coefficient<'a, L> {
     }
 }
 
-/// The coefficient `newest` of functions with these values, or zero where they have overflowed: then what is divided by them stays nothing, up to
-/// the bound of [`Flat::Exponential`].
+/// The coefficient `newest` of functions with these values, or zero where they have overflowed:
+/// then what is divided by them stays nothing, up to the bound of [`Flat::Exponential`].
 #[inline(always)]
 pub(super) fn unless_overflowed<const L: usize>(newest: Lanes<L>, values: Lanes<L>) -> Lanes<L> {
     lanes(|l| {

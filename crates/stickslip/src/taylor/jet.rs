@@ -1,4 +1,5 @@
-//! A number that is its own recurrence: its newest Taylor coefficient, and where its earlier ones are.
+//! A number that is its own recurrence: its newest Taylor coefficient, and where its earlier ones
+//! are.
 
 use std::fmt;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -11,8 +12,9 @@ use Jet::{Line, One, Series, Zero};
 
 /// A number in one pass through a function.
 ///
-/// What is constant, or linear in time, takes no room and folds. Zero and one are known for what they are without their
-/// value being looked at, so that the derivatives that are zero or one in a dual number leave nothing behind.
+/// What is constant, or linear in time, takes no room and folds. Zero and one are known for what
+/// they are without their value being looked at, so that the derivatives that are zero or one in a
+/// dual number leave nothing behind.
 #[derive(Clone, Copy)]
 pub(crate) enum Jet<'a, const L: usize> {
     Zero,
@@ -34,7 +36,8 @@ pub(crate) struct Straight<'a, const L: usize> {
 pub(crate) struct Coefficient<'a, const L: usize> {
     pub(super) newest: Lanes<L>,
     pub(super) row: usize,
-    /// Whether the coefficient is in its row: it is put there when something first needs the earlier ones, which a sum does not.
+    /// Whether the coefficient is in its row: it is put there when something first needs the
+    /// earlier ones, which a sum does not.
     is_kept: bool,
     /// Whether the number is linear in state and time.
     pub(super) is_linear: bool,
@@ -118,7 +121,8 @@ impl<'a, const L: usize> Pass<'a, L> {
         })
     }
 
-    /// A new number that is not linear in state and time, and whose recurrence needs its own earlier coefficients.
+    /// A new number that is not linear in state and time, and whose recurrence needs its own
+    /// earlier coefficients.
     #[inline(always)]
     pub(super) fn result(&'a self, newest: Lanes<L>) -> Jet<'a, L> {
         Series(Coefficient {

@@ -13,16 +13,18 @@ pub(crate) const AT_ONCE: usize = 32;
 
 /// Where coefficients are kept: all rows, and the first of them.
 ///
-/// The first are a number's of their own in this type so that they can be an argument of a function that is not inlined. What is put into
-/// an argument changes no local variable; so the compiler knows what a pass has counted, and with it where each number's row is.
+/// The first are a number's of their own in this type so that they can be an argument of a function
+/// that is not inlined. What is put into an argument changes no local variable; so the compiler
+/// knows what a pass has counted, and with it where each number's row is.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rows<'a, const L: usize> {
     pub(crate) first: &'a [Row<L>; AT_ONCE],
     pub(crate) all: &'a [Row<L>],
 }
 
-/// What the numbers of one pass share: where their earlier coefficients are. Every pass takes the rows in the same order,
-/// so that a number finds its own; where all is inlined the compiler knows them, and nothing is left to look up.
+/// What the numbers of one pass share: where their earlier coefficients are. Every pass takes the
+/// rows in the same order, so that a number finds its own; where all is inlined the compiler knows
+/// them, and nothing is left to look up.
 ///
 /// Numbers take rows from the front, choices from the back.
 #[derive(Debug)]
@@ -119,7 +121,8 @@ impl<'a, const L: usize> Pass<'a, L> {
         self.rows.get(row as usize)
     }
 
-    /// Keeps a coefficient of this order in the next row. Where there is no room, which the first pass tells, it is dropped.
+    /// Keeps a coefficient of this order in the next row. Where there is no room, which the first
+    /// pass tells, it is dropped.
     #[inline(always)]
     pub(super) fn keep(&self, newest: Lanes<L>) -> usize {
         let row = self.take();
@@ -165,7 +168,8 @@ impl<'a, const L: usize> Pass<'a, L> {
         self.row(row).map_or([f64::NAN; L], |row| row.at(k))
     }
 
-    /// The newest coefficient of the product of two rows, without the terms that have a coefficient 0.
+    /// The newest coefficient of the product of two rows, without the terms that have a coefficient
+    /// 0.
     #[inline(always)]
     pub(super) fn convolution(&self, a: usize, b: usize) -> Lanes<L> {
         match (self.row(a), self.row(b)) {

@@ -1,9 +1,11 @@
 //! What interpreted functions do to numbers, written down once and repeated for every order.
 //!
-//! A compiled function is its own recurrence: the compiler knows the kind and the place of every number in it. One that is interpreted
-//! is looked up anew at every call, and that takes longer than the arithmetic. So it is called once for many series. What it does
-//! to numbers that are not constant is written down, with all that is zero, chosen or carried by dual numbers resolved and what is done
-//! twice done once; every order of every series repeats that, until a comparison comes out otherwise.
+//! A compiled function is its own recurrence: the compiler knows the kind and the place of every
+//! number in it. One that is interpreted is looked up anew at every call, and that takes longer
+//! than the arithmetic. So it is called once for many series. What it does to numbers that are not
+//! constant is written down, with all that is zero, chosen or carried by dual numbers resolved and
+//! what is done twice done once; every order of every series repeats that, until a comparison comes
+//! out otherwise.
 
 use std::collections::HashMap;
 
@@ -52,7 +54,8 @@ pub(super) enum Operation {
     Root,
     Exponential,
     Logarithm,
-    /// No number comes of these: that the one is the larger, that it is not, that it is not zero, and that a function of it is not flat there.
+    /// No number comes of these: that the one is the larger, that it is not, that it is not zero,
+    /// and that a function of it is not flat there.
     Exceeds,
     ExceedsNot,
     IsNotZero,

@@ -1,9 +1,10 @@
 //! The first zero of a polynomial over the unit interval, isolated for certain.
 //!
-//! The coefficients in Bernstein's basis change sign at least as often as the polynomial has zeros in the interval, and by
-//! Descartes' rule the difference is even: none means no zero, one means exactly one. De Casteljau's construction halves the
-//! interval where they say neither (Farouki, *Computer Aided Geometric Design* 29 (2012) 379; Rouillier & Zimmermann,
-//! *J. Comput. Appl. Math.* 162 (2004) 33). So no pair of zeros is missed, however close, down to rounding.
+//! The coefficients in Bernstein's basis change sign at least as often as the polynomial has zeros
+//! in the interval, and by Descartes' rule the difference is even: none means no zero, one means
+//! exactly one. De Casteljau's construction halves the interval where they say neither (Farouki,
+//! *Computer Aided Geometric Design* 29 (2012) 379; Rouillier & Zimmermann, *J. Comput. Appl.
+//! Math.* 162 (2004) 33). So no pair of zeros is missed, however close, down to rounding.
 
 use super::MOST_ORDER;
 use crate::ode::power_series;
@@ -39,14 +40,15 @@ const INVERSE_BINOMIAL: [[f64; ROOM]; ROOM] = {
     table
 };
 
-/// Where `Σ c_k s^k`, positive at 0, first is not positive in `[0, 1]`. A zero at 1 to rounding may be left to the step that
-/// begins there.
+/// Where `Σ c_k s^k`, positive at 0, first is not positive in `[0, 1]`. A zero at 1 to rounding may
+/// be left to the step that begins there.
 #[inline(always)]
 pub(crate) fn first_zero(c: &[f64]) -> Option<f64> {
     if is_positive(c) { None } else { search(c) }
 }
 
-/// Whether `Σ c_k s^k` is positive throughout by the size of its coefficients alone, as nearly always: no power exceeds 1.
+/// Whether `Σ c_k s^k` is positive throughout by the size of its coefficients alone, as nearly
+/// always: no power exceeds 1.
 #[inline(always)]
 pub(crate) fn is_positive(c: &[f64]) -> bool {
     let mut least = c[0];
@@ -59,7 +61,8 @@ pub(crate) fn is_positive(c: &[f64]) -> bool {
 /// Degree to which a polynomial's higher powers are taken down.
 const FOLDED: usize = 8;
 
-/// Bernstein coefficients of the powers up to that degree, but the first, which is the value at 0: `C(i, k)/C(FOLDED, k)` for `s^k`.
+/// Bernstein coefficients of the powers up to that degree, but the first, which is the value at 0:
+/// `C(i, k)/C(FOLDED, k)` for `s^k`.
 const BERNSTEIN: [[f64; FOLDED]; FOLDED + 1] = {
     let mut table = [[0.0; FOLDED]; FOLDED + 1];
     let mut i = 1;
@@ -74,7 +77,8 @@ const BERNSTEIN: [[f64; FOLDED]; FOLDED + 1] = {
     table
 };
 
-/// Whether `Σ c_k s^k` is positive throughout by the Bernstein coefficients of what it is not below: no power exceeds the lower ones.
+/// Whether `Σ c_k s^k` is positive throughout by the Bernstein coefficients of what it is not
+/// below: no power exceeds the lower ones.
 #[inline(always)]
 fn is_positive_folded(c: &[f64; ROOM]) -> bool {
     let mut beyond = [0.0; FOLDED];
@@ -116,8 +120,8 @@ pub(crate) fn search(c: &[f64]) -> Option<f64> {
     if at_b > 0.0 && is_positive_folded(&all) {
         return None;
     }
-    // From above zero to below, what falls or bends one way throughout has one zero before the end; between two values above, what
-    // falls or bends down has none.
+    // From above zero to below, what falls or bends one way throughout has one zero before the end;
+    // between two values above, what falls or bends down has none.
     let (at_a, slope_at_a) = (all[0], all[1]);
     let bend = slope_at_b - slope_at_a;
     let falls = slope_at_a < 0.0 && slope_at_b < 0.0 && is_positive_folded(&slope(&all, -1.0));
@@ -165,8 +169,8 @@ fn slope(c: &[f64; ROOM], factor: f64) -> [f64; ROOM] {
     slope
 }
 
-/// Where in the unit interval the parabola has its zero of which the value and the slope at the start and the value at the end, on the
-/// other side of zero, are known.
+/// Where in the unit interval the parabola has its zero of which the value and the slope at the
+/// start and the value at the end, on the other side of zero, are known.
 fn parabola(at_a: f64, slope_at_a: f64, at_b: f64) -> f64 {
     let bend = at_b - at_a - slope_at_a;
     let root = (slope_at_a * slope_at_a - 4.0 * bend * at_a).sqrt();
@@ -178,8 +182,8 @@ fn parabola(at_a: f64, slope_at_a: f64, at_b: f64) -> f64 {
     }
 }
 
-/// About where in the unit interval a function that falls has its zero, of which the values and the slopes at its ends are known: by Hermite's
-/// cubic through its inverse.
+/// About where in the unit interval a function that falls has its zero, of which the values and the
+/// slopes at its ends are known: by Hermite's cubic through its inverse.
 fn inverse_cubic([at_a, at_b]: [f64; 2], [slope_at_a, slope_at_b]: [f64; 2]) -> f64 {
     let rise = at_b - at_a;
     let t = -at_a / rise;
@@ -236,7 +240,8 @@ pub(crate) fn slope_and_bend(c: &[f64], s: f64) -> (f64, f64) {
     (slope, 2.0 * half_bend)
 }
 
-/// Change by Newton's iteration, in parts of where it is, after which the next one would be lost in rounding.
+/// Change by Newton's iteration, in parts of where it is, after which the next one would be lost in
+/// rounding.
 const CLOSE: f64 = 1e-9;
 
 /// Change that is lost in rounding.
@@ -388,7 +393,8 @@ mod tests {
             } else {
                 not += 1;
             }
-            // With a sign change between the places looked at, the search finds a zero, and before that there is none.
+            // With a sign change between the places looked at, the search finds a zero, and before
+            // that there is none.
             let found = first_zero(&c);
             assert!(found.is_some() || least > -1e-13, "{least}: {c:?}");
             if let Some(s) = found {

@@ -9,8 +9,9 @@ pub(super) const ROOM: usize = MOST_ORDER + 1;
 /// One coefficient in each of `L` lanes.
 pub(crate) type Lanes<const L: usize> = [f64; L];
 
-/// One coefficient, lane by lane. A loop over the array: the library's own way to fill one is not inlined for many lanes, and an index
-/// that is counted by hand is not seen through for one (two fifths more time on the forced oscillator).
+/// One coefficient, lane by lane. A loop over the array: the library's own way to fill one is not
+/// inlined for many lanes, and an index that is counted by hand is not seen through for one (two
+/// fifths more time on the forced oscillator).
 #[inline(always)]
 pub(crate) fn lanes<const L: usize>(mut f: impl FnMut(usize) -> f64) -> Lanes<L> {
     let mut out = [0.0; L];
@@ -26,7 +27,8 @@ pub(crate) fn lanes_of<const L: usize>(a: Lanes<L>, f: impl Fn(f64) -> f64) -> L
     lanes(|l| f(a[l]))
 }
 
-/// The smaller of two numbers; the first one, where either is no number. One instruction, unlike `f64::min`.
+/// The smaller of two numbers; the first one, where either is no number. One instruction, unlike
+/// `f64::min`.
 #[inline(always)]
 pub(crate) fn least(a: f64, b: f64) -> f64 {
     if b < a { b } else { a }
@@ -38,7 +40,8 @@ pub(crate) fn largest(a: f64, b: f64) -> f64 {
     if b > a { b } else { a }
 }
 
-/// The newest coefficient of a product: the first and the newest of each of two numbers, and what is between.
+/// The newest coefficient of a product: the first and the newest of each of two numbers, and what
+/// is between.
 #[inline(always)]
 pub(super) fn product<const L: usize>(
     inner: Lanes<L>,
@@ -90,8 +93,9 @@ impl<const L: usize> Row<L> {
         self.0[k][lane].get()
     }
 
-    /// `Σ a_j b_{k−j}` over `0 < j < k`: coefficient `k` of the product without the terms that have a coefficient 0. It is
-    /// summed from the middle outwards, so that nothing waits for the newest coefficients.
+    /// `Σ a_j b_{k−j}` over `0 < j < k`: coefficient `k` of the product without the terms that have
+    /// a coefficient 0. It is summed from the middle outwards, so that nothing waits for the newest
+    /// coefficients.
     #[inline(always)]
     pub(super) fn convolution(&self, other: &Self, k: usize) -> Lanes<L> {
         let ((a_low, a_mid, a_high), (b_low, b_mid, b_high)) = (self.halves(k), other.halves(k));

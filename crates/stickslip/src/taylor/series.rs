@@ -7,8 +7,9 @@ use super::repeated::Repeated;
 use super::row::{Lanes, Row, lanes};
 use crate::scalar::Scalar;
 
-/// Coefficients of everything that a field and the functions watched with it compute, each scaled by the power of a step length,
-/// so that none overflows. The state's components are the first rows.
+/// Coefficients of everything that a field and the functions watched with it compute, each scaled
+/// by the power of a step length, so that none overflows. The state's components are the first
+/// rows.
 #[derive(Debug, Default)]
 pub(crate) struct Series<const L: usize> {
     rows: Vec<Row<L>>,
@@ -16,7 +17,8 @@ pub(crate) struct Series<const L: usize> {
 
 /// A field, and functions that are watched along its solutions.
 pub(crate) trait Functions<const N: usize, const W: usize> {
-    /// Whether they are interpreted: then they are called once for many series, see [`super::recording`].
+    /// Whether they are interpreted: then they are called once for many series, see
+    /// [`super::recording`].
     const INTERPRETED: bool = false;
 
     fn at<T: Scalar>(&self, t: T, x: &[T; N]) -> ([T; N], [T; W]);
@@ -44,7 +46,8 @@ pub(crate) struct Expansion<const W: usize> {
     pub value_read: bool,
     /// Whether the lanes cannot be expanded together.
     pub divided: bool,
-    /// Whether something was divided by what had overflowed: a coefficient that is no number is then none over a shorter step either.
+    /// Whether something was divided by what had overflowed: a coefficient that is no number is
+    /// then none over a shorter step either.
     pub overflowed: bool,
 }
 
@@ -139,7 +142,8 @@ pub(super) fn outcome<const L: usize, const W: usize>(
     })
 }
 
-/// The series to `order` of the solution through `x` at `t`, in time over `h`, and of functions of it, into rows; or how many rows that takes.
+/// The series to `order` of the solution through `x` at `t`, in time over `h`, and of functions of
+/// it, into rows; or how many rows that takes.
 #[inline(always)]
 pub(crate) fn in_rows<F: Functions<N, W>, const L: usize, const N: usize, const W: usize>(
     into: Rows<'_, L>,

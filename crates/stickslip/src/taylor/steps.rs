@@ -1,7 +1,7 @@
 //! What a recording comes to for the orders above 0.
 //!
-//! There, what is constant has no coefficients: a sum with it is the other number, and is not done at all but where something looks at all its
-//! coefficients. What nothing comes of is left out.
+//! There, what is constant has no coefficients: a sum with it is the other number, and is not done
+//! at all but where something looks at all its coefficients. What nothing comes of is left out.
 
 use super::functions::unless_overflowed;
 use super::pass::Pass;
@@ -26,7 +26,8 @@ enum Way {
     Exponential,
     /// Sine and cosine of the line `a`.
     SineCosine,
-    /// How far `a` is ahead of `b` in a comparison, or the other way round: the constant is the sign.
+    /// How far `a` is ahead of `b` in a comparison, or the other way round: the constant is the
+    /// sign.
     Ahead,
     /// Of a constant.
     AheadOfConstant,
@@ -103,7 +104,8 @@ enum Use {
     Row,
 }
 
-/// What a call is above order 0, and the rows that it takes from, unless it takes what it did at order 0.
+/// What a call is above order 0, and the rows that it takes from, unless it takes what it did at
+/// order 0.
 fn way(call: &Call, is_constant: impl Fn(u32) -> bool) -> Option<(Way, [u32; 2], f64)> {
     use Operation as Op;
     use Place::{Line, Row};

@@ -1,5 +1,6 @@
-//! The tests of what looks at many orbits: attractors, basins, sweeps and branches. They compile the solver for systems of their own
-//! inside loops of their own, which the tests of the solver do not wait for.
+//! The tests of what looks at many orbits: attractors, basins, sweeps and branches. They compile
+//! the solver for systems of their own inside loops of their own, which the tests of the solver do
+//! not wait for.
 
 mod any_system;
 mod attractors;

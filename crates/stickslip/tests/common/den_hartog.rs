@@ -2,7 +2,8 @@
 
 use stickslip::{Filippov, Scalar, Side};
 
-/// `x'' = -x - S sgn x' + cos Ωt`, on whose orbits without stick Den Hartog (1930) has the amplitude.
+/// `x'' = -x - S sgn x' + cos Ωt`, on whose orbits without stick Den Hartog (1930) has the
+/// amplitude.
 pub struct DenHartog {
     pub frequency: f64,
     pub friction: f64,

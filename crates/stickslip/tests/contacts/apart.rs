@@ -122,7 +122,8 @@ fn a_contact_that_never_acts_changes_nothing() {
 
 #[test]
 fn a_contact_at_the_limit_of_what_holds_it_does_as_by_the_rules_of_one_boundary() {
-    // What pushes is just what friction can hold, and its rate is zero or is not: the second derivative decides, or the first.
+    // What pushes is just what friction can hold, and its rate is zero or is not: the second
+    // derivative decides, or the first.
     let rig = |force: f64, omega: f64, stiffness: f64| {
         let mut rig = Rig::<3>::at_rest();
         (rig.forcing[0], rig.omega, rig.friction[0]) = (force, omega, 0.4);
@@ -156,7 +157,8 @@ fn a_contact_at_the_limit_of_what_holds_it_does_as_by_the_rules_of_one_boundary(
 
 #[test]
 fn two_that_come_to_rest_at_the_same_instant_are_decided_together() {
-    // Two equal blocks with equal starts stop at the same time, whatever rounding says; the third has a time of its own.
+    // Two equal blocks with equal starts stop at the same time, whatever rounding says; the third
+    // has a time of its own.
     let mut rig = three();
     rig.stiffness[1][1] = rig.stiffness[0][0];
     rig.forcing = [0.0; 3];

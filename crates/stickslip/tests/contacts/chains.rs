@@ -1,5 +1,5 @@
-//! Random chains of two to six blocks, some of them on one another: every mode is the one solution of its complementarity problem, by
-//! trying all; the energy balances; no event is missed.
+//! Random chains of two to six blocks, some of them on one another: every mode is the one solution
+//! of its complementarity problem, by trying all; the energy balances; no event is missed.
 
 use stickslip::statistics::SplitMix;
 use stickslip::{Method, Mode, Options, Orbit, Several, Side, State, solve};
@@ -83,7 +83,8 @@ impl Chain {
         responses
     }
 
-    /// Forces of friction and rates of the contacts in a mode, by solving for the forces of those that hold.
+    /// Forces of friction and rates of the contacts in a mode, by solving for the forces of those
+    /// that hold.
     fn forces_and_rates(&self, mode: &[Mode; B], x: &State<N>) -> ([f64; B], [f64; B]) {
         let holds = |c: usize| c < self.blocks && mode[c] == Mode::Stick;
         let mut friction: [f64; B] = std::array::from_fn(|c| match mode[c] {
@@ -188,7 +189,8 @@ impl Chain {
         }
     }
 
-    /// That nothing happens between two events: on 100 points of each step contacts that slip do so to their side, and those that hold can.
+    /// That nothing happens between two events: on 100 points of each step contacts that slip do so
+    /// to their side, and those that hold can.
     fn nothing_is_missed(&self, orbit: &Orbit<N, [Mode; B]>) {
         for step in &orbit.steps {
             for k in 0..=100 {

@@ -1,4 +1,5 @@
-//! Event times to 25 digits (`data/contacts.csv`): two blocks on a floor, a block on a block, three blocks that are pulled.
+//! Event times to 25 digits (`data/contacts.csv`): two blocks on a floor, a block on a block, three
+//! blocks that are pulled.
 
 use stickslip::{Method, Mode, Options, Orbit, Several, Side, State, TransitionKind, solve};
 
@@ -15,7 +16,8 @@ fn two_blocks() -> Rig<3> {
     rig
 }
 
-/// A block on a block on a floor. At three events what happens at the one contact releases the other in the same instant.
+/// A block on a block on a floor. At three events what happens at the one contact releases the
+/// other in the same instant.
 pub fn stacked() -> Rig<3> {
     let mut rig = Rig::at_rest();
     rig.masses[1] = 0.5;

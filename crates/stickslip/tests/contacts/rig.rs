@@ -2,7 +2,8 @@
 
 use stickslip::{Contacts, Scalar, Side};
 
-/// `B` bodies and as many contacts, of which the unused stand still. States: positions, then velocities.
+/// `B` bodies and as many contacts, of which the unused stand still. States: positions, then
+/// velocities.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rig<const B: usize> {
     pub masses: [f64; B],
@@ -13,7 +14,8 @@ pub struct Rig<const B: usize> {
     pub omega: f64,
     /// Force on each body that grows with time.
     pub pull: [f64; B],
-    /// Contact `c` slides at the velocity of body `c` less that of the body that it sits on, if it is not the floor.
+    /// Contact `c` slides at the velocity of body `c` less that of the body that it sits on, if it
+    /// is not the floor.
     pub sits_on: [Option<usize>; B],
     /// Kinetic friction of each contact.
     pub friction: [f64; B],

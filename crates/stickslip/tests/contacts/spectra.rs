@@ -92,7 +92,8 @@ fn the_spectrum_of_oscillators_apart_is_the_union_of_each_ones() {
 
 #[test]
 fn two_contacts_that_come_to_rest_in_the_same_instant_have_no_derivative() {
-    // Equal blocks with equal starts stop together: which one stops first depends on the change, and with it what becomes of it.
+    // Equal blocks with equal starts stop together: which one stops first depends on the change,
+    // and with it what becomes of it.
     let mut rig = three();
     (rig.forcing, rig.stiffness[1][1]) = ([0.0; 3], rig.stiffness[0][0]);
     rig.friction[1] = rig.friction[0];
@@ -103,7 +104,8 @@ fn two_contacts_that_come_to_rest_in_the_same_instant_have_no_derivative() {
 
 #[test]
 fn two_contacts_that_give_way_in_the_same_instant_have_no_derivative() {
-    // Two equal blocks that are pulled alike, of which the second to give way is at its end itself, and not let go by the first.
+    // Two equal blocks that are pulled alike, of which the second to give way is at its end itself,
+    // and not let go by the first.
     let mut rig = Rig::<3>::at_rest();
     (rig.pull, rig.ratio) = ([1.0, 1.0, 0.0], 1.5);
     let run = |rig: &Rig<3>| monodromy(&Several(rig), 0.0, [0.0; 6], 3.0, &Options::tol(1e-12));

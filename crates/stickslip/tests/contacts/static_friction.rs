@@ -1,4 +1,5 @@
-//! More friction at rest than in slip at two contacts, one on the other: against a scan of the same equations in steps of 1e-5.
+//! More friction at rest than in slip at two contacts, one on the other: against a scan of the same
+//! equations in steps of 1e-5.
 
 use stickslip::{
     Contacts, Method, Mode, Options, Scalar, Several, Side, TransitionKind, math, solve,
@@ -54,7 +55,8 @@ impl Scan<'_> {
         [v[0], v[1] - v[0]]
     }
 
-    /// What two contacts do from zero: tried in the order of how many hold, with static friction; those that give way slip by kinetic friction.
+    /// What two contacts do from zero: tried in the order of how many hold, with static friction;
+    /// those that give way slip by kinetic friction.
     fn settle(&mut self, t: f64, at_zero: [bool; 2]) {
         let ratio = self.rig.ratio;
         let mut open = at_zero;
@@ -177,7 +179,8 @@ fn static_friction_at_two_contacts_agrees_with_a_scan() {
         assert!(found.len() > 15);
         for (found, expected) in found.iter().zip(&expected) {
             assert_eq!(found.1, expected.1, "{found:?} {expected:?}");
-            // The scan is late by up to a step at every event, and what that does to those that follow.
+            // The scan is late by up to a step at every event, and what that does to those that
+            // follow.
             assert!(
                 (found.0 - expected.0).abs() < 100.0 * STEP,
                 "{found:?} {expected:?}"

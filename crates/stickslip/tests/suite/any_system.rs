@@ -1,5 +1,6 @@
-//! All systems of the tests as one type for each number of states: the solver is compiled once for that type and not once for
-//! every system. It is asked for orbits and spectra as the library is, by functions of the same names.
+//! All systems of the tests as one type for each number of states: the solver is compiled once for
+//! that type and not once for every system. It is asked for orbits and spectra as the library is,
+//! by functions of the same names.
 
 use stickslip::analysis::{Monodromy, PeriodicOrbit, Spectrum, SpectrumOptions};
 use stickslip::dynamics::Components;

@@ -83,7 +83,8 @@ fn a_stick_that_ends_just_before_a_corner_of_the_field_ends_by_slopes_too() {
     }
 }
 
-/// On a belt that moves as a sine, with constant friction, written as the larger of two that are equal all through a stick.
+/// On a belt that moves as a sine, with constant friction, written as the larger of two that are
+/// equal all through a stick.
 pub struct EqualInStick;
 
 impl Filippov<2> for EqualInStick {

@@ -163,7 +163,8 @@ impl<const N: usize> Observer<N> for Everything {
     }
 }
 
-/// Every orbit has the steps, the transitions and the end that it has alone, watched or not; every seventh is stopped on the way.
+/// Every orbit has the steps, the transitions and the end that it has alone, watched or not; every
+/// seventh is stopped on the way.
 fn assert_as_alone<S: Filippov<N> + PartialEq + Send + Sync, const N: usize>(
     start: impl Fn(usize) -> Start<S, N>,
     number: usize,
@@ -218,7 +219,8 @@ fn assert_as_alone_if<S: Filippov<N> + PartialEq + Send + Sync, const N: usize>(
 #[test]
 fn orbits_side_by_side_branch_stop_and_fail_each_on_its_own() {
     let options = Options::tol(1e-9).method(Method::Taylor);
-    // A normal force that is clipped, stick and slip, parameters that differ from one thirty to the next, one that escapes.
+    // A normal force that is clipped, stick and slip, parameters that differ from one thirty to the
+    // next, one that escapes.
     let bracket = |k: usize| {
         let part = k as f64 / 300.0;
         let model = BlockAndBracket::from_caption(&Caption::FIG11, &Reading::exact());
@@ -234,8 +236,8 @@ fn orbits_side_by_side_branch_stop_and_fail_each_on_its_own() {
     assert_same_orbits(bracket, 300, 20.0, &options);
 }
 
-/// Oscillators with a kink in the spring, whose fields end at an edge in several ways, or branch by comparisons or by a value they read; and one with a bent
-/// boundary that ends at the edge.
+/// Oscillators with a kink in the spring, whose fields end at an edge in several ways, or branch by
+/// comparisons or by a value they read; and one with a bent boundary that ends at the edge.
 #[derive(Clone, Copy, PartialEq)]
 struct Edge {
     edge: f64,
@@ -347,7 +349,8 @@ impl<S: Filippov<N>, const N: usize> Filippov<N> for Interpreted<S> {
     }
 }
 
-/// The orbit of a start, each as it is and as that of functions that are interpreted: the same steps and transitions.
+/// The orbit of a start, each as it is and as that of functions that are interpreted: the same
+/// steps and transitions.
 fn assert_same_orbits<S: Filippov<N> + Copy, const N: usize>(
     start: impl Fn(usize) -> Start<S, N>,
     number: usize,

@@ -1,4 +1,5 @@
-//! Functions that are flat to rounding over a part of a step: a saturated hyperbolic tangent, the tails of a bell.
+//! Functions that are flat to rounding over a part of a step: a saturated hyperbolic tangent, the
+//! tails of a bell.
 
 use std::f64::consts::PI;
 
@@ -64,7 +65,8 @@ fn a_saturated_push_is_followed_through_all_its_reversals() {
     }
 }
 
-/// An oscillator that is pushed on and pulled back so: where that is as good as constant, nothing of it is in the series of the state.
+/// An oscillator that is pushed on and pulled back so: where that is as good as constant, nothing
+/// of it is in the series of the state.
 pub struct Driven {
     frequency: f64,
     /// Whether the push is written as a logistic function, which is the same.
@@ -110,7 +112,8 @@ fn reversals_of_a_saturated_drive_are_seen_though_the_state_s_own_series_goes_on
     }
 }
 
-/// Swings as `x = sin t`, and is pushed along another axis where `x` is above 0.97; Σ is flat but in a narrow range of `x`, or far away.
+/// Swings as `x = sin t`, and is pushed along another axis where `x` is above 0.97; Σ is flat but
+/// in a narrow range of `x`, or far away.
 pub struct Narrow(Option<Feature>);
 
 #[derive(Clone, Copy, Debug)]

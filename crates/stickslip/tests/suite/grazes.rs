@@ -1,4 +1,5 @@
-//! A hundred thousand random grazes of each kind, each of known count: none is missed, and none is made up.
+//! A hundred thousand random grazes of each kind, each of known count: none is missed, and none is
+//! made up.
 
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
@@ -13,8 +14,9 @@ use crate::listed::Listed;
 
 const CASES: u32 = 100_000;
 
-/// `x₁ = r e^{gt} cos(wt + a)` has its tops where `tan(wt + a) = g/w`. One of them, at the time `top`, is beyond a ceiling by
-/// `gap`, or below it where that is negative; growth makes every later one higher, decay every earlier one.
+/// `x₁ = r e^{gt} cos(wt + a)` has its tops where `tan(wt + a) = g/w`. One of them, at the time
+/// `top`, is beyond a ceiling by `gap`, or below it where that is negative; growth makes every
+/// later one higher, decay every earlier one.
 #[derive(Debug)]
 struct Spiral {
     growth: f64,
@@ -79,8 +81,8 @@ impl Filippov<2> for AtRest {
     }
 }
 
-/// Spiral and ceiling both shaken by `a sin bt`, and the boundary bent: `e^{c (x₁ − level − a sin bt)} = 1`. It has the same
-/// zeros, and a series that does not end.
+/// Spiral and ceiling both shaken by `a sin bt`, and the boundary bent: `e^{c (x₁ − level − a sin
+/// bt)} = 1`. It has the same zeros, and a series that does not end.
 pub struct Shaken {
     spiral: Spiral,
     amplitude: f64,

@@ -40,11 +40,12 @@ impl<const N: usize> Field<N> for Linear<N> {
 
 #[test]
 fn linear_systems_have_the_real_parts_of_their_eigenvalues() {
-    // Blocks with eigenvalues -0.1 ± 2i and -0.5, sheared so that no eigenvector is orthogonal to another.
+    // Blocks with eigenvalues -0.1 ± 2i and -0.5, sheared so that no eigenvector is orthogonal to
+    // another.
     let matrix = [[-0.1, 2.0, 0.7], [-2.0, -0.1, -1.3], [0.0, 0.0, -0.5]];
     let turn = std::f64::consts::PI;
-    // After 30 turns the frame has converged by exp(-0.4 · 94) = 4e-17; over whole turns nothing is left but the
-    // error of the integration, 1e-12 relative in each step.
+    // After 30 turns the frame has converged by exp(-0.4 · 94) = 4e-17; over whole turns nothing is
+    // left but the error of the integration, 1e-12 relative in each step.
     let settings = SpectrumOptions::over(30.0 * turn, 10.0 * turn).solver(Options::tol(1e-12));
     let start = (0.0, State::from([1.0, 0.0, 0.5]));
     let spectrum = lyapunov_spectrum(&Smooth(Linear(matrix)), start, &settings).unwrap();
@@ -56,7 +57,8 @@ fn linear_systems_have_the_real_parts_of_their_eigenvalues() {
     assert_eq!((spectrum.stick_entries, spectrum.stick_fraction), (0, 0.0));
 }
 
-/// A driven linear system of eigenvalues -1/2 ± 2i and -8 on the boundary `w = 3x/10 + y/5`, which is pressed upon by 100 and so never left.
+/// A driven linear system of eigenvalues -1/2 ± 2i and -8 on the boundary `w = 3x/10 + y/5`, which
+/// is pressed upon by 100 and so never left.
 pub struct Pressed;
 
 impl Filippov<4> for Pressed {
@@ -97,7 +99,8 @@ fn a_long_stick_has_the_exponents_of_the_sliding_flow() {
 #[test]
 fn the_largest_exponent_is_found_where_the_axes_decouple() {
     let matrix = [[-1.0, 0.0, 0.0], [0.0, -2.0, 0.0], [0.0, 0.0, 0.3]];
-    // Resting at the origin; the frame converges by exp(-1 · 40) = 4e-18 (from -1 to -2 the slowest).
+    // Resting at the origin; the frame converges by exp(-1 · 40) = 4e-18 (from -1 to -2 the
+    // slowest).
     let settings = SpectrumOptions::over(40.0, 10.0).solver(Options::tol(1e-12));
     let start = (0.0, [0.0; 3]);
     let spectrum = lyapunov_spectrum(&Smooth(Linear(matrix)), start, &settings).unwrap();
@@ -125,8 +128,8 @@ fn lorenz() {
     let start = (0.0, State::from([1.0, 1.0, 20.0]));
     let spectrum = lyapunov_spectrum(&Smooth(Lorenz), start, &settings).unwrap();
     let [l1, l2, l3] = values(&spectrum);
-    // Sprott's values have four digits; the run's own standard error says how near 3000 time units come, and
-    // must itself be small enough to mean something.
+    // Sprott's values have four digits; the run's own standard error says how near 3000 time units
+    // come, and must itself be small enough to mean something.
     let error = spectrum.exponents[0].std_error().unwrap();
     assert!(error < 5e-3, "{error}");
     close(l1, 0.9056, 4.0 * error);
@@ -217,7 +220,8 @@ fn a_cycle_across_the_boundary_has_zero_and_the_logarithm_of_its_multiplier() {
 
 #[test]
 fn stick_annihilates_one_direction_and_is_counted() {
-    // P2: x'' = -x ± 1/(1 + |v|) on a belt of speed 0.2; it sticks once in every period of 9.230770458….
+    // P2: x'' = -x ± 1/(1 + |v|) on a belt of speed 0.2; it sticks once in every period of
+    // 9.230770458….
     let belt = BeltOscillator {
         k1: -1.0,
         k2: 0.0,
@@ -304,8 +308,8 @@ fn stick_on_the_way_to_an_attractor_without_it_annihilates_nothing() {
     close(spectrum.exponents[1].value(), -0.267_927_803, 1e-3);
 }
 
-/// x' jumps where x changes sign, by a factor that depends on the velocity, so that crossings change areas. Forced and with
-/// two wells: chaotic.
+/// x' jumps where x changes sign, by a factor that depends on the velocity, so that crossings
+/// change areas. Forced and with two wells: chaotic.
 pub struct Refracting;
 impl Filippov<2> for Refracting {
     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
@@ -355,7 +359,8 @@ fn the_sum_of_the_exponents_is_mean_divergence_and_saltation() {
     );
     assert!(crossings.count > 250, "{}", crossings.count);
     let per_time = crossings.sum / spectrum.duration;
-    // About 1e4 steps, each within 1e-11, on 3000 time units, and the quadrature over steps of that accuracy.
+    // About 1e4 steps, each within 1e-11, on 3000 time units, and the quadrature over steps of that
+    // accuracy.
     close(
         spectrum.volume_rate,
         spectrum.mean_divergence + per_time,
@@ -364,8 +369,8 @@ fn the_sum_of_the_exponents_is_mean_divergence_and_saltation() {
     close(spectrum.defect(), 0.0, 1e-8);
 }
 
-/// A forced oscillator as seen from its support: the same motion in `(z, z')`, `z = x − A sin ωt`, where the boundary
-/// moves.
+/// A forced oscillator as seen from its support: the same motion in `(z, z')`, `z = x − A sin ωt`,
+/// where the boundary moves.
 pub struct FromSupport(ForcedOscillator);
 impl FromSupport {
     fn velocity<T: Scalar>(&self, t: T) -> T {

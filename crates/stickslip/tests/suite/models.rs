@@ -136,8 +136,8 @@ fn a_support_is_half_way_out_a_twelfth_of_its_period_on() {
     assert!((half - 0.5 * forced.amplitude).abs() < 1e-15, "{half}");
 }
 
-/// Stuck inside the zones and slipping outside, one field tangent at each end: with friction of √3/9 the two ends of each of the
-/// three zones, and of no other.
+/// Stuck inside the zones and slipping outside, one field tangent at each end: with friction of
+/// √3/9 the two ends of each of the three zones, and of no other.
 #[test]
 fn stick_zones_end_at_the_tangent_points_and_ride_on_the_support() {
     let belt = BeltOscillator::default();

@@ -1,4 +1,5 @@
-//! Periodic orbits against closed forms: found without a guess, at any tolerance, with their multipliers.
+//! Periodic orbits against closed forms: found without a guess, at any tolerance, with their
+//! multipliers.
 
 use std::f64::consts::PI;
 
@@ -55,7 +56,8 @@ fn a_return_later_than_what_is_allowed_is_not_found() {
 
 #[test]
 fn of_two_returns_in_a_turn_the_one_that_comes_back_is_the_period() {
-    // Half a turn on the third component is back, and the other two are on the far side. Less than two turns are followed.
+    // Half a turn on the third component is back, and the other two are on the far side. Less than
+    // two turns are followed.
     let start = [1.0, 0.0, 0.0];
     let cycle = find_periodic_orbit(&TwiceRound, start, 20.0, 10.0, &Options::tol(1e-12)).unwrap();
     assert!((cycle.period - 2.0 * PI).abs() < 1e-9, "{}", cycle.period);
@@ -99,8 +101,8 @@ fn den_hartog_s_orbits_are_refined_to_what_rounding_allows() {
     }
 }
 
-/// Late on the clock a unit in its last place is more than the tolerance: it is what the orbit closes
-/// to.
+/// Late on the clock a unit in its last place is more than the tolerance: it is what the orbit
+/// closes to.
 #[test]
 fn an_orbit_late_on_the_clock_closes_to_what_its_time_is_rounded_to() {
     let system = DenHartog {
@@ -216,7 +218,8 @@ fn a_forced_orbit_comes_to_den_hartog_s_in_one_period() {
 
 #[test]
 fn sticks_within_one_pattern_are_counted_and_repelling_has_no_destination() {
-    // Caught by the line while |cos t| < 0.9 and released behind each turn of it: twice in a period.
+    // Caught by the line while |cos t| < 0.9 and released behind each turn of it: twice in a
+    // period.
     let line = MovingLine { a: 0.9 };
     let (start, period) = ((0.3, [0.1]), 2.0 * PI);
     let found = destination(&line.any(), start, period, 12, 1e-9, &Options::default()).unwrap();

@@ -1,4 +1,5 @@
-//! Pulses far narrower than the steps that would do without them: in the force on a body that sticks, in one that slips, in Σ.
+//! Pulses far narrower than the steps that would do without them: in the force on a body that
+//! sticks, in one that slips, in Σ.
 
 use std::ops::ControlFlow;
 
@@ -266,7 +267,8 @@ impl Filippov<1> for Spike {
 fn a_boundary_that_comes_and_goes_in_no_time_is_met_twice() {
     for shape in SHAPES {
         for width in [0.1, 0.01, 0.001] {
-            // From x = 0 at t = 0: it is 0.03 at the spike, but for half its width, so that 0.97 of the 0.98 are needed.
+            // From x = 0 at t = 0: it is 0.03 at the spike, but for half its width, so that 0.97 of
+            // the 0.98 are needed.
             let half = width * shape.half_width(0.97 / 0.98);
             for method in [Method::Dop853, Method::Taylor] {
                 for digits in [4, 6, 8, 10, 12] {

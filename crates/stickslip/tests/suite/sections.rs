@@ -1,4 +1,5 @@
-//! Events of the user's own and Poincaré maps against closed forms: circles, cycles of known period, and differences.
+//! Events of the user's own and Poincaré maps against closed forms: circles, cycles of known
+//! period, and differences.
 
 use std::f64::consts::PI;
 
@@ -68,7 +69,8 @@ fn methods() -> [(Options, f64); 4] {
     ]
 }
 
-/// From 3 at rest [`Floor`]'s circles have radii 2.6, 1.8, 1 and 0.2 about ±0.4, half a turn each, and then it rests at -0.2.
+/// From 3 at rest [`Floor`]'s circles have radii 2.6, 1.8, 1 and 0.2 about ±0.4, half a turn each,
+/// and then it rests at -0.2.
 const START: [f64; 2] = [3.0, 0.0];
 
 /// When it passes 1, and which way.

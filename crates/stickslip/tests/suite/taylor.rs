@@ -1,4 +1,5 @@
-//! The Taylor stepper beyond what every stepper is tested for: exact to the last digits, nothing missed, kinks, memory.
+//! The Taylor stepper beyond what every stepper is tested for: exact to the last digits, nothing
+//! missed, kinks, memory.
 
 use std::f64::consts::PI;
 
@@ -148,7 +149,8 @@ fn a_kink_inside_a_step_is_seen_however_the_field_branches() {
             let start = State::from([x0, 0.0]);
             let orbit = solve(&Kink { by_value }, 0.0, start, 3.0, &taylor(1e-12)).expect("runs");
             let end = x0 + 3.0;
-            // Seen by a comparison, the kink costs nothing; by the field's value, as much as the tolerance leaves open.
+            // Seen by a comparison, the kink costs nothing; by the field's value, as much as the
+            // tolerance leaves open.
             let allowed = if by_value { 1e-9 } else { 1e-14 };
             assert!(
                 (orbit.x_end[1] - 0.5 * end * end).abs() <= allowed,
@@ -268,7 +270,8 @@ fn a_kink_at_the_very_start_or_throughout_holds_nothing_up() {
     }
 }
 
-/// `x = sin t` on a circle's diameter: the boundary is the distance from the centre, which has no series there, less the radius.
+/// `x = sin t` on a circle's diameter: the boundary is the distance from the centre, which has no
+/// series there, less the radius.
 pub struct Pit {
     pub radius: f64,
 }
@@ -301,7 +304,8 @@ impl Filippov<2> for Gate {
     }
 }
 
-/// Over the edge at `asin r` and back at `π − asin r`, both within the first step where that is long.
+/// Over the edge at `asin r` and back at `π − asin r`, both within the first step where that is
+/// long.
 fn out_and_back<S: Listed<2>>(system: &S, radius: f64) {
     for (tolerance, first_step, bound) in
         [(1e-3, 0.1, 2e-2), (1e-3, 3.0, 2e-2), (1e-14, 3.0, 1e-13)]
@@ -407,7 +411,8 @@ fn a_step_into_where_the_boundary_is_not_defined_hides_no_event() {
     }
 }
 
-/// A body in uniform motion, and a boundary that dents in a power of the time and is nowhere met: its series converges up to 1.
+/// A body in uniform motion, and a boundary that dents in a power of the time and is nowhere met:
+/// its series converges up to 1.
 pub struct Dent {
     power: i32,
 }
@@ -422,7 +427,8 @@ impl Filippov<1> for Dent {
     }
 }
 
-/// To any order that it has the series of a high power is a constant: what the boundary is at a step's end tells.
+/// To any order that it has the series of a high power is a constant: what the boundary is at a
+/// step's end tells.
 #[test]
 fn a_boundary_flatter_than_its_series_is_met() {
     for power in 8..=60 {
@@ -459,7 +465,8 @@ fn a_series_with_gaps_is_not_taken_for_one_that_ends() {
     }
 }
 
-/// Moves at the speed of one, through a boundary that bends too sharply for a series of it to tell from far away.
+/// Moves at the speed of one, through a boundary that bends too sharply for a series of it to tell
+/// from far away.
 pub struct Steep {
     kind: usize,
     steepness: f64,
@@ -576,7 +583,8 @@ fn a_boundary_that_grows_steeply_within_a_step_is_met_there_and_back() {
     }
 }
 
-/// At rest but for a push between 1 - 1/30 and 1 + 1/30, by as much as `1/(1 + 100 (t - 1)²)` is above 0.9; Σ is far away.
+/// At rest but for a push between 1 - 1/30 and 1 + 1/30, by as much as `1/(1 + 100 (t - 1)²)` is
+/// above 0.9; Σ is far away.
 pub struct Push;
 
 impl Filippov<1> for Push {
@@ -603,8 +611,8 @@ fn a_comparison_that_changes_there_and_back_within_a_step_is_not_passed_over() {
     }
 }
 
-/// An oscillator whose spring is four times as stiff above its place of rest as below; from time 500 on it is pushed up, ever harder, or pulled
-/// down at once. Σ is far away.
+/// An oscillator whose spring is four times as stiff above its place of rest as below; from time
+/// 500 on it is pushed up, ever harder, or pulled down at once. Σ is far away.
 pub struct Bilinear {
     rest: f64,
     damping: f64,
@@ -728,7 +736,8 @@ fn a_boundary_that_the_field_hides_and_that_holds_the_orbit_is_told() {
     }
 }
 
-/// A body that flies against a soft stop at `gap`, whose force goes on from zero: nothing holds it there.
+/// A body that flies against a soft stop at `gap`, whose force goes on from zero: nothing holds it
+/// there.
 pub struct SoftStop {
     pub gap: f64,
 }
@@ -759,7 +768,8 @@ impl Filippov<1> for Rectified {
     }
 }
 
-/// Where the state is rounded more coarsely than it passes the kink, or where kinks follow one another fast.
+/// Where the state is rounded more coarsely than it passes the kink, or where kinks follow one
+/// another fast.
 #[test]
 fn kinks_of_a_field_that_goes_on_hold_no_orbit() {
     for (gap, speed) in [(5000.0, 1.0), (1e5, 1.0), (1.0, 3e-5), (1.0, 1e-6)] {
@@ -817,7 +827,8 @@ fn a_kink_of_the_boundary_rejects_no_step() {
     }
 }
 
-/// A rotation, and a boundary that is nowhere met: it jumps, or is a small difference of large numbers.
+/// A rotation, and a boundary that is nowhere met: it jumps, or is a small difference of large
+/// numbers.
 pub struct Turn {
     jumps: bool,
 }

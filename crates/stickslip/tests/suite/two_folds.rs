@@ -1,4 +1,5 @@
-//! Two-folds: reached by sliding and by crossings, and no orbit of random systems that the two methods take differently.
+//! Two-folds: reached by sliding and by crossings, and no orbit of random systems that the two
+//! methods take differently.
 
 use stickslip::analysis::Visibility::{self, Invisible, Visible};
 use stickslip::statistics::SplitMix;
@@ -9,8 +10,9 @@ use stickslip::{
 
 use crate::any_system::solve;
 
-/// The normal form of a two-fold (Teixeira 1990): above `(-y, s⁺, V⁺)`, below `(z, V⁻, s⁻)`, Σ at x = 0, the two-fold at 0. Above
-/// it is visible for s⁺ = −1, below for s⁻ = −1. Where y, z > 0 orbits slide.
+/// The normal form of a two-fold (Teixeira 1990): above `(-y, s⁺, V⁺)`, below `(z, V⁻, s⁻)`, Σ at x
+/// = 0, the two-fold at 0. Above it is visible for s⁺ = −1, below for s⁻ = −1. Where y, z > 0
+/// orbits slide.
 pub struct Folds {
     pub s: [f64; 2],
     pub v: [f64; 2],
@@ -30,14 +32,16 @@ impl Filippov<3> for Folds {
 
 /// Random systems of three kinds, in one type so that the solver is compiled once.
 pub enum Random {
-    /// Quadratic fields with a cubic brake, which keeps orbits bounded: for each side and component a constant, three linear and six quadratic
-    /// coefficients. Σ is the plane x = 0, moved to and fro.
+    /// Quadratic fields with a cubic brake, which keeps orbits bounded: for each side and component
+    /// a constant, three linear and six quadratic coefficients. Σ is the plane x = 0, moved to and
+    /// fro.
     Quadratic {
         fields: Box<[[[f64; 10]; 3]; 2]>,
         moved: f64,
         at_rate: f64,
     },
-    /// A block on a belt under a load that is forced in time, which the third state is, and may become a pull: friction then drives.
+    /// A block on a belt under a load that is forced in time, which the third state is, and may
+    /// become a pull: friction then drives.
     Forced {
         force: f64,
         friction: f64,
@@ -195,7 +199,8 @@ fn sliding_orbits_end_at_a_two_fold_that_is_told_with_its_kind() {
 
 #[test]
 fn where_the_fields_agree_there_is_no_two_fold() {
-    // Both fields are (z, -1, -1) where y + z = 0: nothing happens to an orbit there that slides up to it.
+    // Both fields are (z, -1, -1) where y + z = 0: nothing happens to an orbit there that slides up
+    // to it.
     let folds = Folds {
         s: [-1.0, -1.0],
         v: [-1.0, -1.0],
@@ -209,7 +214,8 @@ fn where_the_fields_agree_there_is_no_two_fold() {
 
 #[test]
 fn an_open_set_of_sliding_orbits_ends_there_at_the_same_time_by_both_methods() {
-    // Both eigenvalues of the sliding flow are negative, and its slow direction lies where orbits slide.
+    // Both eigenvalues of the sliding flow are negative, and its slow direction lies where orbits
+    // slide.
     let (below, above, folds) = &SLIDING[0];
     let ends = |start: [f64; 3]| {
         methods().map(|options| {
@@ -259,7 +265,8 @@ fn who_wants_to_goes_on_to_a_side_that_is_visible() {
 
 #[test]
 fn crossings_that_spiral_in_end_at_the_two_fold() {
-    // A turn of two crossings halves this start, which lies on the stable direction of the return map; rounding grows by two.
+    // A turn of two crossings halves this start, which lies on the stable direction of the return
+    // map; rounding grows by two.
     let folds = Folds {
         s: [1.0, 1.0],
         v: [-1.125, -1.0],

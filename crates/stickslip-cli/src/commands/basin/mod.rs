@@ -109,8 +109,8 @@ impl Basin {
             let name = &system.file.states[range.state].name;
             if arguments.run.start.sets(name) {
                 return Err(Failure::Usage(format!(
-                    "--start {name}=… has no effect: the starts go through {name} from {} to {}; leave it out, or choose another plane with --x \
-                     and --y",
+                    "--start {name}=… has no effect: the starts go through {name} from {} to {}; \
+                     leave it out, or choose another plane with --x and --y",
                     range.low, range.high
                 )));
             }

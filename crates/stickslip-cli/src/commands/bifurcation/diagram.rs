@@ -144,8 +144,9 @@ impl Bifurcation {
             .collect();
         let title = format!("{}: bifurcation diagram", system.file.name);
         let description = format!(
-            "Attractors of {} over {} from {} to {}, followed up and down: {} at the points of the section, durations of stick, and the largest \
-             Lyapunov exponent; lines where changes were located.",
+            "Attractors of {} over {} from {} to {}, followed up and down: {} at the points of the \
+             section, durations of stick, and the largest Lyapunov exponent; lines where changes \
+             were located.",
             system.file.name, range.name, range.low, range.high, first.name
         );
         // Points at the ends of the range stay inside the frame.

@@ -21,23 +21,24 @@ pub(super) fn figure(findings: &Findings, name: &str) -> Figure {
     let spectrum = &findings.spectrum;
     let title = format!("Lyapunov spectrum of {name}");
     let mut description = format!(
-        "Left: running means of {} exponents over time. Right: singular values of neighbourhoods over their radius, both \
-         logarithmic; {} of them grow in proportion to it.",
+        "Left: running means of {} exponents over time. Right: singular values of neighbourhoods \
+         over their radius, both logarithmic; {} of them grow in proportion to it.",
         spectrum.exponents.len(),
         spectrum.dimension
     );
     let mut rows: Vec<Vec<Panel>> = vec![vec![convergence(findings), sizes(spectrum)]];
     if let Some(embedded) = &findings.embedded {
         description += &format!(
-            " Below: mutual information over the lag, with the delay {}; false neighbours and Cao's averages over the number of delayed \
-             values, with the number {} chosen.",
+            " Below: mutual information over the lag, with the delay {}; false neighbours and \
+             Cao's averages over the number of delayed values, with the number {} chosen.",
             embedded.choice.embedding.delay, embedded.choice.embedding.dimension
         );
         rows.push(vec![delays(embedded), dimensions(embedded)]);
     }
     let mut opinions = Vec::new();
     if let Some(curves) = &findings.divergence {
-        description += " Mean logarithm of the distance of neighbours over time, with the straight parts whose slopes are exponents.";
+        description += " Mean logarithm of the distance of neighbours over time, with the straight \
+            parts whose slopes are exponents.";
         opinions.push(partings(curves));
     }
     if let Some(test) = &findings.surrogates {

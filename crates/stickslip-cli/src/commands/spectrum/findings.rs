@@ -108,18 +108,15 @@ impl Findings {
         }
         text.push('\n');
         let by_rank = format!("by rank {}", spectrum.fixed_rank);
-        let mut row = |index: &str,
-                       numbers: [&str; 3],
-                       status,
-                       fixed: &str,
-                       direction,
-                       slope: &str| {
-            let [exponent, stderr, sensitivity] = numbers;
-            let _ = writeln!(
-                text,
-                "{index:>5}  {exponent:>12}  {stderr:>10}  {sensitivity:>15}  {status:<13} {fixed:>15}  {direction:<10} {slope:>5}"
-            );
-        };
+        let mut row =
+            |index: &str, numbers: [&str; 3], status, fixed: &str, direction, slope: &str| {
+                let [exponent, stderr, sensitivity] = numbers;
+                let _ = writeln!(
+                    text,
+                    "{index:>5}  {exponent:>12}  {stderr:>10}  {sensitivity:>15}  {status:<13} \
+                    {fixed:>15}  {direction:<10} {slope:>5}"
+                );
+            };
         let names = ["exponent", "stderr", "eps_sensitivity"];
         row("index", names, "status", &by_rank, "direction", "slope");
         for (i, exponent) in spectrum.exponents.iter().enumerate() {
@@ -142,8 +139,10 @@ impl Findings {
         }
         let _ = writeln!(
             text,
-            "\n{} tangent direction{}: {}; a value in brackets is none of the system's.\n\
-             {}; eps_sensitivity is the change with neighbourhoods of twice the size, a measure of bias.\n\
+            "\n\
+             {} tangent direction{}: {}; a value in brackets is none of the system's.\n\
+             {}; eps_sensitivity is the change with neighbourhoods of twice the size, a measure of \
+             bias.\n\
              Exponents are {UNIT}.",
             spectrum.dimension,
             if spectrum.dimension == 1 { "" } else { "s" },
@@ -168,8 +167,8 @@ impl Findings {
         let (counts, settings) = (&spectrum.neighbours, &spectrum.settings);
         let _ = writeln!(
             text,
-            "{} reference points, {} starved; residual ratio {}; neighbours {} to {}, median {}; mean eps {} ({} of the spread); \
-             {}, Theiler window {}, step {}, {}",
+            "{} reference points, {} starved; residual ratio {}; neighbours {} to {}, median {}; \
+             mean eps {} ({} of the spread); {}, Theiler window {}, step {}, {}",
             spectrum.references,
             spectrum.starved,
             short(spectrum.residual_ratio),
@@ -216,7 +215,8 @@ impl Findings {
         if !around_zero.is_empty() {
             let plural = if around_zero.len() > 1 { "s" } else { "" };
             notes.push(format!(
-                "Zero is within two stderr of exponent{plural} {}: that it is ok says nothing of its sign.",
+                "Zero is within two stderr of exponent{plural} {}: that it is ok says nothing of \
+                    its sign.",
                 around_zero.join(", ")
             ));
         }
@@ -224,7 +224,8 @@ impl Findings {
         let is_any_ok = (0..spectrum.exponents.len()).any(|i| self.is_ok(i));
         if is_any_ok && rows < COUNTED_POINTS && spectrum.sizes.is_some() {
             notes.push(format!(
-                "What ok is worth was counted on series of {COUNTED_POINTS} points and more, and not on {rows}."
+                "What ok is worth was counted on series of {COUNTED_POINTS} points and more, and \
+                    not on {rows}."
             ));
         }
         notes
@@ -262,8 +263,9 @@ fn estimator(spectrum: &DataSpectrum) -> String {
         .collect();
     let ([few, many], [smaller, larger]) = (sizes.neighbours, sizes.radius.map(short));
     format!(
-        "Extrapolated to size zero from {} maps of {few} and {many} neighbours, mean distance {smaller} and {larger}; by Sano-Sawada, Eqs. (25) and \
-         (26), no correction: {}.\nstderr holds scatter over time and extrapolation",
+        "Extrapolated to size zero from {} maps of {few} and {many} neighbours, mean distance \
+         {smaller} and {larger}; by Sano-Sawada, Eqs. (25) and (26), no correction: {}.\n\
+         stderr holds scatter over time and extrapolation",
         sizes.degree.word(),
         uncorrected.join(", ")
     )
@@ -299,7 +301,8 @@ impl Embedded {
             None => format!("none up to {}", choice.dimensions.len()),
         };
         format!(
-            "embedded: {} values of {} with a delay of {} points ({}); dimension: {}; by Cao's method {cao}\n",
+            "embedded: {} values of {} with a delay of {} points ({}); dimension: {}; by Cao's \
+                method {cao}\n",
             choice.embedding.dimension,
             columns.join(" and of "),
             choice.embedding.delay,
@@ -333,7 +336,8 @@ impl Embedded {
             which => format!("; not told: {which}"),
         };
         format!(
-            "The system's exponents: {}; the embedding's own: {}{unknown} (by the fit of rank {}{reversed}).\n",
+            "The system's exponents: {}; the embedding's own: {}{unknown} (by the fit of rank \
+                {}{reversed}).\n",
             or_none(system),
             or_none(spurious),
             spectrum.fixed_rank
@@ -361,7 +365,8 @@ fn against_divergence(spectrum: &DataSpectrum, divergence: f64, balance: &Balanc
             };
             let sum = with_error((sum, stderr));
             format!(
-                "With the divergence {divergence} the {which} that the data do not tell must {must} {sum}.\n"
+                "With the divergence {divergence} the {which} that the data do not tell must \
+                    {must} {sum}.\n"
             )
         }
         Balance::Unknown => {
@@ -384,7 +389,9 @@ fn by_divergence(divergence: &Divergence) -> String {
         format!(" (scatter over blocks of points alone; straight from t = {from} to {to})")
     });
     format!(
-        "Largest exponent by diverging neighbours, fitting no maps:\n  Rosenstein  {}{part}\n  Kantz       {}\n",
+        "Largest exponent by diverging neighbours, fitting no maps:\n  \
+            Rosenstein  {}{part}\n  \
+            Kantz       {}\n",
         opinion(divergence.by_rosenstein()),
         opinion(divergence.by_kantz())
     )
@@ -404,7 +411,8 @@ fn against_surrogates(test: &SurrogateTest) -> String {
         "the series is not told from linear noise: a positive exponent may be the noise's"
     };
     format!(
-        "Surrogates (amplitude-adjusted, {}): {verdict}, p = {:.3}; unpredicted part {} against {}, first exponent {} against {}\n",
+        "Surrogates (amplitude-adjusted, {}): {verdict}, p = {:.3}; unpredicted part {} against \
+            {}, first exponent {} against {}\n",
         test.surrogates.len(),
         test.p,
         short(test.series.residual),

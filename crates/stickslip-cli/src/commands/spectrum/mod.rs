@@ -24,9 +24,10 @@ use findings::{Embedded, Findings};
 /// The first random number of the surrogates, so that two runs find the same.
 const SEED: u64 = 19_920_901;
 
-const ABOUT: &str = "Lyapunov exponents of a time series: maps fitted to neighbours of each point at two sizes, chained along the series and \
-    extrapolated to size zero. Tells which of the exponents the data determine. --estimator sano-sawada is the method of Sano and Sawada, \
-    linear maps of one size.";
+const ABOUT: &str = "Lyapunov exponents of a time series: maps fitted to neighbours of each point \
+    at two sizes, chained along the series and extrapolated to size zero. Tells which of the \
+    exponents the data determine. --estimator sano-sawada is the method of Sano and Sawada, linear \
+    maps of one size.";
 
 /// With `--help`.
 const AFTER: &str = include_str!("help.txt").trim_ascii_end();
@@ -219,8 +220,9 @@ impl Arguments {
             if self.eps.is_some() {
                 let twice = count.saturating_mul(2);
                 return Err(Failure::Usage(format!(
-                    "--neighbours {count} takes the nearest {count} points and no ball, so that --eps has no meaning; give a range such \
-                     as --neighbours {count}-{twice}, or no --eps"
+                    "--neighbours {count} takes the nearest {count} points and no ball, so that \
+                     --eps has no meaning; give a range such as --neighbours {count}-{twice}, or \
+                     no --eps"
                 )));
             }
             settings.neighbours = Neighbourhood::Nearest(count);

@@ -34,23 +34,29 @@ pub(super) fn all(findings: &Findings, source: &Table, arguments: &Arguments) ->
     // Whatever else there is to say follows from it.
     if findings.is_noise() {
         warnings.push(
-            "Cao's E2 is 1 with any number of delayed values: the next value does not depend on those before, as in noise".into(),
+            "Cao's E2 is 1 with any number of delayed values: the next value does not depend on \
+                those before, as in noise"
+                .into(),
         );
     }
     warnings.extend(starved(spectrum));
     warnings.extend(with_status(spectrum, Status::Unpredictable).map(|which| format!(
-        "the maps do not predict the next state (residual ratio {}, 1 is noise), so that {which} none of a deterministic \
-         system: give all columns of the state, or for noisy data more --neighbours",
+        "the maps do not predict the next state (residual ratio {}, 1 is noise), so that {which} \
+         none of a deterministic system: give all columns of the state, or for noisy data more \
+         --neighbours",
         short(spectrum.residual_ratio)
     )));
     warnings.extend(with_status(spectrum, Status::Noisy).map(|which| format!(
-        "{which} noisy: noise of the size of what the maps leave unpredicted may flatten them by more than two errors: give more \
-         --neighbours, values with less noise, or a longer --step"
+        "{which} noisy: noise of the size of what the maps leave unpredicted may flatten them by \
+         more than two errors: give more --neighbours, values with less noise, or a longer --step"
     )));
-    warnings.extend(with_status(spectrum, Status::Undetermined).map(|which| format!(
-        "{which} undetermined: at more than 1 % of the reference points the neighbours do not determine the maps that are \
-         extrapolated, as where values lie on a grid: give values with more digits, more points, or more --neighbours"
-    )));
+    warnings.extend(with_status(spectrum, Status::Undetermined).map(|which| {
+        format!(
+            "{which} undetermined: at more than 1 % of the reference points the neighbours do not \
+         determine the maps that are extrapolated, as where values lie on a grid: give values with \
+         more digits, more points, or more --neighbours"
+        )
+    }));
     warnings.extend(on_a_grid(spectrum, source));
     warnings.extend(unstable(spectrum));
     warnings.extend(disagreements(findings));
@@ -59,8 +65,9 @@ pub(super) fn all(findings: &Findings, source: &Table, arguments: &Arguments) ->
     warnings.extend(short_of_references(spectrum));
     warnings.extend(standing_still(findings, source));
     warnings.extend(source.period().map(|period| format!(
-        "every row comes again {period} rows later: the series holds {period} different states, between which it tells nothing, however \
-         long it is; of a periodic motion take a time step that does not go into the period, of a map this is its cycle"
+        "every row comes again {period} rows later: the series holds {period} different states, \
+         between which it tells nothing, however long it is; of a periodic motion take a time step \
+         that does not go into the period, of a map this is its cycle"
     )));
     warnings.extend(wrapped(source));
     warnings.extend(source.notes.iter().cloned());
@@ -88,8 +95,9 @@ fn starved(spectrum: &DataSpectrum) -> Option<String> {
         (Neighbourhood::Ball { min, .. }, Some(sizes)) => {
             let [few, _] = sizes.neighbours;
             format!(
-                "there the {few} nearest points, the smaller neighbourhood, reach farther than 1.5 --eps, on average to {} of the spread: give more \
-                 points{} (a larger --eps would take the same ones and only remove this warning)",
+                "there the {few} nearest points, the smaller neighbourhood, reach farther than 1.5 \
+                 --eps, on average to {} of the spread: give more points{} (a larger --eps would \
+                 take the same ones and only remove this warning)",
                 short(sizes.radius[0] / spectrum.spread),
                 if few == min {
                     " or fewer --neighbours"
@@ -99,16 +107,19 @@ fn starved(spectrum: &DataSpectrum) -> Option<String> {
             )
         }
         (Neighbourhood::Ball { min, max, .. }, None) => format!(
-            "the ball held fewer than {min} neighbours and the nearest {min} were taken; mean eps is {} of the spread: give {}",
+            "the ball held fewer than {min} neighbours and the nearest {min} were taken; mean eps \
+                is {} of the spread: give {}",
             short(spectrum.mean_eps / spectrum.spread),
             if max > min {
                 "a larger --eps, fewer --neighbours, or more points"
             } else {
-                "more points or fewer --neighbours (a larger --eps would take the same neighbours and only remove this warning)"
+                "more points or fewer --neighbours (a larger --eps would take the same neighbours \
+                    and only remove this warning)"
             }
         ),
         (Neighbourhood::Nearest(k), _) => format!(
-            "there are no {k} neighbours: give fewer --neighbours, a smaller --theiler, or more points"
+            "there are no {k} neighbours: give fewer --neighbours, a smaller --theiler, or more \
+                points"
         ),
     };
     Some(format!(
@@ -126,8 +137,9 @@ fn on_a_grid(spectrum: &DataSpectrum, source: &Table) -> Option<String> {
         format!(", and {which} minus infinity, as neighbours that fall on one value look")
     });
     Some(format!(
-        "column {} has only {} different values{step}, as rounded ones or those of few bits{annihilated}: the rounding acts as noise of \
-         0.3 of that distance, of which stderr knows nothing; give values with more digits",
+        "column {} has only {} different values{step}, as rounded ones or those of few \
+         bits{annihilated}: the rounding acts as noise of 0.3 of that distance, of which stderr \
+         knows nothing; give values with more digits",
         source.names[grid.column], grid.values
     ))
 }
@@ -151,8 +163,9 @@ fn unstable(spectrum: &DataSpectrum) -> Option<String> {
         _ => "",
     };
     Some(format!(
-        "{which} unstable, which is said of the estimate: it changes with the size of the neighbourhoods, {by} and 5 %, which is bias: try a \
-         smaller --step, fewer --neighbours, {affine}{quadratic}or more points"
+        "{which} unstable, which is said of the estimate: it changes with the size of the \
+         neighbourhoods, {by} and 5 %, which is bias: try a smaller --step, fewer --neighbours, \
+         {affine}{quadratic}or more points"
     ))
 }
 
@@ -168,8 +181,9 @@ fn unbalanced(findings: &Findings) -> Option<String> {
         return None;
     };
     Some(format!(
-        "the exponents add up to {}, which is {} ± {} from the divergence {}: the columns are not the state, --dt is not the time \
-         between two lines, or one of the exponents is off: try more points or a smaller --step",
+        "the exponents add up to {}, which is {} ± {} from the divergence {}: the columns are not \
+         the state, --dt is not the time between two lines, or one of the exponents is off: try \
+         more points or a smaller --step",
         short(findings.spectrum.sum.0),
         short(excess),
         short(stderr),
@@ -186,8 +200,9 @@ fn embedding(findings: &Findings) -> Vec<String> {
     let choice = &embedded.choice;
     if choice.dimension_reason == DimensionReason::FewestFalse {
         warnings.push(format!(
-            "at least 1 % of the nearest neighbours are false with any number of delayed values up to {}: noise, or more dimensions than \
-             that: give a filtered series, more columns, or --dimension",
+            "at least 1 % of the nearest neighbours are false with any number of delayed values up \
+             to {}: noise, or more dimensions than that: give a filtered series, more columns, or \
+             --dimension",
             choice.dimensions.len()
         ));
     }
@@ -209,8 +224,8 @@ fn standing_still(findings: &Findings, source: &Table) -> Option<String> {
     let states: usize = stretches.map(|rows| rows.saturating_sub(reach + 1)).sum();
     (states as f64 > STANDING * rows.len() as f64).then(|| {
         format!(
-            "{states} states are the same as those before them, as of a system that rests or of values that are held: no distance grows \
-             there; leave them out"
+            "{states} states are the same as those before them, as of a system that rests or of \
+             values that are held: no distance grows there; leave them out"
         )
     })
 }
@@ -228,7 +243,8 @@ fn counting(source: &Table) -> Vec<String> {
             others => format!("leave it out with --columns {}", others.join(",")),
         };
         format!(
-            "column {} goes on evenly by {} from row to row, as a time or an index does, and is used as part of the state: {remedy}",
+            "column {} goes on evenly by {} from row to row, as a time or an index does, and is \
+                used as part of the state: {remedy}",
             source.names[column],
             short(step)
         )
@@ -252,8 +268,8 @@ fn disagreements(findings: &Findings) -> Vec<String> {
             let far = difference * difference > COMBINED_ERRORS * COMBINED_ERRORS * variance;
             (findings.is_ok(i) && far).then(|| {
                 format!(
-                    "exponent {}: the fit of rank {} gives {} instead of {}; the two disagree: treat both as uncertain by their \
-                     difference",
+                    "exponent {}: the fit of rank {} gives {} instead of {}; the two disagree: \
+                     treat both as uncertain by their difference",
                     i + 1,
                     spectrum.fixed_rank,
                     short(value),
@@ -272,8 +288,9 @@ fn short_of_references(spectrum: &DataSpectrum) -> Option<String> {
     let wanted = settings.theiler.unwrap_or(0).saturating_mul(WINDOWS);
     (reach < wanted).then(|| {
         format!(
-            "the {references} reference points reach over {reach} points, less than {WINDOWS} Theiler windows, which are {wanted}: of so short a piece of an \
-             orbit even ok is worth less; give {} --references or more",
+            "the {references} reference points reach over {reach} points, less than {WINDOWS} \
+             Theiler windows, which are {wanted}: of so short a piece of an orbit even ok is worth \
+             less; give {} --references or more",
             wanted.div_ceil(settings.step).saturating_mul(chains)
         )
     })
@@ -292,8 +309,9 @@ fn wrapped(source: &Table) -> Option<String> {
         let mut pairs = values().zip(values().skip(1));
         pairs.find(|(one, next)| (*one - *next).abs() > 0.5 * (high - low))?;
         Some(format!(
-            "column {name} fills a whole turn of {turn}, as an angle does that is taken back by a turn: neighbours on either side of the jump are torn \
-             apart, and ok is worth nothing: give the angle's sine and cosine instead"
+            "column {name} fills a whole turn of {turn}, as an angle does that is taken back by a \
+             turn: neighbours on either side of the jump are torn apart, and ok is worth nothing: \
+             give the angle's sine and cosine instead"
         ))
     })
 }
@@ -315,12 +333,13 @@ fn without_effect(arguments: &Arguments, findings: &Findings) -> Vec<String> {
         );
         notes.push(match spectrum.sizes {
             Some(_) => format!(
-                "--eps changes no extrapolated exponent, which comes from nearest points, however far; it only says which points are called starved: \
-                 give other --neighbours than {min}, or --estimator sano-sawada with {range}"
+                "--eps changes no extrapolated exponent, which comes from nearest points, however \
+                 far; it only says which points are called starved: give other --neighbours than \
+                 {min}, or --estimator sano-sawada with {range}"
             ),
             None => format!(
-                "--eps changes no neighbour where the fewest and the most are both {min}; it only says which points are called starved: \
-                 give {range}"
+                "--eps changes no neighbour where the fewest and the most are both {min}; it only \
+                 says which points are called starved: give {range}"
             ),
         });
     }
@@ -328,13 +347,13 @@ fn without_effect(arguments: &Arguments, findings: &Findings) -> Vec<String> {
     if let Some(delay) = arguments.delay.filter(|_| !is_delayed) {
         notes.push(if arguments.dimension == Some(1) {
             format!(
-                "--delay {delay} changes nothing with --dimension 1, which takes the columns as they are: give --dimension 2 or more, or \
-                 leave it out"
+                "--delay {delay} changes nothing with --dimension 1, which takes the columns as \
+                 they are: give --dimension 2 or more, or leave it out"
             )
         } else {
             format!(
-                "--delay {delay} changes nothing, as less than 1 % of the nearest neighbours are false without delayed values: give --dimension 2 or \
-                 more, or leave it out"
+                "--delay {delay} changes nothing, as less than 1 % of the nearest neighbours are \
+                 false without delayed values: give --dimension 2 or more, or leave it out"
             )
         });
     }
@@ -348,11 +367,13 @@ fn without_effect(arguments: &Arguments, findings: &Findings) -> Vec<String> {
     let idle = [
         (
             arguments.degree.is_some() && !is_extrapolated,
-            "--degree changes nothing where nothing is extrapolated: the maps of Eqs. (25) and (26) are linear",
+            "--degree changes nothing where nothing is extrapolated: the maps of Eqs. (25) and \
+                (26) are linear",
         ),
         (
             arguments.ridge > 0.0 && is_extrapolated,
-            "--ridge changes no extrapolated exponent, only the fits of Eq. (25) beside it: give --estimator sano-sawada, or leave it out",
+            "--ridge changes no extrapolated exponent, only the fits of Eq. (25) beside it: give \
+                --estimator sano-sawada, or leave it out",
         ),
         (
             arguments.affine && is_delayed,
@@ -360,7 +381,8 @@ fn without_effect(arguments: &Arguments, findings: &Findings) -> Vec<String> {
         ),
         (
             arguments.divergence.is_some() && is_delayed,
-            "--divergence changes nothing with delayed values, some of whose exponents may be none of the system's",
+            "--divergence changes nothing with delayed values, some of whose exponents may be none \
+                of the system's",
         ),
     ];
     notes.extend(

@@ -11,7 +11,8 @@ use crate::math;
 /// The ellipsoid is larger than the orbit needs by this, which leaves room for rounding.
 const ROOM: f64 = 1.0 + 1e-6;
 
-/// Part of the decay near the equilibrium that the field's nonlinearity may take away, and part that rounding of the equilibrium may.
+/// Part of the decay near the equilibrium that the field's nonlinearity may take away, and part
+/// that rounding of the equilibrium may.
 const MOST_TAKEN: f64 = 0.9;
 const MOST_ROUNDED: f64 = 0.05;
 
@@ -25,8 +26,8 @@ const STEPS: u32 = 16;
 /// Systems of more states are not asked: the equations for `P` are as many as its entries.
 const MOST_STATES: usize = 12;
 
-/// A neighbourhood of an equilibrium out of which no orbit in slip gets: each comes to the equilibrium without another event, though it may be
-/// far from it yet.
+/// A neighbourhood of an equilibrium out of which no orbit in slip gets: each comes to the
+/// equilibrium without another event, though it may be far from it yet.
 pub(super) struct Trap {
     /// The equilibrium.
     pub x: Vector,
@@ -37,14 +38,16 @@ pub(super) struct Trap {
 }
 
 impl Trap {
-    /// The largest of some sizes that is proven around an equilibrium near `at`; the first is that which the orbit there needs. States stay
-    /// within `escape`.
+    /// The largest of some sizes that is proven around an equilibrium near `at`; the first is that
+    /// which the orbit there needs. States stay within `escape`.
     ///
-    /// Near a stable equilibrium `x` the function `V(y) = yᵀPy` with `JᵀP + PJ = −1` falls along the linear flow (Lyapunov). The field at `x + y`
-    /// is `A y`, where `A` is the mean of the Jacobian on the way from `x`; so `V` falls along the flow itself wherever `A` differs little enough
-    /// from `J`. Over the box around an ellipsoid on which `V` is constant, intervals tell by how much it differs, and that no boundary is met.
-    /// The ellipsoid then is never left, and `V` falls to what rounding leaves. Bounds of intervals are not rounded outward; a tenth of the decay
-    /// is room for that.
+    /// Near a stable equilibrium `x` the function `V(y) = yᵀPy` with `JᵀP + PJ = −1` falls along
+    /// the linear flow (Lyapunov). The field at `x + y` is `A y`, where `A` is the mean of the
+    /// Jacobian on the way from `x`; so `V` falls along the flow itself wherever `A` differs little
+    /// enough from `J`. Over the box around an ellipsoid on which `V` is constant, intervals tell
+    /// by how much it differs, and that no boundary is met. The ellipsoid then is never left, and
+    /// `V` falls to what rounding leaves. Bounds of intervals are not rounded outward; a tenth of
+    /// the decay is room for that.
     pub fn near(system: &dyn Dynamics, mode: Modes, at: &Moment, escape: f64) -> Option<Self> {
         let n = system.states();
         // While a contact sticks, what ends that takes derivatives, which intervals do not have.
@@ -95,8 +98,9 @@ impl Trap {
     }
 }
 
-/// The largest level in steps downwards from one for which the claim holds, if it holds for all smaller ones, too. The claim of a trap does, but
-/// for what rounding of the equilibrium leaves; where a smaller level fails for that, one that holds may be missed.
+/// The largest level in steps downwards from one for which the claim holds, if it holds for all
+/// smaller ones, too. The claim of a trap does, but for what rounding of the equilibrium leaves;
+/// where a smaller level fails for that, one that holds may be missed.
 fn largest(from: f64, claim: impl Fn(f64) -> bool) -> Option<f64> {
     let level = |step: u32| from * math::powi(SMALLER * SMALLER, step as i32);
     if claim(from) {
@@ -132,8 +136,8 @@ fn stays_clear(system: &dyn Dynamics, mode: Modes, at: &Moment, radius: &[f64]) 
         .is_clear(ever, &around(&at.x, radius, 1.0))
 }
 
-/// By how much the mean of the Jacobian on a straight way from a state into the box around it differs from the one given: each part of the ways
-/// lies in a smaller box.
+/// By how much the mean of the Jacobian on a straight way from a state into the box around it
+/// differs from the one given: each part of the ways lies in a smaller box.
 fn differs(
     system: &dyn Dynamics,
     mode: Modes,
@@ -173,7 +177,8 @@ fn attracts(jacobian: &Matrix) -> bool {
     multipliers(jacobian).iter().all(|value| value.re < bound)
 }
 
-/// A quadratic function that falls along a linear flow: `P` of `JᵀP + PJ = −1`. Of any number of states, so that it is compiled once.
+/// A quadratic function that falls along a linear flow: `P` of `JᵀP + PJ = −1`. Of any number of
+/// states, so that it is compiled once.
 struct Falling {
     weights: Matrix,
     inverse: Matrix,

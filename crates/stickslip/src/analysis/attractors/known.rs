@@ -17,15 +17,17 @@ const MOMENTS: usize = 32;
 ///
 /// Two orbits have come to the same one if they have come to the same kind of motion, and
 /// - at an equilibrium, to the same point;
-/// - at a set of equilibria, to points between which (on a straight line, laid onto the boundary) there are only further ones; with a drive, at 32
-///   moments of its period;
+/// - at a set of equilibria, to points between which (on a straight line, laid onto the boundary)
+///   there are only further ones; with a drive, at 32 moments of its period;
 /// - on a periodic orbit, to the same points of the section in the same order, with the same cycle
 ///   of phases; or, where a multiplier besides the trivial one is 1, to two of one family, of which
 ///   another one lies midway between them;
-/// - on a recurrent one, to points of which nearly all lie near (5 % of their extent) to one of the other's.
+/// - on a recurrent one, to points of which nearly all lie near (5 % of their extent) to one of the
+///   other's.
 ///
-/// Points are the same within so many times [`super::RecurrenceSettings::closeness`] of their size. Escapes are one, failures are one, and so
-/// are those that stay undecided, and ends where the future is not unique.
+/// Points are the same within so many times [`super::RecurrenceSettings::closeness`] of their size.
+/// Escapes are one, failures are one, and so are those that stay undecided, and ends where the
+/// future is not unique.
 ///
 /// ```
 /// use stickslip::Options;
@@ -69,7 +71,8 @@ impl<'a> Attractors<'a> {
         }
     }
 
-    /// The number, counted from 0, of the attractor that an orbit has come to; the next one if it is a new one.
+    /// The number, counted from 0, of the attractor that an orbit has come to; the next one if it
+    /// is a new one.
     pub fn number(&mut self, mut reached: Reached) -> usize {
         let known = self
             .found
@@ -220,7 +223,8 @@ impl<'a> Attractors<'a> {
         })
     }
 
-    /// Whether a mode holds at a point of rest, with a drive through its whole period: at as many moments of it.
+    /// Whether a mode holds at a point of rest, with a drive through its whole period: at as many
+    /// moments of it.
     fn holds(&self, mode: Modes, at: &Moment) -> bool {
         let Some(period) = self.forcing else {
             return holds(&*self.system, mode, at);

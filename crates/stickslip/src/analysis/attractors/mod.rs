@@ -21,21 +21,25 @@ use search::Search;
 
 /// When an orbit is said to have come to an attractor.
 ///
-/// Points of the section repeat if the last `p` of them are each near to the one `p` before, and what was left of the way to it, from the
-/// ratio of two differences `p` apart, is little as well: so points that creep do not pass for a pattern. The shortest such `p` is taken.
-/// One point that is met again to the last bits is enough, for its future is the same.
-/// The points' tags count, too: what transitions there were since the point before.
+/// Points of the section repeat if the last `p` of them are each near to the one `p` before, and
+/// what was left of the way to it, from the ratio of two differences `p` apart, is little as well:
+/// so points that creep do not pass for a pattern. The shortest such `p` is taken. One point that
+/// is met again to the last bits is enough, for its future is the same. The points' tags count,
+/// too: what transitions there were since the point before.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RecurrenceSettings {
     /// After so much time it is undecided.
     pub longest: f64,
-    /// Part of a component's size within which two states are the same. To it some hundred tolerances of the solver are added. Default 1e-6.
+    /// Part of a component's size within which two states are the same. To it some hundred
+    /// tolerances of the solver are added. Default 1e-6.
     pub closeness: f64,
     /// Patterns of more returns than this are not looked for. Default 64.
     pub most_returns: usize,
-    /// The period of the forcing, in a system that depends on time; the section is then a strobe, unless it is the user's own. Default `None`.
+    /// The period of the forcing, in a system that depends on time; the section is then a strobe,
+    /// unless it is the user's own. Default `None`.
     pub forcing: Option<f64>,
-    /// Points of the section that are kept of an orbit that does not close, and needed to call it recurrent. Default 400.
+    /// Points of the section that are kept of an orbit that does not close, and needed to call it
+    /// recurrent. Default 400.
     pub kept: usize,
 }
 
@@ -87,18 +91,19 @@ impl RecurrenceSettings {
     }
 }
 
-/// The attractor that the orbit from `x0` at time 0 comes to. No list of attractors is needed, and no section: its points are the
-/// transitions of the orbit, or the strobe of the forcing, or, for an orbit that meets no boundary for long, where the first state
-/// turns back.
+/// The attractor that the orbit from `x0` at time 0 comes to. No list of attractors is needed, and
+/// no section: its points are the transitions of the orbit, or the strobe of the forcing, or, for
+/// an orbit that meets no boundary for long, where the first state turns back.
 ///
-/// An orbit that slips is known to come to rest before it is near: as soon as a quadratic Lyapunov function, its decay proved by intervals,
-/// shows that nothing can keep it from the equilibrium.
+/// An orbit that slips is known to come to rest before it is near: as soon as a quadratic Lyapunov
+/// function, its decay proved by intervals, shows that nothing can keep it from the equilibrium.
 ///
-/// Recognising attractors by recurrence goes back to Datseris & Wagemakers, *Chaos* 32 (2022) 023104; here the events take the place of their
-/// grid.
+/// Recognising attractors by recurrence goes back to Datseris & Wagemakers, *Chaos* 32 (2022)
+/// 023104; here the events take the place of their grid.
 ///
 /// # Errors
-/// Those of [`crate::Integration::new`]; [`Error::Option`] for a setting that is not allowed. What goes wrong later is a [`Kind`].
+/// Those of [`crate::Integration::new`]; [`Error::Option`] for a setting that is not allowed. What
+/// goes wrong later is a [`Kind`].
 ///
 /// ```
 /// use stickslip::analysis::{Kind, RecurrenceSettings, attractor};

@@ -9,7 +9,8 @@ use crate::filippov::{TransitionKind, TwoFold};
 /// What kind of motion an orbit has come to.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Kind {
-    /// An equilibrium of slip, or of the sliding field in stick, that attracts all around it on its set.
+    /// An equilibrium of slip, or of the sliding field in stick, that attracts all around it on its
+    /// set.
     Equilibrium,
     /// Rest at one of a whole set of equilibria, as a block that friction holds on a floor.
     EquilibriumSet,
@@ -20,8 +21,9 @@ pub enum Kind {
         /// Period.
         period: f64,
     },
-    /// Quasi-periodic or chaotic: the points of the section return to everywhere that they have been, and no pattern of them repeats.
-    /// Which of the two it is, exponents tell ([`crate::analysis::motion`]).
+    /// Quasi-periodic or chaotic: the points of the section return to everywhere that they have
+    /// been, and no pattern of them repeats. Which of the two it is, exponents tell
+    /// ([`crate::analysis::motion`]).
     Recurrent,
     /// A component passed the escape bound of the options.
     Escape,
@@ -64,21 +66,25 @@ pub struct Reached {
     /// Of a periodic orbit that has a number, the dimension of the family that it is one of; see
     /// [`super::Attractors::number`] and [`super::Attractors::family`].
     pub family: Option<usize>,
-    /// Of a periodic orbit the points of the section in one period; of an equilibrium that point alone, refined; otherwise the last points.
+    /// Of a periodic orbit the points of the section in one period; of an equilibrium that point
+    /// alone, refined; otherwise the last points.
     pub points: Vec<Moment>,
-    /// Of a periodic orbit the phases that ended in one period, in order of time; otherwise the last phases.
+    /// Of a periodic orbit the phases that ended in one period, in order of time; otherwise the
+    /// last phases.
     pub phases: Vec<Phase>,
-    /// The transitions of these phases with the contact that each begins at; in several contacts, and where contact is lost and gained, there is
-    /// more to them than to the modes.
+    /// The transitions of these phases with the contact that each begins at; in several contacts,
+    /// and where contact is lost and gained, there is more to them than to the modes.
     pub transitions: Vec<(TransitionKind, usize)>,
-    /// Part of the time of these phases in which a contact sticks; at rest, and without phases, 1 or 0 by the mode at the end.
+    /// Part of the time of these phases in which a contact sticks; at rest, and without phases, 1
+    /// or 0 by the mode at the end.
     pub in_stick: f64,
     /// Mode at that time.
     pub mode: Modes,
-    /// Time at which the orbit was left; where the phase that ended then is one in which a contact sticks, that of its beginning, from which it is
-    /// better to go on.
+    /// Time at which the orbit was left; where the phase that ended then is one in which a contact
+    /// sticks, that of its beginning, from which it is better to go on.
     pub t: f64,
-    /// State at that time. Where it is certain that the orbit comes to an equilibrium which it is still far from, it is moved there but for
+    /// State at that time. Where it is certain that the orbit comes to an equilibrium which it is
+    /// still far from, it is moved there but for
     /// [`crate::analysis::RecurrenceSettings::closeness`].
     pub x: Vector,
 }
@@ -107,7 +113,8 @@ impl Reached {
     }
 }
 
-/// By how many places `other` must be turned to have the elements of `one`, for every way that there is.
+/// By how many places `other` must be turned to have the elements of `one`, for every way that
+/// there is.
 pub(crate) fn turns<'a, A, B>(
     one: &'a [A],
     other: &'a [B],

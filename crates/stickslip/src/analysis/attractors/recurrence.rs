@@ -5,20 +5,23 @@ use std::collections::VecDeque;
 use super::nearness::{Extent, Nearness, OF_SOLVER};
 use crate::dynamics::{Moment, Vector};
 
-/// Part of the scale that is kept from point to point: of a long way to the attractor nothing is left after some returns.
+/// Part of the scale that is kept from point to point: of a long way to the attractor nothing is
+/// left after some returns.
 const KEPT: f64 = 0.9;
 
 /// Ratios of differences that are looked at.
 const RATIOS: usize = 3;
 
-/// Over so many repetitions differences that become less than this part of what they were are shrinking.
+/// Over so many repetitions differences that become less than this part of what they were are
+/// shrinking.
 const SHRINKING: (usize, f64) = (4, 0.9);
 
 /// What may be left of the way where differences are too small to show a ratio: a way of so many.
 const UNSEEN: f64 = 100.0;
 
-/// Two states that differ by no more than so many units of the last place of a component's size are the same. They are met where
-/// stick leaves one state only, as in systems of two states without forcing.
+/// Two states that differ by no more than so many units of the last place of a component's size are
+/// the same. They are met where stick leaves one state only, as in systems of two states without
+/// forcing.
 const SAME: f64 = 64.0;
 
 /// A cycle is so many times wider than the solver's rounding.
@@ -108,8 +111,8 @@ impl Recurrence {
         self.points().skip(from).cloned().collect()
     }
 
-    /// Whether the orbit is still on its way to a pattern, or away from one: with some lag all of the last points came near to those before,
-    /// and nearer, or less near, than earlier.
+    /// Whether the orbit is still on its way to a pattern, or away from one: with some lag all of
+    /// the last points came near to those before, and nearer, or less near, than earlier.
     pub fn still_moves(&self, part: f64) -> bool {
         const STEADY: f64 = 1.25;
         let near = Nearness {
@@ -139,7 +142,8 @@ impl Recurrence {
         })
     }
 
-    /// Takes the next point; the shortest pattern that has now repeated often enough, if there is one.
+    /// Takes the next point; the shortest pattern that has now repeated often enough, if there is
+    /// one.
     pub fn pass(&mut self, at: Moment, tag: u64, count: Count, extent: Extent) -> Option<Pattern> {
         for i in 0..self.scale.len() {
             self.scale[i] = extent.size(i).max(KEPT * self.scale[i]);
@@ -211,8 +215,9 @@ impl Recurrence {
         here.tag == before.tag && self.apart(here, before, &tolerance) <= 1.0
     }
 
-    /// What is left of the way to the pattern, in differences of points a lag apart, if it is little: a geometric series of these differences,
-    /// by the slowest of the last few of its ratios. Points that creep past each other differ little, too.
+    /// What is left of the way to the pattern, in differences of points a lag apart, if it is
+    /// little: a geometric series of these differences, by the slowest of the last few of its
+    /// ratios. Points that creep past each other differ little, too.
     fn left(&self, last: usize, lag: usize) -> Option<f64> {
         let apart = |k: usize, near: &Nearness| {
             let (here, before) = (&self.passages[k], &self.passages[k - lag]);
@@ -235,8 +240,9 @@ impl Recurrence {
         (slowest < 1.0 && apart(last, &self.near)? * left <= 1.0).then_some(left)
     }
 
-    /// The shortest pattern that one which repeats is made of; none if it is on its way to a shorter one: an orbit that winds up around a cycle
-    /// is nearly back after some turns before it is after each.
+    /// The shortest pattern that one which repeats is made of; none if it is on its way to a
+    /// shorter one: an orbit that winds up around a cycle is nearly back after some turns before it
+    /// is after each.
     fn shortest(&self, last: usize, lag: usize) -> Option<usize> {
         for part in (1..lag).filter(|part| lag.is_multiple_of(*part)) {
             if self.runs[part - 1] >= lag {
@@ -292,8 +298,8 @@ impl Recurrence {
         }
     }
 
-    /// Whether what is left of the way is little of what the orbit covers as well: an orbit that winds up around a point of rest also repeats
-    /// itself ever better.
+    /// Whether what is left of the way is little of what the orbit covers as well: an orbit that
+    /// winds up around a point of rest also repeats itself ever better.
     fn is_wide(&self, pattern: &Pattern, left: f64) -> bool {
         let last = self.passages.len() - 1;
         let (here, there) = (&self.passages[last], &self.passages[last - pattern.returns]);

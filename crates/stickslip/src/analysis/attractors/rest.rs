@@ -9,13 +9,15 @@ use crate::interval::Interval;
 /// Newton steps allowed.
 const MOST: usize = 30;
 
-/// Part of the largest entry of the Jacobian below which an eigenvalue, or a singular value, cannot be told from zero.
+/// Part of the largest entry of the Jacobian below which an eigenvalue, or a singular value, cannot
+/// be told from zero.
 pub(crate) const ZERO: f64 = 1e-7;
 
 /// Part of the largest entry of the Jacobian below which a row is rounding of terms of that size.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// A guard of less than this part of the size of an equilibrium is zero: it lies at the edge of where its mode holds.
+/// A guard of less than this part of the size of an equilibrium is zero: it lies at the edge of
+/// where its mode holds.
 const ON_EDGE: f64 = 1e-14;
 
 /// A point of rest.
@@ -26,8 +28,9 @@ pub(crate) struct Rest {
     pub jacobian: Matrix,
 }
 
-/// The equilibrium of a mode near `x` by Newton's iteration with the Jacobian's pseudo-inverse, so that of a set of equilibria the nearest
-/// is found; `None` where it does not converge. Only the first `free` states are changed: behind them may be a parameter.
+/// The equilibrium of a mode near `x` by Newton's iteration with the Jacobian's pseudo-inverse, so
+/// that of a set of equilibria the nearest is found; `None` where it does not converge. Only the
+/// first `free` states are changed: behind them may be a parameter.
 pub(crate) fn equilibrium_near(
     system: &dyn Dynamics,
     mode: Modes,
@@ -55,7 +58,8 @@ pub(crate) fn equilibrium_near(
     None
 }
 
-/// How far two points, each an equilibrium to rounding, are off by their own Newton steps: further apart they are two.
+/// How far two points, each an equilibrium to rounding, are off by their own Newton steps: further
+/// apart they are two.
 pub(super) fn off_by(system: &dyn Dynamics, mode: Modes, points: [&Moment; 2]) -> Option<Vector> {
     let [one, other] = points.map(|at| {
         let jacobian = jacobian_of(system, mode, at);
@@ -88,7 +92,8 @@ pub(crate) fn equations(
 ) -> Option<(Matrix, Vector)> {
     let flow = system.flow(mode, at);
     let velocity = flow.velocity(at);
-    // The sliding field has no component across the boundary, there or beside it: that the equilibrium lies on it is an equation of its own.
+    // The sliding field has no component across the boundary, there or beside it: that the
+    // equilibrium lies on it is an equation of its own.
     let onto = flow.settled(at) - &at.x;
     let length = |normal: &Vector| normal.rows(0, free).norm();
     let mut normals = system.normals(mode, at);
@@ -169,8 +174,8 @@ pub(crate) fn holds(system: &dyn Dynamics, mode: Modes, at: &Moment) -> bool {
     least_guard(system, mode, at) > 0.0
 }
 
-/// All velocities at a point from a time on, if all contacts slip: of no width, unless the field depends on time. `None` where intervals do
-/// not decide.
+/// All velocities at a point from a time on, if all contacts slip: of no width, unless the field
+/// depends on time. `None` where intervals do not decide.
 pub(super) fn velocities_from(
     system: &dyn Dynamics,
     mode: Modes,
@@ -181,8 +186,8 @@ pub(super) fn velocities_from(
     system.flow(mode, at).velocity_over(ever, &point)
 }
 
-/// The point of rest that an orbit at `x` is about to reach, and whether it is one of a set; `None` where there is none that near, or one
-/// that does not attract.
+/// The point of rest that an orbit at `x` is about to reach, and whether it is one of a set; `None`
+/// where there is none that near, or one that does not attract.
 pub(super) fn rest_at(
     system: &dyn Dynamics,
     mode: Modes,

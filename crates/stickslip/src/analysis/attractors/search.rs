@@ -20,8 +20,9 @@ use crate::orbit::Ending;
 /// Steps without a transition after which the turning points of the first state are watched.
 const QUIET: usize = 100;
 
-/// Steps without a transition after which an equilibrium is looked for that the orbit may be drawn to. Then half as many more are needed, and so
-/// on: a cycle with long phases is asked a few times in all.
+/// Steps without a transition after which an equilibrium is looked for that the orbit may be drawn
+/// to. Then half as many more are needed, and so on: a cycle with long phases is asked a few times
+/// in all.
 const CALM: usize = 12;
 
 /// A look for a point of rest is put off by no more steps than this.
@@ -234,7 +235,8 @@ impl<'a> Search<'a> {
         self.closes(found, By::Events)
     }
 
-    /// Whether friction has held the orbit in one place while the drive went through its period: then it does so for ever.
+    /// Whether friction has held the orbit in one place while the drive went through its period:
+    /// then it does so for ever.
     fn rests(&self, pattern: &Pattern, mode: Modes) -> bool {
         let Pattern { extent, counts, .. } = pattern;
         let stays = |i: usize| extent.high[i] - extent.low[i] <= self.near.rounding(extent.size(i));
@@ -242,7 +244,8 @@ impl<'a> Search<'a> {
         self.settings.forcing.is_some() && is_held && (0..extent.low.len()).all(stays)
     }
 
-    /// What has happened since the last point, and where the orbit has been; from here it counts anew.
+    /// What has happened since the last point, and where the orbit has been; from here it counts
+    /// anew.
     fn since_last(&mut self, x: &[f64]) -> (u64, Extent) {
         let tag = self.tag.finish();
         self.tag = DefaultHasher::new();
@@ -259,8 +262,8 @@ impl<'a> Search<'a> {
         };
         let points = recurrence.last(pattern.returns);
         self.history.keep(&pattern.counts);
-        // Where stick may have ended is a bad place to go on from: at another parameter an orbit from there may miss the stick that is still to
-        // come.
+        // Where stick may have ended is a bad place to go on from: at another parameter an orbit
+        // from there may miss the stick that is still to come.
         let ended = self.history.last_phase().filter(|_| by == By::Transitions);
         self.left_at = ended.and_then(|last| {
             let begin = Moment {

@@ -41,8 +41,8 @@ pub(crate) struct Event {
     pub is_of_contact: bool,
     /// Whether the state jumps there.
     pub is_of_jump: bool,
-    /// Where not its own function but the kink of an input decides when it is, as where a force that
-    /// switches lets a contact go: which input, and what its clock reads.
+    /// Where not its own function but the kink of an input decides when it is, as where a force
+    /// that switches lets a contact go: which input, and what its clock reads.
     pub at_kink: Option<(usize, f64)>,
 }
 

@@ -3,7 +3,9 @@
 use super::settings::SpectrumOptions;
 use super::spectrum::{Exponent, Running};
 
-/// Growth of tangent vectors since measuring began: sums of logarithms, one for each vector, and from them the exponents, their blocks and their running means. Use it for growth that [`crate::analysis::lyapunov_spectrum`] does not measure.
+/// Growth of tangent vectors since measuring began: sums of logarithms, one for each vector, and
+/// from them the exponents, their blocks and their running means. Use it for growth that
+/// [`crate::analysis::lyapunov_spectrum`] does not measure.
 #[derive(Clone, Debug)]
 pub struct Growth {
     /// Time measuring began.
@@ -17,7 +19,8 @@ pub struct Growth {
     /// Start of the block under way: time since the beginning, and sums there.
     block_start: (f64, Vec<f64>),
     next_block: usize,
-    /// Blocks completed, and for each vector the mean of their rates and the sum of squared deviations (Welford).
+    /// Blocks completed, and for each vector the mean of their rates and the sum of squared
+    /// deviations (Welford).
     blocks: usize,
     mean: Vec<f64>,
     squares: Vec<f64>,
@@ -81,7 +84,8 @@ impl Growth {
         self.logs.iter().map(|log| log / elapsed).collect()
     }
 
-    /// The time measured up to `t`, the exponents in descending order, and the running ones in the same order.
+    /// The time measured up to `t`, the exponents in descending order, and the running ones in the
+    /// same order.
     pub fn finish(mut self, t: f64) -> (f64, Vec<Exponent>, Vec<Running>) {
         let elapsed = t - self.begin;
         // Rounding can leave the last block a hair too short to count on its own.

@@ -3,8 +3,9 @@
 use crate::dynamics::Vector;
 use crate::math;
 
-/// Sines of the angle between a unit vector and a space below this are rounding: the vector lies in the space. Frames are
-/// orthonormal to a few units of 1e-16; an angle as small by chance comes once in 1e12 entries into stick.
+/// Sines of the angle between a unit vector and a space below this are rounding: the vector lies in
+/// the space. Frames are orthonormal to a few units of 1e-16; an angle as small by chance comes
+/// once in 1e12 entries into stick.
 const IN_SPAN: f64 = 1e-12;
 
 /// Orthonormal vectors, as many as there are states, of which some may have been annihilated. Those
@@ -17,8 +18,8 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// A frame in general position, the same every time. Along the axes it could lie in invariant subspaces of a system whose
-    /// equations decouple, and never find the largest exponent.
+    /// A frame in general position, the same every time. Along the axes it could lie in invariant
+    /// subspaces of a system whose equations decouple, and never find the largest exponent.
     pub(super) fn generic(states: usize) -> Self {
         let entry = |i: usize, j: usize| {
             let k = (1 + i + states * j) as f64;
@@ -71,8 +72,8 @@ impl Frame {
         }
     }
 
-    /// Modified Gram–Schmidt; returns the length of what is left of each vector after those before it are
-    /// taken out, or `None` if one of them is zero or not finite.
+    /// Modified Gram–Schmidt; returns the length of what is left of each vector after those before
+    /// it are taken out, or `None` if one of them is zero or not finite.
     pub(super) fn orthonormalise(&mut self) -> Option<Vec<f64>> {
         self.gram_schmidt(self.len())
     }
@@ -111,8 +112,9 @@ impl Frame {
         rest.norm()
     }
 
-    /// Declares dead the vector that a projection along the unit vector `kernel` annihilates: the first that together
-    /// with those before it has `kernel` in its span. `None` if the span of all does not hold it.
+    /// Declares dead the vector that a projection along the unit vector `kernel` annihilates: the
+    /// first that together with those before it has `kernel` in its span. `None` if the span of all
+    /// does not hold it.
     pub(super) fn collapse(&mut self, kernel: &Vector) -> Option<usize> {
         let mut rest = kernel.clone();
         for j in self.living() {

@@ -11,7 +11,8 @@ use crate::error::Error;
 use crate::filippov::TransitionKind;
 use crate::math;
 
-/// Fraction of its length by which a vector may leave the boundary of a sticking contact. The error of its length is the square of that.
+/// Fraction of its length by which a vector may leave the boundary of a sticking contact. The error
+/// of its length is the square of that.
 const OFF: f64 = 1e-12;
 
 /// Relative error of a map of the state, which comes from dual numbers.
@@ -81,7 +82,9 @@ impl<'a> Measurement<'a> {
         }
     }
 
-    /// Makes the frame orthonormal and adds the logarithms of the lengths. `log_determinant` belongs to the map that was applied to the whole frame; the share of the annihilated vectors is subtracted.
+    /// Makes the frame orthonormal and adds the logarithms of the lengths. `log_determinant`
+    /// belongs to the map that was applied to the whole frame; the share of the annihilated vectors
+    /// is subtracted.
     fn book(&mut self, log_determinant: f64) -> Option<()> {
         let lengths = self.frame.orthonormalise()?;
         self.log_volume += log_determinant;
@@ -96,7 +99,8 @@ impl<'a> Measurement<'a> {
         Some(())
     }
 
-    /// Removes the direction that a projection along the unit vector `kernel` annihilates, if the frame spans it. The volume of the others is that of all divided by the height.
+    /// Removes the direction that a projection along the unit vector `kernel` annihilates, if the
+    /// frame spans it. The volume of the others is that of all divided by the height.
     fn collapse(&mut self, kernel: &Vector) {
         if let Some(j) = self.frame.collapse(kernel) {
             self.log_volume -= self.growth.logs[j];
@@ -104,10 +108,12 @@ impl<'a> Measurement<'a> {
         }
     }
 
-    /// Projects the vectors alive along the unit vector `kernel` by `map`, which leads into the space across `gradient`.
+    /// Projects the vectors alive along the unit vector `kernel` by `map`, which leads into the
+    /// space across `gradient`.
     ///
-    /// Volumes of the parallelepipeds that the vectors span together with `kernel` do not change under such a map, so
-    /// the vectors' own volume changes as their distance to the tip of `kernel` before and after.
+    /// Volumes of the parallelepipeds that the vectors span together with `kernel` do not change
+    /// under such a map, so the vectors' own volume changes as their distance to the tip of
+    /// `kernel` before and after.
     fn project(
         &mut self,
         kernel: &Vector,
@@ -172,8 +178,8 @@ impl Measurement<'_> {
         Some(())
     }
 
-    /// A run that begins in stick was on Σ before: nothing across it survives. (From where it came decides along which
-    /// direction it was projected, and no exponent depends on that.)
+    /// A run that begins in stick was on Σ before: nothing across it survives. (From where it came
+    /// decides along which direction it was projected, and no exponent depends on that.)
     fn begin_on_boundary(&mut self, step: &Step) -> Option<()> {
         let (t, x) = (step.t_start, step.x_start.clone());
         for gradient in self.gradients(step.mode, &Moment { t, x }) {
@@ -201,7 +207,9 @@ impl Measurement<'_> {
         across
     }
 
-    /// Projects the vectors alive onto the boundaries of sticking contacts, from which rounding moves them. The sliding flow does not contract across a boundary. In a long stick, a vector that shrinks along it would end as the rounding across it.
+    /// Projects the vectors alive onto the boundaries of sticking contacts, from which rounding
+    /// moves them. The sliding flow does not contract across a boundary. In a long stick, a vector
+    /// that shrinks along it would end as the rounding across it.
     fn stay_on_boundary(&mut self, step: &Step) {
         let gradients = self.gradients(step.mode, &step.end());
         self.frame.change_living(|q| {

@@ -10,8 +10,8 @@ pub struct SpectrumOptions {
     pub transient: f64,
     /// Time measured; default 2000.
     pub duration: f64,
-    /// Blocks of equal length whose means give the standard errors; default 20. They should be long compared with the time
-    /// over which the orbit forgets itself.
+    /// Blocks of equal length whose means give the standard errors; default 20. They should be long
+    /// compared with the time over which the orbit forgets itself.
     pub blocks: usize,
     /// About how many points of the running exponents to keep; default 200.
     pub samples: usize,

@@ -1,6 +1,9 @@
 //! Decides which of the contacts at zero hold, and to which side the others leave.
 //!
-//! A contact holds with a weight of the field above between 0 and 1, or leaves above with weight 1, or below with weight 0. With rates that are affine in the weights this is a linear complementarity problem with bounds (Pfeiffer & Glocker, *Multibody Dynamics with Unilateral Contacts*, 1996, Ch. 8).
+//! A contact holds with a weight of the field above between 0 and 1, or leaves above with weight 1,
+//! or below with weight 0. With rates that are affine in the weights this is a linear
+//! complementarity problem with bounds (Pfeiffer & Glocker, *Multibody Dynamics with Unilateral
+//! Contacts*, 1996, Ch. 8).
 
 use super::Contacts;
 use super::equations::{has_positive_pivots, principal_minor, solve};
@@ -25,7 +28,8 @@ const CONVERGED: f64 = 1e-9;
 /// The outcome of a contact at zero.
 pub(super) type Outcome = Mode;
 
-/// Every consistent set of outcomes for the holding contacts of `joint`, in their order; `None` if there are too many to try.
+/// Every consistent set of outcomes for the holding contacts of `joint`, in their order; `None` if
+/// there are too many to try.
 pub(super) fn solutions<S: Contacts<N, M>, const N: usize, const M: usize>(
     joint: &Joint<'_, S, M>,
     modes: &[Mode; M],
@@ -111,7 +115,8 @@ fn is_consistent<S: Contacts<N, M>, const N: usize, const M: usize>(
             })
 }
 
-/// Whether a matrix is positive definite after each column is scaled by the strength of friction there. The effects of two contacts on each other differ by the ratio of their strengths.
+/// Whether a matrix is positive definite after each column is scaled by the strength of friction
+/// there. The effects of two contacts on each other differ by the ratio of their strengths.
 fn is_definite<const M: usize>(matrix: &[[f64; M]; M], count: usize) -> bool {
     let mut strengths = [0.0; M];
     // Along the couplings, from one contact of every connected group.
@@ -161,7 +166,9 @@ impl<const M: usize> Problem<M> {
         problem
     }
 
-    /// Whether every problem with these slopes has exactly one solution: all principal minors of their negative are positive (a P-matrix; Samelson, Thrall & Wesler, *Proc. AMS* 9 (1958) 805). A definite matrix is one, which decides Coulomb friction for any number of contacts.
+    /// Whether every problem with these slopes has exactly one solution: all principal minors of
+    /// their negative are positive (a P-matrix; Samelson, Thrall & Wesler, *Proc. AMS* 9 (1958)
+    /// 805). A definite matrix is one, which decides Coulomb friction for any number of contacts.
     fn has_one_solution(&self) -> bool {
         let mut resistance = self.slopes;
         for value in resistance.iter_mut().flatten() {
@@ -235,7 +242,10 @@ impl<const M: usize> Problem<M> {
         ROUNDING * size
     }
 
-    /// The outcome that is consistent for a contact, given the others; its own if that is consistent. Within rounding it holds, and higher derivatives decide. A missing weight is compared with the rate of the contact in slip, so that rounding does not release and hold it in turns.
+    /// The outcome that is consistent for a contact, given the others; its own if that is
+    /// consistent. Within rounding it holds, and higher derivatives decide. A missing weight is
+    /// compared with the rate of the contact in slip, so that rounding does not release and hold it
+    /// in turns.
     fn wanted(&self, i: usize, outcome: Outcome, shares: &[f64; M], rate: f64) -> Outcome {
         let floor = self.floor(i, shares);
         let most = floor / self.slopes[i][i].abs();
@@ -247,7 +257,8 @@ impl<const M: usize> Problem<M> {
         }
     }
 
-    /// The solution by changing one contact at a time, the first that is inconsistent (Murty's least-index method; with bounds Júdice & Pires, *J. Oper. Res. Soc.* 43 (1992) 1087).
+    /// The solution by changing one contact at a time, the first that is inconsistent (Murty's
+    /// least-index method; with bounds Júdice & Pires, *J. Oper. Res. Soc.* 43 (1992) 1087).
     fn by_least_index(&self) -> Option<[Outcome; M]> {
         let mut outcomes = [Mode::Stick; M];
         for _ in 0..MOST_CHANGES * self.count {

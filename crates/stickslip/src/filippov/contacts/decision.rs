@@ -47,7 +47,8 @@ struct Beginning<const M: usize> {
 }
 
 impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
-    /// The mode that follows, and how many derivatives of each guard vanish. Contacts that are not to be decided are away from zero: none of theirs vanish.
+    /// The mode that follows, and how many derivatives of each guard vanish. Contacts that are not
+    /// to be decided are away from zero: none of theirs vanish.
     pub(super) fn mode(mut self, run: &mut Run<N, M>) -> Result<([Mode; M], [usize; M]), Error> {
         let decided: Vec<usize> = (0..M)
             .filter(|&i| self.open[i] || self.released == Some(i))
@@ -63,7 +64,8 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
             }
         }
         self.complement(run)?;
-        // A contact whose weight or rate vanishes to rounding is decided by the next derivative. Each may change the others once.
+        // A contact whose weight or rate vanishes to rounding is decided by the next derivative.
+        // Each may change the others once.
         for _ in 0..=2 * M {
             let mut orders = [0; M];
             let mut change = None;
@@ -93,7 +95,8 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         Err(self.unsolved(&decided, &[]))
     }
 
-    /// Solves the complementarity problem of the contacts to be decided. With static above kinetic friction, a released contact changes the loads of the others, which are decided again.
+    /// Solves the complementarity problem of the contacts to be decided. With static above kinetic
+    /// friction, a released contact changes the loads of the others, which are decided again.
     fn complement(&mut self, run: &mut Run<N, M>) -> Result<(), Error> {
         while self.open.contains(&true) {
             let mut tried = self.modes;
@@ -145,7 +148,9 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         }
     }
 
-    /// How a contact starts to move in the decided mode, by the first derivative of its guard that does not vanish. If all vanish, it holds. An equilibrium on one side, which one contact may have, is not considered.
+    /// How a contact starts to move in the decided mode, by the first derivative of its guard that
+    /// does not vanish. If all vanish, it holds. An equilibrium on one side, which one contact may
+    /// have, is not considered.
     fn start(&self, joint: &Joint<'_, S, M>, beginning: &Beginning<M>, i: usize) -> Start {
         let Timed { t, x } = self.at;
         let derivatives = &beginning.derivatives[i];
@@ -173,14 +178,16 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         }
     }
 
-    /// Difference of a contact's rates below and above: twice the effect of friction on it, at rest or in slip.
+    /// Difference of a contact's rates below and above: twice the effect of friction on it, at rest
+    /// or in slip.
     fn friction(&self, i: usize, at_rest: bool) -> f64 {
         let mut rests = [false; M];
         rests[i] = at_rest;
         self.friction_with(i, &rests)
     }
 
-    /// The corners around the present mode: these contacts on either side, the other holding contacts below.
+    /// The corners around the present mode: these contacts on either side, the other holding
+    /// contacts below.
     fn corners_of(&self, contacts: &[usize]) -> Joint<'_, S, M> {
         let mut modes = self.modes.map(|mode| match mode {
             Mode::Stick => Mode::Slip(Side::Below),
@@ -192,7 +199,8 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         Joint::new(self.system, &modes)
     }
 
-    /// Whether the side of a contact affects its own rate. It does not for a boundary in position, where only velocities jump.
+    /// Whether the side of a contact affects its own rate. It does not for a boundary in position,
+    /// where only velocities jump.
     fn can_hold(&self, i: usize) -> bool {
         self.friction(i, true) != 0.0
     }
@@ -268,7 +276,8 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         Ok(())
     }
 
-    /// Whether the frictions of two contacts add: the effect of one does not depend on the side of the other.
+    /// Whether the frictions of two contacts add: the effect of one does not depend on the side of
+    /// the other.
     fn adds_up(&self, i: usize, j: usize) -> bool {
         let joint = self.corners_of(&[i, j]);
         let corner = |above: [bool; 2]| {
@@ -279,7 +288,8 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         (0..N).all(|k| {
             let step = (none[k] - first[k]).abs() + (none[k] - second[k]).abs();
             let size = none[k].abs() + both[k].abs();
-            // Forces that cancel leave their rounding; a real dependence on the other side has the size of the forces.
+            // Forces that cancel leave their rounding; a real dependence on the other side has the
+            // size of the forces.
             let allowed = COUPLING * step + ULPS * f64::EPSILON * size;
             (none[k] - first[k] - second[k] + both[k]).abs() <= allowed
         })

@@ -4,7 +4,9 @@ use crate::scalar::Scalar;
 
 /// Solves `a x = b` for the first `count` unknowns, in place; `b` becomes `x`.
 ///
-/// Rows are not exchanged, so that no value decides and series stay series. If every problem of these contacts has one solution, all principal minors have one sign (Samelson, Thrall & Wesler 1958). Then no pivot vanishes.
+/// Rows are not exchanged, so that no value decides and series stay series. If every problem of
+/// these contacts has one solution, all principal minors have one sign (Samelson, Thrall & Wesler
+/// 1958). Then no pivot vanishes.
 #[inline(always)]
 pub(super) fn solve<T: Scalar, const M: usize>(a: &mut [[T; M]; M], b: &mut [T; M], count: usize) {
     for k in 0..count {
@@ -47,7 +49,8 @@ pub(super) fn principal_minor<const M: usize>(a: &[[f64; M]; M], chosen: &[usize
 /// Pivots below this part of a diagonal entry are rounding.
 const SINGULAR: f64 = 1e-12;
 
-/// Whether elimination finds all pivots positive, beyond rounding: of a symmetric matrix, whether it is positive definite.
+/// Whether elimination finds all pivots positive, beyond rounding: of a symmetric matrix, whether
+/// it is positive definite.
 pub(super) fn has_positive_pivots<const M: usize>(a: &[[f64; M]; M], count: usize) -> bool {
     let mut left = *a;
     for k in 0..count {

@@ -9,10 +9,13 @@ use crate::ode::{Linear, Timed};
 use crate::scalar::Scalar;
 use crate::system::{Mode, Side, State, components};
 
-/// Number of Newton iterations for a multi-affine combination, from the affine solution. Each squares the error, also in every coefficient of a series.
+/// Number of Newton iterations for a multi-affine combination, from the affine solution. Each
+/// squares the error, also in every coefficient of a series.
 const NEWTON: usize = 7;
 
-/// Contacts that hold or slip, and the resulting field. Guard `i` belongs to contact `i`. In slip it is the boundary function times the sign of the side. In stick it is `w (1 − w)` with `w` the weight of the field above.
+/// Contacts that hold or slip, and the resulting field. Guard `i` belongs to contact `i`. In slip
+/// it is the boundary function times the sign of the side. In stick it is `w (1 − w)` with `w` the
+/// weight of the field above.
 #[derive(Clone, Copy)]
 pub(super) struct Joint<'a, S, const M: usize> {
     pub(super) system: &'a S,
@@ -43,7 +46,8 @@ pub(super) struct Affine<T, const N: usize, const M: usize> {
     pub(super) changes: [[T; N]; M],
     /// Rates of all boundary functions along the base.
     pub(super) rates: [T; M],
-    /// `slopes[j][i]`: change of the rate of the `j`-th boundary function with the weight of the `i`-th holding contact.
+    /// `slopes[j][i]`: change of the rate of the `j`-th boundary function with the weight of the
+    /// `i`-th holding contact.
     pub(super) slopes: [[T; M]; M],
 }
 
@@ -212,7 +216,11 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         Combination { field, shares }
     }
 
-    /// The combination for holding contacts of which some do not affect their own rates, as a position and its velocity: such a rate is zero and stays so by the others. The weights are then not determined. Those nearest to the middle are taken, each scaled by its contact's strength. So no contact alone reaches its limit while others that act on the same rate do not.
+    /// The combination for holding contacts of which some do not affect their own rates, as a
+    /// position and its velocity: such a rate is zero and stays so by the others. The weights are
+    /// then not determined. Those nearest to the middle are taken, each scaled by its contact's
+    /// strength. So no contact alone reaches its limit while others that act on the same rate do
+    /// not.
     #[inline(never)]
     fn shared<T: Scalar, const N: usize>(&self, affine: Affine<T, N, M>) -> Combination<T, N, M> {
         let held = self.held();

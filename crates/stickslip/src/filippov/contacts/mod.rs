@@ -1,4 +1,5 @@
-//! Systems of several contacts: the trait that a user implements, and how contacts hold and release together.
+//! Systems of several contacts: the trait that a user implements, and how contacts hold and release
+//! together.
 
 mod complementarity;
 mod decision;
@@ -10,13 +11,23 @@ use crate::error::Error;
 use crate::scalar::Scalar;
 use crate::system::Side;
 
-/// A system of `M` contacts: a smooth field for every combination of sides, and a boundary for each contact.
+/// A system of `M` contacts: a smooth field for every combination of sides, and a boundary for each
+/// contact.
 ///
-/// The two functions are all that is needed, as with [`crate::Filippov`], which is simpler for one contact. Contacts that hold at the same time slide on the intersection of their boundaries. The sliding field is the multi-affine combination of the fields of all sides that is tangent to each boundary (Alexander & Seidman, *Houston J. Math.* 24 (1998) 545; Dieci & Lopez, *Numer. Math.* 117 (2011) 779; Jeffrey, *SIAM J. Appl. Dyn. Syst.* 13 (2014) 1082). If frictions add, this is Coulomb's law: each contact's force is what holding takes, up to its limit.
+/// The two functions are all that is needed, as with [`crate::Filippov`], which is simpler for one
+/// contact. Contacts that hold at the same time slide on the intersection of their boundaries. The
+/// sliding field is the multi-affine combination of the fields of all sides that is tangent to each
+/// boundary (Alexander & Seidman, *Houston J. Math.* 24 (1998) 545; Dieci & Lopez, *Numer. Math.*
+/// 117 (2011) 779; Jeffrey, *SIAM J. Appl. Dyn. Syst.* 13 (2014) 1082). If frictions add, this is
+/// Coulomb's law: each contact's force is what holding takes, up to its limit.
 ///
-/// The complementarity problem of all contacts at zero decides which of them hold after an event. If it has no solution, or more than one, the run ends with an error.
+/// The complementarity problem of all contacts at zero decides which of them hold after an event.
+/// If it has no solution, or more than one, the run ends with an error.
 ///
-/// [`crate::AtRepelling`] applies to systems of one boundary only. Only these end at two-folds and may lose their normal force ([`crate::Filippov::contact`]). Friction that couples contacts in other ways than Coulomb's is decided for at most eight contacts at zero together. Contacts whose weight or rate vanishes are decided by the next derivative, one after the other.
+/// [`crate::AtRepelling`] applies to systems of one boundary only. Only these end at two-folds and
+/// may lose their normal force ([`crate::Filippov::contact`]). Friction that couples contacts in
+/// other ways than Coulomb's is decided for at most eight contacts at zero together. Contacts whose
+/// weight or rate vanishes are decided by the next derivative, one after the other.
 ///
 /// Wrap it in [`Several`] for [`crate::solve`] and everything else that takes a system.
 ///
@@ -49,7 +60,9 @@ use crate::system::Side;
 /// # Ok::<(), stickslip::Error>(())
 /// ```
 pub trait Contacts<const N: usize, const M: usize> {
-    /// Whether friction at one contact depends on the side of another. If not, an evaluation on an intersection takes one call of the field more than there are holding contacts; every event checks this. If so, each Newton step takes two to their number.
+    /// Whether friction at one contact depends on the side of another. If not, an evaluation on an
+    /// intersection takes one call of the field more than there are holding contacts; every event
+    /// checks this. If so, each Newton step takes two to their number.
     const MULTI_AFFINE: bool = false;
 
     /// Whether the functions are interpreted, as [`crate::Filippov::INTERPRETED`].
@@ -58,10 +71,14 @@ pub trait Contacts<const N: usize, const M: usize> {
     /// The vector field at time `t` and state `x` with every contact on its side: dx/dt.
     fn field<T: Scalar>(&self, sides: &[Side; M], t: T, x: &[T; N]) -> [T; N];
 
-    /// The boundary functions h₁ … h_M. Contact `i` is below if the `i`-th is negative, above if it is positive, and may hold if it is zero. They may depend on time.
+    /// The boundary functions h₁ … h_M. Contact `i` is below if the `i`-th is negative, above if it
+    /// is positive, and may hold if it is zero. They may depend on time.
     fn boundaries<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; M];
 
-    /// The fields whose combination holds the contacts in `held`, with static friction at these. A contact sticks as long as they can hold it, and then slips by [`Contacts::field`]. A contact that is not in `held` has its friction of [`Contacts::field`] here, too. By default the friction of slip holds.
+    /// The fields whose combination holds the contacts in `held`, with static friction at these. A
+    /// contact sticks as long as they can hold it, and then slips by [`Contacts::field`]. A contact
+    /// that is not in `held` has its friction of [`Contacts::field`] here, too. By default the
+    /// friction of slip holds.
     ///
     /// ```
     /// use stickslip::{Contacts, Mode, Options, Scalar, Several, Side, solve};
@@ -131,6 +148,7 @@ impl<const N: usize, const M: usize, S: Contacts<N, M>> Contacts<N, M> for &S {
     }
 }
 
-/// A system of several contacts (1 to 64), for [`crate::solve`], [`crate::run`] and the analyses. Modes are `[Mode; M]`, one for each contact.
+/// A system of several contacts (1 to 64), for [`crate::solve`], [`crate::run`] and the analyses.
+/// Modes are `[Mode; M]`, one for each contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Several<S>(pub S);

@@ -85,7 +85,8 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
         Some(self.0.field(&sides, t, x))
     }
 
-    /// Off its boundary a contact's side decides. Contacts on their boundaries, to rounding, are decided together.
+    /// Off its boundary a contact's side decides. Contacts on their boundaries, to rounding, are
+    /// decided together.
     fn first_mode(&self, run: &mut Run<N, M>) -> Result<Option<([Mode; M], [usize; M])>, Error> {
         let Timed { t, x } = run.at;
         let modes = self
@@ -210,7 +211,8 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
     }
 
     fn is_one_at_a_time(&self, at: &Transition<N, [Mode; M]>) -> bool {
-        // A contact that is released by this one belongs to this event. Another contact at its own zero is a second event at the same time.
+        // A contact that is released by this one belongs to this event. Another contact at its own
+        // zero is a second event at the same time.
         let joint = Joint::new(&self.0, &at.from);
         let comes_of_this =
             |i: usize| at.from[i] == Mode::Stick && joint.guard_at(i, at.t, &at.x) > NEAR_THE_END;
@@ -267,7 +269,8 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
 }
 
 impl<S> Several<S> {
-    /// The mode behind an event of one contact while others share their loads, if these continue to hold in any case.
+    /// The mode behind an event of one contact while others share their loads, if these continue to
+    /// hold in any case.
     fn beside_rest<const N: usize, const M: usize>(
         &self,
         run: &Run<N, M>,
@@ -301,7 +304,8 @@ impl<S> Several<S> {
         })
     }
 
-    /// The contacts at zero: the holding ones, and those whose boundary function is rounding, though they may be just leaving.
+    /// The contacts at zero: the holding ones, and those whose boundary function is rounding,
+    /// though they may be just leaving.
     fn at_zero<const N: usize, const M: usize>(
         &self,
         run: &Run<N, M>,

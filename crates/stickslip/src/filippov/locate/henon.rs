@@ -5,7 +5,8 @@ use crate::filippov::flow::Flow;
 use crate::filippov::guard::Probe;
 use crate::ode::{Rk4, Timed};
 
-/// A rest below this fraction of the step is short. The error of a step of order 4 is its fifth power, negligible beside the tolerance of a step of order 8.
+/// A rest below this fraction of the step is short. The error of a step of order 4 is its fifth
+/// power, negligible beside the tolerance of a step of order 8.
 const SHORT: f64 = 1e-3;
 
 impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
@@ -15,7 +16,9 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
         (again.henon_step)(&mut |at| flow.swapped(self.guard, at), from, change)
     }
 
-    /// One Hénon step from a state near the zero onto it, of order 4 if the rest is short. Another follows if the guard is curved and the first leaves more than rounding. `None` near grazing, where the guard's rate could change its sign on the way, and where the guard jumps.
+    /// One Hénon step from a state near the zero onto it, of order 4 if the rest is short. Another
+    /// follows if the guard is curved and the first leaves more than rounding. `None` near grazing,
+    /// where the guard's rate could change its sign on the way, and where the guard jumps.
     pub(super) fn polish(&self, from: Probe<N>, limits: &Limits) -> Option<Probe<N>> {
         let mut best = from;
         for _ in 0..3 {
@@ -44,7 +47,10 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
         (best.rate < 0.0 && best.guard.abs() <= limits.mismatch).then_some(best)
     }
 
-    /// The paper's Hénon step from the start of the integration step, repeated from its end while more than rounding is left. `None` if the swapped slope is nearly singular on the way. Also `None` if an ordinary step of that length misses Σ by more than the limit: a step that suits one independent variable may be too long for the other.
+    /// The paper's Hénon step from the start of the integration step, repeated from its end while
+    /// more than rounding is left. `None` if the swapped slope is nearly singular on the way. Also
+    /// `None` if an ordinary step of that length misses Σ by more than the limit: a step that suits
+    /// one independent variable may be too long for the other.
     pub(super) fn whole_henon_step(&self, start: Probe<N>, limits: &Limits) -> Option<Probe<N>> {
         if start.rate >= 0.0 || start.guard <= 0.0 {
             return None;
@@ -74,7 +80,8 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
     }
 }
 
-/// Whether the guard's rate keeps its size on the way to the zero, so that the swapped slope is far from singular.
+/// Whether the guard's rate keeps its size on the way to the zero, so that the swapped slope is far
+/// from singular.
 fn steady<const N: usize>(probe: &Probe<N>) -> bool {
     let square = probe.rate * probe.rate;
     probe.rate < 0.0 && (probe.guard * probe.bend).abs() <= 0.02 * square
@@ -89,7 +96,8 @@ mod tests {
     use crate::statistics::SplitMix;
     use crate::system::State;
 
-    /// Where a shaken pendulum is when its speed has changed by what it changes by in the part `rest` of a step.
+    /// Where a shaken pendulum is when its speed has changed by what it changes by in the part
+    /// `rest` of a step.
     fn by_henon<M: RungeKutta>(from: &Timed<2>, push: f64, rest: f64) -> State<2> {
         let field =
             |t: f64, x: &State<2>| State::from([x[1], push + math::cos(t) - math::sin(x[0])]);
@@ -126,7 +134,8 @@ mod tests {
     #[test]
     fn over_a_short_way_order_four_is_as_good_as_eight() {
         let mut draw = SplitMix::new(14);
-        // The largest differences over a short way and one thirty times as long, in units of what is next to nothing.
+        // The largest differences over a short way and one thirty times as long, in units of what
+        // is next to nothing.
         let mut worst = [0.0_f64; 2];
         for _ in 0..500 {
             let from = Timed {

@@ -1,4 +1,5 @@
-//! Locates the zero of a guard inside a Runge–Kutta step. The dense output gives an estimate; steps repeated up to it give the exact place.
+//! Locates the zero of a guard inside a Runge–Kutta step. The dense output gives an estimate; steps
+//! repeated up to it give the exact place.
 
 mod henon;
 mod root_search;
@@ -93,7 +94,8 @@ const MOST_ASKED: u32 = 256;
 /// After so many, it is checked whether the bounds are of use.
 const FEW_ASKED: u32 = 4;
 
-/// Where, and in how narrow a part of the step, that is checked. A function that reads values, or compares equal numbers, has no bounds.
+/// Where, and in how narrow a part of the step, that is checked. A function that reads values, or
+/// compares equal numbers, has no bounds.
 const GLIMPSES: [f64; 5] = [0.0, 0.0117, 0.1234, 0.5678, 0.9119];
 const GLIMPSE: f64 = 1e-9;
 
@@ -217,7 +219,8 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
         }
     }
 
-    /// Locates the zero within `bracket` (parts of the step); `estimate` is the zero of the dense output. `None` if the re-integrated step has no zero in the bracket.
+    /// Locates the zero within `bracket` (parts of the step); `estimate` is the zero of the dense
+    /// output. `None` if the re-integrated step has no zero in the bracket.
     pub(crate) fn locate(
         &self,
         bracket: Bracket,

@@ -12,7 +12,8 @@ pub(super) enum Search<const N: usize> {
 }
 
 impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
-    /// Newton's iteration on re-integrated steps, held in a bracket by bisection. If the guard jumps through zero, the result lies behind the jump.
+    /// Newton's iteration on re-integrated steps, held in a bracket by bisection. If the guard
+    /// jumps through zero, the result lies behind the jump.
     pub(super) fn search(&self, bracket: Bracket, estimate: f64, rounding: f64) -> Search<N> {
         let (mut a, mut b) = (bracket.a, bracket.b);
         let end = self.probe(b);

@@ -5,7 +5,8 @@ use super::{Direction, EventFunctions};
 use crate::filippov::scan::{NARROWEST, far_from_zero, first_bracket, zero_in};
 use crate::filippov::switched::Switched;
 
-/// A function at zero is evaluated again after a fraction of the step that grows by this factor from [`SOON`].
+/// A function at zero is evaluated again after a fraction of the step that grows by this factor
+/// from [`SOON`].
 const LATER: f64 = 8.0;
 
 /// 8⁻⁹: about [`NARROWEST`], and the last look is at the end of the step.
@@ -39,7 +40,8 @@ where
     S: Switched<N, G>,
     V: EventFunctions<N, E>,
 {
-    /// Reports every crossing in order of time. [`Crossings::side`] is then the sign at the step's end.
+    /// Reports every crossing in order of time. [`Crossings::side`] is then the sign at the step's
+    /// end.
     #[inline(always)]
     pub(super) fn each(&mut self, tell: &mut dyn FnMut(&Place<N>, Direction)) {
         // Nearly every step returns here.
@@ -116,7 +118,8 @@ where
         self.side = -self.side;
     }
 
-    /// First point where a function that may be at zero is beyond rounding; `None` if there is none in this step.
+    /// First point where a function that may be at zero is beyond rounding; `None` if there is none
+    /// in this step.
     fn leaves(&self, from: &Place<N>) -> Option<Place<N>> {
         let has_left = |place: &Place<N>| place.value.abs() > place.blur;
         if has_left(from) {

@@ -1,4 +1,5 @@
-//! Events of the user's own: zeros of functions that do not affect the motion, searched in every step after it was taken.
+//! Events of the user's own: zeros of functions that do not affect the motion, searched in every
+//! step after it was taken.
 
 mod crossings;
 mod over_step;
@@ -35,9 +36,13 @@ impl Direction {
     }
 }
 
-/// `E` functions of time and state whose zeros are events: a section, a level, the end of a run. They do not affect the motion.
+/// `E` functions of time and state whose zeros are events: a section, a level, the end of a run.
+/// They do not affect the motion.
 ///
-/// An event is a change of sign by more than rounding. A function that touches zero and turns back has no event. One that stays at zero for a while (a boundary function during stick) passes through it where it reaches zero with a rate, or else where it leaves for the other side. A start at zero is no event. A function that is not a number has none.
+/// An event is a change of sign by more than rounding. A function that touches zero and turns back
+/// has no event. One that stays at zero for a while (a boundary function during stick) passes
+/// through it where it reaches zero with a rate, or else where it leaves for the other side. A
+/// start at zero is no event. A function that is not a number has none.
 ///
 /// ```
 /// use stickslip::{Direction, EventFunctions, Options, Scalar, models::BeltOscillator, solve_with_events};

@@ -1,4 +1,5 @@
-//! One event function over one step: approximately on the dense output, and as exactly as the step's own end.
+//! One event function over one step: approximately on the dense output, and as exactly as the
+//! step's own end.
 
 use super::EventFunctions;
 use crate::dual::Dual;
@@ -17,7 +18,8 @@ pub(super) struct OverStep<'a, S, V, K, const N: usize> {
     pub number: usize,
     pub step: &'a StepRecord<N, K>,
     pub method: Method,
-    /// Recent size of the state's components. A component that passes through zero is known no better there.
+    /// Recent size of the state's components. A component that passes through zero is known no
+    /// better there.
     pub size: &'a State<N>,
 }
 
@@ -80,7 +82,8 @@ impl<'a, S, V, K: Copy, const N: usize> OverStep<'a, S, V, K, N> {
     }
 }
 
-/// Time and state at a part of a step: by the series of a Taylor step, else by a step of that length.
+/// Time and state at a part of a step: by the series of a Taylor step, else by a step of that
+/// length.
 struct Reach<'a, K, const N: usize> {
     step: &'a StepRecord<N, K>,
     s: f64,

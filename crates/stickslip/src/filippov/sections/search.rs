@@ -11,7 +11,9 @@ use crate::filippov::uncertainty::ULPS;
 use crate::ode::Timed;
 use crate::system::{State, components};
 
-/// Searches for zeros of the user's functions in the steps of a run that something else drives. An [`crate::Observer`] owns one and gives it every step. To drive the run yourself, use [`crate::Watched`].
+/// Searches for zeros of the user's functions in the steps of a run that something else drives. An
+/// [`crate::Observer`] owns one and gives it every step. To drive the run yourself, use
+/// [`crate::Watched`].
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -71,7 +73,8 @@ where
         }
     }
 
-    /// The events in the next step of the run, in order of time. Terminal events are not treated specially.
+    /// The events in the next step of the run, in order of time. Terminal events are not treated
+    /// specially.
     #[inline]
     pub fn in_step(&mut self, step: &StepRecord<N, S::Mode>) -> &[EventRecord<N, S::Mode>] {
         self.found.clear();

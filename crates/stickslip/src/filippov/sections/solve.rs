@@ -17,7 +17,8 @@ pub struct OrbitWithEvents<const N: usize, K = Mode> {
     pub events: Vec<EventRecord<N, K>>,
 }
 
-/// [`crate::solve`], with the zeros of the user's own functions: see [`EventFunctions`], and [`Watched`] for a loop that keeps nothing.
+/// [`crate::solve`], with the zeros of the user's own functions: see [`EventFunctions`], and
+/// [`Watched`] for a loop that keeps nothing.
 ///
 /// # Errors
 /// As [`crate::solve`]; [`Failure::reached`] is the orbit up to the failure with its events.

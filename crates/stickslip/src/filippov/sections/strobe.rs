@@ -5,7 +5,8 @@ use std::f64::consts::PI;
 use super::EventFunctions;
 use crate::scalar::Scalar;
 
-/// A strobe: the section of a forced system that its orbits pass at `first`, `first + period`, `first + 2 period`, ….
+/// A strobe: the section of a forced system that its orbits pass at `first`, `first + period`,
+/// `first + 2 period`, ….
 ///
 /// ```
 /// use stickslip::{Options, Strobe, analysis::PoincareMap, models::ForcedOscillator};

@@ -20,7 +20,10 @@ pub enum Happening<const N: usize, K = Mode> {
 
 /// An integration under way whose steps are searched for the zeros of the user's functions.
 ///
-/// Every step is searched over its whole length on its dense output, in slip and in stick. Pairs of zeros within a step are found however close they lie, down to the accuracy of the dense output. Each is then located on the step itself, to rounding. The motion is bit-for-bit the same as without. The [`crate::Counters`] do not contain this work.
+/// Every step is searched over its whole length on its dense output, in slip and in stick. Pairs of
+/// zeros within a step are found however close they lie, down to the accuracy of the dense output.
+/// Each is then located on the step itself, to rounding. The motion is bit-for-bit the same as
+/// without. The [`crate::Counters`] do not contain this work.
 ///
 /// ```
 /// use stickslip::{Direction, Happening, Integration, Options, Plane, Progress, Watched, models::BeltOscillator};
@@ -70,7 +73,9 @@ where
         }
     }
 
-    /// Continues and returns what happened, in order of time: a step, then the events in it, then the end of the phase and the transition if the step ends at one. A terminal event ends the step, the phase and, with [`crate::Ending::Stopped`], the run.
+    /// Continues and returns what happened, in order of time: a step, then the events in it, then
+    /// the end of the phase and the transition if the step ends at one. A terminal event ends the
+    /// step, the phase and, with [`crate::Ending::Stopped`], the run.
     ///
     /// # Errors
     /// Those of [`Integration::step`].

@@ -80,7 +80,8 @@ impl<const L: usize, const N: usize, const G: usize> Ends<L, N, G> {
         ends
     }
 
-    /// That of one lane, if the step is sure to come to it: no guard and no comparison can come to zero before.
+    /// That of one lane, if the step is sure to come to it: no guard and no comparison can come to
+    /// zero before.
     #[inline(always)]
     pub(in crate::filippov) fn clear(&self, lane: usize) -> Option<End<N, G>> {
         self.are_clear[lane].then(|| End {
@@ -91,11 +92,12 @@ impl<const L: usize, const N: usize, const G: usize> Ends<L, N, G> {
     }
 }
 
-/// The sum of terms from that with the first power on, and that of each times its power; by pairs of an odd power and the next.
+/// The sum of terms from that with the first power on, and that of each times its power; by pairs
+/// of an odd power and the next.
 #[inline(always)]
 pub(super) fn sums<V: Linear<f64>>(pairs: impl DoubleEndedIterator<Item = [V; 2]>) -> (V, V) {
-    // Odd and even powers apart, neither waits for the other, and from the highest on. Half the sum of the powers' multiples is the sum of
-    // the sums so far.
+    // Odd and even powers apart, neither waits for the other, and from the highest on. Half the sum
+    // of the powers' multiples is the sum of the sums so far.
     let add = |a: V, b: V| a.add_scaled(1.0, &b);
     let [mut odd, mut even, mut odd_sums, mut even_sums] = [V::zero(); 4];
     for [odd_term, even_term] in pairs.rev() {

@@ -28,11 +28,13 @@ struct Strays;
 /// Where it is looked at whether a guard is defined.
 const SAMPLES: [f64; 8] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
 
-/// How far, in parts of the step, a zero of its series may be from the guard's own, and steps of Newton's iteration from one to the other.
+/// How far, in parts of the step, a zero of its series may be from the guard's own, and steps of
+/// Newton's iteration from one to the other.
 const NEAR: f64 = 1e-6;
 const NEWTON_STEPS: usize = 3;
 
-/// Nearly always a zero of a series is within this part of the step from the guard's, which is asked first.
+/// Nearly always a zero of a series is within this part of the step from the guard's, which is
+/// asked first.
 const OF_SLOPE: f64 = 1e-10;
 
 /// A series holds a little beyond its step.
@@ -176,8 +178,8 @@ fn on_piece<F: Flow<N>, const N: usize>(
 }
 
 impl<const N: usize, const G: usize> TaylorStepper<N, G> {
-    /// The first guard that fails in the step, and where. The series holds up to the part `reach`, where it leads to `end`; behind that, what
-    /// is found means nothing.
+    /// The first guard that fails in the step, and where. The series holds up to the part `reach`,
+    /// where it leads to `end`; behind that, what is found means nothing.
     ///
     /// # Errors
     /// A guard is not defined throughout the step.
@@ -235,7 +237,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         Ok(first)
     }
 
-    /// Whether all guards are what their series come to at the end of a step over which these are above zero.
+    /// Whether all guards are what their series come to at the end of a step over which these are
+    /// above zero.
     pub(super) fn holds_at_end<F: Flow<N>>(&self, run: &Run<N, G>, flow: &F) -> bool {
         let (end, _) = self.end(run);
         let at_end = OnceCell::new();
@@ -271,8 +274,9 @@ fn defined_at_end<F: Flow<N>, const N: usize, const G: usize>(
     }
 }
 
-/// Whether a guard is not what its series, which is above zero over the step, comes to at its end: a series may go on where its function
-/// bends too sharply for it to tell, ends, or has ended and begun again.
+/// Whether a guard is not what its series, which is above zero over the step, comes to at its end:
+/// a series may go on where its function bends too sharply for it to tell, ends, or has ended and
+/// begun again.
 ///
 /// # Errors
 /// The guard is not defined there.
@@ -294,7 +298,8 @@ fn strays<F: Flow<N>, const N: usize, const G: usize>(
     Ok(-value > blur.zero() || off > blur.far_off())
 }
 
-/// The first event of the guard with series `c`, of which `order` coefficients vanish at the start, up to the part `reach` of the step.
+/// The first event of the guard with series `c`, of which `order` coefficients vanish at the start,
+/// up to the part `reach` of the step.
 ///
 /// # Errors
 /// The guard is not what its series says.
@@ -312,13 +317,15 @@ fn first_failure<F: Flow<N>, const N: usize, const G: usize>(
     let mut order = order.min(3);
     let mut fails_at_once = false;
     if order == 0 && c[0] <= 0.0 {
-        // A guard left below zero ends the phase at once, unless rounding alone has put it there and it rises.
+        // A guard left below zero ends the phase at once, unless rounding alone has put it there
+        // and it rises.
         fails_at_once = c[1] <= 0.0 || -c[0] > blur().by_rounding;
         order = 1;
     }
     if order > 0 && !fails_at_once {
         let floor = blur().by_rounding;
-        // A step over which the guard does not rise out of rounding cannot hold an event that means anything.
+        // A step over which the guard does not rise out of rounding cannot hold an event that means
+        // anything.
         let risen = |s: f64| {
             let power = (0..order).fold(1.0, |power, _| power * s);
             (power_series(&c[order..], s).0 * power).abs()
@@ -348,9 +355,9 @@ fn first_failure<F: Flow<N>, const N: usize, const G: usize>(
     locate(run, flow, piece, (guard, may_stray), &series)
 }
 
-/// The first event of a guard whose series says nothing of the step, because it is not finite (a root at zero, as a distance has
-/// at the place that it is measured from) or because it belongs to a branch that was taken by value. The guard itself is
-/// sampled, on the series of the state.
+/// The first event of a guard whose series says nothing of the step, because it is not finite (a
+/// root at zero, as a distance has at the place that it is measured from) or because it belongs to
+/// a branch that was taken by value. The guard itself is sampled, on the series of the state.
 #[cold]
 #[inline(never)]
 fn sampled_failure<F: Flow<N>, const N: usize, const G: usize>(
@@ -384,8 +391,8 @@ fn sampled_failure<F: Flow<N>, const N: usize, const G: usize>(
     Ok(locate(run, flow, piece, (guard, false), &sampled).unwrap_or(None))
 }
 
-/// The first event of a guard over the step: an exit, where the state is made to land on Σ, or a touch where the guard turns
-/// back within the touch tolerance.
+/// The first event of a guard over the step: an exit, where the state is made to land on Σ, or a
+/// touch where the guard turns back within the touch tolerance.
 ///
 /// # Errors
 /// If the guard `may_stray` from its series, it does.
@@ -416,7 +423,8 @@ fn locate<F: Flow<N>, const N: usize, const G: usize>(
                 Fall::Nothing => return None,
             }
         }
-        // The series knows the guard to the rounding of its largest term, the guard itself may be known far better.
+        // The series knows the guard to the rounding of its largest term, the guard itself may be
+        // known far better.
         let (mut at, mut rest) = (zero.at, piece.at(s).1);
         let (from, mut s, mut value, mut rate) = (s, s, zero.guard, zero.rate);
         for _ in 0..NEWTON_STEPS {

@@ -11,21 +11,23 @@ use crate::ode::{Timed, power_series};
 use crate::system::State;
 use crate::taylor::roots::first_zero;
 
-/// By how much of its size a field jumps at least that turns round: what is continuous and zero to rounding does not.
+/// By how much of its size a field jumps at least that turns round: what is continuous and zero to
+/// rounding does not.
 const TURN: f64 = 1e-3;
 
 /// Where in a step two that are compared are equal, by parts of it.
 #[derive(Clone, Copy)]
 pub(super) struct Kink {
-    /// Up to there the series holds: a little before, or a little behind where the two are equal from the start.
+    /// Up to there the series holds: a little before, or a little behind where the two are equal
+    /// from the start.
     pub(super) before: f64,
     /// A little behind: there the next one sees how they come out.
     pub(super) behind: f64,
 }
 
 impl<const N: usize, const G: usize> TaylorStepper<N, G> {
-    /// The first comparison in the step that the series relies on and that comes out otherwise behind. And whether two are equal at the start and
-    /// come out otherwise behind it.
+    /// The first comparison in the step that the series relies on and that comes out otherwise
+    /// behind. And whether two are equal at the start and come out otherwise behind it.
     pub(super) fn first_kink(&self) -> (Option<Kink>, bool) {
         let piece = &self.piece;
         let (mut first, mut is_tie): (Option<Kink>, _) = (None, false);
@@ -88,8 +90,9 @@ pub(super) fn jumped<F: Flow<N>, const N: usize>(
     })
 }
 
-/// Counts a step to `at` that has ended where a comparison comes out otherwise, if the field turns round there: the series' slope there
-/// and the one behind tell. It is a transition at a boundary that the solver is not told of, and piles up as others do.
+/// Counts a step to `at` that has ended where a comparison comes out otherwise, if the field turns
+/// round there: the series' slope there and the one behind tell. It is a transition at a boundary
+/// that the solver is not told of, and piles up as others do.
 #[cold]
 pub(super) fn note_turn<const N: usize>(
     turns: &mut Burst,

@@ -30,7 +30,8 @@ use crate::taylor::series::{Expansion, Functions, Series, in_rows};
 /// Least order: looser tolerances would ask for less.
 const LEAST_ORDER: usize = 8;
 
-/// What a series that is not finite does to the step that it is scaled with, before that is rejected and shrinks tenfold.
+/// What a series that is not finite does to the step that it is scaled with, before that is
+/// rejected and shrinks tenfold.
 const SHRINK: f64 = 1e-2;
 
 /// Growth of steps from equals to equals.
@@ -45,10 +46,12 @@ pub(crate) struct TaylorStepper<const N: usize, const G: usize> {
     expansion: Expansion<G>,
     /// The next step, if its series is expanded already; else the last one.
     piece: Piece<N>,
-    /// Series over it: of the guards that are not constant, and of what the comparisons in it rely on.
+    /// Series over it: of the guards that are not constant, and of what the comparisons in it rely
+    /// on.
     guards: [Polynomial; G],
     choices: Vec<Polynomial>,
-    /// What it comes to at its end, and whether it is sure to come there: then no coefficients were taken.
+    /// What it comes to at its end, and whether it is sure to come there: then no coefficients were
+    /// taken.
     end_of_step: End<N, G>,
     is_clear: bool,
     /// Whether it ends at the end time.
@@ -65,9 +68,10 @@ pub(crate) struct TaylorStepper<const N: usize, const G: usize> {
     scale: f64,
     /// Ends of steps where a comparison turns the field round.
     turns: Burst,
-    /// Time to go on for where a comparison is between equals: longer by [`PAST_TIE`] than the last step, if that was so at its start already. A
-    /// state that moves by less than a unit in its last place stays there. That the series solves the equation to 30 tolerances is seen at
-    /// the step's end.
+    /// Time to go on for where a comparison is between equals: longer by [`PAST_TIE`] than the last
+    /// step, if that was so at its start already. A state that moves by less than a unit in its
+    /// last place stays there. That the series solves the equation to 30 tolerances is seen at the
+    /// step's end.
     past_tie: f64,
 }
 
@@ -101,7 +105,8 @@ fn expand_alone<F: Flow<N>, const N: usize, const G: usize>(
 impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     pub(crate) fn new(options: &Options) -> Self {
         let tolerance = options.rtol.max(options.atol);
-        // Jorba & Zou, Eq. (11), and a few orders more: the time per order falls as the overhead of a step is spread.
+        // Jorba & Zou, Eq. (11), and a few orders more: the time per order falls as the overhead of
+        // a step is spread.
         let order = (0.5 * -math::ln(tolerance) + 8.0) as usize;
         TaylorStepper {
             series: Series::default(),
@@ -135,7 +140,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         }
     }
 
-    /// Forgets where it ended, for another orbit; whatever else it keeps is made anew before it is used.
+    /// Forgets where it ended, for another orbit; whatever else it keeps is made anew before it is
+    /// used.
     pub(super) fn forget(&mut self) {
         (self.end, self.rest) = (nowhere(), nowhere());
         self.turns = Burst::new();
@@ -176,7 +182,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         (self.piece.order, self.scale)
     }
 
-    /// Plans the next step, as the series allows; its length over that which the series is scaled with.
+    /// Plans the next step, as the series allows; its length over that which the series is scaled
+    /// with.
     pub(super) fn plan(&mut self, run: &mut Run<N, G>, ratio: f64) -> f64 {
         // After a rejection the step does not grow at once.
         run.h = self.scale * if self.rejected { ratio.min(1.0) } else { ratio };
@@ -193,8 +200,9 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         self.expansion = *expansion;
     }
 
-    /// Takes what the step needs of the expansion, in which this orbit was the lane `lane`: the coefficients, in parts of the step, unless
-    /// the step's end is all that is wanted of it, which then is given.
+    /// Takes what the step needs of the expansion, in which this orbit was the lane `lane`: the
+    /// coefficients, in parts of the step, unless the step's end is all that is wanted of it, which
+    /// then is given.
     #[inline(always)]
     pub(super) fn take<const L: usize>(
         &mut self,
@@ -215,7 +223,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         let powers = powers([ratio]);
         let of_row = |row: &Row<L>, k: usize| row.lane(lane, k) * powers[k][0];
         let rows: [&Row<L>; N] = std::array::from_fn(|i| &series.rows()[i]);
-        // Of those above the order, too, which are zero: so many that the compiler knows their number.
+        // Of those above the order, too, which are zero: so many that the compiler knows their
+        // number.
         for (k, x) in self.piece.x.iter_mut().enumerate() {
             for (x, row) in x.iter_mut().zip(rows) {
                 *x = of_row(row, k);
@@ -256,7 +265,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     /// Begins a phase, or the rest of one.
     fn enter<F: Flow<N>>(&mut self, run: &mut Run<N, G>, flow: &F) {
         let Timed { t, x } = run.at;
-        // What rounding took belongs to the state that it was taken from; what landing on Σ has moved by a few units in the last place keeps it.
+        // What rounding took belongs to the state that it was taken from; what landing on Σ has
+        // moved by a few units in the last place keeps it.
         if t != self.end.t {
             self.rest.t = 0.0;
         }
@@ -302,7 +312,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         run: &mut Run<N, G>,
         flow: &F,
     ) -> Result<Trial, Error> {
-        // Where the step's end shows that its series are not the guards', their coefficients are wanted, too.
+        // Where the step's end shows that its series are not the guards', their coefficients are
+        // wanted, too.
         if !self.is_expanded || self.is_clear && !self.holds_at_end(run, flow) {
             self.expand(run, flow);
         }
@@ -312,7 +323,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         let is_finite = |i: usize| (piece.x[last][i] + piece.x[last - 1][i]).is_finite();
         let is_undefined = !self.is_clear && !(0..N).all(is_finite);
         if is_undefined || run.is_too_short(h, is_last) {
-            // Coefficients that have overflowed are numbers over a shorter step, unless the values had.
+            // Coefficients that have overflowed are numbers over a shorter step, unless the values
+            // had.
             run.reject_undefined(SHRINK * self.scale)?;
             if self.expansion.overflowed || run.is_too_short(run.h, false) {
                 return Err(run.collapse(&flow.velocity(t, &x), run.h));
@@ -342,7 +354,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
                     event = None;
                 }
             } else if found.s >= piece.to_end {
-                // A touch turns back at the end time or behind it, and the step's end is below zero.
+                // A touch turns back at the end time or behind it, and the step's end is below
+                // zero.
                 part = found.s;
                 (at, rest_there) = (found.event.at, found.rest);
                 (at.t, rest_there.t) = (run.t_end, 0.0);

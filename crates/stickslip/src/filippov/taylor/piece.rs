@@ -57,7 +57,8 @@ pub(super) struct Piece<const N: usize> {
 }
 
 impl<const N: usize> Piece<N> {
-    /// Time and state at the part `s` of the step, and what rounding takes from them. Rarely asked for, and compiled once for all fields.
+    /// Time and state at the part `s` of the step, and what rounding takes from them. Rarely asked
+    /// for, and compiled once for all fields.
     #[inline(never)]
     pub(super) fn at(&self, s: f64) -> (Timed<N>, Timed<N>) {
         let (rise, _) = power_series(&self.x[1..=self.order], s);
@@ -81,8 +82,9 @@ impl<const N: usize> Piece<N> {
         power_series(&self.x[..=self.order], s).1
     }
 
-    /// Whether the series still solves the equation where it leads to `at` with this slope, the field there. It does not beyond where the
-    /// field is defined, or where it branches otherwise than the series.
+    /// Whether the series still solves the equation where it leads to `at` with this slope, the
+    /// field there. It does not beyond where the field is defined, or where it branches otherwise
+    /// than the series.
     #[inline(always)]
     pub(super) fn agrees<F: Flow<N>>(
         &self,

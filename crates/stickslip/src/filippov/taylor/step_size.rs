@@ -5,42 +5,47 @@ use crate::taylor::inverse;
 use crate::taylor::row::{Lanes, Row, lanes, lanes_of, largest, least};
 use crate::taylor::series::Expansion;
 
-/// Part of the tolerance that the last coefficients are held to: the steps are long and few, and all of the next ones enlarge
-/// what one leaves out.
+/// Part of the tolerance that the last coefficients are held to: the steps are long and few, and
+/// all of the next ones enlarge what one leaves out.
 const SAFETY: f64 = 0.1;
 
-/// Growth of the step from one to the next at most. The series of a polynomial solution ends and would allow any; but over a step that is too
-/// long by this factor a guard that bends is known to rounding times its square, and no better are its grazes. One very near the start of
-/// a very long step is badly resolved.
+/// Growth of the step from one to the next at most. The series of a polynomial solution ends and
+/// would allow any; but over a step that is too long by this factor a guard that bends is known to
+/// rounding times its square, and no better are its grazes. One very near the start of a very long
+/// step is badly resolved.
 pub(in crate::filippov) const GROW_MOST: f64 = 64.0;
 
-/// Longest step in units of the radius of convergence as the terms' own ratio tells it: beyond it a series means nothing,
-/// however small its terms.
+/// Longest step in units of the radius of convergence as the terms' own ratio tells it: beyond it a
+/// series means nothing, however small its terms.
 const FARTHEST: f64 = 0.7;
 
-/// Powers of two by which the ratio of a guard's terms may make a step shorter than the state allows and than the time: a millionth. Terms may
-/// grow by rounding alone, where a function's large parts cancel, at any step.
+/// Powers of two by which the ratio of a guard's terms may make a step shorter than the state
+/// allows and than the time: a millionth. Terms may grow by rounding alone, where a function's
+/// large parts cancel, at any step.
 const FINEST: f64 = 20.0;
 
-/// Powers of two by which a guard's last terms may be smaller than its first ones and still tell of how it grows: down to a 256th of a unit in
-/// the last place.
+/// Powers of two by which a guard's last terms may be smaller than its first ones and still tell of
+/// how it grows: down to a 256th of a unit in the last place.
 const FAINTEST: f64 = -60.0;
 
 /// What the exponent in a number's bits is more than its own.
 const BIAS: f64 = 1023.0;
 
-/// Logarithm to base 2 of a normal positive number, up to 0.09 too small: good enough for a root of high order.
+/// Logarithm to base 2 of a normal positive number, up to 0.09 too small: good enough for a root of
+/// high order.
 #[inline(always)]
 fn rough_log2(x: f64) -> f64 {
-    /// Half a number's bits hold its exponent, and as much of the rest as this; no more is converted.
+    /// Half a number's bits hold its exponent, and as much of the rest as this; no more is
+    /// converted.
     const MANTISSA: f64 = (1u64 << 20) as f64;
-    /// A number whose last bit is worth one: what is put there is added to it, in every lane at once.
+    /// A number whose last bit is worth one: what is put there is added to it, in every lane at
+    /// once.
     const WHOLE: f64 = (1u64 << 52) as f64;
     (f64::from_bits(x.abs().to_bits() >> 32 | WHOLE.to_bits()) - WHOLE) / MANTISSA - BIAS
 }
 
-/// `2^x` to three parts in a thousand: a step that is longer by that has an error larger by a twelfth. The inverse of [`rough_log2`] would make
-/// it four times as large.
+/// `2^x` to three parts in a thousand: a step that is longer by that has an error larger by a
+/// twelfth. The inverse of [`rough_log2`] would make it four times as large.
 #[inline(always)]
 fn rough_exp2(x: f64) -> f64 {
     let shifted = (x + BIAS).max(0.0);
@@ -49,7 +54,8 @@ fn rough_exp2(x: f64) -> f64 {
     f64::from_bits((power as u64) << 52) * (1.0 + rest * (0.66 + 0.34 * rest))
 }
 
-/// Bounds a step, lane by lane, by a coefficient of power `k` if it counts: by `longest` of `k`, the lane and the coefficient's logarithm.
+/// Bounds a step, lane by lane, by a coefficient of power `k` if it counts: by `longest` of `k`,
+/// the lane and the coefficient's logarithm.
 #[inline(always)]
 fn bound<const L: usize>(
     log: &mut Lanes<L>,
@@ -64,8 +70,9 @@ fn bound<const L: usize>(
     });
 }
 
-/// Bounds a step by the coefficients by which it is told how far a series reaches: the last `COUNT`. Of a series in a power of the time
-/// these may all be zero; then it is told by those of the upper half, lane by lane. Returns the largest of the last.
+/// Bounds a step by the coefficients by which it is told how far a series reaches: the last
+/// `COUNT`. Of a series in a power of the time these may all be zero; then it is told by those of
+/// the upper half, lane by lane. Returns the largest of the last.
 #[inline(always)]
 fn bound_by_last<const L: usize, const COUNT: usize>(
     log: &mut Lanes<L>,
@@ -98,7 +105,8 @@ fn is_positive(size: f64) -> bool {
     size > 0.0
 }
 
-/// Bounds a step by the radius of convergence, as the terms' own ratio tells it: the largest of the middle to the largest of the last.
+/// Bounds a step by the radius of convergence, as the terms' own ratio tells it: the largest of the
+/// middle to the largest of the last.
 #[inline(always)]
 fn bound_by_ratio<const L: usize>(log: &mut Lanes<L>, (row, p): (&Row<L>, usize), late: Lanes<L>) {
     let farthest = rough_log2(FARTHEST);
@@ -115,8 +123,9 @@ fn bound_by_ratio<const L: usize>(log: &mut Lanes<L>, (row, p): (&Row<L>, usize)
     });
 }
 
-/// Step length within the tolerance, over that, `h`, which the series is scaled with, at `t`: where the last coefficients, extrapolated
-/// by the radius of convergence that they tell, have fallen to the tolerance (Jorba & Zou 2005, Sect. 3.2).
+/// Step length within the tolerance, over that, `h`, which the series is scaled with, at `t`: where
+/// the last coefficients, extrapolated by the radius of convergence that they tell, have fallen to
+/// the tolerance (Jorba & Zou 2005, Sect. 3.2).
 #[inline(always)]
 pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: usize>(
     rows: &[Row<L>],
@@ -140,8 +149,9 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
     }
     let finest: Lanes<L> = lanes(|l| least(log[l], rough_log2((t[l] / h[l]).abs())) - FINEST);
     log = lanes(|l| least(log[l], rough_log2(GROW_MOST)));
-    // What a guard's series leaves out, or that of a comparison, against how far it moves in the step: by any of its first three terms,
-    // unless it is flatter than that. What is linear in the state is as good as that.
+    // What a guard's series leaves out, or that of a comparison, against how far it moves in the
+    // step: by any of its first three terms, unless it is flatter than that. What is linear in the
+    // state is as good as that.
     let guards = expansion.watched.iter().flatten();
     let guards = guards.filter(|function| !function.is_linear);
     let choices = if expansion.choices_bend {
@@ -168,8 +178,8 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
                 }
             },
         );
-        // One that is small against its first terms may yet grow to more than they are, unless over the whole step it is too small for rounding
-        // to tell it from nothing.
+        // One that is small against its first terms may yet grow to more than they are, unless over
+        // the whole step it is too small for rounding to tell it from nothing.
         let late = lanes(|l| {
             let over_step = rough_log2(late[l]) + p as f64 * log[l];
             if over_step > rough_log2(moves[l]) + FAINTEST {
@@ -195,7 +205,8 @@ mod tests {
 
     #[test]
     fn coefficients_of_zero_bound_no_step() {
-        // A state at rest, near zero or at it, and a guard that is its square: as small as a number can be.
+        // A state at rest, near zero or at it, and a guard that is its square: as small as a number
+        // can be.
         for x in [0.0, 1e-150, 1e-161, 1.0] {
             let rows = [Row::new(), Row::new()];
             rows[0].set(0, [x]);

@@ -14,18 +14,19 @@ use crate::system::{Filippov, Side};
 /// Eq. (27)–(28), nondimensional.
 ///
 /// # From Newton's law
-/// A block of mass `m` at `x` rides a belt, tied to a wall by the spring `k1`. The end of a bracket of moment of inertia `J`
-/// and arm `r`, displaced by `y = rφ`, is joined to the block by the spring `k2` and the damper `c1`, both stretched by
-/// `x + y`, and to the frame by the spring `k3` and the damper `c2`. What the latter two exert also lifts the
-/// block off the belt, so the normal force is `N = mg − k3 y − c2 ẏ`, at least zero because a contact cannot pull:
+/// A block of mass `m` at `x` rides a belt, tied to a wall by the spring `k1`. The end of a bracket
+/// of moment of inertia `J` and arm `r`, displaced by `y = rφ`, is joined to the block by the
+/// spring `k2` and the damper `c1`, both stretched by `x + y`, and to the frame by the spring `k3`
+/// and the damper `c2`. What the latter two exert also lifts the block off the belt, so the normal
+/// force is `N = mg − k3 y − c2 ẏ`, at least zero because a contact cannot pull:
 ///
 /// ```text
 ///     m ẍ      = −k1 x − k2 (x + y) − c1 (ẋ + ẏ) − μ(v) N sgn v,     μ(v) = μ0/(1 + δ|v|),  v = ẋ − vp
 ///     J φ̈ / r  = −k2 (x + y) − c1 (ẋ + ẏ) − k3 y − c2 ẏ
 /// ```
 ///
-/// Time is measured in `1/ω`, `ω² = (k1 + k2)/m`, and length in `L = mg/k2`. With `x₁ = x/L`, `x₃ = y/L`, their
-/// derivatives `x₂`, `x₄`, and
+/// Time is measured in `1/ω`, `ω² = (k1 + k2)/m`, and length in `L = mg/k2`. With `x₁ = x/L`, `x₃ =
+/// y/L`, their derivatives `x₂`, `x₄`, and
 ///
 /// ```text
 ///     ξ1 = k2/(ω²m)    ξ2 = c1 ω/k2    ξ3 = k2 r²/(ω²J)    ξ4 = (k2 + k3)/k2    ξ5 = ω(c1 + c2)/k2
@@ -41,12 +42,14 @@ use crate::system::{Filippov, Side};
 ///     x₄' = ξ3 ( −x₁ − ξ2 x₂ − ξ4 x₃ − ξ5 x₄ )
 /// ```
 ///
-/// with `δ` and `vp` in units of `1/(ωL)` and `ωL`. The paper prints `−x₃ − T` in the second row; the signs of
-/// both terms are parameters here, so that what is printed can be run as well. How the nine numbers of a caption become
-/// parameters is a [`Reading`]; [`Rig`] is the system in its physical units.
+/// with `δ` and `vp` in units of `1/(ωL)` and `ωL`. The paper prints `−x₃ − T` in the second row;
+/// the signs of both terms are parameters here, so that what is printed can be run as well. How the
+/// nine numbers of a caption become parameters is a [`Reading`]; [`Rig`] is the system in its
+/// physical units.
 ///
-/// State: `(x₁, x₂, x₃, x₄)`; Σ is `x₂ = vp`. There the block sticks while the force that this takes is at most
-/// `μ0 N/mg`; where `N` is clipped to zero, both fields agree and nothing holds it.
+/// State: `(x₁, x₂, x₃, x₄)`; Σ is `x₂ = vp`. There the block sticks while the force that this
+/// takes is at most `μ0 N/mg`; where `N` is clipped to zero, both fields agree and nothing holds
+/// it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlockAndBracket {
     /// ξ1: the part `k2/(k1 + k2)` of the block's stiffness that the coupling spring has.
@@ -73,7 +76,8 @@ pub struct BlockAndBracket {
     pub displacement_sign: f64,
     /// Factor of `T` in the second row: 1 where friction opposes slip, −1 as printed.
     pub friction_sign: f64,
-    /// Whether the normal force is clipped at zero. Otherwise a lifted block is held back by a belt that pulls.
+    /// Whether the normal force is clipped at zero. Otherwise a lifted block is held back by a belt
+    /// that pulls.
     pub clipped: bool,
 }
 
@@ -94,13 +98,15 @@ impl BlockAndBracket {
         reading.apply(caption)
     }
 
-    /// The normal force in units of its value `mg` at rest, unclipped: where it is negative the block would lift off.
+    /// The normal force in units of its value `mg` at rest, unclipped: where it is negative the
+    /// block would lift off.
     #[inline(always)]
     pub fn unclipped_normal_force<T: Scalar>(&self, x: &[T; 4]) -> T {
         -(x[2] * self.unloading + x[3] * self.unloading_rate) + 1.0
     }
 
-    /// The normal force that friction is reckoned with, in units of `mg`: clipped at zero if the system says so.
+    /// The normal force that friction is reckoned with, in units of `mg`: clipped at zero if the
+    /// system says so.
     #[inline(always)]
     pub fn normal_force<T: Scalar>(&self, x: &[T; 4]) -> T {
         let contact = self.unclipped_normal_force(x);

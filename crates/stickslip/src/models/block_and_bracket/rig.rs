@@ -8,7 +8,8 @@ use crate::system::{Filippov, Side};
 
 /// Fig. 9 in SI units, as Newton's law gives it (see [`BlockAndBracket`]).
 ///
-/// State: block position (m) and velocity (m/s), displacement `y = rφ` of the bracket's end (m) and its velocity (m/s).
+/// State: block position (m) and velocity (m/s), displacement `y = rφ` of the bracket's end (m) and
+/// its velocity (m/s).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rig {
     /// Mass m of the block (kg).

@@ -64,8 +64,8 @@ fn the_stick_slip_cycle_of_leine_is_found_and_refined() {
     }
 }
 
-/// Published shares of starts that end on the fixed point (P16), each of 5000 random ones, by the belt's speed: Stender & Hoffmann, *Nonlinear
-/// Dyn.* 107 (2022) 1451.
+/// Published shares of starts that end on the fixed point (P16), each of 5000 random ones, by the
+/// belt's speed: Stender & Hoffmann, *Nonlinear Dyn.* 107 (2022) 1451.
 const SHARES: &str = include_str!("../../data/shares.csv");
 
 fn starts(count: usize) -> impl Iterator<Item = State<2>> {
@@ -221,7 +221,8 @@ fn a_cycle_that_meets_no_boundary_is_known_by_where_it_turns_back() {
         assert_eq!(found.sequence(), [BELOW]);
         assert_eq!(known.number(found), 0);
     }
-    // Inside the repelling cycle all goes to the focus, by slower and slower turns that are no cycles.
+    // Inside the repelling cycle all goes to the focus, by slower and slower turns that are no
+    // cycles.
     let found = reached(&far, [0.5, 0.0, -0.5], &settings, &Options::default());
     assert_eq!(
         found.kind,
@@ -290,8 +291,9 @@ fn rest_is_known_as_soon_as_nothing_can_keep_the_orbit_from_it() {
 
 #[test]
 fn a_trap_reaches_as_far_as_the_mean_slope_on_the_way_from_its_middle() {
-    // V = (x² + y²)/2 falls to where y' = -y + x² has a slope, in the mean from the middle on, of no more than 9/5 in x. Within a radius r the
-    // slope goes up to 2 r, and its mean, in eight parts, up to 9/8 r.
+    // V = (x² + y²)/2 falls to where y' = -y + x² has a slope, in the mean from the middle on, of
+    // no more than 9/5 in x. Within a radius r the slope goes up to 2 r, and its mean, in eight
+    // parts, up to 9/8 r.
     let radius = |[x, y]: [f64; 2]| math::hypot(x, y);
     let options = Options::default().longest_step(0.003);
     let known = |[x, y]: [f64; 2]| {
@@ -420,7 +422,8 @@ fn forced_orbits_are_compared_at_whole_periods() {
     }
 }
 
-/// What drives with less than the friction moves nothing that is within their difference of the middle, at any moment of its period.
+/// What drives with less than the friction moves nothing that is within their difference of the
+/// middle, at any moment of its period.
 #[test]
 fn rest_under_a_drive_is_one_set_of_equilibria() {
     let options = Options::tol(1e-10);
@@ -447,7 +450,8 @@ fn rest_under_a_drive_is_one_set_of_equilibria() {
         assert_eq!(found.in_stick, 1.0);
         assert_eq!(known.number(found), 0, "{start:?}");
     }
-    // With less friction the same drive moves it, and its orbit is no rest though it sticks at times.
+    // With less friction the same drive moves it, and its orbit is no rest though it sticks at
+    // times.
     let moved = DenHartog {
         frequency: 0.4,
         friction: 0.9,

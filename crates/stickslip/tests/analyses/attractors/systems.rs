@@ -4,8 +4,8 @@ use stickslip::{Filippov, Scalar, Side};
 
 use crate::smooth::Field;
 
-/// `x'' = -x - 0.1 x' - F`, a block on a belt of speed `vd`, the friction decaying with slip speed: the example of bSTAB (Stender &
-/// Hoffmann, *Nonlinear Dyn.* 107 (2022) 1451).
+/// `x'' = -x - 0.1 x' - F`, a block on a belt of speed `vd`, the friction decaying with slip speed:
+/// the example of bSTAB (Stender & Hoffmann, *Nonlinear Dyn.* 107 (2022) 1451).
 #[derive(Clone, Copy, PartialEq)]
 pub struct Driven {
     pub vd: f64,
@@ -24,7 +24,8 @@ impl Filippov<2> for Driven {
     }
 }
 
-/// `x'' = -x - sgn(w)/(1 + 3|w|)`, `w = x' - 0.2` (Leine, van Campen, de Kraker & van den Steen, *Nonlinear Dyn.* 16 (1998) 41).
+/// `x'' = -x - sgn(w)/(1 + 3|w|)`, `w = x' - 0.2` (Leine, van Campen, de Kraker & van den Steen,
+/// *Nonlinear Dyn.* 16 (1998) 41).
 pub struct Leine;
 
 impl Filippov<2> for Leine {
@@ -55,8 +56,9 @@ impl Filippov<2> for Wells {
     }
 }
 
-/// `r' = r (p + 2 r² - r⁴)`, `θ' = 1` in the plane, the parameter `p` being the third state: cycles at `r² = 1 ± √(1 + p)`, which meet in a
-/// fold at `p = -1`, `r = 1`. The boundary `x = place` is crossed, or is far away, and the fields are the same on both sides.
+/// `r' = r (p + 2 r² - r⁴)`, `θ' = 1` in the plane, the parameter `p` being the third state: cycles
+/// at `r² = 1 ± √(1 + p)`, which meet in a fold at `p = -1`, `r = 1`. The boundary `x = place` is
+/// crossed, or is far away, and the fields are the same on both sides.
 pub struct Rings {
     pub place: f64,
 }
@@ -72,7 +74,8 @@ impl Filippov<3> for Rings {
     }
 }
 
-/// Van der Pol's oscillator backwards in time, `x'' = -x - (1 - x²) x'/10`: its cycle of amplitude 2, nearly, repels.
+/// Van der Pol's oscillator backwards in time, `x'' = -x - (1 - x²) x'/10`: its cycle of amplitude
+/// 2, nearly, repels.
 pub struct Backwards;
 
 impl Field<2> for Backwards {
@@ -81,7 +84,8 @@ impl Field<2> for Backwards {
     }
 }
 
-/// `x' = -x + 100 y`, `y' = -y`: `x = 100 t exp(-t)` from `(0, 1)`, so that what comes to rest is 36.8 away before.
+/// `x' = -x + 100 y`, `y' = -y`: `x = 100 t exp(-t)` from `(0, 1)`, so that what comes to rest is
+/// 36.8 away before.
 pub struct Detour;
 
 impl Field<2> for Detour {
@@ -118,7 +122,8 @@ impl Filippov<2> for Pushed {
     }
 }
 
-/// `x' = x (1 - (1000 x)²)`: equilibria at -1/1000 and 1/1000 attract from anywhere. The boundary is met by nothing.
+/// `x' = x (1 - (1000 x)²)`: equilibria at -1/1000 and 1/1000 attract from anywhere. The boundary
+/// is met by nothing.
 pub struct NearWells;
 
 impl Filippov<1> for NearWells {

@@ -14,7 +14,8 @@ use crate::listed::Listed;
 
 const ONE: Lags = Lags { unit: 1.0 };
 
-/// The equilibrium of either side is on the boundary where the threshold is the state that it rests at, whatever the threshold is measured in.
+/// The equilibrium of either side is on the boundary where the threshold is the state that it rests
+/// at, whatever the threshold is measured in.
 #[test]
 fn the_end_of_a_branch_is_known_to_rounding() {
     let options = Options::tol(1e-12);
@@ -105,7 +106,8 @@ fn an_equilibrium_that_goes_over_into_sliding_is_located_there() {
     }
 }
 
-/// There both fields are tangent, and no sliding field is determined: it slid off, in ever shorter steps.
+/// There both fields are tangent, and no sliding field is determined: it slid off, in ever shorter
+/// steps.
 #[test]
 fn on_the_boundary_the_equilibrium_is_rested_in_and_nothing_sticks() {
     let system = AtParameter {
@@ -139,7 +141,8 @@ fn on_the_boundary_the_equilibrium_is_rested_in_and_nothing_sticks() {
     }
 }
 
-/// Below, orbits leave a tangent point along y = x⁴, of which three derivatives vanish there; above, they come back to it.
+/// Below, orbits leave a tangent point along y = x⁴, of which three derivatives vanish there;
+/// above, they come back to it.
 struct Flat;
 
 impl Filippov<2> for Flat {
@@ -159,7 +162,8 @@ fn what_moves_along_the_boundary_does_not_rest_on_it() {
     assert_eq!(fate(&Flat, 0.0, &State::from([0.0; 2])), Fate::Stick);
 }
 
-/// The slip from the tangent point, at the height of the growth, lands at the sliding field's equilibrium.
+/// The slip from the tangent point, at the height of the growth, lands at the sliding field's
+/// equilibrium.
 #[test]
 fn a_branch_ends_in_a_homoclinic_orbit_of_the_sliding_field() {
     // Back at the boundary, turned by almost 3π/2 and grown meanwhile: where 1 + r cos φ = 0 again.

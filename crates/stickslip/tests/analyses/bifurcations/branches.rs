@@ -234,7 +234,8 @@ fn find(family: &BeatFamily, p: f64) -> [f64; 2] {
     [run.x_end[0], p]
 }
 
-/// A step of the series may be so long that a contraction by e⁻⁷ in it overflows the stages by which the vectors are carried.
+/// A step of the series may be so long that a contraction by e⁻⁷ in it overflows the stages by
+/// which the vectors are carried.
 #[test]
 fn what_contracts_fast_is_carried_by_long_steps_too() {
     for p in [-0.5_f64, -0.316, 0.0, 0.5, 2.0] {
@@ -481,7 +482,8 @@ fn what_cannot_be_followed_is_an_error_that_says_why() {
     assert!(matches!(error, Error::Parameter { .. }), "{error}");
 }
 
-/// The saddle of [`Belt`] on its slow side, where x - x³ is minus the friction at rest, and its eigenvalues: positive, negative.
+/// The saddle of [`Belt`] on its slow side, where x - x³ is minus the friction at rest, and its
+/// eigenvalues: positive, negative.
 fn saddle_of_belt(speed: f64) -> (f64, [f64; 2]) {
     let resting = Area::FRICTION / (1.0 + speed);
     let mut x = 0.0;
@@ -493,7 +495,8 @@ fn saddle_of_belt(speed: f64) -> (f64, [f64; 2]) {
     (x, [0.5 * trace + root, 0.5 * trace - root])
 }
 
-/// Whether the orbit that leaves the saddle to the left comes back above what comes to it, and leaves it to the right.
+/// Whether the orbit that leaves the saddle to the left comes back above what comes to it, and
+/// leaves it to the right.
 fn comes_back_above(speed: f64) -> bool {
     let (saddle, [leaves, comes]) = saddle_of_belt(speed);
     let start = [saddle - 1e-6, -1e-6 * leaves, speed];
@@ -512,8 +515,8 @@ fn comes_back_above(speed: f64) -> bool {
     growing(leaves.unwrap()) > 0.0
 }
 
-/// Next to a saddle neighbours part by e^(2 · 16), and the multiplier is what is left of it: by Liouville's formula, area by area, it is known
-/// without that.
+/// Next to a saddle neighbours part by e^(2 · 16), and the multiplier is what is left of it: by
+/// Liouville's formula, area by area, it is known without that.
 #[test]
 fn a_cycle_is_followed_to_its_homoclinic_end_with_the_multiplier_of_its_area() {
     let settings = ContinuationSettings {
@@ -636,8 +639,8 @@ fn passes(parameter: f64) -> bool {
     true
 }
 
-/// Along v = (1 - x²)/√2, from saddle to saddle, pull and drag do the same work where p ∫v dx = ∫x² v dx, at p = 1/5 but for the square of the pull
-/// (Melnikov); the exact place by bisection.
+/// Along v = (1 - x²)/√2, from saddle to saddle, pull and drag do the same work where p ∫v dx = ∫x²
+/// v dx, at p = 1/5 but for the square of the pull (Melnikov); the exact place by bisection.
 #[test]
 fn a_cycle_is_followed_to_two_saddles() {
     let settings = ContinuationSettings {
@@ -686,8 +689,9 @@ fn a_cycle_is_followed_to_two_saddles() {
     assert!((comes - (half_trace - root)).abs() < 1e-9, "{comes}");
 }
 
-/// The half of a symmetric orbit, from one exit of stick to that with the other sign, has the multiplier -1 there, by matrix exponentials with 22 digits.
-/// Newton's matrix is singular at them, and next to the first the branch ended with short steps.
+/// The half of a symmetric orbit, from one exit of stick to that with the other sign, has the
+/// multiplier -1 there, by matrix exponentials with 22 digits. Newton's matrix is singular at them,
+/// and next to the first the branch ended with short steps.
 #[test]
 fn points_at_which_symmetry_breaks_are_found_with_any_step() {
     const POINTS: [f64; 2] = [1.955_032_552_903_879, 2.046_729_920_873_024];

@@ -71,7 +71,8 @@ fn it_is_followed_round_a_fold_on_a_boundary_that_moves_with_the_parameter() {
         panic!("{:?}", found.special);
     };
     assert_eq!(fold.what, Special::Fold);
-    // The focus in the sliding field that the inner cycle shrinks to; the boundary is elsewhere at every parameter.
+    // The focus in the sliding field that the inner cycle shrinks to; the boundary is elsewhere at
+    // every parameter.
     is_hopf_at_zero(found.stop);
     assert!((fold.parameter + 1.0).abs() < 1e-9, "{}", fold.parameter);
     for (k, point) in found.points.iter().enumerate() {
@@ -93,7 +94,8 @@ fn it_is_followed_round_a_fold_on_a_boundary_that_moves_with_the_parameter() {
     }
 }
 
-/// On the way from here up or down: where the pull `x + 1/10` is no more than `p` at x = 1, and where `-x - 1/10` is not at x = -1.
+/// On the way from here up or down: where the pull `x + 1/10` is no more than `p` at x = 1, and
+/// where `-x - 1/10` is not at x = -1.
 #[test]
 fn where_it_begins_to_slip_is_located_from_both_sides() {
     let options = Options::tol(1e-13);
@@ -142,7 +144,8 @@ fn where_it_begins_to_slip_is_located_from_both_sides() {
     }
 }
 
-/// Of the first pair one slip begins; of the second, in the same instant of each half turn, two do, one of them where the section of the sweep is.
+/// Of the first pair one slip begins; of the second, in the same instant of each half turn, two do,
+/// one of them where the section of the sweep is.
 #[test]
 fn a_sweep_locates_it_and_tells_the_phases_on_both_sides() {
     let [below, above] = [Side::Below, Side::Above].map(Mode::Slip);
@@ -185,8 +188,9 @@ fn a_sweep_locates_it_and_tells_the_phases_on_both_sides() {
     }
 }
 
-/// `v' = -p sgn(v - V(t))` on a belt of speed V: what friction can give is enough where p is more than |V'| ever is, for `V = (3/2) sin t` in the same
-/// two instants of a period up and down. The other V' is largest, 21/10, only at t = π, where the period of an orbit begun at 0 is cut.
+/// `v' = -p sgn(v - V(t))` on a belt of speed V: what friction can give is enough where p is more
+/// than |V'| ever is, for `V = (3/2) sin t` in the same two instants of a period up and down. The
+/// other V' is largest, 21/10, only at t = π, where the period of an orbit begun at 0 is cut.
 #[test]
 fn on_a_belt_that_shakes_the_block_sticks_for_ever_from_a_known_friction_on() {
     let options = Options::tol(1e-13);
@@ -232,8 +236,9 @@ fn on_a_belt_that_shakes_the_block_sticks_for_ever_from_a_known_friction_on() {
     }
 }
 
-/// At `A` both slips begin, and at `A/√(1 + π²/4)` both sticks vanish, where the symmetric orbit of slip alone crosses at a rate of zero; from above the
-/// branch is begun on an orbit that sticks for ever, so that its first phase is one that vanishes.
+/// At `A` both slips begin, and at `A/√(1 + π²/4)` both sticks vanish, where the symmetric orbit of
+/// slip alone crosses at a rate of zero; from above the branch is begun on an orbit that sticks for
+/// ever, so that its first phase is one that vanishes.
 #[test]
 fn a_branch_goes_on_where_two_slips_begin_at_once_and_where_two_sticks_end() {
     let adding = Pulse::amplitude();

@@ -38,7 +38,8 @@ fn changes(rhythms: [Rhythm; 2], other: f64, varied: usize, (from, to): (f64, f6
 
 #[test]
 fn each_change_is_located_and_told_at_its_contact() {
-    // As of one contact alone: y = sin t touches y = p, and the field above pushes down by 1 - p cos t.
+    // As of one contact alone: y = sin t touches y = p, and the field above pushes down by 1 - p
+    // cos t.
     let of_one = [
         (Rhythm::Touch, SequenceBifurcation::GrazingSliding),
         (Rhythm::Part, SequenceBifurcation::AddingSliding),
@@ -109,7 +110,8 @@ fn contacts_that_change_places_coincide_and_do_not_graze() {
 
 #[test]
 fn the_attractor_of_two_is_that_of_each() {
-    // Pushed up to the boundary at 1/2, it leaves where sin t + cos t falls through 1/2; the other one crosses at 0.3 and 0.3 + π.
+    // Pushed up to the boundary at 1/2, it leaves where sin t + cos t falls through 1/2; the other
+    // one crosses at 0.3 and 0.3 + π.
     let of = |rhythm, p| Beat { rhythm, p };
     let system = Several(Duet([of(Rhythm::Touch, 0.5), of(Rhythm::Clock, 0.3)]));
     let settings = RecurrenceSettings::within(400.0).forced(2.0 * PI);
@@ -220,8 +222,9 @@ fn a_contact_that_always_sticks_does_not_hide_what_the_other_does() {
     }
 }
 
-/// What the upper block takes to be moved along is most when the lower one turns back. With less friction it slips just before, and on after: both
-/// slips vanish there, in both halves of the period, and the branch goes on without them.
+/// What the upper block takes to be moved along is most when the lower one turns back. With less
+/// friction it slips just before, and on after: both slips vanish there, in both halves of the
+/// period, and the branch goes on without them.
 #[test]
 fn a_slip_about_the_switch_of_another_contact_vanishes_at_a_known_friction() {
     let system = Several(Stack);

@@ -1,4 +1,5 @@
-//! Changes of phases behind which friction that is more at rest lets go by a jump, against closed forms.
+//! Changes of phases behind which friction that is more at rest lets go by a jump, against closed
+//! forms.
 
 use std::f64::consts::PI;
 
@@ -16,7 +17,8 @@ use crate::listed::Listed;
 const ABOVE: Mode = Mode::Slip(Side::Above);
 const BELOW: Mode = Mode::Slip(Side::Below);
 
-/// Place and velocity in slip on a side at a time behind a place on the belt, and the acceleration, by the formula for the damped spring.
+/// Place and velocity in slip on a side at a time behind a place on the belt, and the acceleration,
+/// by the formula for the damped spring.
 fn slip(side: Side, damping: f64, x: f64, t: f64) -> [f64; 3] {
     let (rest, rate) = (-side.sign(), -0.5 * damping);
     let angle = (1.0 - rate * rate).sqrt();
@@ -60,7 +62,8 @@ fn landing(damping: f64) -> f64 {
     slip(Side::Below, damping, from, t)[0]
 }
 
-/// The damping at which it lands where friction can just hold: with less it passes on at once, to come back to where it lets go.
+/// The damping at which it lands where friction can just hold: with less it passes on at once, to
+/// come back to where it lets go.
 fn let_go() -> f64 {
     let room = |damping: f64| landing(damping) + Grip::STATIC + damping * Grip::SPEED;
     zero(-0.7, -0.6, room)
@@ -218,7 +221,8 @@ fn a_sweep_locates_them_however_wide_its_steps() {
     }
 }
 
-/// The orbit before ends in a fold, and the one that the run comes to then began in a graze further back: they have nothing to do with each other.
+/// The orbit before ends in a fold, and the one that the run comes to then began in a graze further
+/// back: they have nothing to do with each other.
 #[test]
 fn a_fold_is_told_beside_the_graze_in_which_another_orbit_begins() {
     let period = 2.0 * PI / Dragged::PACE;

@@ -286,7 +286,8 @@ fn the_ends_of_bistability_are_found_by_sweeps_up_and_down() {
     };
     assert!((parameter - focus).abs() < 1e-12, "{parameter}");
     assert!((frequency - 1.0).abs() < 1e-12 && (x[0] - 0.55).abs() < 1e-12);
-    // Up from there the block goes on sticking and slipping, to where the cycle only touches the belt's speed.
+    // Up from there the block goes on sticking and slipping, to where the cycle only touches the
+    // belt's speed.
     let up = sweep(
         family,
         values(1.0, 2.0, 50),
@@ -312,8 +313,9 @@ fn the_ends_of_bistability_are_found_by_sweeps_up_and_down() {
     assert_eq!(at(&up, 2.0), Kind::Equilibrium);
 }
 
-/// The static friction, in units of the kinetic, from which on a block that is let go comes back to the belt's speed: with ω² = 1 - ζ² its velocity
-/// is R exp(-ζt) cos(ωt + φ), R cos φ = 1 and R sin φ = (z + ζ)/ω, z = `ratio` - 2ζ - 1, and largest where ωt + φ = 2π - atan(ζ/ω).
+/// The static friction, in units of the kinetic, from which on a block that is let go comes back to
+/// the belt's speed: with ω² = 1 - ζ² its velocity is R exp(-ζt) cos(ωt + φ), R cos φ = 1 and R sin
+/// φ = (z + ζ)/ω, z = `ratio` - 2ζ - 1, and largest where ωt + φ = 2π - atan(ζ/ω).
 fn coming_back() -> f64 {
     let damping = Held::DAMPING;
     let omega = (1.0 - damping * damping).sqrt();
@@ -389,7 +391,8 @@ fn an_orbit_that_ends_or_fails_is_told_and_the_next_one_begins_anew() {
             }
             (_, other) => panic!("{end:?}: {other}"),
         }
-        // From the start again and not from where the first one ended: x = -1 - 3t/2, or x² = 1 + 2t.
+        // From the start again and not from where the first one ended: x = -1 - 3t/2, or x² = 1 +
+        // 2t.
         assert_eq!(escaped.reached.kind, Kind::Escape);
         let (t, x) = (escaped.reached.t, escaped.reached.x[0]);
         let start = match end {
@@ -404,7 +407,8 @@ fn an_orbit_that_ends_or_fails_is_told_and_the_next_one_begins_anew() {
     }
 }
 
-/// The belt's speed at which the orbit that leaves the belt at the tangent point comes back to it, by a turn that meets the belt before and not after.
+/// The belt's speed at which the orbit that leaves the belt at the tangent point comes back to it,
+/// by a turn that meets the belt before and not after.
 pub fn touching() -> f64 {
     let meets = |vd: f64| {
         let tangent = [1.0 - 0.1 * vd, vd];

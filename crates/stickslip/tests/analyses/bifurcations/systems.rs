@@ -15,7 +15,8 @@ pub enum Rhythm {
     Part,
     /// Up at `1/2 + sin t` from below, up at `sin(t - p) - 7/10` above.
     Meet,
-    /// `y = sin(t - p)` attracts on both sides, and crosses the boundary `y = 0` at p, p + π, and so on.
+    /// `y = sin(t - p)` attracts on both sides, and crosses the boundary `y = 0` at p, p + π, and
+    /// so on.
     Clock,
     /// Sticks to `y = sin t` for ever.
     Hold,
@@ -140,8 +141,9 @@ impl Filippov<3> for DrivenFamily {
     }
 }
 
-/// The orbit `c = (cos t, sin t)` and a linear flow about it, with the parameter `p` as the third state: in a frame that turns half as fast
-/// the rates are `p` and -1, or in one that turns by 0.3 both are `p`. A boundary at 0.2 is crossed, and means nothing.
+/// The orbit `c = (cos t, sin t)` and a linear flow about it, with the parameter `p` as the third
+/// state: in a frame that turns half as fast the rates are `p` and -1, or in one that turns by 0.3
+/// both are `p`. A boundary at 0.2 is crossed, and means nothing.
 pub struct Twisted {
     pub half_turn: bool,
 }
@@ -188,7 +190,8 @@ impl<S: Filippov<3>> Filippov<2> for AtParameter<S> {
     }
 }
 
-/// `r' = r (1/4 - (r² - 1)² - p²)`, `θ' = 1`, the parameter being the third state: the cycles are a closed branch, with folds at `p = ±1/2`, `r = 1`.
+/// `r' = r (1/4 - (r² - 1)² - p²)`, `θ' = 1`, the parameter being the third state: the cycles are a
+/// closed branch, with folds at `p = ±1/2`, `r = 1`.
 pub struct Island;
 
 impl Filippov<3> for Island {
@@ -202,8 +205,9 @@ impl Filippov<3> for Island {
     }
 }
 
-/// `r' = r (1 - r²)`, `θ' = 1`, and beside it `a' = p a - a³`: the circle at a = 0 has the multipliers exp(-4π) and exp(2πp), and at p = 0 meets those
-/// at a = ±√p. The parameter is the fourth state.
+/// `r' = r (1 - r²)`, `θ' = 1`, and beside it `a' = p a - a³`: the circle at a = 0 has the
+/// multipliers exp(-4π) and exp(2πp), and at p = 0 meets those at a = ±√p. The parameter is the
+/// fourth state.
 pub struct Pitchfork;
 
 impl Filippov<4> for Pitchfork {
@@ -221,7 +225,8 @@ impl Filippov<4> for Pitchfork {
     }
 }
 
-/// `x'' = -x - 2ζ x' + F` on a belt of speed 1 that is faster than the block, kinetic friction F = 1: `ratio` is the static friction in units of it.
+/// `x'' = -x - 2ζ x' + F` on a belt of speed 1 that is faster than the block, kinetic friction F =
+/// 1: `ratio` is the static friction in units of it.
 pub struct Held {
     pub ratio: f64,
 }
@@ -252,8 +257,9 @@ pub enum End {
     Pole,
 }
 
-/// `(x', v') = (p, -x)` below and `(2p, x)` above `v = 0`: it sticks where x < 0, moving at 3p/2, and both fields are tangent at 0. Or `x' = -p/x`, which comes to 0 in
-/// a finite time if p > 0, and never if p < 0.
+/// `(x', v') = (p, -x)` below and `(2p, x)` above `v = 0`: it sticks where x < 0, moving at 3p/2,
+/// and both fields are tangent at 0. Or `x' = -p/x`, which comes to 0 in a finite time if p > 0,
+/// and never if p < 0.
 pub struct Ends {
     pub end: End,
     pub p: f64,
@@ -277,8 +283,8 @@ impl Filippov<2> for Ends {
     }
 }
 
-/// The block on a belt of model 1, with the belt's speed as its parameter, a third state; the fourth is the logarithm of what the slips do to an
-/// area: the integral of the field's divergence.
+/// The block on a belt of model 1, with the belt's speed as its parameter, a third state; the
+/// fourth is the logarithm of what the slips do to an area: the integral of the field's divergence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Area;
 
@@ -313,8 +319,9 @@ impl Filippov<3> for Belt {
     }
 }
 
-/// A softening spring, x'' = -x + x³, with damping that is negative near the middle: small `pull` times (p - x²) x'. Its cycle grows with p until it
-/// goes from one of the saddles ±1 to the other and back.
+/// A softening spring, x'' = -x + x³, with damping that is negative near the middle: small `pull`
+/// times (p - x²) x'. Its cycle grows with p until it goes from one of the saddles ±1 to the other
+/// and back.
 pub struct Softening;
 
 impl Softening {
@@ -332,16 +339,19 @@ impl Field<3> for Softening {
 /// What is asked of a [`Sheet`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lies {
-    /// `r' = r (p + 2 r² - r⁴)` on `z = x² + p`, which is pressed upon by 5: two cycles for -1 < p < 0.
+    /// `r' = r (p + 2 r² - r⁴)` on `z = x² + p`, which is pressed upon by 5: two cycles for -1 < p
+    /// < 0.
     Folded,
-    /// `r' = r (1 - r²)` on `z = x²`, which is pressed upon by `p` and pulled at by `x + 1/10`: the circle of radius 1 never leaves it for `p > 11/10`.
+    /// `r' = r (1 - r²)` on `z = x²`, which is pressed upon by `p` and pulled at by `x + 1/10`: the
+    /// circle of radius 1 never leaves it for `p > 11/10`.
     Pulled,
-    /// `r' = r (p + r² - r⁴)` on `z = 0`, which is pressed upon by 11/10 and pulled at by `x`, at twice the pace: the outer cycle never leaves it for
-    /// `p < 0.2541`, where r = 11/10.
+    /// `r' = r (p + r² - r⁴)` on `z = 0`, which is pressed upon by 11/10 and pulled at by `x`, at
+    /// twice the pace: the outer cycle never leaves it for `p < 0.2541`, where r = 11/10.
     Growing,
 }
 
-/// A circle `θ' = 1` in x and y on a boundary in x and z, curved but for the last, on which it sticks; the fourth state is the parameter `p`.
+/// A circle `θ' = 1` in x and y on a boundary in x and z, curved but for the last, on which it
+/// sticks; the fourth state is the parameter `p`.
 pub struct Sheet {
     pub lies: Lies,
 }
@@ -391,7 +401,8 @@ impl<S: Filippov<4>> Filippov<3> for AtParameter<S> {
     }
 }
 
-/// A block of which nothing is known but friction `p` on a belt of speed `a sin t + b sin 2t`, the second state being `p`.
+/// A block of which nothing is known but friction `p` on a belt of speed `a sin t + b sin 2t`, the
+/// second state being `p`.
 pub struct Shaken {
     pub a: f64,
     pub b: f64,
@@ -406,8 +417,9 @@ impl Filippov<2> for Shaken {
     }
 }
 
-/// `y' = -3y/10 + cos 2t`, and beside it `z' = cos 2t + y/5 - p sgn z` on `z = 0`, the third state being `p`: what it is pulled by has, once y has
-/// settled, the amplitude [`Pulse::amplitude`], and it sticks for ever where `p` is more.
+/// `y' = -3y/10 + cos 2t`, and beside it `z' = cos 2t + y/5 - p sgn z` on `z = 0`, the third state
+/// being `p`: what it is pulled by has, once y has settled, the amplitude [`Pulse::amplitude`], and
+/// it sticks for ever where `p` is more.
 pub struct Pulse;
 
 impl Pulse {
@@ -431,7 +443,8 @@ impl Filippov<3> for Pulse {
     }
 }
 
-/// A block on a rough floor, driven by `cos 0.8t`, with a block of 1/5 of its mass on top, which it moves by no more than the friction `p` between them.
+/// A block on a rough floor, driven by `cos 0.8t`, with a block of 1/5 of its mass on top, which it
+/// moves by no more than the friction `p` between them.
 pub struct Stack;
 
 impl Stack {
@@ -451,8 +464,8 @@ impl Contacts<4, 2> for Stack {
     }
 }
 
-/// [`Rhythm::Clock`], whose crossing upwards lets a second one go that it holds from π on, and beside them a [`Rhythm::Touch`] with the fourth state as its
-/// parameter.
+/// [`Rhythm::Clock`], whose crossing upwards lets a second one go that it holds from π on, and
+/// beside them a [`Rhythm::Touch`] with the fourth state as its parameter.
 pub struct Released;
 
 impl Contacts<4, 3> for Released {
@@ -470,7 +483,8 @@ impl Contacts<4, 3> for Released {
     }
 }
 
-/// `y' = 1/4 - y² - p²`, the third state being `p`, beside a block that a drive moves: driven orbits without an event on a closed branch.
+/// `y' = 1/4 - y² - p²`, the third state being `p`, beside a block that a drive moves: driven
+/// orbits without an event on a closed branch.
 pub struct DrivenIsland;
 
 impl Filippov<3> for DrivenIsland {
@@ -495,7 +509,8 @@ impl Filippov<3> for Rough {
     }
 }
 
-/// A block on a spring and a belt, with friction 1 in slip and 3/2 at rest; the third state is the damping.
+/// A block on a spring and a belt, with friction 1 in slip and 3/2 at rest; the third state is the
+/// damping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grip;
 
@@ -520,8 +535,9 @@ impl Filippov<3> for Grip {
     }
 }
 
-/// Three equal lags in a row under the relay that counteracts the last, as soon as that is above the threshold: the fourth state, in units of its own.
-/// Either way on alone it comes to rest at ±1.
+/// Three equal lags in a row under the relay that counteracts the last, as soon as that is above
+/// the threshold: the fourth state, in units of its own. Either way on alone it comes to rest at
+/// ±1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lags {
     pub unit: f64,
@@ -536,8 +552,9 @@ impl Filippov<4> for Lags {
     }
 }
 
-/// A focus at `x = -1` that turns at the rate 1 and grows at the rate of the third state, below `x = 0`; above it, (-1, -1/5). On the boundary orbits slide from
-/// where they land to where the focus' field is tangent, but from beyond the equilibrium of the sliding field.
+/// A focus at `x = -1` that turns at the rate 1 and grows at the rate of the third state, below `x
+/// = 0`; above it, (-1, -1/5). On the boundary orbits slide from where they land to where the
+/// focus' field is tangent, but from beyond the equilibrium of the sliding field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Focus;
 
@@ -558,8 +575,8 @@ impl Filippov<3> for Focus {
     }
 }
 
-/// A focus at `x = p` below `x = 0` that draws orbits in, and above it (-1, 1); the third state is `p`. Beyond zero the sliding field has an equilibrium that
-/// draws orbits in.
+/// A focus at `x = p` below `x = 0` that draws orbits in, and above it (-1, 1); the third state is
+/// `p`. Beyond zero the sliding field has an equilibrium that draws orbits in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Persists;
 
@@ -576,8 +593,8 @@ impl Filippov<3> for Persists {
     }
 }
 
-/// A resonance at about 10 and a lag under a relay, with relative degree 1; the fourth state, `rho`, is where the zeros lie. Symmetric orbits lose their
-/// symmetry, and win it again.
+/// A resonance at about 10 and a lag under a relay, with relative degree 1; the fourth state,
+/// `rho`, is where the zeros lie. Symmetric orbits lose their symmetry, and win it again.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resonant;
 
@@ -596,7 +613,8 @@ impl Filippov<4> for Resonant {
     }
 }
 
-/// A driven block on a spring and a belt of speed 3/10, with damping 1/20, friction 1 in slip and 13/10 at rest; the third state is the amplitude of the drive.
+/// A driven block on a spring and a belt of speed 3/10, with damping 1/20, friction 1 in slip and
+/// 13/10 at rest; the third state is the amplitude of the drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dragged;
 

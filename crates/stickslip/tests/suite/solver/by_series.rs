@@ -1,4 +1,5 @@
-//! The tests of the solver that depend on the method, with Taylor steps, and what holds of these alone.
+//! The tests of the solver that depend on the method, with Taylor steps, and what holds of these
+//! alone.
 
 #[path = "check.rs"]
 mod check;
@@ -22,8 +23,8 @@ use stickslip::{Locator, Method, Options};
 /// What every test runs that does not say otherwise.
 const METHOD: Method = Method::Taylor;
 
-/// The ways in which it locates events: one, its own. `own_events` shows that the choice changes nothing, so that no test need
-/// run for every locator.
+/// The ways in which it locates events: one, its own. `own_events` shows that the choice changes
+/// nothing, so that no test need run for every locator.
 const LOCATORS: &[Locator] = &[Locator::Auto];
 
 fn tol(tolerance: f64) -> Options {

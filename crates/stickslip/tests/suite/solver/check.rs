@@ -16,7 +16,8 @@ pub fn every_locator() -> impl Iterator<Item = Options> {
         .map(|locator| super::tol(TIGHT).locator(*locator))
 }
 
-/// Those of them that keep the tolerance however long the step: the paper's single Hénon step over all of it does not.
+/// Those of them that keep the tolerance however long the step: the paper's single Hénon step over
+/// all of it does not.
 pub fn exact_locators() -> Vec<Locator> {
     let all = super::LOCATORS.iter().copied();
     all.filter(|locator| *locator != Locator::Henon).collect()
@@ -33,8 +34,8 @@ pub fn changes<const N: usize>(orbit: &Orbit<N>) -> Vec<Transition<N>> {
     orbit.transitions.iter().filter(no_touch).copied().collect()
 }
 
-/// One unit in the last place of the boundary function at `(t, x)`: what it changes by when every component and the
-/// time change by one.
+/// One unit in the last place of the boundary function at `(t, x)`: what it changes by when every
+/// component and the time change by one.
 pub fn ulp_of_boundary<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<N>) -> f64 {
     let (gradient, in_time) = boundary_gradient(system, t, x);
     let by_state: f64 = gradient.iter().zip(x).map(|(g, x)| (g * x).abs()).sum();
@@ -42,8 +43,8 @@ pub fn ulp_of_boundary<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &S
     f64::EPSILON * (by_state + (in_time * t).abs() + 1.0)
 }
 
-/// Asserts what is true of any orbit: phases and steps join without gap or overlap, none is empty, the transitions
-/// belong to them, and states that should lie on Σ do.
+/// Asserts what is true of any orbit: phases and steps join without gap or overlap, none is empty,
+/// the transitions belong to them, and states that should lie on Σ do.
 pub fn assert_consistent<S: Filippov<N>, const N: usize>(system: &S, orbit: &Orbit<N>) {
     assert_steps_join(orbit);
     assert_phases_join(orbit);
@@ -125,8 +126,8 @@ fn assert_transitions_match<const N: usize>(orbit: &Orbit<N>) {
     }
 }
 
-/// Rounding that one step of DOP853 may leave in the boundary function: its weights add up to 13.6 by size, each slope
-/// is rounded once, and taken at a state that is rounded as often.
+/// Rounding that one step of DOP853 may leave in the boundary function: its weights add up to 13.6
+/// by size, each slope is rounded once, and taken at a state that is rounded as often.
 fn rounding_of_step<S: Filippov<N>, const N: usize>(system: &S, step: &StepRecord<N>) -> f64 {
     let (gradient, _) = boundary_gradient(system, step.t_end, &step.x_end);
     let side = match step.mode {

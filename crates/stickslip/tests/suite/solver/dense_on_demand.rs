@@ -1,5 +1,5 @@
-//! A step far from all events has its dense output made when it is asked for: the orbit is the same whoever asks, and so is the
-//! solution inside each step.
+//! A step far from all events has its dense output made when it is asked for: the orbit is the same
+//! whoever asks, and so is the solution inside each step.
 
 use std::ops::ControlFlow;
 
@@ -82,7 +82,8 @@ fn whoever_asks_the_orbit_and_its_steps_are_the_same() {
     }
 }
 
-/// Three calls fewer for every step that is far from all events: of a step's fifteen, and of a few more where it is rejected.
+/// Three calls fewer for every step that is far from all events: of a step's fifteen, and of a few
+/// more where it is rejected.
 #[test]
 fn whoever_does_not_ask_saves_calls_of_the_field() {
     let belt = BeltOscillator {

@@ -1,4 +1,5 @@
-//! Every error of the solver by a run that causes it: its values, its message, and the orbit kept up to it.
+//! Every error of the solver by a run that causes it: its values, its message, and the orbit kept
+//! up to it.
 
 use std::time::{Duration, Instant};
 
@@ -52,7 +53,8 @@ pub fn assert_says(error: &impl std::fmt::Display, words: &[&str]) {
     }
 }
 
-/// What is kept of a failed run: phases, steps and transitions that join and reach the end of the orbit.
+/// What is kept of a failed run: phases, steps and transitions that join and reach the end of the
+/// orbit.
 pub fn assert_kept<const N: usize>(orbit: &Orbit<N>) {
     let (last, step) = (
         orbit.phases.last().expect("phases"),
@@ -370,7 +372,8 @@ fn crossings_that_accumulate_end_at_the_two_fold_where_they_do() {
             .windows(3)
             .map(|w| (w[2] - w[1]) / (w[1] - w[0]))
             .collect();
-        // Every excursion is the one before, scaled: 40 of them, the last of 1e-8 and more, in errors of 1e-12.
+        // Every excursion is the one before, scaled: 40 of them, the last of 1e-8 and more, in
+        // errors of 1e-12.
         for ratio in &ratios[..15] {
             assert!(
                 (ratio - ratios[0]).abs() < 1e-7 && *ratio < 0.95,

@@ -1,5 +1,5 @@
-//! Cases that are easy to get wrong: on Σ to rounding only, at two-folds, at the edge of a field's domain, where
-//! transitions pile up, and where a step is long against what happens in it.
+//! Cases that are easy to get wrong: on Σ to rounding only, at two-folds, at the edge of a field's
+//! domain, where transitions pile up, and where a step is long against what happens in it.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::ControlFlow;
@@ -23,7 +23,8 @@ use crate::solver::systems::{
 
 #[test]
 fn a_state_on_the_boundary_to_rounding_is_on_it() {
-    // The floor's Σ is where the velocity is zero; a velocity of 1e-17 is what rounding leaves of that.
+    // The floor's Σ is where the velocity is zero; a velocity of 1e-17 is what rounding leaves of
+    // that.
     for velocity in [0.0, 1e-17, -1e-17, 1e-300, -1e-300] {
         let start = State::from([0.1, velocity]);
         let orbit = solve(&Floor, 0.0, start, 1.0, &super::tol(TIGHT)).expect("runs");
@@ -131,8 +132,8 @@ fn a_step_whose_dense_output_is_not_finite_is_not_searched_for_ever() {
     let system = Rest {
         looks: AtomicU64::new(0),
     };
-    // Until time 2 the solution is 1 - (1 - t/2)², and then it rests at 1, at the edge of the field's domain: the run goes
-    // on there or ends there, promptly.
+    // Until time 2 the solution is 1 - (1 - t/2)², and then it rests at 1, at the edge of the
+    // field's domain: the run goes on there or ends there, promptly.
     let x = match solve(&system, 0.0, State::from([0.0]), 2.5, &super::tol(1e-10)) {
         Ok(orbit) => orbit.x_end[0],
         Err(failure) => {
@@ -179,7 +180,8 @@ fn a_pile_up_too_fast_to_be_counted_ends_the_run_all_the_same() {
                 &super::tol(tolerance),
                 &mut at_most,
             );
-            // Both fields are tangent to Σ where the excursions end; at the loosest tolerance they are not followed so far.
+            // Both fields are tangent to Σ where the excursions end; at the loosest tolerance they
+            // are not followed so far.
             let told = match &result {
                 Ok(summary) => matches!(summary.ending, Ending::TwoFold(_)),
                 Err(failure) => matches!(
@@ -196,7 +198,8 @@ fn a_pile_up_too_fast_to_be_counted_ends_the_run_all_the_same() {
 
 #[test]
 fn a_block_on_a_floor_that_sticks_in_every_period_goes_on() {
-    // It stands still at either end of every slip; that its velocity is zero there does not make the slip a pile-up.
+    // It stands still at either end of every slip; that its velocity is zero there does not make
+    // the slip a pile-up.
     let block = DenHartog {
         frequency: 0.3,
         friction: 0.6,
@@ -217,8 +220,8 @@ fn a_block_on_a_floor_that_sticks_in_every_period_goes_on() {
 
 #[test]
 fn a_short_release_far_into_a_long_step_is_no_touch() {
-    // What ends the stick is known, at the release, to twice the width times the error of x₁: far better than to its
-    // slope at the start of the step, where q is as long as the step.
+    // What ends the stick is known, at the release, to twice the width times the error of x₁: far
+    // better than to its slope at the start of the step, where q is as long as the step.
     for (centre, width, tolerance) in [
         (10.0, 5e-6, 1e-13),
         (20.0, 1e-5, 1e-13),
@@ -279,8 +282,9 @@ fn an_event_at_which_the_rate_across_the_boundary_changes_by_factors_keeps_the_t
 
 #[test]
 fn a_graze_shallower_than_the_dense_output_is_exact_is_found() {
-    // Inside a step the dense output may err by many tolerances, where the steps' ends err by one: a solution that passes 25
-    // tolerances beyond the ceiling, little more than what still counts as a touch, must not look as if it stayed below.
+    // Inside a step the dense output may err by many tolerances, where the steps' ends err by one:
+    // a solution that passes 25 tolerances beyond the ceiling, little more than what still counts
+    // as a touch, must not look as if it stayed below.
     for tolerance in [1e-12, 1e-11, 1e-10, 1e-9] {
         let top = math::exp(1.0);
         let gap = 25.0 * tolerance * top;

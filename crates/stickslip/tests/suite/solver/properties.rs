@@ -1,4 +1,5 @@
-//! What holds of every orbit of the paper's models, for parameters and starts drawn at random (from a fixed seed).
+//! What holds of every orbit of the paper's models, for parameters and starts drawn at random (from
+//! a fixed seed).
 
 use std::ops::ControlFlow;
 
@@ -78,7 +79,8 @@ fn orbit_of<S: Listed<2>>(system: &S, x0: State<2>, t_end: f64) -> Option<Orbit<
 
 fn assert_invariants<S: Listed<2>>(system: &S, belt_speed: f64, orbit: &Orbit<2>) {
     assert_consistent(system, orbit);
-    // Nothing between transitions is on the wrong side of Σ, by more than the tolerance leaves open.
+    // Nothing between transitions is on the wrong side of Σ, by more than the tolerance leaves
+    // open.
     for step in &orbit.steps {
         for part in 1..8 {
             let t = step.t_start + (step.t_end - step.t_start) * f64::from(part) / 8.0;
@@ -165,8 +167,8 @@ fn assert_streams_alike<S: Listed<2>>(system: &S, x0: State<2>, orbit: &Orbit<2>
     );
 }
 
-/// Norm of the flow's derivative, by which errors on the way are enlarged at most. Where a run succeeds, so does this: a bound
-/// of infinity would allow anything.
+/// Norm of the flow's derivative, by which errors on the way are enlarged at most. Where a run
+/// succeeds, so does this: a bound of infinity would allow anything.
 fn growth<S: Listed<2>>(system: &S, t0: f64, x0: State<2>, t_end: f64) -> f64 {
     let options = super::tol(TOLERANCE).escape(20.0);
     stickslip::analysis::monodromy(&system.any(), t0, x0, t_end, &options)

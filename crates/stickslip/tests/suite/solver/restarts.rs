@@ -1,4 +1,5 @@
-//! Starts on Σ: at tangent points, at two-folds, where Σ repels, and at every transition of another run.
+//! Starts on Σ: at tangent points, at two-folds, where Σ repels, and at every transition of another
+//! run.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -18,8 +19,9 @@ const ABOVE: Mode = Mode::Slip(Side::Above);
 
 #[test]
 fn each_of_the_six_tangent_points_is_left_the_way_its_visibility_says() {
-    // μ0 = √3/9: x - x³ = ∓μ0 where 3θ = ±60° and so on. The field moves along Σ with speed vp, so the normal
-    // component changes at the rate vp (1 - 3x²): visible below where that is negative, above where it is positive.
+    // μ0 = √3/9: x - x³ = ∓μ0 where 3θ = ±60° and so on. The field moves along Σ with speed vp, so
+    // the normal component changes at the rate vp (1 - 3x²): visible below where that is negative,
+    // above where it is positive.
     let scale = 2.0 / 3f64.sqrt();
     let points = [
         (math::cos(PI / 9.0), BELOW),
@@ -87,7 +89,8 @@ fn assert_repeats<S: Listed<N>, const N: usize>(
                 .max((found.x - first.x).amax());
         }
     }
-    // Other steps, other errors of 1e-13, on orbits that attract or, over few transitions, enlarge them by thousands.
+    // Other steps, other errors of 1e-13, on orbits that attract or, over few transitions, enlarge
+    // them by thousands.
     assert!(worst < 1e-9, "{what}: {worst}");
 }
 

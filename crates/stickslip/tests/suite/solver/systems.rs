@@ -6,7 +6,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use stickslip::models::BeltOscillator;
 use stickslip::{Filippov, Scalar, Side};
 
-/// `x'' = -x - 0.4 sgn x'`: a block on a floor at rest. Each swing is half a turn of a circle about ±0.4.
+/// `x'' = -x - 0.4 sgn x'`: a block on a floor at rest. Each swing is half a turn of a circle about
+/// ±0.4.
 pub struct Floor;
 
 impl Filippov<2> for Floor {
@@ -53,7 +54,8 @@ pub fn decaying_friction() -> BeltOscillator {
     }
 }
 
-/// A linear spring and friction that does not: circles about ±μ0 in the plane of position and velocity.
+/// A linear spring and friction that does not: circles about ±μ0 in the plane of position and
+/// velocity.
 pub fn coulomb_friction(mu0: f64, belt_speed: f64) -> BeltOscillator {
     BeltOscillator {
         k1: -1.0,
@@ -78,8 +80,8 @@ impl Filippov<2> for Spiral {
     }
 }
 
-/// `x' = a` below and `-a` above a boundary that moves as `sin t`: slides while `|cos t| < a`. With `a < 0` it repels
-/// where it would slide.
+/// `x' = a` below and `-a` above a boundary that moves as `sin t`: slides while `|cos t| < a`. With
+/// `a < 0` it repels where it would slide.
 pub struct MovingLine {
     pub a: f64,
 }
@@ -121,8 +123,9 @@ impl Filippov<2> for Ceiling {
     }
 }
 
-/// Stick that is released for a moment: relative to Σ, which moves as `amplitude · sin t`, the field below pushes with
-/// `q² - width²` and the one above with `-1`; `q = x₁ - centre`, and `x₁` is the time.
+/// Stick that is released for a moment: relative to Σ, which moves as `amplitude · sin t`, the
+/// field below pushes with `q² - width²` and the one above with `-1`; `q = x₁ - centre`, and `x₁`
+/// is the time.
 ///
 /// Released at `q = -width`, the body is back on Σ at `q = 2 width`: in between its distance is
 /// `(q + width)² (q - 2 width)/3`.
@@ -147,8 +150,9 @@ impl Filippov<2> for Dip {
 }
 
 /// A body pulled towards Σ from both sides by a force of size 1 and braked by one that depends on
-/// `x₂/|x₁|^½` alone: the equations do not change when time, `x₂` and `x₁` are scaled by `k`, `k` and `k²`. So each
-/// excursion is the one before, scaled by the same ratio, and infinitely many of them end in finite time.
+/// `x₂/|x₁|^½` alone: the equations do not change when time, `x₂` and `x₁` are scaled by `k`, `k`
+/// and `k²`. So each excursion is the one before, scaled by the same ratio, and infinitely many of
+/// them end in finite time.
 pub struct Zeno {
     pub brake: f64,
 }
@@ -177,7 +181,8 @@ impl Filippov<1> for Breathing {
     }
 }
 
-/// `x₁' = 1` on both sides and `x₂' = below · x₁`, `x₂' = above · x₁`: both fields are tangent to Σ at the origin.
+/// `x₁' = 1` on both sides and `x₂' = below · x₁`, `x₂' = above · x₁`: both fields are tangent to Σ
+/// at the origin.
 pub struct TwoFold {
     pub below: f64,
     pub above: f64,
@@ -289,7 +294,8 @@ impl<const N: usize, S: Filippov<N>> Filippov<N> for Reversed<S> {
     }
 }
 
-/// The unit circle, which attracts, and a third component that follows `3 cos 2θ`: it is back twice in a turn.
+/// The unit circle, which attracts, and a third component that follows `3 cos 2θ`: it is back twice
+/// in a turn.
 pub struct TwiceRound;
 
 impl Filippov<3> for TwiceRound {

@@ -23,7 +23,8 @@ fn assert_rows_sum_to_nodes<M: RungeKutta>() {
     assert!((m.stages..16).all(|j| m.b[j] == 0.0));
 }
 
-/// Whether the conditions `Σ b c^k = 1/(k+1)` and `Σ b_i c_i^k a_ij c_j^l = 1/((l+1)(k+l+2))` hold up to `order`.
+/// Whether the conditions `Σ b c^k = 1/(k+1)` and `Σ b_i c_i^k a_ij c_j^l = 1/((l+1)(k+l+2))` hold
+/// up to `order`.
 fn assert_weights<M: RungeKutta>(b: &[f64; 16], order: i32) {
     let m = &M::COEFFICIENTS;
     for k in 0..order {

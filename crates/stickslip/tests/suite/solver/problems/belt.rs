@@ -1,4 +1,5 @@
-//! Oscillators with dry friction: a floor at rest and a belt, the orbit known to all digits of an `f64`.
+//! Oscillators with dry friction: a floor at rest and a belt, the orbit known to all digits of an
+//! `f64`.
 
 use std::f64::consts::PI;
 
@@ -11,8 +12,9 @@ use super::super::check::{
 use crate::any_system::solve;
 use crate::solver::systems::{Floor, decaying_friction};
 
-/// Per-step errors of 1e-13 add up over some fifty steps to less than 5e-12; the speed across Σ is at least 0.2,
-/// but the error in it is no larger than that of the amplitude, so events are as exact.
+/// Per-step errors of 1e-13 add up over some fifty steps to less than 5e-12; the speed across Σ is
+/// at least 0.2, but the error in it is no larger than that of the amplitude, so events are as
+/// exact.
 const EVENT: f64 = 1e-11;
 
 fn assert_near(what: &str, value: f64, exact: f64, tolerance: f64) {

@@ -1,4 +1,5 @@
-//! Coulomb friction on a belt: arcs of circles about ±μ0, so that every event follows by trigonometry.
+//! Coulomb friction on a belt: arcs of circles about ±μ0, so that every event follows by
+//! trigonometry.
 
 use std::f64::consts::PI;
 
@@ -18,7 +19,8 @@ struct Event {
     rate: f64,
 }
 
-/// Angle run through clockwise from `(x0, v0)` to `(x1, v1)` about `(centre, 0)`; unit stiffness and mass make it the time.
+/// Angle run through clockwise from `(x0, v0)` to `(x1, v1)` about `(centre, 0)`; unit stiffness
+/// and mass make it the time.
 fn turn(centre: f64, (x0, v0): (f64, f64), (x1, v1): (f64, f64)) -> f64 {
     let angle = math::atan2(v0, x0 - centre) - math::atan2(v1, x1 - centre);
     if angle <= 0.0 {
@@ -97,8 +99,8 @@ proptest! {
         let least = exact.iter().map(|e| e.rate).fold(1.0, f64::min);
         prop_assume!(least > 1e-4);
         prop_assert_eq!(found.len(), exact.len(), "{:?}", found);
-        // Per-step errors of 1e-13 (times |x| <= 6) over up to a hundred steps; an event's time has the radius's
-        // error divided by the rate, and an early event hands its own on to the next.
+        // Per-step errors of 1e-13 (times |x| <= 6) over up to a hundred steps; an event's time has
+        // the radius's error divided by the rate, and an early event hands its own on to the next.
         let mut allowed = 0.0;
         for (event, exact) in found.iter().zip(&exact) {
             allowed += 3e-12 / exact.rate;
@@ -109,12 +111,12 @@ proptest! {
         if let Some(stick) = orbit.sticks().next() {
             let end = if exact.is_empty() { stick.x_end[0] } else { mu0 };
             let length = stick.displacement()[0] - vp * stick.duration();
-            // Every step rounds position and time once; its weights add up to 13.6 by size, and so do
-            // their partial sums.
+            // Every step rounds position and time once; its weights add up to 13.6 by size, and so
+            // do their partial sums.
             let of_weights = 28.0 * f64::EPSILON * vp * stick.duration();
             prop_assert!((stick.x_end[0] - end).abs() <= 4.0 * f64::EPSILON + of_weights);
-            // The acceleration in stick, zero, is a difference of forces up to |x| + mu0; what rounding leaves of it
-            // moves the body by half of it times the square of the step.
+            // The acceleration in stick, zero, is a difference of forces up to |x| + mu0; what
+            // rounding leaves of it moves the body by half of it times the square of the step.
             let mut allowed = of_weights;
             for step in orbit.steps.iter().filter(|s| s.mode == Mode::Stick) {
                 let force = mu0 + step.x_start[0].abs().max(step.x_end[0].abs());

@@ -49,8 +49,8 @@ fn a_line_that_attracts_is_reached_and_kept() {
     }
 }
 
-/// The orbit of [`MovingLine`] from Σ at π/2, from its closed form alone: straight lines off Σ, a scan and bisection
-/// where they meet it, and on it the normal components `±a - cos t`.
+/// The orbit of [`MovingLine`] from Σ at π/2, from its closed form alone: straight lines off Σ, a
+/// scan and bisection where they meet it, and on it the normal components `±a - cos t`.
 fn reference(a: f64, t_end: f64) -> Vec<(f64, Mode)> {
     let lift = math::acos(a);
     let (mut t, mut events) = (std::f64::consts::FRAC_PI_2, Vec::new());
@@ -119,7 +119,8 @@ fn a_moving_line_is_left_met_and_crossed_as_in_closed_form() {
                 expected.len(),
                 "a = {a}: {found:?} {expected:?}"
             );
-            // Rounding of the time (up to 40) enters the line's height; the rate across Σ divides it.
+            // Rounding of the time (up to 40) enters the line's height; the rate across Σ divides
+            // it.
             for (event, exact) in found.iter().zip(&expected) {
                 let rate = (math::cos(exact.0).abs() - a).abs().max(1e-3);
                 let error = (event.0 - exact.0).abs();
@@ -170,7 +171,8 @@ fn the_adaptive_run_keeps_its_tolerance() {
         let ends = orbit.steps.iter().fold(0.0f64, |worst, step| {
             worst.max((step.x_end[0] - math::exp(math::sin(step.t_end))).abs())
         });
-        // A step errs by at most atol + rtol |x| <= 3.8 tolerances, which the flow enlarges by at most e².
+        // A step errs by at most atol + rtol |x| <= 3.8 tolerances, which the flow enlarges by at
+        // most e².
         let steps = orbit.steps.len() as f64;
         assert!(ends < steps * 3.8 * math::exp(2.0) * tolerance, "{ends}");
     }

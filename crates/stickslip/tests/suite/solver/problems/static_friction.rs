@@ -1,4 +1,5 @@
-//! Static friction above the kinetic: stick ends where the spring overcomes it, and slip leaves Σ across.
+//! Static friction above the kinetic: stick ends where the spring overcomes it, and slip leaves Σ
+//! across.
 
 use stickslip::TransitionKind::{StickEntry, StickExit};
 use stickslip::{Error, Mode, Options, Side, State, math};
@@ -22,7 +23,8 @@ fn block(at_rest: f64) -> StaticFriction {
 fn sticks_and_slips_last_as_the_circles_say() {
     for options in every_locator() {
         let orbit = solve(&block(AT_REST), 0.0, [0.0, SPEED], 40.0, &options).expect("runs");
-        // From rest at 0 to where the spring pulls as hard as static friction holds; then circles about the kinetic friction.
+        // From rest at 0 to where the spring pulls as hard as static friction holds; then circles
+        // about the kinetic friction.
         let first = AT_REST / SPEED;
         let slip = 2.0 * (std::f64::consts::PI - math::atan((AT_REST - IN_SLIP) / SPEED));
         let stick = 2.0 * (AT_REST - IN_SLIP) / SPEED;
