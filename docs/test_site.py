@@ -63,3 +63,12 @@ def test_every_bifurcation_is_in_a_table():
         names += re.findall(r'"([\w -]+)"', body)
     assert len(names) > 11
     assert not [name for name in names if f"| `{name}` |" not in page("bifurcations.md")]
+
+
+def test_the_readme_runs_as_it_stands():
+    text = (HERE.parent / "README.md").read_text(encoding="utf-8")
+    (block,) = re.findall(r"```python\n(.*?)```", text, re.S)
+    names = {}
+    exec(compile(block, "README.md", "exec"), names)
+    first = names["sol"].phases[names["sol"].phases["mode"] == "S"][0]
+    assert abs(first["t_start"] - 0.2446888017832978) < 1e-11
