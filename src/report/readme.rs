@@ -15,7 +15,7 @@ pub const MARKS: Marks = Marks {
 
 /// What stands between the marks: the verdict in three sentences.
 pub fn block(ledger: &Ledger) -> String {
-    joined(sentences(ledger).map(|sentence| item(&sentence)), "\n")
+    joined(sentences(ledger).map(|sentence| item(&sentence) + "\n"), "")
 }
 
 /// An item of a list, in lines of at most 100 columns.

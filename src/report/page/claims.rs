@@ -41,7 +41,7 @@ fn by_part(ledger: &Ledger) -> Markup {
     let headings = Verdict::COUNTED.map(|verdict| verdict.to_string());
     let headings: Vec<&str> = headings.iter().map(String::as_str).collect();
     html! {
-        table {
+        div.scroll tabindex="0" role="region" aria-label="Claims by part" { table {
             caption { "Claims by the part of the paper that makes them" }
             (columns(&[&["Part"], &*headings].concat()))
             tbody {
@@ -52,7 +52,7 @@ fn by_part(ledger: &Ledger) -> Markup {
                     }
                 }
             }
-        }
+        } }
     }
 }
 

@@ -113,7 +113,7 @@ fn an_equilibrium_goes_over_into_sliding_and_back() {
 #[test]
 fn a_start_beside_an_equilibrium_finds_its_mode_and_one_outside_the_range_is_refused() {
     for (p, mode) in [(0.2, Mode::Stick), (-0.2, Mode::Slip(Side::Below))] {
-        let found = followed(&Persists, [3.0, 3.0, p], true, (-0.5, 0.5)).unwrap();
+        let found = followed(&Persists, [0.5, 0.5, p], true, (-0.5, 0.5)).unwrap();
         assert_eq!(found.points[0].mode.get(0), mode);
     }
     let rings = Rings { place: 50.0 };
