@@ -114,7 +114,7 @@ impl Recurrence {
     }
 
     /// Whether the orbit is still approaching a pattern or leaving one: with some lag all of the
-    /// last points came near those before, and their distance changes steadily.
+    /// last points came near those before, and their distance grows or shrinks.
     pub fn still_moves(&self, part: f64) -> bool {
         const STEADY: f64 = 1.25;
         let near = Nearness {

@@ -294,8 +294,8 @@ impl<'a> Search<'a> {
         (kind, vec![Moment { t, x }])
     }
 
-    /// The equilibrium at a point of the boundary. Its rounding may lie on either side. The side of
-    /// the last phase is not recorded.
+    /// The equilibrium at a point of the boundary. Its rounding may lie on either side, so the
+    /// modes of the last phases are tried, too.
     fn rest_on_boundary(&self, mode: Modes, at: &Moment) -> Option<(Kind, Vector)> {
         let scale = |i| self.ever.size(i);
         let mut modes = [mode].into_iter().chain(self.history.modes());

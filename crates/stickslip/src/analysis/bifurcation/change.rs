@@ -45,8 +45,8 @@ pub(super) fn locate<'a>(
 
 /// The change located from one side.
 struct Located {
-    /// By a vanishing event function, or an equilibrium that ceases to exist or loses its
-    /// stability.
+    /// By a vanishing event function, or by an equilibrium that loses its stability or reaches the
+    /// edge of its mode's domain.
     named: Option<WhatChanges>,
     /// By a multiplier.
     smooth: Option<WhatChanges>,
@@ -77,7 +77,8 @@ impl Located {
             return located;
         };
         let way = following.follow(to.0);
-        // Near that end a graze would be reported: the whole orbit comes to the boundary.
+        // Next to a boundary equilibrium a graze would be reported: the whole orbit comes to the
+        // boundary.
         located.named = following.boundary_equilibrium(&way, to.0);
         if located.named.is_some() {
             return located;
