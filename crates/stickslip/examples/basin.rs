@@ -1,5 +1,5 @@
-//! The basins of a friction oscillator's two attractors, on all cores: the fixed point and the
-//! stick-slip cycle share the starts among them.
+//! The basins of a friction oscillator's two attractors, on all cores: a fixed point and a
+//! stick-slip cycle.
 
 use stickslip::analysis::{RecurrenceSettings, basin};
 use stickslip::{Error, Filippov, Method, Options, Scalar, Side, State};
@@ -24,7 +24,7 @@ impl Filippov<2> for Block {
     }
 }
 
-/// Starts in each direction.
+/// Number of starts in each direction.
 const GRID: usize = 60;
 
 fn main() -> Result<(), Error> {

@@ -1,5 +1,5 @@
 //! Eight blocks on a belt, joined by springs (Burridge & Knopoff, *Bull. Seismol. Soc. Am.* 57
-//! (1967) 341): a block that breaks away loads its neighbours, which may follow.
+//! (1967) 341): a block that slips loads its neighbours, which may follow.
 
 use std::time::Instant;
 
@@ -13,7 +13,7 @@ const BELT_SPEED: f64 = 0.05;
 /// Springs between neighbours, and from each block to the support.
 const COUPLING: f64 = 0.5;
 const LEAF: f64 = 1.0;
-/// Friction at rest, and how it weakens with the slip speed.
+/// Static friction, and the rate at which friction weakens with the slip speed.
 const FRICTION: f64 = 1.0;
 const WEAKENING: f64 = 3.0;
 
@@ -48,7 +48,7 @@ impl Contacts<N, M> for Chain {
     }
 }
 
-/// One character a contact: `=` holds, `<` slips back, `>` slips ahead of the belt.
+/// One character per contact: `=` holds, `<` slips back, `>` slips ahead of the belt.
 fn picture(modes: &[Mode; M]) -> String {
     let character = |mode: &Mode| match mode {
         Mode::Stick => '=',
@@ -59,7 +59,7 @@ fn picture(modes: &[Mode; M]) -> String {
 }
 
 fn main() -> Result<(), Error> {
-    // All stick, each a little off its neighbours.
+    // All blocks stick, each slightly offset from its neighbours.
     let start = State::from_fn(|i, _| match i {
         0..M => 0.05 * stickslip::math::sin(5.0 * (i + 1) as f64),
         _ => BELT_SPEED,
@@ -69,7 +69,7 @@ fn main() -> Result<(), Error> {
         let options = Options::default().method(method);
         let orbit = solve(&Several(Chain), 0.0, start, 100.0, &options)?;
         let time = begin.elapsed();
-        // Avalanches: which blocks have slipped between two times at which all hold.
+        // Avalanches: the blocks that have slipped between two times at which all hold.
         let (mut slipped, mut sizes) = ([false; M], Vec::new());
         for at in &orbit.transitions {
             if method == Method::Dop853 {

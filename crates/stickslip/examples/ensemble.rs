@@ -1,5 +1,5 @@
-//! An ensemble: a thousand starts on all cores, by Taylor series side by side, and how long each
-//! orbit has stuck.
+//! An ensemble: a thousand starts on all cores, integrated by vectorised Taylor series, and the
+//! time that each orbit spends in stick.
 
 use std::ops::ControlFlow;
 

@@ -1,4 +1,4 @@
-//! A new oscillator: two functions, and what happens on its way.
+//! A user-defined oscillator: two functions, and the events along its orbit.
 
 use stickslip::{Error, Filippov, Options, Scalar, Side, solve};
 

@@ -1,5 +1,5 @@
-//! A Lyapunov spectrum from the equations: a limit cycle with stick has one exponent zero and one
-//! direction annihilated.
+//! A Lyapunov spectrum from the equations: for a limit cycle with stick, one exponent is zero and
+//! one direction is annihilated.
 
 use stickslip::Error;
 use stickslip::analysis::{SpectrumOptions, lyapunov_spectrum};

@@ -1,5 +1,5 @@
-//! A sweep of a parameter, as CSV on standard output: how much of the time the block sticks,
-//! against the belt's speed.
+//! A parameter sweep, as CSV on standard output: the fraction of time in stick against the belt's
+//! speed.
 
 use stickslip::models::BeltOscillator;
 use stickslip::{Error, Options, solve};

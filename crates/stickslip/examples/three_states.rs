@@ -1,4 +1,4 @@
-//! Any number of states: a block whose friction coefficient wears on as it slips, stepped by hand.
+//! More than two states: a block whose friction coefficient wears as it slips, stepped by hand.
 
 use stickslip::{Error, Filippov, Integration, Options, Progress, Scalar, Side};
 

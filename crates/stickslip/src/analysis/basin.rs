@@ -13,29 +13,28 @@ use crate::filippov::Options;
 /// Number of starts whose outcomes are stored at one time. It bounds the memory.
 const WAVE: usize = 4096;
 
-/// The attractor of each start.
+/// The attractor reached from each start.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Basin {
-    /// The attractors by their numbers, which are given in the order in which the starts first lead
-    /// there.
+    /// The attractors by their numbers, in the order in which the starts first reach them.
     pub attractors: Vec<Reached>,
     /// For each start, in order, the number of its attractor.
     pub reached: Vec<usize>,
 }
 
-/// A share of the starts.
+/// A fraction of the starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Share {
     /// How many of them.
     pub starts: usize,
-    /// The fraction that this is.
+    /// The fraction.
     pub part: f64,
-    /// Standard error of that part, if the starts were drawn at random: `√(p (1 − p)/n)`.
+    /// Standard error of the fraction, if the starts were drawn at random: `√(p (1 − p)/n)`.
     pub std_error: f64,
 }
 
 impl Basin {
-    /// The part of the starts that leads to attractor `number`.
+    /// The fraction of the starts that reaches attractor `number`.
     pub fn share(&self, number: usize) -> Share {
         let starts = self.reached.iter().filter(|one| **one == number).count();
         let total = self.reached.len() as f64;
@@ -48,9 +47,9 @@ impl Basin {
     }
 }
 
-/// The basins of attraction of a system on a set of starts, on all threads, with the same bits on
-/// any number of them. Every start is followed by itself. The attractors are distinguished
-/// afterwards, in the order of the starts.
+/// The basins of attraction of a system on a set of starts, computed on all threads. The result is
+/// bit-for-bit the same on any number of threads. Each start is integrated on its own; the
+/// attractors are distinguished afterwards, in the order of the starts.
 ///
 /// ```
 /// use stickslip::analysis::{RecurrenceSettings, basin};
@@ -67,7 +66,7 @@ impl Basin {
 /// ```
 ///
 /// # Errors
-/// As [`super::attractor_of_many`], for the first start that has one.
+/// Those of [`super::attractor_of_many`], for the first start that fails.
 pub fn basin<Kind>(
     system: &impl AsDynamics<Kind>,
     starts: impl IntoIterator<Item = impl Components>,
@@ -82,8 +81,8 @@ pub fn basin<Kind>(
     })
 }
 
-/// As [`basin`], with someone who is asked behind each start, on the thread that followed it, and
-/// may say that this is enough. Starts that are left out then have no number.
+/// As [`basin`], with a callback after each start, on the thread that integrated it. The callback
+/// may stop the computation; starts left out then have no number.
 ///
 /// # Errors
 /// Those of [`basin`].

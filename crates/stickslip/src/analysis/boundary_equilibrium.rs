@@ -6,23 +6,25 @@ use super::critical::zero_between;
 use super::cycle::Cycle;
 use crate::dynamics::{Dynamics, Modes, Moment, Vector};
 
-/// An orbit may end in an equilibrium that it comes to within this part of a wider one's extent.
+/// An orbit may end in an equilibrium that it approaches to within this fraction of a wider orbit's
+/// extent.
 const SMALL: f64 = 1e-2;
 
-/// That equilibrium is no further from it than so many times its own extent.
+/// Largest distance to that equilibrium, in multiples of the orbit's own extent.
 const NEAR: f64 = 10.0;
 
-/// Of two distances that differ by less than this part of them nothing is extrapolated.
+/// Two distances that differ by less than this fraction are not extrapolated.
 const APART: f64 = 1e-3;
 
-/// The equilibrium of a mode, and the smallest guard of that mode there: positive where it holds.
+/// The equilibrium of a mode, and the smallest guard of that mode there: positive where the mode
+/// holds.
 pub(super) struct Held {
     pub x: Vector,
     pub guard: f64,
 }
 
 impl Held {
-    /// Of the equilibrium near a state, of which the first `free` components are states.
+    /// The equilibrium near a state, of which the first `free` components are states.
     pub fn near(system: &dyn Dynamics, mode: Modes, x: &Vector, free: usize) -> Option<Self> {
         let x = equilibrium_near(system, mode, 0.0, x, free)?.x;
         let at = Moment { t: 0.0, x };
@@ -31,7 +33,7 @@ impl Held {
     }
 }
 
-/// A periodic orbit on the way to an equilibrium.
+/// A periodic orbit that approaches an equilibrium.
 pub(super) struct Approach {
     pub parameter: f64,
     pub modes: Vec<Modes>,
@@ -52,11 +54,11 @@ impl Approach {
 }
 
 /// The parameter at which periodic orbits end in an equilibrium of one mode, and that equilibrium.
-/// Their transitions come ever nearer to it, while it comes to the edge of where its mode holds.
-/// They shrink to it, or pass by it ever more slowly.
+/// Their transitions approach it while it approaches the edge of its mode's domain. The orbits
+/// shrink to it, or pass it ever more slowly.
 ///
-/// The orbits are in order. `held` has the equilibrium of a mode near a state at a parameter; the
-/// first `free` components of it are states. `widest` is how far an orbit goes that is not near.
+/// The orbits are in order. `held` returns the equilibrium of a mode near a state at a parameter;
+/// the first `free` components are states. `widest` is the extent of an orbit that is not near.
 pub(super) fn ends_in(
     orbits: &[Approach],
     widest: f64,

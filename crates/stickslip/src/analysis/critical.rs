@@ -9,12 +9,12 @@ use crate::dynamics::Matrix;
 /// The functions at one orbit.
 #[derive(Clone, Debug)]
 pub(super) struct Critical {
-    /// Zero where a multiplier besides the trivial one is 1: the determinant of Newton's matrix for
-    /// a given parameter.
+    /// Zero where a nontrivial multiplier is 1: the determinant of Newton's matrix at a given
+    /// parameter.
     pub one: f64,
     /// Zero where a multiplier is −1.
     pub minus_one: f64,
-    /// Zero where a pair is on the unit circle; none where there is no pair.
+    /// Zero where a pair is on the unit circle; `None` where there is no pair.
     pub circle: Option<f64>,
     /// Angle of that pair.
     pub angle: f64,
@@ -23,9 +23,9 @@ pub(super) struct Critical {
 }
 
 impl Critical {
-    /// Of the derivative of the flow map over the period, across the flow where the system does not
-    /// depend on time. Of an orbit of a family of some dimension as many multipliers are 1 wherever
-    /// it is, and tell nothing.
+    /// From the derivative of the flow map over the period, transverse to the flow in an autonomous
+    /// system. An orbit in a family of some dimension always has as many multipliers equal to 1,
+    /// and they are ignored.
     pub fn of(matrix: &Matrix, family: usize) -> Self {
         let states = matrix.nrows();
         let shifted = |by: f64| matrix + Matrix::identity(states, states) * by;
@@ -64,16 +64,15 @@ impl Critical {
     }
 }
 
-/// The zero between two points with different signs, by regula falsi with the Illinois rule. At a
-/// branch point no orbit can be computed: the function is then evaluated next to it.
+/// The zero between two points of opposite sign, by regula falsi with the Illinois rule. At a
+/// branch point no orbit can be computed; the function is then evaluated next to it.
 pub(super) fn zero_between(
     (mut a, mut at_a): (f64, f64),
     (mut b, mut at_b): (f64, f64),
     mut function: impl FnMut(f64) -> Option<f64>,
 ) -> Option<f64> {
     const MOST: usize = 60;
-    // Part of the way between the places that is as good as none, and of the function's values
-    // there.
+    // Fractions of the interval and of the function's values that are negligible.
     const NEXT_TO: f64 = 1e-10;
     const SMALL: f64 = 1e-6;
     let (width, size) = (b - a, at_a.abs().min(at_b.abs()));

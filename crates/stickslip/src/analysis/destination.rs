@@ -1,4 +1,4 @@
-//! Where an orbit of a periodically forced system ends up.
+//! The long-term behaviour of an orbit of a periodically forced system.
 
 use crate::dynamics::{
     AsDynamics, Components, Dynamics, Happening, Moment, Section, Summary, Vector,
@@ -6,17 +6,17 @@ use crate::dynamics::{
 use crate::error::Error;
 use crate::filippov::Options;
 
-/// What a start leads to.
+/// The long-term behaviour from a start.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Destination {
     /// A component passed the escape bound of the options.
     Escapes {
-        /// When.
+        /// Time of the escape.
         t: f64,
     },
     /// The states at whole forcing periods repeat.
     Periodic {
-        /// After how many forcing periods, the fewest.
+        /// Smallest number of forcing periods after which it closes.
         period: usize,
         /// Stick phases that end within one such pattern.
         sticks: usize,
@@ -30,9 +30,9 @@ pub enum Destination {
 /// Patterns longer than this many forcing periods are not looked for.
 const LONGEST_PATTERN: usize = 8;
 
-/// Follows the orbit from `(t0, x0)` over `periods` forcing periods of length `period` and says
-/// where it has ended up: two states a pattern apart that differ by at most `closeness` in every
-/// component count as equal.
+/// Follows the orbit from `(t0, x0)` over `periods` forcing periods of length `period` and
+/// classifies its long-term behaviour. Two states one pattern apart count as equal if they differ
+/// by at most `closeness` in every component.
 ///
 /// The escape bound in `options` decides what counts as escaping.
 ///
@@ -58,7 +58,7 @@ pub fn destination<Kind>(
         stick_ends: Vec::new(),
     };
     strobe.states.push(start.x.clone());
-    // A little beyond the last whole period, so that rounding cannot leave it out.
+    // A little beyond the last whole period, so that rounding cannot omit it.
     let t_end = t0 + (periods as f64 + 1e-6) * period;
     match strobe.follow(&*system.dynamics(), &start, t_end, options) {
         Ok(summary) if summary.ending.is_final() => Err(summary.goes_no_further()),
@@ -109,7 +109,7 @@ impl Strobe {
     fn verdict(&self, closeness: f64) -> Destination {
         let states = &self.states;
         let repeats = |&p: &usize| {
-            // Twice over, so that a chance passage does not count.
+            // Two repetitions, so that a chance passage does not count.
             states.len() > 2 * p
                 && (0..p).all(|k| {
                     let last = states.len() - 1 - k;

@@ -1,6 +1,6 @@
 //! Lagrange's polynomials.
 
-/// The weights of the values at some places in the polynomial through them at another place.
+/// The weights of values at given nodes in the interpolating polynomial at another point.
 pub(super) fn weights(places: &[f64], at: f64) -> Vec<f64> {
     let weight = |(k, place): (usize, &f64)| {
         let others = places.iter().enumerate().filter(|(other, _)| *other != k);

@@ -1,5 +1,5 @@
 //! Analyses of systems and orbits: tangent points, monodromy by saltation, periodic orbits and
-//! their branches, attractors and basins, bifurcations, Lyapunov spectra, classes of motion.
+//! their branches, attractors and basins, bifurcations, Lyapunov spectra and classes of motion.
 
 mod attractors;
 mod basin;

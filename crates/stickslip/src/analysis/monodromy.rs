@@ -16,7 +16,7 @@ pub struct Monodromy {
     /// component `j` of the start.
     pub matrix: Matrix,
     /// Number of entries into stick. The first entry reduces the rank by one; so does stick at the
-    /// start, which is no entry.
+    /// start, which does not count as an entry.
     pub stick_entries: usize,
     /// How the run ended.
     pub summary: Summary,
@@ -25,7 +25,7 @@ pub struct Monodromy {
 /// The monodromy matrix from `(t0, x0)` to `t_end`. Every step is repeated on dual numbers, and
 /// every transition contributes its saltation matrix. If a contact sticks at the start, the orbit
 /// is assumed to have been on its Σ before. A change across Σ is projected back along the kinetic
-/// friction, also if that is too weak to bring it back.
+/// friction, even if that is too weak to return it to Σ.
 ///
 /// # Errors
 /// Those of [`crate::run`]; [`Error::NoUniqueFuture`] where Σ repels, and at a two-fold;
@@ -45,7 +45,7 @@ pub fn monodromy<Kind>(
     turn(&*system.dynamics(), &start, t_end, options, false)
 }
 
-/// The vector that moves a state in a mode.
+/// The vector along which a state moves in a mode.
 pub(super) fn velocity_in(system: &dyn Dynamics, mode: Modes, at: &Moment) -> Vector {
     system.flow(mode, at).velocity(at)
 }
@@ -101,7 +101,7 @@ pub(super) struct TangentMap {
 }
 
 impl TangentMap {
-    /// At a start. Discrete states have no change.
+    /// At a start. Discrete states have no tangent direction.
     pub(super) fn identity(system: &dyn Dynamics) -> Self {
         let states = system.states();
         let mut matrix = Matrix::identity(states, states);
@@ -126,7 +126,7 @@ impl TangentMap {
     /// Removes the direction of this velocity from all columns.
     pub(super) fn take_out(&mut self, velocity: &Vector) {
         let square = velocity.norm_squared();
-        // At rest there is no direction.
+        // An equilibrium has no such direction.
         if square == 0.0 {
             return;
         }
@@ -190,7 +190,7 @@ impl TangentMap {
         self.stick_entries += usize::from(enters);
         for column in &mut self.columns {
             *column = &jump.matrix * &*column;
-            // On Σ the component across it is zero; rounding would leave something.
+            // On Σ the component across it is zero, except for rounding.
             if enters {
                 flatten(&jump.gradient, column);
             }

@@ -11,10 +11,10 @@ const MOST: usize = 64;
 /// A class of motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
-    /// Closes after so many turns.
+    /// Closes after this number of turns.
     Periodic(usize),
-    /// Fills a torus: no closing, no growth, and a vanishing exponent besides that of the direction
-    /// in time.
+    /// Fills a torus: it neither closes nor grows, and an exponent besides that along the flow is
+    /// zero.
     QuasiPeriodic,
     /// Nearby orbits separate: the first exponent is positive.
     Chaotic,
@@ -46,7 +46,7 @@ pub struct UnknownClass(pub String);
 impl FromStr for Class {
     type Err = UnknownClass;
 
-    /// Reads what `Display` writes.
+    /// Parses the output of `Display`.
     fn from_str(text: &str) -> Result<Self, UnknownClass> {
         let unknown = || UnknownClass(text.to_owned());
         match text {
@@ -67,19 +67,19 @@ impl FromStr for Class {
     }
 }
 
-/// What the exponents belong to.
+/// The kind of system to which the exponents belong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Of {
-    /// A flow: one of them is that of its direction in time, zero whatever the motion.
+    /// A flow: the exponent along its direction is zero for any motion.
     Flow,
-    /// A map of the section onto itself, which has no such direction.
+    /// A map of the section onto itself, without such an exponent.
     ReturnMap,
 }
 
-/// How fine the evidence has to be.
+/// The required precision of the evidence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Criterion {
-    /// Points of the section nearer than this, as a fraction of its extent, count as one. Default
+    /// Relative to the section's extent, the distance below which points count as one. Default
     /// 1e-5, for a solver that locates the section.
     pub same: f64,
     /// Largest uncertainty, per unit of time, of an exponent that counts as zero: slower growth
@@ -102,25 +102,26 @@ impl Default for Criterion {
 pub struct Evidence {
     /// Points of the section.
     pub returns: usize,
-    /// How many of them are distinct.
+    /// Number of distinct points.
     pub distinct: usize,
-    /// Whether they follow one another in the same order again and again.
+    /// Whether they repeat in the same order.
     pub repeats: bool,
     /// Mean time between them; infinite with fewer than two.
     pub return_time: f64,
     /// Exponents that are zero within their uncertainty.
     pub zeros: usize,
-    /// How many of these have an uncertainty within [`Criterion::resolution`].
+    /// Number of these with an uncertainty within [`Criterion::resolution`].
     pub resolved_zeros: usize,
     /// Whether the first exponent is positive beyond its uncertainty.
     pub positive: bool,
-    /// What the exponents belong to.
+    /// The kind of system to which the exponents belong.
     pub of: Of,
 }
 
 impl Evidence {
-    /// From the points `(t, x)` of the section in the order of time and the exponents, descending,
-    /// as measured over `duration`. Without exponents only a periodic motion can be recognised.
+    /// From the points `(t, x)` of the section in order of time, and the exponents in descending
+    /// order as measured over `duration`. Without exponents only a periodic motion can be
+    /// recognised.
     pub fn gather<const N: usize>(
         section: &[(f64, [f64; N])],
         (of, exponents, duration): (Of, &[Exponent], f64),
@@ -153,7 +154,7 @@ impl Evidence {
         }
     }
 
-    /// The class this is evidence of.
+    /// The class that the evidence shows.
     pub fn class(&self) -> Class {
         let needed = match self.of {
             Of::Flow => 2,
@@ -172,7 +173,7 @@ impl Evidence {
     }
 }
 
-/// For each point of the section the number of its distinct point, counted in order of appearance.
+/// The index of each section point's distinct point, in order of appearance.
 fn labels<const N: usize>(section: &[(f64, [f64; N])], same: f64) -> Vec<usize> {
     let extent = (0..N)
         .map(|i| {
@@ -235,7 +236,7 @@ mod tests {
             Class::Undecided
         );
         assert_eq!(class(&[], Of::Flow, &flow), Class::Undecided);
-        // It cannot close and part.
+        // A motion cannot both close and separate.
         let parting = [finite(0.01, 1e-5)];
         assert_eq!(
             class(&section(1000, |_| 1.0), Of::Flow, &parting),

@@ -4,11 +4,11 @@ use nalgebra::{Complex, Schur};
 
 use crate::dynamics::Matrix;
 
-/// Multipliers of a periodic orbit: the eigenvalues of its monodromy matrix, the one nearest to 1
-/// first (the trivial one of a system that does not depend on time), then by falling size. Not
-/// numbers where the matrix is not finite.
+/// Multipliers of a periodic orbit: the eigenvalues of its monodromy matrix. The one nearest to 1
+/// comes first (the trivial one of an autonomous system), then the others in descending order of
+/// modulus. NaN where the matrix is not finite.
 ///
-/// Two by a closed form, more by the real Schur form.
+/// Two are computed by a closed form, more by the real Schur form.
 ///
 /// ```
 /// use stickslip::analysis::multipliers;
@@ -22,7 +22,7 @@ use crate::dynamics::Matrix;
 /// ```
 pub fn multipliers(matrix: &Matrix) -> Vec<Complex<f64>> {
     let mut found = eigenvalues(matrix);
-    // The closed form has the nearer one of two real ones first, and a pair in its order.
+    // The closed form puts the one nearer to 1 of two real eigenvalues first, and orders a pair.
     if found.len() == 2 {
         return found;
     }
@@ -34,7 +34,7 @@ pub fn multipliers(matrix: &Matrix) -> Vec<Complex<f64>> {
     found
 }
 
-/// Eigenvalues of a square matrix in no order; not numbers where it is not finite.
+/// Eigenvalues of a square matrix in no order; NaN where it is not finite.
 pub(super) fn eigenvalues(matrix: &Matrix) -> Vec<Complex<f64>> {
     let unknown = || vec![Complex::new(f64::NAN, f64::NAN); matrix.nrows()];
     if !matrix.iter().all(|v| v.is_finite()) {
@@ -56,12 +56,12 @@ pub(super) fn eigenvalues(matrix: &Matrix) -> Vec<Complex<f64>> {
 
 fn by_schur(matrix: Matrix) -> Option<Vec<Complex<f64>>> {
     let size = matrix.nrows();
-    // Ever more iterations mean rounding, which no sum of them takes away.
+    // Without convergence there is only rounding, which further iterations do not reduce.
     let schur = Schur::try_new(matrix, f64::EPSILON, 100 * size)?;
     Some(schur.complex_eigenvalues().iter().copied().collect())
 }
 
-/// Of the matrix with the rows (a, b) and (c, d).
+/// Eigenvalues of the matrix with the rows (a, b) and (c, d).
 fn planar(a: f64, b: f64, c: f64, d: f64) -> [Complex<f64>; 2] {
     let half_trace = 0.5 * (a + d);
     let determinant = a * d - b * c;
@@ -73,7 +73,7 @@ fn planar(a: f64, b: f64, c: f64, d: f64) -> [Complex<f64>; 2] {
             Complex::new(half_trace, -imaginary),
         ];
     }
-    // The larger by size without cancellation, the other from the product.
+    // The larger by modulus without cancellation, the other from the product.
     let larger = half_trace + discriminant.sqrt() * half_trace.signum();
     let smaller = if larger == 0.0 {
         0.0

@@ -23,30 +23,30 @@ pub struct PeriodicOrbit {
     pub monodromy: Matrix,
     /// Largest component of `x(t + period) − x`.
     pub residual: f64,
-    /// Dimension of the family of periodic orbits that it is one of; 0 where it is isolated. So
-    /// many multipliers are 1 besides the trivial one of a system that does not depend on time, as
-    /// far as the tolerances tell. The one found is the nearest to the start.
+    /// Dimension of the family of periodic orbits to which it belongs; 0 where it is isolated. The
+    /// same number of nontrivial multipliers are 1, as far as the tolerances show. The orbit
+    /// returned is the one nearest to the start.
     pub family: usize,
 }
 
-/// Sequences of phases that are tried.
+/// Number of phase sequences that are tried.
 const SEQUENCES: usize = 8;
 
-/// Tolerances within which returns are equally near.
+/// Number of tolerances within which returns are equally near.
 const TOLERANCES: f64 = 100.0;
 
-/// The periodic orbit near `x` of a system with period `period` in time (a forced one), at the time
+/// The periodic orbit near `x` of a periodically forced system, with period `period`, at the time
 /// `t`.
 ///
-/// It is found by Newton's iteration for its segments, with the sequence of phases that the run
-/// from `x` has. An orbit that has not this sequence itself is sought again with its own. Where
-/// there is none the run goes on for a period: eight sequences are tried.
+/// It is computed by Newton's iteration on its segments, with the phase sequence of the run from
+/// `x`. If the resulting orbit does not have this sequence itself, its own is tried next. If there
+/// is no such orbit, the run continues for a period. Eight sequences are tried.
 ///
 /// # Errors
 /// Those of [`crate::run`]; [`Error::NoUniqueFuture`] and [`Error::TangentSingular`] as for
 /// [`crate::analysis::monodromy`]; [`Error::NotFound`] where none of the sequences has an orbit
-/// that closes to 100 tolerances or to what rounding of state and time leaves, and moves by more;
-/// [`Error::NotConverged`] where the run from the orbit found does not come back to it.
+/// that closes to 100 tolerances, or to the rounding of state and time, and moves by more;
+/// [`Error::NotConverged`] where the run from the orbit does not return to it.
 pub fn periodic_orbit_forced<Kind>(
     system: &impl AsDynamics<Kind>,
     t: f64,
@@ -58,10 +58,10 @@ pub fn periodic_orbit_forced<Kind>(
     orbit_near(&*system.dynamics(), &at, (period, true), options)
 }
 
-/// The periodic orbit near `x`, with a period near `period` (within three tenths of it), of a
-/// system that does not depend on time; as [`periodic_orbit_forced`], with the period unknown too.
+/// The periodic orbit near `x` of an autonomous system, with a period near `period` (within 30 %).
+/// It is computed as in [`periodic_orbit_forced`], with the period as another unknown.
 ///
-/// The state returned is where the orbit passes the plane through `x` that is across the flow
+/// The state returned is where the orbit passes the plane through `x` perpendicular to the flow
 /// there.
 ///
 /// # Errors
@@ -90,15 +90,15 @@ pub fn periodic_orbit<Kind>(
     )
 }
 
-/// The periodic orbit that the orbit from `x0` comes to, of a system that does not depend on time;
-/// no guess is needed.
+/// The periodic orbit that the orbit from `x0` of an autonomous system approaches; no guess is
+/// needed.
 ///
-/// After `transient` the run goes on through a plane across its way, for `longest` at most. Of its
-/// returns the first that comes back about as near as any does (within a factor of two) gives the
-/// period that [`periodic_orbit`] begins with.
+/// After `transient` the run passes repeatedly through a plane perpendicular to the flow, for at
+/// most `longest`. The first return that is about as near as the nearest one (within a factor of
+/// two) gives the period for [`periodic_orbit`].
 ///
 /// # Errors
-/// As [`periodic_orbit`]; [`Error::NotFound`] where there is no return, as on the way to an
+/// Those of [`periodic_orbit`]; [`Error::NotFound`] where there is no return, as on the way to an
 /// equilibrium.
 ///
 /// ```
@@ -179,7 +179,7 @@ pub fn find_periodic_orbit<Kind>(
         }
     }
     let nearest = returns.iter().map(|r| r.1).fold(f64::INFINITY, f64::min);
-    // Nearer than the tolerance tells, one return is as good as another.
+    // Below the tolerance, all returns are equally good.
     let blurred = options.atol + options.rtol * start.x.norm();
     let near = 2.0 * nearest.max(TOLERANCES * blurred);
     let first = returns.iter().find(|r| r.1 <= near);
@@ -188,23 +188,23 @@ pub fn find_periodic_orbit<Kind>(
     orbit_near(system, &start, (period, false), options)
 }
 
-/// A state of an orbit, and the mode that it is in there.
+/// A state of an orbit, and its mode there.
 type Place = (Moment, Modes);
 
-/// On the boundary of what sticks in its mode, near to which it lies.
+/// Projects onto the boundaries of sticking contacts a state that lies near them.
 fn settled(system: &dyn Dynamics, (at, mode): &Place) -> Moment {
     let onto = |at: Moment| Moment {
         x: system.flow(*mode, &at).settled(&at),
         ..at
     };
-    // The first leaves the rounding of the state that it came from, which next to zero is more than
+    // The first projection leaves the rounding of the original state, which next to zero exceeds
     // the boundary's own.
     onto(onto(at.clone()))
 }
 
-/// The periodic orbit near a start, in the sequence of phases that the run from there has. Where no
-/// orbit has it, that of the run a period later is taken; where the orbit found has another one
-/// itself, that one.
+/// The periodic orbit near a start, with the phase sequence of the run from there. Where no orbit
+/// has it, the sequence of the run one period later is used. Where the resulting orbit has another
+/// one itself, that one is used.
 fn orbit_near(
     system: &dyn Dynamics,
     start: &Moment,
@@ -251,7 +251,7 @@ fn a_period_later(
     }
 }
 
-/// A periodic orbit from its state next to the start, by the run that the system takes from there.
+/// A periodic orbit from its state next to the start, by the system's own run from there.
 fn whole(shooting: &Shooting<'_>, cycle: &Cycle, start: &Moment) -> Result<PeriodicOrbit, Error> {
     let Shooting {
         system, options, ..
@@ -276,7 +276,7 @@ fn whole(shooting: &Shooting<'_>, cycle: &Cycle, start: &Moment) -> Result<Perio
         return Err(found.summary.goes_no_further());
     }
     let residual = (&found.summary.x - &at.x).amax();
-    // What every segment leaves open is carried to the end of the period.
+    // The closing error of every segment is carried to the end of the period.
     let segments = cycle.outline.segments.len() as f64;
     let wanted = segments * cycle.closes_to * found.matrix.amax().max(1.0);
     if residual > wanted {
@@ -297,8 +297,8 @@ fn whole(shooting: &Shooting<'_>, cycle: &Cycle, start: &Moment) -> Result<Perio
     })
 }
 
-/// When a periodic orbit passes the plane through a state that is across the flow there, nearest to
-/// that state.
+/// The time at which a periodic orbit passes the plane through a state that is perpendicular to the
+/// flow there, nearest to that state.
 fn passes(
     system: &dyn Dynamics,
     cycle: &Cycle,

@@ -1,4 +1,4 @@
-//! The map that takes each passage of a section to the next one.
+//! The Poincaré map: from each passage of a section to the next one.
 
 use super::monodromy::{TangentMap, velocity_in};
 use super::tangent::{Tangent, singular};
@@ -12,26 +12,26 @@ use crate::filippov::{EventFunctions, Options, Switched};
 /// A return to a section.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Return {
-    /// Which return it is, counted from 1.
+    /// Index of the return, counted from 1.
     pub number: usize,
     /// Time.
     pub t: f64,
     /// State, on the section.
     pub x: Vector,
-    /// Mode at the passage; at the very end of a phase, the mode that ends.
+    /// Mode at the passage; at the end of a phase, the mode that ends.
     pub mode: Modes,
 }
 
-/// The rate of a passage below this fraction of its summands is rounding.
+/// A passage rate below this fraction of its summands is rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// The Poincaré map of a system and a section: a system of discrete time, of which each step is one
+/// The Poincaré map of a system and a section: a discrete-time system, in which each step is one
 /// return.
 ///
-/// The section is an event function ([`EventFunctions`]) with a direction: [`crate::Plane`], or one
-/// of your own, of time too (a strobe). A start on the section is no return. The orbit goes on from
-/// return to return without a new start, so that the returns are those of one run. As an iterator
-/// the map has no end; after an error there is nothing more.
+/// The section is an event function ([`EventFunctions`]) with a direction: [`crate::Plane`], or a
+/// user's own, which may depend on time (a strobe). A start on the section is no return. The orbit
+/// is not restarted, so that the returns are those of one run. As an iterator the map has no end,
+/// except after an error.
 ///
 /// ```
 /// use stickslip::{Direction, Options, Plane, analysis::PoincareMap, models::BeltOscillator};
@@ -54,19 +54,19 @@ pub struct PoincareMap<'a> {
     orbit: Box<dyn OrbitUnderWay + 'a>,
     section: Section,
     options: Options,
-    /// The longest time of a return.
+    /// The longest time between returns.
     longest: f64,
     /// The present state of the map.
     at: Moment,
     number: usize,
-    /// The part of the last step that lies behind the last return.
+    /// The part of the last step that lies after the last return.
     rest: Option<Step>,
     has_failed: bool,
 }
 
 impl<'a> PoincareMap<'a> {
-    /// The map from `start` (time and state), on the section or off it. A return must take no more
-    /// than `longest`. Terminal sections are not treated specially.
+    /// The map from `start` (time and state), on the section or off it. A return must occur within
+    /// `longest`. Terminal sections are not treated specially.
     ///
     /// # Errors
     /// Those of [`crate::Integration::new`]; [`Error::Option`] where `longest` is not positive.
@@ -96,7 +96,7 @@ impl<'a> PoincareMap<'a> {
         ))
     }
 
-    /// The map of a system that is known at run time.
+    /// The map of a system known at run time.
     ///
     /// # Errors
     /// As [`PoincareMap::new`].
@@ -147,7 +147,7 @@ impl<'a> PoincareMap<'a> {
         self.at.t
     }
 
-    /// The returns so far.
+    /// Number of returns so far.
     pub fn number(&self) -> usize {
         self.number
     }
@@ -156,28 +156,26 @@ impl<'a> PoincareMap<'a> {
     ///
     /// # Errors
     /// Those of [`crate::Integration::step`]; [`Error::NotFound`] where there is no return within
-    /// the longest time, and [`Error::NoUniqueFuture`] where Σ repels or the orbit comes to a
-    /// two-fold.
+    /// the longest time; [`Error::NoUniqueFuture`] where Σ repels or the orbit reaches a two-fold.
     pub fn step(&mut self) -> Result<Return, Error> {
         let passage = self.advance(None)?;
         Ok(self.arrive(passage))
     }
 
-    /// The next return, and the derivative of its state with respect to the state at the last one,
-    /// or the start: square in the states, column `j` for its component `j`.
+    /// The next return, and the derivative of its state with respect to the state at the last
+    /// return or the start: square in the states, column `j` for its component `j`.
     ///
-    /// It is `(I − f ∇gᵀ/(∂g/∂t + ∇g·f)) Φ`, with the tangent flow Φ from there to here, the field
-    /// `f` here, and the section `g`: what a change of the start does to the time of the return is
-    /// taken out along the motion. On the section it has the Floquet multipliers of a periodic
-    /// orbit but the one along it, in whose place there is a zero. The time at the last return is
-    /// held: of a system that depends on time the derivatives of returns in a row multiply where
-    /// the section fixes the time. From a state in stick it begins as
-    /// [`crate::analysis::monodromy`] does.
+    /// It is `(I − f ∇gᵀ/(∂g/∂t + ∇g·f)) Φ` with the tangent flow Φ between the two, and the field
+    /// `f` and the section `g` at the return: the effect of the start on the return time is removed
+    /// along the motion. On the section its eigenvalues are the Floquet multipliers of a periodic
+    /// orbit, with zero in place of the trivial one. The time at the last return is held fixed. In
+    /// a non-autonomous system, derivatives of successive returns multiply only where the section
+    /// fixes the time. From a state in stick it begins as [`crate::analysis::monodromy`] does.
     ///
     /// # Errors
-    /// As [`PoincareMap::step`]; [`Error::TangentSingular`] where the orbit does not pass through
-    /// the section with a rate, which is a return all the same and the start of the next
-    /// derivative, and where the flow up to there has no derivative.
+    /// Those of [`PoincareMap::step`]; [`Error::TangentSingular`] where the orbit passes the
+    /// section at zero rate, and where the flow up to there has no derivative. The passage still
+    /// counts as a return and starts the next derivative.
     pub fn step_with_derivative(&mut self) -> Result<(Return, Matrix), Error> {
         let mut map = TangentMap::identity(&*self.dynamics);
         map.begin(&*self.dynamics, self.orbit.mode(), &self.at);
@@ -188,8 +186,8 @@ impl<'a> PoincareMap<'a> {
         let (normal, in_time) = self.dynamics.section_gradient(&self.section, &here);
         let rate = in_time + normal.dot(&velocity);
         let derivative = &flow - &velocity * (normal.transpose() * &flow) / rate;
-        // An exit from stick at a tangent point passes a section that is Σ with no rate but
-        // rounding's.
+        // An exit from stick at a tangent point passes a section that is Σ at no rate except for
+        // rounding.
         let size = in_time.abs() + normal.norm() * velocity.norm();
         let arrived = self.arrive(passage);
         if rate.abs() <= ROUNDING * size || derivative.iter().any(|v| !v.is_finite()) {
@@ -198,7 +196,7 @@ impl<'a> PoincareMap<'a> {
         Ok((arrived, derivative))
     }
 
-    /// Goes on to the next passage, with the tangent flow from here to there if it is asked for.
+    /// Continues to the next passage, with the tangent flow between the two if requested.
     fn advance(&mut self, mut map: Option<&mut TangentMap>) -> Result<Passage, Error> {
         let tangent = Tangent::new(&*self.dynamics, &self.options);
         loop {
@@ -265,7 +263,7 @@ fn moment((t, x): (f64, impl Components)) -> Moment {
     Moment { t, x: x.vector() }
 }
 
-/// The options, where a return may take so long: no step need be longer.
+/// The options for returns within a given time: no step need be longer.
 fn bounded(longest: f64, options: &Options) -> Result<Options, Error> {
     if !(longest > 0.0 && longest.is_finite()) {
         return Err(Error::Option {

@@ -14,7 +14,7 @@ pub enum Stability {
     /// It dies out: all multipliers are inside the unit circle.
     Stable,
     /// It stays, to first order: a multiplier is on the unit circle, to 1e-6, and none outside.
-    /// Multipliers of an orbit that was computed with a tolerance above 1e-12 may be less exact.
+    /// Multipliers of an orbit computed with a tolerance above 1e-12 may be less exact.
     Neutral,
     /// It grows: a multiplier is outside the unit circle.
     Unstable,
@@ -44,7 +44,7 @@ impl Stability {
 }
 
 impl Stability {
-    /// By the eigenvalues of an equilibrium: a pair may be imaginary to 1e-6 of the largest.
+    /// From the eigenvalues of an equilibrium: a pair may be imaginary to 1e-6 of the largest.
     pub(super) fn of_eigenvalues(eigenvalues: &[Complex<f64>]) -> Self {
         let sizes = eigenvalues.iter().map(|value| value.norm());
         let noise = NEUTRAL * sizes.fold(0.0, f64::max);

@@ -1,13 +1,13 @@
-//! Tangent points: where a field touches Σ, and from which side its orbit does.
+//! Tangent points: where a field is tangent to Σ, and on which side its orbit lies.
 
 pub use crate::filippov::Visibility;
 
 use crate::filippov::LieDerivatives;
 use crate::system::{Filippov, Side, State};
 
-/// Whether the field of `side` is tangent to Σ at `(t, x)`, and how, by the sign of the second Lie
-/// derivative of the boundary function along it; `None` where its normal component does not vanish
-/// to rounding.
+/// Whether the field of `side` is tangent to Σ at `(t, x)`, and its visibility by the sign of the
+/// boundary function's second Lie derivative along it; `None` where its normal component does not
+/// vanish to rounding.
 ///
 /// ```
 /// use stickslip::{analysis::{tangency, Visibility}, models::BeltOscillator, Side, State};
@@ -29,7 +29,7 @@ pub fn tangency<S: Filippov<N>, const N: usize>(
     is_tangent.then(|| lie.visibility(side))
 }
 
-/// How the field of `side` lies at a point where it is known to be tangent.
+/// The visibility at a point where the field of `side` is known to be tangent.
 pub fn visibility<S: Filippov<N>, const N: usize>(
     system: &S,
     side: Side,

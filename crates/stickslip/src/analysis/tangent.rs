@@ -1,5 +1,4 @@
-//! Tangent vectors along a run: the steps themselves carry them on dual numbers, transitions by
-//! saltation.
+//! Tangent vectors along a run: steps carry them on dual numbers, transitions by saltation.
 
 use nalgebra::SMatrix;
 
@@ -12,8 +11,8 @@ use crate::system::{Filippov, State};
 /// `S = I + (f⁺ − f⁻) ∇hᵀ / (∂h/∂t + ∇h·f⁻)`.
 ///
 /// Aizerman & Gantmakher 1958; Müller, *Chaos, Solitons & Fractals* 5 (1995) 1671; Leine &
-/// Nijmeijer 2004, Ch. 7. It holds for crossing and for entry into stick (`after` the sliding
-/// field), where it has a zero eigenvalue; leaving stick at a tangent point changes no vector and
+/// Nijmeijer 2004, Ch. 7. It holds for crossings and for entry into stick (`after` is the sliding
+/// field), where it has a zero eigenvalue. Leaving stick at a tangent point changes no vector, and
 /// its saltation matrix is the identity.
 pub fn saltation<S: Filippov<N>, const N: usize>(
     system: &S,
@@ -27,8 +26,8 @@ pub fn saltation<S: Filippov<N>, const N: usize>(
     SMatrix::from_fn(entry(slices, in_time))
 }
 
-/// The entries of the saltation matrix where a function of this gradient, and rate of change in
-/// time, is zero.
+/// The entries of the saltation matrix at the zero of a function with this gradient and time
+/// derivative.
 fn entry([gradient, before, after]: [&[f64]; 3], in_time: f64) -> impl Fn(usize, usize) -> f64 {
     let mut rate = in_time;
     for (gradient, before) in gradient.iter().zip(before) {
@@ -41,12 +40,12 @@ fn entry([gradient, before, after]: [&[f64]; 3], in_time: f64) -> impl Fn(usize,
 pub(crate) struct Jump {
     /// Saltation matrix.
     pub matrix: Matrix,
-    /// Field after the transition minus field before it; at a mapping of the state, minus the image
-    /// of the latter.
+    /// Field after the transition minus field before it; at a map of the state, minus the image of
+    /// the latter.
     pub kick: Vector,
     /// Its determinant: zero on entry into stick.
     pub determinant: f64,
-    /// Gradient of the function that is zero there.
+    /// Gradient of the function that vanishes there.
     pub gradient: Vector,
 }
 
@@ -66,8 +65,8 @@ impl<'a> Tangent<'a> {
         Tangent { system, carrying }
     }
 
-    /// Replaces each of these vectors by its image behind the end of the step, and behind the kink
-    /// of an input there.
+    /// Replaces each of these vectors by its image after the end of the step, and after the kink of
+    /// an input there.
     pub(crate) fn carry<'v>(&self, step: &Step, vectors: impl IntoIterator<Item = &'v mut Vector>) {
         let flow = self.system.flow(step.mode, &step.end());
         let shifts = self.system.kink_shifts(step);
@@ -79,12 +78,12 @@ impl<'a> Tangent<'a> {
         }
     }
 
-    /// The effect of a mapping of the state (Müller 1995, Eq. 11) with the map's derivative `D`:
-    /// `S = D + (f⁺ − D f⁻ − ∂R/∂t) ∇hᵀ / (∂h/∂t + ∇h·f⁻)`.
+    /// The effect of a map of the state (Müller 1995, Eq. 11) with the map's derivative `D`: `S = D
+    /// + (f⁺ − D f⁻ − ∂R/∂t) ∇hᵀ / (∂h/∂t + ∇h·f⁻)`.
     ///
     /// # Errors
-    /// [`Error::TangentSingular`] where the orbit grazes what it jumps at, and where another jump
-    /// in the same instant sets this one off and the field changes at it.
+    /// [`Error::TangentSingular`] where the orbit grazes the surface of the jump, and where another
+    /// jump in the same instant triggers this one and the field changes at it.
     fn reset(&self, at: &Transition) -> Result<Jump, Error> {
         let here = at.moment();
         let reset = self.system.reset(at.contact, &here);
@@ -116,14 +115,14 @@ impl<'a> Tangent<'a> {
         })
     }
 
-    /// What the transition does, or `None` where it changes no vector: on leaving stick, at a
+    /// The effect of the transition, or `None` where it changes no vector: on leaving stick, at a
     /// touch, where contact is lost or gained, and where the two fields agree (friction without
-    /// normal force): the saltation matrix is the limit there, the identity, though its formula may
-    /// read 0/0.
+    /// normal force). There the limit of the saltation matrix is the identity, though its formula
+    /// may read 0/0.
     ///
     /// # Errors
-    /// [`Error::TangentSingular`] where two contacts come to zero in the same instant: which comes
-    /// first depends on the change.
+    /// [`Error::TangentSingular`] where two contacts reach zero in the same instant: the
+    /// perturbation decides which comes first.
     pub(crate) fn jump(&self, at: &Transition) -> Result<Option<Jump>, Error> {
         if at.kind == TransitionKind::Jump {
             return self.reset(at).map(Some);
@@ -131,7 +130,7 @@ impl<'a> Tangent<'a> {
         let Some(guard) = self.system.jumps_at(at) else {
             return Ok(None);
         };
-        // What a kink sets off happens when that does, wherever the state is.
+        // The consequence of a kink occurs at the time of the kink, wherever the state is.
         if self.system.kink(&at.moment()).is_some() {
             return Ok(None);
         }
@@ -180,7 +179,7 @@ mod tests {
     use crate::scalar::Scalar;
     use crate::system::{Mode, Side};
 
-    /// A block whose friction is `friction` on either side of rest.
+    /// A block with friction `friction` on either side of zero velocity.
     struct Block {
         friction: f64,
     }
@@ -195,8 +194,8 @@ mod tests {
 
     #[test]
     fn where_the_fields_agree_vectors_pass_unchanged() {
-        // At rest at the origin: with friction the block sticks; without, Σ is nothing to it and
-        // its formula reads 0/0.
+        // At rest at the origin: with friction the block sticks; without it Σ has no effect, and
+        // the formula reads 0/0.
         let entry = Transition {
             t: 0.0,
             x: Vector::zeros(2),

@@ -21,7 +21,7 @@ use crate::system::{State, components};
 pub(super) struct TypedFlow<'a, S: Switched<N, G>, V, J, const N: usize, const G: usize> {
     of: View<'a, S, V, J, N, G>,
     mode: S::Mode,
-    /// Where contact is asked for.
+    /// The moment that decides whether contact is lost or kept.
     at: Timed<N>,
     branch: OnceCell<S::Branch>,
 }
@@ -41,7 +41,7 @@ where
         }
     }
 
-    /// The velocity of one contact depends on no branch.
+    /// The velocity of one contact does not depend on branches.
     fn of_field<U: UseFlow<N>>(&self, user: U) -> U::Output {
         if S::CONTACTS > 1 {
             return self.of_guards(user);
@@ -58,13 +58,13 @@ where
         system.with_flow(self.mode, branch, user)
     }
 
-    /// The velocity where inputs hold what the state says.
+    /// The velocity, with held inputs as stored in the state.
     pub(super) fn velocity_at(&self, at: &Timed<N>) -> Vector {
         let velocity = self.of_field(Velocity(at.t, components(&at.x)));
         self.of.vector(&State::from(velocity))
     }
 
-    /// The function of the jump of a guard, if it is one's.
+    /// The function of a guard's jump, if the guard belongs to one.
     fn jump(&self, guard: usize) -> Option<JumpGuard<'_, J>> {
         let (jumps, number) = (self.of.jumps, guard.checked_sub(G)?);
         let value = jumps.when(number, self.at.t, components(&self.at.x));
@@ -81,7 +81,7 @@ where
         })
     }
 
-    /// Ranges of all components of the type's state.
+    /// Intervals of all components of the type's state.
     fn ranges(&self, x: &[Interval]) -> [Interval; N] {
         let zero = Interval::around(0.0, 0.0);
         std::array::from_fn(|i| x.get(i).copied().unwrap_or(zero))
@@ -162,8 +162,8 @@ where
         };
         let vector = self.of.state(vector.as_slice());
         let tolerance = how.tolerance;
-        // A Taylor step is longer than DOP853's would be: halving takes care of that as well.
-        // A fixed step stays as it is.
+        // A Taylor step is longer than one of DOP853 would be; halving covers that as well. A fixed
+        // step is kept.
         let carried = match how.method {
             Method::Dop853 | Method::Taylor => self.of_field(Carried::<Dop853, N>::new(
                 piece,
@@ -210,7 +210,7 @@ where
     }
 }
 
-/// The function of a jump, positive where the state is before it.
+/// The function of a jump, positive before the jump.
 struct JumpGuard<'a, J> {
     jumps: &'a J,
     number: usize,
@@ -240,7 +240,7 @@ impl<J: Jumps<N>, const N: usize> UseFlow<N> for JumpJet<'_, J, N> {
     }
 }
 
-/// The numbers of the guards.
+/// The indices of the guards.
 struct Guards;
 
 impl<const N: usize> UseFlow<N> for Guards {
@@ -273,7 +273,7 @@ impl<const N: usize> UseFlow<N> for Jet<N> {
     }
 }
 
-/// Whether no guard comes near zero in a box.
+/// Whether all guards are bounded away from zero over a box.
 struct StaysClear<'a, const N: usize>(Interval, &'a [Interval; N]);
 
 impl<const N: usize> UseFlow<N> for StaysClear<'_, N> {
@@ -284,11 +284,11 @@ impl<const N: usize> UseFlow<N> for StaysClear<'_, N> {
     }
 }
 
-/// Tolerances per step up to which a tangent vector may be off; a step that is right for the state
-/// mostly leaves it within some ten.
+/// Allowed error of a tangent vector per step, in tolerances. A step that is accurate for the state
+/// mostly keeps it below ten or so.
 const SLACK: f64 = 100.0;
 
-/// Halvings of a step allowed for the sake of a tangent vector.
+/// Halvings of a step allowed for the accuracy of a tangent vector.
 const MOST_HALVINGS: u32 = 30;
 
 /// A piece of a step: start and length.
@@ -296,16 +296,16 @@ struct Piece<const N: usize> {
     t: f64,
     x: State<N>,
     h: f64,
-    /// States of the system.
+    /// Number of states of the system.
     states: usize,
 }
 
-/// A tangent vector to be carried over a piece by method `M`: the piece is run again on dual
+/// Carries a tangent vector over a piece by method `M`: the piece is integrated again on dual
 /// numbers.
 ///
-/// What the step-size control saw was the error of the state. Where that says nothing of the
-/// vector's (a state near rest allows steps of any length) the piece is halved, up to so many
-/// times, until the vector is accurate, too.
+/// The step-size control saw the error of the state. It may say nothing of the vector's error: a
+/// state near an equilibrium allows steps of any length. The piece is then halved, up to a given
+/// number of times, until the vector is accurate, too.
 struct Carried<M, const N: usize> {
     piece: Piece<N>,
     vector: State<N>,
@@ -336,7 +336,7 @@ impl<M: RungeKutta, const N: usize> UseFlow<N> for Carried<M, N> {
     }
 }
 
-/// State and vector at the end of the piece, halved up to so many times.
+/// State and vector at the end of the piece, halved up to a given number of times.
 fn advanced<M: RungeKutta, F: Flow<N>, const N: usize>(
     flow: &F,
     piece: &Piece<N>,
@@ -353,7 +353,7 @@ fn advanced<M: RungeKutta, F: Flow<N>, const N: usize>(
         State::from(step.end.map(|v| v.re)),
         State::from(step.end.map(|v| v.eps)),
     );
-    // Where there is nothing to carry, or nothing finite, halving is of no use.
+    // Where the vector is zero or not finite, halving is of no use.
     let size = vector.norm();
     if halvings == 0 || size == 0.0 || !size.is_finite() {
         return end;
@@ -367,7 +367,7 @@ fn advanced<M: RungeKutta, F: Flow<N>, const N: usize>(
         atol: tolerance * size,
     };
     let error = squared_error::<M, N>(&of_vector, vector, piece.h, (&allowed, piece.states));
-    // Not a number where the piece is so long that its stages overflow.
+    // NaN where the piece is so long that its stages overflow.
     if error <= SLACK * SLACK {
         return end;
     }

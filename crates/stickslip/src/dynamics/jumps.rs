@@ -1,4 +1,4 @@
-//! Jumps: where a function of the state passes through zero the state is mapped.
+//! Jumps: maps of the state at zeros of functions of the state.
 
 use std::collections::VecDeque;
 
@@ -17,9 +17,9 @@ use crate::system::{State, components};
 
 /// The jumps of a system of `N` states, and its inputs that kink at known times.
 ///
-/// A jump happens where its function passes through zero the way that is asked for, by the motion,
-/// by another jump or by a kink. A state that is left at zero by the jump itself does not jump
-/// again before it has left zero. Jumps of the same instant are done in their order.
+/// A jump occurs where its function passes through zero in the required direction, by the motion,
+/// by another jump or by a kink. A function that the jump itself leaves at zero triggers no other
+/// jump before it has left zero. Simultaneous jumps are carried out in their order.
 ///
 /// ```
 /// use stickslip::dynamics::{AsDynamics, Happening, Jumps, Moment, Section, WithJumps};
@@ -68,30 +68,30 @@ pub trait Jumps<const N: usize> {
     /// Number of jumps.
     fn count(&self) -> usize;
 
-    /// Which way the function of a jump passes through zero where it happens.
+    /// The direction in which the function passes through zero at a jump.
     fn direction(&self, _jump: usize) -> Direction {
         Direction::Both
     }
 
-    /// The function whose zero a jump is.
+    /// The function at whose zero the jump occurs.
     fn when<T: Scalar>(&self, jump: usize, t: T, x: &[T; N]) -> T;
 
-    /// The state behind a jump, from that before it.
+    /// The state after a jump, from that before it.
     fn set<T: Scalar>(&self, jump: usize, t: T, x: &[T; N]) -> [T; N];
 
-    /// The run ends with so many of a jump; with none by default.
+    /// Number of occurrences of a jump that ends the run; `None` by default.
     fn most(&self, _jump: usize) -> Option<u64> {
         None
     }
 
-    /// Whether a state takes one of some values that jumps set, with none near by: tangent vectors
+    /// Whether a component of the state takes discrete values, which jumps set. Tangent vectors
     /// have no component along it.
     fn is_discrete(&self, _state: usize) -> bool {
         false
     }
 
-    /// The next time behind `t` at which an input may kink; infinite, or behind `t_end`, if none
-    /// does before that.
+    /// The next time after `t` at which an input may kink; infinite, or after `t_end`, if none does
+    /// before that.
     fn next_kink(&self, _t: f64, _x: &[f64], _t_end: f64) -> f64 {
         f64::INFINITY
     }
@@ -111,8 +111,8 @@ pub trait Jumps<const N: usize> {
         t
     }
 
-    /// Sets the components of the state that an input holds from `t` to its next kink; to what is
-    /// no number where its clock is none.
+    /// Sets the components of the state that an input holds from `t` to its next kink; to NaN where
+    /// its clock is undefined.
     fn hold(&self, _input: usize, _t: f64, _x: &mut [f64]) {}
 }
 
@@ -170,38 +170,38 @@ impl<J: Jumps<N>, const N: usize> Jumps<N> for &J {
     }
 }
 
-/// A system with jumps, which every analysis takes as it takes the system alone.
+/// A system with jumps. Every analysis accepts it like the system alone.
 #[derive(Clone, Copy, Debug)]
 pub struct WithJumps<S, J> {
-    /// What moves between jumps.
+    /// The system between jumps.
     pub system: S,
     /// The jumps.
     pub jumps: J,
 }
 
-/// What a jump does at a moment.
+/// The effect of a jump at a moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reset {
-    /// The state behind it.
+    /// The state after it.
     pub after: Vector,
     /// The derivative of that state by the state before, square in the states.
     pub by_state: super::Matrix,
     /// The derivative of that state by time.
     pub by_time: Vector,
-    /// The function whose zero it is.
+    /// The function that vanishes at it.
     pub value: f64,
-    /// The gradient in the state of that function; at the kink of an input, of its clock, which
-    /// decides when it happens.
+    /// The gradient of that function in the state; at the kink of an input, the gradient of the
+    /// clock that decides its time.
     pub gradient: Vector,
-    /// The time derivative of the same.
+    /// The time derivative of that function or clock.
     pub in_time: f64,
 }
 
-/// What an input's kink at the end of a step does to tangent vectors: its time moves with them
-/// where its clock depends on the state.
+/// The effect of an input's kink at the end of a step on tangent vectors: the time of the kink
+/// depends on the state if its clock does.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KinkShift {
-    /// Field behind the kink less the field before it.
+    /// Field after the kink minus field before it.
     pub kick: Vector,
     /// Gradient of the clock in the state.
     pub gradient: Vector,
@@ -209,26 +209,26 @@ pub struct KinkShift {
     pub rate: f64,
 }
 
-/// Units in the last place by which the times of one instant may differ.
+/// Units in the last place by which simultaneous times may differ.
 const SAME_TIME: f64 = 4.0 * f64::EPSILON;
 
-/// The search for jumps along a run, and what they do to it.
+/// The search for jumps along a run, and their execution.
 pub(super) struct Jumping<'a, S: Switched<N, G>, V, J, const N: usize, const G: usize> {
     jumps: &'a J,
     /// One for each jump.
     searches: Vec<EventSearch<'a, S, TypedSection<'a, S, V, J, N, G>, N, 1, G>>,
     counts: Vec<u64>,
-    /// Number of contacts, behind which jumps are counted.
+    /// Number of contacts; jumps are numbered after them.
     contacts: usize,
-    /// When the run ends.
+    /// End of the run.
     t_end: f64,
-    /// When an input kinks next, and when one has kinked last.
+    /// The times of the next and of the last kink of an input.
     kink: f64,
     kinked: f64,
-    /// How many times inputs have kinked, and how many times they may.
+    /// Number of kinks so far, and the largest number allowed.
     kinks: u64,
     most_kinks: u64,
-    /// The jumps that are to be done, in their order.
+    /// The pending jumps, in order.
     due: VecDeque<usize>,
     /// Whether no step has been taken since the last jump.
     has_jumped: bool,
@@ -241,7 +241,7 @@ where
     V: EventFunctions<N, 1>,
     J: Jumps<N>,
 {
-    /// The jumps of a run that has not begun; `None` of a system without any.
+    /// The jumps of a run that has not begun; `None` if the system has none.
     ///
     /// # Errors
     /// [`Error::Undefined`].
@@ -279,7 +279,7 @@ where
         Ok(Some(jumping))
     }
 
-    /// Whether the functions of all jumps are numbers.
+    /// Whether the functions of all jumps are defined.
     fn check(&self, integration: &Integration<'a, S, N, G>) -> Result<(), Error> {
         let (t, x) = (integration.t(), integration.x());
         let is_none = |&number: &usize| self.jumps.when(number, t, components(x)).is_nan();
@@ -294,7 +294,7 @@ where
         Error::Undefined { what, number, t, x }
     }
 
-    /// Cuts the last step short where a jump happens in it.
+    /// Shortens the last step to the first jump in it.
     ///
     /// # Errors
     /// [`Error::Undefined`].
@@ -322,7 +322,7 @@ where
                 self.due.push_back(number);
                 continue;
             }
-            // It may have passed the other way since the step began.
+            // It may have passed in the other direction since the step began.
             let side = search.sign_at(&Timed { t, x });
             if side != 0.0 {
                 search.set_side(side);
@@ -331,23 +331,24 @@ where
         Ok(())
     }
 
-    /// The jump that is to be done next.
+    /// The next pending jump.
     pub(super) fn due(&self) -> Option<usize> {
         self.due.front().copied()
     }
 
-    /// Whether a jump is to be done.
+    /// Whether a jump is pending.
     pub(super) fn is_due(&self) -> bool {
         !self.due.is_empty()
     }
 
-    /// Whether the next jump follows on another one at once: then there is a phase of no length
-    /// between them, which is asked for once.
+    /// Whether the next jump follows another one in the same instant. A phase of zero length then
+    /// lies between them; the answer is yes only once.
     pub(super) fn takes_between(&mut self) -> bool {
         std::mem::take(&mut self.has_jumped) && self.is_due()
     }
 
-    /// Whether a run has come to a kink. One at its end is passed, too: a run from there goes on.
+    /// Whether a run has reached a kink. A kink at the end of the run is passed, too: a run from
+    /// there continues behind it.
     pub(super) fn is_at_kink(&self, integration: &Integration<'a, S, N, G>) -> bool {
         integration.is_at_end() && integration.t() >= self.kink
     }
@@ -357,10 +358,10 @@ where
         self.kinked == t
     }
 
-    /// Does the next jump that is due.
+    /// Carries out the next pending jump.
     ///
     /// # Errors
-    /// Those of [`Integration::new`] at the state behind it, those of too many transitions, and
+    /// Those of [`Integration::new`] at the state after it, those of too many transitions, and
     /// [`Error::Undefined`].
     pub(super) fn jump(
         &mut self,
@@ -398,7 +399,7 @@ where
         }))
     }
 
-    /// The sign that the function of a jump has just behind it; 0 where its rate does not tell.
+    /// The sign of a jump's function just after it; 0 where its rate does not decide.
     fn leaves_to(&self, number: usize, integration: &Integration<'a, S, N, G>) -> f64 {
         let (t, x) = (integration.t(), *integration.x());
         let search = &self.searches[number];
@@ -408,7 +409,8 @@ where
         }
     }
 
-    /// Goes on behind the kink of an input. Reports what ends with it: a contact may stick no more.
+    /// Continues after the kink of an input. Reports the phase that ends with it: a contact may no
+    /// longer stick.
     ///
     /// # Errors
     /// Those of [`Integration::new`], and [`Error::TooMany`].
@@ -448,7 +450,8 @@ where
         Ok(())
     }
 
-    /// Finds the jumps whose functions have passed through zero between two states of one instant.
+    /// Detects the jumps whose functions have passed through zero between two states of one
+    /// instant.
     fn find_edges(&mut self, t: f64, [before, after]: [&State<N>; 2], but: Option<usize>) {
         if self.is_held {
             return;

@@ -1,7 +1,7 @@
-//! A system with its solver, whatever its numbers of states and contacts: what the analyses take.
+//! A system with its solver, with any number of states and contacts: the interface of the analyses.
 //!
-//! A typed system ([`Filippov`] or [`Several`]) and one that is known at run time only are both
-//! [`Dynamics`]. A call costs a virtual call for each step, never for each evaluation of the field.
+//! Typed systems ([`Filippov`] or [`Several`]) and systems known only at run time are both
+//! [`Dynamics`]. The cost is one virtual call per step, not one per evaluation of the field.
 
 mod flow;
 mod jumps;
@@ -47,13 +47,13 @@ impl Moment {
     }
 }
 
-/// Part of an orbit in one mode, between two transitions; its mode says as well which jump ends it.
+/// Part of an orbit in one mode, between two transitions; its mode includes the jump that ends it.
 pub type Phase = PhaseOf<Vector, Modes>;
 
 /// A change of mode, a touch of a boundary, or a loss or gain of contact.
 pub type Transition = TransitionOf<Vector, Modes>;
 
-/// A time at which an input kinks, or a switch of time changes its sign.
+/// A time at which an input kinks, or a time-dependent switch changes its sign.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Kink {
     /// Time.
@@ -102,7 +102,7 @@ pub struct Step {
 }
 
 impl Step {
-    /// Cuts the step at a moment inside it: returns the part before, and keeps the part behind.
+    /// Cuts the step at a moment inside it: returns the part before, and keeps the part after.
     pub(crate) fn cut(&mut self, at: &Moment) -> Step {
         let before = Step {
             t_end: at.t,
@@ -131,7 +131,7 @@ pub enum Happening {
     Step,
     /// The section was passed in the last step.
     Passage(Passage),
-    /// An input kinks at the end of the last step; what that sets off is reported behind it.
+    /// An input kinks at the end of the last step; its consequences are reported afterwards.
     Kink(Kink),
     /// A phase has ended at the end of the last step, or between two jumps in the same instant.
     PhaseEnd(Phase),
@@ -155,31 +155,31 @@ pub enum Section {
         /// Which way it is passed.
         direction: Direction,
     },
-    /// A flash at every whole period.
+    /// A strobe at every whole period.
     Strobe(Strobe),
-    /// The largest values of the first state: its rate falls through zero.
+    /// The maxima of the first state, where its rate falls through zero.
     Turning,
-    /// The event function that the dynamics was made with.
+    /// The event function with which the dynamics was constructed.
     Own,
 }
 
 /// A guard of a mode: a function that is positive while the mode holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Guard {
-    /// Number among the guards of the system.
+    /// Index among the guards of the system.
     pub number: usize,
-    /// The contact that it belongs to; of a jump, its number behind those of the contacts.
+    /// The contact to which it belongs; for a jump, its number counted after those of the contacts.
     pub contact: usize,
-    /// Whether the mode goes on behind its zero, as where contact is lost.
+    /// Whether the mode continues after its zero, as where contact is lost.
     pub goes_on: bool,
     /// Whether the state jumps at its zero.
     pub is_of_jump: bool,
 }
 
-/// A system with its solver, of numbers of states and contacts known at run time.
+/// A system with its solver, with numbers of states and contacts known at run time.
 ///
-/// It is for the library's own types: typed systems by [`AsDynamics`], and systems known at run
-/// time by [`Typed::padded`].
+/// Only the library's own types implement it: typed systems by [`AsDynamics`], and systems known at
+/// run time by [`Typed::padded`].
 pub trait Dynamics: Send + Sync {
     /// Number of states.
     fn states(&self) -> usize;
@@ -187,7 +187,7 @@ pub trait Dynamics: Send + Sync {
     /// Number of contacts.
     fn contacts(&self) -> usize;
 
-    /// Begins an orbit, of which the passages of a section are reported.
+    /// Begins an orbit that reports the passages of a section.
     ///
     /// # Errors
     /// Those of [`crate::Integration::new`].
@@ -199,7 +199,7 @@ pub trait Dynamics: Send + Sync {
         section: &Section,
     ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error>;
 
-    /// Begins an orbit that stays in a mode to its end, whatever the guards do, with contact lost
+    /// Begins an orbit that stays in a mode to its end regardless of the guards, with contact lost
     /// or kept as at `inside`.
     ///
     /// # Errors
@@ -215,7 +215,7 @@ pub trait Dynamics: Send + Sync {
     /// The smooth flow of a mode, with contact lost or kept as at a moment.
     fn flow<'a>(&'a self, mode: Modes, at: &Moment) -> Box<dyn SmoothFlow + 'a>;
 
-    /// The modes by the sides that a state lies on; exactly on a boundary, stick.
+    /// The modes by the sides on which a state lies; exactly on a boundary, stick.
     fn mode_by_side(&self, at: &Moment) -> Modes;
 
     /// The contacts that stick in a mode, with the gradients of their boundary functions.
@@ -227,27 +227,27 @@ pub trait Dynamics: Send + Sync {
     /// Whether no second contact comes to zero in the same instant.
     fn is_one_at_a_time(&self, at: &Transition) -> bool;
 
-    /// The mode of a run that ends where it starts, since its future is not unique.
+    /// The mode of a run that ends at its start because its future is not unique.
     fn undecided(&self) -> Modes;
 
     /// Number of jumps.
     fn jumps(&self) -> usize;
 
-    /// Whether a state takes one of some values that jumps set, with none near by.
+    /// Whether a component of the state takes discrete values, which jumps set.
     fn is_discrete(&self, state: usize) -> bool;
 
     /// The input that kinks at a moment, if one does.
     fn kink(&self, at: &Moment) -> Option<usize>;
 
-    /// What kinks of inputs at the end of a step do to tangent vectors; nothing where no clock
+    /// The effect of kinks of inputs at the end of a step on tangent vectors; none where no clock
     /// depends on the state.
     fn kink_shifts(&self, step: &Step) -> Vec<KinkShift>;
 
     /// The clock that decides when an input kinks: value, gradient in the state, time derivative.
     fn clock(&self, input: usize, at: &Moment) -> (f64, Vector, f64);
 
-    /// What a jump does at a moment before it; its number is behind those of the contacts, as that
-    /// of its transitions.
+    /// The effect of a jump at a moment before it. Its number is counted after those of the
+    /// contacts, as in its transitions.
     fn reset(&self, number: usize, at: &Moment) -> Reset;
 
     /// Gradient of a section's function in the state, and its time derivative.
@@ -257,10 +257,10 @@ pub trait Dynamics: Send + Sync {
 /// The state at each time of a step.
 pub type Solution = Box<dyn Fn(f64) -> Vector + Send + Sync>;
 
-/// An orbit that goes on step by step.
+/// An orbit under way, integrated step by step.
 pub trait OrbitUnderWay {
-    /// Takes the next step and reports it, or what the last one has led to: one thing a call, in
-    /// order of time.
+    /// Takes the next step and reports it, or reports a consequence of the last one. Each call
+    /// reports one item, in order of time.
     ///
     /// # Errors
     /// Those of [`crate::Integration::step`].
@@ -269,22 +269,22 @@ pub trait OrbitUnderWay {
     /// Reports the passages of this section from here on.
     fn watch(&mut self, section: &Section);
 
-    /// Time that it has come to.
+    /// Present time.
     fn t(&self) -> f64;
 
-    /// State that it has come to.
+    /// Present state.
     fn x(&self) -> &[f64];
 
     /// The modes of the next step.
     fn mode(&self) -> Modes;
 
-    /// The phase under way as far as it has come; `None` between phases.
+    /// The phase under way so far; `None` between phases.
     fn phase(&self) -> Option<Phase>;
 
     /// The work done.
     fn counters(&self) -> Counters;
 
-    /// The last step; of no length before the first.
+    /// The last step; of zero length before the first.
     fn last_step(&mut self) -> Step;
 
     /// The solution over the last step.
@@ -292,19 +292,19 @@ pub trait OrbitUnderWay {
 }
 
 impl dyn OrbitUnderWay + '_ {
-    /// Time and state that it has come to.
+    /// Present time and state.
     pub fn now(&self) -> Moment {
         let x = Vector::from_column_slice(self.x());
         Moment { t: self.t(), x }
     }
 }
 
-/// How tangent vectors are carried over a step.
+/// Settings for carrying tangent vectors over a step.
 #[derive(Clone, Copy, Debug)]
 pub struct Carrying {
     /// Method of the run.
     pub method: Method,
-    /// Error aimed at in a step, in units of the vector's own size.
+    /// Target error in a step, relative to the vector's size.
     pub tolerance: f64,
 }
 
@@ -316,7 +316,7 @@ pub trait SmoothFlow {
     /// The derivative of the velocity along a vector of the state space, at a fixed time.
     fn derivative(&self, at: &Moment, along: &Vector) -> Vector;
 
-    /// The state, with the rounding taken out by which it lies off the set that the flow lives on.
+    /// The state, corrected for the rounding that displaces it from the invariant set of the flow.
     fn settled(&self, at: &Moment) -> Vector;
 
     /// The guards of the mode.
@@ -334,12 +334,12 @@ pub trait SmoothFlow {
     /// A tangent vector at the end of a step, from that at its start.
     fn carried(&self, step: &Step, vector: &Vector, how: Carrying) -> Vector;
 
-    /// Whether all guards are certain to stay positive over a range of times and states.
+    /// Whether all guards are certain to stay positive over intervals of times and states.
     #[doc(hidden)]
     fn is_clear(&self, t: Interval, x: &[Interval]) -> bool;
 
-    /// Bounds of the velocity over a range of times and states; `None` where a contact sticks, or
-    /// where the range does not decide a branch of the field.
+    /// Bounds of the velocity over intervals of times and states; `None` where a contact sticks, or
+    /// where the intervals do not decide a branch of the field.
     #[doc(hidden)]
     fn velocity_over(&self, t: Interval, x: &[Interval]) -> Option<Vec<Interval>>;
 
@@ -348,7 +348,7 @@ pub trait SmoothFlow {
     fn derivative_over(&self, t: Interval, x: &[Interval], by: usize) -> Option<Vec<Interval>>;
 }
 
-/// A dynamics that is owned or borrowed.
+/// An owned or borrowed dynamics.
 pub enum DynamicsRef<'a> {
     /// Owned.
     Owned(Box<dyn Dynamics + 'a>),
@@ -367,8 +367,8 @@ impl<'a> std::ops::Deref for DynamicsRef<'a> {
     }
 }
 
-/// What an analysis takes: a [`Filippov`] system, [`Several`] contacts, or a [`DynamicsRef`]. They
-/// can be shared between threads. The parameter says which of them it is, and is always inferred.
+/// The argument of an analysis: a [`Filippov`] system, [`Several`] contacts, or a [`DynamicsRef`].
+/// They can be shared between threads. The parameter distinguishes them, and is always inferred.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no system",
     note = "implement `Filippov` for a system of one boundary; one that implements `Contacts` goes \
@@ -378,19 +378,19 @@ pub trait AsDynamics<Kind> {
     /// The dynamics.
     fn dynamics(&self) -> DynamicsRef<'_>;
 
-    /// The dynamics, of a system that goes into it.
+    /// The dynamics of a system, which it then owns.
     fn into_dynamics<'a>(self) -> DynamicsRef<'a>
     where
         Self: Sized + 'a;
 }
 
-/// A [`Filippov`] system of `N` states, as a kind of [`AsDynamics`].
+/// Marks a [`Filippov`] system of `N` states as [`AsDynamics`].
 pub struct OneContact<const N: usize>;
 
-/// [`Several`] contacts, `M`, of a system of `N` states, as a kind of [`AsDynamics`].
+/// Marks [`Several`] systems of `M` contacts and `N` states as [`AsDynamics`].
 pub struct SeveralContacts<const N: usize, const M: usize>;
 
-/// A [`Dynamics`], as a kind of [`AsDynamics`].
+/// Marks a [`Dynamics`] as [`AsDynamics`].
 pub struct AtRunTime;
 
 impl<S: Filippov<N> + Send + Sync, const N: usize> AsDynamics<OneContact<N>> for S {
@@ -422,7 +422,7 @@ where
     }
 }
 
-/// [`WithJumps`] of a [`Filippov`] system of `N` states, as a kind of [`AsDynamics`].
+/// Marks [`WithJumps`] of a [`Filippov`] system of `N` states as [`AsDynamics`].
 pub struct OneContactAndJumps<const N: usize>;
 
 impl<S, J, const N: usize> AsDynamics<OneContactAndJumps<N>> for WithJumps<S, J>
@@ -457,7 +457,7 @@ impl<'d> AsDynamics<AtRunTime> for DynamicsRef<'d> {
     }
 }
 
-/// The components of a state: an array, a slice, a vector of fixed or of run-time length.
+/// The components of a state: an array, a slice, or a vector of fixed or run-time length.
 pub trait Components {
     /// As a vector of run-time length.
     fn vector(self) -> Vector;
@@ -499,7 +499,7 @@ impl From<&Vector> for Point {
     }
 }
 
-/// Follows an orbit to its end and reports nothing on the way.
+/// Integrates an orbit to its end without reports.
 ///
 /// # Errors
 /// Those of [`crate::run`].
@@ -527,7 +527,7 @@ pub(crate) struct Orbit {
 }
 
 impl Orbit {
-    /// Integrates and keeps everything.
+    /// Integrates and stores the whole orbit.
     ///
     /// # Errors
     /// Those of [`crate::solve`].
@@ -543,7 +543,7 @@ impl Orbit {
         }
     }
 
-    /// Integrates and keeps everything, up to where the run fails if it does, and why.
+    /// Integrates and stores the orbit up to its end or its failure, which is returned as well.
     ///
     /// # Errors
     /// Those of [`crate::Integration::new`].

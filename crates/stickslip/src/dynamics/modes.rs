@@ -1,12 +1,12 @@
-//! What the contacts of a system do, with their number known at run time.
+//! The modes of a system's contacts, with their number known at run time.
 
 use std::fmt;
 
 use crate::system::{Mode, Side};
 
-/// The mode of each contact, of at most [`Modes::MOST`] contacts; of a phase that a jump ends, with
-/// that jump. Written as one letter a contact: `-` for slip below, `+` for slip above, `S` for
-/// stick.
+/// The mode of each contact, of at most [`Modes::MOST`] contacts; for a phase that a jump ends,
+/// with that jump. Written as one letter per contact: `-` for slip below, `+` for slip above, `S`
+/// for stick.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(into = "String", try_from = "String"))]
@@ -14,12 +14,12 @@ pub struct Modes {
     sticks: u64,
     above: u64,
     count: u8,
-    /// The number of the jump that ends the phase and 1; 0 where none does.
+    /// One plus the number of the jump that ends the phase; 0 where none does.
     until: u16,
 }
 
 impl Modes {
-    /// Most contacts that a system can have.
+    /// Largest number of contacts of a system.
     pub const MOST: usize = 64;
 
     /// The modes of these contacts; of the first [`Modes::MOST`] if there are more.
@@ -65,7 +65,7 @@ impl Modes {
         self
     }
 
-    /// The same of a phase that a jump ends, by its number from 0.
+    /// The same for a phase that a jump ends, by its number from 0.
     #[must_use]
     pub fn until(self, jump: Option<usize>) -> Self {
         let number = jump.map_or(0, |jump| jump.saturating_add(1));
@@ -73,8 +73,8 @@ impl Modes {
         Modes { until, ..self }
     }
 
-    /// The jump that ends the phase, by its number from 0; of two phases that differ in it the
-    /// modes are not the same.
+    /// The jump that ends the phase, by its number from 0. Two phases that differ in it have
+    /// different modes.
     pub fn jump(&self) -> Option<usize> {
         usize::from(self.until).checked_sub(1)
     }
@@ -84,7 +84,7 @@ impl Modes {
         self.iter().collect()
     }
 
-    /// How many contacts there are.
+    /// Number of contacts.
     pub fn len(&self) -> usize {
         usize::from(self.count)
     }
@@ -124,7 +124,7 @@ impl fmt::Debug for Modes {
     }
 }
 
-/// Of one contact.
+/// The modes of a system with one contact.
 impl From<Mode> for Modes {
     fn from(mode: Mode) -> Modes {
         Modes::new(&[mode])
@@ -151,7 +151,7 @@ impl<const M: usize> PartialEq<[Mode; M]> for Modes {
     }
 }
 
-/// Its letters, and behind `:` the number of the jump that ends the phase.
+/// Its letters, then, after `:`, the number of the jump that ends the phase.
 impl From<Modes> for String {
     fn from(modes: Modes) -> String {
         match modes.jump() {

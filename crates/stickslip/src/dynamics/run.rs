@@ -79,8 +79,8 @@ where
     }
 }
 
-/// An orbit of a borrowed system that an observer is told of as well; of each thing when the next
-/// one is asked for.
+/// An orbit of a borrowed system with an observer, which receives each item when the next one is
+/// requested.
 pub(crate) fn observed<'a, S, const N: usize, const G: usize>(
     system: &'a S,
     (start, t_end): (&Moment, f64),
@@ -102,7 +102,7 @@ where
     Ok(Box::new(run))
 }
 
-/// An orbit of a borrowed system, of which the passages of a section of its own are reported.
+/// An orbit of a borrowed system that reports the passages of its own section.
 pub(crate) fn watched<'a, S, V, const N: usize, const G: usize>(
     of: &Typed<&'a S, S, &'a V, NoJumps, N, G>,
     start: &Moment,
@@ -128,14 +128,14 @@ struct Run<'a, S: Switched<N, G>, V, J, const N: usize, const G: usize> {
     integration: Integration<'a, S, N, G>,
     /// Of a system with jumps or inputs.
     jumping: Option<Jumping<'a, S, V, J, N, G>>,
-    /// What is reported before the run goes on.
+    /// Items to report before the run continues.
     told: VecDeque<Happening>,
     options: Options,
     search: Option<EventSearch<'a, S, TypedSection<'a, S, V, J, N, G>, N, 1, G>>,
     /// How many passages of the last step have been reported.
     reported: usize,
     observer: Option<&'a mut dyn Observer<N, S::Mode>>,
-    /// What the observer has yet to be told.
+    /// Items that the observer has not received yet.
     unobserved: Option<Progress<N, S::Mode>>,
     is_stopping: bool,
 }
@@ -151,8 +151,8 @@ where
         jumping.is_some_and(|jumping| jumping.has_kinked(t))
     }
 
-    /// Whether an input kinks here and what it sets off is not done yet. The state at such a time
-    /// is that behind it, from which a run goes on.
+    /// Whether an input kinks here with its consequences still pending. The state at such a time is
+    /// that after the kink, from which a run continues.
     fn is_settling(&self, t: f64) -> bool {
         let is_here = |jumping: &Jumping<'_, S, V, J, N, G>| {
             let is_under_way = jumping.has_kinked(t) && jumping.is_due();
@@ -161,7 +161,7 @@ where
         self.jumping.as_ref().is_some_and(is_here) || !self.told.is_empty()
     }
 
-    /// Does what is due between two steps of a run with jumps or inputs.
+    /// Carries out what is due between two steps of a run with jumps or inputs.
     fn leap(&mut self) -> Result<Option<Happening>, Error> {
         let Some(jumping) = &mut self.jumping else {
             return Ok(None);

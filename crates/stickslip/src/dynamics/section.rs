@@ -1,4 +1,4 @@
-//! The functions of a run whose zeros are looked for: sections and jumps, over typed states.
+//! The functions whose zeros a run locates: sections and jumps, over typed states.
 
 use super::Section;
 use super::jumps::Jumps;

@@ -1,4 +1,4 @@
-//! A system whose numbers of states and contacts are in its type, as [`Dynamics`].
+//! Systems whose numbers of states and contacts are part of their type, as [`Dynamics`].
 
 use std::borrow::Borrow;
 use std::marker::PhantomData;
@@ -19,10 +19,10 @@ use crate::filippov::{
 use crate::ode::Timed;
 use crate::system::{State, components};
 
-/// A typed system, owned or borrowed, with an event function of its own.
+/// A typed system, owned or borrowed, with its own event function.
 ///
-/// The type may have room for more states and contacts than the system has. The other states are
-/// zero and stay so; the other contacts slip above and are never at zero.
+/// The type may have room for more states and contacts than the system has. The spare states are
+/// constant zero; the spare contacts slip above and never reach zero.
 pub struct Typed<T, S, V, J, const N: usize, const G: usize> {
     pub(super) system: T,
     pub(super) section: V,
@@ -48,7 +48,7 @@ where
     T: Borrow<S>,
     S: Switched<N, G>,
 {
-    /// The system with an event function of its own.
+    /// The system with its own event function.
     pub fn with_section(system: T, section: V) -> Self {
         Typed::padded((system, section, NoJumps), N, S::CONTACTS)
     }
@@ -59,8 +59,8 @@ where
     T: Borrow<S>,
     S: Switched<N, G>,
 {
-    /// A system, its own event function and its jumps, of fewer states and contacts than the type
-    /// has room for: the first ones count.
+    /// A system, its own event function and its jumps, with fewer states and contacts than the type
+    /// has room for: the first ones are used.
     pub fn padded((system, section, jumps): (T, V, J), states: usize, contacts: usize) -> Self {
         Typed {
             system,
@@ -83,7 +83,7 @@ where
     }
 }
 
-/// A typed system as it is seen from outside: conversions there and back.
+/// A typed system as seen from outside: conversions in both directions.
 pub(super) struct View<'a, S, V, J, const N: usize, const G: usize> {
     pub(super) system: &'a S,
     pub(super) own: &'a V,
@@ -105,7 +105,7 @@ where
     S: Switched<N, G>,
     J: Jumps<N>,
 {
-    /// Of a wrong number of components none is a number, which every run refuses.
+    /// With a wrong number of components all become NaN, which every run rejects.
     pub(super) fn state(&self, x: &[f64]) -> State<N> {
         let is_right = x.len() == self.states;
         State::from_fn(|i, _| match x.get(i) {
@@ -115,19 +115,19 @@ where
         })
     }
 
-    /// With what inputs hold at that time.
+    /// With the held values of inputs at that time.
     pub(super) fn timed(&self, at: &Moment) -> Timed<N> {
         let (t, x) = (at.t, self.held(at.t, self.state(at.x.as_slice())));
         Timed { t, x }
     }
 
-    /// A state with what inputs hold from a time on.
+    /// A state with the values that inputs hold from a time on.
     pub(super) fn held(&self, t: f64, mut x: State<N>) -> State<N> {
         (0..self.jumps.inputs()).for_each(|input| self.jumps.hold(input, t, x.as_mut_slice()));
         x
     }
 
-    /// Whether all that inputs hold at a moment are numbers.
+    /// Whether all held values of inputs at a moment are defined.
     pub(super) fn check_inputs(&self, &Timed { t, x }: &Timed<N>) -> Result<(), Error> {
         let is_none = |&input: &usize| {
             let mut held = x.map(|_| 0.0);

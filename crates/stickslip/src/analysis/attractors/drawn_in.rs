@@ -1,4 +1,4 @@
-//! Whether an orbit that slips can no longer get away from an equilibrium.
+//! Whether a slipping orbit can no longer escape from an equilibrium.
 
 use nalgebra::Cholesky;
 
@@ -8,49 +8,51 @@ use crate::dynamics::{Dynamics, Matrix, Modes, Moment, Vector};
 use crate::interval::Interval;
 use crate::math;
 
-/// The ellipsoid is larger than the orbit needs by this, which leaves room for rounding.
+/// Factor by which the ellipsoid exceeds what the orbit needs; it leaves room for rounding.
 const ROOM: f64 = 1.0 + 1e-6;
 
-/// Part of the decay near the equilibrium that the field's nonlinearity may take away, and part
-/// that rounding of the equilibrium may.
+/// Fraction of the decay near the equilibrium that the field's nonlinearity may take away, and the
+/// fraction that rounding of the equilibrium may.
 const MOST_TAKEN: f64 = 0.9;
 const MOST_ROUNDED: f64 = 0.05;
 
-/// Parts of the way from the equilibrium for each of which the Jacobian has bounds of its own.
+/// Fractions of the distance from the equilibrium. Between each two the Jacobian has its own
+/// bounds.
 const PARTS: u32 = 8;
 
-/// Sizes that an ellipsoid is looked for in: each so many times the one before.
+/// Ratio of successive sizes for which an ellipsoid is tried.
 const SMALLER: f64 = 0.85;
 const STEPS: u32 = 16;
 
-/// Systems of more states are not asked: the equations for `P` are as many as its entries.
+/// Largest number of states for which a trap is sought: each entry of `P` is an unknown of the
+/// equations.
 const MOST_STATES: usize = 12;
 
-/// A neighbourhood of an equilibrium out of which no orbit in slip gets: each comes to the
-/// equilibrium without another event, though it may be far from it yet.
+/// A neighbourhood of an equilibrium that no slipping orbit leaves. Every orbit in it converges to
+/// the equilibrium without another event, even from far away.
 pub(super) struct Trap {
     /// The equilibrium.
     pub x: Vector,
     falling: Falling,
     level: f64,
-    /// Where the orbit was when it was looked for.
+    /// State of the orbit when the trap was sought.
     from: f64,
 }
 
 impl Trap {
-    /// The largest of some sizes that is proven around an equilibrium near `at`; the first is that
-    /// which the orbit there needs. States stay within `escape`.
-    ///
-    /// Near a stable equilibrium `x` the function `V(y) = yᵀPy` with `JᵀP + PJ = −1` falls along
-    /// the linear flow (Lyapunov). The field at `x + y` is `A y`, where `A` is the mean of the
-    /// Jacobian on the way from `x`; so `V` falls along the flow itself wherever `A` differs little
-    /// enough from `J`. Over the box around an ellipsoid on which `V` is constant, intervals tell
-    /// by how much it differs, and that no boundary is met. The ellipsoid then is never left, and
-    /// `V` falls to what rounding leaves. Bounds of intervals are not rounded outward; a tenth of
-    /// the decay is room for that.
+    /// The largest of some sizes that is proved around an equilibrium near `at`. The first size is
+    /// the one that the orbit there needs. States stay within `escape`.
+    ///     ///
+    /// Near a stable equilibrium `x` the function `V(y) = yᵀPy` with `JᵀP + PJ = −1` decreases
+    /// along the linear flow (Lyapunov). The field at `x + y` is `A y`, where `A` is the mean of
+    /// the Jacobian between `x` and `x + y`. So `V` decreases along the flow itself wherever `A`
+    /// differs little enough from `J`. Over the box around an ellipsoid on which `V` is constant,
+    /// interval arithmetic bounds this difference and shows that no boundary is met. The ellipsoid
+    /// is then never left, and `V` decreases to the level of rounding. Interval bounds are not
+    /// rounded outward; a tenth of the decay is reserved for that.
     pub fn near(system: &dyn Dynamics, mode: Modes, at: &Moment, escape: f64) -> Option<Self> {
         let n = system.states();
-        // While a contact sticks, what ends that takes derivatives, which intervals do not have.
+        // In stick, what ends the phase requires derivatives, which intervals do not have.
         if mode.any_sticks() || n > MOST_STATES {
             return None;
         }
@@ -83,12 +85,12 @@ impl Trap {
         })
     }
 
-    /// Whether a state, of the same mode and of no earlier time, is in it.
+    /// Whether a state, of the same mode and at no earlier time, lies inside.
     pub fn holds(&self, x: &Vector) -> bool {
         self.level_of(x) <= self.level
     }
 
-    /// Whether an orbit at this state has come nearer since the trap was looked for.
+    /// Whether an orbit at this state is closer than when the trap was sought.
     pub fn draws(&self, x: &Vector) -> bool {
         self.level_of(x) < self.from
     }
@@ -98,9 +100,9 @@ impl Trap {
     }
 }
 
-/// The largest level in steps downwards from one for which the claim holds, if it holds for all
-/// smaller ones, too. The claim of a trap does, but for what rounding of the equilibrium leaves;
-/// where a smaller level fails for that, one that holds may be missed.
+/// The largest level, in steps downwards from one, for which the claim holds, provided that it
+/// holds for all smaller levels, too. The claim of a trap does, except for rounding of the
+/// equilibrium. Where a smaller level fails for that reason, a valid one may be missed.
 fn largest(from: f64, claim: impl Fn(f64) -> bool) -> Option<f64> {
     let level = |step: u32| from * math::powi(SMALLER * SMALLER, step as i32);
     if claim(from) {
@@ -128,7 +130,7 @@ fn around(x: &Vector, radius: &[f64], part: f64) -> Vec<Interval> {
         .collect()
 }
 
-/// Whether no guard comes near zero in a box, ever.
+/// Whether no guard comes near zero in a box at any time.
 fn stays_clear(system: &dyn Dynamics, mode: Modes, at: &Moment, radius: &[f64]) -> bool {
     let ever = Interval::new(at.t, f64::INFINITY);
     system
@@ -136,8 +138,8 @@ fn stays_clear(system: &dyn Dynamics, mode: Modes, at: &Moment, radius: &[f64]) 
         .is_clear(ever, &around(&at.x, radius, 1.0))
 }
 
-/// By how much the mean of the Jacobian on a straight way from a state into the box around it
-/// differs from the one given: each part of the ways lies in a smaller box.
+/// Difference between the given Jacobian and its mean on a straight line from a state into the box
+/// around it. Each part of the lines lies in a smaller box.
 fn differs(
     system: &dyn Dynamics,
     mode: Modes,
@@ -160,7 +162,7 @@ fn differs(
             }
         }
     }
-    // A bound that is no number would be lost in the larger of two.
+    // Taking the larger of two would lose a bound that is not a number.
     low.iter()
         .chain(&high)
         .all(|bound| bound.is_finite())
@@ -171,25 +173,25 @@ fn differs(
         })
 }
 
-/// Whether all eigenvalues are to the left of zero for certain.
+/// Whether all eigenvalues are certain to lie left of the imaginary axis.
 fn attracts(jacobian: &Matrix) -> bool {
     let bound = -ZERO * jacobian.amax();
     multipliers(jacobian).iter().all(|value| value.re < bound)
 }
 
-/// A quadratic function that falls along a linear flow: `P` of `JᵀP + PJ = −1`. Of any number of
-/// states, so that it is compiled once.
+/// A quadratic function that decreases along a linear flow: `P` of `JᵀP + PJ = −1`. The number of
+/// states is known at run time, so that it is compiled once.
 struct Falling {
     weights: Matrix,
     inverse: Matrix,
-    /// No less than the norm of `P`.
+    /// Upper bound of the norm of `P`.
     norm: f64,
-    /// By how much rounding misses the equation.
+    /// Residual of the equation due to rounding.
     rounded: f64,
 }
 
 impl Falling {
-    /// That of a Jacobian; `None` where there is none that is positive.
+    /// The function of a Jacobian; `None` where none is positive definite.
     fn along(jacobian: &Matrix) -> Option<Self> {
         let n = jacobian.nrows();
         let place = |i: usize, j: usize| i * n + j;
@@ -231,24 +233,25 @@ impl Falling {
             .sum()
     }
 
-    /// How far a component can be off where the function is no more than `level`.
+    /// Largest deviation of a component where the function is at most `level`.
     fn reach(&self, level: f64, i: usize) -> f64 {
         (level * self.inverse[(i, i)]).sqrt()
     }
 
-    /// Whether on the ellipsoid of this level it falls though the field at its middle is off zero.
+    /// Whether it decreases on the ellipsoid of this level although the field at its centre is not
+    /// zero.
     fn outweighs(&self, velocity: f64, level: f64) -> bool {
         2.0 * self.norm * velocity <= MOST_ROUNDED * (level / self.norm).sqrt()
     }
 
-    /// Whether it falls along every linear flow that differs by no more.
+    /// Whether it decreases along every linear flow that differs by at most this much.
     fn withstands(&self, differs: &Matrix) -> bool {
         let taken = self.weights.abs() * differs;
         norm(&(&taken + taken.transpose())) + self.rounded <= MOST_TAKEN
     }
 }
 
-/// The largest sum of a row of sizes: no less than the norm of a symmetric matrix.
+/// The largest sum of absolute values in a row: an upper bound of the norm of a symmetric matrix.
 fn norm(matrix: &Matrix) -> f64 {
     let sums = matrix.row_iter().map(|row| row.abs().sum());
     sums.fold(0.0, f64::max)

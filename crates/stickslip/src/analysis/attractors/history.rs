@@ -6,7 +6,7 @@ use super::recurrence::Count;
 use crate::dynamics::{Modes, Phase, Transition};
 use crate::filippov::TransitionKind;
 
-/// As many as there is room for, and how many there have been.
+/// The most recent elements that fit, and how many there have been in all.
 pub(super) struct History {
     phases: VecDeque<Phase>,
     transitions: VecDeque<(TransitionKind, usize)>,
@@ -15,7 +15,7 @@ pub(super) struct History {
 }
 
 impl History {
-    /// That keeps so many of each.
+    /// With room for so many of each.
     pub fn of(most: usize) -> Self {
         History {
             phases: VecDeque::new(),
@@ -49,13 +49,13 @@ impl History {
         self.phases.iter().rev().take(LAST).map(|phase| phase.mode)
     }
 
-    /// Keeps what lies between two counts, of which the second is that of now.
+    /// Keeps what lies between two counts; the second is the present one.
     pub fn keep(&mut self, (from, to): &(Count, Count)) {
         keep_last(&mut self.phases, to.phases - from.phases);
         keep_last(&mut self.transitions, to.transitions - from.transitions);
     }
 
-    /// Part of the time of the phases in which the mode is one that sticks; none without phases.
+    /// Fraction of the duration of the phases that is spent in stick; none without phases.
     pub fn in_stick(&self, sticks: impl Fn(Modes) -> bool) -> Option<f64> {
         let (mut whole, mut stuck) = (0.0, 0.0);
         for phase in &self.phases {
@@ -72,14 +72,14 @@ impl History {
     }
 }
 
-/// Without room for more: thousands of starts keep theirs at the same time.
+/// Allocates no spare room: thousands of starts hold theirs at the same time.
 fn exact<T>(of: VecDeque<T>) -> Vec<T> {
     let mut all = Vec::from(of);
     all.shrink_to_fit();
     all
 }
 
-/// Takes one more, and forgets the first where there are too many.
+/// Appends one, and drops the oldest where there are too many.
 fn push<T>(into: &mut VecDeque<T>, one: T, most: usize) {
     if into.len() == most {
         into.pop_front();

@@ -1,4 +1,4 @@
-//! Which attractors have been met before.
+//! The distinct attractors of a system.
 
 use super::reached::{Kind, Reached, turns};
 use super::recurrent::is_same_set;
@@ -7,27 +7,28 @@ use crate::analysis::cycle::{Outline, Shooting};
 use crate::dynamics::{AsDynamics, DynamicsRef, Modes, Moment, Vector};
 use crate::filippov::Options;
 
-/// Points between two of a set of equilibria that must be of it.
+/// Points between two of a set of equilibria that must belong to it.
 const BETWEEN: usize = 16;
 
-/// Moments of the drive's period at which rest must hold there.
+/// Moments of the drive's period at which the equilibrium must hold.
 const MOMENTS: usize = 32;
 
-/// The attractors met so far, each with a number in the order in which it was met first.
+/// The distinct attractors so far, numbered in the order in which orbits first reached them.
 ///
-/// Two orbits have come to the same one if they have come to the same kind of motion, and
+/// Two orbits have reached the same attractor if their motion is of the same kind and they have
+/// come
 /// - at an equilibrium, to the same point;
-/// - at a set of equilibria, to points between which (on a straight line, laid onto the boundary)
-///   there are only further ones; with a drive, at 32 moments of its period;
+/// - at a set of equilibria, to points with only further equilibria between them (on a straight
+///   line, projected onto the boundary); with a drive, at 32 moments of its period;
 /// - on a periodic orbit, to the same points of the section in the same order, with the same cycle
-///   of phases; or, where a multiplier besides the trivial one is 1, to two of one family, of which
-///   another one lies midway between them;
-/// - on a recurrent one, to points of which nearly all lie near (5 % of their extent) to one of the
-///   other's.
+///   of phases; or, where a nontrivial multiplier is 1, to two orbits of one family, which has
+///   another orbit midway between them;
+/// - on a recurrent one, to points of which nearly all lie near (within 5 % of their extent) one of
+///   the other's.
 ///
-/// Points are the same within so many times [`super::RecurrenceSettings::closeness`] of their size.
-/// Escapes are one, failures are one, and so are those that stay undecided, and ends where the
-/// future is not unique.
+/// Points are the same within a multiple of [`super::RecurrenceSettings::closeness`] of their size.
+/// All escapes count as one attractor. So do all failures, all undecided orbits, and all ends where
+/// the future is not unique.
 ///
 /// ```
 /// use stickslip::Options;
@@ -52,11 +53,12 @@ pub struct Attractors<'a> {
     found: Vec<Reached>,
 }
 
-/// Closenesses within which points are the same: each of the two was found to one of them.
+/// Closenesses within which points are the same: each of the two was computed to within one of
+/// them.
 const TIMES: f64 = 10.0;
 
 impl<'a> Attractors<'a> {
-    /// None yet, of this system.
+    /// No attractors yet, of this system.
     pub fn new<Kind>(
         system: &'a impl AsDynamics<Kind>,
         settings: &super::RecurrenceSettings,
@@ -71,8 +73,8 @@ impl<'a> Attractors<'a> {
         }
     }
 
-    /// The number, counted from 0, of the attractor that an orbit has come to; the next one if it
-    /// is a new one.
+    /// The number, counted from 0, of the attractor that an orbit has reached; a new one gets the
+    /// next number.
     pub fn number(&mut self, mut reached: Reached) -> usize {
         let known = self
             .found
@@ -80,7 +82,7 @@ impl<'a> Attractors<'a> {
             .position(|one| self.is_same(one, &reached));
         known.unwrap_or_else(|| {
             if matches!(reached.kind, Kind::Periodic { .. }) {
-                // Once: each further orbit is compared with it.
+                // Done once: every further orbit is compared with it.
                 reached.family = Some(self.family(&reached));
             }
             self.found.push(reached);
@@ -88,7 +90,7 @@ impl<'a> Attractors<'a> {
         })
     }
 
-    /// The attractors in the order of their numbers, each as the first orbit has come to it.
+    /// The attractors in the order of their numbers, each as the first orbit reached it.
     pub fn found(&self) -> &[Reached] {
         &self.found
     }
@@ -98,7 +100,7 @@ impl<'a> Attractors<'a> {
         self.found
     }
 
-    /// Whether two orbits have come to the same attractor.
+    /// Whether two orbits have reached the same attractor.
     pub fn is_same(&self, one: &Reached, other: &Reached) -> bool {
         if !(self.is_of_system(one) && self.is_of_system(other)) {
             return false;
@@ -129,15 +131,15 @@ impl<'a> Attractors<'a> {
         }
     }
 
-    /// Whether its points have as many components as the system has states: it may come from a
-    /// file.
+    /// Whether its points have as many components as the system has states; data from a file may
+    /// not.
     fn is_of_system(&self, reached: &Reached) -> bool {
         let states = self.system.states();
         reached.points.iter().all(|point| point.x.len() == states)
     }
 
-    /// Dimension of the family of periodic orbits that the one is of that an orbit has come to; 0
-    /// of an isolated one, and of other kinds of motion.
+    /// Dimension of the family of periodic orbits to which the one reached belongs; 0 for an
+    /// isolated orbit and for other kinds of motion.
     pub fn family(&self, reached: &Reached) -> usize {
         let is_periodic =
             matches!(reached.kind, Kind::Periodic { .. }) && self.is_of_system(reached);
@@ -146,8 +148,8 @@ impl<'a> Attractors<'a> {
         reached.family.unwrap_or_else(|| first.map_or(0, near))
     }
 
-    /// Whether two periodic orbits are of one family: another one of it lies midway between them,
-    /// nearer to there than to them.
+    /// Whether two periodic orbits belong to one family: another of its orbits lies midway between
+    /// them, closer to the midpoint than to either.
     fn are_of_one_family(&self, one: &Reached, other: &Reached) -> bool {
         let Some(a) = one.points.first() else {
             return false;
@@ -165,8 +167,8 @@ impl<'a> Attractors<'a> {
         })
     }
 
-    /// Dimension of the family of the periodic orbit near a point, with a period near one, if it is
-    /// nearer than half of a distance.
+    /// Dimension of the family of the periodic orbit near a point, with a period near the given
+    /// one, if the orbit lies within half of a distance.
     fn family_near(&self, at: &Moment, period: f64, distance: f64) -> usize {
         let found = || {
             let (system, options) = (&*self.system, &self.options);
@@ -180,7 +182,7 @@ impl<'a> Attractors<'a> {
         found().unwrap_or(0)
     }
 
-    /// Whether the points are the same, some turn apart.
+    /// Whether the points are the same up to a cyclic shift.
     fn is_near(&self, one: &[Moment], other: &[Moment]) -> bool {
         let states = self.system.states();
         let size = Vector::from_fn(states, |i, _| {
@@ -195,7 +197,8 @@ impl<'a> Attractors<'a> {
         turns(one, other, same).next().is_some()
     }
 
-    /// Whether two equilibria are one, to what each is off. At zero they have no size that tells.
+    /// Whether two equilibria agree to within their errors. At zero they have no size for
+    /// comparison.
     fn are_one(&self, one: &Reached, other: &Reached) -> bool {
         let ([a], [b]) = (one.points.as_slice(), other.points.as_slice()) else {
             return false;
@@ -204,7 +207,7 @@ impl<'a> Attractors<'a> {
         off.is_some_and(|off| (&a.x - &b.x).amax() <= TIMES * off.amax())
     }
 
-    /// Whether there is rest all the way from one point to the other.
+    /// Whether all points between the two are equilibria.
     fn are_joined(&self, one: &[Moment], other: &[Moment], mode: Modes) -> bool {
         let (Some(one), Some(other)) = (one.first(), other.first()) else {
             return false;
@@ -223,8 +226,7 @@ impl<'a> Attractors<'a> {
         })
     }
 
-    /// Whether a mode holds at a point of rest, with a drive through its whole period: at as many
-    /// moments of it.
+    /// Whether a mode holds at an equilibrium; with a drive, at many moments of its whole period.
     fn holds(&self, mode: Modes, at: &Moment) -> bool {
         let Some(period) = self.forcing else {
             return holds(&*self.system, mode, at);

@@ -1,4 +1,4 @@
-//! Which attractor an orbit comes to, found by recurrence.
+//! The attractor that an orbit reaches, detected by recurrence.
 
 mod drawn_in;
 mod history;
@@ -19,32 +19,32 @@ use crate::filippov::{EventFunctions, Options, Strobe, Switched};
 use crate::system::Mode;
 use search::Search;
 
-/// When an orbit is said to have come to an attractor.
+/// When an orbit counts as having reached an attractor.
 ///
-/// Points of the section repeat if the last `p` of them are each near to the one `p` before, and
-/// what was left of the way to it, from the ratio of two differences `p` apart, is little as well:
-/// so points that creep do not pass for a pattern. The shortest such `p` is taken. One point that
-/// is met again to the last bits is enough, for its future is the same. The points' tags count,
-/// too: what transitions there were since the point before.
+/// Points of the section repeat with lag `p` if each of the last `p` is near the one `p` before.
+/// The remaining distance to the pattern, estimated from the ratio of two differences `p` apart,
+/// must be small as well; so slowly creeping points do not pass for a pattern. The shortest such
+/// `p` is taken. One exact return to a point is enough, since its future is the same. The points'
+/// tags count, too: the transitions since the previous point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RecurrenceSettings {
-    /// After so much time it is undecided.
+    /// Time after which the attractor counts as undecided.
     pub longest: f64,
-    /// Part of a component's size within which two states are the same. To it some hundred
-    /// tolerances of the solver are added. Default 1e-6.
+    /// Fraction of a component's size within which two states are the same. Some hundred tolerances
+    /// of the solver are added to it. Default 1e-6.
     pub closeness: f64,
-    /// Patterns of more returns than this are not looked for. Default 64.
+    /// Longest pattern that is sought, in returns. Default 64.
     pub most_returns: usize,
-    /// The period of the forcing, in a system that depends on time; the section is then a strobe,
-    /// unless it is the user's own. Default `None`.
+    /// The period of the forcing, in a system that depends on time. The section is then a strobe,
+    /// unless the user gives one. Default `None`.
     pub forcing: Option<f64>,
-    /// Points of the section that are kept of an orbit that does not close, and needed to call it
+    /// Number of section points kept of an orbit that does not close, and required to call it
     /// recurrent. Default 400.
     pub kept: usize,
 }
 
 impl RecurrenceSettings {
-    /// The defaults, with this longest time.
+    /// The defaults with this longest time.
     pub fn within(longest: f64) -> Self {
         RecurrenceSettings {
             longest,
@@ -91,19 +91,20 @@ impl RecurrenceSettings {
     }
 }
 
-/// The attractor that the orbit from `x0` at time 0 comes to. No list of attractors is needed, and
-/// no section: its points are the transitions of the orbit, or the strobe of the forcing, or, for
-/// an orbit that meets no boundary for long, where the first state turns back.
+/// The attractor that the orbit from `x0` at time 0 reaches. It needs neither a list of attractors
+/// nor a section. Its points are the transitions of the orbit or the strobe of the forcing; for an
+/// orbit that meets no boundary for long, they are the extrema of the first state.
 ///
-/// An orbit that slips is known to come to rest before it is near: as soon as a quadratic Lyapunov
-/// function, its decay proved by intervals, shows that nothing can keep it from the equilibrium.
+/// A slipping orbit is recognised as converging to an equilibrium while still far away: as soon as
+/// a quadratic Lyapunov function, its decay proved with intervals, shows that nothing can keep it
+/// away.
 ///
 /// Recognising attractors by recurrence goes back to Datseris & Wagemakers, *Chaos* 32 (2022)
-/// 023104; here the events take the place of their grid.
+/// 023104; here events replace their grid.
 ///
 /// # Errors
-/// Those of [`crate::Integration::new`]; [`Error::Option`] for a setting that is not allowed. What
-/// goes wrong later is a [`Kind`].
+/// Those of [`crate::Integration::new`]; [`Error::Option`] for a setting that is not allowed. A
+/// later failure is a [`Kind`].
 ///
 /// ```
 /// use stickslip::analysis::{Kind, RecurrenceSettings, attractor};
@@ -126,11 +127,11 @@ pub fn attractor<Kind>(
     attractor_of(&*system.dynamics(), x0.vector(), settings, options)
 }
 
-/// As [`attractor`], for one start of many: that it lies outside the domain of the field, or beyond
-/// the escape bound, is a [`Kind`], too.
+/// As [`attractor`], for one start of many: a start outside the domain of the field or beyond the
+/// escape bound is also a [`Kind`].
 ///
 /// # Errors
-/// Others of [`attractor`].
+/// The other errors of [`attractor`].
 pub fn attractor_of_many<Kind>(
     system: &impl AsDynamics<Kind>,
     x0: impl Components,
@@ -155,7 +156,7 @@ pub(super) fn one_of_many(
         phases: Vec::new(),
         transitions: Vec::new(),
         in_stick: 0.0,
-        // No run has begun that would be in one.
+        // No run has begun in which this could be an error.
         mode: Modes::new(&vec![Mode::Stick; system.contacts()]),
         t: 0.0,
         x,
@@ -178,7 +179,7 @@ pub(super) fn attractor_of(
     match settings.forcing {
         Some(period) => {
             let strobe = Section::Strobe(Strobe { first: 0.0, period });
-            // A step must not pass over two flashes.
+            // A step must not pass over two strobe times.
             let longest = options.longest_step.min(0.5 * period);
             let options = options.longest_step(longest);
             seek(system, &strobe, x0, settings, &options)
@@ -187,7 +188,7 @@ pub(super) fn attractor_of(
     }
 }
 
-/// The same by the points of a section of the user's own.
+/// The same, with the points of a section given by the user.
 ///
 /// # Errors
 /// As [`attractor`].

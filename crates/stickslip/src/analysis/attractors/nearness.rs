@@ -1,27 +1,27 @@
-//! When two states count as the same, and where an orbit has been.
+//! When two states count as the same, and the range that an orbit has covered.
 
 use crate::dynamics::Vector;
 
-/// Tolerances by which two points may differ that the solver cannot tell apart.
+/// Number of tolerances within which the solver cannot distinguish two points.
 pub(super) const OF_SOLVER: f64 = 100.0;
 
-/// How near counts as the same.
+/// The distance within which two states count as the same.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Nearness {
     /// Part of a component's size.
     pub closeness: f64,
-    /// Of the solver.
+    /// Tolerance of the solver.
     pub rtol: f64,
     pub atol: f64,
 }
 
 impl Nearness {
-    /// By how much a component of this size may differ.
+    /// Largest allowed difference of a component of this size.
     pub fn allowed(&self, scale: f64) -> f64 {
         self.closeness * scale + self.rounding(scale)
     }
 
-    /// What the solver leaves of a difference.
+    /// Difference that the solver leaves.
     pub fn rounding(&self, scale: f64) -> f64 {
         OF_SOLVER * (self.atol + self.rtol * scale)
     }

@@ -1,4 +1,4 @@
-//! What an orbit has come to.
+//! The motion that an orbit has reached.
 
 use std::fmt;
 
@@ -6,34 +6,34 @@ use crate::dynamics::{Modes, Moment, Phase, Vector};
 use crate::error::Error;
 use crate::filippov::{TransitionKind, TwoFold};
 
-/// What kind of motion an orbit has come to.
+/// The kind of motion that an orbit has reached.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Kind {
-    /// An equilibrium of slip, or of the sliding field in stick, that attracts all around it on its
-    /// set.
+    /// An equilibrium of slip, or of the sliding field in stick, that attracts all nearby states of
+    /// its set.
     Equilibrium,
-    /// Rest at one of a whole set of equilibria, as a block that friction holds on a floor.
+    /// One of a continuous set of equilibria, as for a block that friction holds on a floor.
     EquilibriumSet,
     /// A periodic orbit.
     Periodic {
-        /// After how many points of the section it closes.
+        /// Number of section points after which it closes.
         returns: usize,
         /// Period.
         period: f64,
     },
-    /// Quasi-periodic or chaotic: the points of the section return to everywhere that they have
-    /// been, and no pattern of them repeats. Which of the two it is, exponents tell
+    /// Quasi-periodic or chaotic: the section points return to every region visited before, and no
+    /// pattern of them repeats. Lyapunov exponents distinguish the two
     /// ([`crate::analysis::motion`]).
     Recurrent,
     /// A component passed the escape bound of the options.
     Escape,
-    /// It has come to where Σ repels, and its future is not unique.
+    /// The orbit has reached a repelling part of Σ, and its future is not unique.
     Repelling,
-    /// It has come to a two-fold, and its future is not unique.
+    /// The orbit has reached a two-fold, and its future is not unique.
     TwoFold(TwoFold),
     /// The integration failed.
     Failure(Error),
-    /// None of these could be told within the longest time.
+    /// No decision was possible within the longest time.
     Undecided,
 }
 
@@ -55,42 +55,42 @@ impl fmt::Display for Kind {
     }
 }
 
-/// What an orbit has come to, with the evidence.
+/// The motion that an orbit has reached, with the evidence.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reached {
     /// The kind of motion.
     pub kind: Kind,
-    /// By how much the period of a periodic orbit may be off, by how the last periods differ; zero
-    /// of other motions.
+    /// Uncertainty of a periodic orbit's period, from the differences of the last periods; zero for
+    /// other motions.
     pub period_uncertainty: f64,
-    /// Of a periodic orbit that has a number, the dimension of the family that it is one of; see
+    /// Dimension of the family to which a numbered periodic orbit belongs; see
     /// [`super::Attractors::number`] and [`super::Attractors::family`].
     pub family: Option<usize>,
-    /// Of a periodic orbit the points of the section in one period; of an equilibrium that point
+    /// For a periodic orbit, the section points in one period; for an equilibrium, that point
     /// alone, refined; otherwise the last points.
     pub points: Vec<Moment>,
-    /// Of a periodic orbit the phases that ended in one period, in order of time; otherwise the
+    /// For a periodic orbit, the phases that ended in one period, in order of time; otherwise the
     /// last phases.
     pub phases: Vec<Phase>,
-    /// The transitions of these phases with the contact that each begins at; in several contacts,
-    /// and where contact is lost and gained, there is more to them than to the modes.
+    /// The transitions of these phases with the contact at which each begins. With several
+    /// contacts, or with contact lost and gained, they say more than the modes.
     pub transitions: Vec<(TransitionKind, usize)>,
-    /// Part of the time of these phases in which a contact sticks; at rest, and without phases, 1
-    /// or 0 by the mode at the end.
+    /// Fraction of the duration of these phases in which a contact sticks. At an equilibrium, and
+    /// without phases, it is 1 or 0 by the mode at the end.
     pub in_stick: f64,
-    /// Mode at that time.
+    /// Mode at the end time.
     pub mode: Modes,
-    /// Time at which the orbit was left; where the phase that ended then is one in which a contact
-    /// sticks, that of its beginning, from which it is better to go on.
+    /// Time at which integration stopped. Where the phase that ended then is one in which a contact
+    /// sticks, the time of its beginning, which is the better place to continue from.
     pub t: f64,
-    /// State at that time. Where it is certain that the orbit comes to an equilibrium which it is
-    /// still far from, it is moved there but for
+    /// State at that time. If the orbit is certain to converge to an equilibrium from which it is
+    /// still far, the state is moved there to within
     /// [`crate::analysis::RecurrenceSettings::closeness`].
     pub x: Vector,
 }
 
 impl Reached {
-    /// The modes gone through in the phases; where none ended, the mode at the end alone.
+    /// The modes of the phases in order; where no phase ended, the mode at the end alone.
     pub fn sequence(&self) -> Vec<Modes> {
         if self.phases.is_empty() {
             return vec![self.mode];
@@ -113,8 +113,7 @@ impl Reached {
     }
 }
 
-/// By how many places `other` must be turned to have the elements of `one`, for every way that
-/// there is.
+/// All cyclic shifts by which `other` has the elements of `one`.
 pub(crate) fn turns<'a, A, B>(
     one: &'a [A],
     other: &'a [B],
@@ -128,7 +127,7 @@ pub(crate) fn turns<'a, A, B>(
     (0..length).filter(move |by| (0..length).all(|i| same(&one[i], &other[(i + by) % length])))
 }
 
-/// Whether two sequences are the same but for where they begin.
+/// Whether two sequences are equal up to a cyclic shift.
 pub fn is_same_cycle<A: PartialEq<B>, B>(one: &[A], other: &[B]) -> bool {
     one.is_empty() && other.is_empty() || turns(one, other, |a, b| a == b).next().is_some()
 }

@@ -5,75 +5,77 @@ use std::collections::VecDeque;
 use super::nearness::{Extent, Nearness, OF_SOLVER};
 use crate::dynamics::{Moment, Vector};
 
-/// Part of the scale that is kept from point to point: of a long way to the attractor nothing is
-/// left after some returns.
+/// Fraction of the scale that is kept from point to point: a long approach to the attractor is
+/// forgotten after some returns.
 const KEPT: f64 = 0.9;
 
-/// Ratios of differences that are looked at.
+/// Number of ratios of differences that are examined.
 const RATIOS: usize = 3;
 
-/// Over so many repetitions differences that become less than this part of what they were are
-/// shrinking.
+/// Differences count as shrinking if over this many repetitions they fall below this fraction of
+/// their former size.
 const SHRINKING: (usize, f64) = (4, 0.9);
 
-/// What may be left of the way where differences are too small to show a ratio: a way of so many.
+/// Number of closenesses that may remain of the approach where differences are too small to show a
+/// ratio.
 const UNSEEN: f64 = 100.0;
 
-/// Two states that differ by no more than so many units of the last place of a component's size are
-/// the same. They are met where stick leaves one state only, as in systems of two states without
-/// forcing.
+/// Two states are the same if they differ by at most so many units in the last place of a
+/// component's size. They occur where stick leaves one state only, as in unforced systems of two
+/// states.
 const SAME: f64 = 64.0;
 
-/// A cycle is so many times wider than the solver's rounding.
+/// Number of roundings of the solver that a cycle must exceed in width.
 const WIDE: f64 = 10.0;
 
-/// Part of what a cycle covers that may be left of the way to it.
+/// Fraction of a cycle's extent that may remain of the approach to it.
 const LITTLE: f64 = 0.01;
 
-/// How much has happened.
+/// Counts of what has happened.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Count {
     /// Phases that have ended.
     pub phases: u64,
-    /// Transitions, touches left out.
+    /// Transitions, touches excluded.
     pub transitions: u64,
 }
 
-/// A point with what is compared of it and what lies between it and the one before.
+/// A point with the quantities that are compared, and what lies between it and the one before.
 #[derive(Clone, Debug)]
 struct Passage {
     at: Moment,
-    /// Stands for the transitions since the last point.
+    /// Represents the transitions since the last point.
     tag: u64,
     /// Time modulo the forcing's period, in periods.
     beat: f64,
-    /// What had happened before.
+    /// Counts before this point.
     count: Count,
     extent: Extent,
 }
 
-/// The last points of a section, and how long they have repeated with every lag.
+/// The last points of a section, and how long they have repeated with each lag.
 pub(super) struct Recurrence {
     near: Nearness,
     forcing: Option<f64>,
     passages: VecDeque<Passage>,
     kept: usize,
-    /// For every lag, counted from 1, how many points in a row are near those as many before.
+    /// For every lag, counted from 1, how many consecutive points are near the point one lag
+    /// before.
     runs: Vec<usize>,
-    /// Size of every component lately.
+    /// Recent size of every component.
     scale: Vector,
 }
 
-/// A pattern of the last points that repeats.
+/// A repeating pattern of the last points.
 #[derive(Clone, Debug)]
 pub(super) struct Pattern {
     pub returns: usize,
     pub period: f64,
     /// By how much that may be off.
     pub uncertainty: f64,
-    /// What had happened before it and at its end.
+    /// Counts before it and at its end.
     pub counts: (Count, Count),
-    /// What the orbit covers in it.
+    /// The extent of the orbit in it.
     pub extent: Extent,
 }
 
@@ -111,8 +113,8 @@ impl Recurrence {
         self.points().skip(from).cloned().collect()
     }
 
-    /// Whether the orbit is still on its way to a pattern, or away from one: with some lag all of
-    /// the last points came near to those before, and nearer, or less near, than earlier.
+    /// Whether the orbit is still approaching a pattern or leaving one: with some lag all of the
+    /// last points came near those before, and their distance grows or shrinks.
     pub fn still_moves(&self, part: f64) -> bool {
         const STEADY: f64 = 1.25;
         let near = Nearness {
@@ -142,8 +144,7 @@ impl Recurrence {
         })
     }
 
-    /// Takes the next point; the shortest pattern that has now repeated often enough, if there is
-    /// one.
+    /// Adds the next point; returns the shortest pattern that has repeated often enough, if any.
     pub fn pass(&mut self, at: Moment, tag: u64, count: Count, extent: Extent) -> Option<Pattern> {
         for i in 0..self.scale.len() {
             self.scale[i] = extent.size(i).max(KEPT * self.scale[i]);
@@ -165,7 +166,7 @@ impl Recurrence {
             let (here, there) = (&self.passages[last], &self.passages[last - lag]);
             let repeats = here.tag == there.tag && self.apart(here, there, &self.near) <= 1.0;
             self.runs[lag - 1] = if repeats { self.runs[lag - 1] + 1 } else { 0 };
-            // The future of one state is one: it need not be seen again all around the pattern.
+            // A state has one future: the whole pattern need not be seen again.
             let wanted = if self.is_same(here, there) { 1 } else { lag };
             if found.is_none()
                 && self.runs[lag - 1] >= wanted
@@ -190,7 +191,7 @@ impl Recurrence {
         self.apart(one, other, &rounding) <= 1.0
     }
 
-    /// Largest difference of two points in units of what is allowed.
+    /// Largest difference of two points in units of the allowed one.
     fn apart(&self, one: &Passage, other: &Passage, near: &Nearness) -> f64 {
         let mut most = 0.0_f64;
         for i in 0..self.scale.len() {
@@ -204,7 +205,7 @@ impl Recurrence {
         most
     }
 
-    /// Whether the last point is the one a lag before it, to the tolerance.
+    /// Whether the last point equals the one a lag before it, to the tolerance.
     fn is_closed(&self, last: usize, lag: usize) -> bool {
         let (here, before) = (&self.passages[last], &self.passages[last - lag]);
         let tolerance = Nearness {
@@ -215,9 +216,9 @@ impl Recurrence {
         here.tag == before.tag && self.apart(here, before, &tolerance) <= 1.0
     }
 
-    /// What is left of the way to the pattern, in differences of points a lag apart, if it is
-    /// little: a geometric series of these differences, by the slowest of the last few of its
-    /// ratios. Points that creep past each other differ little, too.
+    /// Remaining distance to the pattern, in differences of points a lag apart, if it is small. It
+    /// is the sum of a geometric series of these differences, with the slowest of the last few
+    /// ratios: points that creep past each other differ little, too.
     fn left(&self, last: usize, lag: usize) -> Option<f64> {
         let apart = |k: usize, near: &Nearness| {
             let (here, before) = (&self.passages[k], &self.passages[k - lag]);
@@ -240,9 +241,9 @@ impl Recurrence {
         (slowest < 1.0 && apart(last, &self.near)? * left <= 1.0).then_some(left)
     }
 
-    /// The shortest pattern that one which repeats is made of; none if it is on its way to a
-    /// shorter one: an orbit that winds up around a cycle is nearly back after some turns before it
-    /// is after each.
+    /// The shortest pattern of which a repeating one consists; none if the orbit approaches a
+    /// shorter one. An orbit that winds around a cycle nearly returns after several turns before it
+    /// does after each.
     fn shortest(&self, last: usize, lag: usize) -> Option<usize> {
         for part in (1..lag).filter(|part| lag.is_multiple_of(*part)) {
             if self.runs[part - 1] >= lag {
@@ -252,7 +253,7 @@ impl Recurrence {
                 let (here, there) = (&self.passages[k], self.passages.get(k.checked_sub(part)?)?);
                 (here.tag == there.tag).then(|| self.apart(here, there, &self.near))
             };
-            // A part of other transitions is no pattern.
+            // A part with other transitions is no pattern.
             let Some(now) = apart(last) else {
                 continue;
             };
@@ -264,7 +265,7 @@ impl Recurrence {
         Some(lag)
     }
 
-    /// A pattern, to which so much of the way is left, in differences of points.
+    /// A pattern with this remaining distance, in differences of points.
     fn pattern(&self, last: usize, lag: usize, left: f64) -> Pattern {
         let (here, there) = (&self.passages[last], &self.passages[last - lag]);
         let mut extent = here.extent.clone();
@@ -277,9 +278,8 @@ impl Recurrence {
         };
         let period = |k: usize| Some(time(k)? - time(k + 1)?);
         let change = |k: usize| Some((period(k)? - period(k + 1)?).abs());
-        // Of an orbit that winds up around the pattern one of two differences may be small by
-        // chance.
-        // Where points are the same, those before them may still have been on their way.
+        // For an orbit that winds around the pattern, one of two differences may be small by
+        // chance. Where points are the same, those before them may still have been approaching.
         let changes = match self.is_closed(last, lag) {
             true => [0.0; 2],
             false => [0, 1].map(|k| change(k).unwrap_or(0.0)),
@@ -298,8 +298,8 @@ impl Recurrence {
         }
     }
 
-    /// Whether what is left of the way is little of what the orbit covers as well: an orbit that
-    /// winds up around a point of rest also repeats itself ever better.
+    /// Whether the remaining distance is small against the orbit's extent as well: an orbit that
+    /// winds around an equilibrium also repeats itself ever more closely.
     fn is_wide(&self, pattern: &Pattern, left: f64) -> bool {
         let last = self.passages.len() - 1;
         let (here, there) = (&self.passages[last], &self.passages[last - pattern.returns]);

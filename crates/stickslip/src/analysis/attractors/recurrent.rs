@@ -1,20 +1,22 @@
-//! Whether points that do not repeat have filled what they fill.
+//! Whether points that do not repeat have filled their region.
 
 use crate::dynamics::Moment;
 
 /// Part of their extent within which points count as near.
 pub(super) const PART: f64 = 0.05;
 
-/// Part of the points that must be near to others; the tips of a strange attractor are met rarely.
+/// Fraction of the points that must be near others; the tips of a strange attractor are rarely
+/// visited.
 const MOST: f64 = 0.95;
 
-/// Whether the last quarter of the points lies near to the half before it: no new ground is won.
+/// Whether the last quarter of the points lies near the preceding half, so that no new region is
+/// visited.
 pub(super) fn returns_everywhere(points: &[Moment]) -> bool {
     let (middle, last) = (points.len() / 4, 3 * points.len() / 4);
     lies_in(&points[last..], &points[middle..last], &extent(points))
 }
 
-/// Whether two recurrent sets of points are one: each lies near to the other.
+/// Whether two recurrent sets of points agree: each lies near the other.
 pub(super) fn is_same_set(one: &[Moment], other: &[Moment]) -> bool {
     let (a, b) = (extent(one), extent(other));
     let wider: Vec<f64> = a.iter().zip(b).map(|(a, b)| a.max(b)).collect();

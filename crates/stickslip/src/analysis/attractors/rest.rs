@@ -1,4 +1,4 @@
-//! Whether an orbit comes to rest, and where.
+//! Whether an orbit converges to an equilibrium, and where.
 
 use super::nearness::Nearness;
 use super::reached::Kind;
@@ -9,18 +9,18 @@ use crate::interval::Interval;
 /// Newton steps allowed.
 const MOST: usize = 30;
 
-/// Part of the largest entry of the Jacobian below which an eigenvalue, or a singular value, cannot
-/// be told from zero.
+/// Fraction of the Jacobian's largest entry below which an eigenvalue or a singular value cannot be
+/// distinguished from zero.
 pub(crate) const ZERO: f64 = 1e-7;
 
-/// Part of the largest entry of the Jacobian below which a row is rounding of terms of that size.
+/// Fraction of the Jacobian's largest entry below which a row is rounding of terms of that size.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// A guard of less than this part of the size of an equilibrium is zero: it lies at the edge of
-/// where its mode holds.
+/// A guard below this fraction of the size of an equilibrium is zero: the equilibrium lies at the
+/// edge of its mode's domain.
 const ON_EDGE: f64 = 1e-14;
 
-/// A point of rest.
+/// An equilibrium.
 #[derive(Clone, Debug)]
 pub(crate) struct Rest {
     pub x: Vector,
@@ -28,9 +28,9 @@ pub(crate) struct Rest {
     pub jacobian: Matrix,
 }
 
-/// The equilibrium of a mode near `x` by Newton's iteration with the Jacobian's pseudo-inverse, so
-/// that of a set of equilibria the nearest is found; `None` where it does not converge. Only the
-/// first `free` states are changed: behind them may be a parameter.
+/// The equilibrium of a mode near `x` by Newton's iteration with the Jacobian's pseudo-inverse; of
+/// a set of equilibria it yields the nearest. `None` where it does not converge. Only the first
+/// `free` components change; a parameter may follow them.
 pub(crate) fn equilibrium_near(
     system: &dyn Dynamics,
     mode: Modes,
@@ -44,10 +44,10 @@ pub(crate) fn equilibrium_near(
         let jacobian = jacobian_of(system, mode, &at);
         let step = newton_step(system, mode, &at, &jacobian, free)?;
         let size = step.amax();
-        // The last step is rounding once it is no smaller than the one before.
+        // The last step is rounding once it is not smaller than the one before.
         if size == 0.0 || size >= 0.5 * smallest {
             let rounding = 1e-12 * at.x.amax().max(f64::MIN_POSITIVE) + f64::MIN_POSITIVE;
-            // A subnormal number is what rounding left of zero.
+            // A subnormal number is a rounded zero.
             let x =
                 at.x.map(|v| if v.abs() < f64::MIN_POSITIVE { 0.0 } else { v });
             return (size <= rounding.max(1e-12)).then_some(Rest { x, jacobian });
@@ -58,8 +58,8 @@ pub(crate) fn equilibrium_near(
     None
 }
 
-/// How far two points, each an equilibrium to rounding, are off by their own Newton steps: further
-/// apart they are two.
+/// The sum of the Newton steps of two points, each an equilibrium to rounding. Farther apart they
+/// are distinct.
 pub(super) fn off_by(system: &dyn Dynamics, mode: Modes, points: [&Moment; 2]) -> Option<Vector> {
     let [one, other] = points.map(|at| {
         let jacobian = jacobian_of(system, mode, at);
@@ -81,8 +81,8 @@ fn newton_step(
     Some(step.resize_vertically(system.states(), 0.0))
 }
 
-/// The equations of Newton's step towards an equilibrium for the first `free` components, each in
-/// its own unit: a matrix and the right-hand side.
+/// The equations of Newton's step towards an equilibrium for the first `free` components, each
+/// scaled to its own unit: a matrix and the right-hand side.
 pub(crate) fn equations(
     system: &dyn Dynamics,
     mode: Modes,
@@ -92,8 +92,8 @@ pub(crate) fn equations(
 ) -> Option<(Matrix, Vector)> {
     let flow = system.flow(mode, at);
     let velocity = flow.velocity(at);
-    // The sliding field has no component across the boundary, there or beside it: that the
-    // equilibrium lies on it is an equation of its own.
+    // The sliding field has no component across the boundary, neither on it nor nearby. So an
+    // additional equation states that the equilibrium lies on the boundary.
     let onto = flow.settled(at) - &at.x;
     let length = |normal: &Vector| normal.rows(0, free).norm();
     let mut normals = system.normals(mode, at);
@@ -115,8 +115,9 @@ pub(crate) fn equations(
     if matrix.iter().chain(&velocity).any(|v| !v.is_finite()) {
         return None;
     }
-    // Each equation in its own unit: beside that of a stiff spring, that of a place is not small.
-    // What cancels in a sliding field leaves rounding of its largest terms, and no equation.
+    // Each equation is scaled to its own unit: beside that of a stiff spring, that of a position is
+    // not small. Cancellation in a sliding field leaves rounding of its largest terms, and no
+    // equation.
     let rounding = ROUNDING * jacobian.amax();
     for (mut row, right) in matrix.row_iter_mut().zip(right.iter_mut()) {
         let size = row.amax();
@@ -174,8 +175,8 @@ pub(crate) fn holds(system: &dyn Dynamics, mode: Modes, at: &Moment) -> bool {
     least_guard(system, mode, at) > 0.0
 }
 
-/// All velocities at a point from a time on, if all contacts slip: of no width, unless the field
-/// depends on time. `None` where intervals do not decide.
+/// Bounds of the velocity at a point from a time on, if all contacts slip; of zero width unless the
+/// field depends on time. `None` where intervals do not decide.
 pub(super) fn velocities_from(
     system: &dyn Dynamics,
     mode: Modes,
@@ -186,8 +187,8 @@ pub(super) fn velocities_from(
     system.flow(mode, at).velocity_over(ever, &point)
 }
 
-/// The point of rest that an orbit at `x` is about to reach, and whether it is one of a set; `None`
-/// where there is none that near, or one that does not attract.
+/// The equilibrium that an orbit at `x` is about to reach, and whether it is one of a set; `None`
+/// where none is close enough, or where it does not attract.
 pub(super) fn rest_at(
     system: &dyn Dynamics,
     mode: Modes,
@@ -196,7 +197,7 @@ pub(super) fn rest_at(
     near: &Nearness,
 ) -> Option<(Kind, Vector)> {
     let Rest { x, jacobian } = equilibrium_near(system, mode, at.t, &at.x, system.states())?;
-    // The orbit may turn about it some steps wide.
+    // The orbit may oscillate about it with an amplitude of several steps.
     const TURN: f64 = 10.0;
     let is_near = |i: usize| (x[i] - at.x[i]).abs() <= TURN * near.allowed(scale(i));
     if !(0..x.len()).all(is_near) {
@@ -216,13 +217,14 @@ pub(super) fn rest_at(
     (guard > 0.0 || kind == Kind::Equilibrium).then_some((kind, there.x))
 }
 
-/// Whether a state of rest is one of a set; `None` where it does not attract.
+/// Whether an equilibrium is one of a set; `None` where it does not attract.
 pub(super) fn kind_of_rest(system: &dyn Dynamics, mode: Modes, at: &Moment) -> Option<Kind> {
     kind_by(system, mode, at, &jacobian_of(system, mode, at))
 }
 
-/// The same by the Jacobian there, of motion along the boundaries of the contacts that stick: off
-/// them a body held at rest has a double eigenvalue zero, which rounding splits by its root.
+/// The same by the Jacobian there, restricted to motion along the boundaries of the contacts that
+/// stick. Off them a body held by friction has a double zero eigenvalue, which rounding splits by
+/// its square root.
 fn kind_by(system: &dyn Dynamics, mode: Modes, at: &Moment, jacobian: &Matrix) -> Option<Kind> {
     let bound = ZERO * jacobian.amax();
     let normals = system.normals(mode, at);
@@ -241,7 +243,7 @@ fn kind_by(system: &dyn Dynamics, mode: Modes, at: &Moment, jacobian: &Matrix) -
             return None;
         }
     }
-    // Across each boundary that was taken out there is a zero.
+    // Each boundary that was removed contributes a zero.
     Some(if zeros > normals.len() {
         Kind::EquilibriumSet
     } else {

@@ -1,4 +1,4 @@
-//! One orbit on its way to its attractor: what is noted of it, and when that is enough.
+//! One orbit on the way to its attractor: what is recorded of it, and when that suffices.
 
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
@@ -17,30 +17,29 @@ use crate::error::Error;
 use crate::filippov::{Options, TransitionKind};
 use crate::orbit::Ending;
 
-/// Steps without a transition after which the turning points of the first state are watched.
+/// Steps without a transition after which the extrema of the first state are recorded.
 const QUIET: usize = 100;
 
-/// Steps without a transition after which an equilibrium is looked for that the orbit may be drawn
-/// to. Then half as many more are needed, and so on: a cycle with long phases is asked a few times
-/// in all.
+/// Steps without a transition after which a trapping equilibrium is sought. The number then grows
+/// by half each time, so that a cycle with long phases is tested only a few times.
 const CALM: usize = 12;
 
-/// A look for a point of rest is put off by no more steps than this.
+/// Longest delay, in steps, before an equilibrium is sought again.
 const MOST_PATIENT: usize = 64;
 
 /// Phases that are kept for each return of the longest pattern.
 const PHASES: usize = 4;
 
-/// What makes the points of the section.
+/// Source of the section points.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum By {
-    /// The events' own transitions.
+    /// The transitions of the orbit.
     Transitions,
-    /// A section of the user's.
+    /// A section given by the user.
     Events,
 }
 
-/// What is noted of an orbit.
+/// The record of an orbit.
 pub(super) struct Search<'a> {
     system: &'a dyn Dynamics,
     settings: &'a RecurrenceSettings,
@@ -49,25 +48,25 @@ pub(super) struct Search<'a> {
     by_transition: Recurrence,
     by_event: Recurrence,
     history: History,
-    /// What has happened since the last point of either kind.
+    /// Counts since the last point of either kind.
     tag: DefaultHasher,
-    /// Where the orbit has been since the last point, and since its start.
+    /// The range of the orbit since the last point, and since its start.
     lately: Extent,
     ever: Extent,
-    /// State at the step before.
+    /// State at the previous step.
     before: Vector,
     /// Steps since the last transition.
     quiet: usize,
-    /// How many steps a look for a point of rest is put off, and how many are left of that.
+    /// Delay in steps before an equilibrium is sought again, and what remains of it.
     patience: (usize, usize),
-    /// Steps since the last transition at which a trap is looked for next.
+    /// Steps since the last transition at which a trap is sought next.
     asked_at: usize,
-    /// The one that was found in this phase.
+    /// The trap located in this phase.
     trap: Option<Trap>,
     escape: f64,
-    /// Where it is said to be left, if not where it is.
+    /// The reported end of the orbit, if it is not the present state.
     left_at: Option<(Moment, Modes)>,
-    /// By how much the period that was found may be off.
+    /// Uncertainty of the period.
     uncertainty: f64,
 }
 
@@ -121,7 +120,7 @@ impl<'a> Search<'a> {
                 Ok(Happening::Step) => {
                     self.quiet += 1;
                     if may_be_quiet && self.quiet > QUIET {
-                        // Nothing has happened for long.
+                        // There has been no event for long.
                         may_be_quiet = false;
                         orbit.watch(&Section::Turning);
                         continue;
@@ -181,7 +180,7 @@ impl<'a> Search<'a> {
             *left -= 1;
             return None;
         }
-        // A step may be short for another reason: the next look comes after twice as many.
+        // A step may be short for another reason: the next search comes after twice as many.
         *left = *patience;
         *patience = (2 * *patience).min(MOST_PATIENT);
         let scale = |i| self.ever.size(i);
@@ -189,7 +188,7 @@ impl<'a> Search<'a> {
         Some((kind, vec![Moment { t, x }]))
     }
 
-    /// The state on the way from `x` to an equilibrium at which the two count as the same.
+    /// The state between `x` and an equilibrium at which the two count as the same.
     fn near_to(&self, equilibrium: &Vector, x: &Vector) -> Vector {
         let away = x - equilibrium;
         let parts = (0..x.len()).map(|i| self.near.allowed(self.ever.size(i)) / away[i].abs());
@@ -209,7 +208,7 @@ impl<'a> Search<'a> {
         if self.by == By::Events {
             return None;
         }
-        // Turning points count where there is nothing else for long.
+        // Extrema count where there has long been nothing else.
         self.by_event.clear();
         let (tag, extent) = self.since_last(at.x.as_slice());
         let at = at.moment();
@@ -235,8 +234,8 @@ impl<'a> Search<'a> {
         self.closes(found, By::Events)
     }
 
-    /// Whether friction has held the orbit in one place while the drive went through its period:
-    /// then it does so for ever.
+    /// Whether friction has held the orbit in one place through a whole period of the drive: then
+    /// it does so for ever.
     fn rests(&self, pattern: &Pattern, mode: Modes) -> bool {
         let Pattern { extent, counts, .. } = pattern;
         let stays = |i: usize| extent.high[i] - extent.low[i] <= self.near.rounding(extent.size(i));
@@ -244,8 +243,7 @@ impl<'a> Search<'a> {
         self.settings.forcing.is_some() && is_held && (0..extent.low.len()).all(stays)
     }
 
-    /// What has happened since the last point, and where the orbit has been; from here it counts
-    /// anew.
+    /// Counts since the last point, and the range of the orbit; both are reset here.
     fn since_last(&mut self, x: &[f64]) -> (u64, Extent) {
         let tag = self.tag.finish();
         self.tag = DefaultHasher::new();
@@ -262,8 +260,8 @@ impl<'a> Search<'a> {
         };
         let points = recurrence.last(pattern.returns);
         self.history.keep(&pattern.counts);
-        // Where stick may have ended is a bad place to go on from: at another parameter an orbit
-        // from there may miss the stick that is still to come.
+        // The end of a stick phase is a bad place to continue from: at another parameter, an orbit
+        // from there may miss the stick phase.
         let ended = self.history.last_phase().filter(|_| by == By::Transitions);
         self.left_at = ended.and_then(|last| {
             let begin = Moment {
@@ -296,15 +294,15 @@ impl<'a> Search<'a> {
         (kind, vec![Moment { t, x }])
     }
 
-    /// The equilibrium at a point of the boundary. Its rounding is on either side, and of neither
-    /// side's is it said which the last phase was beside.
+    /// The equilibrium at a point of the boundary. Its rounding may lie on either side, so the
+    /// modes of the last phases are tried, too.
     fn rest_on_boundary(&self, mode: Modes, at: &Moment) -> Option<(Kind, Vector)> {
         let scale = |i| self.ever.size(i);
         let mut modes = [mode].into_iter().chain(self.history.modes());
         modes.find_map(|mode| rest_at(self.system, mode, at, scale, &self.near))
     }
 
-    /// Nothing has closed in the longest time.
+    /// No pattern has closed within the longest time.
     fn open(&mut self) -> (Kind, Vec<Moment>) {
         let uses_events = self.by == By::Events || self.quiet > QUIET;
         let recurrence = if uses_events {

@@ -1,4 +1,4 @@
-//! Where between two values of a parameter an attractor changes.
+//! Where an attractor changes between two values of a parameter.
 
 use super::follow::Following;
 use super::stability::{NEXT_TO, loss_of_stability};
@@ -8,11 +8,11 @@ use crate::analysis::continuation::Special;
 use crate::dynamics::Modes;
 use crate::filippov::Options;
 
-/// A value of the parameter and what was found there.
+/// A value of the parameter and the attractor reached there.
 pub(super) type End<'a> = (f64, &'a Reached);
 
-/// What becomes of the attractor between two values: where it ends, and, if that is another place
-/// and not the same change, where the other one begins.
+/// The change of an attractor between two values: where it ends and, if that is a different place,
+/// where the other one begins.
 pub(super) fn locate<'a>(
     family: &'a Family<'a>,
     ends: [End<'_>; 2],
@@ -43,9 +43,10 @@ pub(super) fn locate<'a>(
     vec![named.or(others).unwrap_or(WhatChanges::Unlocated)]
 }
 
-/// What is located of a change from one of its sides.
+/// The change located from one side.
 struct Located {
-    /// By an event function that vanishes, or the loss of an equilibrium.
+    /// By a vanishing event function, or by an equilibrium that loses its stability or reaches the
+    /// edge of its mode's domain.
     named: Option<WhatChanges>,
     /// By a multiplier.
     smooth: Option<WhatChanges>,
@@ -70,13 +71,14 @@ impl Located {
             }
             _ => return located,
         };
-        // The forcing's own period is known better.
+        // The forcing's own period is known exactly.
         let forced = forcing.map(|one| one * returns as f64);
         let Some(following) = Following::begin(family, from, period, forced, options) else {
             return located;
         };
         let way = following.follow(to.0);
-        // Next to it a graze would be named: all of the orbit comes to the boundary.
+        // Next to a boundary equilibrium a graze would be reported: the whole orbit comes to the
+        // boundary.
         located.named = following.boundary_equilibrium(&way, to.0);
         if located.named.is_some() {
             return located;
@@ -94,7 +96,7 @@ impl Located {
         self
     }
 
-    /// A place at which an orbit begins or ends: of a change of its phases, or a fold.
+    /// A place at which an orbit begins or ends: a change of its phases, or a fold.
     fn place(&self) -> Option<f64> {
         match (&self.named, &self.smooth) {
             (Some(WhatChanges::Sequence(change)), _) => Some(change.parameter),
@@ -110,8 +112,8 @@ impl Located {
         }
     }
 
-    /// Whether it is a change of the phases of one attractor into those of the other, or what has
-    /// no such sides.
+    /// Whether it is a change of one attractor's phases into the other's, or a change without such
+    /// sides.
     fn joins(&self, ends: [&Reached; 2]) -> bool {
         match &self.named {
             Some(WhatChanges::Sequence(change)) => {

@@ -1,5 +1,5 @@
-//! Periodic orbits followed from one value of a sweep towards another, with the sequence that they
-//! have at the first.
+//! Periodic orbits followed from one value of a sweep towards another, with the phase sequence of
+//! the first.
 
 use super::change::End;
 use super::stability::NEXT_TO;
@@ -16,26 +16,26 @@ use crate::analysis::lagrange::weights;
 use crate::dynamics::{Moment, Vector};
 use crate::filippov::Options;
 
-/// First step on the way, as a part of it, and by how much each is longer than the one before.
+/// First step as a fraction of the interval, and the ratio of successive steps.
 const FIRST: f64 = 1.0 / 64.0;
 const GROWTH: f64 = 1.3;
 
-/// Part of the way to which the end of an orbit is located.
+/// Fraction of the interval to which the end of an orbit is located.
 const RESOLUTION: f64 = 1e-10;
 
-/// At an end of the orbit located to that a multiplier that goes to 1 like a root is some 1e-5 from
-/// it.
+/// At an end of the orbit located to this fraction, a multiplier that approaches 1 like a square
+/// root is about 1e-5 away from it.
 const NEAR_ONE: f64 = 1e-3;
 
-/// Distances at which orbits behind a change are sought, as parts of the way.
+/// Distances beyond a change at which orbits are sought, as fractions of the interval.
 const BEHIND: [f64; 4] = [1e-5, 1e-4, 1e-3, 1e-2];
 
-/// The orbits of a family, followed from the first.
+/// The periodic orbits of a family, followed from the first.
 pub(super) struct Following<'a> {
     family: &'a Family<'a>,
-    /// The period, where it is that of the forcing.
+    /// The period, where the forcing prescribes it.
     forced: Option<f64>,
-    /// Dimension of the families that the orbits are of.
+    /// Dimension of the families to which the orbits belong.
     free: usize,
     options: Options,
     first: OrbitAt,
@@ -48,16 +48,16 @@ struct OrbitAt {
     cycle: Cycle,
 }
 
-/// The orbits with one sequence on the way to another value.
+/// The orbits with one sequence between two values of the parameter.
 pub(super) struct FollowedOrbits {
     good: Vec<OrbitAt>,
-    /// Where none was found, behind the last of these.
+    /// The last of these behind which none was computed.
     lost: Option<f64>,
-    /// The change of phases that the way ends with.
+    /// The change of phases at the end.
     pub change: Option<SequenceChange>,
 }
 
-/// The orbits on the line through some known ones, by their parameter.
+/// The orbits on the line through some computed ones, by their parameter.
 struct Between<'f, 'a> {
     following: &'f Following<'a>,
     known: &'f [OrbitAt],
@@ -85,7 +85,7 @@ impl Path for Between<'_, '_> {
 }
 
 impl<'a> Following<'a> {
-    /// Begins with the orbit that was reached at a value.
+    /// Begins with the orbit reached at a value.
     pub fn begin(
         family: &'a Family<'a>,
         from: End<'_>,
@@ -94,8 +94,8 @@ impl<'a> Following<'a> {
         options: &Options,
     ) -> Option<Self> {
         let system = &*family(from.0);
-        // Where a phase begins in which all contacts slip, for stick forgets what came before, and
-        // with it by how much the start is off; with a forcing, where the strobe sees it.
+        // The cut is where a phase begins in which all contacts slip: stick forgets the past and
+        // with it the error of the start. With a forcing, it is at the strobe.
         let mut phases = from.1.phases.iter();
         let slip = phases.find(|phase| forced.is_none() && !phase.mode.any_sticks());
         let begin = slip.map(|phase| (phase.t_start, &phase.x_start));
@@ -129,7 +129,7 @@ impl<'a> Following<'a> {
         Some(OrbitAt { parameter, cycle })
     }
 
-    /// Where the orbit is expected at a parameter by the last two.
+    /// The orbit extrapolated to a parameter from the last two.
     fn expected(good: &[OrbitAt], parameter: f64) -> Option<Outline> {
         let two = good.last()?;
         let own = two.cycle.outline.unknowns();
@@ -148,7 +148,7 @@ impl<'a> Following<'a> {
             .flatten()
     }
 
-    /// Follows the orbit on the way to another value, to where its phases change or it is lost.
+    /// Follows the orbit towards another value until its phases change or it is lost.
     pub fn follow(&self, to: f64) -> FollowedOrbits {
         let from = self.first.parameter;
         let mut way = FollowedOrbits {
@@ -157,7 +157,7 @@ impl<'a> Following<'a> {
             change: None,
         };
         let resolution = RESOLUTION * (to - from).abs();
-        // In small steps, so that it is this orbit that is followed and not another one near by.
+        // Small steps ensure that this orbit is followed, not a neighbouring one.
         let mut step = FIRST * (to - from);
         while let Some(last) = way.good.last() {
             let at = last.parameter;
@@ -170,7 +170,7 @@ impl<'a> Following<'a> {
                 let change = self.vanishes(&way.good, place);
                 let is_ahead = |change: &SequenceChange| {
                     let part = (change.parameter - from) / (to - from);
-                    // The value of the sweep may hit it.
+                    // The value of the sweep may lie exactly on it.
                     (-NEXT_TO..=1.0 + NEXT_TO).contains(&part)
                 };
                 way.change = change.filter(is_ahead);
@@ -214,8 +214,8 @@ impl<'a> Following<'a> {
         way
     }
 
-    /// The change that the last orbit hits: with a margin that the tolerances do not tell from zero
-    /// it has the phases of one side as well as of the other.
+    /// The change at the last orbit: if a margin is zero to the tolerances, the orbit has the
+    /// phases of both sides.
     fn hit(&self, good: &[OrbitAt]) -> Option<SequenceChange> {
         let [.., before, last] = good else {
             return None;
@@ -240,7 +240,7 @@ impl<'a> Following<'a> {
     }
 
     /// The first change of phases between the last orbit and another; `Err` where that is too far
-    /// away to tell.
+    /// away to decide.
     fn passed(
         &self,
         good: &[OrbitAt],
@@ -259,7 +259,7 @@ impl<'a> Following<'a> {
         Between { following, known }
     }
 
-    /// The change at a zero of a margin, with the phases of an orbit that the system itself takes
+    /// The change at a zero of a margin, with the phases of the orbit that the system itself takes
     /// next to it.
     fn described(&self, last: &OrbitAt, zero: &Zero, margin: &Margin, next: f64) -> SequenceChange {
         let at = &OrbitAt {
@@ -289,7 +289,7 @@ impl<'a> Following<'a> {
         describe(system, (&at.cycle, margin), place, sides)
     }
 
-    /// The change at which the durations of segments vanish, which would be at a place.
+    /// The change at which the durations of segments vanish, extrapolated to a place.
     fn vanishes(&self, good: &[OrbitAt], place: f64) -> Option<SequenceChange> {
         let last = good.last()?;
         let way = place - last.parameter;
@@ -303,8 +303,8 @@ impl<'a> Following<'a> {
             .or_else(|| self.coincides(good, *first, way))
     }
 
-    /// The change at which two contacts switch in the same instant: the segment between lasts
-    /// longer and longer on either side, in one order of the two and in the other.
+    /// The change at which two contacts switch in the same instant. The segment between them has a
+    /// positive duration on either side, in one order of the two and in the other.
     fn coincides(&self, good: &[OrbitAt], number: usize, way: f64) -> Option<SequenceChange> {
         let last = good.last()?;
         let orbit = |parameter: f64, options: &Options| {
@@ -340,8 +340,8 @@ impl<'a> Following<'a> {
         Some(describe(system, (&at.cycle, margin), place, sides))
     }
 
-    /// The change that the orbits end in behind which none is found: at a margin that goes to zero
-    /// like a root of the parameter.
+    /// The change at which the orbits end with none behind it: a margin goes to zero like a square
+    /// root of the parameter.
     fn ends_in(&self, good: &[OrbitAt], lost: f64) -> Option<SequenceChange> {
         const NEAR: f64 = 10.0;
         let last = good.last()?;
@@ -363,7 +363,7 @@ impl<'a> Following<'a> {
         let finer = self.solve(last.parameter, guess, &self.options.finer());
         let by_tolerance = finer.and_then(|finer| {
             let value = finer.cycle.margin_like(margin)?.value;
-            // The way goes with the square of the margin.
+            // The distance in the parameter is quadratic in the margin.
             Some(4.0 * (value / margin.value - 1.0).abs() * way.abs())
         });
         let system = &*(self.family)(last.parameter);
@@ -402,7 +402,7 @@ impl<'a> Following<'a> {
     }
 
     /// Where the orbits end in an equilibrium of one of several modes on the way to another value,
-    /// if they do.
+    /// if anywhere.
     pub fn boundary_equilibrium(&self, way: &FollowedOrbits, to: f64) -> Option<WhatChanges> {
         let goes_on = way.lost.is_none() && way.change.is_none();
         if goes_on || self.forced.is_some() {
@@ -421,8 +421,8 @@ impl<'a> Following<'a> {
         is_on_way.then_some(WhatChanges::BoundaryEquilibrium { parameter, x })
     }
 
-    /// The first of its multipliers to reach the unit circle on the way, or the fold that it ends
-    /// in.
+    /// The first multiplier to reach the unit circle on the way, or the fold in which the orbit
+    /// ends.
     pub fn multiplier(&self, way: &FollowedOrbits) -> Option<WhatChanges> {
         let of = |cycle: &Cycle| Critical::of(&cycle.monodromy, self.free);
         let one = |cycle: &Cycle| Some(of(cycle).one);
@@ -432,7 +432,7 @@ impl<'a> Following<'a> {
         for both in way.good.windows(2) {
             let [before, behind] = both else { continue };
             let gaps = [before, behind].map(|one| of(&one.cycle).gap_to_one());
-            // Next to a fold rounding tells the sign.
+            // Near a fold rounding decides the sign.
             let is_noise = gaps[0].max(gaps[1]) < NEAR_ONE;
             for (kind, function) in functions.into_iter().enumerate() {
                 let ends = [before, behind].map(|one| function(&one.cycle));
@@ -462,10 +462,10 @@ impl<'a> Following<'a> {
         if of(&last.cycle).gap_to_one() >= NEAR_ONE {
             return None;
         }
-        // There the square of the function goes to zero like the parameter.
+        // There the square of the function goes to zero linearly in the parameter.
         let square = |one: &OrbitAt| of(&one.cycle).one * of(&one.cycle).one;
         let own = square(last);
-        // Nearer to it an orbit closes within the tolerance where there is none any more.
+        // Nearer to it, an orbit closes within the tolerance although none exists.
         const LEAST: f64 = 1e-10;
         const APART: f64 = 4.0;
         const NODES: usize = 4;
@@ -524,13 +524,13 @@ fn changed(at: &Cycle, (parameter, uncertainty): (f64, f64), what: Special) -> W
     }
 }
 
-/// By how much a zero's parameter may be off, that was found in a stretch of this width. Where
-/// another branch meets it no orbit can be computed: it lies in the stretch.
+/// Uncertainty of the parameter at a zero located in an interval of this width. Where another
+/// branch meets this one no orbit can be computed, so the zero lies in the interval.
 fn uncertainty(zero: &Zero, width: f64) -> f64 {
     at_least((zero.parameter, zero.uncertainty), width.abs(), width.abs())
 }
 
-/// How the unknowns change by the parameter, by the last two orbits.
+/// Derivative of the unknowns by the parameter, from the last two orbits.
 fn slope(good: &[OrbitAt]) -> Option<Vector> {
     let [.., one, two] = good else { return None };
     let way = two.cycle.outline.unknowns() - one.cycle.outline.unknowns();
@@ -542,7 +542,8 @@ fn vanishing(good: &[OrbitAt], by: f64) -> Option<f64> {
     vanishing_by(good, by).first().map(|(_, place)| *place)
 }
 
-/// The segments whose durations would vanish up to a place, the first of them first, and where.
+/// The segments whose durations would vanish up to a place, ordered by where they vanish, and that
+/// place.
 fn vanishing_by(good: &[OrbitAt], by: f64) -> Vec<(usize, f64)> {
     let (Some(last), Some(slope)) = (good.last(), slope(good)) else {
         return Vec::new();

@@ -1,5 +1,5 @@
-//! A sweep of one parameter that carries the state on: bifurcation diagrams, with hysteresis by a
-//! second sweep the other way.
+//! Sweeps of one parameter, in which each run continues from the last state. They yield bifurcation
+//! diagrams, and hysteresis by a second sweep in the opposite direction.
 
 mod change;
 mod follow;
@@ -13,23 +13,23 @@ use crate::dynamics::{AsDynamics, Components, DynamicsRef, Moment, Vector};
 use crate::error::Error;
 use crate::filippov::Options;
 
-/// Makes the system of each parameter.
+/// Constructs the system for each value of the parameter.
 type Family<'a> = dyn Fn(f64) -> DynamicsRef<'a> + 'a;
 
-/// How a parameter is swept.
+/// Settings of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SweepSettings {
-    /// When an attractor is reached.
+    /// When an attractor counts as reached.
     pub recurrence: RecurrenceSettings,
-    /// How the first Lyapunov exponent is measured, if it is wanted.
+    /// Settings for the largest Lyapunov exponent; without them it is not measured.
     pub spectrum: Option<SpectrumOptions>,
-    /// The solver's settings for locating changes; none are located without.
+    /// The solver's settings for locating changes; without them none are located.
     pub locating: Option<Options>,
 }
 
 impl SweepSettings {
-    /// With this longest time for each attractor; changes are located with a tolerance of 1e-13,
-    /// and exponents are not measured.
+    /// The defaults with this longest time for each attractor. Changes are located with a tolerance
+    /// of 1e-13, and exponents are not measured.
     pub fn within(longest: f64) -> Self {
         SweepSettings {
             recurrence: RecurrenceSettings::within(longest),
@@ -48,45 +48,45 @@ impl SweepSettings {
     }
 }
 
-/// What was found at one value of the parameter.
+/// The result at one value of the parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweepPoint {
     /// The parameter.
     pub parameter: f64,
-    /// The attractor: section points, phases with the sticks' durations and lengths, and their
+    /// The attractor: section points, phases with durations and lengths of the sticks, and their
     /// sequence.
     pub reached: Reached,
-    /// The largest Lyapunov exponent, if it was asked for and could be measured.
+    /// The largest Lyapunov exponent, if it was requested and could be measured.
     pub exponent: Option<Exponent>,
 }
 
-/// A difference between the attractors at two neighbouring values of the parameter.
+/// A change between the attractors at two neighbouring values of the parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AttractorChange {
     /// The two values, in the order of the sweep.
     pub between: (f64, f64),
-    /// What it is.
+    /// Its kind.
     pub what: WhatChanges,
 }
 
-/// What becomes of an attractor between two values of a parameter.
+/// What happens to an attractor between two values of a parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub enum WhatChanges {
-    /// The phases of a periodic orbit.
+    /// The phases of a periodic orbit change.
     Sequence(SequenceChange),
     /// An equilibrium loses its stability, in the direction of the sweep or against it: a pair of
-    /// eigenvalues of its field crosses the imaginary axis, or one passes through zero.
+    /// eigenvalues of its field crosses the imaginary axis, or a real one passes through zero.
     Equilibrium {
         /// The parameter.
         parameter: f64,
         /// The equilibrium there.
         x: Vector,
-        /// Size of the imaginary part of the eigenvalues that cross: 0 where it is one, and
-        /// otherwise a Hopf bifurcation.
+        /// Absolute imaginary part of the eigenvalues that cross: 0 for a single real one, positive
+        /// at a Hopf bifurcation.
         frequency: f64,
     },
-    /// An equilibrium comes to the discontinuity boundary, or to the edge of the part of it that is
-    /// slid on: a boundary-equilibrium bifurcation.
+    /// A boundary-equilibrium bifurcation: an equilibrium reaches the discontinuity boundary, or
+    /// the edge of its sliding region.
     BoundaryEquilibrium {
         /// The parameter.
         parameter: f64,
@@ -94,43 +94,42 @@ pub enum WhatChanges {
         x: Vector,
     },
     /// A periodic orbit keeps its phases and has a multiplier on the unit circle: it doubles its
-    /// period or sheds a torus, meets another branch, or ends in a fold.
+    /// period, sheds a torus, meets another branch, or ends in a fold.
     Multiplier {
         /// The parameter.
         parameter: f64,
-        /// By how much that may be off.
+        /// Uncertainty of the parameter.
         uncertainty: f64,
-        /// Which: never [`Special::Sequence`].
+        /// Which bifurcation; never [`Special::Sequence`].
         what: Special,
         /// A state on the orbit.
         x: Vector,
         /// Its period.
         period: f64,
     },
-    /// It could not be located: the orbits on both sides go on through the interval, or are not
-    /// periodic, or do not converge.
+    /// The change could not be located. The orbits on both sides continue through the interval, are
+    /// not periodic, or do not converge.
     Unlocated,
 }
 
-/// A sweep of a parameter.
+/// The result of a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {
-    /// What was found, in the order of the parameters.
+    /// The attractors, in the order of the parameters.
     pub points: Vec<SweepPoint>,
-    /// Where it is not the same kind of motion, with the same phases or the same mode of rest, as
-    /// at the value before: one, or where one orbit ends and another one begins that has nothing to
-    /// do with it, both.
+    /// The changes between neighbouring values: those where the kind of motion, the phases or the
+    /// mode of rest differ. There is one; or two, where one orbit ends and an unrelated one begins.
     pub changes: Vec<AttractorChange>,
 }
 
-/// Follows an attractor through `parameters`, in their order, from the state that was reached at
-/// the one before: up, down or as they come. `family` makes the system of each parameter.
+/// Follows an attractor through `parameters`, in the given order. Each run starts from the state
+/// reached at the previous value. `family` constructs the system for each parameter.
 ///
-/// Between two values where the phases of a periodic orbit differ, the orbit itself is followed by
-/// shooting, to where its phases change: to 1e-10 of the interval, and named by the event function
-/// that vanishes there ([`super::SequenceBifurcation`]). Where none does, it is followed to where
-/// one of its multipliers is on the unit circle, or to a fold. An equilibrium is followed to where
-/// it loses its stability, or its mode no longer holds.
+/// Where the phases of a periodic orbit differ between two values, shooting follows the orbit to
+/// the change of its phases. The change is located to 1e-10 of the interval and named by the event
+/// function that vanishes there ([`super::SequenceBifurcation`]). If no event function vanishes,
+/// the orbit is followed to a fold or until a multiplier reaches the unit circle. An equilibrium is
+/// followed to where it loses its stability or its mode ceases to hold.
 ///
 /// ```
 /// use stickslip::analysis::{SweepSettings, sweep};
@@ -147,7 +146,7 @@ pub struct Sweep {
 /// ```
 ///
 /// # Errors
-/// As [`super::attractor`], for the first parameter that has one.
+/// Those of [`super::attractor`], for the first parameter that fails.
 pub fn sweep<S: AsDynamics<Kind>, Kind>(
     family: impl Fn(f64) -> S,
     parameters: impl IntoIterator<Item = f64>,
@@ -202,7 +201,7 @@ fn sweep_of<'a>(
 fn carried_on<'r>(reached: &'r Reached, settings: &RecurrenceSettings) -> Option<&'r Vector> {
     match reached.kind {
         Kind::Escape | Kind::Failure(_) | Kind::Repelling | Kind::TwoFold(_) => None,
-        // At a flash of the strobe, at which the next run begins, too.
+        // At a strobe time, where the next run begins, too.
         _ if settings.forcing.is_some() => reached.points.last().map(|point| &point.x),
         _ => Some(&reached.x),
     }

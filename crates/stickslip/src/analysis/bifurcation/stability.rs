@@ -1,33 +1,34 @@
-//! Where an equilibrium loses its stability, or its mode no longer holds.
+//! Where an equilibrium loses its stability, or its mode ceases to hold.
 
 use super::{Family, Reached, WhatChanges};
 use crate::analysis::attractors::rest::{ZERO, along_boundaries, equilibrium_near, least_guard};
 use crate::analysis::multipliers::eigenvalues;
 use crate::dynamics::{Moment, Vector};
 
-/// How far behind a value of the sweep its change is looked for where that value hits it, as a part
-/// of the way between two.
+/// Distance behind a value of the sweep within which its change is sought if that value lies
+/// exactly on it, as a fraction of the interval.
 const BEHIND: f64 = 1.0 / 64.0;
 
-/// So much of that way behind the value it was hit; further on it is another pair's.
+/// The change counts as hit within this fraction of the interval behind the value; farther on it
+/// belongs to another pair.
 pub(super) const NEXT_TO: f64 = 1e-6;
 
-/// A guard of less than this part of what it was at the value before is rounding.
+/// A guard below this fraction of its previous value is rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// What decides on an equilibrium at one value of the parameter.
+/// The quantities that decide at one value of the parameter.
 struct Leading {
-    /// The largest real part among the eigenvalues, and the size of the imaginary part there.
+    /// The largest real part of the eigenvalues, and the absolute imaginary part there.
     rate: f64,
     frequency: f64,
-    /// Rates that cannot be told from zero.
+    /// Largest rate that cannot be distinguished from zero.
     noise: f64,
     /// The smallest guard of its mode.
     guard: f64,
 }
 
-/// Where the equilibrium loses its stability on the way to another value, or comes to the edge of
-/// where its mode holds.
+/// Where the equilibrium loses its stability on the way to another value, or reaches the edge of
+/// its mode's domain.
 pub(super) fn loss_of_stability(
     family: &Family<'_>,
     from: (f64, &Reached),
@@ -77,15 +78,15 @@ pub(super) fn loss_of_stability(
     })
 }
 
-/// The zero of a function, of which what is below its noise cannot be told from zero, on the way
-/// from one value of the parameter to another.
+/// The zero of a function between two values of the parameter. Values below its noise cannot be
+/// distinguished from zero.
 fn zero_on(
     (from, to): (f64, f64),
     mut function: impl FnMut(f64) -> Option<(f64, f64)>,
 ) -> Option<f64> {
     let (mut a, mut b) = (from, to);
     let ((mut at_a, _), (mut at_b, noise)) = (function(a)?, function(b)?);
-    // At a change that a value of the sweep hits rounding tells the sign.
+    // At a change that a value of the sweep hits exactly, rounding decides the sign.
     if at_b.abs() <= noise {
         b += BEHIND * (b - a);
         at_b = function(b)?.0;

@@ -1,4 +1,5 @@
-//! Changes of the phases along a branch: where, by which margin, and the orbits behind them.
+//! Changes of the phases along a branch: where they are, by which margin, and the orbits behind
+//! them.
 
 use super::line::Line;
 use super::parameter_of;
@@ -10,31 +11,31 @@ use crate::analysis::cycle::{
 use crate::dynamics::{Happening, Moment, Section, Vector};
 use crate::filippov::Direction;
 
-/// What is found of a change.
+/// A located change.
 pub(super) struct Change {
     /// The orbit at the change.
     pub at: Zero,
     /// The margin that vanishes there.
     pub margin: Margin,
-    /// The orbits behind it: the first of them, and the line on which they go on.
+    /// The orbits behind it: the first of them, and the line on which they continue.
     pub behind: Option<(Cycle, Line)>,
 }
 
-/// Orbits behind a change are sought this part of a step beyond it.
+/// Distance beyond a change at which orbits are sought, as a fraction of a step.
 pub(super) const BEYOND: [f64; 5] = [1e-3, 1e-2, 1e-4, 1e-1, 1e-5];
 
-/// A segment that begins at a change is shorter than this part of the longest.
+/// A segment that begins at a change is shorter than this fraction of the longest.
 const SHORT: f64 = 0.2;
 
-/// An orbit has come back within this part of its extent.
+/// An orbit has returned if it is within this fraction of its extent.
 const NEAR: f64 = 0.1;
 
-/// It comes back within so many periods.
+/// Number of periods within which it returns.
 const MOST_PERIODS: f64 = 3.0;
 
 impl Walk<'_> {
-    /// The first margin that an orbit on the line has come below zero at, and where; `Err` where
-    /// the step is too long to tell.
+    /// The first margin that is below zero at an orbit on the line, and where; `Err` where the step
+    /// is too long to decide.
     pub(super) fn passed(&self, line: &Line, next: &Cycle) -> Result<Option<Change>, ()> {
         let s = line.place(next);
         let path = line.orbits(&self.shooting);
@@ -45,14 +46,14 @@ impl Walk<'_> {
         let at = self.refined(line, at, s, &|one: &Cycle| {
             Some(one.margin_like(&margin)?.value)
         });
-        // Next to the graze of a jump orbits with that jump have derivatives without bound.
+        // Near the graze of a jump, orbits with that jump have unbounded derivatives.
         let ends = margin.is_of_jump;
         let behind = (!ends).then(|| self.behind(line, &at, s)).flatten();
         Ok(Some(Change { at, margin, behind }))
     }
 
-    /// The orbits behind a change, in the sequence that the system itself takes from the orbit a
-    /// little beyond it.
+    /// The orbits behind a change, in the sequence that the system itself takes from the orbit
+    /// slightly beyond it.
     fn behind(&self, line: &Line, at: &Zero, step: f64) -> Option<(Cycle, Line)> {
         BEYOND.iter().find_map(|part| {
             let beyond = line.on(&self.shooting, at.s + part * step)?;
@@ -65,13 +66,13 @@ impl Walk<'_> {
         })
     }
 
-    /// An orbit with a new sequence near an outline, and the line on which it goes away from the
-    /// change: the shortest segment grows, or else the parameter goes on.
+    /// An orbit with a new sequence near an outline, and the line on which it leaves the change.
+    /// Along the line the shortest segment grows, or else the parameter advances.
     fn enter(&self, outline: &Outline, change: f64) -> Option<(Cycle, Line)> {
         let n = outline.begin.x.len();
         let durations = || outline.segments.iter().map(|one| one.duration);
         let longest = durations().fold(0.0, f64::max);
-        // Of those that are new, if any is.
+        // Of the new segments, if there are any.
         let known = &self.branch.last.outline.segments;
         let is_new = |k: usize| !known.iter().any(|one| one.mode == outline.segments[k].mode);
         let any_new = (0..outline.segments.len()).any(is_new);
@@ -93,7 +94,7 @@ impl Walk<'_> {
         })
     }
 
-    /// The orbit that the system itself takes from one that is none, for a period.
+    /// The system's own orbit for one period, from a start that is not on a periodic orbit.
     fn run_through(&self, orbit: &Cycle) -> Option<Outline> {
         let Shooting {
             system, options, ..
@@ -106,7 +107,7 @@ impl Walk<'_> {
         Outline::of_run(system, start, period, options).ok()
     }
 
-    /// After what time an orbit is first back near a state of it.
+    /// The time at which an orbit first returns near one of its states.
     fn comes_back(&self, from: &Moment, orbit: &Cycle) -> Option<f64> {
         let Shooting {
             system, options, ..
@@ -130,8 +131,8 @@ impl Walk<'_> {
         }
     }
 
-    /// The change at which the durations of segments vanish, of the first at a place on the line:
-    /// of several at once, if an orbit without them lies behind, or else of that one.
+    /// The change at which the durations of segments vanish, of the first at a place on the line.
+    /// Several vanish at once if an orbit without them lies behind; otherwise only that one does.
     pub(super) fn vanishes(&self, line: &Line, place: f64) -> Option<Change> {
         let numbers = line.vanishing(AT_ONCE * place);
         let numbers: Vec<usize> = numbers.into_iter().map(|(k, _)| k).collect();
@@ -152,7 +153,7 @@ impl Walk<'_> {
             .or_else(|| self.coincides(line, &numbers, place))
     }
 
-    /// The change at which some segments vanish, at about a place.
+    /// The change at which some segments vanish, near a place.
     fn vanishes_without(&self, known: &Line, numbers: &[usize], place: f64) -> Option<Change> {
         let outline = &self.branch.last.outline;
         let simple = outline.without(numbers, &self.branch.last.begins)?;
@@ -160,14 +161,14 @@ impl Walk<'_> {
         let row = simple.unit(n - 1);
         let value = row.dot(&simple.unknowns());
         let first = self.shooting.solve(&simple, Some((&row, value)))?;
-        // Of a family the margin is zero at any parameter.
+        // In a family, the margin is zero at any parameter.
         if first.family > self.shooting.family {
             return None;
         }
         let line = Line::tangent(&self.shooting, self.branch.units, &first, &row)?;
         let margin = first.margin_about(&self.branch.last, numbers)?;
         let (at, slope) = self.zero_near(&line, margin, place)?;
-        // Elsewhere than ahead, about where the segments would vanish, it is another change.
+        // Only ahead, and near where the segments would vanish; elsewhere it is another change.
         const TOLD: f64 = 0.1;
         const FURTHER: f64 = 3.0;
         let way = at.parameter - parameter_of(&self.branch.last);
@@ -189,8 +190,8 @@ impl Walk<'_> {
         })
     }
 
-    /// The change at the last orbit, of which a segment has all but vanished and no orbit without
-    /// it was found.
+    /// The change at the last orbit, of which a segment has all but vanished, if no orbit without
+    /// it could be computed.
     pub(super) fn vanished(&self, line: &Line, place: f64) -> Option<Change> {
         let (number, _) = *line.vanishing(place).first()?;
         let is_meant =
@@ -212,8 +213,8 @@ impl Walk<'_> {
         Some(Change { at, margin, behind })
     }
 
-    /// By how much the tolerances may have the parameter of an orbit off, for which the product of
-    /// the unknowns with a row has a value: twice what a tenth of them changes.
+    /// Error of an orbit's parameter due to the tolerances, with the product of the unknowns with a
+    /// row held fixed: twice the change caused by a tenth of them.
     fn by_tolerance(&self, parameter: f64, guess: &Outline, row: (&Vector, f64)) -> f64 {
         const SAFE: f64 = 2.0;
         let finer = Shooting {
@@ -226,7 +227,7 @@ impl Walk<'_> {
         })
     }
 
-    /// Where a margin is zero near the beginning of a line, and the sign of its slope there.
+    /// The zero of a margin near the beginning of a line, and the sign of its slope there.
     fn zero_near(&self, line: &Line, margin: &Margin, step: f64) -> Option<(Zero, f64)> {
         let value = |one: &Cycle| Some(one.margin_like(margin)?.value);
         let path = line.orbits(&self.shooting);

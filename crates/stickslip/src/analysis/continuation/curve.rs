@@ -14,7 +14,7 @@ use crate::filippov::Options;
 /// An orbit on a curve of special ones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CurvePoint {
-    /// The two parameters, which are the last two states: the one of the branch last.
+    /// The two parameters, which are the last two states; the branch parameter comes last.
     pub parameters: [f64; 2],
     /// A time and a state on the orbit.
     pub t: f64,
@@ -24,45 +24,45 @@ pub struct CurvePoint {
     pub period: f64,
 }
 
-/// Why a curve was followed no further.
+/// Why the continuation of a curve stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CurveStop {
-    /// One of the parameters has come to an end of its range.
+    /// One of the parameters has reached an end of its range.
     Range,
-    /// There are as many points as asked for.
+    /// The curve has as many points as requested.
     Points,
-    /// Another change of the phases comes to the same orbit behind the last point.
+    /// Another change of the phases occurs at the same orbit behind the last point.
     AnotherChange,
-    /// No further orbit was found within the shortest step behind the last one.
+    /// No further orbit could be computed within the shortest step behind the last one.
     NoConvergence,
 }
 
 /// A curve of special periodic orbits in two parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// The orbit that it begins with.
+    /// The orbit at which it begins.
     pub at: SpecialPoint,
     /// The orbits, from one end of the curve to the other.
     pub points: Vec<CurvePoint>,
-    /// Which of them it was begun with.
+    /// Index of the orbit at which it began.
     pub first: usize,
-    /// Why there are no more before the first and behind the last.
+    /// Why the curve ends before the first and behind the last orbit.
     pub stops: [CurveStop; 2],
 }
 
-/// Follows the special orbit with a number, counted from 0, that a branch of periodic orbits meets,
-/// in two parameters: a change of the phases, a fold, a flip or a Neimark–Sacker bifurcation.
+/// Follows in two parameters a special orbit of a branch of periodic orbits, by its number counted
+/// from 0. It is a change of the phases, a fold, a flip or a Neimark–Sacker bifurcation.
 ///
-/// **The parameters are the last two states**, of which the last is that of the branch, as in
-/// [`super::continue_periodic_orbit`]; the other keeps its value on the branch and has the range
-/// `other`. A margin that is zero at a change of the phases is added to the equations, with its
-/// gradient from dual numbers (Thota & Dankowicz 2008). A function of the multipliers is zero at
-/// one orbit of those in the plane across the curve, which make up a branch; it is located like
-/// that on any branch. So curves pass their own folds, and those of folds their cusps.
+/// **The parameters are the last two states.** The last is the branch parameter, as in
+/// [`super::continue_periodic_orbit`]; the other is fixed on the branch and has the range `other`.
+/// At a change of the phases, the vanishing margin is added to the equations, with its gradient
+/// from dual numbers (Thota & Dankowicz 2008). A function of the multipliers vanishes at one orbit
+/// of the branch in the plane across the curve; it is located as on any branch. So curves pass
+/// their own folds, and curves of folds pass cusps.
 ///
 /// # Errors
-/// Those of [`super::continue_periodic_orbit`]; [`Error::NotFound`] where the branch does not come
-/// to such an orbit, or no curve goes on from it: a branch point has none.
+/// Those of [`super::continue_periodic_orbit`]; [`Error::NotFound`] where the branch has no such
+/// orbit, or no curve continues from it: a branch point has none.
 pub fn continue_change<Kind>(
     system: &impl AsDynamics<Kind>,
     x: impl Components,
@@ -133,10 +133,10 @@ fn point(cycle: &Cycle) -> CurvePoint {
     }
 }
 
-/// What is zero on a curve.
+/// The function that vanishes on a curve.
 #[derive(Clone)]
 enum Condition {
-    /// A margin, which moves along the orbit.
+    /// A margin, whose position moves along the orbit.
     Margin(Margin),
     /// A function of the multipliers, and the line across the curve on which it was located.
     Multiplier(fn(&Critical) -> Option<f64>, Line),
@@ -158,12 +158,12 @@ impl Condition {
     }
 }
 
-/// One way along a curve.
+/// One direction along a curve.
 struct CurveWalk<'a> {
     shooting: Shooting<'a>,
     units: Units,
     settings: &'a ContinuationSettings,
-    /// Which component the other parameter is, and its range.
+    /// The component of the other parameter, and its range.
     place: usize,
     other: (f64, f64),
 }
@@ -176,8 +176,8 @@ impl CurveWalk<'_> {
         }
     }
 
-    /// The orbit of the curve near a guess for which the product of the unknowns with `row` has a
-    /// value, with what is zero there.
+    /// The orbit of the curve near a guess at which the product of the unknowns with `row` has a
+    /// given value, with the function that vanishes there.
     fn solve(
         &self,
         condition: &Condition,
@@ -206,7 +206,7 @@ impl CurveWalk<'_> {
         }
     }
 
-    /// The line on which the curve goes on from an orbit behind another one.
+    /// The line on which the curve continues from an orbit behind another one.
     fn goes_on(&self, condition: &Condition, from: &Line, next: &Cycle) -> Option<Line> {
         match condition {
             Condition::Margin(margin) => {
@@ -219,9 +219,9 @@ impl CurveWalk<'_> {
         }
     }
 
-    /// The line on which the curve leaves its first orbit, one way.
+    /// The line on which the curve leaves its first orbit in one direction.
     fn leaves(&self, first: &Cycle, condition: &Condition, sign: f64) -> Option<Line> {
-        // So short a part of a step that the curve is straight.
+        // Fraction of a step over which the curve is straight.
         const SHORT: f64 = 1e-2;
         let row = first.outline.unit(self.place);
         if let Condition::Margin(margin) = condition {
@@ -247,7 +247,7 @@ impl CurveWalk<'_> {
             return (points, CurveStop::NoConvergence);
         };
         let mut step = self.settings.step;
-        // Whether the duration of a segment would have vanished in the last one that was tried.
+        // Whether the duration of a segment would have vanished in the last attempt.
         let mut was_vanishing = false;
         loop {
             if 2 * points.len() >= self.settings.most_points {
@@ -291,7 +291,7 @@ impl CurveWalk<'_> {
         }
     }
 
-    /// The orbit at the end of the range that an orbit lies beyond, if it does.
+    /// The orbit at the end of the range, if the given orbit lies beyond it.
     fn at_end(
         &self,
         condition: &Condition,

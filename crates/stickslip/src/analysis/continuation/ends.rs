@@ -11,21 +11,21 @@ use crate::analysis::lagrange::weights;
 use crate::dynamics::{Happening, Modes, Moment, Orbit, Section, Vector, run};
 use crate::filippov::Direction;
 
-/// An orbit of less than this part of the widest one's extent is about to be an equilibrium.
+/// An orbit below this fraction of the widest one's extent is about to shrink to an equilibrium.
 const SMALL: f64 = 0.04;
 
-/// A driven orbit that moves by less than this part of the widest one's extent may be about to
-/// rest.
+/// A driven orbit whose motion is below this fraction of the widest one's extent may be about to
+/// come to rest.
 const AT_REST: f64 = 1e-3;
 
-/// So near to an end of the range, in parts of it, the orbit is at that end.
+/// Within this fraction of the range, the orbit is at that end of it.
 const AT_END: f64 = 1e-10;
 
-/// Two orbits at one parameter that differ by less than this part are one.
+/// Two orbits at one parameter are the same if they differ by less than this fraction.
 const SAME: f64 = 1e-6;
 
 impl Walk<'_> {
-    /// Whether the branch has come to an end of the range, to what a parameter is located to:
+    /// Whether the branch has reached an end of the range, to the precision of a located parameter;
     /// beyond it the system may not exist.
     pub(super) fn is_at_end(&self) -> bool {
         let (low, high) = self.settings.range;
@@ -34,7 +34,7 @@ impl Walk<'_> {
         here != before && (end - here).abs() <= AT_END * self.branch.units.width
     }
 
-    /// Whether the orbit is about to be an equilibrium, or at rest.
+    /// Whether the orbit is about to shrink to an equilibrium or to come to rest.
     pub(super) fn shrinks(&self) -> Option<Stop> {
         let extent = self.branch.last.extent;
         if extent >= self.branch.before.extent {
@@ -63,7 +63,7 @@ impl Walk<'_> {
         })
     }
 
-    /// A boundary-equilibrium bifurcation that the last two orbits come to in the range.
+    /// A boundary-equilibrium bifurcation that the last two orbits approach in the range.
     pub(super) fn boundary_equilibrium(&self) -> Option<Stop> {
         let parameter = self.ends_at()?;
         let (low, high) = self.settings.range;
@@ -72,8 +72,8 @@ impl Walk<'_> {
             .then_some(Stop::BoundaryEquilibrium { parameter })
     }
 
-    /// The parameter at which the last two orbits end in an equilibrium that comes to the edge of
-    /// where its mode holds.
+    /// The parameter at which the last two orbits end in an equilibrium that reaches the edge of
+    /// its mode's domain.
     fn ends_at(&self) -> Option<f64> {
         if self.settings.forced.is_some() {
             return None;
@@ -88,11 +88,12 @@ impl Walk<'_> {
         Some(ends_in(&orbits, self.branch.widest, states, held)?.0)
     }
 
-    /// The parameter at which crossing orbits shrink to a two-fold, as they do where they come to
-    /// the boundary ever more slowly from both sides. It is that of no extent, by a polynomial.
+    /// The parameter at which crossing orbits shrink to a two-fold, as they do if they meet the
+    /// boundary ever more slowly from both sides. It is extrapolated to zero extent by a
+    /// polynomial.
     fn two_fold(&self) -> Option<Stop> {
         const NODES: usize = 5;
-        // Rates that fall like the extents do so to this part.
+        // Tolerance for rates that decrease in proportion to the extents.
         const LIKE: f64 = 0.2;
         let rates = |cycle: &Cycle| {
             let landings = cycle.margins.iter();
@@ -109,14 +110,14 @@ impl Walk<'_> {
             .modes()
             .iter()
             .any(Modes::any_sticks);
-        // Near an equilibrium the period would stay.
+        // Near an equilibrium the period would remain finite.
         let periods = (&self.branch.before.period, &self.branch.last.period);
         let all =
             before.len() == last.len() && before.iter().zip(&last).chain([periods]).all(is_like);
         if !is_crossing || last.is_empty() || !all {
             return None;
         }
-        // Each goes about twice as far as the one before.
+        // Each is about twice as large as the one before.
         let mut nodes: Vec<(f64, f64)> = Vec::new();
         for (point, &extent) in self.branch.points.iter().zip(&self.branch.extents).rev() {
             if nodes.last().is_none_or(|(least, _)| extent >= 2.0 * least) {
@@ -131,13 +132,13 @@ impl Walk<'_> {
             let weighted = weights(&extents, 0.0).into_iter().zip(nodes);
             weighted.map(|(weight, node)| weight * node.1).sum()
         };
-        // Not yet: the farthest of them is none of the small ones.
+        // Not yet: the largest of them is not small.
         if nodes.len() < NODES || nodes[NODES - 1].0 > 0.5 * self.branch.widest {
             return None;
         }
         let parameter = at_nothing(&nodes);
         let uncertainty = (parameter - at_nothing(&nodes[..NODES - 1])).abs();
-        // Smaller ones tell it better.
+        // Smaller ones determine it better.
         const RESOLVED: f64 = 1e-9;
         (uncertainty <= RESOLVED * self.branch.units.width).then_some(Stop::TwoFold {
             parameter,
@@ -145,8 +146,7 @@ impl Walk<'_> {
         })
     }
 
-    /// Whether an orbit a step further on begins where the last one sticks, and does so all the
-    /// time.
+    /// Whether an orbit one step farther begins where the last one sticks and sticks throughout.
     fn rests_further_on(&self) -> bool {
         let segments = self
             .branch
@@ -173,7 +173,7 @@ impl Walk<'_> {
         orbit.transitions.is_empty() && orbit.phases.iter().all(|phase| phase.mode.any_sticks())
     }
 
-    /// Whether the branch has come back to the first orbit, which is then its last.
+    /// Whether the branch has returned to the first orbit, which is then its last.
     pub(super) fn closes(&mut self) -> Option<Stop> {
         let begin = parameter_of(&self.branch.first);
         let (from, to) = (parameter_of(&self.branch.before), self.parameter());
@@ -190,7 +190,7 @@ impl Walk<'_> {
         if !self.is_first(&found) {
             return None;
         }
-        // What lies behind the first orbit was found at the beginning.
+        // What lies behind the first orbit was computed at the beginning.
         let last = self.branch.points.len() - 1;
         self.branch
             .special
@@ -209,12 +209,12 @@ impl Walk<'_> {
         let alike = agree(found.period / first.period, 1.0)
             && agree(a.one, b.one)
             && agree(a.minus_one, b.minus_one);
-        // The mirror image of the first orbit is like it, but elsewhere.
+        // The mirror image of the first orbit resembles it, but lies elsewhere.
         let near = SAME * first.extent;
         alike && self.comes_by(found).is_some_and(|off| off <= near)
     }
 
-    /// How near an orbit comes to the first one's anchor; of a driven one, at its time.
+    /// The least distance of an orbit from the first one's anchor; of a driven one, at its time.
     fn comes_by(&self, found: &Cycle) -> Option<f64> {
         let (system, options) = (self.shooting.system, self.shooting.options);
         let (start, place) = (&found.anchor, &self.branch.first.anchor);

@@ -26,41 +26,41 @@ pub struct EquilibriumPoint {
     pub parameter: f64,
     /// The state; the last component is the parameter.
     pub x: Vector,
-    /// The mode that it is an equilibrium of: where a contact sticks, of the sliding field.
+    /// The mode of which it is an equilibrium; where a contact sticks, of the sliding field.
     pub mode: Modes,
     /// The eigenvalues of the mode's field, along the boundaries of the contacts that stick.
     pub eigenvalues: Vec<Complex<f64>>,
 }
 
 impl EquilibriumPoint {
-    /// What the eigenvalues say of it.
+    /// Stability by the eigenvalues.
     pub fn stability(&self) -> Stability {
         Stability::of_eigenvalues(&self.eigenvalues)
     }
 }
 
-/// What is special about an equilibrium on a branch.
+/// The kind of a special equilibrium on a branch.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EquilibriumBifurcation {
-    /// The branch turns back: an eigenvalue is zero.
+    /// A fold: the branch turns back, and an eigenvalue is zero.
     Fold,
-    /// An eigenvalue is zero, and the branch goes on: another one meets it.
+    /// A branch point: an eigenvalue is zero, the branch continues and another one meets it.
     BranchPoint,
-    /// A pair of eigenvalues is imaginary: periodic orbits are shed.
+    /// A Hopf bifurcation: a pair of eigenvalues is imaginary, and periodic orbits emerge.
     Hopf {
-        /// Their size: angle per unit of time.
+        /// Absolute value of these eigenvalues: angle per unit of time.
         frequency: f64,
     },
-    /// The equilibrium comes to a boundary, or to the edge of the part of it that is slid on (di
-    /// Bernardo, Budd, Champneys & Kowalczyk 2008, Ch. 5).
+    /// The equilibrium reaches a boundary, or the edge of its sliding region (di Bernardo, Budd,
+    /// Champneys & Kowalczyk 2008, Ch. 5).
     Boundary {
         /// The contact whose boundary it is, counted from 0.
         contact: usize,
         /// The mode before it.
         before: Modes,
-        /// The mode of the equilibrium that the branch goes on with, if there is one.
+        /// The mode of the equilibrium with which the branch continues, if there is one.
         after: Option<Modes>,
-        /// Whether the branch turns back with it: a nonsmooth fold, and not persistence.
+        /// Whether the branch turns back there: a nonsmooth fold, and not persistence.
         turns: bool,
     },
 }
@@ -81,12 +81,12 @@ impl fmt::Display for EquilibriumBifurcation {
 pub struct SpecialEquilibrium {
     /// The parameter.
     pub parameter: f64,
-    /// By how much that may be off: what the function that vanishes there lacks of zero, and what
-    /// rounding leaves of it, over its slope along the branch.
+    /// Uncertainty of the parameter: the residual of the function that vanishes there, with its
+    /// rounding error, over its slope along the branch.
     pub uncertainty: f64,
-    /// What is special.
+    /// The kind of the special equilibrium.
     pub what: EquilibriumBifurcation,
-    /// Behind how many points of the branch it lies.
+    /// Number of branch points before it.
     pub behind: usize,
     /// The state; the last component is the parameter.
     pub x: Vector,
@@ -95,27 +95,26 @@ pub struct SpecialEquilibrium {
 /// A branch of equilibria.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EquilibriumBranch {
-    /// The equilibria, in the order in which they were found.
+    /// The equilibria, in the order in which they were computed.
     pub points: Vec<EquilibriumPoint>,
     /// The special ones between them, in the same order.
     pub special: Vec<SpecialEquilibrium>,
-    /// Why there are no more: at an end of the range, behind as many points as asked for, on a
-    /// boundary behind which there is no equilibrium, or where none was found.
+    /// Why the branch stops: at an end of the range, after the requested number of points, on a
+    /// boundary with no equilibrium behind it, or where no equilibrium could be computed.
     pub stop: Stop,
 }
 
-/// Follows the equilibrium near `x` from its parameter upwards or downwards by pseudo-arclength, in
-/// the mode that the system takes there or in one that differs from it by one contact.
-///
+/// Follows the equilibrium near `x` from its parameter upwards or downwards by pseudo-arclength.
+/// Its mode is the one that the system takes there, or one that differs from it in one contact.
 /// **The parameter is the last state**, as in [`super::continue_periodic_orbit`]. Folds, branch
-/// points and Hopf bifurcations are zeros of functions of the Jacobian. A boundary equilibrium is
-/// the zero of a guard of the mode, and the branch goes on with the equilibrium of another mode of
-/// that contact that begins there, if there is one.
+/// points and Hopf bifurcations are zeros of functions of the Jacobian. A boundary equilibrium is a
+/// zero of a guard of the mode. The branch continues with the equilibrium of another mode of that
+/// contact that begins there, if there is one.
 ///
 /// # Errors
-/// [`Error::Option`] for a setting that is not allowed, [`Error::Parameter`] where the last state
-/// is no parameter, [`Error::NotFound`] where there is no equilibrium near the start, or where it
-/// is one of a set of equilibria at the same parameter.
+/// [`Error::Option`] for a setting that is not allowed; [`Error::Parameter`] where the last state
+/// is no parameter; [`Error::NotFound`] where there is no equilibrium near the start, or where it
+/// belongs to a set of equilibria at the same parameter.
 ///
 /// ```
 /// use stickslip::analysis::{ContinuationSettings, EquilibriumBifurcation, continue_equilibrium};
@@ -199,15 +198,15 @@ fn others(mode: Modes, contact: usize) -> impl Iterator<Item = Modes> {
     other.map(move |one| mode.with(contact, one))
 }
 
-/// Part of the size of what cancels that is rounding.
+/// Fraction of the cancelling terms that is rounding.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 #[derive(Clone)]
 struct Equilibrium {
     mode: Modes,
-    /// The state, with the parameter behind it.
+    /// The state, followed by the parameter.
     at: Moment,
-    /// The derivative of the equations, each in its own unit, by all components.
+    /// The derivative of the equations by all components, each equation scaled to its own unit.
     equations: Matrix,
     /// The Jacobian along the boundaries of the contacts that stick.
     along: Matrix,
@@ -223,7 +222,7 @@ impl Equilibrium {
         eigenvalues(&self.along)
     }
 
-    /// Of the pairs of eigenvalues the one nearest to the imaginary axis.
+    /// The pair of eigenvalues nearest to the imaginary axis.
     fn pair(&self) -> Option<Complex<f64>> {
         let pairs = self.eigenvalues().into_iter().filter(|one| one.im > 0.0);
         pairs.min_by(|a, b| a.re.abs().total_cmp(&b.re.abs()))
@@ -294,7 +293,7 @@ impl Path for OnLine<'_> {
 }
 
 impl Walk<'_> {
-    /// The equilibrium of a mode in the plane across a row through a guess.
+    /// The equilibrium of a mode near a guess, in the plane through it across a row.
     fn solve(&self, mode: Modes, guess: &Vector, row: &Vector) -> Option<Equilibrium> {
         const MOST: usize = 20;
         let count = guess.len();
@@ -309,9 +308,9 @@ impl Walk<'_> {
             let off = row.dot(&(guess - &at.x));
             let step = self.bordered(&equations, row, (&right, off))?;
             let size = step.component_div(&self.units).amax();
-            // The last step is rounding once it is no smaller than the one before.
+            // The last step is rounding once it is not smaller than the one before.
             if size <= f64::EPSILON || size >= 0.5 * last {
-                // What a least-squares solution leaves is no rounding.
+                // The residual of a least-squares solution is not rounding.
                 let is_zero = |size: f64| size <= ZERO * ZERO.sqrt();
                 let off = right.amax() / self.units.amax();
                 let velocity = self.system.flow(mode, &at).velocity(&at);
@@ -332,7 +331,7 @@ impl Walk<'_> {
         None
     }
 
-    /// Solves the equations with a row behind them.
+    /// Solves the equations with a row appended.
     fn bordered(
         &self,
         equations: &Matrix,
@@ -368,7 +367,7 @@ impl Walk<'_> {
         (parts.singular_values, parts.v_t)
     }
 
-    /// Whether no other equilibria at the same parameter are next to one.
+    /// Whether no other equilibria at the same parameter are adjacent to one.
     fn is_isolated(&self, one: &Equilibrium) -> bool {
         let (values, _) = self.parts(one);
         let bound = ZERO * values.max();
@@ -384,7 +383,8 @@ impl Walk<'_> {
         least_guard(self.system, one.mode, &one.at)
     }
 
-    /// The line along the branch at an equilibrium, the way on which the product with a row grows.
+    /// The tangent of the branch at an equilibrium, in the direction in which the product with a
+    /// row grows.
     fn tangent(&self, one: &Equilibrium, row: &Vector) -> Option<Line> {
         let (_, directions) = self.parts(one);
         let directions = directions?;
@@ -402,8 +402,8 @@ impl Walk<'_> {
         })
     }
 
-    /// What is special between two equilibria on a line, in order; behind a boundary there is
-    /// nothing of this mode.
+    /// The special equilibria between two on a line, in order; beyond a boundary this mode has
+    /// none.
     fn between(
         &self,
         line: &Line,
@@ -449,7 +449,7 @@ impl Walk<'_> {
             .filter_map(|(what, function, noise)| {
                 let (a, b) = (function(last)?, function(next)?);
                 let is_guard = matches!(what, EquilibriumBifurcation::Boundary { .. });
-                // A guard that is zero where the line begins is one of the boundary there.
+                // A guard that is zero at the beginning of the line belongs to the boundary there.
                 let changes = a * b < 0.0 && a.abs().max(b.abs()) > noise;
                 if !changes || is_guard && a < 0.0 {
                     return None;
@@ -466,10 +466,10 @@ impl Walk<'_> {
         found
     }
 
-    /// The equilibrium of another mode of a contact that one on its boundary goes over into, and
-    /// the line on which it goes away from there.
+    /// The equilibrium of another mode of a contact that continues one on its boundary, and the
+    /// line on which it leaves the boundary.
     fn behind(&self, at: &Equilibrium, contact: usize) -> Option<(Equilibrium, Line)> {
-        // Part of a step on which the guards of the other mode tell which way it is.
+        // Fraction of a step over which the guards of the other mode decide the direction.
         const SHORT: f64 = 1e-3;
         let last = at.at.x.len() - 1;
         let by_parameter = unit(last + 1, last);

@@ -9,13 +9,13 @@ use crate::filippov::Options;
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Line {
-    /// The orbit that it begins at.
+    /// The orbit at which it begins.
     pub from: Outline,
     /// Changes of the unknowns for a step of length 1.
     pub direction: Vector,
-    /// The plane across the line: its product with the unknowns is the same.
+    /// The plane across the line, on which its product with the unknowns is constant.
     row: Vector,
-    /// Whether orbits are sought at a parameter: of a family at each, the nearest one.
+    /// Whether orbits are sought at a fixed parameter: in a family, the nearest one at each.
     is_of_families: bool,
 }
 
@@ -25,13 +25,13 @@ pub(super) struct Line {
 pub(super) struct Units {
     /// Size of the first orbit.
     pub size: f64,
-    /// Width of the parameter's range.
+    /// Width of the other parameter's range; it is the last component but one, if there is one.
     pub width: f64,
     /// And of the other's, the last component but one, if there is one.
     pub other: Option<f64>,
 }
 
-/// The cosine of the angle by which a branch turns in a step, at least.
+/// The smallest allowed cosine of the angle by which a branch turns in a step.
 pub(super) const BEND: f64 = 0.9;
 
 impl Units {
@@ -56,7 +56,8 @@ impl Units {
 }
 
 impl Line {
-    /// Along the branch's tangent at an orbit, the way on which the product with `row` grows.
+    /// The tangent of the branch at an orbit, in the direction in which the product with `row`
+    /// grows.
     pub fn tangent(
         shooting: &Shooting<'_>,
         units: Units,
@@ -107,7 +108,7 @@ impl Line {
         })
     }
 
-    /// The same way from another orbit with the same sequence.
+    /// The same direction from another orbit with the same sequence.
     pub fn goes_on(&self, shooting: &Shooting<'_>, units: Units, cycle: &Cycle) -> Option<Self> {
         if !self.is_of_families {
             return Line::tangent(shooting, units, cycle, &self.row);
@@ -121,7 +122,7 @@ impl Line {
         self.direction[self.from.begin.x.len() - 1]
     }
 
-    /// Whether another line goes on in nearly the same direction.
+    /// Whether another line continues in nearly the same direction.
     pub fn bends_little(&self, other: &Line) -> bool {
         if self.is_of_families {
             return self.heading() * other.heading() > 0.0;
@@ -161,8 +162,8 @@ impl Line {
         way / self.row.dot(&self.direction)
     }
 
-    /// The segments whose durations would vanish on it by a place, the first of them first, and
-    /// where.
+    /// The segments whose durations would vanish on it by a place, ordered by where they vanish,
+    /// and that place.
     pub fn vanishing(&self, by: f64) -> Vec<(usize, f64)> {
         self.from.vanishing(&self.direction, by)
     }

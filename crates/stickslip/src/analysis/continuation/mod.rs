@@ -1,4 +1,4 @@
-//! Periodic orbits followed along a parameter, stable or not, through folds and changes of their
+//! Periodic orbits, stable or not, followed along a parameter through folds and changes of their
 //! phases.
 
 mod change;
@@ -32,17 +32,17 @@ use line::{Line, Units};
 pub use switching::{SwitchedBranch, switch_branches};
 use walk::Walk;
 
-/// How far and how finely a branch is followed.
+/// The range and the step sizes of a continuation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContinuationSettings {
     /// The branch ends where the parameter leaves this range.
     pub range: (f64, f64),
-    /// First and longest step, as a part of the range and of the orbit's size. Default 0.02.
+    /// First and longest step, as a fraction of the range and of the orbit's size. Default 0.02.
     pub step: f64,
-    /// Orbits on the branch, at most. Default 1000.
+    /// Largest number of orbits on the branch. Default 1000.
     pub most_points: usize,
-    /// The period of the orbit, where it is the forcing's. The forcing's period itself cannot be
-    /// the parameter: to vary it, measure time in it.
+    /// The period of the orbit, where the forcing prescribes it. The forcing's period itself cannot
+    /// be the parameter: to vary it, measure time in units of it.
     pub forced: Option<f64>,
 }
 
@@ -57,7 +57,7 @@ impl ContinuationSettings {
         }
     }
 
-    /// With this period, a whole number of the forcing's.
+    /// With this period, a multiple of the forcing's.
     #[must_use]
     pub fn forced(self, period: f64) -> Self {
         ContinuationSettings {
@@ -102,38 +102,39 @@ impl ContinuationSettings {
 pub struct BranchPoint {
     /// The parameter.
     pub parameter: f64,
-    /// A time and a state on the orbit, in the middle of a phase, which is not the same all along
-    /// the branch; the last component is the parameter.
+    /// A time and a state on the orbit, in the middle of a phase; the phase may change along the
+    /// branch. The last component is the parameter.
     pub t: f64,
     /// See `t`.
     pub x: Vector,
     /// Period.
     pub period: f64,
-    /// The multipliers by falling size, without the trivial one of a system that does not depend on
-    /// time.
+    /// The multipliers in descending order of modulus, without the trivial one of an autonomous
+    /// system.
     pub multipliers: Vec<Complex<f64>>,
-    /// The modes gone through in one period.
+    /// The modes in one period, in order.
     pub sequence: Vec<Modes>,
 }
 
 impl BranchPoint {
-    /// What the multipliers say of it.
+    /// Stability by the multipliers.
     pub fn stability(&self) -> Stability {
         Stability::of(&self.multipliers)
     }
 }
 
-/// What is special about an orbit on a branch.
+/// The kind of a special orbit on a branch.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Special {
-    /// The branch turns back: a multiplier is 1.
+    /// A fold: the branch turns back, and a multiplier is 1.
     Fold,
-    /// A multiplier is 1, and the branch goes on: another one meets it.
+    /// A branch point: a multiplier is 1, the branch continues and another one meets it.
     BranchPoint,
-    /// A multiplier is −1: a branch of twice the period begins.
+    /// A flip: a multiplier is −1, and a branch of twice the period begins.
     Flip,
-    /// A pair of multipliers is on the unit circle: a torus is shed.
+    /// A Neimark–Sacker bifurcation: a pair of multipliers is on the unit circle, and a torus
+    /// emerges.
     NeimarkSacker {
         /// The angle of the pair, in radians.
         angle: f64,
@@ -160,41 +161,41 @@ impl fmt::Display for Special {
 pub struct SpecialPoint {
     /// The parameter.
     pub parameter: f64,
-    /// By how much that may be off: of a change of phases, its own; of the others, what the
-    /// multipliers' function lacks of zero there and what rounding leaves of it, over its slope
-    /// along the branch, and what the tolerances do, as in [`SequenceChange::uncertainty`].
+    /// Uncertainty of the parameter. For a change of phases it is [`SequenceChange::uncertainty`].
+    /// Otherwise it is the residual of the multipliers' function with its rounding error, over its
+    /// slope along the branch, and the effect of the tolerances, as there.
     pub uncertainty: f64,
-    /// What is special.
+    /// The kind of the special orbit.
     pub what: Special,
-    /// Behind how many points of the branch it lies.
+    /// Number of branch points before it.
     pub behind: usize,
-    /// A state on the orbit, or on the nearest one that was computed.
+    /// A state on the orbit, or on the nearest one that could be computed.
     pub x: Vector,
     /// Its period.
     pub period: f64,
 }
 
-/// Why a branch was followed no further.
+/// Why the continuation of a branch stopped.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Stop {
-    /// The parameter has come to an end of its range.
+    /// The parameter has reached an end of its range.
     Range,
-    /// There are as many points as asked for, or the observer of [`PartialBranch::follow`] asked
-    /// for no more.
+    /// The branch has as many points as requested, or the observer of [`PartialBranch::follow`]
+    /// stopped it.
     Points,
     /// The branch is closed: the last orbit is the first.
     Closed,
-    /// The orbit shrinks to an equilibrium, which has a pair of imaginary eigenvalues at this
-    /// parameter: a Hopf bifurcation.
+    /// A Hopf bifurcation: the orbit shrinks to an equilibrium that has a pair of imaginary
+    /// eigenvalues at this parameter.
     Equilibrium {
         /// The parameter.
         parameter: f64,
-        /// Size of the eigenvalues: angle per unit of time.
+        /// Absolute value of the eigenvalues: angle per unit of time.
         frequency: f64,
     },
-    /// A boundary-equilibrium bifurcation: the orbit shrinks to an equilibrium, or comes ever
-    /// nearer to one. At this parameter that comes to the discontinuity boundary, or to the edge of
-    /// the part of it that is slid on.
+    /// A boundary-equilibrium bifurcation: the orbit shrinks to an equilibrium or approaches one.
+    /// At this parameter the equilibrium reaches the discontinuity boundary, or the edge of its
+    /// sliding region.
     BoundaryEquilibrium {
         /// The parameter.
         parameter: f64,
@@ -202,52 +203,52 @@ pub enum Stop {
     /// Crossing orbits shrink to a two-fold: a point at which the fields of both sides are tangent
     /// to the boundary.
     TwoFold {
-        /// The parameter, extrapolated from those of orbits that are ever smaller.
+        /// The parameter, extrapolated from those of ever smaller orbits.
         parameter: f64,
-        /// How far it may be off.
+        /// Its uncertainty.
         uncertainty: f64,
     },
-    /// The orbit of a driven system comes to rest: it moves by less than a thousandth of what the
-    /// widest one on the branch does, and a step further on friction holds it all the time.
+    /// The orbit of a driven system comes to rest: its motion is below a thousandth of the widest
+    /// one's on the branch. One step farther, friction holds it all the time.
     Rest,
-    /// The orbit comes ever nearer to a saddle and takes ever longer: it becomes a homoclinic
-    /// orbit, or with several saddles a heteroclinic cycle, and the branch ends.
+    /// The orbit approaches a saddle and its period grows. It becomes a homoclinic orbit, or with
+    /// several saddles a heteroclinic cycle, and the branch ends.
     Homoclinic {
-        /// The parameter, extrapolated from those of the last orbits: they come near to it like
-        /// `e^(-rT)`, where `T` is the period.
+        /// The parameter, extrapolated from those of the last orbits, which approach it like
+        /// `e^(-rT)` with the period `T`.
         parameter: f64,
-        /// How far it was extrapolated, which holds more than the error; not a number where there
-        /// was nothing to extrapolate from.
+        /// The distance of the extrapolation, which exceeds the error; NaN where there was nothing
+        /// to extrapolate from.
         uncertainty: f64,
-        /// How many saddles it passes.
+        /// Number of saddles that it passes.
         saddles: NonZeroUsize,
-        /// The rate at which orbits leave the saddle, at the last orbit's parameter: the least
-        /// positive real part of its eigenvalues, of several saddles the least.
+        /// The rate at which orbits leave the saddle, at the last orbit's parameter: the smallest
+        /// positive real part of its eigenvalues; with several saddles, the smallest of these.
         leaves: f64,
-        /// The rate at which they come to it: the negative real part nearest to zero; minus
-        /// infinity for an equilibrium of the sliding field that orbits come to from across the
-        /// boundary, in finite time.
+        /// The rate at which orbits approach the saddle: the negative real part nearest to zero. It
+        /// is minus infinity for an equilibrium of the sliding field that orbits reach from across
+        /// the boundary, in finite time.
         comes: f64,
     },
-    /// The phases change at the last point of all, and no orbit with other phases was found next to
-    /// it; nor, of a system that does not depend on time, by its return to a state next to it, with
+    /// The phases change at the last point, and no orbit with other phases could be computed next
+    /// to it. In an autonomous system, neither could one that returns to a state next to it with
     /// another period.
     SequenceEnds,
-    /// Behind the last orbit the friction is none that the solver can follow, such as static below
+    /// Behind the last orbit the solver cannot follow the friction law, such as static below
     /// kinetic friction.
     Refused(Error),
-    /// No further orbit was found within the shortest step behind the last one.
+    /// No further orbit could be computed within the shortest step behind the last one.
     NoConvergence,
 }
 
 /// A branch of periodic orbits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Branch {
-    /// The orbits, in the order in which they were found.
+    /// The orbits, in the order in which they were computed.
     pub points: Vec<BranchPoint>,
     /// The special ones between them, in the same order.
     pub special: Vec<SpecialPoint>,
-    /// Why there are no more.
+    /// Why the branch stops.
     pub stop: Stop,
 }
 
@@ -255,16 +256,16 @@ pub struct Branch {
 /// downwards by pseudo-arclength.
 ///
 /// **The parameter is the last state**, and its rate is zero: a system of two states and a
-/// parameter is a [`crate::Filippov`] system of three. So the derivative with respect to it comes,
-/// like that with respect to the states, from the user's functions on dual numbers and from
-/// saltation at every transition, and nothing is differenced. For a system from a file it is one
-/// input more to the same formulas.
+/// parameter is a [`crate::Filippov`] system of three. So all derivatives, by the states and by the
+/// parameter, come from the user's functions on dual numbers and from saltation at every
+/// transition. No finite differences are used. For a system from a file, the parameter is one more
+/// input to the same formulas.
 ///
-/// Every orbit is found by Newton's iteration as segments with a given sequence of modes, in the
+/// Every orbit is computed by Newton's iteration as segments with a given sequence of modes, in the
 /// plane across the branch's tangent (Keller 1977; Thota & Dankowicz 2008). Where a function of the
-/// multipliers (Govaerts & Kuznetsov), or the margin to a change of the phases, has another sign,
-/// its zero is located ([`SequenceChange`]). The branch goes on with the phases behind it, back if
-/// it turns there (a nonsmooth fold).
+/// multipliers (Govaerts & Kuznetsov) or the margin to a change of the phases changes sign, its
+/// zero is located ([`SequenceChange`]). The branch continues with the phases behind the change; it
+/// turns back there at a nonsmooth fold.
 ///
 /// # Errors
 /// Those of [`crate::Integration::new`]; [`Error::Option`] for a setting that is not allowed;
@@ -306,30 +307,30 @@ pub fn continue_periodic_orbit<Kind>(
     begun.follow(system, settings, options, |_| ControlFlow::Continue(()))
 }
 
-/// A branch as far as it has been followed, with all that it goes on from.
+/// A branch as far as it has been followed, with all that is needed to continue it.
 ///
-/// With the feature `serde` it can be written to a file. Followed from there, it has the same bits
-/// as without the break.
+/// With the feature `serde` it can be written to a file. Continued from the file, it is bit-for-bit
+/// the same as without the interruption.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PartialBranch {
     units: Units,
     first: Cycle,
-    /// Extent of the widest orbit yet.
+    /// Extent of the widest orbit so far.
     widest: f64,
-    /// The last two orbits, and the line on which the branch goes on.
+    /// The last two orbits, and the line on which the branch continues.
     before: Cycle,
     last: Cycle,
     line: Option<Line>,
     step: f64,
     points: Vec<BranchPoint>,
-    /// How far each of them goes.
+    /// The extent of each of them.
     extents: Vec<f64>,
     special: Vec<SpecialPoint>,
 }
 
 impl PartialBranch {
-    /// Finds the orbit that a branch begins with, as [`continue_periodic_orbit`] does.
+    /// Computes the orbit with which a branch begins, as [`continue_periodic_orbit`] does.
     ///
     /// # Errors
     /// Those of [`continue_periodic_orbit`].
@@ -348,10 +349,10 @@ impl PartialBranch {
         Ok(walk.branch)
     }
 
-    /// Follows the branch to its end, by the settings and options that it was begun with.
+    /// Follows the branch to its end, with its original settings and options.
     ///
-    /// `observe` sees it before every step, and may say that this is far enough. From a clone of
-    /// what it sees the branch can be followed again.
+    /// `observe` receives the branch before every step, and may stop it. From a clone of what it
+    /// receives, the branch can be continued.
     ///
     /// # Errors
     /// [`Error::Option`] for a setting that is not allowed.
@@ -369,13 +370,13 @@ impl PartialBranch {
         Ok(walk.into_branch(stop))
     }
 
-    /// The orbits found so far.
+    /// The orbits computed so far.
     pub fn points(&self) -> &[BranchPoint] {
         &self.points
     }
 }
 
-/// Checks that a state has so many parameters behind it, and that the last is in its range.
+/// Checks that a state ends with so many parameters, and that the last one is in its range.
 fn check_start(
     x: &Vector,
     parameters: usize,

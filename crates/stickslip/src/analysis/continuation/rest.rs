@@ -1,5 +1,5 @@
-//! Where a branch of periodic orbits ends at an equilibrium: shrinks to one, or passes ever nearer
-//! to a saddle.
+//! Where a branch of periodic orbits ends at an equilibrium: the orbits shrink to one, or pass ever
+//! nearer to a saddle.
 
 use std::num::NonZeroUsize;
 
@@ -13,14 +13,14 @@ use crate::analysis::multipliers::eigenvalues;
 use crate::dynamics::{Dynamics, Happening, Matrix, Modes, Moment, Section, Vector};
 use crate::math;
 
-/// An orbit passes a saddle where, at its least speed, it would go this part of its extent in a
-/// period.
+/// An orbit passes a saddle if it would move by this fraction of its extent in a period at its
+/// least speed.
 const SLOW: f64 = 1e-1;
 
-/// The saddle is no farther away than this part of the orbit's extent.
+/// Largest distance of the saddle, as a fraction of the orbit's extent.
 const CLOSE: f64 = 1e-2;
 
-/// The parameter of a homoclinic orbit is told to this part of the range at best.
+/// Best precision of a homoclinic orbit's parameter, as a fraction of the range.
 const RESOLUTION: f64 = 1e-11;
 
 /// The equilibrium of a mode near a moment, and the Jacobian of the states there.
@@ -31,8 +31,8 @@ fn rest_near(system: &dyn Dynamics, mode: Modes, t: f64, x: &Vector) -> Option<(
     Some((rest.x, jacobian))
 }
 
-/// The parameter near to the orbit's at which the equilibrium inside it has imaginary eigenvalues,
-/// and their size.
+/// The parameter near the orbit's at which the equilibrium inside it has imaginary eigenvalues, and
+/// their absolute value.
 pub(super) fn hopf(
     Shooting {
         system, options, ..
@@ -72,7 +72,7 @@ pub(super) fn hopf(
     None
 }
 
-/// A saddle, and how fast orbits leave it and come to it at the slowest.
+/// A saddle, and the slowest rates at which orbits leave and approach it.
 struct Saddle {
     x: Vector,
     leaves: f64,
@@ -80,14 +80,14 @@ struct Saddle {
 }
 
 impl Walk<'_> {
-    /// Whether the last orbit is about to be a homoclinic one: slower than the one before it, and
-    /// close to a saddle, or to several.
+    /// Whether the last orbit is about to become homoclinic: it is slower than the one before it,
+    /// and close to one or several saddles.
     pub(super) fn homoclinic(&self) -> Option<Stop> {
         if self.settings.forced.is_some() || self.branch.last.period <= self.branch.before.period {
             return None;
         }
         let saddles = self.saddles()?;
-        // How long it passes one is the logarithm of how near it comes, over the slower of its
+        // The time of a passage is the logarithm of the distance over the slower of the saddle's
         // rates.
         let times = saddles
             .iter()
@@ -104,10 +104,10 @@ impl Walk<'_> {
         })
     }
 
-    /// The parameter at which the period is infinite, which the orbits come near to like `e^(-rate
-    /// T)` or nearly so, and how far the last one is from it.
+    /// The parameter at which the period is infinite, which the orbits approach like `e^(-rate T)`
+    /// or nearly so, and the distance of the last one from it.
     fn at_infinity(&self, rate: f64) -> (f64, f64) {
-        // From an orbit that is as far away again.
+        // Extrapolated from an orbit about twice as far away.
         const TIMES: f64 = 2.0;
         let here = self.parameter();
         let period = self.branch.last.period;
@@ -123,7 +123,7 @@ impl Walk<'_> {
         )
     }
 
-    /// The saddles that the last orbit passes by slowly.
+    /// The saddles that the last orbit passes slowly.
     fn saddles(&self) -> Option<Vec<Saddle>> {
         let cycle = &self.branch.last;
         let (system, options) = (self.shooting.system, self.shooting.options);
@@ -155,8 +155,8 @@ impl Walk<'_> {
         }
     }
 
-    /// The equilibrium of a mode near a state, if the mode holds there and orbits both come to it
-    /// and leave it.
+    /// The equilibrium of a mode near a state, if the mode holds there and orbits both approach and
+    /// leave it.
     fn saddle_near(&self, mode: Modes, at: &Moment) -> Option<Saddle> {
         let system = self.shooting.system;
         let (x, jacobian) = rest_near(system, mode, at.t, &at.x)?;
@@ -173,7 +173,7 @@ impl Walk<'_> {
         Some(Saddle {
             x: there.x,
             leaves: nearest(1.0)?,
-            // On the boundary orbits come to it from across in finite time.
+            // On the boundary, orbits reach it from across in finite time.
             comes: match nearest(-1.0) {
                 Some(rate) => -rate,
                 None if mode.any_sticks() => f64::NEG_INFINITY,

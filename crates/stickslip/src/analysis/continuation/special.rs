@@ -8,7 +8,7 @@ use crate::analysis::cycle::{Cycle, Function, Path, Shooting, Zero, at_least};
 use crate::analysis::lagrange::weights;
 use crate::dynamics::Vector;
 
-/// The determinant that is zero where another branch meets this one: of the derivative of the
+/// The determinant that vanishes where another branch meets this one: that of the derivative of the
 /// equations, with the plane across the branch (Keller 1977).
 fn bordered(cycle: &Cycle, across: &Vector) -> f64 {
     let rows = cycle.jacobian.nrows();
@@ -19,8 +19,8 @@ fn bordered(cycle: &Cycle, across: &Vector) -> f64 {
 }
 
 impl Walk<'_> {
-    /// Goes on from this orbit on the line, and tells what is special between the last one and it,
-    /// by the multipliers.
+    /// Continues to this orbit on the line, and records the special ones between the last one and
+    /// it, by the multipliers.
     pub(super) fn follow(&mut self, line: &Line, next: Cycle, onward: Option<Line>) {
         let behind = self.branch.points.len();
         let shooting = self.shooting;
@@ -28,7 +28,7 @@ impl Walk<'_> {
         let (here, there) = (of(&self.branch.last), of(&next));
         let length = line.place(&next);
         let most = self.branch.last.monodromy.amax().max(next.monodromy.amax());
-        // Near a homoclinic orbit what is left open of large numbers.
+        // Near a homoclinic orbit: the error that cancellation of large numbers leaves.
         let noise = next.known * most * most;
         let (units, across) = (self.branch.units, line.across());
         let heading = |cycle: &Cycle| Some(line.goes_on(&shooting, units, cycle)?.heading());
@@ -65,7 +65,8 @@ impl Walk<'_> {
             let Some(mut place) = place else {
                 continue;
             };
-            // What the orbits about it do not resolve is none: the tangent is open there.
+            // A zero that the neighbouring orbits do not resolve is none: the tangent is
+            // undetermined there.
             let ends =
                 [&self.branch.last, &next].map(|one| (parameter_of(one) - place.parameter).abs());
             let is_resolved = place.uncertainty < ends[0].max(ends[1]);
@@ -83,7 +84,7 @@ impl Walk<'_> {
                 },
             };
             let there = zero.map_or_else(|| next.clone(), |zero| zero.solution);
-            // Next to it orbits are worse than about it.
+            // Next to it, orbits are less exact than around it.
             if what == Special::BranchPoint
                 && let Some(other) = by_polynomial(place.s)
                 && is_better(other.uncertainty, place.uncertainty)
@@ -111,9 +112,9 @@ impl Walk<'_> {
         self.branch.line = onward;
     }
 
-    /// Where a function of the multipliers is zero near a place, by a polynomial through orbits
-    /// about it: where another branch meets this one Newton's matrix is singular, and no orbit is
-    /// found next to it.
+    /// Where a function of the multipliers vanishes near a place, by a polynomial through orbits
+    /// around it. Where another branch meets this one, Newton's matrix is singular, and no orbit
+    /// can be computed next to it.
     fn interpolated(
         &self,
         line: &Line,
@@ -121,7 +122,8 @@ impl Walk<'_> {
         rough: f64,
         function: &Function<'_>,
     ) -> Option<Place> {
-        // So far apart, in parts of the distance between the last two orbits, and so many each way.
+        // Spacing, as a fraction of the distance between the last two orbits, and number on each
+        // side.
         const APART: f64 = 0.05;
         const EACH_WAY: i32 = 4;
         const FEWEST: usize = 5;
@@ -137,8 +139,8 @@ impl Walk<'_> {
             return None;
         }
         let place = zero_of_polynomial(&nodes)?;
-        // Without the farthest it is as far off as the polynomial is, without the nearest as
-        // rounding makes it.
+        // Without the farthest node, the polynomial's error shows; without the nearest, the
+        // rounding error.
         let without_farthest = nodes.get(1..nodes.len() - 1).and_then(zero_of_polynomial);
         let mut nearest: Vec<f64> = nodes.iter().map(|(value, _)| value.abs()).collect();
         nearest.sort_by(f64::total_cmp);
@@ -147,8 +149,8 @@ impl Walk<'_> {
         let both = without_farthest.zip(zero_of_polynomial(&apart));
         let off = |other: &Place| (place.parameter - other.parameter).abs();
         let lacks = both.map_or(f64::NAN, |(one, two)| off(&one) + off(&two));
-        // What the tolerances do is most at the nearest. Next to a multiplier of 1 it is enlarged
-        // by what differs from orbit to orbit.
+        // The tolerances have the largest effect at the nearest node. Next to a multiplier of 1,
+        // errors that differ between orbits amplify it.
         let by_tolerance = || {
             const SAFE: f64 = 8.0;
             let ((first, one), (last, other)) = (nodes.first()?, nodes.last()?);
@@ -172,8 +174,8 @@ impl Walk<'_> {
         })
     }
 
-    /// The zero of a function by orbits about it, where these tell its parameter better: next to
-    /// one with a multiplier of 1 an orbit is open by more than rounding.
+    /// The zero of a function by orbits around it, where these determine its parameter better: next
+    /// to an orbit with a multiplier of 1, the closing error exceeds rounding.
     pub(super) fn refined(
         &self,
         line: &Line,
@@ -196,15 +198,15 @@ impl Walk<'_> {
         }
     }
 
-    /// An uncertainty, which is no less than what Newton's iteration leaves of a parameter's last
-    /// places; where there is none, the place lies in the last step.
+    /// An uncertainty, at least what Newton's iteration leaves of a parameter's last digits. Where
+    /// none is known, the place lies in the last step.
     pub(super) fn at_least(&self, parameter: f64, uncertainty: f64) -> f64 {
         let step = (self.parameter() - parameter_of(&self.branch.before)).abs();
         at_least((parameter, uncertainty), step, self.branch.units.width)
     }
 }
 
-/// Whether an uncertainty is less than another, which may be no number.
+/// Whether an uncertainty is less than another, which may be NaN.
 fn is_better(one: f64, other: f64) -> bool {
     one < other || other.is_nan()
 }
@@ -239,7 +241,7 @@ impl Place {
     }
 }
 
-/// Where the polynomial through values of a function is zero between two of them.
+/// Where the interpolating polynomial of a function vanishes between two of its nodes.
 fn zero_of_polynomial(nodes: &[(f64, Place)]) -> Option<Place> {
     let places: Vec<f64> = nodes.iter().map(|(_, place)| place.s).collect();
     let at = |s: f64, of: fn(&(f64, Place)) -> f64| -> f64 {

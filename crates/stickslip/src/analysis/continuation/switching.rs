@@ -1,4 +1,4 @@
-//! Branch switching: onto the branch of twice the period at a flip, and onto the other branch at a
+//! Branch switching: to the branch of twice the period at a flip, and to the other branch at a
 //! branch point.
 
 use std::ops::ControlFlow;
@@ -11,7 +11,7 @@ use crate::dynamics::{AsDynamics, Components, Vector};
 use crate::error::Error;
 use crate::filippov::Options;
 
-/// A branch that meets another one.
+/// The branches that meet a given one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SwitchedBranch {
     /// The flip or branch point at which they meet.
@@ -20,16 +20,16 @@ pub struct SwitchedBranch {
     pub branches: Vec<Branch>,
 }
 
-/// Follows the branches that begin at the flip or branch point with a number, counted from 0, on
-/// the branch of the periodic orbit near `x`.
+/// Follows the branches that begin at a flip or branch point, by its number counted from 0, on the
+/// branch of the periodic orbit near `x`.
 ///
-/// At a flip the equations of the orbit run through twice, and at a branch point those of the orbit
-/// itself, have two tangents. The one across the known branch leads onto the other (Keller 1977;
-/// Govaerts 2000, Ch. 9).
+/// At a flip, the equations of the orbit traversed twice have two tangents; at a branch point,
+/// those of the orbit itself do. The tangent across the known branch leads to the other one (Keller
+/// 1977; Govaerts 2000, Ch. 9).
 ///
 /// # Errors
 /// Those of [`super::continue_periodic_orbit`]; [`Error::NotFound`] where the branch has no such
-/// point, or no other branch is found there.
+/// point, or no other branch could be computed there.
 pub fn switch_branches<Kind>(
     system: &impl AsDynamics<Kind>,
     x: impl Components,
@@ -74,7 +74,7 @@ pub fn switch_branches<Kind>(
     };
     let across = across(&start, known);
     let row = across.ok_or(not_found("another branch at the point"))?;
-    // One way and the other along the branch of twice the period are the same orbits.
+    // Both directions along the branch of twice the period yield the same orbits.
     let signs: &[f64] = if is_flip { &[1.0] } else { &[1.0, -1.0] };
     let branches = signs.iter().filter_map(|sign| {
         let units = walk.branch.units;
@@ -82,7 +82,7 @@ pub fn switch_branches<Kind>(
         let mut other = Walk::at(shooting, settings, units, (start.clone(), Some(line)));
         let stop = other.go_on(&mut |_| ControlFlow::Continue(()));
         let mut branch = other.into_branch(stop);
-        // Where it begins its functions are zero to rounding, which tells a sign.
+        // At its beginning, its functions are zero to rounding, which decides their sign.
         branch.special.retain(|one| {
             let off = (one.parameter - at.parameter).abs();
             one.behind > 1 || off > one.uncertainty + at.uncertainty
@@ -98,7 +98,8 @@ pub fn switch_branches<Kind>(
 }
 
 /// The direction in which another branch leaves an orbit at which the equations have two tangents:
-/// across the known one, or, where it is not given, that along which the parameter does not change.
+/// across the known direction or, where that is not given, the one along which the parameter does
+/// not change.
 fn across(cycle: &Cycle, known: Option<&Line>) -> Option<Vector> {
     let count = cycle.jacobian.ncols();
     let square = cycle.jacobian.clone().resize_vertically(count, 0.0);

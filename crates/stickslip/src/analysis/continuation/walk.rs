@@ -1,4 +1,4 @@
-//! The walk along a branch: steps, what is special on the way, and the end.
+//! Continuation of a branch: steps, special orbits, and the end.
 
 use std::ops::ControlFlow;
 
@@ -13,16 +13,16 @@ use crate::dynamics::{Dynamics, Moment, Vector, run};
 use crate::error::Error;
 use crate::filippov::Options;
 
-/// An end of the branch is located to this part of the range.
+/// Precision to which an end of the branch is located, as a fraction of the range.
 const RESOLUTION: f64 = 1e-11;
 
-/// Steps shorter than this lead nowhere.
+/// Shortest step.
 pub(super) const SHORTEST: f64 = 1e-7;
 
-/// The first step behind a change of phases, as a part of the longest one.
+/// The first step behind a change of phases, as a fraction of the longest one.
 const BEHIND: f64 = 0.02;
 
-/// No step is longer than this part of the orbit's own extent.
+/// Longest step, as a fraction of the orbit's own extent.
 const OF_EXTENT: f64 = 0.1;
 
 /// A branch that is being followed.
@@ -30,12 +30,13 @@ pub(super) struct Walk<'a> {
     pub(super) shooting: Shooting<'a>,
     pub(super) settings: &'a ContinuationSettings,
     pub(super) branch: PartialBranch,
-    /// What special orbit to stop at, and how many such come before; and that one.
+    /// The kind of special orbit at which to stop, the number of such orbits before it, and the
+    /// orbit.
     pub(super) wanted: Option<(IsMeant, usize)>,
     pub(super) junction: Option<Junction>,
 }
 
-/// Whether a special orbit is one of those to stop at.
+/// Whether a special orbit is of the kind at which to stop.
 type IsMeant = fn(&Special) -> bool;
 
 /// A special orbit from which a curve or another branch is followed.
@@ -45,10 +46,10 @@ pub(super) struct Junction {
     pub by: Vanishing,
 }
 
-/// What is zero at a special orbit.
+/// The function that vanishes at a special orbit.
 pub(super) enum Vanishing {
     Margin(Margin),
-    /// A function of the multipliers, on a line on which the orbit lies.
+    /// A function of the multipliers, on a line that contains the orbit.
     Multiplier(Line),
 }
 
@@ -102,7 +103,7 @@ impl<'a> Walk<'a> {
         Ok(Walk::at(shooting, settings, units, (first, line)))
     }
 
-    /// Goes on with a branch.
+    /// Resumes a branch.
     pub fn resume(
         system: &'a dyn Dynamics,
         branch: PartialBranch,
@@ -192,7 +193,7 @@ impl<'a> Walk<'a> {
         heading > 0.0 && here >= high || heading < 0.0 && here <= low
     }
 
-    /// Which component the parameter is.
+    /// The component of the parameter.
     pub(super) fn place(&self) -> usize {
         self.branch.last.outline.begin.x.len() - 1
     }
@@ -201,7 +202,7 @@ impl<'a> Walk<'a> {
         parameter_of(&self.branch.last)
     }
 
-    /// Takes a step, or gets behind a change of phases.
+    /// Takes a step, or passes a change of phases.
     fn advance(&mut self) -> Option<Stop> {
         if self.branch.last.is_badly_cut() {
             self.cut_anew();
@@ -268,7 +269,7 @@ impl<'a> Walk<'a> {
         is_outside.then_some(Stop::Range)
     }
 
-    /// Whether the period grows and the parameter no longer changes by more than the tolerance.
+    /// Whether the period grows while the parameter changes by no more than the tolerance.
     fn is_homoclinic(&self, next: &Cycle) -> bool {
         let least = self.shooting.options.rtol.max(16.0 * f64::EPSILON);
         let grows = self.shooting.forced.is_none() && next.period > self.branch.last.period;
@@ -297,7 +298,7 @@ impl<'a> Walk<'a> {
         (low..=high).contains(&parameter_of(cycle))
     }
 
-    /// A shorter step is next, unless that leads nowhere.
+    /// Shortens the next step, if it is long enough for that.
     fn shorten(&mut self, step: f64, part: f64) -> Option<Stop> {
         self.branch.step = part * step;
         if self.branch.step >= SHORTEST {
@@ -307,8 +308,8 @@ impl<'a> Walk<'a> {
         end.or(Some(Stop::NoConvergence))
     }
 
-    /// Whether the system is none that can be followed from a moment for a period of the last
-    /// orbit, and why.
+    /// Whether the system cannot be integrated for a period from a moment of the last orbit, and
+    /// why.
     fn refused(&self, start: &Moment) -> Option<Stop> {
         let Shooting {
             system, options, ..
@@ -323,7 +324,7 @@ impl<'a> Walk<'a> {
         is_of_friction.then_some(Stop::Refused(error))
     }
 
-    /// Goes to the last orbit on a line, before a place, along which the system can be followed.
+    /// Moves to the last orbit on a line, before a place, along which the system can be integrated.
     fn go_to_edge(&mut self, line: &Line, step: f64, mut why: Stop) -> Stop {
         let (mut good, mut bad) = ((0.0, None), step);
         while bad - good.0 > RESOLUTION {
@@ -343,7 +344,7 @@ impl<'a> Walk<'a> {
         why
     }
 
-    /// Gets behind a change of phases.
+    /// Passes a change of phases.
     fn pass(&mut self, change: Change) -> Option<Stop> {
         let described = self.described(&change);
         let point = SpecialPoint {
@@ -380,7 +381,7 @@ impl<'a> Walk<'a> {
         None
     }
 
-    /// Goes on from this orbit.
+    /// Continues from this orbit.
     pub(super) fn take(&mut self, next: Cycle) {
         self.branch.widest = self.branch.widest.max(next.extent);
         self.shooting.extent = self.branch.widest;
@@ -388,7 +389,7 @@ impl<'a> Walk<'a> {
         self.note();
     }
 
-    /// Notes a special orbit, and keeps it if it is the one to stop at.
+    /// Records a special orbit, and keeps it if it is the one at which to stop.
     pub(super) fn note_special(&mut self, at: SpecialPoint, cycle: Cycle, by: Vanishing) {
         self.branch.special.push(at.clone());
         match &mut self.wanted {

@@ -7,11 +7,10 @@ use crate::dynamics::{Matrix, Moment, Vector};
 use crate::filippov::Options;
 use crate::system::Mode;
 
-/// An equation: what is left of it, its derivative by the unknowns, and the size of a unit of
-/// length in it.
+/// An equation: its residual, its derivative by the unknowns, and its change per unit of length.
 type Row = (f64, Vector, f64);
 
-/// Where a piece begins, and the derivatives of state and time there by the unknowns.
+/// The beginning of a piece, and the derivatives of state and time there by the unknowns.
 struct Base {
     segment: usize,
     at: Moment,
@@ -19,7 +18,7 @@ struct Base {
     of_time: Vector,
 }
 
-/// What a turn is made of, as far as it has come.
+/// The elements of one traversal, so far.
 struct Assembly<'a> {
     shooting: &'a Shooting<'a>,
     outline: &'a Outline,
@@ -30,19 +29,19 @@ struct Assembly<'a> {
     of_time: Vector,
     bases: Vec<Base>,
     pieces: Vec<Piece>,
-    /// The derivatives of the flow over each piece, with the saltation behind it.
+    /// The derivatives of the flow over each piece, followed by saltation.
     maps: Vec<Map>,
     rows: Vec<Row>,
     growth: f64,
 }
 
 impl Assembly<'_> {
-    /// Where the time at the beginning is among the unknowns.
+    /// Index of the time at the beginning among the unknowns, if it is one.
     fn time(&self) -> usize {
         self.outline.begin.x.len() + self.outline.segments.len()
     }
 
-    /// Runs through a part of a segment.
+    /// Integrates a part of a segment.
     fn through(&mut self, number: usize, share: f64) -> Option<Piece> {
         let segment = &self.outline.segments[number];
         let n = self.at.x.len();
@@ -73,7 +72,7 @@ impl Assembly<'_> {
         Some(piece)
     }
 
-    /// The state at a cut with this number is an unknown, and what comes to it is the same.
+    /// Makes the state at a cut with this number an unknown, which the incoming state must equal.
     fn cut(&mut self, number: usize) -> Option<()> {
         let state = self.outline.cut.as_ref()?.states.get(number)?;
         let n = state.len();
@@ -90,7 +89,8 @@ impl Assembly<'_> {
         Some(())
     }
 
-    /// The derivative of a function at a moment, of this gradient in the state and in time.
+    /// The derivative of a function at a moment by the unknowns, from its gradient in the state and
+    /// in time.
     fn row(
         &self,
         value: f64,
@@ -98,7 +98,7 @@ impl Assembly<'_> {
         base: (&Matrix, &Vector),
     ) -> Row {
         let row = base.0.tr_mul(gradient) + base.1 * in_time;
-        // Of a length that the function changes by as much on.
+        // Scaled as if the orbit moved by its extent in a period.
         let by_time = in_time.abs() * self.outline.period() / self.shooting.extent;
         (
             value,
@@ -181,7 +181,7 @@ impl Assembly<'_> {
         let after = margin.at.t - base.at.t;
         let piece = shooting.piece(segment, base.at.clone(), after, self.options)?;
         let whole = shooting.carried(segment, &piece).whole();
-        // A smallest value does not change with the time at which it is taken.
+        // A minimum is stationary in the time at which it is taken.
         let there = (&base.of_state, &base.of_time);
         let of_state = shooting.moved(segment, &piece, &whole, there);
         let (value, row, size) = self.row(
@@ -193,9 +193,9 @@ impl Assembly<'_> {
     }
 }
 
-/// The equations at some unknowns.
+/// The equations evaluated at some unknowns.
 pub(super) struct Equations {
-    /// What is left of them; and in units of length.
+    /// The residuals, as they are and in units of length.
     pub left: Vector,
     pub off: f64,
     /// Their derivative by the unknowns.
@@ -206,14 +206,14 @@ pub(super) struct Equations {
     pub anchor: Moment,
     /// The vectors that move the orbit at its beginning and at its end.
     pub velocities: [Vector; 2],
-    /// What rounding may leave of them.
+    /// Residual that rounding may leave.
     pub rounding: f64,
     pub steps: usize,
 }
 
 impl Shooting<'_> {
-    /// Runs through the segments; `guess` is where the iteration began, from which an orbit without
-    /// transitions does not go along the flow.
+    /// Integrates the segments. `guess` is where the iteration began; an orbit without transitions
+    /// does not move along the flow from there.
     pub(super) fn equations(
         &self,
         outline: &Outline,
@@ -270,7 +270,8 @@ impl Shooting<'_> {
         }
         let has_events = !events.is_empty();
         assembly.rows.extend(events);
-        // The time at the beginning is open where the forcing knows it and an event is there.
+        // The time at the beginning is unknown if the forcing depends on it and an event occurs
+        // there.
         if let Some(period) = self.forced {
             let is_duration = |i: usize| i >= n && i < time;
             let row = Vector::from_fn(unknowns, |i, _| f64::from(u8::from(is_duration(i))));
@@ -302,8 +303,9 @@ impl Shooting<'_> {
         let monodromy = self.monodromy(&mut assembly.maps, cut.number, (landed, at_cut));
         let size = assembly.at.x.amax().max(outline.begin.x.amax());
         let steps: usize = assembly.pieces.iter().map(|piece| piece.steps.len()).sum();
-        // A state at a time that is rounded is off by how fast it moves. The roundings of many
-        // steps' times add up like their root: to a unit by three and a half standard deviations.
+        // The rounding of a time displaces the state by its velocity. The roundings of many steps'
+        // times add up like the square root of their number; three and a half standard deviations
+        // are allowed.
         let speed = assembly.maps.iter().map(|map| map.velocity.amax());
         let speed = speed.fold(begins.amax(), f64::max);
         let time = assembly.at.t.abs().max(outline.begin.t.abs());

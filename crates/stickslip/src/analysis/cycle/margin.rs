@@ -11,22 +11,22 @@ use crate::system::{Mode, Side};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum MarginKind {
-    /// A guard is smallest within a phase.
+    /// A guard has a minimum within a phase.
     Minimum(usize),
-    /// A guard is smallest at the end of a phase, which another contact ends.
+    /// A guard has a minimum at the end of a phase, which another contact ends.
     End(usize),
-    /// A guard is smallest at the beginning of a phase, which begins with another contact.
+    /// A guard has a minimum at the beginning of a phase, which another contact begins.
     Begin(usize),
-    /// A slip ends on the boundary, near to where stick begins or no longer does.
+    /// A slip ends on the boundary near the edge of the sliding region.
     Landing,
-    /// A slip ends on the boundary ever more along it, until it passes by.
+    /// A slip ends on the boundary ever more tangentially, until it misses it.
     Arrival,
     /// A phase is short.
     Duration,
 }
 
 impl MarginKind {
-    /// The guard of the phase's own mode whose value it is, if it is one's.
+    /// The guard of the phase's own mode whose value it is, if any.
     pub fn guard(self) -> Option<usize> {
         match self {
             MarginKind::Minimum(guard) | MarginKind::End(guard) | MarginKind::Begin(guard) => {
@@ -37,54 +37,54 @@ impl MarginKind {
     }
 }
 
-/// What tells a margin from the others of the orbit.
+/// Identifies a margin among those of the orbit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Key {
     pub part: usize,
     pub kind: MarginKind,
-    /// Which of its kind in the part.
+    /// Index within its kind in the part.
     pub count: usize,
 }
 
-/// The value of a function that is zero at a change of the phases, and positive where the orbit has
-/// the phases of its sequence.
+/// A function that vanishes at a change of the phases and is positive where the orbit has the
+/// phases of its sequence.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Margin {
     pub key: Key,
     pub value: f64,
-    /// Size that such values have on this orbit.
+    /// Typical size of such values on this orbit.
     pub scale: f64,
     /// Mode before.
     pub incoming: Modes,
     pub contact: usize,
-    /// The contact that ends a segment, where it is not the one that begins it; or beside whose
-    /// transition a guard is smallest.
+    /// The contact that ends a segment, where it is not the one that begins it; or the contact at
+    /// whose transition a guard is smallest.
     pub other: Option<usize>,
     pub at: Moment,
     pub is_contact_function: bool,
-    /// Whether it is of the function of a jump.
+    /// Whether it belongs to the function of a jump.
     pub is_of_jump: bool,
 }
 
 impl Margin {
-    /// Part of its scale.
+    /// Value as a fraction of its scale.
     pub fn relative(&self) -> f64 {
         self.value / self.scale
     }
 
-    /// Whether the tolerances tell it from zero.
+    /// Whether it differs from zero by more than the tolerances.
     pub fn is_resolved(&self, options: &Options) -> bool {
         self.relative().abs() > TOLERANCES * options.rtol.max(options.atol)
     }
 
-    /// Whether it is below zero by more than the tolerances leave open.
+    /// Whether it is below zero by more than the tolerances allow.
     pub fn is_violated(&self, options: &Options) -> bool {
         self.value < 0.0 && self.is_resolved(options)
     }
 
-    /// Of the margins of an orbit of a period that of the same kind, at about the same time.
+    /// The margin of the same kind at about the same time, among those of an orbit with a period.
     pub fn like<'m>(&self, margins: &'m [Margin], period: f64) -> Option<&'m Margin> {
         const SAME_TIME: f64 = 0.1;
         let off = |margin: &&Margin| {
@@ -98,7 +98,7 @@ impl Margin {
         (off(&nearest) <= SAME_TIME).then_some(nearest)
     }
 
-    /// Where a slip ends: the flow in which the contact would stick, and the smallest of its
+    /// The end of a slip: the flow in which the contact would stick, and the smallest of its
     /// guards.
     pub fn landing<'s>(
         &self,
@@ -113,13 +113,13 @@ impl Margin {
     }
 }
 
-/// First and second derivative in time of a contact's distance from the boundary (positive on the
-/// side in question) along the fields of both sides.
+/// First and second time derivative of a contact's distance from the boundary along the fields of
+/// both sides. The distance is positive on the respective side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Rates {
-    /// Of the side that the orbit comes from.
+    /// On the side from which the orbit comes.
     pub own: [f64; 2],
-    /// Of the other side.
+    /// On the other side.
     pub other: [f64; 2],
 }
 
@@ -132,7 +132,7 @@ impl Rates {
         }
     }
 
-    /// At a point of the boundary that a slip on `side` comes to.
+    /// At a point where a slip on `side` reaches the boundary.
     pub fn at(system: &dyn Dynamics, mode: Modes, contact: usize, side: Side, at: &Moment) -> Self {
         let of = |side| {
             let mode = mode.with(contact, Mode::Slip(side));
@@ -146,8 +146,8 @@ impl Rates {
     }
 }
 
-/// At the events: whether a slip that ends on the boundary sticks there, how fast it comes, and how
-/// long each segment lasts.
+/// The margins at the events: whether a slip that ends on the boundary sticks there, how fast it
+/// arrives, and how long each segment lasts.
 pub(super) fn at_events(system: &dyn Dynamics, outline: &Outline, pieces: &[Piece]) -> Vec<Margin> {
     let mut found = Vec::new();
     let count = outline.segments.len();
@@ -172,7 +172,7 @@ pub(super) fn at_events(system: &dyn Dynamics, outline: &Outline, pieces: &[Piec
             is_contact_function: begin.is_of_contact,
             is_of_jump: begin.is_of_jump,
         };
-        // Whether a contact is lost or gained changes no mode: the segment goes on.
+        // Loss or gain of contact changes no mode: the segment continues.
         if count > 1 {
             let other = (end.contact != begin.contact).then_some(end.contact);
             found.push(Margin {
@@ -188,7 +188,7 @@ pub(super) fn at_events(system: &dyn Dynamics, outline: &Outline, pieces: &[Piec
             let rates = Rates::at(system, before.mode, begin.contact, side, at);
             let scale = rates.own[0].abs() + rates.other[0].abs();
             let landing = if sticks { least } else { -least };
-            // Where the fields of both sides agree, no force is determined that would hold it.
+            // Where the fields of both sides agree, no holding force is determined.
             if landing.is_finite() {
                 found.push(margin(MarginKind::Landing, landing, scale));
             }

@@ -1,22 +1,22 @@
-//! The smallest values of the guards within the phases of a periodic orbit, and at their ends where
-//! these are another contact's.
+//! The smallest values of the guards within the phases of a periodic orbit, and at those ends of a
+//! phase that belong to another contact.
 
 use super::Outline;
 use super::margin::{Key, Margin, MarginKind};
 use super::pieces::Piece;
 use crate::dynamics::{Dynamics, Guard, Moment, SmoothFlow, Step, Vector};
 
-/// Samples of a step by which the minima of its guards are sought.
+/// Samples per step for locating the minima of its guards.
 const SAMPLES: usize = 8;
 
-/// Part of a step behind which a guard has left zero.
+/// Fraction of a step after which a guard has left zero.
 const BEHIND: f64 = 1.0 / 128.0;
 
-/// Part of a step within which two minima are one.
+/// Fraction of a step within which two minima are one.
 const NEXT_TO: f64 = 1e-6;
 
-/// The smallest values of all guards within the segments, and at their ends where these are another
-/// contact's.
+/// The smallest values of all guards within the segments, and at those ends that belong to another
+/// contact.
 pub(super) fn minima(system: &dyn Dynamics, outline: &Outline, pieces: &[Piece]) -> Vec<Margin> {
     let mut found: Vec<Margin> = Vec::new();
     let count = outline.segments.len();
@@ -25,7 +25,7 @@ pub(super) fn minima(system: &dyn Dynamics, outline: &Outline, pieces: &[Piece])
         let neighbours = [outline.before(part), &outline.segments[(part + 1) % count]];
         let bounds = [neighbours[0].end, segment.end].map(|end| Some(end?.contact));
         let last = piece.steps.len().saturating_sub(1);
-        // An orbit without transitions goes on at its end with its beginning.
+        // An orbit without transitions continues from its end to its beginning.
         let mut rates = match piece.steps.last() {
             Some((step, solution)) if segment.end.is_none() => {
                 minima_of(&*flow, (step, solution), &[], [None; 2]).rates
@@ -51,14 +51,14 @@ pub(super) fn minima(system: &dyn Dynamics, outline: &Outline, pieces: &[Piece])
             } in of_step.minima
             {
                 let same = |margin: &&Margin| margin.key.part == part && margin.key.kind == kind;
-                // At the end of a step rounding may have seen it, and sees it again at the
+                // At the end of a step, rounding may have shown it, and show it again at the
                 // beginning of the next.
                 let near = NEXT_TO * (step.t_end - step.t_start);
                 let is_near = |margin: &Margin| (margin.at.t - at.t).abs() <= near;
                 if found.iter().rfind(same).is_some_and(is_near) {
                     continue;
                 }
-                // What another contact's switch lets go leaves zero, or comes to it.
+                // A guard released by another contact's switch leaves zero, or reaches it.
                 let contact = guard.contact;
                 let switches =
                     |k: usize| neighbours[k].mode.get(contact) != segment.mode.get(contact);
@@ -94,9 +94,9 @@ pub(super) fn minima(system: &dyn Dynamics, outline: &Outline, pieces: &[Piece])
     found
 }
 
-/// The minima of the guards of a step's mode within it, of a step with its solution. `before` has
-/// the rates of the guards at the end of the step before, where that is of the same phase; `ends`
-/// the contacts with whose transitions a phase begins with the step, and ends with it.
+/// The minima of the mode's guards within a step with its solution. `before` has the rates of the
+/// guards at the end of the step before, where that belongs to the same phase. `ends` has the
+/// contacts whose transitions begin and end a phase with the step.
 fn minima_of(
     flow: &dyn SmoothFlow,
     (step, solution): (&Step, &dyn Fn(f64) -> Vector),
@@ -110,7 +110,7 @@ fn minima_of(
     let (mut rates, mut scales) = (Vec::new(), Vec::new());
     for (k, guard) in flow.guards().into_iter().enumerate() {
         let jet = |s: f64| flow.guard_jet(guard.number, &place(s));
-        // The guard of what a phase begins with may leave zero without a rate.
+        // The guard with which a phase begins may leave zero with zero rate.
         let leaves = ends[0] == Some(guard.contact);
         let samples: Vec<_> = (0..=SAMPLES)
             .map(|k| match k {
@@ -121,7 +121,7 @@ fn minima_of(
             .collect();
         let sizes = samples.iter().map(|(_, jet)| jet[0].abs());
         scales.push(sizes.fold(0.0, f64::max));
-        // A step may end at a minimum, and rounding take its rate there for one of either sign.
+        // A step may end at a minimum, where rounding gives its rate either sign.
         let falls = before.get(k).is_some_and(|rate| *rate < 0.0);
         let minimum = |kind, other, s: f64| Minimum {
             kind,
@@ -133,9 +133,9 @@ fn minima_of(
         if falls && samples[0].1[1] >= 0.0 && (!guard.is_of_jump || samples[0].1[0] > 0.0) {
             found.push(minimum(MarginKind::Minimum(guard.number), None, 0.0));
         }
-        // Where another contact switches it may jump.
+        // Where another contact switches, it may jump.
         let others = ends.map(|one| one.filter(|one| *one != guard.contact));
-        // What a jump's function is beyond already does not happen.
+        // A jump does not occur at a zero that its function has passed already.
         let is_before = !guard.is_of_jump || samples[0].1[0] > 0.0;
         if others[0].is_some() && is_before && jet(0.0)[1] > 0.0 {
             found.push(minimum(MarginKind::Begin(guard.number), others[0], 0.0));
@@ -150,7 +150,7 @@ fn minima_of(
                 continue;
             }
             let mut s = 0.5 * (a + b);
-            // Newton's iteration on the rate, held between the samples by bisection.
+            // Newton's iteration on the rate, safeguarded by bisection between the samples.
             for _ in 0..60 {
                 let [_, rate, second, _] = jet(s);
                 if rate < 0.0 {
@@ -179,20 +179,20 @@ fn minima_of(
     }
 }
 
-/// What is found in a step.
+/// The minima of a step.
 struct OfStep {
     minima: Vec<Minimum>,
     /// The rates of the guards at its end.
     rates: Vec<f64>,
-    /// The largest sizes of the guards in it.
+    /// The largest absolute values of the guards in it.
     scales: Vec<f64>,
 }
 
-/// The smallest value of a guard among those around it.
+/// A local minimum of a guard.
 struct Minimum {
     kind: MarginKind,
     guard: Guard,
-    /// The contact beside whose transition it is.
+    /// The contact at whose transition it is.
     other: Option<usize>,
     at: Moment,
     value: f64,

@@ -1,9 +1,9 @@
 //! Periodic orbits as segments with a given sequence of modes.
 //!
-//! Each segment ends where its own event function vanishes. The unknowns are the state at which the
-//! first one begins, the time there, and the durations; the equations are that the orbit closes and
-//! that the event functions vanish (Thota & Dankowicz 2008; Dankowicz & Schilder 2013). The
-//! sequence does not react to the guards. So the orbit goes on smoothly where it touches a
+//! Each segment ends where its own event function vanishes. The unknowns are the state and the time
+//! at which the first segment begins, and the durations. The equations are that the orbit closes
+//! and that the event functions vanish (Thota & Dankowicz 2008; Dankowicz & Schilder 2013). The
+//! sequence does not react to the guards. So the orbit continues smoothly where it touches a
 //! boundary, and a change of its phases is the zero of a margin along the branch.
 
 mod equations;
@@ -25,8 +25,8 @@ pub use name::{SequenceBifurcation, SequenceChange};
 pub(super) use path::{Function, Path, Zero, at_least};
 pub(super) use shooting::{Extra, Shooting};
 
-/// Segments whose durations would vanish within so many times the way to where the first does may
-/// vanish at once.
+/// Segments may vanish together if their durations would vanish within this multiple of the
+/// distance to the first that does.
 pub(super) const AT_ONCE: f64 = 4.0;
 
 /// What ends a segment.
@@ -35,14 +35,14 @@ pub(super) const AT_ONCE: f64 = 4.0;
 pub(crate) struct Event {
     /// The guard that vanishes.
     pub guard: usize,
-    /// The contact that it belongs to; of a jump, its number behind those of the contacts.
+    /// The contact to which it belongs; for a jump, its number counted after those of the contacts.
     pub contact: usize,
     /// Whether contact is lost or gained there.
     pub is_of_contact: bool,
     /// Whether the state jumps there.
     pub is_of_jump: bool,
-    /// Where not its own function but the kink of an input decides when it is, as where a force
-    /// that switches lets a contact go: which input, and what its clock reads.
+    /// Set where the kink of an input decides the time of the event instead of its own function, as
+    /// where a switching force releases a contact: the input, and the reading of its clock.
     pub at_kink: Option<(usize, f64)>,
 }
 
@@ -51,43 +51,44 @@ pub(crate) struct Event {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Segment {
     pub mode: Modes,
-    /// A moment inside it: contact is lost or kept as there.
+    /// A moment inside it, which decides whether contact is lost or kept.
     pub inside: Moment,
-    /// What ends it; nothing where the orbit has no transition.
+    /// Its end; `None` where the orbit has no transition.
     pub end: Option<Event>,
     pub duration: f64,
 }
 
-/// A periodic orbit that is sought: its segments, and where the first of them begins.
+/// A periodic orbit to be computed: its segments, and where the first of them begins.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Outline {
     pub segments: Vec<Segment>,
     pub begin: Moment,
-    /// Where it is cut; none before that is chosen.
+    /// Where it is cut; `None` before a choice is made.
     pub cut: Option<Cut>,
-    /// How far the run went that it was taken from.
+    /// Extent of the run from which it was taken.
     pub extent: f64,
 }
 
-/// States on the orbit that are unknowns as well (multiple shooting): neighbours part on the way
-/// from one to the next only.
+/// States on the orbit that are unknowns as well (multiple shooting), so that neighbours separate
+/// only between one and the next.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Cut {
-    /// A segment that is cut in its middle, too: near a saddle neighbours part most in the longest.
+    /// A segment that is also cut in its middle: near a saddle, neighbours separate most in the
+    /// longest one.
     pub number: usize,
-    /// Where each segment behind the first begins, and behind these the middle of that one.
+    /// Where each segment after the first begins, and after these the middle of that one.
     pub states: Vec<Vector>,
 }
 
 impl Outline {
-    /// The orbit from a state for about a period, in the modes that it goes through. It begins with
-    /// the first transition, and ends with one of the same kind about a period later.
+    /// The orbit from a state for about a period, with the modes of the run. It begins with the
+    /// first transition, and ends with one of the same kind about a period later.
     ///
     /// # Errors
-    /// Those of [`crate::solve`]; where the run ends early, what it ended with; where nothing
-    /// repeats, [`Error::NotFound`].
+    /// Those of [`crate::solve`]; the reason for an early end of the run; [`Error::NotFound`] where
+    /// nothing repeats.
     pub fn of_run(
         system: &dyn Dynamics,
         start: &Moment,
@@ -123,7 +124,7 @@ impl Outline {
                 at_kink: kink.map(|input| (input, system.clock(input, &here).0)),
             }
         };
-        // The state that a transition leaves behind.
+        // The state after a transition.
         let behind = |at: &Transition| match at.kind {
             TransitionKind::Jump => system.reset(at.contact, &at.moment()).after,
             _ => at.x.clone(),
@@ -147,7 +148,7 @@ impl Outline {
                 extent,
             });
         }
-        // The first that comes again: the start may lie off the orbit.
+        // The first that recurs: the start may lie off the orbit.
         let comes_again = |first: usize| {
             let begin = turns[first];
             let is_alike = |at: &Transition| {
@@ -178,7 +179,7 @@ impl Outline {
                 duration: pair[1].t - pair[0].t,
             });
         }
-        // Without the run's own states what it is off by would grow from one to the next.
+        // With the run's own states, its errors do not grow from one segment to the next.
         let number = to_cut(&segments);
         let begins = turns[first + 1..again].iter().map(|at| behind(at));
         let middle = segments.get(number).map(|one| one.inside.x.clone());
@@ -233,12 +234,12 @@ impl Outline {
         other
     }
 
-    /// A direction in which the unknowns may go: that of the parameter, or of a duration.
+    /// A direction in the space of the unknowns: that of the parameter, or of a duration.
     pub fn unit(&self, number: usize) -> Vector {
         unit(self.unknowns().len(), number)
     }
 
-    /// The orbit run through twice.
+    /// The orbit traversed twice.
     pub fn twice(&self) -> Self {
         Outline {
             segments: self.doubled(),
@@ -250,7 +251,7 @@ impl Outline {
 
     fn doubled(&self) -> Vec<Segment> {
         match self.segments.as_slice() {
-            // Without a transition it is one segment all the time.
+            // Without a transition it remains one segment.
             [only] if only.end.is_none() => vec![Segment {
                 duration: 2.0 * only.duration,
                 ..only.clone()
@@ -259,8 +260,8 @@ impl Outline {
         }
     }
 
-    /// The segments whose durations would vanish by a place where the unknowns change at these
-    /// rates, the first of them first, and where.
+    /// The segments whose durations would vanish by a place if the unknowns change at these rates,
+    /// ordered by where they vanish, and that place.
     pub fn vanishing(&self, rates: &Vector, by: f64) -> Vec<(usize, f64)> {
         let n = self.begin.x.len();
         let places = self.segments.iter().enumerate();
@@ -271,7 +272,7 @@ impl Outline {
         places
     }
 
-    /// The modes gone through, with the jumps between them.
+    /// The modes in order, with the jumps between them.
     pub fn modes(&self) -> Vec<Modes> {
         let modes = self.segments.iter().map(|segment| {
             let end = segment.end.filter(|end| end.is_of_jump);
@@ -288,18 +289,19 @@ impl Outline {
         &self.segments[(number + count - 1) % count]
     }
 
-    /// The sequence without some segments, of which `begins` tells where each begins. What is kept
-    /// on either side of them goes on in one segment where no contact changes between them; else it
-    /// ends with the first event of a contact that does. `None` where nothing would be left, or
-    /// where two contacts change.
+    /// The sequence without some segments; `begins` has the beginning of each. The kept neighbours
+    /// become one segment where no contact changes between them. Otherwise the earlier one ends
+    /// with the first event of a contact that changes. `None` where nothing would be left, or where
+    /// two contacts change.
     pub fn without(&self, removed: &[usize], begins: &[Moment]) -> Option<Self> {
         let count = self.segments.len();
         let kept: Vec<usize> = (0..count).filter(|k| !removed.contains(k)).collect();
         let mut segments: Vec<Segment> = Vec::with_capacity(kept.len());
         let mut begin = begins[*kept.first()?].clone();
-        // What goes on in the next one kept, and which it began with.
+        // What continues in the next kept segment, and its beginning.
         let mut open: Option<(Segment, usize)> = None;
-        // How much earlier the next one kept begins, without what is gone behind its event.
+        // Time by which the next kept segment begins earlier, without what is removed behind its
+        // event.
         let mut earlier = 0.0;
         for (number, &k) in kept.iter().enumerate() {
             let mut own = self.segments[k].clone();
@@ -320,7 +322,7 @@ impl Outline {
                 end.filter(|end| own.mode.get(end.contact) != there.get(end.contact))
             };
             let between = || std::iter::once(k).chain(gone.iter().copied());
-            // No orbit without a jump is next to one with it.
+            // No orbit without a jump is adjacent to one with it.
             let jumps = |k: usize| self.segments[k].end.is_some_and(|end| end.is_of_jump);
             if !gone.is_empty() && between().any(jumps) {
                 return None;
@@ -351,7 +353,7 @@ impl Outline {
             segments.push(own);
         }
         if let Some((open, began)) = open {
-            // It goes on in the first one, or in itself.
+            // It continues in the first one, or in itself.
             begin = begins[began].clone();
             match segments.first_mut() {
                 Some(first) => first.duration += open.duration,
@@ -369,9 +371,9 @@ impl Outline {
         })
     }
 
-    /// The sequence in which what ends a segment comes before what begins it, as where two contacts
-    /// switch in the same instant; the segment between lasts so long. `None` where both are of one
-    /// contact.
+    /// The sequence in which the event that ends a segment precedes the one that begins it, as
+    /// where two contacts switch in the same instant. The segment between them has the given
+    /// duration. `None` where both events belong to one contact.
     pub fn swapped(&self, number: usize, duration: f64) -> Option<Self> {
         let count = self.segments.len();
         let (before, behind) = ((number + count - 1) % count, (number + 1) % count);
@@ -389,7 +391,7 @@ impl Outline {
     }
 }
 
-/// The longest of the segments in which the fewest contacts stick; a shorter one may be there by
+/// The longest of the segments with the fewest sticking contacts; a shorter one may exist by
 /// rounding alone.
 fn to_cut(segments: &[Segment]) -> usize {
     const SHORT: f64 = 1e-2;
@@ -417,7 +419,7 @@ fn is_of_contact(kind: TransitionKind) -> bool {
     )
 }
 
-/// A periodic orbit that was found.
+/// A computed periodic orbit.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Cycle {
@@ -428,28 +430,28 @@ pub(crate) struct Cycle {
     /// The derivative of the equations by the unknowns.
     pub jacobian: Matrix,
     /// The derivative of the flow map of the states over the period from the cut, with saltation at
-    /// every event; of a system that does not depend on time across the flow.
+    /// every event; in an autonomous system, transverse to the flow.
     pub monodromy: Matrix,
-    /// How far it is from each change of its phases.
+    /// The margins to each change of its phases.
     pub margins: Vec<Margin>,
-    /// By how much each component moves, and that which moves most.
+    /// The range of each component, and the largest range.
     pub sizes: Vector,
     pub extent: f64,
-    /// Where it is cut: the middle of the longest of the segments in which the fewest contacts
-    /// stick.
+    /// Where it is cut: the middle of the longest of the segments with the fewest sticking
+    /// contacts.
     pub anchor: Moment,
-    /// What may be left of its equations, in units of length.
+    /// Residual allowed in its equations, in units of length.
     pub closes_to: f64,
-    /// What tolerances and rounding leave open of its derivatives, in parts of them.
+    /// Relative error of its derivatives due to tolerances and rounding.
     pub known: f64,
-    /// Iterations that it took.
+    /// Number of iterations.
     pub iterations: usize,
-    /// Dimension of the family of orbits that it is one of.
+    /// Dimension of the family of orbits to which it belongs.
     pub family: usize,
 }
 
 impl Cycle {
-    /// Whether the segment that is cut is much shorter than another one by now.
+    /// Whether the cut segment has become much shorter than another one.
     pub fn is_badly_cut(&self) -> bool {
         const MUCH: f64 = 0.3;
         let durations = || self.outline.segments.iter().map(|one| one.duration);
@@ -458,12 +460,12 @@ impl Cycle {
         cut.is_none_or(|cut| durations().nth(cut.number) < Some(MUCH * longest))
     }
 
-    /// The margin of the same kind as one of another orbit near by, at about the same time.
+    /// The margin of the same kind as one of a nearby orbit, at about the same time.
     pub fn margin_like(&self, other: &Margin) -> Option<&Margin> {
         other.like(&self.margins, self.period)
     }
 
-    /// The margins about where another orbit has some segments, and the others.
+    /// The margins near some segments of another orbit, and the others.
     pub fn margins_about(&self, other: &Cycle, numbers: &[usize]) -> [Vec<&Margin>; 2] {
         const NEXT_TO: f64 = 1e-2;
         let (about, apart) = self.margins.iter().partition(|margin| {
@@ -478,7 +480,7 @@ impl Cycle {
         [about, apart]
     }
 
-    /// Of the margins about where another orbit has some segments, that which is nearest to zero.
+    /// The margin nearest to zero among those near some segments of another orbit.
     pub fn margin_about(&self, other: &Cycle, numbers: &[usize]) -> Option<&Margin> {
         let [about, _] = self.margins_about(other, numbers);
         let off = |margin: &Margin| margin.relative().abs();

@@ -1,4 +1,4 @@
-//! What a change of the phases is called, by the event function that vanishes.
+//! The name of a change of the phases, by the event function that vanishes.
 
 use std::fmt;
 
@@ -7,38 +7,39 @@ use super::margin::{Margin, MarginKind, Rates};
 use crate::dynamics::{Dynamics, Modes, Vector};
 use crate::system::Mode;
 
-/// A change of the phases of a periodic orbit where one of its event functions comes to zero.
+/// A change of the phases of a periodic orbit at a zero of one of its event functions.
 ///
 /// The four sliding bifurcations are those of di Bernardo, Budd, Champneys & Kowalczyk,
-/// *Piecewise-smooth Dynamical Systems* (2008), Ch. 8. At each the orbit meets an edge of the part
-/// of the boundary that is slid on, where the field of one side is tangent to it.
+/// *Piecewise-smooth Dynamical Systems* (2008), Ch. 8. At each the orbit meets an edge of the
+/// sliding region, where the field of one side is tangent to the boundary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum SequenceBifurcation {
-    /// A slip ends where the other side's field is tangent to the boundary and leads away from it:
-    /// to one side the orbit crosses, to the other it slides for a short time and then leaves.
+    /// A slip ends where the other side's field is tangent to the boundary and leads away from it.
+    /// On one side of the change the orbit crosses; on the other it slides briefly and then leaves.
     CrossingSliding,
-    /// A slip touches the boundary where the other side's field pushes to it: to one side the orbit
-    /// stays off, to the other it slides for a short time; with static friction above the kinetic,
-    /// until that lets go.
+    /// A slip touches the boundary where the other side's field points to it. On one side of the
+    /// change the orbit stays off; on the other it slides briefly. With static friction above the
+    /// kinetic, it slides until that releases it.
     GrazingSliding,
-    /// A slip ends where the other side's field is tangent to the boundary and leads back to it: to
-    /// one side the orbit slides at once, to the other it first crosses for a short time.
+    /// A slip ends where the other side's field is tangent to the boundary and leads back to it. On
+    /// one side of the change the orbit slides at once; on the other it first crosses briefly.
     SwitchingSliding,
-    /// A stick touches the edge from inside: to one side it lasts, to the other the orbit leaves
-    /// for a short time.
+    /// A stick touches the edge from inside. On one side of the change it lasts; on the other the
+    /// orbit leaves briefly.
     AddingSliding,
-    /// A slip touches the boundary where the other side's field leads away from it: to one side the
-    /// orbit stays off, to the other it crosses for a short time.
+    /// A slip touches the boundary where the other side's field points away from it. On one side of
+    /// the change the orbit stays off; on the other it crosses briefly.
     Grazing,
-    /// The contact function comes to zero: to one side contact lasts, to the other it is lost for a
-    /// short time.
+    /// The contact function reaches zero. On one side of the change contact lasts; on the other it
+    /// is lost briefly.
     ContactGrazing,
-    /// Two contacts change in the same instant: to one side one of them does so first, to the other
-    /// the other. Of contacts that do not act on each other nothing else changes.
+    /// Two contacts change in the same instant, and their order differs between the sides. Nothing
+    /// else changes if the contacts do not act on each other.
     Coincidence,
-    /// The function of a jump touches zero (Nordmark 1991): to one side the state does not jump, to
-    /// the other it does, with a derivative that grows without bound towards the graze.
+    /// The function of a jump touches zero (Nordmark 1991). On one side of the change the state
+    /// does not jump. On the other it does, with a derivative that grows without bound towards the
+    /// graze.
     JumpGrazing,
     /// None of the event functions explains it.
     Unnamed,
@@ -66,39 +67,39 @@ impl fmt::Display for SequenceBifurcation {
 pub struct SequenceChange {
     /// The parameter: where the event function is zero.
     pub parameter: f64,
-    /// By how much that may be off: what the event function lacks of zero there and what rounding
-    /// leaves of it, over its slope along the branch. What the tolerances have it off by is in it,
-    /// as another orbit with a tenth of them tells; of methods with fixed steps nothing does.
+    /// Uncertainty of the parameter: the residual of the event function with its rounding error,
+    /// over its slope along the branch. It includes the error due to the tolerances, estimated from
+    /// another orbit with a tenth of them. For methods with fixed steps there is no such estimate.
     pub uncertainty: f64,
-    /// What it is called.
+    /// The name of the change.
     pub bifurcation: SequenceBifurcation,
     /// The contacts whose event function vanishes, counted from 0: two at a coincidence, none where
-    /// the change has no name, or else one.
+    /// the change has no name, otherwise one.
     pub contacts: Vec<usize>,
     /// Where on the orbit, on the boundary to rounding.
     pub x: Vector,
-    /// The event function there on the orbit that it was located from, in units of the size that it
-    /// has on this orbit.
+    /// The event function on the orbit from which the change was located, relative to its size on
+    /// this orbit.
     pub residual: f64,
-    /// First and second derivative in time of the contact's distance from the boundary there, along
-    /// the field that the orbit comes by; not numbers where it comes by stick. At a graze the first
-    /// is zero.
+    /// First and second time derivative of the contact's distance from the boundary there, along
+    /// the field of the incoming orbit; NaN where it arrives in stick. At a graze the first is
+    /// zero.
     pub own: [f64; 2],
     /// The same, positive on the other side, along that side's field. At a crossing- or
     /// switching-sliding the first is zero, and the sign of the second tells them apart.
     pub other: [f64; 2],
     /// Period of the orbit.
     pub period: f64,
-    /// The modes before it: coming from where the branch was followed; of a sweep, on the side of
-    /// the value before. None where the orbit was followed from the other side and none was found
-    /// on this one.
+    /// The modes before it: on the side from which the branch was followed; in a sweep, on the side
+    /// of the previous value. `None` where the orbit was followed from the other side and none
+    /// could be computed on this one.
     pub before: Vec<Modes>,
-    /// The modes behind it, of the orbit that was found next to it: the one that it becomes there,
-    /// or, where the branch turns back, the one that it meets; none where none was found.
+    /// The modes behind it, from the orbit computed next to it. The orbit becomes that one or,
+    /// where the branch turns back, meets it. `None` where none could be computed.
     pub after: Vec<Modes>,
 }
 
-/// Fields that differ by less than this part agree.
+/// Relative difference below which fields agree.
 const AGREE: f64 = 1e-6;
 
 /// The name, and the first and second rates of the contact's distance along the fields of both
@@ -124,8 +125,8 @@ fn name(system: &dyn Dynamics, margin: &Margin) -> (SequenceBifurcation, Rates) 
             rates.own[0].abs() <= (1.0 + AGREE) * rates.other[0].abs()
         }
     };
-    // Fields that agree are both tangent to rounding, which has either sign; what is a distance to
-    // one side is the opposite to the other.
+    // Fields that agree are both tangent to rounding, which has either sign; the distance on one
+    // side is the negative of that on the other.
     let [own, other] = [rates.own[0], rates.other[0]];
     let differ = (own + other).abs() > AGREE * (own.abs() + other.abs());
     let name = match (is_tangent, rates.other) {
@@ -137,7 +138,7 @@ fn name(system: &dyn Dynamics, margin: &Margin) -> (SequenceBifurcation, Rates) 
     (name, rates)
 }
 
-/// Describes the change at an orbit at which a margin vanishes, to an uncertainty.
+/// Describes the change at an orbit with a vanishing margin, with an uncertainty.
 pub(crate) fn describe(
     system: &dyn Dynamics,
     (at, margin): (&Cycle, &Margin),

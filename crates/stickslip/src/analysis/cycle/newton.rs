@@ -2,10 +2,10 @@
 
 use crate::dynamics::{Matrix, Vector};
 
-/// Solves the equations of a Newton step, of which the first are those of so many states. They may
-/// leave directions free, to how well they are known: the place of a block that nothing depends on,
-/// the energy of a pendulum. The solution does not go those ways, and at least so many are left
-/// out. With it goes how many these are.
+/// Solves the equations of a Newton step, of which the first belong to so many states. The
+/// equations may leave directions undetermined, to within their error: the position of a block that
+/// nothing depends on, the energy of a pendulum. The solution has no component in these directions,
+/// and at least a given number are excluded. The number of excluded directions is returned, too.
 pub(super) fn newton_solution(
     matrix: Matrix,
     right: &Vector,
@@ -22,7 +22,7 @@ pub(super) fn newton_solution(
         scaled.row_mut(k).unscale_mut(*size);
         right_scaled[k] /= *size;
     }
-    // Of other unknowns and equations the size is that of what stands in them.
+    // Other unknowns and equations are scaled by their entries.
     for k in states..count {
         units[k] = scaled.column(k).norm().max(f64::MIN_POSITIVE).recip();
         scaled.column_mut(k).scale_mut(units[k]);

@@ -12,10 +12,10 @@ pub(crate) trait Path {
     /// The solution at a place.
     fn solution(&self, place: f64, options: &Options) -> Option<Self::Solution>;
 
-    /// With which options it is found.
+    /// The options with which it is computed.
     fn options(&self) -> &Options;
 
-    /// The parameter of the solution at a place, and how it changes with that.
+    /// The parameter of the solution at a place, and its derivative by the place.
     fn parameter(&self, place: f64, solution: &Self::Solution) -> f64;
     fn pace(&self) -> f64;
 
@@ -23,15 +23,15 @@ pub(crate) trait Path {
         self.solution(place, self.options())
     }
 
-    /// Two places at which a function has different signs, or is zero, near one where it has a
-    /// value: they are less than a step apart as a rule.
+    /// Two places at which a function has different signs, or one zero, near a place with a known
+    /// value; they are usually less than a step apart.
     fn bracket(
         &self,
         (mut a, mut at_a): Value,
         step: f64,
         function: &Function<'_, Self::Solution>,
     ) -> Option<[Value; 2]> {
-        // First step, and how far beyond the zero that it tells the next one goes.
+        // First step, and how far the next one goes beyond the extrapolated zero.
         const FIRST: f64 = 1e-2;
         const FURTHER: f64 = 1.5;
         const MOST: usize = 8;
@@ -54,18 +54,19 @@ pub(crate) trait Path {
         function: &Function<'_, Self::Solution>,
     ) -> Option<(f64, Self::Solution)> {
         let s = zero_between(a, b, |s| function(&self.on(s)?))?;
-        // Where another branch meets this one none is found; next to it one is.
+        // Where another branch meets this one, no solution can be computed; next to it there is
+        // one.
         const PARTS: [f64; 5] = [0.0, 1e-10, -1e-10, 1e-9, -1e-9];
         let place = |part: &f64| s + part * (b.0 - a.0);
         let found = |s: f64| Some((s, self.on(s)?));
         let (s, solution) = PARTS.iter().map(place).find_map(found)?;
-        // Of a family a function may jump.
+        // In a family, a function may jump.
         const SMALL: f64 = 1e-3;
         let is_zero = function(&solution)?.abs() <= SMALL * a.1.abs().max(b.1.abs());
         is_zero.then_some((s, solution))
     }
 
-    /// The same, and by how much its parameter may be off.
+    /// The same, and the uncertainty of its parameter.
     fn zero(
         &self,
         [a, b]: [Value; 2],
@@ -81,9 +82,9 @@ pub(crate) trait Path {
         })
     }
 
-    /// By how much the parameter may be off at which a function is about zero: what its value lacks
-    /// of zero and what rounding leaves of it, over its slope, with what the tolerances do. A run
-    /// with a tenth of them tells that. Not a number where nothing tells.
+    /// Uncertainty of the parameter near a zero of a function: its residual with its rounding
+    /// error, over its slope, and the effect of the tolerances. A run with a tenth of them
+    /// estimates that. NaN where there is no estimate.
     fn uncertainty(
         &self,
         (s, solution): (f64, &Self::Solution),
@@ -91,8 +92,8 @@ pub(crate) trait Path {
         function: &Function<'_, Self::Solution>,
     ) -> Option<f64> {
         const APART: f64 = 1e-4;
-        // Most of what a value is off by is its difference to one with a tenth of the tolerances;
-        // twice that is on the safe side.
+        // Most of a value's error is its difference to that with a tenth of the tolerances; twice
+        // that is safe.
         const SAFE: f64 = 2.0;
         let places = [s - APART * length, s + APART * length];
         let [one, two] = [self.on(places[0])?, self.on(places[1])?];
@@ -101,15 +102,15 @@ pub(crate) trait Path {
         let by_tolerance = SAFE * (function(&finer)? - value).abs();
         let lacks = value.abs() + (behind - 2.0 * value + before).abs() + by_tolerance;
         let parameter = self.parameter(s, solution);
-        // At a fold the parameter changes by the square of the way only.
+        // At a fold the parameter is quadratic in the place.
         let ways = [(places[0], &one), (places[1], &two)]
             .map(|(s, one)| (self.parameter(s, one) - parameter).abs());
         let along = ways[0].max(ways[1]) * (2.0 * lacks / (behind - before)).abs();
         Some(along + SAFE * (self.parameter(s, &finer) - parameter).abs())
     }
 
-    /// The first margin that the orbit at a place has come below zero at, behind another one, and
-    /// where; `Err` where they are too far apart to tell, in parts of a range of places.
+    /// The first margin that is below zero for the orbit at a place behind another one, and where;
+    /// `Err` where they are too far apart to decide, as a fraction of a range of places.
     fn passed(
         &self,
         (from, last): (f64, &Cycle),
@@ -119,8 +120,8 @@ pub(crate) trait Path {
     where
         Self: Path<Solution = Cycle>,
     {
-        // Orbits nearer than this part of the range differ by one change: of the margins that the
-        // other one lacks none has a cause before the first zero.
+        // Orbits nearer than this fraction of the range differ by one change: a margin that the
+        // other one lacks has no cause before the first zero.
         const NEAREST: f64 = 1e-5;
         let mut first: Option<(Zero, Margin)> = None;
         let mut is_unclear = false;
@@ -132,7 +133,7 @@ pub(crate) trait Path {
             };
             let value = |one: &Cycle| Some(one.margin_like(margin)?.value);
             let zero = if before.value <= 0.0 {
-                // The last orbit is at the change, as well as it is known.
+                // The last orbit is at the change, to within its error.
                 let slope = (margin.value - before.value) / (to - from);
                 Zero {
                     s: from,
@@ -153,7 +154,7 @@ pub(crate) trait Path {
                 first = Some((zero, margin));
             }
         }
-        // Another one may come before, if the step is not short enough to tell.
+        // Another one may come first, if the step is not short enough to decide.
         if is_unclear && (first.is_none() || (to - from).abs() > NEAREST * range) {
             return Err(());
         }
@@ -161,8 +162,8 @@ pub(crate) trait Path {
     }
 }
 
-/// An uncertainty of a parameter that is known where the function was resolved, or else the other
-/// one: no less than what Newton's iteration leaves of the last places in a range of this width.
+/// An uncertainty of a parameter where the function was resolved, or else the other one. It is at
+/// least what Newton's iteration leaves of the last digits in a range of this width.
 pub(crate) fn at_least((parameter, uncertainty): (f64, f64), otherwise: f64, width: f64) -> f64 {
     const ROUNDING: f64 = 16.0 * f64::EPSILON;
     let is_known = uncertainty.is_finite();
@@ -177,10 +178,10 @@ pub(crate) type Function<'f, S = Cycle> = dyn Fn(&S) -> Option<f64> + 'f;
 pub(crate) struct Zero<S = Cycle> {
     /// Its place.
     pub s: f64,
-    /// Its parameter, and what is computed there.
+    /// Its parameter, and the computed solution.
     pub parameter: f64,
     pub solution: S,
-    /// By how much its parameter may be off; not a number where nothing tells.
+    /// Uncertainty of its parameter; NaN where there is no estimate.
     pub uncertainty: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Segments run through, and the derivatives of the flow over them.
+//! Integrated segments, and the derivatives of the flow over them.
 
 use super::margin::{self, Margin, MarginKind};
 use super::minima::minima;
@@ -9,7 +9,7 @@ use crate::dynamics::{Happening, Matrix, Moment, Solution, Step, Vector};
 use crate::filippov::Options;
 use crate::system::{Mode, Side};
 
-/// A segment as it was run through.
+/// An integrated segment.
 pub(super) struct Piece {
     pub begin: Moment,
     pub end: Moment,
@@ -24,8 +24,8 @@ impl Piece {
     }
 }
 
-/// The derivative of the flow over a part of the orbit, without its part along the flow, and that:
-/// near a saddle the one is small beside the other.
+/// The derivative of the flow over a part of the orbit, without its component along the flow, and
+/// that component: near a saddle one is small beside the other.
 pub(super) struct Map {
     pub across: Matrix,
     pub along: Vector,
@@ -39,7 +39,7 @@ impl Map {
         &self.across + &self.velocity * self.along.transpose()
     }
 
-    /// Behind a saltation, at which `rate` is that of the guard of this gradient.
+    /// After a saltation; `rate` is that of the guard with this gradient.
     pub(super) fn salted(&mut self, kick: &Vector, gradient: &Vector, rate: f64) {
         let by_guard = gradient.tr_mul(&self.across) / rate;
         self.across += kick * by_guard;
@@ -47,7 +47,8 @@ impl Map {
         self.take_out();
     }
 
-    /// Behind a jump of the state, by the derivative of its map; the kick is that of the saltation.
+    /// After a jump of the state, from the derivative of its map; the kick is that of the
+    /// saltation.
     pub(super) fn reset(
         &mut self,
         by_state: &Matrix,
@@ -60,7 +61,7 @@ impl Map {
         self.take_out();
     }
 
-    /// Takes out what has come in along the flow.
+    /// Removes the component along the flow.
     fn take_out(&mut self) {
         let square = self.velocity.norm_squared();
         if self.is_autonomous && square > 0.0 {
@@ -70,7 +71,7 @@ impl Map {
         }
     }
 
-    /// Behind this one another.
+    /// Composition of this one with a later one.
     fn followed_by(mut self, next: &Map) -> Map {
         self.along += self.across.tr_mul(&next.along);
         self.across = &next.across * self.across;
@@ -80,7 +81,7 @@ impl Map {
 }
 
 impl Shooting<'_> {
-    /// Runs through a segment, or a part of it.
+    /// Integrates a segment, or a part of it.
     pub(super) fn piece(
         &self,
         segment: &Segment,
@@ -102,7 +103,7 @@ impl Shooting<'_> {
         (end.t == t_end || t_end <= begin.t).then_some(Piece { begin, end, steps })
     }
 
-    /// How far the orbit is from each change of its phases.
+    /// The margins of the orbit to each change of its phases.
     pub(super) fn margins(&self, outline: &Outline, pieces: &[Piece]) -> Vec<Margin> {
         let mut margins = minima(self.system, outline, pieces);
         for margin in &mut margins {
@@ -112,8 +113,7 @@ impl Shooting<'_> {
         margins
     }
 
-    /// A smallest value by a step that ends there: between its ends a step is off by more than
-    /// there.
+    /// A minimum from a step that ends there: within a step the error is larger than at its ends.
     fn settle(&self, outline: &Outline, pieces: &[Piece], margin: &mut Margin) {
         let MarginKind::Minimum(guard) = margin.key.kind else {
             return;
@@ -135,8 +135,8 @@ impl Shooting<'_> {
         }
     }
 
-    /// The derivative, by the state and by the time, of the state in which a segment begins: what
-    /// sticks is landed on its boundary, by a change of the first `free` components.
+    /// The derivative by state and time of the state in which a segment begins. Sticking contacts
+    /// are projected onto their boundaries by a change of the first `free` components.
     pub(super) fn landed(&self, segment: &Segment, at: &Moment, free: usize) -> (Matrix, Vector) {
         let n = at.x.len();
         let modes = segment.mode.iter().enumerate();
@@ -186,7 +186,7 @@ impl Shooting<'_> {
     }
 
     /// The derivative of the state at the end of a piece by the unknowns, from those of state and
-    /// time at its beginning; it lasts as long.
+    /// time at its beginning; its duration is fixed.
     pub(super) fn moved(
         &self,
         segment: &Segment,
@@ -201,15 +201,15 @@ impl Shooting<'_> {
         map * begun + behind * of_time.transpose()
     }
 
-    /// The derivative of the flow map of the states over the period from the cut; across the flow
-    /// where the system does not depend on time.
+    /// The derivative of the flow map of the states over the period from the cut; in an autonomous
+    /// system, transverse to the flow.
     pub(super) fn monodromy(
         &self,
         maps: &mut [Map],
         cut: usize,
         (landed, velocity): (Matrix, Vector),
     ) -> Matrix {
-        // The maps behind the cut come first; it lies behind the first piece of its segment.
+        // The maps behind the cut come first; the cut lies behind the first piece of its segment.
         maps.rotate_left(cut + 1);
         let is_autonomous = self.forced.is_none();
         let start = Map {
@@ -228,8 +228,8 @@ impl Shooting<'_> {
     }
 }
 
-/// An orthonormal basis of what is across a vector: a reflection that takes the first axis to it
-/// takes the others there.
+/// An orthonormal basis of the complement of a vector, by the reflection that maps the first axis
+/// to it.
 fn across(vector: &Vector) -> Matrix {
     let n = vector.len();
     let mut normal = vector / vector.norm();

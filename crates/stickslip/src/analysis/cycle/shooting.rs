@@ -10,52 +10,52 @@ use crate::filippov::Options;
 /// Iterations allowed.
 const MOST: usize = 14;
 
-/// Tolerances within which an orbit closes and its event functions vanish.
+/// Number of tolerances within which an orbit closes and its event functions vanish.
 pub(super) const TOLERANCES: f64 = 100.0;
 
-/// Units in the last place that a step may leave of a gap.
+/// Units in the last place that a step may leave in a residual.
 pub(super) const ULPS: f64 = 16.0;
 
-/// Where rounding leaves more of a gap than this part of the orbit's extent, nothing closes.
+/// If rounding leaves a residual above this fraction of the orbit's extent, no orbit closes.
 const CLOSED: f64 = 1e-6;
 
-/// An iterate's run is left where it goes so many times as far as orbits of the branch do.
+/// An iterate is abandoned if it goes this many times as far as orbits of the branch do.
 const FAR: f64 = 100.0;
 
-/// An orbit closes in its velocity to this part of it. Where it is slow that says more than that it
-/// closes in place: next to an equilibrium any orbit comes back to where it was.
+/// Relative precision to which the velocity closes. Where an orbit is slow, this is stricter than
+/// closing in position: next to an equilibrium any orbit returns to where it was.
 const SAME_VELOCITY: f64 = 1e-4;
 
-/// The equations for a periodic orbit: what it is an orbit of.
+/// The equations for a periodic orbit of a system.
 #[derive(Clone, Copy)]
 pub(crate) struct Shooting<'a> {
     pub system: &'a dyn Dynamics,
-    /// How many of the components are states; those behind them are parameters.
+    /// Number of components that are states; parameters follow them.
     pub states: usize,
-    /// The period, where it is the forcing's.
+    /// The period, where the forcing prescribes it.
     pub forced: Option<f64>,
-    /// How far the widest orbit goes that is known.
+    /// Extent of the widest known orbit.
     pub extent: f64,
-    /// Dimension of the families that the orbits are of.
+    /// Dimension of the families to which the orbits belong.
     pub family: usize,
-    /// An equation that is added where two parameters are unknown.
+    /// An additional equation where two parameters are unknown.
     pub extra: Extra<'a>,
     pub options: &'a Options,
 }
 
-/// An equation that is added.
+/// An additional equation.
 #[derive(Clone, Copy, Default)]
 pub(crate) enum Extra<'a> {
     #[default]
     None,
-    /// The product of the unknowns with a row has a value.
+    /// The product of the unknowns with a row has a given value.
     Plane(&'a Vector, f64),
     /// A margin is zero.
     Zero(&'a Margin),
 }
 
 impl<'a> Shooting<'a> {
-    /// For orbits of a system near an outline, of which all components are states.
+    /// For orbits of a system near an outline, in which all components are states.
     pub fn of(
         system: &'a dyn Dynamics,
         outline: &Outline,
@@ -73,7 +73,7 @@ impl<'a> Shooting<'a> {
         }
     }
 
-    /// Whether a margin is below zero by more than the tolerances leave open.
+    /// Whether a margin is below zero by more than the tolerances allow.
     pub fn is_violated(&self, margin: &Margin) -> bool {
         margin.is_violated(self.options)
     }
@@ -83,7 +83,7 @@ impl<'a> Shooting<'a> {
         !cycle.margins.iter().any(|margin| self.is_violated(margin))
     }
 
-    /// [`Shooting::solve`], of a family the orbit that is nearest to the guess.
+    /// [`Shooting::solve`]; in a family, the orbit nearest to the guess.
     pub fn nearest(&self, guess: &Outline, row: Option<(&Vector, f64)>) -> Option<Cycle> {
         let with_family = |family| Shooting { family, ..*self }.solve(guess, row);
         match with_family(0) {
@@ -93,8 +93,7 @@ impl<'a> Shooting<'a> {
         }
     }
 
-    /// The equations at an orbit that solves them, whether or not they have another solution next
-    /// to it.
+    /// The equations at an orbit that solves them, whether or not another solution is adjacent.
     pub fn evaluated(&self, outline: &Outline) -> Option<Cycle> {
         let outline = match outline.cut {
             Some(_) => outline.clone(),
@@ -107,7 +106,7 @@ impl<'a> Shooting<'a> {
     }
 
     /// Solves the equations near a guess. `row` closes the system where a parameter is unknown: the
-    /// product of the unknowns with it has a value.
+    /// product of the unknowns with it has a given value.
     pub fn solve(&self, guess: &Outline, row: Option<(&Vector, f64)>) -> Option<Cycle> {
         let by_tolerance = TOLERANCES * self.options.atol.max(self.options.rtol);
         let reach = guess.begin.x.amax() + FAR * self.extent;
@@ -142,7 +141,7 @@ impl<'a> Shooting<'a> {
             let other = if most > by_tolerance { most } else { 1.0 };
             let scales = sizes.map(|size| if size > by_tolerance { size } else { other });
             let known = by_tolerance.max(ULPS * f64::EPSILON * equations.steps as f64);
-            // Next to a saddle nearly all directions seem free; only of families some are.
+            // Next to a saddle nearly all directions seem undetermined; only in families some are.
             let (free, known) = match self.family {
                 _ if closes => (0, known),
                 0 => (0, 0.0),
@@ -166,15 +165,15 @@ impl<'a> Shooting<'a> {
         None
     }
 
-    /// What may be left of the equations, in units of length.
+    /// Residual allowed in the equations, in units of length.
     fn closes_to(&self, equations: &Equations) -> f64 {
         let by_tolerance = TOLERANCES * self.options.atol.max(self.options.rtol);
         by_tolerance.max(equations.rounding.min(CLOSED * self.extent))
     }
 
-    /// State and mode of an orbit at a time, or whole periods before or behind it.
+    /// State and mode of an orbit at a time, or whole periods before or after it.
     pub fn place(&self, cycle: &Cycle, t: f64) -> Option<(Moment, Modes)> {
-        // What begins here, to rounding, is not the end of what was before.
+        // A phase that begins here, to rounding, is not the end of the previous one.
         let blur = 64.0 * f64::EPSILON * (t.abs() + cycle.period);
         let behind = |at: &Moment| {
             let way = (t - at.t).rem_euclid(cycle.period);
@@ -229,8 +228,8 @@ impl<'a> Shooting<'a> {
         })
     }
 
-    /// The outline with a cut in the middle of the longest of the segments in which the fewest
-    /// contacts stick.
+    /// The outline with a cut in the middle of the longest of the segments with the fewest sticking
+    /// contacts.
     fn cut(&self, outline: &Outline, options: &Options) -> Option<Outline> {
         let number = to_cut(&outline.segments);
         let mut at = outline.begin.clone();
@@ -254,7 +253,7 @@ impl<'a> Shooting<'a> {
     }
 }
 
-/// How far the components go, at the ends of steps.
+/// The range of the components, at the ends of steps.
 fn sizes(pieces: &[Piece]) -> Vector {
     let ends = pieces.iter().flat_map(|piece| &piece.steps);
     let mut ends = ends.map(|(step, _)| &step.x_end);

@@ -3,8 +3,8 @@
 use super::settings::SpectrumOptions;
 use super::spectrum::{Exponent, Running};
 
-/// Growth of tangent vectors since measuring began: sums of logarithms, one for each vector, and
-/// from them the exponents, their blocks and their running means. Use it for growth that
+/// Growth of tangent vectors since measuring began: sums of logarithms, one for each vector. They
+/// yield the exponents, their blocks and their running means. Use it for growth that
 /// [`crate::analysis::lyapunov_spectrum`] does not measure.
 #[derive(Clone, Debug)]
 pub struct Growth {
@@ -14,13 +14,13 @@ pub struct Growth {
     pub logs: Vec<f64>,
     block_length: f64,
     sample_length: f64,
-    /// Number of the sample that is due next.
+    /// Number of the next sample.
     next_sample: usize,
-    /// Start of the block under way: time since the beginning, and sums there.
+    /// Start of the block under way: time since measuring began, and sums there.
     block_start: (f64, Vec<f64>),
     next_block: usize,
-    /// Blocks completed, and for each vector the mean of their rates and the sum of squared
-    /// deviations (Welford).
+    /// Number of completed blocks, and for each vector the mean of their rates and the sum of
+    /// squared deviations (Welford).
     blocks: usize,
     mean: Vec<f64>,
     squares: Vec<f64>,
@@ -28,8 +28,8 @@ pub struct Growth {
 }
 
 impl Growth {
-    /// Measures so many vectors from time `begin` on, with the duration, blocks and samples of
-    /// `settings`.
+    /// Measures the given number of vectors from time `begin` on, with the duration, blocks and
+    /// samples of `settings`.
     pub fn new(count: usize, begin: f64, settings: &SpectrumOptions) -> Self {
         let zeros = || vec![0.0; count];
         Growth {
@@ -47,7 +47,8 @@ impl Growth {
         }
     }
 
-    /// At the end of every step. What a transition at the same time adds belongs to the next block.
+    /// At the end of every step. A contribution of a transition at the same time belongs to the
+    /// next block.
     pub fn tick(&mut self, t: f64) {
         let elapsed = t - self.begin;
         if elapsed >= self.next_block as f64 * self.block_length {
@@ -88,7 +89,7 @@ impl Growth {
     /// same order.
     pub fn finish(mut self, t: f64) -> (f64, Vec<Exponent>, Vec<Running>) {
         let elapsed = t - self.begin;
-        // Rounding can leave the last block a hair too short to count on its own.
+        // Rounding can leave the last block slightly too short to count on its own.
         if elapsed - self.block_start.0 > 0.5 * self.block_length {
             self.end_block(elapsed);
         }

@@ -3,14 +3,14 @@
 use crate::dynamics::Vector;
 use crate::math;
 
-/// Sines of the angle between a unit vector and a space below this are rounding: the vector lies in
-/// the space. Frames are orthonormal to a few units of 1e-16; an angle as small by chance comes
-/// once in 1e12 entries into stick.
+/// A sine below this, of the angle between a unit vector and a space, is rounding: the vector lies
+/// in the space. Frames are orthonormal to a few units of 1e-16. A random angle is this small once
+/// in 1e12 entries into stick.
 const IN_SPAN: f64 = 1e-12;
 
-/// Orthonormal vectors, as many as there are states, of which some may have been annihilated. Those
-/// that have not are in the order of their exponents; those that have complete the basis and carry
-/// nothing but the normal of the space of the others.
+/// Orthonormal vectors, as many as there are states, some of which may have been annihilated. The
+/// surviving ones are in the order of their exponents. The annihilated ones complete the basis and
+/// carry only the normal of the space of the others.
 #[derive(Clone, Debug)]
 pub(super) struct Frame {
     columns: Vec<Vector>,
@@ -18,8 +18,8 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// A frame in general position, the same every time. Along the axes it could lie in invariant
-    /// subspaces of a system whose equations decouple, and never find the largest exponent.
+    /// A frame in general position, the same every time. A frame along the axes could lie in
+    /// invariant subspaces of a decoupled system, and miss the largest exponent.
     pub(super) fn generic(states: usize) -> Self {
         let entry = |i: usize, j: usize| {
             let k = (1 + i + states * j) as f64;
@@ -45,12 +45,12 @@ impl Frame {
         self.columns.len()
     }
 
-    /// Every direction counts again.
+    /// Revives every direction.
     pub(super) fn revive(&mut self) {
         self.alive.fill(true);
     }
 
-    /// Indices of the vectors: those alive in order, then the others.
+    /// Indices of the vectors: the surviving ones in order, then the others.
     fn order(&self) -> Vec<usize> {
         let dead = (0..self.len()).filter(|&j| !self.alive[j]);
         self.living().into_iter().chain(dead).collect()
@@ -65,20 +65,20 @@ impl Frame {
         &mut self.columns
     }
 
-    /// Changes the vectors alive.
+    /// Changes the surviving vectors.
     pub(super) fn change_living(&mut self, change: impl Fn(&mut Vector)) {
         for j in self.living() {
             change(&mut self.columns[j]);
         }
     }
 
-    /// Modified Gram–Schmidt; returns the length of what is left of each vector after those before
-    /// it are taken out, or `None` if one of them is zero or not finite.
+    /// Modified Gram–Schmidt: returns the length that remains of each vector after subtracting its
+    /// projections on those before it. `None` if one of them is zero or not finite.
     pub(super) fn orthonormalise(&mut self) -> Option<Vec<f64>> {
         self.gram_schmidt(self.len())
     }
 
-    /// The same for the vectors alive; the others become whatever completes the basis.
+    /// The same for the surviving vectors; the others are replaced by a completion of the basis.
     pub(super) fn orthonormalise_living(&mut self) -> Option<Vec<f64>> {
         let lengths = self.gram_schmidt(self.living().len())?;
         self.complete();
@@ -103,7 +103,7 @@ impl Frame {
         Some(lengths)
     }
 
-    /// What of `vector` lies outside the span of the vectors alive: its length.
+    /// Length of the part of `vector` outside the span of the surviving vectors.
     pub(super) fn height(&self, vector: &Vector) -> f64 {
         let mut rest = vector.clone();
         for j in self.living() {
@@ -112,9 +112,9 @@ impl Frame {
         rest.norm()
     }
 
-    /// Declares dead the vector that a projection along the unit vector `kernel` annihilates: the
-    /// first that together with those before it has `kernel` in its span. `None` if the span of all
-    /// does not hold it.
+    /// Removes the vector that a projection along the unit vector `kernel` annihilates: the first
+    /// that together with those before it has `kernel` in its span. `None` if the span of all does
+    /// not contain it.
     pub(super) fn collapse(&mut self, kernel: &Vector) -> Option<usize> {
         let mut rest = kernel.clone();
         for j in self.living() {
@@ -127,14 +127,15 @@ impl Frame {
         None
     }
 
-    /// Replaces the dead vectors by ones that complete those alive to an orthonormal basis.
+    /// Replaces the removed vectors by ones that complete the surviving ones to an orthonormal
+    /// basis.
     fn complete(&mut self) {
         let states = self.len();
         let living = self.living();
         let dead = self.order().split_off(living.len());
         let mut known: Vec<Vector> = living.iter().map(|&j| self.columns[j].clone()).collect();
         for j in dead {
-            // The axis that stands out most: by at least 1/√N.
+            // The axis with the largest component outside: at least 1/√N.
             let rest = |i: usize| {
                 let mut rest = axis(states, i);
                 for column in &known {

@@ -15,7 +15,7 @@ use crate::math;
 /// of its length is the square of that.
 const OFF: f64 = 1e-12;
 
-/// Relative error of a map of the state, which comes from dual numbers.
+/// Relative error of a map of the state computed with dual numbers.
 const ROUNDING: f64 = 1e-13;
 
 /// The frame and its sums.
@@ -24,7 +24,7 @@ pub(super) struct Measurement<'a> {
     settings: &'a SpectrumOptions,
     frame: Frame,
     growth: Growth,
-    /// Logarithm of the volume that the vectors alive span, by Liouville's formula.
+    /// Logarithm of the volume spanned by the surviving vectors, by Liouville's formula.
     log_volume: f64,
     /// Integral of the divergence.
     divergence: f64,
@@ -33,7 +33,7 @@ pub(super) struct Measurement<'a> {
     collapses: usize,
     /// Whether no step has been taken since the run began.
     is_fresh: bool,
-    /// Whether this is still the transient.
+    /// Whether the run is still in the transient.
     is_settling: bool,
 }
 
@@ -108,12 +108,12 @@ impl<'a> Measurement<'a> {
         }
     }
 
-    /// Projects the vectors alive along the unit vector `kernel` by `map`, which leads into the
+    /// Projects the surviving vectors along the unit vector `kernel` by `map`, which leads into the
     /// space across `gradient`.
-    ///
-    /// Volumes of the parallelepipeds that the vectors span together with `kernel` do not change
-    /// under such a map, so the vectors' own volume changes as their distance to the tip of
-    /// `kernel` before and after.
+    ///     ///
+    /// Such a map preserves the volumes of the parallelepipeds that the vectors span together with
+    /// `kernel`. So the vectors' own volume changes like their distance to the tip of `kernel`,
+    /// before and after.
     fn project(
         &mut self,
         kernel: &Vector,
@@ -154,8 +154,8 @@ fn is_singular(jump: &Jump) -> bool {
 }
 
 impl Measurement<'_> {
-    /// Takes the frame through a map of the state that annihilates directions, as one that sets a
-    /// component to a constant does.
+    /// Carries the frame through a map of the state that annihilates directions, such as one that
+    /// sets a component to a constant.
     fn annihilate(&mut self, jump: &Jump) -> Option<()> {
         let svd = jump.matrix.clone().svd(false, true);
         let (values, rows) = (&svd.singular_values, svd.v_t?);
@@ -178,8 +178,8 @@ impl Measurement<'_> {
         Some(())
     }
 
-    /// A run that begins in stick was on Σ before: nothing across it survives. (From where it came
-    /// decides along which direction it was projected, and no exponent depends on that.)
+    /// A run that begins in stick was on Σ before: nothing across it survives. (The side from which
+    /// it came decides the direction of projection, on which no exponent depends.)
     fn begin_on_boundary(&mut self, step: &Step) -> Option<()> {
         let (t, x) = (step.t_start, step.x_start.clone());
         for gradient in self.gradients(step.mode, &Moment { t, x }) {
@@ -195,7 +195,7 @@ impl Measurement<'_> {
         Some(())
     }
 
-    /// Gradients of the boundaries of what sticks, made orthogonal.
+    /// Orthogonalised gradients of the boundaries of sticking contacts.
     fn gradients(&self, mode: Modes, at: &Moment) -> Vec<Vector> {
         let mut across: Vec<Vector> = Vec::new();
         for (_, mut gradient) in self.tangent.system.normals(mode, at) {
@@ -207,9 +207,9 @@ impl Measurement<'_> {
         across
     }
 
-    /// Projects the vectors alive onto the boundaries of sticking contacts, from which rounding
+    /// Projects the surviving vectors onto the boundaries of sticking contacts, from which rounding
     /// moves them. The sliding flow does not contract across a boundary. In a long stick, a vector
-    /// that shrinks along it would end as the rounding across it.
+    /// that shrinks along it would otherwise become the rounding across it.
     fn stay_on_boundary(&mut self, step: &Step) {
         let gradients = self.gradients(step.mode, &step.end());
         self.frame.change_living(|q| {
@@ -240,7 +240,7 @@ impl Measurement<'_> {
         self.book(growth)
     }
 
-    /// Takes the frame over a step.
+    /// Carries the frame over a step.
     pub(super) fn step(
         &mut self,
         step: &Step,
@@ -254,7 +254,7 @@ impl Measurement<'_> {
         Ok(())
     }
 
-    /// Takes the frame through a transition.
+    /// Carries the frame through a transition.
     pub(super) fn transition(&mut self, at: &Transition) -> Result<(), Error> {
         let enters = at.kind == TransitionKind::StickEntry;
         self.stick_entries += usize::from(enters);

@@ -2,33 +2,34 @@
 //!
 //! # Method
 //! An orthonormal frame of tangent vectors is carried along the orbit and made orthonormal again
-//! after every step and every transition; the logarithms of the lengths that Gram–Schmidt finds,
-//! divided by time, tend to the exponents in descending order (Benettin, Galgani, Giorgilli &
-//! Strelcyn, *Meccanica* 15 (1980) 9; Shimada & Nagashima, *Prog. Theor. Phys.* 61 (1979) 1605).
-//! Steps carry the frame by being run again on dual numbers, crossings and entries into stick by
-//! their saltation matrices (Müller, *Chaos, Solitons & Fractals* 5 (1995) 1671; Leine & Nijmeijer,
-//! *Dynamics and Bifurcations of Non-Smooth Mechanical Systems*, 2004, Ch. 7), with the boundary's
-//! own motion in them. Leaving stick changes no vector: the sliding field and the field that takes
-//! over agree there.
+//! after every step and every transition. The logarithms of the Gram–Schmidt lengths, divided by
+//! time, tend to the exponents in descending order (Benettin, Galgani, Giorgilli & Strelcyn,
+//! *Meccanica* 15 (1980) 9; Shimada & Nagashima, *Prog. Theor. Phys.* 61 (1979) 1605). Steps are
+//! repeated on dual numbers to carry the frame. Crossings and entries into stick apply their
+//! saltation matrices (Müller, *Chaos, Solitons & Fractals* 5 (1995) 1671; Leine & Nijmeijer,
+//! *Dynamics and Bifurcations of Non-Smooth Mechanical Systems*, 2004, Ch. 7), which include the
+//! boundary's own motion. Leaving stick changes no vector: the sliding field and the new field
+//! agree there.
 //!
-//! # What stick does
+//! # The effect of stick
 //! Entry into stick maps all states near Σ onto Σ. Its saltation matrix projects along `k = f_stick
-//! − f_slip` and has rank `N − 1`: a full frame loses one direction, and whatever Gram–Schmidt
-//! would still find for it is rounding. So the loss is not measured but known: the projection
-//! annihilates the frame's first vector that, together with those before it, spans a space that
-//! holds `k` — for a full frame the last one, unless a symmetry of the system has it otherwise.
-//! That vector's exponent is [`Exponent::Annihilated`], −∞, and it is never given a substitute.
+//! − f_slip` and has rank `N − 1`. A full frame loses one direction, and the length that
+//! Gram–Schmidt would still compute for it is rounding. So the loss is known in advance, not
+//! measured. The projection annihilates the first vector that, together with those before it, spans
+//! a space containing `k`. In a full frame this is the last one, unless a symmetry of the system
+//! decides otherwise. That vector's exponent is [`Exponent::Annihilated`], −∞, and the vector is
+//! never replaced.
 //!
-//! Further entries find `N − 1` vectors and map them onto Σ one to one, except where `k` lies in
-//! their span: a `k` that does so to rounding takes another direction with it, one that does not is
-//! an ordinary stretch. So in general one exponent is −∞ however often the orbit sticks, and the
-//! other `N − 1` are those of the flow from Σ to Σ.
+//! Further entries meet `N − 1` vectors and map them onto Σ one to one, except where `k` lies in
+//! their span. A `k` that does so to rounding annihilates another direction; any other `k` is an
+//! ordinary stretch. So in general one exponent is −∞ however often the orbit sticks, and the other
+//! `N − 1` are those of the flow from Σ to Σ.
 //!
-//! # A check that does not use the frame's lengths
-//! The volume that the surviving vectors span also follows from Liouville's formula: the divergence
-//! of the fields, integrated by quadrature over the dense output, and for each transition the
-//! factor by which it changes volumes. [`Spectrum::volume_rate`] is that rate, and
-//! [`Spectrum::defect`] what the sum of the finite exponents differs from it.
+//! # A check independent of the frame's lengths
+//! The volume that the surviving vectors span also follows from Liouville's formula. The divergence
+//! of the fields is integrated by quadrature over the dense output, and each transition contributes
+//! the factor by which it changes volumes. [`Spectrum::volume_rate`] is the resulting rate, and
+//! [`Spectrum::defect`] its difference from the sum of the finite exponents.
 
 mod averages;
 mod frame;
@@ -52,14 +53,14 @@ use measurement::Measurement;
 /// The Lyapunov spectrum of the orbit from `(t0, x0)`; memory does not grow with the length of the
 /// run.
 ///
-/// The orbit first runs for `settings.transient` with the frame on it, so that the frame has turned
-/// into the directions that belong to the exponents, and is then measured for `settings.duration`.
-/// Directions that stick annihilated during the transient come back at its end: an orbit that
-/// sticks only on its way to an attractor that does not has `N` finite exponents.
+/// The orbit first runs for `settings.transient` with the frame, so that the frame aligns with the
+/// directions of the exponents. It is then measured for `settings.duration`. Directions that stick
+/// annihilates during the transient are restored at its end: an orbit that sticks only on its way
+/// to an attractor without stick has `N` finite exponents.
 ///
-/// Over a whole number of periods of a periodic orbit, after a transient that has brought orbit and
-/// frame onto it, the exponents are those of the Floquet multipliers to rounding; otherwise they
-/// are off by a term that falls as one over the duration.
+/// Over a whole number of periods of a periodic orbit, the exponents are those of the Floquet
+/// multipliers to rounding, if the transient has brought orbit and frame onto it. Otherwise they
+/// have an error that falls as one over the duration.
 ///
 /// ```
 /// use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum};
@@ -78,7 +79,7 @@ use measurement::Measurement;
 /// # Errors
 /// [`Error::Option`]; those of [`crate::run`]; [`Error::NoUniqueFuture`] where the orbit ends on a
 /// repelling part of Σ or at a two-fold; [`Error::TangentSingular`] where it grazes Σ so exactly
-/// that tangent vectors have no image, or two contacts come to zero in the same instant.
+/// that tangent vectors have no image, or two contacts reach zero in the same instant.
 pub fn lyapunov_spectrum<Kind>(
     system: &impl AsDynamics<Kind>,
     (t, x): (f64, impl Components),
@@ -100,8 +101,9 @@ pub(super) fn spectrum_of(
     measured(system, start, settings, begin)
 }
 
-/// [`lyapunov_spectrum`] with an observer of the measured part of the run as well, for minima,
-/// sections and the like in the same pass. If it ends the run, the spectrum is that of the part so
+/// [`lyapunov_spectrum`] with an observer of the measured part of the run, for minima, sections and
+/// the like in the same integration. If the observer ends the run, the spectrum is that of the part
+/// so far.
 /// far.
 ///
 /// # Errors
@@ -123,7 +125,7 @@ where
     })
 }
 
-/// The spectrum, of which `begin` begins the part of the run that is measured.
+/// The spectrum; `begin` begins the measured part of the run.
 fn measured<'a>(
     system: &dyn Dynamics,
     mut start: Moment,
@@ -131,7 +133,7 @@ fn measured<'a>(
     begin: impl FnOnce(&Moment, f64, &Options) -> Result<Box<dyn OrbitUnderWay + 'a>, Error>,
 ) -> Result<Spectrum, Error> {
     settings.check()?;
-    // Where an orbit rests, one step would be as long as all blocks.
+    // At an equilibrium, one step would be as long as all blocks.
     let block = settings.duration / settings.blocks as f64;
     let solver = settings.solver;
     let settings = &settings.solver(solver.longest_step(solver.longest_step.min(block)));
@@ -148,7 +150,7 @@ fn measured<'a>(
     Ok(measurement.finish(summary))
 }
 
-/// Goes along an orbit with the frame.
+/// Integrates an orbit with the frame.
 fn follow(
     mut orbit: Box<dyn OrbitUnderWay + '_>,
     measurement: &mut Measurement<'_>,

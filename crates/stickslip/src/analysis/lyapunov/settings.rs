@@ -1,4 +1,4 @@
-//! How long to measure, and how to report.
+//! Settings of the measurement and of its report.
 
 use crate::error::Error;
 use crate::filippov::Options;
@@ -8,12 +8,12 @@ use crate::filippov::Options;
 pub struct SpectrumOptions {
     /// Time run before measuring, with the frame on the orbit; default 200.
     pub transient: f64,
-    /// Time measured; default 2000.
+    /// Measured time; default 2000.
     pub duration: f64,
-    /// Blocks of equal length whose means give the standard errors; default 20. They should be long
-    /// compared with the time over which the orbit forgets itself.
+    /// Number of blocks of equal length whose means give the standard errors; default 20. A block
+    /// should be long compared with the correlation time of the orbit.
     pub blocks: usize,
-    /// About how many points of the running exponents to keep; default 200.
+    /// Approximate number of points of the running exponents; default 200.
     pub samples: usize,
     /// Settings of the solver.
     pub solver: Options,
@@ -47,13 +47,13 @@ impl SpectrumOptions {
         SpectrumOptions { solver, ..self }
     }
 
-    /// With so many blocks.
+    /// With this number of blocks.
     #[must_use]
     pub fn blocks(self, blocks: usize) -> Self {
         SpectrumOptions { blocks, ..self }
     }
 
-    /// With so many points of the running exponents.
+    /// With about this number of points of the running exponents.
     #[must_use]
     pub fn samples(self, samples: usize) -> Self {
         SpectrumOptions { samples, ..self }

@@ -3,24 +3,24 @@
 use crate::dynamics::Summary;
 use crate::math;
 
-/// Standard errors within which an exponent is the true one.
+/// Half-width of an exponent's confidence interval, in standard errors.
 const STANDARD_ERRORS: f64 = 4.0;
 
-/// Growth that a direction may show without a rate of growth, over a broken number of turns. Across
-/// a family of orbits it grows in proportion to time: 11 times from the end of a transient of a
-/// tenth of the measured time.
+/// Growth factor that a direction without exponential growth may show over a non-integer number of
+/// turns. Across a family of orbits the growth is proportional to time: 11 times from the end of a
+/// transient of a tenth of the measured time.
 const END_EFFECT: f64 = 30.0;
 
 /// One Lyapunov exponent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Exponent {
-    /// A rate of growth.
+    /// An exponential rate of growth.
     Finite {
         /// The exponent, per unit of time.
         value: f64,
         /// Standard error from the means of the blocks; infinite when fewer than two were
-        /// completed. It speaks of the fluctuation along a chaotic orbit, not of the end effects
-        /// that a periodic one has over a broken number of periods.
+        /// completed. It measures the fluctuation along a chaotic orbit, not the end effects of a
+        /// non-integer number of periods of a periodic one.
         std_error: f64,
     },
     /// Stick takes the direction to zero in finite time: the exponent is −∞.
@@ -36,9 +36,9 @@ impl Exponent {
         }
     }
 
-    /// Uncertainty of an exponent that was measured for this time: four standard errors, and at
-    /// least the effect of a growth by a factor of 30 without a rate. A motion without damping,
-    /// whose exponents are zero, shows such growth.
+    /// Uncertainty of an exponent measured over this time: four standard errors, and at least the
+    /// effect of a growth factor of 30. Undamped motion, whose exponents are zero, shows such
+    /// growth.
     pub fn uncertainty(&self, duration: f64) -> f64 {
         let scatter = STANDARD_ERRORS * self.std_error().unwrap_or(0.0);
         scatter.max(math::ln(END_EFFECT) / duration)
@@ -53,13 +53,13 @@ impl Exponent {
     }
 }
 
-/// The exponents as they stood at one time.
+/// The exponents at one time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Running {
     /// Time since measuring began.
     pub elapsed: f64,
-    /// Means over that time, in the order of the final exponents; −∞ from the entry into stick that
-    /// annihilated the direction.
+    /// Means over that time, in the order of the final exponents; −∞ after the entry into stick
+    /// that annihilated the direction.
     pub exponents: Vec<f64>,
 }
 
@@ -71,8 +71,8 @@ pub struct Spectrum {
     /// The running exponents, equally spaced in time as far as steps allow; the last entry is the
     /// result.
     pub convergence: Vec<Running>,
-    /// Rate at which the volume spanned by the surviving directions grows, from divergence and
-    /// saltation instead of the frame's lengths; see [`Spectrum::defect`].
+    /// Growth rate of the volume spanned by the surviving directions, from divergence and saltation
+    /// instead of the frame's lengths; see [`Spectrum::defect`].
     pub volume_rate: f64,
     /// Mean divergence of the fields along the orbit, stick included. Without stick,
     /// `volume_rate` is this plus the mean of `ln|det S|` over the crossings.
@@ -80,15 +80,15 @@ pub struct Spectrum {
     /// Entries into stick while measuring.
     pub stick_entries: usize,
     /// Collapses while measuring: entries into stick whose saltation matrix is singular and
-    /// projects tangent space along a direction. All entries are, save those at which the two
-    /// fields agree (no normal force, say). Only the first that meets a direction still alive
-    /// annihilates it; [`Spectrum::annihilated`] counts those directions.
+    /// projects tangent space along a direction. All entries are, except where the two fields agree
+    /// (without normal force, say). Only the first that meets a surviving direction annihilates it;
+    /// [`Spectrum::annihilated`] counts those directions.
     pub collapses: usize,
-    /// Part of the measured time spent in stick, of any contact.
+    /// Fraction of the measured time spent in stick, of any contact.
     pub stick_fraction: f64,
     /// Time measured.
     pub duration: f64,
-    /// How the measured run ended, where, and the work it took.
+    /// How and where the measured run ended, and its work.
     pub summary: Summary,
 }
 
@@ -99,15 +99,15 @@ impl Spectrum {
         finite.filter(|value| value.is_finite()).sum()
     }
 
-    /// How many exponents are −∞.
+    /// Number of exponents that are −∞.
     pub fn annihilated(&self) -> usize {
         let dead = |exponent: &&Exponent| **exponent == Exponent::Annihilated;
         self.exponents.iter().filter(dead).count()
     }
 
-    /// Difference of the sum of the finite exponents from the rate of volume, which is computed
-    /// without them: the error of integration and rounding, in the unit of an exponent. If it is
-    /// large, the tolerance or the fixed step is too coarse.
+    /// Difference between the sum of the finite exponents and the rate of volume, which is computed
+    /// without them. It shows the error of integration and rounding, in the unit of an exponent. If
+    /// it is large, the tolerance or the fixed step is too coarse.
     pub fn defect(&self) -> f64 {
         self.sum() - self.volume_rate
     }

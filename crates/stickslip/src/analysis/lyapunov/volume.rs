@@ -2,7 +2,7 @@
 
 use crate::dynamics::{Dynamics, Matrix, Moment, Step, Vector};
 
-/// Nodes in `[0, 1]` and weights of Gauss and Legendre's rule of five points: exact to degree 9.
+/// Nodes in `[0, 1]` and weights of the Gauss–Legendre rule of five points: exact to degree 9.
 const GAUSS: [(f64, f64); 5] = [
     (0.046_910_077_030_668_004, 0.118_463_442_528_094_54),
     (0.230_765_344_947_158_45, 0.239_314_335_249_683_24),
@@ -12,7 +12,7 @@ const GAUSS: [(f64, f64); 5] = [
 ];
 
 /// Integral of the divergence over a step with its solution: the logarithm of the factor by which
-/// it changes volumes.
+/// the step changes volumes.
 pub(super) fn growth(system: &dyn Dynamics, step: &Step, solution: &dyn Fn(f64) -> Vector) -> f64 {
     let length = step.t_end - step.t_start;
     let flow = system.flow(step.mode, &step.end());
