@@ -287,7 +287,8 @@ pub enum Error {
     /// coincide.
     #[error(
         "the boundary functions of contacts {contacts:?} have gradients at t = {t}, x = {x} that \
-            are zero or depend on each other; each contact needs a boundary of its own", t = readable(*t)
+            are zero or depend on each other; each contact needs a boundary of its own",
+        t = readable(*t)
     )]
     DependentContacts {
         /// Time.
@@ -315,7 +316,8 @@ pub enum Error {
     /// The field that holds a contact also changes the friction of a slipping contact.
     #[error(
         "with contact {held} at rest at t = {t}, x = {x}, Contacts::holding changes the friction \
-            of contact {slipping}, which slips; only contacts in `held` have static friction", t = readable(*t)
+            of contact {slipping}, which slips; only contacts in `held` have static friction",
+        t = readable(*t)
     )]
     HoldsElsewhere {
         /// Time.
@@ -330,7 +332,8 @@ pub enum Error {
     /// Friction at one contact depends on the side of another, which the system does not declare.
     #[error(
         "the friction of contacts {} and {} does not add at t = {t}, x = {x}: what one does \
-            depends on the side of the other; set Contacts::MULTI_AFFINE to true", pair.0, pair.1, t = readable(*t)
+            depends on the side of the other; set Contacts::MULTI_AFFINE to true",
+        pair.0, pair.1, t = readable(*t)
     )]
     NotAdditive {
         /// Time.
@@ -369,7 +372,10 @@ pub enum Error {
         wanted: f64,
     },
     /// A search failed on which the computation relies.
-    #[error("{what} was not found within {span} time units after t = {t}", t = readable(*t), span = readable(*span))]
+    #[error(
+        "{what} was not found within {span} time units after t = {t}",
+        t = readable(*t), span = readable(*span)
+    )]
     NotFound {
         /// What was sought.
         what: &'static str,

@@ -42,7 +42,11 @@ pub struct Start<S, const N: usize> {
 /// use stickslip::{Method, Options, Start, State, ensemble, models::BeltOscillator};
 ///
 /// let belt = BeltOscillator { belt_speed: 0.4, ..BeltOscillator::default() };
-/// let starts = (0..100).map(|k| Start { system: &belt, t: 0.0, x: State::from([0.01 * f64::from(k), 1.0]) });
+/// let starts = (0..100).map(|k| Start {
+///     system: &belt,
+///     t: 0.0,
+///     x: State::from([0.01 * f64::from(k), 1.0]),
+/// });
 /// let mut finished = 0;
 /// let options = Options::tol(1e-10).method(Method::Taylor);
 /// ensemble(starts, 30.0, &options, |_| (), |_number, (), outcome| {

@@ -128,7 +128,8 @@ pub struct StepRecord<const N: usize, K = Mode> {
 ///     }
 /// }
 /// let mut count = Count(0);
-/// run(&BeltOscillator::default(), 0.0, State::from([0.5, 1.5]), 1e9, &Options::default(), &mut count)?;
+/// let (belt, start) = (BeltOscillator::default(), State::from([0.5, 1.5]));
+/// run(&belt, 0.0, start, 1e9, &Options::default(), &mut count)?;
 /// assert_eq!(count.0, 5);
 /// # Ok::<(), stickslip::Error>(())
 /// ```

@@ -323,7 +323,9 @@ mod tests {
                 prop_assert!(spring.sigma_slope(z, 1.0).abs() <= 1e-14 * size);
                 // What the formula calls the slope is the slope of sigma.
                 let step = 1e-5 * span;
-                let quotient = (spring.sigma(z + step, 0.0, 1.0) - spring.sigma(z - step, 0.0, 1.0)) / (2.0 * step);
+                let difference =
+                    spring.sigma(z + step, 0.0, 1.0) - spring.sigma(z - step, 0.0, 1.0);
+                let quotient = difference / (2.0 * step);
                 prop_assert!(quotient.abs() <= 1e-8 * size);
             }
         }

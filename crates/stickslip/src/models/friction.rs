@@ -96,7 +96,9 @@ mod tests {
         #[test]
         fn odd_and_bounded(mu0 in 0.0..10.0, delta in 0.0..10.0, v in 1e-6..100.0) {
             let law = Friction::new(mu0, delta).unwrap();
-            let (Force::Kinetic(forward), Force::Kinetic(backward)) = (law.force(v), law.force(-v)) else {
+            let (Force::Kinetic(forward), Force::Kinetic(backward)) =
+                (law.force(v), law.force(-v))
+            else {
                 return Err(TestCaseError::fail("sliding has one force"));
             };
             prop_assert_eq!(forward, -backward);

@@ -1,5 +1,5 @@
-//! What each function's next coefficient is (Griewank & Walther, *Evaluating Derivatives*, 2008,
-//! Ch. 13).
+//! Recurrences for the next coefficient of each elementary function (Griewank & Walther,
+//! *Evaluating Derivatives*, 2008, Ch. 13).
 
 use super::jet::{Coefficient, Jet, Straight};
 use super::row::{Lanes, lanes};
@@ -8,8 +8,8 @@ use crate::scalar::Scalar;
 
 use Jet::Line;
 
-/// A function that is flat to rounding beyond some bound. Its series there tells nothing of where
-/// that ends, so the bound is taken for a comparison, which ends the step.
+/// A function that is constant to rounding beyond some bound. Its series there does not show where
+/// that range ends. So the bound is treated as a comparison, which ends the step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Flat {
     HyperbolicTangent,
@@ -17,14 +17,14 @@ pub(super) enum Flat {
 }
 
 impl Flat {
-    /// The bound that a number is beyond, if it is beyond one.
+    /// The bound that the number lies beyond, if any.
     #[inline(always)]
     fn bound_before(self, a: f64) -> Option<f64> {
         let (low, high) = match self {
-            // There 15 units in the last place are left to one.
+            // At this bound the function differs from 1 by 15 units in the last place.
             Flat::HyperbolicTangent => (-17.0, 17.0),
-            // Less than rounding leaves of one, or so much that rounding leaves nothing of one
-            // beside it, as in a logistic function.
+            // Beyond these bounds the exponential is lost to rounding beside 1, or 1 beside it, as
+            // in a logistic function.
             Flat::Exponential => (-37.0, 37.0),
         };
         if a > high {
@@ -36,7 +36,8 @@ impl Flat {
 }
 
 impl<'a, const L: usize> Coefficient<'a, L> {
-    /// The newest coefficient, not the value, of `f(a)` where `f' = g(a)`: `g` has the row `g`.
+    /// The newest coefficient (not the value) of `f(a)` where `f' = g(a)`; `g` is the row of
+    /// `g(a)`.
     #[inline(always)]
     fn integral(self, slope: usize, g: usize) -> Lanes<L> {
         let (pass, a) = (self.pass, self.newest);
@@ -84,7 +85,7 @@ impl<'a, const L: usize> Coefficient<'a, L> {
         result
     }
 
-    /// Two functions of which each is the slope of the other, but for the sign of the second's.
+    /// Two functions, each the derivative of the other up to the sign of the second's.
     #[inline(always)]
     fn pair(self, sign: f64, both: impl Fn(f64) -> (f64, f64)) -> (Jet<'a, L>, Jet<'a, L>) {
         let pass = self.pass;
@@ -142,15 +143,15 @@ impl<'a, const L: usize> Coefficient<'a, L> {
         pass.result(pass.integral(newest))
     }
 
-    /// Keeps the coefficients of `s a'(s)`.
+    /// Stores the coefficients of `s a'(s)`.
     #[inline(always)]
     fn keep_slope(self) -> usize {
         self.pass.keep(self.pass.slope(self.newest))
     }
 }
 
-/// The coefficient `newest` of functions with these values, or zero where they have overflowed:
-/// then what is divided by them stays nothing, up to the bound of [`Flat::Exponential`].
+/// The coefficient `newest` of functions with these values, or zero where they have overflowed. A
+/// quotient by such a function then stays zero up to the bound of [`Flat::Exponential`].
 #[inline(always)]
 pub(super) fn unless_overflowed<const L: usize>(newest: Lanes<L>, values: Lanes<L>) -> Lanes<L> {
     lanes(|l| {
@@ -167,7 +168,7 @@ fn sinh_cosh(a: f64) -> (f64, f64) {
 }
 
 impl<const L: usize> Jet<'_, L> {
-    /// The bound that the number is beyond, where a function is flat, if it is beyond one.
+    /// The bound that the number lies beyond in the range where a function is flat, if any.
     #[inline(always)]
     pub(super) fn bound_before(self, flat: Flat) -> Option<f64> {
         let a0 = self.first();
@@ -189,7 +190,7 @@ impl<const L: usize> Jet<'_, L> {
         }
     }
 
-    /// The hyperbolic sine and cosine, without a word on where nothing of one is left beside them.
+    /// The hyperbolic sine and cosine, without the comparison where 1 is lost beside them.
     #[inline(always)]
     pub(super) fn sinh_cosh_alone(self) -> (Self, Self) {
         match self.in_row() {
@@ -201,7 +202,7 @@ impl<const L: usize> Jet<'_, L> {
         }
     }
 
-    /// The hyperbolic tangent, without a word on where it is flat.
+    /// The hyperbolic tangent, without the comparison at its bound.
     #[inline(always)]
     pub(super) fn tanh_alone(self) -> Self {
         match self.in_row() {
@@ -210,7 +211,7 @@ impl<const L: usize> Jet<'_, L> {
         }
     }
 
-    /// The exponential function, without a word on where it is flat.
+    /// The exponential function, without the comparison at its bound.
     #[inline(always)]
     pub(super) fn exp_alone(self) -> Self {
         match self.in_row() {
@@ -237,7 +238,7 @@ impl<const L: usize> Scalar for Jet<'_, L> {
     fn is_same(self, other: Self) -> bool {
         matches!((self, other), (Jet::Series(a), Jet::Series(b)) if a.row == b.row)
     }
-    /// That of the first lane.
+    /// The value in the first lane.
     #[inline(always)]
     fn value(self) -> f64 {
         if let Some(pass) = self.pass() {

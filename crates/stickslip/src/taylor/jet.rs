@@ -1,5 +1,5 @@
-//! A number that is its own recurrence: its newest Taylor coefficient, and where its earlier ones
-//! are.
+//! A number that evaluates its own recurrence. It holds its newest Taylor coefficient and the
+//! location of its earlier ones.
 
 use std::fmt;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -12,9 +12,9 @@ use Jet::{Line, One, Series, Zero};
 
 /// A number in one pass through a function.
 ///
-/// What is constant, or linear in time, takes no room and folds. Zero and one are known for what
-/// they are without their value being looked at, so that the derivatives that are zero or one in a
-/// dual number leave nothing behind.
+/// Numbers that are constant or linear in time need no row, and operations on them are folded. Zero
+/// and one are variants of their own, known without a look at the value. So derivatives of dual
+/// numbers that are zero or one cost nothing.
 #[derive(Clone, Copy)]
 pub(crate) enum Jet<'a, const L: usize> {
     Zero,
@@ -23,7 +23,7 @@ pub(crate) enum Jet<'a, const L: usize> {
     Series(Coefficient<'a, L>),
 }
 
-/// A number that is linear in time, or constant: then it belongs to no pass.
+/// A number that is linear in time. Without a pass it is constant.
 #[derive(Clone, Copy)]
 pub(crate) struct Straight<'a, const L: usize> {
     pub(super) value: Lanes<L>,
@@ -31,13 +31,13 @@ pub(crate) struct Straight<'a, const L: usize> {
     pub(super) pass: Option<&'a Pass<'a, L>>,
 }
 
-/// The newest coefficient of a number, and its row.
+/// The newest coefficient of a number, and the number's row.
 #[derive(Clone, Copy)]
 pub(crate) struct Coefficient<'a, const L: usize> {
     pub(super) newest: Lanes<L>,
     pub(super) row: usize,
-    /// Whether the coefficient is in its row: it is put there when something first needs the
-    /// earlier ones, which a sum does not.
+    /// Whether the coefficient is stored in its row. It is stored when an operation first needs the
+    /// earlier coefficients, which a sum does not.
     is_kept: bool,
     /// Whether the number is linear in state and time.
     pub(super) is_linear: bool,
@@ -85,7 +85,7 @@ impl<'a, const L: usize> Straight<'a, L> {
 }
 
 impl<'a, const L: usize> Pass<'a, L> {
-    /// A new number, whose row is its own from now on.
+    /// A new number with a row of its own.
     #[inline(always)]
     pub(super) fn number(&'a self, newest: Lanes<L>, is_linear: bool) -> Jet<'a, L> {
         Series(Coefficient {
@@ -97,7 +97,7 @@ impl<'a, const L: usize> Pass<'a, L> {
         })
     }
 
-    /// A number that has come to this order already.
+    /// A number that is computed already at this order.
     #[inline(always)]
     pub(super) fn known(&'a self, row: usize) -> Jet<'a, L> {
         Series(Coefficient {
@@ -134,7 +134,7 @@ impl<'a, const L: usize> Pass<'a, L> {
         })
     }
 
-    /// The values of two such numbers that are found together.
+    /// Two such numbers whose values are computed together.
     #[inline(always)]
     pub(super) fn results(
         &'a self,
@@ -152,7 +152,7 @@ impl<'a, const L: usize> Pass<'a, L> {
 }
 
 impl<'a, const L: usize> Coefficient<'a, L> {
-    /// Itself, its coefficient in its row.
+    /// The number itself, with its coefficient stored in its row.
     #[inline(always)]
     fn kept(self) -> Self {
         if !self.is_kept {
@@ -164,7 +164,7 @@ impl<'a, const L: usize> Coefficient<'a, L> {
         }
     }
 
-    /// The value of one that is kept.
+    /// The value of a number that is stored.
     #[inline(always)]
     pub(super) fn first(self) -> Lanes<L> {
         if self.pass.order == 0 {
@@ -223,7 +223,7 @@ impl<'a, const L: usize> Coefficient<'a, L> {
 }
 
 impl<'a, const L: usize> Jet<'a, L> {
-    /// What it is where it has no row.
+    /// The number as a linear function of time; zero if it has a row.
     #[inline(always)]
     pub(super) fn line(self) -> Straight<'a, L> {
         match self {
@@ -233,7 +233,7 @@ impl<'a, const L: usize> Jet<'a, L> {
         }
     }
 
-    /// The pass that a number which is not constant belongs to.
+    /// The pass that the number belongs to; `None` for a constant.
     #[inline(always)]
     pub(super) fn pass(self) -> Option<&'a Pass<'a, L>> {
         match self {
@@ -259,7 +259,7 @@ impl<'a, const L: usize> Jet<'a, L> {
         }
     }
 
-    /// The number as one with a row, or its value where it is constant.
+    /// The number with a row of its own, or its value if it is constant.
     #[inline(always)]
     pub(super) fn in_row(self) -> Result<Coefficient<'a, L>, f64> {
         if let Series(a) = self {
@@ -277,7 +277,7 @@ impl<'a, const L: usize> Jet<'a, L> {
         })
     }
 
-    /// Puts its coefficient into its row.
+    /// Stores the coefficient in its row.
     #[inline(always)]
     pub(super) fn keep(self) {
         if let Series(a) = self {
@@ -294,7 +294,7 @@ impl<'a, const L: usize> Jet<'a, L> {
         }
     }
 
-    /// Itself, known to be linear in state and time or not.
+    /// The number itself, marked as linear in state and time or not.
     #[inline(always)]
     pub(super) fn linear(self, is_linear: bool) -> Self {
         match self {
@@ -303,7 +303,7 @@ impl<'a, const L: usize> Jet<'a, L> {
         }
     }
 
-    /// Keeps by how much what a comparison chose is ahead of what it did not.
+    /// Stores the difference between the chosen and the rejected number of a comparison.
     #[inline(always)]
     pub(super) fn choose(self, other: Self, exceeds: bool) {
         if let Some(pass) = self.pass().or(other.pass()) {
@@ -315,14 +315,14 @@ impl<'a, const L: usize> Jet<'a, L> {
         }
     }
 
-    /// Whether it is zero in the first lane.
+    /// Whether the number is zero in the first lane.
     #[inline(always)]
     pub(super) fn is_zero(self) -> bool {
-        // Elsewhere its value is not looked at.
+        // The value is read only if some lane is zero.
         self.first().contains(&0.0) && self.value() == 0.0
     }
 
-    /// A sum or difference. Beyond the slope nothing waits for what is straight.
+    /// A sum or difference. Above order 1 the result does not depend on a linear summand.
     #[inline(always)]
     fn combined(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
         match (self, other) {
@@ -354,7 +354,7 @@ impl<'a, const L: usize> Jet<'a, L> {
         }
     }
 
-    /// A product with, or quotient by, a constant.
+    /// A product with a constant, or a quotient by one.
     #[inline(always)]
     fn scaled(self, f: impl Fn(f64) -> f64) -> Self {
         match self {
@@ -391,7 +391,7 @@ impl<const L: usize> Sub for Jet<'_, L> {
         match (self, other) {
             (a, Zero) => a,
             (Zero, b) => -b,
-            // What two sides of a boundary share cancels exactly.
+            // Terms common to both sides of a boundary cancel exactly.
             (a, b) if a.is_same(b) => Zero,
             _ => self.combined(other, |a, b| a - b),
         }
@@ -469,7 +469,8 @@ impl<const L: usize> Div<f64> for Jet<'_, L> {
                 let newest = if a.pass.order == 0 {
                     lanes(|l| a.newest[l] / other)
                 } else {
-                    // Only the value is worth waiting for a division.
+                    // Only the value is divided; the other coefficients use the reciprocal, which
+                    // is faster.
                     let inverse = 1.0 / other;
                     lanes(|l| a.newest[l] * inverse)
                 };

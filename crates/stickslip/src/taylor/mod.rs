@@ -1,14 +1,14 @@
-//! Taylor series of the solution: the user's functions run once per order on a number that is its
-//! own recurrence.
+//! Taylor series of the solution: the user's functions run once per order on a number type that
+//! evaluates its own recurrence.
 //!
-//! A [`Jet`](jet::Jet) carries its newest coefficient and the place of its earlier ones. Every
+//! A [`Jet`](jet::Jet) carries its newest coefficient and the location of its earlier ones. Every
 //! operation has a recurrence that gives coefficient `k` of its result from the coefficients up to
 //! `k` of its arguments (Moore, *Interval Analysis*, 1966; Griewank & Walther, *Evaluating
-//! Derivatives*, 2008, Ch. 13), and `x_{k+1} = f_k/(k + 1)` closes the circle. Order and step
-//! follow the tolerance (Jorba & Zou, *Experimental Mathematics* 14 (2005) 99; Biscani & Izzo,
-//! *MNRAS* 504 (2021) 2614, the code heyoka). Any function of the solution has its own series, a
-//! polynomial in time whose first zero in the step is isolated for certain ([`roots`]). Knows
-//! nothing of discontinuities.
+//! Derivatives*, 2008, Ch. 13). The differential equation `x_{k+1} = f_k/(k + 1)` then gives the
+//! next coefficient of the state. Order and step follow the tolerance (Jorba & Zou, *Experimental
+//! Mathematics* 14 (2005) 99; Biscani & Izzo, *MNRAS* 504 (2021) 2614, the code heyoka). Any
+//! function of the solution has a series of its own, a polynomial in time whose first zero in the
+//! step is isolated rigorously ([`roots`]). This module does not deal with discontinuities.
 
 mod functions;
 pub(crate) mod jet;
@@ -26,7 +26,7 @@ mod tests;
 /// Highest order of a series.
 pub(crate) const MOST_ORDER: usize = 24;
 
-/// One over an order.
+/// Reciprocal of an order.
 #[inline(always)]
 pub(crate) fn inverse(k: usize) -> f64 {
     const ALL: [f64; MOST_ORDER + 1] = {

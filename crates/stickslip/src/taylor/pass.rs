@@ -8,42 +8,42 @@ use super::recorded::Recorded;
 use super::recording::{Operation, Recording};
 use super::row::{Lanes, Row, lanes};
 
-/// Rows that there are at least.
+/// Minimum number of rows.
 pub(crate) const AT_ONCE: usize = 32;
 
-/// Where coefficients are kept: all rows, and the first of them.
+/// Storage of the coefficients: all rows, and the first of them.
 ///
-/// The first are a number's of their own in this type so that they can be an argument of a function
-/// that is not inlined. What is put into an argument changes no local variable; so the compiler
-/// knows what a pass has counted, and with it where each number's row is.
+/// The first rows are a separate field so that they can be an argument of a function that is not
+/// inlined. Writing through an argument changes no local variable. So the compiler can evaluate the
+/// counters of a pass, and with them the row of each number.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rows<'a, const L: usize> {
     pub(crate) first: &'a [Row<L>; AT_ONCE],
     pub(crate) all: &'a [Row<L>],
 }
 
-/// What the numbers of one pass share: where their earlier coefficients are. Every pass takes the
-/// rows in the same order, so that a number finds its own; where all is inlined the compiler knows
-/// them, and nothing is left to look up.
+/// What the numbers of one pass share, above all the storage of their earlier coefficients. Every
+/// pass assigns rows in the same order, so that each number gets the same row. If everything is
+/// inlined, the compiler knows the rows and no look-up remains.
 ///
-/// Numbers take rows from the front, choices from the back.
+/// Numbers take rows from the front, comparisons from the back.
 #[derive(Debug)]
 pub(crate) struct Pass<'a, const L: usize> {
-    /// The first of all rows: the compiler sees that they are there.
+    /// The first rows; their number is known to the compiler.
     first: &'a [Row<L>; AT_ONCE],
     rows: &'a [Row<L>],
     pub(super) order: usize,
     pub(super) taken: Cell<usize>,
     pub(super) choices: Cell<usize>,
-    /// Whether one of these is between what is not linear in state and time.
+    /// Whether a comparison has an operand that is not linear in state and time.
     pub(super) choices_bend: Cell<bool>,
-    /// Whether a value was read, so that the series may hold only where it was made.
+    /// Whether a value was read. The series may then hold only at the point of expansion.
     pub(super) value_read: Cell<bool>,
-    /// Whether lanes compare differently, so that they must be expanded one by one.
+    /// Whether a comparison differs between lanes, so that they must be expanded one by one.
     pub(super) divided: Cell<bool>,
-    /// Whether something was divided by what had overflowed.
+    /// Whether there was a division by an overflowed number.
     pub(super) overflowed: Cell<bool>,
-    /// Where what is done is written down, if it is.
+    /// The recording of the operations, if they are recorded.
     recording: Option<&'a RefCell<Recording<L>>>,
 }
 
@@ -64,7 +64,7 @@ impl<'a, const L: usize> Pass<'a, L> {
         }
     }
 
-    /// The first one, which is written down.
+    /// The pass at order 0 with its operations recorded.
     #[inline(always)]
     pub(super) fn recorded(rows: Rows<'a, L>, recording: &'a RefCell<Recording<L>>) -> Self {
         Pass {
@@ -73,7 +73,7 @@ impl<'a, const L: usize> Pass<'a, L> {
         }
     }
 
-    /// Does an operation, at order 0, and writes it down.
+    /// Performs an operation at order 0 and records it.
     #[inline(never)]
     pub(super) fn record(
         &'a self,
@@ -89,7 +89,7 @@ impl<'a, const L: usize> Pass<'a, L> {
         }
     }
 
-    /// Writes down how a comparison came out.
+    /// Records the result of a comparison.
     pub(super) fn check(&'a self, operation: Operation, of: [Recorded<'a, L>; 2]) {
         if let Some(recording) = self.recording {
             recording.borrow_mut().check(operation, of, self);
@@ -115,14 +115,14 @@ impl<'a, const L: usize> Pass<'a, L> {
         }
     }
 
-    /// A row that the compiler does not know.
+    /// A row whose index the compiler does not know.
     #[inline(always)]
     pub(super) fn row_of_all(&self, row: u32) -> Option<&'a Row<L>> {
         self.rows.get(row as usize)
     }
 
-    /// Keeps a coefficient of this order in the next row. Where there is no room, which the first
-    /// pass tells, it is dropped.
+    /// Stores a coefficient of this order in the next row. It is dropped if there is no room, which
+    /// the first pass reports.
     #[inline(always)]
     pub(super) fn keep(&self, newest: Lanes<L>) -> usize {
         let row = self.take();
@@ -130,7 +130,7 @@ impl<'a, const L: usize> Pass<'a, L> {
         row
     }
 
-    /// The next row.
+    /// Takes the next row.
     #[inline(always)]
     pub(super) fn take(&self) -> usize {
         let row = self.taken.get();
@@ -138,7 +138,7 @@ impl<'a, const L: usize> Pass<'a, L> {
         row
     }
 
-    /// Puts a coefficient of this order into a row.
+    /// Stores a coefficient of this order in a row.
     #[inline(always)]
     pub(super) fn put(&self, row: usize, newest: Lanes<L>) {
         if let Some(row) = self.row(row) {
@@ -146,13 +146,13 @@ impl<'a, const L: usize> Pass<'a, L> {
         }
     }
 
-    /// The row that is taken next.
+    /// The row that will be taken next.
     #[inline(always)]
     pub(super) fn next(&self) -> usize {
         self.taken.get()
     }
 
-    /// Keeps by how much what was chosen is ahead of what was not.
+    /// Stores the difference between the chosen and the rejected operand of a comparison.
     #[inline(always)]
     pub(super) fn choose(&self, ahead: Lanes<L>) {
         let choice = self.choices.get();
@@ -179,14 +179,14 @@ impl<'a, const L: usize> Pass<'a, L> {
         }
     }
 
-    /// The newest coefficient of an integral from that of `s` times its integrand.
+    /// The newest coefficient of an integral, from that of `s` times its integrand.
     #[inline(always)]
     pub(super) fn integral(&self, slope: Lanes<L>) -> Lanes<L> {
         let per_order = inverse(self.order);
         lanes(|l| slope[l] * per_order)
     }
 
-    /// The newest coefficient of `s` times the slope of a number.
+    /// The newest coefficient of `s` times the derivative of a number.
     #[inline(always)]
     pub(super) fn slope(&self, newest: Lanes<L>) -> Lanes<L> {
         lanes(|l| newest[l] * self.order as f64)

@@ -1,4 +1,4 @@
-//! A number whose operations are written down, see [`super::recording`].
+//! A number whose operations are recorded; see [`super::recording`].
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -12,12 +12,12 @@ use crate::scalar::Scalar;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Recorded<'a, const L: usize> {
     pub(super) number: Jet<'a, L>,
-    /// Where it is, unless it is constant.
+    /// The number's place, unless it is constant.
     place: Option<(Place, &'a Pass<'a, L>)>,
 }
 
 impl<'a, const L: usize> Recorded<'a, L> {
-    /// One that a pass has at a place.
+    /// The number that a pass has at a place.
     pub(super) fn at(place: Place, number: Jet<'a, L>, pass: &'a Pass<'a, L>) -> Self {
         let place = Some((place, pass));
         Recorded { number, place }
@@ -30,12 +30,12 @@ impl<'a, const L: usize> Recorded<'a, L> {
         Recorded { number, place }
     }
 
-    /// Where it is, unless it is constant.
+    /// The number's place, unless it is constant.
     pub(super) fn place(self) -> Option<Place> {
         self.place.map(|(place, _)| place)
     }
 
-    /// The pass of the one or the other, unless both are constant.
+    /// The pass of either number, unless both are constant.
     #[inline(always)]
     fn pass(self, other: Self) -> Option<&'a Pass<'a, L>> {
         self.place.or(other.place).map(|(_, pass)| pass)

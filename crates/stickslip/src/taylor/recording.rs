@@ -1,10 +1,12 @@
-//! What interpreted functions do to numbers, written down once and repeated for every order.
+//! Recording of interpreted functions: their operations, recorded once and repeated for every
+//! order.
 //!
-//! A compiled function is its own recurrence: the compiler knows the kind and the place of every
-//! number in it. One that is interpreted is looked up anew at every call, and that takes longer
-//! than the arithmetic. So it is called once for many series. What it does to numbers that are not
-//! constant is written down, with all that is zero, chosen or carried by dual numbers resolved and
-//! what is done twice done once; every order of every series repeats that, until a comparison comes
+//! A compiled function needs no recording: the compiler knows the kind and place of every number in
+//! it. An interpreted function is looked up again at every call, which takes longer than its
+//! arithmetic. So it is called once for many series, and its operations on numbers that are not
+//! constant are recorded. Zeros, comparisons and dual numbers are resolved, and common
+//! subexpressions are shared. Every order of every series repeats the recording until a comparison
+//! changes its result.
 //! out otherwise.
 
 use std::collections::HashMap;
@@ -17,7 +19,7 @@ use super::row::Lanes;
 use super::steps::Steps;
 use crate::scalar::Scalar;
 
-/// Where a number is: in a row, or among those that are linear in time, or constant.
+/// Where a number is: in a row, or among the lines, which are linear in time or constant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Place {
     Row(u32),
@@ -43,7 +45,7 @@ pub(super) enum Operation {
     SubtractConstant,
     MultiplyConstant,
     DivideByConstant,
-    /// The cosine is in the row behind the sine's.
+    /// The cosine is in the row after the sine's.
     SineCosine,
     Tangent,
     ArcTangent,
@@ -54,20 +56,20 @@ pub(super) enum Operation {
     Root,
     Exponential,
     Logarithm,
-    /// No number comes of these: that the one is the larger, that it is not, that it is not zero,
-    /// and that a function of it is not flat there.
+    /// These have no number as result. They check that the first number exceeds the second, that it
+    /// does not, that it is not zero, and that a function of it is not flat there.
     Exceeds,
     ExceedsNot,
     IsNotZero,
     IsSteep(Flat),
 }
 
-/// An operation and what it is done with.
+/// An operation and its operands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Call {
     pub(super) operation: Operation,
     pub(super) of: [Place; 2],
-    /// The bits of its constant.
+    /// The bits of the constant operand.
     constant: u64,
 }
 
@@ -77,13 +79,13 @@ impl Call {
     }
 }
 
-/// A call, the first row that it takes, and where its result is, if it has one.
+/// A call, the first row that it takes, and the place of its result, if it has one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Made {
     pub(super) call: Call,
     pub(super) first: u32,
     pub(super) result: Option<Place>,
-    /// Whether that is linear in state and time.
+    /// Whether the result is linear in state and time.
     is_linear: bool,
 }
 
@@ -95,21 +97,21 @@ pub(super) struct Line<const L: usize> {
     pub(super) is_constant: bool,
 }
 
-/// What was written down.
+/// The recorded operations.
 #[derive(Debug, Default)]
 pub(crate) struct Recording<const L: usize> {
     calls: Vec<Made>,
-    /// By call that has a result, its number.
+    /// Index into `calls` for every call that has a result.
     known: HashMap<Call, usize>,
-    /// Time first.
+    /// Time is the first entry.
     lines: Vec<Line<L>>,
-    /// For the orders above 0.
+    /// Steps for the orders above 0.
     steps: Steps,
     is_complete: bool,
 }
 
 impl Operation {
-    /// The result; of sine and cosine the first.
+    /// The result; the sine for the pair of sine and cosine.
     #[inline(always)]
     pub(super) fn of<'a, const L: usize>(
         self,
@@ -168,7 +170,8 @@ impl<const L: usize> Line<L> {
 }
 
 impl<const L: usize> Recording<L> {
-    /// Begins anew: time is the first line, and the state's components have the first rows.
+    /// Begins a new recording. Time is the first line, and the state's components have the first
+    /// rows.
     pub(super) fn begin(&mut self, time: Jet<'_, L>) {
         self.forget();
         self.calls.clear();
@@ -177,17 +180,17 @@ impl<const L: usize> Recording<L> {
         self.lines.push(Line::of(time));
     }
 
-    /// Is not to be repeated any more.
+    /// Marks the recording as unusable.
     pub(crate) fn forget(&mut self) {
         self.is_complete = false;
     }
 
-    /// Whether it can be repeated.
+    /// Whether the recording can be repeated.
     pub(super) fn is_complete(&self) -> bool {
         self.is_complete
     }
 
-    /// Where a number is. Constants come to the lines, each once.
+    /// The place of a number. A constant is added to the lines unless it is there already.
     pub(super) fn place(&mut self, number: Recorded<'_, L>) -> Place {
         if let Some(place) = number.place() {
             return place;
@@ -203,7 +206,7 @@ impl<const L: usize> Recording<L> {
         self.lines.len() - 1
     }
 
-    /// Does an operation and writes it down. Of what was done before, the result is known.
+    /// Performs an operation and records it. The result of an operation recorded before is reused.
     pub(super) fn record<'a>(
         &mut self,
         operation: Operation,
@@ -237,7 +240,7 @@ impl<const L: usize> Recording<L> {
             }
             Jet::Zero | Jet::One | Jet::Line(_) => return Recorded::constant_of(number),
         };
-        // What comes out as one of the numbers that it is made of is nothing new.
+        // A result that is one of the operands is not a new number.
         let is_new = !matches!(number, Jet::Series(series) if series.row < first);
         if is_new {
             number.keep();
@@ -252,7 +255,7 @@ impl<const L: usize> Recording<L> {
         Recorded::at(place, number, pass)
     }
 
-    /// Writes down how a comparison came out.
+    /// Records the result of a comparison.
     pub(super) fn check(
         &mut self,
         operation: Operation,
@@ -273,7 +276,7 @@ impl<const L: usize> Recording<L> {
         });
     }
 
-    /// The number at a place, in a pass that has come to it.
+    /// The number at a place, for a pass that has computed it.
     #[inline(always)]
     pub(super) fn number<'a>(&self, place: Place, pass: &'a Pass<'a, L>) -> Jet<'a, L> {
         match place {
@@ -290,7 +293,7 @@ impl<const L: usize> Recording<L> {
         }
     }
 
-    /// A coefficient of the number at a place, in a pass that is behind it.
+    /// Coefficient `k` of the number at a place, for a pass of higher order.
     #[inline(always)]
     pub(super) fn coefficient(&self, place: Place, k: usize, pass: &Pass<'_, L>) -> Lanes<L> {
         match place {
@@ -299,13 +302,13 @@ impl<const L: usize> Recording<L> {
         }
     }
 
-    /// The line at a place among them.
+    /// The line with an index.
     #[inline(always)]
     pub(super) fn line(&self, line: u32) -> &Line<L> {
         &self.lines[line as usize]
     }
 
-    /// Has come to its end, with these numbers wanted.
+    /// Completes the recording; the numbers at the places `wanted` are needed.
     pub(super) fn end(&mut self, wanted: impl Iterator<Item = Place>, pass: &Pass<'_, L>) {
         let is_constant = |line: u32| self.lines[line as usize].is_constant;
         self.steps
@@ -313,7 +316,8 @@ impl<const L: usize> Recording<L> {
         self.is_complete = !pass.value_read.get();
     }
 
-    /// Repeats order 0 at another time and state; whether everything came out alike.
+    /// Repeats order 0 at another time and state. Returns whether all comparisons gave the recorded
+    /// results.
     pub(super) fn repeat_first<'a>(&mut self, time: Jet<'_, L>, pass: &'a Pass<'a, L>) -> bool {
         self.lines[0] = Line::of(time);
         for i in 0..self.calls.len() {

@@ -1,4 +1,4 @@
-//! Series of interpreted functions: one call for many of them.
+//! Series of interpreted functions: one call serves many series.
 
 use std::cell::RefCell;
 
@@ -9,17 +9,17 @@ use super::recording::{Place, Recording};
 use super::row::{Lanes, lanes};
 use super::series::{Expansion, Functions, outcome, watched_rows};
 
-/// What the functions did when they were called.
+/// The recorded operations of the functions, and the places of the results.
 #[derive(Debug)]
 pub(crate) struct Repeated<const L: usize, const N: usize, const W: usize> {
     recording: RefCell<Recording<L>>,
     field: [Place; N],
     watched: [Place; W],
-    /// Whether any that is watched is linear in time.
+    /// Whether a watched function is linear in time.
     watches_lines: bool,
-    /// The rows that are taken when the functions have come to their end.
+    /// Number of rows taken at the end of the functions.
     taken: usize,
-    /// The rows that there must be.
+    /// Number of rows required.
     room: usize,
     expansion: Expansion<W>,
 }
@@ -37,12 +37,12 @@ impl<const L: usize, const N: usize, const W: usize> Repeated<L, N, W> {
         }
     }
 
-    /// The functions are others from now on.
+    /// Discards the recording because the functions change.
     pub(crate) fn forget(&mut self) {
         self.recording.get_mut().forget();
     }
 
-    /// As [`super::series::in_rows`].
+    /// See [`super::series::in_rows`].
     pub(super) fn expand(
         &mut self,
         into: Rows<'_, L>,
@@ -69,7 +69,7 @@ impl<const L: usize, const N: usize, const W: usize> Repeated<L, N, W> {
         Ok(self.expansion)
     }
 
-    /// What is watched and straight has a row, too.
+    /// Stores watched functions that are linear in time in rows, too.
     #[inline(always)]
     fn keep_watched(&self, recording: &Recording<L>, pass: &Pass<'_, L>) {
         if !self.watches_lines {
@@ -78,13 +78,13 @@ impl<const L: usize, const N: usize, const W: usize> Repeated<L, N, W> {
         pass.taken.set(self.taken);
         for place in self.watched {
             if let Place::Line(_) = place {
-                // What is constant has none.
+                // Constants have no row.
                 let _ = recording.number(place, pass).in_row();
             }
         }
     }
 
-    /// Order 0 by a call of the functions, which is written down.
+    /// Computes order 0 by a recorded call of the functions.
     fn first(
         &mut self,
         into: Rows<'_, L>,
@@ -119,7 +119,7 @@ impl<const L: usize, const N: usize, const W: usize> Repeated<L, N, W> {
         Ok(())
     }
 
-    /// Order 0 by repetition, if everything comes out as before.
+    /// Computes order 0 by repetition, if all comparisons give the recorded results.
     fn first_again(
         &mut self,
         into: Rows<'_, L>,

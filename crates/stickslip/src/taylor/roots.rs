@@ -1,20 +1,20 @@
-//! The first zero of a polynomial over the unit interval, isolated for certain.
+//! The first zero of a polynomial over the unit interval, isolated rigorously.
 //!
-//! The coefficients in Bernstein's basis change sign at least as often as the polynomial has zeros
-//! in the interval, and by Descartes' rule the difference is even: none means no zero, one means
-//! exactly one. De Casteljau's construction halves the interval where they say neither (Farouki,
-//! *Computer Aided Geometric Design* 29 (2012) 379; Rouillier & Zimmermann, *J. Comput. Appl.
-//! Math.* 162 (2004) 33). So no pair of zeros is missed, however close, down to rounding.
+//! The Bernstein coefficients change sign at least as often as the polynomial has zeros in the
+//! interval, and by Descartes' rule the difference is even. No change means no zero, and one change
+//! means exactly one. Otherwise de Casteljau's construction halves the interval (Farouki, *Computer
+//! Aided Geometric Design* 29 (2012) 379; Rouillier & Zimmermann, *J. Comput. Appl. Math.* 162
+//! (2004) 33). So no pair of zeros is missed, however close, down to rounding.
 
 use super::MOST_ORDER;
 use crate::ode::power_series;
 
 const ROOM: usize = MOST_ORDER + 1;
 
-/// Halves narrower than this are not halved again: a parabola bends by 1e-17 over them.
+/// Intervals narrower than this are not halved: a parabola bends by 1e-17 over them.
 const NARROWEST: f64 = 7.5e-9;
 
-/// An interval that holds a zero: positive at `a`, not at `b`.
+/// An interval that holds a zero: the polynomial is positive at `a` and not positive at `b`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Bracket {
     a: f64,
@@ -23,7 +23,7 @@ struct Bracket {
     at_b: f64,
 }
 
-/// Binomial coefficients' inverses: `INVERSE_BINOMIAL[n][k] = 1/C(n, k)`.
+/// Reciprocal binomial coefficients: `INVERSE_BINOMIAL[n][k] = 1/C(n, k)`.
 const INVERSE_BINOMIAL: [[f64; ROOM]; ROOM] = {
     let mut table = [[0.0; ROOM]; ROOM];
     let mut n = 0;
@@ -40,15 +40,15 @@ const INVERSE_BINOMIAL: [[f64; ROOM]; ROOM] = {
     table
 };
 
-/// Where `Σ c_k s^k`, positive at 0, first is not positive in `[0, 1]`. A zero at 1 to rounding may
-/// be left to the step that begins there.
+/// The first point of `[0, 1]` at which `Σ c_k s^k`, positive at 0, is not positive. A zero at 1
+/// within rounding may be left to the next step.
 #[inline(always)]
 pub(crate) fn first_zero(c: &[f64]) -> Option<f64> {
     if is_positive(c) { None } else { search(c) }
 }
 
-/// Whether `Σ c_k s^k` is positive throughout by the size of its coefficients alone, as nearly
-/// always: no power exceeds 1.
+/// Whether the size of the coefficients alone shows that `Σ c_k s^k` is positive on `[0, 1]`, as it
+/// nearly always does. No power of `s` exceeds 1 there.
 #[inline(always)]
 pub(crate) fn is_positive(c: &[f64]) -> bool {
     let mut least = c[0];
@@ -58,11 +58,11 @@ pub(crate) fn is_positive(c: &[f64]) -> bool {
     least > 0.0
 }
 
-/// Degree to which a polynomial's higher powers are taken down.
+/// Degree to which a polynomial's higher powers are reduced.
 const FOLDED: usize = 8;
 
-/// Bernstein coefficients of the powers up to that degree, but the first, which is the value at 0:
-/// `C(i, k)/C(FOLDED, k)` for `s^k`.
+/// Bernstein coefficients of the powers up to that degree, without the first, which is the value at
+/// 0: `C(i, k)/C(FOLDED, k)` for `s^k`.
 const BERNSTEIN: [[f64; FOLDED]; FOLDED + 1] = {
     let mut table = [[0.0; FOLDED]; FOLDED + 1];
     let mut i = 1;
@@ -77,8 +77,8 @@ const BERNSTEIN: [[f64; FOLDED]; FOLDED + 1] = {
     table
 };
 
-/// Whether `Σ c_k s^k` is positive throughout by the Bernstein coefficients of what it is not
-/// below: no power exceeds the lower ones.
+/// Whether a polynomial of lower degree that bounds `Σ c_k s^k` from below has positive Bernstein
+/// coefficients. On `[0, 1]` no power exceeds a lower power.
 #[inline(always)]
 fn is_positive_folded(c: &[f64; ROOM]) -> bool {
     let mut beyond = [0.0; FOLDED];
@@ -106,11 +106,11 @@ fn is_positive_folded(c: &[f64; ROOM]) -> bool {
     is_positive
 }
 
-/// As [`first_zero`], of what [`is_positive`] says nothing of.
+/// [`first_zero`] for polynomials that [`is_positive`] does not decide.
 #[cold]
 #[inline(never)]
 pub(crate) fn search(c: &[f64]) -> Option<f64> {
-    // Where the function is not defined there is no zero of it.
+    // A function that is not defined has no zero.
     if !c.iter().all(|c| c.is_finite()) {
         return None;
     }
@@ -120,8 +120,8 @@ pub(crate) fn search(c: &[f64]) -> Option<f64> {
     if at_b > 0.0 && is_positive_folded(&all) {
         return None;
     }
-    // From above zero to below, what falls or bends one way throughout has one zero before the end;
-    // between two values above, what falls or bends down has none.
+    // A function that is monotone or convex or concave has one zero if it ends below zero. If it
+    // ends above zero and falls throughout or is concave, it has none.
     let (at_a, slope_at_a) = (all[0], all[1]);
     let bend = slope_at_b - slope_at_a;
     let falls = slope_at_a < 0.0 && slope_at_b < 0.0 && is_positive_folded(&slope(&all, -1.0));
@@ -144,7 +144,8 @@ pub(crate) fn search(c: &[f64]) -> Option<f64> {
     for (k, (b, c)) in b.iter_mut().zip(c).enumerate() {
         *b = c * INVERSE_BINOMIAL[n][k];
     }
-    // Bernstein coefficient i is Σ_k C(i, k)/C(n, k) c_k: Pascal's triangle, by additions alone.
+    // Bernstein coefficient i is Σ_k C(i, k)/C(n, k) c_k, computed as Pascal's triangle, by
+    // additions alone.
     for i in 1..=n {
         let mut before = b[i - 1];
         for b in &mut b[i..=n] {
@@ -159,7 +160,7 @@ pub(crate) fn search(c: &[f64]) -> Option<f64> {
     Some(newton(c, bracket, guess))
 }
 
-/// Coefficients of the slope, by a factor.
+/// Coefficients of the derivative, times a factor.
 #[inline(always)]
 fn slope(c: &[f64; ROOM], factor: f64) -> [f64; ROOM] {
     let mut slope = [0.0; ROOM];
@@ -169,12 +170,12 @@ fn slope(c: &[f64; ROOM], factor: f64) -> [f64; ROOM] {
     slope
 }
 
-/// Where in the unit interval the parabola has its zero of which the value and the slope at the
-/// start and the value at the end, on the other side of zero, are known.
+/// The zero in the unit interval of the parabola with the given value and slope at the start and
+/// the given value at the end. The two values have opposite signs.
 fn parabola(at_a: f64, slope_at_a: f64, at_b: f64) -> f64 {
     let bend = at_b - at_a - slope_at_a;
     let root = (slope_at_a * slope_at_a - 4.0 * bend * at_a).sqrt();
-    // The same number twice, each where nothing cancels.
+    // Both formulas give the same zero; each is used where nothing cancels.
     if slope_at_a > 0.0 {
         (slope_at_a + root) / (-2.0 * bend)
     } else {
@@ -182,18 +183,18 @@ fn parabola(at_a: f64, slope_at_a: f64, at_b: f64) -> f64 {
     }
 }
 
-/// About where in the unit interval a function that falls has its zero, of which the values and the
-/// slopes at its ends are known: by Hermite's cubic through its inverse.
+/// Approximate zero in the unit interval of a falling function with given values and slopes at the
+/// ends, by Hermite interpolation of its inverse.
 fn inverse_cubic([at_a, at_b]: [f64; 2], [slope_at_a, slope_at_b]: [f64; 2]) -> f64 {
     let rise = at_b - at_a;
     let t = -at_a / rise;
-    // Steeper ones would lead it out of the interval.
+    // Larger slopes of the inverse would lead outside the interval.
     let [in_a, in_b] = [slope_at_a, slope_at_b].map(|slope| (rise / slope).min(3.0));
     let rest = 1.0 - t;
     t * (t * (3.0 - 2.0 * t) + rest * (rest * in_a - t * in_b))
 }
 
-/// The first bracket in `[lo, hi]`, where the polynomial has the Bernstein coefficients `b`.
+/// The first bracket in `[lo, hi]` for the polynomial with Bernstein coefficients `b` there.
 fn isolate(b: &[f64], lo: f64, hi: f64) -> Option<Bracket> {
     let n = b.len() - 1;
     let mut changes = 0;
@@ -207,7 +208,7 @@ fn isolate(b: &[f64], lo: f64, hi: f64) -> Option<Bracket> {
         at_b: b[n],
     };
     if changes == 0 {
-        // A half may start at a zero to rounding.
+        // A half may start at a zero within rounding.
         return (b[0] <= 0.0).then_some(bracket);
     }
     if changes == 1 && b[0] > 0.0 {
@@ -224,12 +225,12 @@ fn isolate(b: &[f64], lo: f64, hi: f64) -> Option<Bracket> {
             right[k] = 0.5 * (right[k] + right[k + 1]);
         }
     }
-    // `right[k]` has stopped at the column of de Casteljau's triangle that is its own.
+    // Each `right[k]` has stopped at its own column of de Casteljau's triangle.
     let middle = 0.5 * (lo + hi);
     isolate(&left[..=n], lo, middle).or_else(|| isolate(&right[..=n], middle, hi))
 }
 
-/// Slope and curvature at `s`.
+/// First and second derivative at `s`.
 pub(crate) fn slope_and_bend(c: &[f64], s: f64) -> (f64, f64) {
     let (mut value, mut slope, mut half_bend) = (0.0, 0.0, 0.0);
     for &c in c.iter().rev() {
@@ -240,14 +241,13 @@ pub(crate) fn slope_and_bend(c: &[f64], s: f64) -> (f64, f64) {
     (slope, 2.0 * half_bend)
 }
 
-/// Change by Newton's iteration, in parts of where it is, after which the next one would be lost in
-/// rounding.
+/// Relative change by a Newton iteration after which the next change would be below rounding.
 const CLOSE: f64 = 1e-9;
 
-/// Change that is lost in rounding.
+/// Relative change below rounding.
 const LOST: f64 = 1e-17;
 
-/// The zero in a bracket by Newton's iteration from a guess, kept inside by bisection.
+/// The zero in a bracket by Newton's iteration from a guess, safeguarded by bisection.
 fn newton(c: &[f64], bracket: Bracket, guess: f64) -> f64 {
     let Bracket {
         mut a, mut b, at_a, ..
@@ -255,7 +255,7 @@ fn newton(c: &[f64], bracket: Bracket, guess: f64) -> f64 {
     if at_a <= 0.0 {
         return a;
     }
-    // Off the end: that may be another zero to rounding.
+    // The guess stays off the end, which may be another zero within rounding.
     let mut s = guess.min(a + 0.99 * (b - a));
     let mut last = 0.0;
     for _ in 0..100 {
@@ -273,9 +273,10 @@ fn newton(c: &[f64], bracket: Bracket, guess: f64) -> f64 {
         }
         let next = s - value / slope;
         let change = (next - s).abs();
-        // The next one is to this one as this one is to the last one, squared.
+        // Quadratic convergence: the next change over this one is the square of this one over the
+        // last.
         let is_close = change <= CLOSE * s || change * change * change <= LOST * s * (last * last);
-        // Where it rises, the zero that it is near is another one, behind the bracket.
+        // If the slope is positive, the nearby zero is another one, behind the bracket.
         if slope < 0.0 && is_close {
             return next.clamp(a, b);
         }
@@ -290,7 +291,7 @@ mod tests {
     use crate::math;
     use crate::statistics::SplitMix;
 
-    /// Coefficients of `scale Π (s − root)`, and as many zeros as fill up the degree.
+    /// Coefficients of `scale Π (s − root)`, with zeros up to the degree.
     fn polynomial(roots: &[f64], scale: f64) -> Vec<f64> {
         let mut c = vec![scale];
         for root in roots {
@@ -393,8 +394,8 @@ mod tests {
             } else {
                 not += 1;
             }
-            // With a sign change between the places looked at, the search finds a zero, and before
-            // that there is none.
+            // If samples show a sign change, the search finds a zero at or before it, and there is
+            // none before that zero.
             let found = first_zero(&c);
             assert!(found.is_some() || least > -1e-13, "{least}: {c:?}");
             if let Some(s) = found {

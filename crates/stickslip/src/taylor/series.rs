@@ -7,17 +7,16 @@ use super::repeated::Repeated;
 use super::row::{Lanes, Row, lanes};
 use crate::scalar::Scalar;
 
-/// Coefficients of everything that a field and the functions watched with it compute, each scaled
-/// by the power of a step length, so that none overflows. The state's components are the first
-/// rows.
+/// Coefficients of everything that a field and its watched functions compute. Each is scaled by the
+/// power of a step length, so that none overflows. The state's components are the first rows.
 #[derive(Debug, Default)]
 pub(crate) struct Series<const L: usize> {
     rows: Vec<Row<L>>,
 }
 
-/// A field, and functions that are watched along its solutions.
+/// A field, and functions that are evaluated along its solutions.
 pub(crate) trait Functions<const N: usize, const W: usize> {
-    /// Whether they are interpreted: then they are called once for many series, see
+    /// Whether the functions are interpreted. Such functions are called once for many series; see
     /// [`super::recording`].
     const INTERPRETED: bool = false;
 
@@ -27,22 +26,22 @@ pub(crate) trait Functions<const N: usize, const W: usize> {
 /// A function of the solution that is not constant.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Watched {
-    /// Its row.
+    /// The function's row.
     pub row: usize,
     /// Whether it is linear in state and time.
     pub is_linear: bool,
 }
 
-/// What an expansion has come to.
+/// Description of an expansion.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Expansion<const W: usize> {
-    /// The functions watched; `None` for those that are constant.
+    /// The watched functions; `None` for constant ones.
     pub watched: [Option<Watched>; W],
-    /// How many comparisons it relies on.
+    /// Number of comparisons that the expansion depends on.
     pub choices: usize,
-    /// Whether one of these is between what is not linear in state and time.
+    /// Whether a comparison has an operand that is not linear in state and time.
     pub choices_bend: bool,
-    /// Whether values were read, so that it may hold only where it was made.
+    /// Whether values were read. The series may then hold only at the point of expansion.
     pub value_read: bool,
     /// Whether the lanes cannot be expanded together.
     pub divided: bool,
@@ -65,7 +64,7 @@ impl<const W: usize> Default for Expansion<W> {
 }
 
 impl<const W: usize> Expansion<W> {
-    /// As [`Series::choices`], among all rows.
+    /// [`Series::choices`], among all rows.
     #[inline(always)]
     pub(crate) fn choices_among<'r, const L: usize>(&self, rows: &'r [Row<L>]) -> &'r [Row<L>] {
         &rows[rows.len() - self.choices..]
@@ -79,7 +78,7 @@ impl<const L: usize> Series<L> {
         self.rows.resize(rows, Row::new());
     }
 
-    /// Expands by a function that does so in rows, or says how many it needs.
+    /// Calls a function that expands into rows or returns the number of rows it needs.
     #[inline(always)]
     pub(crate) fn expand_by<R>(
         &mut self,
@@ -99,7 +98,7 @@ impl<const L: usize> Series<L> {
     }
 }
 
-/// Where the functions watched are, of those that are not constant.
+/// The rows of the watched functions that are not constant.
 #[inline(always)]
 pub(super) fn watched_rows<const L: usize, const W: usize>(
     functions: [Jet<'_, L>; W],
@@ -121,7 +120,7 @@ pub(super) fn watched_rows<const L: usize, const W: usize>(
     rows
 }
 
-/// What a pass tells of the expansion, or how many rows it takes.
+/// Description of an expansion from its last pass, or the number of rows it takes.
 #[inline(always)]
 pub(super) fn outcome<const L: usize, const W: usize>(
     pass: &Pass<'_, L>,
@@ -142,8 +141,8 @@ pub(super) fn outcome<const L: usize, const W: usize>(
     })
 }
 
-/// The series to `order` of the solution through `x` at `t`, in time over `h`, and of functions of
-/// it, into rows; or how many rows that takes.
+/// Computes the series to `order` of the solution through `x` at `t`, and of functions of it, in
+/// units of time `h`. Returns the required number of rows if there are too few.
 #[inline(always)]
 pub(crate) fn in_rows<F: Functions<N, W>, const L: usize, const N: usize, const W: usize>(
     into: Rows<'_, L>,
@@ -161,14 +160,14 @@ pub(crate) fn in_rows<F: Functions<N, W>, const L: usize, const N: usize, const 
     let mut overflowed = false;
     loop {
         let pass = Pass::new(into, k);
-        // Plain loops here: the library's own ways to fill an array are not always inlined.
+        // Plain loops, because the standard library's array functions are not always inlined.
         let mut state = [Jet::Zero; N];
         for (number, newest) in state.iter_mut().zip(newest) {
             *number = pass.state(newest);
         }
         let (field, watched) = functions.at(pass.time(t, h), &state);
         let expansion = outcome(&pass, watched_rows(watched), into.all.len())?;
-        // Values are those of the first pass.
+        // Only the first pass computes values.
         overflowed |= expansion.overflowed;
         if k == order {
             return Ok(Expansion {
@@ -192,7 +191,7 @@ impl<const L: usize> Series<L> {
         &self.rows
     }
 
-    /// The rows that hold by how much what was chosen is ahead of what was not.
+    /// The rows of the differences between the chosen and the rejected operand of comparisons.
     #[inline(always)]
     pub(crate) fn choices<const W: usize>(&self, expansion: &Expansion<W>) -> &[Row<L>] {
         expansion.choices_among(&self.rows)

@@ -1,45 +1,44 @@
-//! What a recording comes to for the orders above 0.
+//! Optimized steps of a recording for the orders above 0.
 //!
-//! There, what is constant has no coefficients: a sum with it is the other number, and is not done
-//! at all but where something looks at all its coefficients. What nothing comes of is left out.
+//! Constants have no coefficients at these orders. A sum with a constant equals the other summand
+//! and is skipped, unless its row is needed. Unused results are omitted.
 
 use super::functions::unless_overflowed;
 use super::pass::Pass;
 use super::recording::{Call, Made, Operation, Place, Recording};
 use super::row::{Row, lanes, lanes_of, product, quotient};
 
-/// What is done at every order.
+/// The kinds of steps at each order.
 #[derive(Clone, Copy, Debug)]
 enum Way {
     Copy,
-    /// `a` by the constant.
+    /// `a` times the constant.
     Scale,
     Add,
     Subtract,
-    /// A sum of `a` and `b`, each by its factor.
+    /// The sum of `a` and `b`, each times its factor.
     Combine,
     Multiply,
     Divide,
-    /// A constant by `b`.
+    /// A constant over `b`.
     Invert,
-    /// Behind the row of the argument's slope.
+    /// The row before it holds the slope of the argument.
     Exponential,
     /// Sine and cosine of the line `a`.
     SineCosine,
-    /// How far `a` is ahead of `b` in a comparison, or the other way round: the constant is the
-    /// sign.
+    /// The difference of `a` and `b` in a comparison, times the constant, which is a sign.
     Ahead,
-    /// Of a constant.
+    /// The difference in a comparison with a constant.
     AheadOfConstant,
-    /// The call `a`, as it was at order 0.
+    /// The call `a`, evaluated as at order 0.
     Any,
 }
 
-/// What is done, and with the numbers in which rows.
+/// A step and the rows of its operands.
 #[derive(Clone, Copy, Debug)]
 struct Step {
     way: Way,
-    /// Where the result comes, or the first row that is taken.
+    /// The row of the result, or the first row that is taken.
     row: u32,
     a: Source,
     b: Source,
@@ -67,14 +66,14 @@ impl Step {
     }
 }
 
-/// The rows in which a number's coefficients are.
+/// The rows that hold a number's coefficients.
 #[derive(Clone, Copy, Debug)]
 struct Source {
-    /// That of order 0.
+    /// Row of the coefficient of order 0.
     first: u32,
-    /// Those above.
+    /// Row of the coefficients above order 0.
     above: u32,
-    /// What these are to be multiplied by.
+    /// Factor on the coefficients above order 0.
     factor: f64,
 }
 
@@ -91,21 +90,21 @@ impl Source {
 #[derive(Debug, Default)]
 pub(super) struct Steps(Vec<Step>);
 
-/// What of a row is looked at later.
+/// What later steps need of a row.
 #[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
 enum Use {
     #[default]
     None,
-    /// The newest coefficient, which may be put together then.
+    /// The newest coefficient, which may be computed on use.
     Newest,
-    /// Its coefficients, wherever they are.
+    /// Its coefficients, from any row.
     Coefficients,
     /// The row itself.
     Row,
 }
 
-/// What a call is above order 0, and the rows that it takes from, unless it takes what it did at
-/// order 0.
+/// The kind of step for a call, its operand rows and its constant. `None` if the call is repeated
+/// as at order 0.
 fn way(call: &Call, is_constant: impl Fn(u32) -> bool) -> Option<(Way, [u32; 2], f64)> {
     use Operation as Op;
     use Place::{Line, Row};
@@ -140,7 +139,8 @@ fn way(call: &Call, is_constant: impl Fn(u32) -> bool) -> Option<(Way, [u32; 2],
 }
 
 impl Steps {
-    /// Makes the steps of calls that took `rows`, where the numbers at some places are wanted.
+    /// Builds the steps of calls that took `rows`, if the numbers at the places `wanted` are
+    /// needed.
     pub(super) fn make(
         &mut self,
         calls: &[Made],
@@ -191,7 +191,7 @@ impl Steps {
         }
     }
 
-    /// Does one order of them.
+    /// Performs all steps at one order.
     pub(super) fn repeat<'a, const L: usize>(
         &self,
         recording: &Recording<L>,
@@ -236,7 +236,7 @@ impl Steps {
             else {
                 continue;
             };
-            // Each keeps its result itself: one place for all would be reached by a detour.
+            // Each arm stores its own result; a common store would need an additional copy.
             match way {
                 Way::Copy => into.set(order, newest(of_a)),
                 Way::Scale => into.set(order, lanes_of(scaled(of_a, a), |a| a * constant)),
@@ -291,10 +291,10 @@ impl Steps {
     }
 }
 
-/// Whether anything comes of a call.
+/// Whether the result of a call is used.
 fn is_used(made: &Made, uses: &[Use]) -> bool {
     match made.result {
-        // Others are of a number's value alone.
+        // The other checks concern the value alone.
         None => matches!(
             made.call.operation,
             Operation::Exceeds | Operation::ExceedsNot
@@ -308,7 +308,7 @@ fn is_used(made: &Made, uses: &[Use]) -> bool {
     }
 }
 
-/// What of each row is looked at.
+/// How each row is used.
 fn uses(
     calls: &[Made],
     wanted: impl Iterator<Item = Place>,
@@ -345,7 +345,7 @@ fn uses(
     uses
 }
 
-/// A row is used in this way at least.
+/// Raises the use of a row to at least this one.
 fn raise(uses: &mut [Use], place: Place, to: Use) {
     if let Place::Row(row) = place
         && uses[row as usize] < to

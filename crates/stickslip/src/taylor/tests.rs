@@ -1,4 +1,4 @@
-//! Series against references to 30 digits, exact identities, and each other.
+//! Tests of the series against references with 30 digits, exact identities, and each other.
 
 use std::cell::Cell;
 
@@ -22,7 +22,7 @@ fn expand<const L: usize, const N: usize, const W: usize>(
     series.expand_by(|rows| in_rows(rows, time, &x, order, functions, &mut Repeated::new()))
 }
 
-/// Functions that say that they are interpreted, and count how often they are called.
+/// Functions declared as interpreted that count their calls.
 struct Interpreted<'a, F>(&'a F, Cell<usize>);
 
 impl<F: Functions<N, W>, const N: usize, const W: usize> Functions<N, W> for Interpreted<'_, F> {
@@ -33,7 +33,8 @@ impl<F: Functions<N, W>, const N: usize, const W: usize> Functions<N, W> for Int
     }
 }
 
-/// Coefficients of the functions watched along the solution from `x` at time 0, in time over `h`.
+/// Coefficients of the watched functions along the solution from `x` at time 0, in units of time
+/// `h`.
 fn coefficients<const N: usize, const W: usize>(
     functions: &impl Functions<N, W>,
     x: [f64; N],
@@ -127,7 +128,7 @@ fn every_function_has_the_coefficients_that_it_is_known_to_have() {
     assert_eq!(exact.len(), found.len() * (MOST_ORDER + 1));
     for (found, exact) in found.iter().zip(exact.chunks(MOST_ORDER + 1)) {
         for (k, (found, (name, exact))) in found.iter().zip(exact).enumerate() {
-            // Rounding of a coefficient that has nearly cancelled is that of its neighbours.
+            // A coefficient that nearly cancels has the rounding error of its neighbours.
             let allowed = 3e-14 * exact.abs() + 1e-17;
             assert!(
                 (found - exact).abs() <= allowed,
@@ -156,7 +157,7 @@ impl Functions<1, 6> for OfTangent {
     }
 }
 
-/// `x' = t`, and what is straight alone.
+/// `x' = t`, with linear functions only.
 struct OfTime;
 
 impl Functions<1, 3> for OfTime {
@@ -211,13 +212,13 @@ impl Functions<1, 1> for Shared {
 
 #[test]
 fn what_is_done_twice_is_as_linear_as_what_is_done_once() {
-    // That repetition agrees is asserted there.
+    // The function asserts that repetition agrees.
     let [level] = coefficients(&Shared, [0.3], 0.5);
     assert_eq!(level[0], 0.3 - 0.4);
     assert_eq!(level[1], (0.3 - 0.4) * 0.3 * 0.5);
 }
 
-/// Two equations with everything in them: friction, forcing, a spring with a stop.
+/// Two equations with all features: friction, forcing, a spring with a stop.
 struct Everything;
 
 impl Functions<2, 3> for Everything {
@@ -231,7 +232,7 @@ impl Functions<2, 3> for Everything {
     }
 }
 
-/// An expansion in the widest vectors that the machine has.
+/// An expansion in the widest vectors of the machine.
 struct Widest<'a, F, const L: usize> {
     functions: &'a F,
     series: &'a mut Series<L>,
@@ -345,7 +346,7 @@ fn functions_are_called_again_where_a_comparison_comes_out_otherwise() {
     }
 }
 
-/// What is chosen by a comparison.
+/// A function that a comparison selects.
 struct Chosen;
 
 impl Functions<1, 3> for Chosen {
@@ -372,7 +373,7 @@ fn a_comparison_is_remembered_by_how_much_it_is_decided() {
     assert_eq!(ahead, [[0.25, -0.125], [0.25, 0.0], [0.25, 0.0]]);
 }
 
-/// The rate of `x₁ − 0.4` along the field, and what two fields do not share.
+/// The rate of `x₁ − 0.4` along the field, and the difference of two fields.
 struct Cancelling;
 
 impl Functions<2, 2> for Cancelling {

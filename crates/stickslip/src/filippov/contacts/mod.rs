@@ -83,7 +83,8 @@ pub trait Contacts<const N: usize, const M: usize> {
     /// ```
     /// use stickslip::{Contacts, Mode, Options, Scalar, Several, Side, solve};
     ///
-    /// /// Two blocks on a belt of speed 0.2, joined by a spring; friction 1 and 0.9 at rest, 0.6 of that in slip.
+    /// /// Two blocks on a belt of speed 0.2, joined by a spring. Friction is 1 and 0.9 at rest and
+    /// /// 0.6 of that in slip.
     /// struct OnBelt;
     /// impl OnBelt {
     ///     fn with<T: Scalar>(friction: [f64; 2], sides: &[Side; 2], x: &[T; 4]) -> [T; 4] {
@@ -100,7 +101,13 @@ pub trait Contacts<const N: usize, const M: usize> {
     ///     fn field<T: Scalar>(&self, sides: &[Side; 2], _t: T, x: &[T; 4]) -> [T; 4] {
     ///         OnBelt::with([0.6, 0.54], sides, x)
     ///     }
-    ///     fn holding<T: Scalar>(&self, sides: &[Side; 2], held: &[bool; 2], _t: T, x: &[T; 4]) -> [T; 4] {
+    ///     fn holding<T: Scalar>(
+    ///         &self,
+    ///         sides: &[Side; 2],
+    ///         held: &[bool; 2],
+    ///         _t: T,
+    ///         x: &[T; 4],
+    ///     ) -> [T; 4] {
     ///         let friction = [if held[0] { 1.0 } else { 0.6 }, if held[1] { 0.9 } else { 0.54 }];
     ///         OnBelt::with(friction, sides, x)
     ///     }

@@ -45,7 +45,8 @@ impl Direction {
 /// start at zero is no event. A function that is not a number has none.
 ///
 /// ```
-/// use stickslip::{Direction, EventFunctions, Options, Scalar, models::BeltOscillator, solve_with_events};
+/// use stickslip::models::BeltOscillator;
+/// use stickslip::{Direction, EventFunctions, Options, Scalar, solve_with_events};
 ///
 /// /// Where the block passes the place 0.3, and where it turns back.
 /// struct PlaceAndTurn;
@@ -59,7 +60,8 @@ impl Direction {
 /// }
 ///
 /// let belt = BeltOscillator::default();
-/// let found = solve_with_events(&belt, &PlaceAndTurn, 0.0, [0.5, 1.5], 20.0, &Options::default())?;
+/// let options = Options::default();
+/// let found = solve_with_events(&belt, &PlaceAndTurn, 0.0, [0.5, 1.5], 20.0, &options)?;
 /// for event in &found.events {
 ///     println!("{} at t = {}, x = {}, in {:?}", event.number, event.t, event.x, event.mode);
 /// }

@@ -18,7 +18,8 @@ use crate::system::{State, components};
 /// ```
 /// use std::ops::ControlFlow;
 /// use stickslip::analysis::{SpectrumOptions, lyapunov_spectrum_watched};
-/// use stickslip::{Direction, EventSearch, Observer, Options, Plane, StepRecord, models::BeltOscillator};
+/// use stickslip::models::BeltOscillator;
+/// use stickslip::{Direction, EventSearch, Observer, Options, Plane, StepRecord};
 ///
 /// /// Returns to a section, counted while exponents are measured.
 /// struct Returns<'a>(EventSearch<'a, BeltOscillator, Plane<2>, 2, 1>, usize);
@@ -31,7 +32,11 @@ use crate::system::{State, components};
 ///
 /// let belt = BeltOscillator { belt_speed: 0.2, ..BeltOscillator::default() };
 /// // Where the block turns back.
-/// let section = Plane { point: [0.0, 0.0].into(), normal: [0.0, 1.0].into(), direction: Direction::Falling };
+/// let section = Plane {
+///     point: [0.0, 0.0].into(),
+///     normal: [0.0, 1.0].into(),
+///     direction: Direction::Falling,
+/// };
 /// let settings = SpectrumOptions::over(50.0, 500.0);
 /// let mut returns = Returns(EventSearch::new(&belt, section, &settings.solver), 0);
 /// lyapunov_spectrum_watched(&belt, (0.0, [0.5, 0.1]), &settings, &mut returns)?;

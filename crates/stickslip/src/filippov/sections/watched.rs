@@ -26,11 +26,16 @@ pub enum Happening<const N: usize, K = Mode> {
 /// without. The [`crate::Counters`] do not contain this work.
 ///
 /// ```
-/// use stickslip::{Direction, Happening, Integration, Options, Plane, Progress, Watched, models::BeltOscillator};
+/// use stickslip::models::BeltOscillator;
+/// use stickslip::{Direction, Happening, Integration, Options, Plane, Progress, Watched};
 ///
 /// let belt = BeltOscillator::default();
 /// let integration = Integration::new(&belt, 0.0, [0.5, 1.5], 20.0, &Options::default())?;
-/// let section = Plane { point: [0.0, 0.0].into(), normal: [1.0, 0.0].into(), direction: Direction::Rising };
+/// let section = Plane {
+///     point: [0.0, 0.0].into(),
+///     normal: [1.0, 0.0].into(),
+///     direction: Direction::Rising,
+/// };
 /// let mut watched = Watched::new(integration, &section);
 /// let mut times = Vec::new();
 /// loop {

@@ -1,4 +1,4 @@
-//! What a step's series come to at its end.
+//! Sums of a step's series at the end of the step.
 
 use super::piece::powers;
 use crate::ode::Linear;
@@ -6,18 +6,18 @@ use crate::system::State;
 use crate::taylor::row::{Lanes, Row, lanes};
 use crate::taylor::series::Expansion;
 
-/// Where a step leads, by the sums of its coefficients.
+/// State increment, slope and guards at the end of a step, as sums of series coefficients.
 #[derive(Clone, Copy)]
 pub(in crate::filippov) struct End<const N: usize, const G: usize> {
-    /// By how much the state moves.
+    /// Increment of the state over the step.
     pub(super) rise: State<N>,
-    /// The slope there, in parts of the step.
+    /// Slope at the end, per step length.
     pub(super) slope: State<N>,
-    /// The guards there, by their series; of those that have one.
+    /// Values of the guards by their series; only guards with a series have an entry that counts.
     pub(super) guards: [f64; G],
 }
 
-/// The same of several steps, one to a lane.
+/// [`End`] for several steps, one per lane.
 pub(in crate::filippov) struct Ends<const L: usize, const N: usize, const G: usize> {
     rise: [Lanes<L>; N],
     slope: [Lanes<L>; N],
@@ -26,7 +26,8 @@ pub(in crate::filippov) struct Ends<const L: usize, const N: usize, const G: usi
 }
 
 impl<const L: usize, const N: usize, const G: usize> Ends<L, N, G> {
-    /// Of the steps of these lengths, over those that the series are scaled with.
+    /// Computes the ends of all lanes. `ratios` are the step lengths over the lengths that the
+    /// series are scaled with.
     #[inline(always)]
     pub(in crate::filippov) fn of(
         rows: &[Row<L>],
@@ -46,7 +47,7 @@ impl<const L: usize, const N: usize, const G: usize> Ends<L, N, G> {
             are_clear: [true; L],
         };
         for (i, row) in rows.iter().enumerate().take(N) {
-            // Above an odd order there is a zero.
+            // For an odd order, the coefficient of the next power is zero.
             let pairs =
                 (0..order.div_ceil(2)).map(|j| [term(row, 2 * j + 1), term(row, 2 * j + 2)]);
             (ends.rise[i], ends.slope[i]) = sums(pairs);
@@ -54,7 +55,8 @@ impl<const L: usize, const N: usize, const G: usize> Ends<L, N, G> {
                 ends.are_clear[l] &= ends.rise[i][l].is_finite();
             }
         }
-        // By its terms one is clear of zero; returns their sum.
+        // Marks the lanes in which the terms exclude a zero of the series. Returns the sum of the
+        // terms.
         let are_clear = &mut ends.are_clear;
         let mut clear = |row: &Row<L>| {
             let mut least = row.at(0);
@@ -80,8 +82,8 @@ impl<const L: usize, const N: usize, const G: usize> Ends<L, N, G> {
         ends
     }
 
-    /// That of one lane, if the step is sure to come to it: no guard and no comparison can come to
-    /// zero before.
+    /// The end for one lane, or `None` unless the terms exclude a zero of every guard and every
+    /// comparison in the step.
     #[inline(always)]
     pub(in crate::filippov) fn clear(&self, lane: usize) -> Option<End<N, G>> {
         self.are_clear[lane].then(|| End {
@@ -92,12 +94,13 @@ impl<const L: usize, const N: usize, const G: usize> Ends<L, N, G> {
     }
 }
 
-/// The sum of terms from that with the first power on, and that of each times its power; by pairs
-/// of an odd power and the next.
+/// Two sums over the terms from the first power on: of the terms, and of the terms times their
+/// power. The terms come in pairs of an odd power and the next even one.
 #[inline(always)]
 pub(super) fn sums<V: Linear<f64>>(pairs: impl DoubleEndedIterator<Item = [V; 2]>) -> (V, V) {
-    // Odd and even powers apart, neither waits for the other, and from the highest on. Half the sum
-    // of the powers' multiples is the sum of the sums so far.
+    // Odd and even powers are summed separately, so that neither sum waits for the other, from the
+    // highest power down. The sum of the partial sums is half the sum of the terms times their
+    // power.
     let add = |a: V, b: V| a.add_scaled(1.0, &b);
     let [mut odd, mut even, mut odd_sums, mut even_sums] = [V::zero(); 4];
     for [odd_term, even_term] in pairs.rev() {

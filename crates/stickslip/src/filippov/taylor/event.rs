@@ -15,43 +15,45 @@ use crate::filippov::uncertainty::uncertainty;
 use crate::ode::{Timed, power_series};
 use crate::taylor::roots::{is_positive, search, slope_and_bend};
 
-/// An event with its part of the step, and what rounding took from its state.
+/// An event, its position `s` in the step, and the rounding remainder of its state.
 pub(super) struct Found<const N: usize> {
     pub(super) event: Event<N>,
     pub(super) s: f64,
     pub(super) rest: Timed<N>,
 }
 
-/// The guard is so far from zero where its series has one that the series is not the guard's.
+/// The guard's value at a zero of its series is so large that the series does not represent the
+/// guard.
 struct Strays;
 
-/// Where it is looked at whether a guard is defined.
+/// Positions in the step at which a guard must be defined.
 const SAMPLES: [f64; 8] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
 
-/// How far, in parts of the step, a zero of its series may be from the guard's own, and steps of
-/// Newton's iteration from one to the other.
+/// Largest distance between a zero of the series and that of the guard (fraction of the step), and
+/// the number of Newton iterations from one to the other.
 const NEAR: f64 = 1e-6;
 const NEWTON_STEPS: usize = 3;
 
-/// Nearly always a zero of a series is within this part of the step from the guard's, which is
-/// asked first.
+/// A guard smaller than this fraction of its slope agrees with its series. This cheap test nearly
+/// always passes and comes first.
 const OF_SLOPE: f64 = 1e-10;
 
-/// A series holds a little beyond its step.
+/// A series is used up to this part of its step, slightly beyond the end.
 const BEYOND: f64 = 1.05;
 
-/// A guard over a Taylor step by its own series: its first zero is isolated for certain.
+/// A guard over a Taylor step, represented by its own series. Its first zero is isolated
+/// rigorously.
 struct OfSeries<'a, F, const N: usize> {
     flow: &'a F,
     guard: usize,
     piece: &'a Piece<N>,
     /// Coefficients of the powers of `s`.
     c: &'a [f64],
-    /// How many of them vanish at the start.
+    /// Order of the zero at the start.
     order: usize,
-    /// The part of the step up to which they are the guard's.
+    /// The part of the step up to which the series represents the guard.
     reach: f64,
-    /// Whether the guard is below zero from the start on.
+    /// Whether the guard is negative from the start of the step on.
     fails_at_once: bool,
 }
 
@@ -78,7 +80,7 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for OfSeries<'_, F, N> {
 
     fn first_zero(&self, from: f64) -> Option<Bracket> {
         if from > 0.0 {
-            // The first one was nothing, which is rare.
+            // The first zero was not an event, which is rare.
             if from >= self.reach {
                 return None;
             }
@@ -87,7 +89,7 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for OfSeries<'_, F, N> {
         let s = if self.fails_at_once {
             0.0
         } else {
-            // That it is not positive throughout by the size of its coefficients is known.
+            // The quick test for a positive polynomial has failed already.
             search(&self.c[self.order..]).filter(|s| *s <= self.reach)?
         };
         Some(Bracket { a: s, b: s })
@@ -106,12 +108,12 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for OfSeries<'_, F, N> {
     }
 }
 
-/// A guard over a Taylor step by its values on the series of the state.
+/// A guard over a Taylor step, sampled on the series of the state.
 struct Sampled<'a, F, const N: usize> {
     flow: &'a F,
     guard: usize,
     piece: &'a Piece<N>,
-    /// Its zero at the start, if it has one there.
+    /// The guard's zero at the start of the step, if it has one.
     start: Option<Leaving>,
 }
 
@@ -157,7 +159,7 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for Sampled<'_, F, N> {
     }
 }
 
-/// A probe of a guard whose slope and bend in `s` are known.
+/// A probe of a guard from its slope and second derivative in `s`.
 fn on_piece<F: Flow<N>, const N: usize>(
     flow: &F,
     guard: usize,
@@ -179,10 +181,10 @@ fn on_piece<F: Flow<N>, const N: usize>(
 
 impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     /// The first guard that fails in the step, and where. The series holds up to the part `reach`,
-    /// where it leads to `end`; behind that, what is found means nothing.
+    /// where the state is `end`; results beyond that are meaningless.
     ///
     /// # Errors
-    /// A guard is not defined throughout the step.
+    /// If a guard is not defined throughout the step.
     pub(super) fn first_event<F: Flow<N>>(
         &self,
         run: &mut Run<N, G>,
@@ -198,7 +200,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             };
             let order = run.orders[guard];
             let c = &self.guards[guard][..=piece.order];
-            // A comparison may have taken a linear branch of what is not linear.
+            // A comparison may have selected a linear branch of a nonlinear function.
             let may_stray = !function.is_linear || self.expansion.choices > 0;
             let found = if self.expansion.value_read || !c[piece.order].is_finite() {
                 let found = sampled_failure(run, flow, guard, piece, order)?;
@@ -223,7 +225,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
                         None
                     }
                     Ok(None) | Err(Strays) => {
-                        // Rounding alone has put it there, as the series' search took it.
+                        // The search in the series took a start below zero for a zero within
+                        // rounding.
                         let order = order.max(usize::from(c[0] <= 0.0));
                         sampled_failure(run, flow, guard, piece, order)?
                     }
@@ -237,8 +240,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         Ok(first)
     }
 
-    /// Whether all guards are what their series come to at the end of a step over which these are
-    /// above zero.
+    /// Whether all guards agree with their series at the end of a step over which these are
+    /// positive.
     pub(super) fn holds_at_end<F: Flow<N>>(&self, run: &Run<N, G>, flow: &F) -> bool {
         let (end, _) = self.end(run);
         let at_end = OnceCell::new();
@@ -251,10 +254,10 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     }
 }
 
-/// A guard at the end of a step.
+/// The value of a guard at the end of a step.
 ///
 /// # Errors
-/// It is not defined there.
+/// If it is not defined there.
 #[inline(always)]
 fn defined_at_end<F: Flow<N>, const N: usize, const G: usize>(
     flow: &F,
@@ -274,11 +277,12 @@ fn defined_at_end<F: Flow<N>, const N: usize, const G: usize>(
     }
 }
 
-/// Whether a guard is not what its series, which is above zero over the step, comes to at its end:
-/// a series may go on where its function bends too sharply for it to tell, ends, or has ended and
+/// Whether a guard differs from its series at the end of a step over which the series is positive.
+/// A series does not see a bend that is too sharp for it, or the end of the function's domain, even
+/// if the step ends inside the domain again.
 /// begun again.
 ///
-/// # Errors
+/// If the guard is not defined there.
 /// The guard is not defined there.
 #[inline(always)]
 fn strays<F: Flow<N>, const N: usize, const G: usize>(
@@ -290,7 +294,7 @@ fn strays<F: Flow<N>, const N: usize, const G: usize>(
 ) -> Result<bool, Undefined> {
     let value = defined_at_end(flow, guard, end, at_end)?;
     let off = (value - by_series).abs();
-    // Nearly always.
+    // This test nearly always passes.
     if value > 0.0 && off <= run.options.rtol * value {
         return Ok(false);
     }
@@ -302,7 +306,7 @@ fn strays<F: Flow<N>, const N: usize, const G: usize>(
 /// up to the part `reach` of the step.
 ///
 /// # Errors
-/// The guard is not what its series says.
+/// If the series does not represent the guard.
 #[inline(always)]
 fn first_failure<F: Flow<N>, const N: usize, const G: usize>(
     run: &mut Run<N, G>,
@@ -317,15 +321,14 @@ fn first_failure<F: Flow<N>, const N: usize, const G: usize>(
     let mut order = order.min(3);
     let mut fails_at_once = false;
     if order == 0 && c[0] <= 0.0 {
-        // A guard left below zero ends the phase at once, unless rounding alone has put it there
-        // and it rises.
+        // A guard that starts below zero ends the phase at once. The exception is a rising guard
+        // that is below zero by no more than rounding.
         fails_at_once = c[1] <= 0.0 || -c[0] > blur().by_rounding;
         order = 1;
     }
     if order > 0 && !fails_at_once {
         let floor = blur().by_rounding;
-        // A step over which the guard does not rise out of rounding cannot hold an event that means
-        // anything.
+        // If the guard stays within rounding over the step, no event in it is significant.
         let risen = |s: f64| {
             let power = (0..order).fold(1.0, |power, _| power * s);
             (power_series(&c[order..], s).0 * power).abs()
@@ -334,12 +337,12 @@ fn first_failure<F: Flow<N>, const N: usize, const G: usize>(
             return Ok(None);
         }
         if order == 3 && c[order].abs() <= floor {
-            // It starts flat: its samples tell where it falls.
+            // The guard starts flat; its samples show where it falls.
             return Err(Strays);
         }
         fails_at_once = c[order] <= 0.0;
     }
-    // Nearly every step ends here.
+    // Nearly every step returns here.
     if !fails_at_once && is_positive(&c[order..]) {
         return Ok(None);
     }
@@ -355,9 +358,9 @@ fn first_failure<F: Flow<N>, const N: usize, const G: usize>(
     locate(run, flow, piece, (guard, may_stray), &series)
 }
 
-/// The first event of a guard whose series says nothing of the step, because it is not finite (a
-/// root at zero, as a distance has at the place that it is measured from) or because it belongs to
-/// a branch that was taken by value. The guard itself is sampled, on the series of the state.
+/// The first event of a guard whose series cannot be used. The series is not finite (a root at
+/// zero, such as a distance at its origin), or it belongs to a branch taken by value. The guard
+/// itself is sampled on the series of the state.
 #[cold]
 #[inline(never)]
 fn sampled_failure<F: Flow<N>, const N: usize, const G: usize>(
@@ -374,7 +377,7 @@ fn sampled_failure<F: Flow<N>, const N: usize, const G: usize>(
         start: None,
     };
     let on_series = |s| sampled.on_series(s);
-    // A step into where the guard is not defined says nothing of it; a shorter one may.
+    // A step into a region where the guard is undefined is rejected; a shorter one may avoid it.
     if on_series(0.0).is_finite() && !SAMPLES.iter().all(|&s| on_series(s).is_finite()) {
         return Err(Undefined);
     }
@@ -387,15 +390,15 @@ fn sampled_failure<F: Flow<N>, const N: usize, const G: usize>(
         }
         sampled.start = start;
     }
-    // Its zeros are those of the guard itself.
+    // These are zeros of the guard itself, so they cannot stray.
     Ok(locate(run, flow, piece, (guard, false), &sampled).unwrap_or(None))
 }
 
-/// The first event of a guard over the step: an exit, where the state is made to land on Σ, or a
-/// touch where the guard turns back within the touch tolerance.
+/// The first event of a guard over the step. It is an exit, whose state is projected onto Σ, or a
+/// touch, where the guard turns back within the touch tolerance.
 ///
 /// # Errors
-/// If the guard `may_stray` from its series, it does.
+/// If the guard differs from its series, where it `may_stray`.
 #[cold]
 #[inline(never)]
 fn locate<F: Flow<N>, const N: usize, const G: usize>(
@@ -423,8 +426,8 @@ fn locate<F: Flow<N>, const N: usize, const G: usize>(
                 Fall::Nothing => return None,
             }
         }
-        // The series knows the guard to the rounding of its largest term, the guard itself may be
-        // known far better.
+        // The series is accurate to the rounding of its largest term; the guard itself may be far
+        // more accurate.
         let (mut at, mut rest) = (zero.at, piece.at(s).1);
         let (from, mut s, mut value, mut rate) = (s, s, zero.guard, zero.rate);
         for _ in 0..NEWTON_STEPS {
@@ -434,7 +437,7 @@ fn locate<F: Flow<N>, const N: usize, const G: usize>(
                 break;
             }
             let there = piece.at(next);
-            // What a step of Newton's iteration leaves is of second order.
+            // A Newton iteration leaves an error of second order.
             let is_last = (zero.bend * change * change).abs() <= f64::EPSILON * rate.abs();
             if !is_last {
                 let value_there = flow.guard_at(i, there.0.t, &there.0.x) + guard.lift();

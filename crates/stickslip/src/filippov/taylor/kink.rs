@@ -1,4 +1,4 @@
-//! Comparisons that a series relies on, and where they come out otherwise.
+//! Comparisons that a series depends on, and where their results change.
 
 use super::TaylorStepper;
 use crate::error::{Error, Point};
@@ -11,29 +11,29 @@ use crate::ode::{Timed, power_series};
 use crate::system::State;
 use crate::taylor::roots::first_zero;
 
-/// By how much of its size a field jumps at least that turns round: what is continuous and zero to
-/// rounding does not.
+/// Smallest jump of a field that counts as a reversal, relative to its size. A continuous field
+/// that is zero to rounding stays below it.
 const TURN: f64 = 1e-3;
 
-/// Where in a step two that are compared are equal, by parts of it.
+/// Where two compared numbers are equal (fractions of the step).
 #[derive(Clone, Copy)]
 pub(super) struct Kink {
-    /// Up to there the series holds: a little before, or a little behind where the two are equal
-    /// from the start.
+    /// The series holds up to here: slightly before the equality, or slightly behind it if the
+    /// numbers are equal from the start.
     pub(super) before: f64,
-    /// A little behind: there the next one sees how they come out.
+    /// Slightly behind the equality, where the next series sees the new result.
     pub(super) behind: f64,
 }
 
 impl<const N: usize, const G: usize> TaylorStepper<N, G> {
-    /// The first comparison in the step that the series relies on and that comes out otherwise
-    /// behind. And whether two are equal at the start and come out otherwise behind it.
+    /// The first change of a comparison in the step that the series depends on. Also returns
+    /// whether two compared numbers are equal at the start and the result changes behind it.
     pub(super) fn first_kink(&self) -> (Option<Kink>, bool) {
         let piece = &self.piece;
         let (mut first, mut is_tie): (Option<Kink>, _) = (None, false);
         for c in &self.choices {
             let c = &c[..=piece.order];
-            // Two that are equal throughout come out the same throughout.
+            // Numbers that are equal throughout give the same result throughout.
             let Some(start) = c.iter().position(|&c| c != 0.0) else {
                 continue;
             };
@@ -48,7 +48,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             };
             let size: f64 = c.iter().map(|c| c.abs()).sum();
             let mut behind = s;
-            // At least something, where the step begins at time zero.
+            // The margin must be positive even if the step begins at time zero.
             let mut more = 4.0 * f64::EPSILON * (s + (piece.t / piece.h).abs()).max(1.0);
             if s == 0.0 {
                 is_tie = true;
@@ -71,7 +71,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     }
 }
 
-/// The event of a guard that lies below zero at `at`, behind a kink: it has jumped there.
+/// The event of a guard that is negative at `at`, behind a kink: it has jumped there.
 #[cold]
 pub(super) fn jumped<F: Flow<N>, const N: usize>(
     flow: &F,
@@ -90,9 +90,9 @@ pub(super) fn jumped<F: Flow<N>, const N: usize>(
     })
 }
 
-/// Counts a step to `at` that has ended where a comparison comes out otherwise, if the field turns
-/// round there: the series' slope there and the one behind tell. It is a transition at a boundary
-/// that the solver is not told of, and piles up as others do.
+/// Counts a step that ends at `at` because a comparison changes, if the field reverses there. The
+/// slope of the series before and the field behind show this. Such a reversal is a transition at an
+/// undeclared boundary, and it can pile up as others do.
 #[cold]
 pub(super) fn note_turn<const N: usize>(
     turns: &mut Burst,

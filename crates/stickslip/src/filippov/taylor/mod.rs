@@ -1,4 +1,4 @@
-//! Taylor steps, and the first zero of the guards' series in each.
+//! Taylor steps, and the first zero of the guards' series in each of them.
 
 mod end;
 mod event;
@@ -27,55 +27,55 @@ use crate::taylor::repeated::Repeated;
 use crate::taylor::row::{Lanes, Row};
 use crate::taylor::series::{Expansion, Functions, Series, in_rows};
 
-/// Least order: looser tolerances would ask for less.
+/// Smallest order; loose tolerances would otherwise give a lower one.
 const LEAST_ORDER: usize = 8;
 
-/// What a series that is not finite does to the step that it is scaled with, before that is
-/// rejected and shrinks tenfold.
+/// Factor on the step of a series that is not finite. Rejection then shrinks the step by a further
+/// factor of ten.
 const SHRINK: f64 = 1e-2;
 
-/// Growth of steps from equals to equals.
+/// Growth of the step from one tied comparison to the next.
 const PAST_TIE: f64 = 16.0;
 
-/// The Taylor stepper: a series, and room for it.
+/// The Taylor stepper: the series and its workspace.
 pub(crate) struct TaylorStepper<const N: usize, const G: usize> {
     series: Series<1>,
-    /// What the phase's functions did, where they are interpreted.
+    /// Recorded operations of the phase's functions, if these are interpreted.
     repeated: Repeated<1, N, G>,
-    /// What the next series is expanded to come to.
+    /// Description of the latest expansion.
     expansion: Expansion<G>,
-    /// The next step, if its series is expanded already; else the last one.
+    /// The next step if its series is expanded already, otherwise the last step.
     piece: Piece<N>,
-    /// Series over it: of the guards that are not constant, and of what the comparisons in it rely
-    /// on.
+    /// Series over the step: of the guards that are not constant, and of the differences in the
+    /// comparisons that the step depends on.
     guards: [Polynomial; G],
     choices: Vec<Polynomial>,
-    /// What it comes to at its end, and whether it is sure to come there: then no coefficients were
-    /// taken.
+    /// End of the step. If no guard and no comparison can vanish in the step, it is clear, and no
+    /// coefficients are copied.
     end_of_step: End<N, G>,
     is_clear: bool,
-    /// Whether it ends at the end time.
+    /// Whether the step ends at the end time.
     is_last: bool,
     is_expanded: bool,
-    /// Whether the phase, or the rest of one, has yet to begin.
+    /// Whether a phase, or the continuation of one, has yet to begin.
     is_new: bool,
-    /// Where the last step ended, and what rounding took from that.
+    /// End of the last step, and its rounding remainder.
     end: Timed<N>,
     rest: Timed<N>,
     /// Whether the last step was rejected.
     rejected: bool,
-    /// The step that the next series is scaled with.
+    /// The step length that scales the next series.
     scale: f64,
-    /// Ends of steps where a comparison turns the field round.
+    /// Ends of steps where a comparison reverses the field.
     turns: Burst,
-    /// Time to go on for where a comparison is between equals: longer by [`PAST_TIE`] than the last
-    /// step, if that was so at its start already. A state that moves by less than a unit in its
-    /// last place stays there. That the series solves the equation to 30 tolerances is seen at the
-    /// step's end.
+    /// Step length while a comparison is tied. It grows by a factor of [`PAST_TIE`] per step as
+    /// long as the tie lasts, because a state that moves by less than one unit in the last place
+    /// stays tied. The end of the step is checked: there the series must solve the equation to 30
+    /// tolerances.
     past_tie: f64,
 }
 
-/// The field of a flow, and its guards.
+/// The field of a flow and its guards.
 pub(super) struct OfFlow<'a, F>(pub(super) &'a F);
 
 impl<F: Flow<N>, const N: usize, const G: usize> Functions<N, G> for OfFlow<'_, F> {
@@ -87,7 +87,7 @@ impl<F: Flow<N>, const N: usize, const G: usize> Functions<N, G> for OfFlow<'_, 
     }
 }
 
-/// The series of one orbit, not inlined: see [`Rows`].
+/// Expands the series of one orbit. Not inlined; see [`Rows`].
 #[inline(never)]
 fn expand_alone<F: Flow<N>, const N: usize, const G: usize>(
     first: &[Row<1>; AT_ONCE],
@@ -105,8 +105,8 @@ fn expand_alone<F: Flow<N>, const N: usize, const G: usize>(
 impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     pub(crate) fn new(options: &Options) -> Self {
         let tolerance = options.rtol.max(options.atol);
-        // Jorba & Zou, Eq. (11), and a few orders more: the time per order falls as the overhead of
-        // a step is spread.
+        // Jorba & Zou, Eq. (11), plus a few orders: the overhead of a step is spread over more
+        // orders.
         let order = (0.5 * -math::ln(tolerance) + 8.0) as usize;
         TaylorStepper {
             series: Series::default(),
@@ -140,8 +140,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         }
     }
 
-    /// Forgets where it ended, for another orbit; whatever else it keeps is made anew before it is
-    /// used.
+    /// Resets the stepper for another orbit. Only these fields carry over; all others are
+    /// recomputed before use.
     pub(super) fn forget(&mut self) {
         (self.end, self.rest) = (nowhere(), nowhere());
         self.turns = Burst::new();
@@ -162,7 +162,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         self.series = series;
     }
 
-    /// Plans the next step and takes what it needs of the expansion. Compiled once for all fields.
+    /// Plans the next step and copies the coefficients that it needs. Compiled once for all fields.
     #[inline(never)]
     fn plan_and_take(
         &mut self,
@@ -177,32 +177,32 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         self.take(run, series, (0, ratio), None);
     }
 
-    /// The order of the series, and the step that the next one is scaled with.
+    /// The order of the series, and the step length that scales the next series.
     pub(super) fn order_and_scale(&self) -> (usize, f64) {
         (self.piece.order, self.scale)
     }
 
-    /// Plans the next step, as the series allows; its length over that which the series is scaled
-    /// with.
+    /// Plans the next step within the limit that the series gives. Returns its length over the
+    /// length that scales the series.
     pub(super) fn plan(&mut self, run: &mut Run<N, G>, ratio: f64) -> f64 {
-        // After a rejection the step does not grow at once.
+        // The step does not grow immediately after a rejection.
         run.h = self.scale * if self.rejected { ratio.min(1.0) } else { ratio };
         let (h, is_last) = run.next_step();
         let h = if is_last { h - self.rest.t } else { h };
         (self.piece.h, self.is_last) = (h, is_last);
-        // A last step is shorter by what rounding took from the time.
+        // The last step is shorter by the rounding remainder of the time.
         self.piece.to_end = ((run.t_end - run.at.t) / h).max(1.0);
         h / self.scale
     }
 
-    /// Tells to what an expansion of several orbits has come.
+    /// Stores the description of an expansion of several orbits.
     pub(super) fn expanded(&mut self, expansion: &Expansion<G>) {
         self.expansion = *expansion;
     }
 
-    /// Takes what the step needs of the expansion, in which this orbit was the lane `lane`: the
-    /// coefficients, in parts of the step, unless the step's end is all that is wanted of it, which
-    /// then is given.
+    /// Copies what the step needs from an expansion in which this orbit was lane `lane`. Without
+    /// `end` these are the coefficients, in fractions of the step. With `end` the step is clear,
+    /// and no coefficients are needed.
     #[inline(always)]
     pub(super) fn take<const L: usize>(
         &mut self,
@@ -223,14 +223,14 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         let powers = powers([ratio]);
         let of_row = |row: &Row<L>, k: usize| row.lane(lane, k) * powers[k][0];
         let rows: [&Row<L>; N] = std::array::from_fn(|i| &series.rows()[i]);
-        // Of those above the order, too, which are zero: so many that the compiler knows their
-        // number.
+        // Coefficients above the order are zero and are copied too, so that the loop has a fixed
+        // length.
         for (k, x) in self.piece.x.iter_mut().enumerate() {
             for (x, row) in x.iter_mut().zip(rows) {
                 *x = of_row(row, k);
             }
         }
-        // Above an odd order there is a zero.
+        // For an odd order, the coefficient of the next power is zero.
         let pairs = self.piece.x[1..=order.next_multiple_of(2)]
             .as_chunks::<2>()
             .0;
@@ -255,18 +255,18 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
 }
 
 impl<const N: usize, const G: usize> TaylorStepper<N, G> {
-    /// Forgets what belonged to the phase before.
+    /// Discards everything that belongs to the previous phase.
     pub(super) fn begin(&mut self) {
         self.repeated.forget();
         self.is_new = true;
         self.past_tie = 0.0;
     }
 
-    /// Begins a phase, or the rest of one.
+    /// Begins a phase, or the continuation of one.
     fn enter<F: Flow<N>>(&mut self, run: &mut Run<N, G>, flow: &F) {
         let Timed { t, x } = run.at;
-        // What rounding took belongs to the state that it was taken from; what landing on Σ has
-        // moved by a few units in the last place keeps it.
+        // The rounding remainder belongs to the state it was computed with. Components that landing
+        // on Σ has changed lose it.
         if t != self.end.t {
             self.rest.t = 0.0;
         }
@@ -285,18 +285,18 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         }
     }
 
-    /// Makes ready for the next expansion.
+    /// Prepares the next expansion.
     pub(super) fn prepare<F: Flow<N>>(&mut self, run: &mut Run<N, G>, flow: &F) {
         if self.is_new {
             self.enter(run, flow);
         }
-        // Where the series ends, as of a constant field, nothing else bounds it.
+        // If the series terminates, as for a constant field, only these bounds limit the step.
         self.scale = run.h.min(run.options.longest_step).min(f64::MAX.sqrt());
         self.is_expanded = false;
         run.counters.field_calls += flow.field_calls() * (self.piece.order as u64 + 1);
     }
 
-    /// Time and state at the end of the step, and what rounding takes from them.
+    /// Time and state at the end of the step, and their rounding remainders.
     #[inline(always)]
     fn end(&self, run: &Run<N, G>) -> (Timed<N>, Timed<N>) {
         let (mut at, mut rest) = self.piece.moved(1.0, &self.end_of_step.rise);
@@ -306,14 +306,14 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         (at, rest)
     }
 
-    /// Tries a step on the series that was expanded.
+    /// Tries a step with the expanded series.
     pub(super) fn advance<F: Flow<N>>(
         &mut self,
         run: &mut Run<N, G>,
         flow: &F,
     ) -> Result<Trial, Error> {
-        // Where the step's end shows that its series are not the guards', their coefficients are
-        // wanted, too.
+        // If a guard differs from its series at the end of the step, the coefficients are needed
+        // too.
         if !self.is_expanded || self.is_clear && !self.holds_at_end(run, flow) {
             self.expand(run, flow);
         }
@@ -323,8 +323,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         let is_finite = |i: usize| (piece.x[last][i] + piece.x[last - 1][i]).is_finite();
         let is_undefined = !self.is_clear && !(0..N).all(is_finite);
         if is_undefined || run.is_too_short(h, is_last) {
-            // Coefficients that have overflowed are numbers over a shorter step, unless the values
-            // had.
+            // Coefficients that overflowed are finite over a shorter step, unless the values
+            // themselves overflowed.
             run.reject_undefined(SHRINK * self.scale)?;
             if self.expansion.overflowed || run.is_too_short(run.h, false) {
                 return Err(run.collapse(&flow.velocity(t, &x), run.h));
@@ -345,7 +345,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             return Ok(Trial::NoStep);
         };
         let mut part = 1.0;
-        // Without an event nothing is copied.
+        // Nothing is copied without an event.
         if let Some(found) = &event {
             if kink.is_some_and(|kink| kink.behind < found.s) {
                 event = None;
@@ -354,8 +354,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
                     event = None;
                 }
             } else if found.s >= piece.to_end {
-                // A touch turns back at the end time or behind it, and the step's end is below
-                // zero.
+                // A touch turns back at or behind the end time, and the guard is negative at the
+                // end of the step.
                 part = found.s;
                 (at, rest_there) = (found.event.at, found.rest);
                 (at.t, rest_there.t) = (run.t_end, 0.0);

@@ -1,4 +1,4 @@
-//! One step's series, in parts of the step.
+//! The series of one step, in fractions of the step.
 
 use crate::filippov::flow::Flow;
 use crate::filippov::options::Options;
@@ -7,14 +7,14 @@ use crate::system::State;
 use crate::taylor::MOST_ORDER;
 use crate::taylor::row::{Lanes, lanes};
 
-/// Tolerances by which the slope of a series, times the step, may be off the field.
+/// Largest difference between the slope of a series, times the step, and the field (in tolerances).
 const DEFECT: f64 = 30.0;
 
 pub(super) fn nowhere<const N: usize>() -> Timed<N> {
     <Timed<N> as Linear<f64>>::zero()
 }
 
-/// Sum and rounding error (Knuth).
+/// A sum and its rounding error (Knuth).
 #[inline(always)]
 fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
@@ -22,13 +22,13 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
     (sum, (a - (sum - of_b)) + (b - of_b))
 }
 
-/// Coefficients of the powers of the part of a step.
+/// Coefficients of the powers of `s`, the fraction of the step.
 pub(super) type Polynomial = [f64; MOST_ORDER + 1];
 
-/// Room for as many powers as a series has coefficients, four at a time.
+/// Room for as many powers as a series has coefficients, rounded up to a multiple of four.
 pub(super) const POWERS: usize = (MOST_ORDER + 1).next_multiple_of(4);
 
-/// The powers of a ratio, four at a time: none waits for many others.
+/// The powers of a ratio, computed four at a time to shorten the chain of dependent products.
 #[inline(always)]
 pub(super) fn powers<const L: usize>(ratio: Lanes<L>) -> [Lanes<L>; POWERS] {
     let by = |a: Lanes<L>, b: Lanes<L>| lanes(|l| a[l] * b[l]);
@@ -45,11 +45,11 @@ pub(super) fn powers<const L: usize>(ratio: Lanes<L>) -> [Lanes<L>; POWERS] {
     powers
 }
 
-/// One step's series, in parts of the step.
+/// The series of one step, in fractions of the step.
 pub(super) struct Piece<const N: usize> {
     pub(super) t: f64,
     pub(super) h: f64,
-    /// The part of the step at which the run's end time is, 1 or more.
+    /// The end time of the run in fractions of the step, at least 1.
     pub(super) to_end: f64,
     pub(super) order: usize,
     pub(super) x: [State<N>; MOST_ORDER + 1],
@@ -57,15 +57,15 @@ pub(super) struct Piece<const N: usize> {
 }
 
 impl<const N: usize> Piece<N> {
-    /// Time and state at the part `s` of the step, and what rounding takes from them. Rarely asked
-    /// for, and compiled once for all fields.
+    /// Time and state at `s`, and their rounding remainders. Rarely called, and compiled once for
+    /// all fields.
     #[inline(never)]
     pub(super) fn at(&self, s: f64) -> (Timed<N>, Timed<N>) {
         let (rise, _) = power_series(&self.x[1..=self.order], s);
         self.moved(s, &rise)
     }
 
-    /// The same from what the series above the first coefficient, over `s`, come to there.
+    /// The same from `rise`: the sum of the series without its first coefficient, divided by `s`.
     #[inline(always)]
     pub(super) fn moved(&self, s: f64, rise: &State<N>) -> (Timed<N>, Timed<N>) {
         let (mut at, mut rest) = (nowhere(), nowhere());
@@ -76,15 +76,15 @@ impl<const N: usize> Piece<N> {
         (at, rest)
     }
 
-    /// The slope of the series at the part `s` of the step.
+    /// Slope of the series at `s`.
     #[inline(never)]
     pub(super) fn slope(&self, s: f64) -> State<N> {
         power_series(&self.x[..=self.order], s).1
     }
 
-    /// Whether the series still solves the equation where it leads to `at` with this slope, the
-    /// field there. It does not beyond where the field is defined, or where it branches otherwise
-    /// than the series.
+    /// Whether the series solves the equation at `at`: its slope there must agree with the field.
+    /// It does not outside the field's domain, or where the field takes another branch than the
+    /// series.
     #[inline(always)]
     pub(super) fn agrees<F: Flow<N>>(
         &self,
@@ -97,7 +97,7 @@ impl<const N: usize> Piece<N> {
         (0..N).all(|i| {
             let rise = self.h * field[i];
             let size = f64::max(at.x[i].abs(), rise.abs());
-            // The slope's own error is the order times the error of the step.
+            // The error of the slope is the order times the error of the step.
             let allowed = DEFECT * (options.atol + options.rtol * size);
             at.x[i].is_finite() && (rise - slope[i]).abs() <= allowed
         })

@@ -1,51 +1,50 @@
-//! How far a series reaches within the tolerance.
+//! Step size from the decay of a series' coefficients.
 
 use crate::filippov::options::Options;
 use crate::taylor::inverse;
 use crate::taylor::row::{Lanes, Row, lanes, lanes_of, largest, least};
 use crate::taylor::series::Expansion;
 
-/// Part of the tolerance that the last coefficients are held to: the steps are long and few, and
-/// all of the next ones enlarge what one leaves out.
+/// Fraction of the tolerance that bounds the last coefficients. Steps are long and few, and every
+/// later step amplifies the truncation error.
 const SAFETY: f64 = 0.1;
 
-/// Growth of the step from one to the next at most. The series of a polynomial solution ends and
-/// would allow any; but over a step that is too long by this factor a guard that bends is known to
-/// rounding times its square, and no better are its grazes. One very near the start of a very long
-/// step is badly resolved.
+/// Largest growth from one step to the next. The series of a polynomial solution terminates and
+/// would allow any step. But over a step that is too long by this factor, the rounding error of a
+/// curved guard is multiplied by the square of the factor. Its grazes are no more accurate. A graze
+/// very near the start of a very long step is badly resolved.
 pub(in crate::filippov) const GROW_MOST: f64 = 64.0;
 
-/// Longest step in units of the radius of convergence as the terms' own ratio tells it: beyond it a
-/// series means nothing, however small its terms.
+/// Longest step in units of the radius of convergence estimated from the ratio of the terms. A
+/// series is meaningless beyond it, however small its terms.
 const FARTHEST: f64 = 0.7;
 
-/// Powers of two by which the ratio of a guard's terms may make a step shorter than the state
-/// allows and than the time: a millionth. Terms may grow by rounding alone, where a function's
-/// large parts cancel, at any step.
+/// The ratio of a guard's terms may make the step shorter than the state allows, and than the time,
+/// by at most this power of two: a factor of a million. If large parts of a function cancel, its
+/// terms may grow by rounding at any step.
 const FINEST: f64 = 20.0;
 
-/// Powers of two by which a guard's last terms may be smaller than its first ones and still tell of
-/// how it grows: down to a 256th of a unit in the last place.
+/// A guard's last terms still indicate its growth if they are smaller than the first ones by at
+/// most this power of two: down to a 256th of a unit in the last place.
 const FAINTEST: f64 = -60.0;
 
-/// What the exponent in a number's bits is more than its own.
+/// Exponent bias of a double.
 const BIAS: f64 = 1023.0;
 
-/// Logarithm to base 2 of a normal positive number, up to 0.09 too small: good enough for a root of
-/// high order.
+/// Logarithm to base 2 of a normal positive number, up to 0.09 too small. This is accurate enough
+/// for a root of high order.
 #[inline(always)]
 fn rough_log2(x: f64) -> f64 {
-    /// Half a number's bits hold its exponent, and as much of the rest as this; no more is
-    /// converted.
+    /// The conversion uses half of a number's bits: the exponent and this much of the mantissa.
     const MANTISSA: f64 = (1u64 << 20) as f64;
-    /// A number whose last bit is worth one: what is put there is added to it, in every lane at
+    /// A number whose last bit is worth one. Bits placed there are added to it, in every lane at
     /// once.
     const WHOLE: f64 = (1u64 << 52) as f64;
     (f64::from_bits(x.abs().to_bits() >> 32 | WHOLE.to_bits()) - WHOLE) / MANTISSA - BIAS
 }
 
-/// `2^x` to three parts in a thousand: a step that is longer by that has an error larger by a
-/// twelfth. The inverse of [`rough_log2`] would make it four times as large.
+/// `2^x` to 0.3 %. A step that is longer by this has an error larger by a twelfth. The inverse of
+/// [`rough_log2`] would make the error four times as large.
 #[inline(always)]
 fn rough_exp2(x: f64) -> f64 {
     let shifted = (x + BIAS).max(0.0);
@@ -54,8 +53,8 @@ fn rough_exp2(x: f64) -> f64 {
     f64::from_bits((power as u64) << 52) * (1.0 + rest * (0.66 + 0.34 * rest))
 }
 
-/// Bounds a step, lane by lane, by a coefficient of power `k` if it counts: by `longest` of `k`,
-/// the lane and the coefficient's logarithm.
+/// Bounds a step, lane by lane, by a coefficient of power `k` if it counts. `longest` gives the
+/// bound from `k`, the lane and the logarithm of the coefficient.
 #[inline(always)]
 fn bound<const L: usize>(
     log: &mut Lanes<L>,
@@ -70,9 +69,9 @@ fn bound<const L: usize>(
     });
 }
 
-/// Bounds a step by the coefficients by which it is told how far a series reaches: the last
-/// `COUNT`. Of a series in a power of the time these may all be zero; then it is told by those of
-/// the upper half, lane by lane. Returns the largest of the last.
+/// Bounds a step by the last `COUNT` coefficients and returns the largest of them. A series in a
+/// power of the time may have zeros in all these places. Then the coefficients of the upper half
+/// decide, lane by lane.
 #[inline(always)]
 fn bound_by_last<const L: usize, const COUNT: usize>(
     log: &mut Lanes<L>,
@@ -90,7 +89,7 @@ fn bound_by_last<const L: usize, const COUNT: usize>(
     if late.contains(&0.0) {
         for k in p / 2 + 1..p + 1 - COUNT {
             let here = size(k);
-            // Of a polynomial's series all are zero.
+            // For the series of a polynomial all are zero.
             if here != [0.0; L] {
                 let counted = lanes(|l| if late[l] == 0.0 { here[l] } else { 0.0 });
                 bound(log, (k, counted), counts, &longest);
@@ -105,12 +104,12 @@ fn is_positive(size: f64) -> bool {
     size > 0.0
 }
 
-/// Bounds a step by the radius of convergence, as the terms' own ratio tells it: the largest of the
-/// middle to the largest of the last.
+/// Bounds a step by the radius of convergence. It is estimated from the ratio of the largest middle
+/// coefficient to the largest of the last ones.
 #[inline(always)]
 fn bound_by_ratio<const L: usize>(log: &mut Lanes<L>, (row, p): (&Row<L>, usize), late: Lanes<L>) {
     let farthest = rough_log2(FARTHEST);
-    // Even or odd series have every other coefficient zero.
+    // In even or odd series every other coefficient is zero.
     let before = p - p / 2;
     let mut early = [0.0; L];
     for k in before - 3..=before {
@@ -123,9 +122,9 @@ fn bound_by_ratio<const L: usize>(log: &mut Lanes<L>, (row, p): (&Row<L>, usize)
     });
 }
 
-/// Step length within the tolerance, over that, `h`, which the series is scaled with, at `t`: where
-/// the last coefficients, extrapolated by the radius of convergence that they tell, have fallen to
-/// the tolerance (Jorba & Zou 2005, Sect. 3.2).
+/// Step length within the tolerance at time `t`, over the length `h` that scales the series. The
+/// last coefficients, extrapolated with the estimated radius of convergence, fall to the tolerance
+/// there (Jorba & Zou 2005, Sect. 3.2).
 #[inline(always)]
 pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: usize>(
     rows: &[Row<L>],
@@ -149,9 +148,9 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
     }
     let finest: Lanes<L> = lanes(|l| least(log[l], rough_log2((t[l] / h[l]).abs())) - FINEST);
     log = lanes(|l| least(log[l], rough_log2(GROW_MOST)));
-    // What a guard's series leaves out, or that of a comparison, against how far it moves in the
-    // step: by any of its first three terms, unless it is flatter than that. What is linear in the
-    // state is as good as that.
+    // The truncation error of a guard or a comparison is compared with its change over the step by
+    // any of its first three terms, unless it is flatter than that. A function that is linear in
+    // the state is as accurate as the state.
     let guards = expansion.watched.iter().flatten();
     let guards = guards.filter(|function| !function.is_linear);
     let choices = if expansion.choices_bend {
@@ -163,14 +162,14 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
         let sizes = [0, 1, 2].map(|k| lanes_of(row.at(k), f64::abs));
         let first = sizes.map(|size| lanes_of(size, |size| tolerance + rough_log2(size)));
         let moves: Lanes<L> = lanes(|l| sizes[0][l] + sizes[1][l] + sizes[2][l]);
-        // One that is no number is as far off as can be.
+        // NaN counts as the largest possible error.
         let late = bound_by_last::<L, 2>(
             &mut log,
             (row, p),
             |size| size != 0.0,
             |k, l, newest| {
                 let against = |j: usize| (first[j][l] - newest) * inverse(k - j);
-                // One that does not move has nothing left out.
+                // A function that does not change has no truncation error.
                 if moves[l] != 0.0 {
                     largest(largest(against(0), against(1)), against(2))
                 } else {
@@ -178,8 +177,8 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
                 }
             },
         );
-        // One that is small against its first terms may yet grow to more than they are, unless over
-        // the whole step it is too small for rounding to tell it from nothing.
+        // Last terms that are small against the first ones may still grow beyond them. They do not
+        // count if they stay below rounding over the whole step.
         let late = lanes(|l| {
             let over_step = rough_log2(late[l]) + p as f64 * log[l];
             if over_step > rough_log2(moves[l]) + FAINTEST {
@@ -205,8 +204,8 @@ mod tests {
 
     #[test]
     fn coefficients_of_zero_bound_no_step() {
-        // A state at rest, near zero or at it, and a guard that is its square: as small as a number
-        // can be.
+        // A state at equilibrium at or near zero, and a guard that is its square: smallest possible
+        // numbers.
         for x in [0.0, 1e-150, 1e-161, 1.0] {
             let rows = [Row::new(), Row::new()];
             rows[0].set(0, [x]);
@@ -229,7 +228,7 @@ mod tests {
 
     #[test]
     fn what_was_and_is_no_more_bounds_no_step() {
-        // Of a polynomial whose highest power is as small as a number can be.
+        // A polynomial whose highest coefficient is the smallest possible number.
         for least in [5e-324, 1e-300, 1.0] {
             let row = Row::new();
             row.set(0, [1.0]);
@@ -275,7 +274,7 @@ mod tests {
         rows[0].set(0, [1.0]);
         rows[0].set(1, [1.0]);
         rows[1].set(0, [1.0]);
-        // Of exp(200 t) times 1e-40.
+        // For exp(200 t) times 1e-40.
         let mut c = 1e-40;
         for k in 1..=20 {
             c *= 200.0 / k as f64;
@@ -291,7 +290,7 @@ mod tests {
         assert!((0.01..0.1).contains(&ratio), "{ratio}");
     }
 
-    /// Coefficients of `1/(1 + t^m)`, lane by lane with `m`.
+    /// Coefficients of `1/(1 + t^m)`, with a different `m` in each lane.
     fn in_powers<const L: usize>(m: [usize; L], p: usize) -> Row<L> {
         let row = Row::new();
         for k in 0..=p {
@@ -304,7 +303,7 @@ mod tests {
         row
     }
 
-    /// The same of a state with that series, or of one at rest and a guard with it.
+    /// The same for a state with that series, or for a constant state and a guard with that series.
     fn ratio_in_powers<const L: usize>(m: [usize; L], p: usize, of_guard: bool) -> [f64; L] {
         let at_rest = Row::new();
         at_rest.set(0, [1.0; L]);
@@ -337,7 +336,7 @@ mod tests {
                     ratios.iter().all(|&r| r < 1.0),
                     "{p} {of_guard}: {ratios:?}"
                 );
-                // What is beside it in another lane changes nothing.
+                // The neighbouring lanes have no effect.
                 let together = ratio_in_powers([1, 2, 3, 4, 5, 6], p, of_guard);
                 assert_eq!(together, ratios, "{p} {of_guard}");
             }

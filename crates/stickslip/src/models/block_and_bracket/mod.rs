@@ -21,7 +21,7 @@ use crate::system::{Filippov, Side};
 /// force is `N = mg − k3 y − c2 ẏ`, at least zero because a contact cannot pull:
 ///
 /// ```text
-///     m ẍ      = −k1 x − k2 (x + y) − c1 (ẋ + ẏ) − μ(v) N sgn v,     μ(v) = μ0/(1 + δ|v|),  v = ẋ − vp
+///     m ẍ      = −k1 x − k2 (x + y) − c1 (ẋ + ẏ) − μ(v) N sgn v,  μ(v) = μ0/(1 + δ|v|), v = ẋ − vp
 ///     J φ̈ / r  = −k2 (x + y) − c1 (ẋ + ẏ) − k3 y − c2 ẏ
 /// ```
 ///
@@ -37,7 +37,7 @@ use crate::system::{Filippov, Side};
 ///
 /// ```text
 ///     x₁' = x₂
-///     x₂' = −x₁ − ξ1 [ ξ2 (x₂ + x₄) + x₃ + T ],      T = sgn(v) μ0 (N/mg) / (1 + δ|v|),  v = x₂ − vp
+///     x₂' = −x₁ − ξ1 [ ξ2 (x₂ + x₄) + x₃ + T ],    T = sgn(v) μ0 (N/mg) / (1 + δ|v|),  v = x₂ − vp
 ///     x₃' = x₄
 ///     x₄' = ξ3 ( −x₁ − ξ2 x₂ − ξ4 x₃ − ξ5 x₄ )
 /// ```
