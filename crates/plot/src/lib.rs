@@ -27,7 +27,8 @@
 //! panel.add(Markers::new([(-0.2, 0.0), (0.2, 0.0)]).open().label(0, "2", (-6.0, 6.0)));
 //! panel.add(Note::new((0.8, -0.3), "tangent point").arrow((0.2, 0.0)));
 //! panel.add(Dimension::new((-0.2, 0.6), (0.2, 0.6), "0.4 m"));
-//! let svg = Figure::new("example", (400.0, 300.0), "A zone", "A parabola below zero between ±0.2.")
+//! let description = "A parabola below zero between ±0.2.";
+//! let svg = Figure::new("example", (400.0, 300.0), "A zone", description)
 //!     .row(1.0, panel)
 //!     .render()?;
 //! # assert!(svg.starts_with("<svg"));

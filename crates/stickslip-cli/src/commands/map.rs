@@ -177,7 +177,11 @@ impl Sweep for Map {
             report.note(format!("{percent:6.2} %  {none}{name}"));
         }
         let classes = in_order.iter().map(|class| {
-            json!({ "motion": class.name, "is_attractor": class.is_attractor, "cells": class.cells })
+            json!({
+                "motion": class.name,
+                "is_attractor": class.is_attractor,
+                "cells": class.cells,
+            })
         });
         report.field("classes", classes.collect::<Vec<Value>>());
         report.figure("map", &self.figure(&found, system))?;

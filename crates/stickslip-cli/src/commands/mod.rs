@@ -45,7 +45,8 @@ Begin with:
   stickslip check my-system.toml       see what was understood
   stickslip simulate my-system.toml    phases and transitions, with figures
 
-Wherever the FILE of a system is asked for, the name of a shipped model will do: belt, forced, bracket, leine, basins, den-hartog.";
+Wherever the FILE of a system is asked for, the name of a shipped model will do: belt, forced, \
+bracket, leine, basins, den-hartog.";
 
 #[derive(Debug, Subcommand)]
 enum Command {

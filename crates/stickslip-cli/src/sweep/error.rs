@@ -55,7 +55,8 @@ pub enum SweepError {
     },
     /// The folder holds another sweep.
     #[error("{} holds another sweep: {what} was {old} there and is {new} now; old and new blocks \
-        are not mixed: give the old value to go on with it, or choose another folder with --out", folder.display())]
+        are not mixed: give the old value to go on with it, or choose another folder \
+        with --out", folder.display())]
     Differs {
         /// The folder of the sweep.
         folder: PathBuf,
@@ -67,7 +68,10 @@ pub enum SweepError {
         new: String,
     },
     /// A block that belongs to another sweep.
-    #[error("{} is a block of another sweep; move it away, and the same command goes on", path.display())]
+    #[error(
+        "{} is a block of another sweep; move it away, and the same command goes on",
+        path.display()
+    )]
     Stranger {
         /// The file.
         path: PathBuf,

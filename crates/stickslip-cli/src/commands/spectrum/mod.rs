@@ -34,9 +34,11 @@ const AFTER: &str = include_str!("help.txt").trim_ascii_end();
 
 /// With `-h`, which has a line for each option.
 const AFTER_SHORT: &str = "\
-One column is embedded; several are the state as they are, unless they lack one. A column named t or time gives --dt.
+One column is embedded; several are the state as they are, unless they lack one. \
+A column named t or time gives --dt.
 Example: stickslip spectrum lorenz.dat --dt 0.02 --columns 1
-What the statuses of exponents and the columns of the table mean, which files are read, more examples: --help";
+What the statuses of exponents and the columns of the table mean, which files are read, \
+more examples: --help";
 
 /// Lyapunov exponents of a time series from a file, without equations
 #[derive(Debug, clap::Args)]
@@ -87,7 +89,12 @@ pub(super) struct Arguments {
     affine: bool,
 
     /// Singular values below this fraction of the largest are zero
-    #[arg(long, value_parser = number, value_name = "FRACTION", default_value_t = DataSettings::default().rank_tolerance)]
+    #[arg(
+        long,
+        value_parser = number,
+        value_name = "FRACTION",
+        default_value_t = DataSettings::default().rank_tolerance
+    )]
     rank_tolerance: f64,
 
     /// What is made of the local maps
