@@ -1,5 +1,5 @@
-//! Figures for a journal, drawn over plotters. No other crate knows plotters, and this one does
-//! not know what the figures show.
+//! Figures for a journal, drawn with plotters. No other crate depends on plotters, and this one
+//! does not depend on what the figures show.
 //!
 //! A [`Figure`] is rows of [`Panel`]s. A panel has two [`Axis`]es and layers: [`Curve`],
 //! [`Markers`], [`Guide`], [`Band`], [`Region`], [`Cells`], [`Note`], [`Dimension`], [`Inset`].

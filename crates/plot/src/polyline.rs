@@ -1,4 +1,4 @@
-//! Cutting polylines to the plot rectangle and dropping points nobody can see.
+//! Clips polylines to the plot rectangle, and drops points that make no visible difference.
 
 /// A point in data units or px, depending on the function.
 pub(super) type Point = (f64, f64);
