@@ -1,4 +1,5 @@
-//! What all programs do with their results: files that are whole or not there, and figures as PNG.
+//! Output of results, shared by all programs: files that are either complete or absent, and figures
+//! as PNG.
 
 mod png;
 
@@ -30,16 +31,15 @@ impl Artifact {
     }
 }
 
-/// A file or its folder cannot be made. What to do about it, the program says that knows its
-/// options.
+/// A file or its folder cannot be created. Programs add the remedy, which depends on their options.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
-    /// The folder cannot be made.
+    /// The folder cannot be created.
     #[error("cannot create folder {}: {source}", path.display())]
     Folder {
         /// The folder.
         path: PathBuf,
-        /// What the operating system said.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// The file cannot be written.
@@ -47,19 +47,19 @@ pub enum WriteError {
     File {
         /// The file.
         path: PathBuf,
-        /// What the operating system said.
+        /// Error of the operating system.
         source: io::Error,
     },
 }
 
-/// Makes a folder and those above it.
+/// Creates a folder and its parents.
 ///
 /// # Errors
 /// [`WriteError::Folder`].
 pub fn make_folder(path: &Path) -> Result<(), WriteError> {
     fs::create_dir_all(path).map_err(|source| WriteError::Folder {
         path: path.to_owned(),
-        // The system says no more than that something of this name exists.
+        // The operating system reports only that something of this name exists.
         source: if path.is_file() {
             io::Error::new(source.kind(), "it is a file, not a folder")
         } else {
@@ -68,9 +68,8 @@ pub fn make_folder(path: &Path) -> Result<(), WriteError> {
     })
 }
 
-/// Writes all files into `folder`, which is made if it is missing, and returns their paths. Each
-/// gets a temporary name first and is renamed when all are on disk, so that a reader never sees
-/// half of one.
+/// Writes all files into `folder`, which is created if missing, and returns their paths. Files have
+/// temporary names until all are on disk, so that a reader never sees an incomplete one.
 ///
 /// # Errors
 /// [`WriteError`]; temporary files are removed.
@@ -78,7 +77,8 @@ pub fn write_all(folder: &Path, artifacts: &[Artifact]) -> Result<Vec<PathBuf>, 
     write_all_by(folder, folder, artifacts)
 }
 
-/// The same by way of another folder, in which a kill may leave what is unfinished.
+/// As [`write_all`], but with temporary files in another folder. A kill may leave unfinished files
+/// there.
 ///
 /// # Errors
 /// As [`write_all`].
@@ -106,8 +106,8 @@ pub fn write_all_by(
     Ok(written)
 }
 
-/// Gives a temporary file its name; where that is on another file system, by way of a second one
-/// there.
+/// Renames a temporary file to `path`. If that is on another file system, a second temporary file
+/// is made there.
 ///
 /// # Errors
 /// Those of the operating system; the temporary file is removed.
@@ -124,7 +124,7 @@ pub fn place(file: NamedTempFile, path: &Path) -> io::Result<()> {
     there.persist(path).map(|_| ()).map_err(|error| error.error)
 }
 
-/// A temporary file in `folder` with a content, on disk. It is removed unless it is given a name.
+/// Writes a temporary file in `folder` and syncs it to disk. It is removed unless it is renamed.
 ///
 /// # Errors
 /// Those of the operating system and of `content`.
@@ -133,7 +133,7 @@ pub fn stage(
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    // Temporary files are private by default; results are to be read by everyone the umask lets.
+    // Temporary files are private by default, but results must have the permissions of the umask.
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
@@ -144,12 +144,12 @@ pub fn stage(
     let file = buffered
         .into_inner()
         .map_err(io::IntoInnerError::into_error)?;
-    // The name may be on disk before the content is, unless the content is made to.
+    // Without a sync, the name may be on disk before the content.
     file.as_file().sync_all()?;
     Ok(file)
 }
 
-/// What a program says of the files it has written, a line for each.
+/// Lists the files that a program has written, one per line.
 pub fn listing(paths: &[PathBuf]) -> String {
     let line = |path: &PathBuf| format!("wrote {}\n", Path::display(path));
     paths.iter().map(line).collect()

@@ -6,7 +6,7 @@ pub enum PngError {
     /// The program was built without the feature `png`.
     #[error("this program was built without PNG output")]
     NotBuilt,
-    /// The SVG cannot be read or the image not be made.
+    /// The SVG cannot be read, or the image cannot be rendered.
     #[error("cannot render the SVG as PNG: {0}")]
     Rendering(String),
 }
@@ -40,7 +40,7 @@ pub fn png(svg: &str) -> Result<Vec<u8>, PngError> {
         .map_err(|e| PngError::Rendering(e.to_string()))
 }
 
-/// Says that this program cannot make PNG files.
+/// Reports that this program cannot write PNG files.
 ///
 /// # Errors
 /// Always [`PngError::NotBuilt`].

@@ -26,7 +26,7 @@ impl From<f64> for Ticks {
     }
 }
 
-/// How many intervals an axis left to itself is divided into, about.
+/// Approximate number of intervals of an axis with automatic ticks.
 const AUTO_INTERVALS: f64 = 5.0;
 
 impl Axis {

@@ -39,8 +39,8 @@ pub(super) struct Canvas<'a> {
 }
 
 impl<'a> Canvas<'a> {
-    /// Opens an SVG of `width` × `height` px on white paper. For readers who cannot see it there
-    /// are a title and a description. The id is the prefix of the ids in the file.
+    /// Opens an SVG of `width` × `height` px on white paper. It has a title and a description for
+    /// readers who cannot see it. The id is the prefix of the ids in the file.
     pub(super) fn new(
         out: &'a mut String,
         (width, height): (f64, f64),
@@ -177,9 +177,9 @@ impl<'a> Canvas<'a> {
             words.color.hex()
         )?;
         let runs = rich::parse(&words.markup);
-        // A viewer without the font sets the text in another; legends and tables hold only what is
-        // as wide as computed. Each run has its own width: given for all together, viewers stretch
-        // each run to it.
+        // A viewer without the font uses another one, but legends and tables need texts of the
+        // computed width. The width is given for each run: if it is given for the whole text,
+        // viewers stretch each run to it.
         let wide = |run: &rich::Run| match metrics::run_width(run, words.size).map(units) {
             Ok(0) => Ok(String::new()),
             Ok(wide) => Ok(format!(

@@ -1,5 +1,5 @@
-//! The palette: Okabe and Ito's eight colours, told apart by readers with any colour vision, and
-//! greys.
+//! The palette: the eight colours of Okabe and Ito, which readers with any colour vision can
+//! distinguish, and greys.
 
 /// An opaque colour, red, green, blue in 0..=255.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,7 +27,7 @@ pub const GREY: Color = Color(115, 115, 115);
 pub const MID_GREY: Color = Color(185, 185, 185);
 /// Shading behind curves: stick zones and stick intervals.
 pub const LIGHT_GREY: Color = Color(228, 228, 228);
-/// A second shading, told from [`LIGHT_GREY`] by hue and lightness.
+/// A second shading, which differs from [`LIGHT_GREY`] in hue and lightness.
 pub const LIGHT_ORANGE: Color = Color(252, 232, 196);
 
 impl Color {

@@ -1,4 +1,4 @@
-//! What can go wrong with a drawing.
+//! Errors of drawings.
 
 /// Failure of a drawing, with the values that explain it and what to do about it.
 #[derive(Debug, thiserror::Error)]

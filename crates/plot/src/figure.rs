@@ -15,7 +15,7 @@ const GAP: f64 = 14.0;
 /// Smallest plot rectangle that still shows something, px.
 const SMALLEST: f64 = 24.0;
 
-/// What stands in a cell of the page.
+/// Content of a cell of the page.
 pub enum Cell {
     /// Axes and curves.
     Panel(Box<Panel>),
@@ -44,7 +44,7 @@ impl Cell {
     }
 }
 
-/// Things beside or above one another, each with its share of the room.
+/// Adjacent items, each with its share of the space.
 type Shares<T> = Vec<(f64, T)>;
 
 /// A figure of one or more panels.

@@ -1,5 +1,5 @@
-//! Figures for a journal, drawn over plotters. No other crate knows plotters, and this one does
-//! not know what the figures show.
+//! Figures for a journal, drawn with plotters. No other crate depends on plotters, and this one
+//! does not depend on what the figures show.
 //!
 //! A [`Figure`] is rows of [`Panel`]s. A panel has two [`Axis`]es and layers: [`Curve`],
 //! [`Markers`], [`Guide`], [`Band`], [`Region`], [`Cells`], [`Note`], [`Dimension`], [`Inset`].
@@ -27,7 +27,8 @@
 //! panel.add(Markers::new([(-0.2, 0.0), (0.2, 0.0)]).open().label(0, "2", (-6.0, 6.0)));
 //! panel.add(Note::new((0.8, -0.3), "tangent point").arrow((0.2, 0.0)));
 //! panel.add(Dimension::new((-0.2, 0.6), (0.2, 0.6), "0.4 m"));
-//! let svg = Figure::new("example", (400.0, 300.0), "A zone", "A parabola below zero between ±0.2.")
+//! let description = "A parabola below zero between ±0.2.";
+//! let svg = Figure::new("example", (400.0, 300.0), "A zone", description)
 //!     .row(1.0, panel)
 //!     .render()?;
 //! # assert!(svg.starts_with("<svg"));

@@ -2,7 +2,7 @@
 
 use super::color::{BLACK, Color};
 
-/// Line style; told apart without colour.
+/// Line style, which distinguishes lines without colour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Dash {
     /// ————

@@ -15,7 +15,7 @@ use super::pen::Pen;
 use super::polyline::{self, Bounds, Point};
 use crate::error::PlotError;
 
-/// Nobody sees a curve move by less than this, px, even enlarged a few times.
+/// Displacements of a curve below this, px, are invisible even when enlarged a few times.
 const TOLERANCE: f64 = 0.02;
 
 /// The outcome of drawing.
@@ -110,7 +110,7 @@ impl Sheet<'_, '_> {
     pub(super) fn outline(&self, frame: &Frame, pen: &Pen) -> Drawn {
         let [(left, top), (right, bottom)] = frame.corners();
         let around = [(left, top), (right, top), (right, bottom), (left, bottom)];
-        // Over the first side once more, so that its beginning has a joint, too.
+        // The first side is repeated, so that the start of the outline also has a joint.
         self.stroke(&[&around[..], &around[..2]].concat(), pen)
     }
 }

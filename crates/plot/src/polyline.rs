@@ -1,4 +1,4 @@
-//! Cutting polylines to the plot rectangle and dropping points nobody can see.
+//! Clips polylines to the plot rectangle, and drops points that make no visible difference.
 
 /// A point in data units or px, depending on the function.
 pub(super) type Point = (f64, f64);
@@ -236,7 +236,9 @@ mod tests {
 
     proptest! {
         #[test]
-        fn clipped_points_are_inside(points in prop::collection::vec((-3.0..3.0, -3.0..3.0), 2..40)) {
+        fn clipped_points_are_inside(
+            points in prop::collection::vec((-3.0..3.0, -3.0..3.0), 2..40),
+        ) {
             let room = Bounds { x: (-1e-12, 1.0 + 1e-12), y: (-1e-12, 1.0 + 1e-12) };
             for piece in clip_line(&points, &UNIT) {
                 prop_assert!(piece.iter().all(|p| room.contains(*p)));

@@ -94,7 +94,7 @@ pub(super) fn plain(markup: &str) -> String {
 #[derive(Default)]
 struct Parser {
     runs: Vec<Run>,
-    /// The one that goes on.
+    /// The run that is being extended.
     run: Run,
     in_group: bool,
 }

@@ -1,5 +1,5 @@
-//! Why a command fails, in words for somebody who writes files and not Rust: contacts by their
-//! names, options as they are given on the command line.
+//! Errors of commands, in words for users who do not program. Contacts have their names, and
+//! options are written as on the command line.
 
 use stickslip::Error;
 use stickslip::error::{Point, piled_up, readable};
@@ -19,7 +19,7 @@ pub(crate) enum Failure {
     Setting(#[from] SettingError),
     #[error("{0}")]
     Usage(String),
-    /// There is an attractor, and it is none that was looked for.
+    /// The attractor is not of the kind that was searched.
     #[error("{0}")]
     NoPeriodicOrbit(String),
     #[error(transparent)]
@@ -38,7 +38,8 @@ pub(crate) enum Failure {
 }
 
 impl Failure {
-    /// Whether the command line or the file is at fault and not the computation or the machine.
+    /// Whether the command line or the file is at fault, rather than the computation or the
+    /// machine.
     pub(crate) fn is_usage(&self) -> bool {
         match self {
             Failure::File(_) | Failure::Setting(_) | Failure::Usage(_) => true,
@@ -51,7 +52,7 @@ impl Failure {
         }
     }
 
-    /// With the names of the contacts, where it speaks of some.
+    /// Replaces numbers of contacts by their names.
     pub(crate) fn of(self, system: &System) -> Self {
         match self {
             Failure::Computation(error) => Failure::OfSystem {
@@ -71,7 +72,7 @@ pub(crate) fn in_words(error: &Error, system: &System) -> String {
     })
 }
 
-/// As [`in_words`], where it is not known of which system: contacts by number.
+/// As [`in_words`], but for an unknown system, with contacts by number.
 fn in_words_by_number(error: &Error) -> String {
     with_names(error, &|contact| contact.to_string())
 }
@@ -195,7 +196,7 @@ fn with_names(error: &Error, name: &dyn Fn(usize) -> String) -> String {
     }
 }
 
-/// What a setting of the library is called on the command line.
+/// Name of a setting of the library on the command line.
 fn as_given(option: &str) -> String {
     let known = [
         ("rtol", "--tol"),

@@ -1,4 +1,4 @@
-//! What the program `stickslip` does with systems from files, and with measured series.
+//! Implementation of the program `stickslip`, for systems from files and for measured series.
 
 pub mod commands;
 mod failure;

@@ -1,11 +1,11 @@
-//! Tangent points of a contact's boundary, and where on it a contact sticks.
+//! Tangent points and stick zones on the boundary of a contact.
 //!
-//! Of a system of two states a boundary Σ is a curve, of more states a surface. It is looked at
-//! along one state. For every value of that the boundary's own equation gives another one; further
-//! states keep the values that they are given. The equation may have several solutions or none:
-//! each is followed as a branch to where Σ turns back. On a branch the rates at which the two
-//! fields approach Σ are functions of one number. Where one of them vanishes a field is tangent to
-//! Σ; where both push to Σ the contact sticks.
+//! The boundary Σ is a curve in a system of two states, and a surface for more states. It is
+//! scanned along one state. For every value of that state, the equation of the boundary determines
+//! another one; further states have fixed values. The equation may have several solutions or none.
+//! Each solution is followed as a branch to the points where Σ turns back. On a branch, the rates
+//! at which the two fields approach Σ are functions of one variable. Where one rate vanishes, a
+//! field is tangent to Σ. Where both fields point towards Σ, the contact sticks.
 
 use stickslip::analysis::Visibility;
 use stickslip::scalar::Dual;
@@ -14,24 +14,24 @@ use stickslip::{Scalar, Side};
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::Combination;
 
-/// How many values the range is divided into: two tangent points nearer than one of these are not
-/// told apart from none.
+/// Number of intervals in the range. Two tangent points within one interval are not detected.
 const FINENESS: usize = 2000;
 
-/// Parts of the window of the solved state; two branches in one of them may be passed over.
+/// Number of intervals in the window of the solved state. Two branches within one of them may be
+/// missed.
 const ACROSS: usize = 64;
 
-/// Halvings of a part of the range, to the rounding of its ends.
+/// Number of bisections of an interval, down to the rounding of its ends.
 const HALVINGS: usize = 52;
 
-/// Values of the solved state are the same within this part of their size and of the window: the
-/// root of rounding, as in a turn.
+/// Values of the solved state count as equal if they differ by less than this, relative to their
+/// size and the window. It is the square root of rounding, as at a turning point.
 const SAME: f64 = 1e-7;
 
-/// The state along the line, and the one that the boundary's equation gives.
+/// Values of the state along the line and of the solved state.
 pub type At = [f64; 2];
 
-/// Newton steps for the state that the boundary's equation gives.
+/// Maximum number of Newton steps for the solved state.
 const MOST_STEPS: usize = 50;
 
 /// A line on the boundary of a contact.
@@ -39,17 +39,17 @@ const MOST_STEPS: usize = 50;
 pub struct Line {
     /// Contact, counted from 0.
     pub contact: usize,
-    /// State that goes along the line.
+    /// State that varies along the line.
     pub along: usize,
-    /// State that the boundary's equation gives.
+    /// State for which the equation of the boundary is solved.
     pub solved: usize,
-    /// From where to where.
+    /// Range of the state along the line.
     pub range: (f64, f64),
     /// Time.
     pub t: f64,
-    /// Values of the other states, and where to look for the solved one first.
+    /// Values of the other states, and the initial guess for the solved one.
     pub x: Vec<f64>,
-    /// Points of a branch, by rising value; empty where none is chosen.
+    /// Points of a branch, by rising value; empty if no branch is chosen.
     pub path: Vec<At>,
 }
 
@@ -60,23 +60,23 @@ pub struct TangentPoint {
     pub x: Vec<f64>,
     /// Side whose field is tangent.
     pub side: Side,
-    /// How its orbit lies.
+    /// Whether the tangent orbit is visible.
     pub visibility: Visibility,
 }
 
-/// What the boundary does to orbits in a part of the line.
+/// Behaviour of orbits at the boundary, in a part of the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Both fields push to it: the contact sticks.
+    /// Both fields point towards the boundary: the contact sticks.
     Stick,
-    /// Both fields lead away: no future is unique.
+    /// Both fields point away: the future is not unique.
     Repelling,
 }
 
 /// A part of the line, by values of the state along it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Zone {
-    /// What happens in it.
+    /// Behaviour of orbits in the zone.
     pub kind: Kind,
     /// Lower end.
     pub from: f64,
@@ -84,40 +84,40 @@ pub struct Zone {
     pub to: f64,
 }
 
-/// What was found on a line.
+/// Results on a line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OnLine {
     /// Tangent points of the fields of slip, by falling value of the state along the line.
     pub points: Vec<TangentPoint>,
     /// Zones of stick and of repulsion, by falling value.
     pub zones: Vec<Zone>,
-    /// The state along the line, and at which rate the fields below and above go upwards through
-    /// the boundary.
+    /// The state along the line, and the rates of the boundary function with the fields below and
+    /// above.
     pub rates: Vec<(f64, [f64; 2])>,
 }
 
-/// Which fields are asked.
+/// Which fields to evaluate.
 #[derive(Clone, Copy)]
 enum Fields {
     Slip,
     Holding,
 }
 
-/// By how much the boundary function's rate is larger with the field above than with that below.
-/// Friction makes it smaller.
+/// Difference of the rate of the boundary function between the field above and the field below.
+/// Friction makes it negative.
 pub struct Jumps {
     /// In slip.
     pub slip: f64,
     /// While the contact holds.
     pub holding: f64,
-    /// What rounding leaves of the rates.
+    /// Rounding error of the rates.
     pub rounding: f64,
 }
 
 impl Line {
-    /// The line through a point of state space: of the state that the boundary changes with most
-    /// the value is solved for; along is `along`, or the first other state. `None` where there is
-    /// no other state, or the boundary changes with none.
+    /// The line through a point of state space. The solved state is the one on which the boundary
+    /// function depends most. The line follows the state `along`, or the first other state. `None`
+    /// if there is no other state, or the boundary function depends on no state.
     pub fn through(
         system: &System,
         contact: usize,
@@ -126,7 +126,7 @@ impl Line {
         (t, x): (f64, &[f64]),
     ) -> Option<Line> {
         let states = 0..system.states();
-        // In the middle of a closed boundary there is no slope: beside it there is.
+        // The gradient vanishes in the middle of a closed boundary, so a nearby point is tried.
         let beside: Vec<f64> = x.iter().map(|x| x + 1.0).collect();
         let slope = |state: usize| {
             let of = |x: &[f64]| system.boundary_and_slope(contact, t, x, state).1.abs();
@@ -148,10 +148,10 @@ impl Line {
         })
     }
 
-    /// The branches of the boundary, each a line as far as it reaches, by their lower ends, and
-    /// what is on them. They come through the window of the solved state: what the file shows of
-    /// it, or as far from the start as the range is wide; or Newton's iteration finds them from the
-    /// start.
+    /// The branches of the boundary, each as a line over its own range, in the order of their lower
+    /// ends, with the results on them. Branches are searched in a window of the solved state: its
+    /// range in the file, or else as far from the start as the range is wide. Newton's iteration
+    /// from the start may locate further ones.
     pub fn scan(&self, system: &System) -> Vec<(Line, OnLine)> {
         let (start, width) = (self.x[self.solved], self.range.1 - self.range.0);
         let shown = system.file.states[self.solved].range;
@@ -205,7 +205,7 @@ impl Line {
         lines.collect()
     }
 
-    /// The branch from a point on, at these values and at the last one that it has.
+    /// Follows the branch from a point, at these values and up to its end.
     fn follow<'a>(
         &self,
         system: &System,
@@ -213,7 +213,8 @@ impl Line {
         values: impl Iterator<Item = &'a f64>,
         is_same: impl Fn(At, At) -> bool,
     ) -> Vec<At> {
-        // With the same slope, and back to where it comes from: it is on no other branch.
+        // The slope must keep its sign, and the iteration must lead back to the previous point.
+        // Otherwise the result may be on another branch.
         let next = |at: At, s: f64| {
             let next = self.solve(system, [s, at[1]])?;
             let back = self.solve(system, [at[0], next[1]])?;
@@ -284,10 +285,10 @@ impl Line {
         }
     }
 
-    /// See [`Jumps`], where the state along the line is `s`.
+    /// [`Jumps`] where the state along the line is `s`.
     pub fn jumps(&self, system: &System, s: f64) -> Option<Jumps> {
-        // Some operations of a field of some terms, each off by half a unit in the last place of
-        // the largest.
+        // Allows for some operations on the terms of a field, each with an error of half a unit in
+        // the last place of the largest.
         const ULPS: f64 = 64.0;
         let [slip, holding] =
             [Fields::Slip, Fields::Holding].map(|fields| self.rates(system, fields, s));
@@ -320,12 +321,12 @@ impl Line {
         x
     }
 
-    /// The boundary function, and its derivative by the solved state.
+    /// The boundary function, and its derivative with respect to the solved state.
     fn boundary(&self, system: &System, at: At) -> (f64, f64) {
         system.boundary_and_slope(self.contact, self.t, &self.at(at), self.solved)
     }
 
-    /// The point of the boundary that Newton's iteration finds from here for the solved state.
+    /// Solves for the solved state by Newton's iteration from `at`.
     fn solve(&self, system: &System, mut at: At) -> Option<At> {
         for _ in 0..MOST_STEPS {
             let (height, slope) = self.boundary(system, at);
@@ -336,7 +337,7 @@ impl Line {
             if !next.is_finite() {
                 return None;
             }
-            // Nearer there is none.
+            // Rounding prevents a smaller step.
             let close = 4.0 * f64::EPSILON * next.abs().max(f64::MIN_POSITIVE);
             let is_there = (next - at[1]).abs() <= close;
             at[1] = next;
@@ -347,7 +348,7 @@ impl Line {
         None
     }
 
-    /// How fast the fields below and above go upwards through the boundary.
+    /// Rates of the boundary function with the fields below and above.
     fn rates(&self, system: &System, fields: Fields, s: f64) -> Option<[f64; 2]> {
         let x = self.state(system, s)?;
         let rates = [Side::Below, Side::Above].map(|side| {
@@ -358,7 +359,8 @@ impl Line {
         rates.iter().all(|rate| rate.is_finite()).then_some(rates)
     }
 
-    /// The velocity with the contact on this side and the others where the state has them.
+    /// The velocity with the contact on this side. The modes of other contacts follow from the
+    /// state.
     fn velocity<T: Scalar>(
         &self,
         system: &System,
@@ -382,7 +384,7 @@ impl Line {
         system.field(Combination { above, held }, t, x)
     }
 
-    /// Where the rate of one side changes its sign, by bisection.
+    /// Zeros of the rate of one side with a change of sign, by bisection.
     fn roots(
         &self,
         system: &System,
@@ -408,7 +410,7 @@ impl Line {
         changes.map(root).collect()
     }
 
-    /// By the sign of the second derivative of the boundary function along the field.
+    /// Visibility, from the sign of the second derivative of the boundary function along the field.
     fn visibility(&self, system: &System, side: Side, x: &[f64]) -> Visibility {
         let of = (Fields::Slip, side);
         let velocity = self.velocity(system, of, x, (self.t, x));
@@ -417,7 +419,7 @@ impl Line {
         let (time, twice) = (Dual::new(self.t, 1.0), moving(&once, &rates));
         let time = Dual::new(time, Dual::one());
         let bending = system.boundary(self.contact, time, &twice).eps.eps;
-        // What is left of two terms of the acceleration that cancel.
+        // Rounding error that remains if two terms of the acceleration cancel.
         let size: f64 = rates.iter().map(|rate| rate.eps.abs()).fold(1.0, f64::max);
         if bending.abs() <= 64.0 * f64::EPSILON * size {
             Visibility::Degenerate
@@ -429,7 +431,7 @@ impl Line {
     }
 }
 
-/// A state that moves with a velocity.
+/// A state whose dual part is a velocity.
 fn moving<T: Scalar>(x: &[T], velocity: &[T]) -> Vec<Dual<T>> {
     let pairs = x.iter().zip(velocity);
     pairs.map(|(&x, &v)| Dual::new(x, v)).collect()

@@ -1,5 +1,4 @@
-//! What the program does on a terminal: the only place that prints, decides on an exit code and
-//! draws how far it is.
+//! Terminal output. Only this module prints, sets the exit code and shows progress.
 
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -12,7 +11,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use crate::failure::Failure;
 use crate::render::Answer;
 
-/// Prints what the program has to say, or its error.
+/// Prints the output of the program, or its error.
 ///
 /// Exit code 0 on success, 1 if something failed (`error: …` on standard error), 2 for a wrong
 /// command line or file of a system.
@@ -27,7 +26,7 @@ pub(crate) fn finish(outcome: Result<Answer, Failure>) -> ExitCode {
     };
     match (print(&answer.text), &answer.failure) {
         (_, Some(failure)) => failed(failure, 1),
-        // Whoever reads may stop reading; files are written all the same.
+        // The reader may close the pipe; the files have been written regardless.
         (Err(error), _) if error.kind() != io::ErrorKind::BrokenPipe => {
             failed(&format!("cannot print: {error}"), 1)
         }
@@ -41,16 +40,16 @@ fn print(text: &str) -> io::Result<()> {
     out.flush()
 }
 
-/// A line on standard error; where nobody reads it any more, nothing is lost with it.
+/// Prints a line on standard error. Errors are ignored: if standard error is closed, nobody reads
+/// it.
 pub(crate) fn note(line: &str) {
     let _ = writeln!(io::stderr(), "{line}");
 }
 
-/// Only computations longer than this show how far they are.
+/// Computations that take longer than this show their progress.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// How far a computation is: drawn on standard error, if that is a terminal, once it has taken a
-/// while.
+/// A progress bar on standard error, if that is a terminal. It appears after [`PATIENCE`].
 pub(crate) struct Patience {
     begin: Instant,
     template: String,
@@ -58,7 +57,7 @@ pub(crate) struct Patience {
 }
 
 impl Patience {
-    /// For a bar of this template of [`ProgressStyle`].
+    /// A bar with this template of [`ProgressStyle`].
     pub(crate) fn new(template: impl Into<String>) -> Self {
         Patience {
             begin: Instant::now(),
@@ -67,7 +66,7 @@ impl Patience {
         }
     }
 
-    /// So much is done of all.
+    /// Reports that `done` of `all` is finished.
     pub(crate) fn done(&self, done: u64, all: u64) {
         if self.begin.elapsed() < PATIENCE {
             return;
@@ -78,7 +77,8 @@ impl Patience {
                 .with_elapsed(self.begin.elapsed());
             let style = ProgressStyle::with_template(&self.template);
             let bar = bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-            // What was there before took no time: the time to come is reckoned from here on.
+            // Work that was done before took no time here, so the remaining time is estimated from
+            // this point.
             bar.tick();
             bar.reset_eta();
             bar.enable_steady_tick(Duration::from_secs(1));
@@ -87,7 +87,7 @@ impl Patience {
         bar.set_position(done);
     }
 
-    /// Takes it off the terminal.
+    /// Removes the bar from the terminal.
     pub(crate) fn clear(&self) {
         if let Some(bar) = self.bar.get() {
             bar.finish_and_clear();
@@ -95,17 +95,17 @@ impl Patience {
     }
 }
 
-/// The line shown of a computation that cannot say how far it is.
+/// The status line of a computation of unknown length.
 pub(crate) struct Status(ProgressBar);
 
 impl Status {
-    /// Shows this from now on.
+    /// Sets the text of the line.
     pub(crate) fn set(&self, words: String) {
         self.0.set_message(words);
     }
 }
 
-/// Runs what cannot say how far it is, under something that moves once it has taken a while.
+/// Runs a computation of unknown length, with a spinner after [`PATIENCE`].
 pub(crate) fn patiently<T: Send>(what: &str, work: impl FnOnce(&Status) -> T + Send) -> T {
     const TICK: Duration = Duration::from_millis(120);
     let status = Status(ProgressBar::new_spinner().with_message(what.to_owned()));

@@ -1,4 +1,4 @@
-//! The analyses: each calls the library and hands back numbers, texts and arrays.
+//! The analyses. Each calls the library and returns numbers, texts and arrays.
 
 use std::ops::ControlFlow;
 use std::sync::Mutex;
@@ -21,11 +21,11 @@ use stickslip_series::{DataSettings, Series, data_spectrum};
 use crate::task::{Report, Task, Tells, computed};
 use crate::{Settings, System, failed, numbers, rows, told, wrong};
 
-/// How a periodic orbit is looked for: how long the run before it is; its period if that is given;
-/// how long it may take to come back; and how many periods of a drive it takes, if that is given.
+/// Settings of the search for a periodic orbit: duration of the transient, period if given, maximum
+/// time of return, and number of periods of a drive if given.
 type Search = (f64, Option<f64>, f64, Option<u32>);
 
-/// The state behind a time that is a transient.
+/// The state after a transient.
 fn after(
     system: &DynamicsRef<'_>,
     (t, x): (f64, &[f64]),
@@ -51,7 +51,7 @@ fn after(
     }
 }
 
-/// The periodic orbit that the orbit from `start` comes to.
+/// The periodic orbit that the orbit from `start` approaches.
 fn orbit_found(
     system: &Ready,
     (t, x): (f64, &[f64]),
@@ -80,7 +80,7 @@ fn orbit_found(
     })
 }
 
-/// Why there is no periodic orbit, in Python.
+/// The Python exception for a failed search for a periodic orbit.
 fn not_found(error: SearchError) -> PyErr {
     match error {
         SearchError::Failed(error) => failed(error),
@@ -92,7 +92,7 @@ fn not_found(error: SearchError) -> PyErr {
     }
 }
 
-/// What has ended a computation early, beside what was found.
+/// Adds the exception that ended a computation early to its results.
 fn with_raised<'py>(
     py: Python<'py>,
     result: Bound<'py, PyDict>,
@@ -120,7 +120,7 @@ pub(crate) fn periodic_orbit<'py>(
         orbit_found(&system, (t, &x), search, &options).map_err(not_found)
     })?;
     let orbit = orbit.whole(|error| error)?;
-    // The first multiplier of a system that does not depend on time is trivial.
+    // The first multiplier of an autonomous system is trivial.
     let trivial = usize::from(!ready.built.depends_on_time);
     let all = multipliers(&orbit.monodromy);
     let stability = Stability::of(all.get(trivial..).unwrap_or_default());
@@ -215,7 +215,7 @@ pub(crate) fn poincare_map<'py>(
     with_raised(py, result, outcome.raised)
 }
 
-/// The branch of periodic orbits through the one that a search finds, both ways.
+/// The branch of periodic orbits through the one that a search returns, in both directions.
 #[pyfunction]
 #[expect(
     clippy::too_many_arguments,
@@ -267,8 +267,8 @@ pub(crate) fn continuation<'py>(
         };
         let x = [x.as_slice(), &[value]].concat();
         let way = |upwards| {
-            // What is located while it is stopped is not what it would be: what was found by then
-            // counts.
+            // Results that are computed during an interruption are unreliable. Only those from
+            // before it are kept.
             let mut found = 0;
             let observe = |branch: &PartialBranch| match task.is_stopped() {
                 true => ControlFlow::Break(()),
@@ -302,7 +302,7 @@ pub(crate) fn continuation<'py>(
         return outcome.whole(|error| error).map(|_| PyDict::new(py));
     };
     let states = ready.states();
-    // Both begin with the same orbit.
+    // Both directions begin with the same orbit.
     let points: Vec<&BranchPoint> = down.points.iter().skip(1).rev().chain(&up.points).collect();
     let result = PyDict::new(py);
     result.set_item(
@@ -384,7 +384,7 @@ pub(crate) fn lyapunov_spectrum<'py>(
     Ok(result)
 }
 
-/// What orbits have come to, as lists with one entry for each.
+/// Outcomes of orbits, as lists with one entry for each orbit.
 fn outcomes<'py>(
     py: Python<'py>,
     system: &Ready,
@@ -433,14 +433,14 @@ fn exponents(result: &Bound<'_, PyDict>, found: &[Largest]) -> PyResult<()> {
     result.set_item("std_error", of(errors))
 }
 
-/// The state that the orbit begins from: as given, or as the system says.
+/// Start state of the orbit: as given, or that of the system.
 fn begins(system: &Ready, given: Option<&[f64]>) -> PyResult<Vec<f64>> {
     let start = given.map(<[f64]>::to_vec);
     let start = start.or_else(|| system.built.start.clone());
     start.ok_or_else(|| wrong("the system has no start: give y0"))
 }
 
-/// Whether attractors can be looked for.
+/// Checks whether attractors can be searched.
 fn check(system: &Ready, longest: f64) -> PyResult<()> {
     system.checked_period().map_err(wrong)?;
     recurrence(system, longest).check().map_err(failed)
@@ -524,7 +524,7 @@ pub(crate) fn bifurcation_diagram<'py>(
     with_raised(py, result, outcome.raised)
 }
 
-/// An error on the way to Python, of all that a value of a diagram can fail with.
+/// Any error of a value of a diagram, as a Python exception.
 struct Failure(PyErr);
 
 impl From<Error> for Failure {
@@ -595,8 +595,8 @@ impl Located {
     }
 }
 
-/// What the orbit from a start comes to, over a plane of two parameters, row by row. Cells that an
-/// interruption left out have the motion "".
+/// The attractor of the orbit from a start, over a plane of two parameters, row by row. Cells that
+/// an interruption left out have the motion "".
 #[pyfunction]
 pub(crate) fn parameter_map<'py>(
     py: Python<'py>,
@@ -624,7 +624,7 @@ pub(crate) fn parameter_map<'py>(
             Some(duration) => Largest::on(&here, &outcome, duration, &options),
             None => Largest::Unmeasured,
         };
-        // What is kept of a cell does not grow with its points.
+        // The memory for a cell must not grow with the number of its points.
         outcome.in_stick = match outcome.points.is_empty() {
             true => f64::NAN,
             false => outcome.in_stick,
@@ -694,7 +694,7 @@ pub(crate) fn parameter_map<'py>(
     with_raised(py, result, raised)
 }
 
-/// Which attractor each start leads to; -1 where an interruption left a start out.
+/// Index of the attractor of each start; -1 for starts that an interruption left out.
 #[pyfunction]
 pub(crate) fn basins<'py>(
     py: Python<'py>,
@@ -738,7 +738,7 @@ pub(crate) fn basins<'py>(
     with_raised(py, result, outcome.raised)
 }
 
-/// The spectrum of a measured series, a row for each point.
+/// The spectrum of a measured series, with one row for each point.
 #[pyfunction]
 pub(crate) fn lyapunov_from_data<'py>(
     py: Python<'py>,

@@ -1,7 +1,8 @@
 //! The engine as the extension module `stickslip._core`.
 //!
-//! It is narrow: a system from its text, and each computation as one call that takes and returns
-//! numbers, texts and arrays. What a user sees is written in Python, in `python/stickslip`.
+//! The interface is narrow: a system from its text, and each computation as one call that takes and
+//! returns numbers, texts and arrays. The public interface is written in Python, in
+//! `python/stickslip`.
 
 mod analyses;
 mod run;
@@ -74,7 +75,7 @@ impl System {
             .collect()
     }
 
-    /// The contacts, and behind them the jumps.
+    /// The contacts, followed by the jumps.
     #[getter]
     fn contacts_and_jumps(&self) -> (Vec<&str>, Vec<&str>) {
         let file = &self.ready.file;
@@ -83,7 +84,7 @@ impl System {
         (contacts.collect(), jumps.collect())
     }
 
-    /// Where runs begin: time, state, end and period, as far as the text says.
+    /// Start time, start state, end time and period, as far as the text specifies them.
     #[getter]
     fn start(&self) -> (f64, Option<Vec<f64>>, Option<f64>, Option<f64>) {
         let built = &self.ready.built;
@@ -101,7 +102,7 @@ impl System {
     }
 }
 
-/// How runs are made.
+/// Options of runs.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 struct Settings {
@@ -153,13 +154,13 @@ impl Settings {
     }
 }
 
-/// What is wrong with a system.
+/// The Python exception for an invalid system.
 fn wrong(error: impl std::fmt::Display) -> PyErr {
     SystemError::new_err(error.to_string())
 }
 
-/// What a computation failed with, in Python: a setting is a `ValueError`, and what happens in a
-/// run has its time and state.
+/// The Python exception for a failed computation. A wrong setting is a `ValueError`; an error
+/// within a run has its time and state.
 fn failed(error: Error) -> PyErr {
     match &error {
         Error::Parameter { name, value, bound } | Error::Option { name, value, bound } => {
@@ -178,7 +179,7 @@ fn failed(error: Error) -> PyErr {
 /// Time and state of a failure.
 type Place = (Option<f64>, Option<Vec<f64>>);
 
-/// A failure of a kind in Python.
+/// A Python exception of a given kind.
 fn told(kind: &str, error: &dyn std::fmt::Display, (t, x): Place) -> PyErr {
     StickslipError::new_err((error.to_string(), kind.to_owned(), t, x))
 }
@@ -208,7 +209,7 @@ fn place(error: &Error) -> Place {
     }
 }
 
-/// An array of one row for each state.
+/// An array with one row for each state.
 fn rows<'py, 'a>(
     py: Python<'py>,
     states: impl IntoIterator<Item = &'a Vector>,

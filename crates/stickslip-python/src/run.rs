@@ -14,7 +14,7 @@ use stickslip_kernels::kernel::{Run, Watcher, follow};
 use crate::task::{LOOK, Report, look};
 use crate::{Settings, System, failed, numbers, rows};
 
-/// Looks for signals now and then, as Ctrl-C sends one, and says how far the run is.
+/// Checks for signals, such as Ctrl-C, at intervals, and reports the progress of the run.
 struct Signals {
     last: Instant,
     raised: Option<PyErr>,
@@ -48,14 +48,14 @@ impl Signals {
     }
 }
 
-/// An event as Python gives it: the system with the event's section, and with how many of it the
-/// run ends, 0 for never.
+/// An event from Python: the system with the section of the event, and the number of events after
+/// which the run ends (0 for never).
 type Event<'py> = (PyRef<'py, System>, usize);
 
-/// Passages of one event, up to a limit in time.
+/// Passages of one event, up to a time limit.
 struct Passages<'a> {
     found: Vec<Passage>,
-    /// With so many the run ends.
+    /// Number of passages after which the run ends.
     most: usize,
     limit: f64,
     signals: &'a mut Signals,
@@ -92,16 +92,16 @@ impl Watcher for Passages<'_> {
     }
 }
 
-/// An orbit as Python keeps it.
+/// Recording of an orbit for Python.
 struct Recording<'a> {
     passages: Passages<'a>,
-    /// Ends of steps, or the times asked for.
+    /// Points at ends of steps, or at the requested times.
     points: Vec<(f64, Vector)>,
-    /// Times asked for that are still to come, the next one last.
+    /// Requested times that are not yet reached, the next one last.
     asked: Option<Vec<f64>>,
     phases: Vec<Phase>,
     transitions: Vec<Transition>,
-    /// Steps with their solutions, if they are to be kept.
+    /// Steps with their solutions, if dense output is requested.
     steps: Option<Vec<(Step, Solution)>>,
     last: (f64, Vector),
 }
@@ -124,7 +124,7 @@ impl Watcher for Recording<'_> {
                 }
             }
             None => {
-                // Behind a jump the orbit goes on from another state.
+                // After a jump the orbit continues from another state.
                 if self.last.1 != step.x_start {
                     self.points.push((step.t_start, step.x_start.clone()));
                 }
@@ -159,7 +159,7 @@ impl Watcher for Recording<'_> {
 }
 
 impl Recording<'_> {
-    /// Cuts off what lies behind the event that ends the run.
+    /// Removes what lies after the event that ends the run.
     fn cut(&mut self, at: &Passage) {
         let wants_all = self.asked.is_none();
         self.points.retain(|(t, _)| *t <= at.t);
@@ -176,17 +176,17 @@ impl Recording<'_> {
     }
 }
 
-/// What a run has come to.
+/// Result of a run.
 struct Solved<'a> {
     recording: Recording<'a>,
     events: Vec<Vec<Passage>>,
     outcome: Result<Summary, Error>,
-    /// Whether an event ended it.
+    /// Whether an event ended the run.
     is_terminated: bool,
 }
 
-/// Follows an orbit. Each event is a section of its own: the orbit is the same in the runs of all
-/// events, and the last of these records it.
+/// Follows an orbit. Each event has its own section and its own run. The orbit is the same in all
+/// runs, and the last one records it.
 fn solved<'a>(
     systems: &[(&Ready, usize)],
     run: &Run<'_>,
@@ -210,7 +210,8 @@ fn solved<'a>(
             limit,
             signals,
         };
-        // What this run fails with the recorded one fails with, too, if it comes so far.
+        // The error is ignored here: the recorded run fails in the same way, if it reaches that
+        // point.
         let _ = follow(system.dynamics(), run, &system.section(), &mut passages);
         let found = passages.found;
         if *most > 0 && found.len() == *most {
@@ -286,7 +287,7 @@ pub(crate) fn solve<'py>(
         .iter()
         .map(|(system, most)| (&system.ready, *most))
         .collect();
-    // Without events the section that the system has is not asked for.
+    // Without events the section of the system is not used.
     if systems.is_empty() {
         systems.push((&system.ready, 0));
     }
@@ -323,7 +324,7 @@ fn kind_name(kind: TransitionKind) -> &'static str {
     }
 }
 
-/// A run in Python.
+/// The result of a run, for Python.
 fn told<'py>(
     py: Python<'py>,
     system: &Ready,
@@ -343,7 +344,7 @@ fn told<'py>(
             let (status, message) = ending(summary);
             (status, message, Some(summary.counters))
         }
-        // Where nothing was reached there is nothing to keep.
+        // An error at the start leaves no result to return.
         Err(error) if recording.last.0 == t_start => return Err(failed(error.clone())),
         Err(error) => (-1, error.to_string(), None),
     };
@@ -433,7 +434,7 @@ pub(crate) struct Dense {
 
 #[pymethods]
 impl Dense {
-    /// The states at times, a row for each.
+    /// The states at the given times, with one row for each.
     fn at<'py>(
         &self,
         py: Python<'py>,

@@ -1,7 +1,7 @@
-//! Computations that Ctrl-C ends, and that say how far they are.
+//! Computations that Ctrl-C can end, with progress reports.
 //!
-//! An analysis runs on threads of its own, on a system whose orbits end when they are told to. The
-//! thread that Python called on looks for signals meanwhile.
+//! An analysis runs on separate threads, on a system whose orbits can be stopped. Meanwhile the
+//! thread that Python called from checks for signals.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -14,10 +14,10 @@ use stickslip_kernels::kernel::Stop;
 
 use crate::wrong;
 
-/// How often a computation looks whether it is interrupted.
+/// Interval at which a computation checks for interruptions.
 pub(crate) const LOOK: Duration = Duration::from_millis(50);
 
-/// What is called with how far a computation is: a number of things done, or a time.
+/// Callback for progress: the number of finished items, or a time.
 pub(crate) type Report = Option<Py<PyAny>>;
 
 /// A computation under way.
@@ -27,37 +27,37 @@ pub(crate) struct Task {
 }
 
 impl Task {
-    /// Whether it is to end.
+    /// Whether the computation must end.
     pub(crate) fn is_stopped(&self) -> bool {
         self.stop.is_raised()
     }
 
-    /// One more thing is done.
+    /// Counts one more finished item.
     pub(crate) fn count(&self) {
         self.done.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// The system, with orbits that end with the task.
+    /// The system, with orbits that end when the task is stopped.
     pub(crate) fn system(&self, of: &System) -> PyResult<System> {
         of.stoppable(self.stop.clone()).map_err(wrong)
     }
 }
 
-/// What a computation says of how far it is.
+/// Kind of progress that a computation reports.
 #[derive(Clone, Copy)]
 pub(crate) enum Tells {
     Count,
     Time,
 }
 
-/// What a computation has come to, and what has ended it early.
+/// Result of a computation, and the exception that ended it early.
 pub(crate) struct Outcome<T> {
     pub(crate) found: T,
     pub(crate) raised: Option<PyErr>,
 }
 
 impl<T, E> Outcome<Result<T, E>> {
-    /// Of a computation that leaves nothing when it is interrupted.
+    /// The result of a computation that returns nothing when interrupted.
     pub(crate) fn whole(self, failed: impl FnOnce(E) -> PyErr) -> PyResult<T> {
         match self.raised {
             Some(raised) => Err(raised),
@@ -66,7 +66,7 @@ impl<T, E> Outcome<Result<T, E>> {
     }
 }
 
-/// Looks for signals, and calls what is to be told of.
+/// Checks for signals, and calls the progress callback.
 pub(crate) fn look(report: &Report, at: f64) -> PyResult<()> {
     Python::attach(|py| {
         py.check_signals()?;
@@ -103,7 +103,8 @@ pub(crate) fn computed<T: Send>(
             let (done, wait) = channel();
             let computation = scope.spawn(move || {
                 let outcome = pool.install(|| compute(task));
-                // Whoever waits sees the end of the thread, too.
+                // The waiting thread also detects the end of this thread, so a failed message is
+                // ignored.
                 let _ = done.send(());
                 outcome
             });
@@ -124,7 +125,7 @@ pub(crate) fn computed<T: Send>(
     });
     match outcome {
         Ok(found) => Ok(Outcome { found, raised }),
-        // A panic of the computation is one of this call.
+        // A panic of the computation continues in this call.
         Err(panic) => std::panic::resume_unwind(panic),
     }
 }

@@ -11,13 +11,13 @@ use crate::render::{Answer, OutputArguments, Report};
 use stickslip_kernels::expression::normal;
 use stickslip_kernels::file::{System, SystemFile, did_you_mean, number};
 
-/// The value of an option that counts something.
+/// Parses the value of an option that is a count.
 pub(super) fn count(text: &str) -> Result<NonZeroUsize, String> {
     let number = text.parse();
     number.map_err(|_| "a whole number is expected, 1 at least".to_owned())
 }
 
-/// The value of an option that begins a sequence of random numbers.
+/// Parses the value of an option that is a seed of random numbers.
 pub(super) fn seed(text: &str) -> Result<u64, String> {
     let number = text.parse();
     number.map_err(|_| "a whole number is expected, 0 at least".to_owned())
@@ -44,7 +44,7 @@ impl SystemArguments {
     }
 }
 
-/// A name and a number from `name=value`.
+/// Splits `name=value` into a name and a number.
 fn assignment(option: &str, text: &str) -> Result<(String, f64), Failure> {
     let Some((name, value)) = text.split_once('=') else {
         return Err(Failure::Usage(format!(
@@ -59,18 +59,18 @@ fn assignment(option: &str, text: &str) -> Result<(String, f64), Failure> {
     Ok((name.trim().to_owned(), value))
 }
 
-/// The period of a drive for which defaults of times are made.
+/// Period of a drive for which the default times are chosen.
 const PERIOD: f64 = 0.2;
 
-/// A time that is given, or the default for it: where the drive comes again faster than
-/// [`PERIOD`], in proportion less.
+/// Returns the given time, or else the default. For a drive of a shorter period than [`PERIOD`] the
+/// default is reduced in proportion.
 pub(super) fn time_or(given: Option<f64>, default: f64, system: &System) -> f64 {
     let period = system.built.period.filter(|_| system.built.depends_on_time);
     let part = period.map_or(1.0, |period| (period / PERIOD).min(1.0));
     given.unwrap_or(default * part)
 }
 
-/// Which of the known ones a name is.
+/// Position of a name among the known names.
 pub(super) fn position<'a>(
     what: &str,
     name: &str,
@@ -99,13 +99,13 @@ pub(super) struct StartArguments {
 }
 
 impl StartArguments {
-    /// Whether the value of this state at the start is given.
+    /// Whether the start value of this state is given.
     pub(super) fn sets(&self, state: &str) -> bool {
         let mut given = self.start.iter().filter_map(|text| text.split_once('='));
         given.any(|(name, _)| normal(name.trim()) == state)
     }
 
-    /// Time and state at the start.
+    /// Start time and start state.
     pub(super) fn of(&self, system: &System) -> Result<(f64, Vec<f64>), Failure> {
         let names = || system.file.states.iter().map(|state| state.name.as_str());
         let mut given: Vec<Option<f64>> = match &system.built.start {
@@ -136,7 +136,7 @@ impl StartArguments {
         Ok((t, start.collect::<Result<_, _>>()?))
     }
 
-    /// The state at the start of what is looked at from time 0 on, as the attractors are.
+    /// Start state of a computation that begins at time 0, such as the search for attractors.
     pub(super) fn at_zero(&self, system: &System) -> Result<Vec<f64>, Failure> {
         match self.of(system)? {
             (t, _) if t != 0.0 && system.built.depends_on_time => Err(Failure::Usage(format!(
@@ -189,8 +189,8 @@ impl PileUp {
     }
 }
 
-/// A bound on a size. No state is beyond the largest number, which a manifest can hold, as it
-/// cannot infinity.
+/// Parses a bound on a size. Infinity becomes the largest finite number: no state exceeds it, and a
+/// manifest cannot hold infinity.
 fn bound(text: &str) -> Result<f64, std::num::ParseFloatError> {
     let bound = text.parse()?;
     Ok(if bound == f64::INFINITY {
@@ -242,7 +242,7 @@ pub(super) struct SolverArguments {
 }
 
 impl SolverArguments {
-    /// The solver's options.
+    /// Options of the solver.
     pub(super) fn options(&self) -> Result<Options, Failure> {
         let options = Options {
             atol: self.atol.unwrap_or(self.tol),
@@ -285,7 +285,7 @@ pub(super) struct RunArguments {
     pub(super) output: OutputArguments,
 }
 
-/// A system, where its orbit begins, and how it is followed.
+/// A system, the start of its orbit, and the options of the solver.
 pub(super) struct Ready {
     pub(super) system: System,
     pub(super) options: Options,
@@ -294,7 +294,7 @@ pub(super) struct Ready {
 }
 
 impl RunArguments {
-    /// The system, if all that is asked of it has an effect and can be written.
+    /// Returns the system if every option has an effect and every output can be written.
     pub(super) fn system(&self) -> Result<System, Failure> {
         self.output.check()?;
         let system = self.system.system()?;
@@ -308,7 +308,7 @@ impl RunArguments {
         Ok(system)
     }
 
-    /// What is wrong is told before anything is computed.
+    /// Reports errors before anything is computed.
     pub(super) fn ready(&self) -> Result<Ready, Failure> {
         let system = self.system()?;
         let options = self.solver.options()?;
@@ -321,8 +321,7 @@ impl RunArguments {
         })
     }
 
-    /// What a command finds with all that is ready, written. An error speaks of contacts by their
-    /// names.
+    /// Writes what a command computes from this. Errors refer to contacts by name.
     pub(super) fn answered(
         &self,
         find: impl FnOnce(&Ready) -> Result<Report, Failure>,

@@ -9,8 +9,8 @@ use crate::render::{Table, by_state, known, place as within, state_words};
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::{Motion, Outcome};
 
-/// What the orbit from `x` at time 0 comes to, for one start of many: that it lies outside the
-/// domain of the field, or beyond the escape bound, is an outcome of its own.
+/// Attractor of the orbit from `x` at time 0, for one start of many. A start outside the domain of
+/// the field or beyond the escape bound is an outcome of its own, not an error.
 pub(super) fn reached_from_one_of_many(
     system: &System,
     x: &[f64],
@@ -22,7 +22,7 @@ pub(super) fn reached_from_one_of_many(
     Ok(Outcome::of(&reached, &|error| in_words(error, system)))
 }
 
-/// A text, and its phases behind it where there are contacts that have some.
+/// Appends the phases to a text, if there are any.
 pub(super) fn with_phases(text: String, between: &str, phases: &str) -> String {
     match phases.trim().is_empty() {
         true => text,
@@ -30,8 +30,8 @@ pub(super) fn with_phases(text: String, between: &str, phases: &str) -> String {
     }
 }
 
-/// Adds motion, period, returns, phases, and part of the time in stick to a table; they are empty
-/// where there is none.
+/// Adds columns for motion, period, returns, phases and fraction of time in stick to a table. Cells
+/// without a value are empty.
 pub(super) fn columns<'a, R>(
     system: &'a System,
     table: Table<'a, R>,
@@ -58,7 +58,7 @@ pub(super) fn columns<'a, R>(
         })
 }
 
-/// The period of a periodic orbit, to the digits that it has.
+/// Period of a periodic orbit, rounded to its significant digits.
 pub(super) fn known_period(motion: &Motion, uncertainty: f64) -> Option<f64> {
     match *motion {
         Motion::Periodic { period, .. } => Some(known(period, uncertainty)),
@@ -66,7 +66,7 @@ pub(super) fn known_period(motion: &Motion, uncertainty: f64) -> Option<f64> {
     }
 }
 
-/// The state at which an orbit rests, if it does.
+/// State of the equilibrium, if the orbit ends in one.
 pub(super) fn place(outcome: &Outcome) -> Option<String> {
     if !matches!(outcome.motion, Motion::Equilibrium | Motion::EquilibriumSet) {
         return None;
@@ -74,12 +74,12 @@ pub(super) fn place(outcome: &Outcome) -> Option<String> {
     outcome.points.first().map(|(_, x)| state_words(x))
 }
 
-/// What a periodic orbit is one of.
+/// Words for the family that a periodic orbit belongs to.
 pub(super) fn family_words(dimension: usize) -> String {
     format!("one of a family of periodic orbits of dimension {dimension}")
 }
 
-/// What it is, in one line, after so long a time.
+/// One-line description of an outcome after the time `until`.
 pub(super) fn words(system: &System, outcome: &Outcome, until: f64) -> String {
     let word = outcome.motion.word();
     match (&outcome.motion, place(outcome)) {
@@ -89,13 +89,13 @@ pub(super) fn words(system: &System, outcome: &Outcome, until: f64) -> String {
             with_phases(text, ", phases ", &system.phases(outcome))
         }
         (_, Some(place)) => format!("{word} at {place}"),
-        // Of several starts that fail the first one tells how.
+        // If several starts fail, the error of the first is shown.
         (Motion::Failure(error), _) => format!("{word}, first as {error}"),
         _ => since(word, until),
     }
 }
 
-/// The word for a motion, with the time after which it is undecided, if it is that.
+/// The word for a motion. An undecided one includes the time.
 pub(super) fn since(word: &str, until: f64) -> String {
     if word == Motion::Undecided.word() {
         format!("{word} after {until}")
@@ -104,7 +104,7 @@ pub(super) fn since(word: &str, until: f64) -> String {
     }
 }
 
-/// For other programs.
+/// Outcome as JSON.
 pub(super) fn json(outcome: &Outcome, system: &System) -> Value {
     let points: Vec<Value> = outcome
         .points

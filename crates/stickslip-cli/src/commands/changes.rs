@@ -1,10 +1,10 @@
-//! What an attractor becomes at a value of a parameter, in words and for tables.
+//! Changes of an attractor at a parameter value, in words and for tables.
 
 use serde_json::{Value, json};
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::Change;
 
-/// Where a change is.
+/// Parameter value of a change.
 pub(super) fn parameter(change: &Change) -> Option<f64> {
     match *change {
         Change::Sequence { parameter, .. }
@@ -15,7 +15,7 @@ pub(super) fn parameter(change: &Change) -> Option<f64> {
     }
 }
 
-/// By how much that parameter may be off, where it is known.
+/// Uncertainty of that parameter value, where it is known.
 pub(super) fn uncertainty(change: &Change) -> Option<f64> {
     match *change {
         Change::Sequence { uncertainty, .. } | Change::Multiplier { uncertainty, .. } => {
@@ -25,7 +25,7 @@ pub(super) fn uncertainty(change: &Change) -> Option<f64> {
     }
 }
 
-/// The state there.
+/// State at the change.
 pub(super) fn state(change: &Change) -> Option<Vec<f64>> {
     match change {
         Change::Sequence { x, .. }
@@ -36,7 +36,7 @@ pub(super) fn state(change: &Change) -> Option<Vec<f64>> {
     }
 }
 
-/// The phases before and behind it, if it is one of phases.
+/// Phases before and after the change, if the phases change.
 pub(super) fn phases(system: &System, change: &Change) -> Option<[String; 2]> {
     match change {
         Change::Sequence { before, after, .. } => {
@@ -46,7 +46,7 @@ pub(super) fn phases(system: &System, change: &Change) -> Option<[String; 2]> {
     }
 }
 
-/// As [`Change::name`], with the contacts where there are several.
+/// As [`Change::name`], with the contacts if the system has several.
 pub(super) fn words(system: &System, change: &Change) -> String {
     let mut words = change.name();
     let contacts = contacts(system, change);
@@ -63,7 +63,7 @@ pub(super) fn words(system: &System, change: &Change) -> String {
     }
 }
 
-/// The contacts whose event function vanishes at a change; empty where there is none.
+/// Contacts whose event function vanishes at a change; may be empty.
 pub(super) fn contacts(system: &System, change: &Change) -> String {
     let Change::Sequence { contacts, .. } = change else {
         return String::new();
@@ -72,8 +72,7 @@ pub(super) fn contacts(system: &System, change: &Change) -> String {
     names.collect::<Vec<_>>().join(" and ")
 }
 
-/// A change for other programs: as it is on disk, but for contacts and jumps, which have their
-/// names.
+/// A change as JSON: as on disk, but with contacts and jumps by name.
 pub(super) fn json(system: &System, change: &Change) -> Value {
     let mut json = json!(change);
     if let Some(Value::Array(contacts)) = json.pointer_mut("/sequence/contacts") {

@@ -1,4 +1,4 @@
-//! `stickslip check`: what was understood of a file.
+//! `stickslip check`: how a file was read.
 
 use serde_json::{Map, Value, json};
 use stickslip::error::{Point, readable};
@@ -29,7 +29,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     Ok(understood(&system).answer(arguments.json))
 }
 
-/// What was understood, line by line.
+/// Lists what was read, line by line.
 fn understood(system: &System) -> Report {
     let (file, built) = (&system.file, &system.built);
     let start = built.start.as_deref();
@@ -124,7 +124,7 @@ fn understood(system: &System) -> Report {
     report
 }
 
-/// A unit or meaning behind a value.
+/// A unit or meaning after a value.
 fn behind(parts: &[&str]) -> String {
     let parts = parts.iter().filter(|part| !part.is_empty());
     parts.map(|part| format!("  {part}")).collect()
@@ -172,7 +172,7 @@ fn parameters(report: &mut Report, system: &System) {
             "in_file": parameter.value,
             "unit": parameter.unit,
             "meaning": parameter.meaning,
-            // JSON has no infinity: an end that is none is null.
+            // JSON has no infinity, so an infinite end is null.
             "range": parameter.range,
         });
         (line, object)
@@ -276,7 +276,7 @@ fn jumps_and_inputs(report: &mut Report, system: &System) {
     report.list("inputs", inputs);
 }
 
-/// On which side of a boundary the start is, and how high over it.
+/// Side of a boundary on which the start lies, and the value of the boundary function there.
 fn whereabouts(system: &System, contact: usize, start: &[f64]) -> (&'static str, f64) {
     let height = system.boundary(contact, system.built.t_start, start);
     let side = match height {
@@ -287,8 +287,8 @@ fn whereabouts(system: &System, contact: usize, start: &[f64]) -> (&'static str,
     (side, height)
 }
 
-/// Tangent points and stick zones, where one contact and two states leave nothing to choose but the
-/// range, and the file has that.
+/// Tangent points and stick zones, for a system of one contact and two states whose range is in the
+/// file.
 fn on_boundary(system: &System) -> Option<(Line, Vec<(Line, OnLine)>)> {
     if system.contacts() != 1 || system.states() != 2 {
         return None;
@@ -302,9 +302,10 @@ fn on_boundary(system: &System) -> Option<(Line, Vec<(Line, OnLine)>)> {
     Some((line, found))
 }
 
-/// A period that is none; friction that pushes the wrong way, and static friction below that in
-/// slip: asked on every contact's boundary, next to the start; boundaries of several contacts that
-/// vanish together and depend on each other there.
+/// Warnings about a system. They concern an invalid period, friction in the wrong direction, and
+/// static friction below that in slip; friction is evaluated on the boundary of every contact, next
+/// to the start. They also concern boundaries of several contacts that vanish together and are
+/// dependent there.
 fn doubts(system: &System) -> Vec<String> {
     let period = match (system.is_periodic(), check_period(system)) {
         (Some(false), Err(failure)) => Some(failure.to_string()),

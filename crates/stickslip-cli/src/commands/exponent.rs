@@ -4,7 +4,7 @@ use stickslip_kernels::study::Largest;
 
 use crate::render::Table;
 
-/// Adds value and standard error to a table; they are empty where there is none.
+/// Adds columns for the value and its standard error to a table. Cells without a value are empty.
 pub(super) fn columns<'a, R>(
     table: Table<'a, R>,
     of: impl Fn(&R) -> Largest + Copy + 'a,

@@ -1,34 +1,34 @@
-//! How far an orbit goes.
+//! Minimum and maximum of each state along an orbit.
 
 use std::ops::ControlFlow;
 
 use stickslip::dynamics::{Step, Vector};
 use stickslip_kernels::kernel::Watcher;
 
-/// Points of a step at which its states are looked at first.
+/// Number of points per step at which the states are sampled first.
 const PER_STEP: u32 = 16;
 
-/// Golden sections of the interval around an extreme value: the value is exact to rounding long
-/// before the place is.
+/// Number of golden sections of the interval around an extremum. The value is accurate to rounding
+/// long before its position is.
 const SECTIONS: usize = 40;
 
-/// The golden section.
+/// The golden ratio minus 1.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
-/// Least and greatest value of every state, between the ends of steps, too.
+/// Minimum and maximum of every state, also between the ends of steps.
 pub(super) struct Extremes {
     found: Vec<(f64, f64)>,
 }
 
 impl Extremes {
-    /// Of an orbit from `x`.
+    /// Starts an orbit at `x`.
     pub(super) fn from(x: &[f64]) -> Self {
         Self {
             found: x.iter().map(|&x| (x, x)).collect(),
         }
     }
 
-    /// Least and greatest value of each state.
+    /// Minimum and maximum of each state.
     pub(super) fn found(self) -> Vec<(f64, f64)> {
         self.found
     }
@@ -60,7 +60,7 @@ impl Watcher for Extremes {
     }
 }
 
-/// The greatest value of a function with one maximum in an interval.
+/// Maximum of a function that has a single local maximum in an interval.
 fn greatest(function: &impl Fn(f64) -> f64, (mut a, mut b): (f64, f64)) -> f64 {
     let (mut c, mut d) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
     let (mut at_c, mut at_d) = (function(c), function(d));

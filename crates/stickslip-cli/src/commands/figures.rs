@@ -1,35 +1,35 @@
-//! What the figures of several commands have in common.
+//! Shared parts of the figures of several commands.
 
 use std::cmp::Reverse;
 
 use plot::*;
 use stickslip_kernels::file::System;
 
-/// The colour of starts that lead to no attractor, by the word for what they do: none of those of
-/// attractors.
+/// Colour of starts that lead to no attractor, by the word for their outcome. It differs from the
+/// colours of attractors.
 fn colour_of_none(word: &str) -> Color {
     match word {
         "escape" => LIGHT_GREY,
         "undecided" => MID_GREY,
         "failure" => BLACK,
-        // Ends where there is no unique future.
+        // Runs that end where the future is not unique.
         _ => LIGHT_ORANGE,
     }
 }
 
-/// Colours of kinds of attractors, in the order of their sizes.
+/// Colours of kinds of attractors, by decreasing size.
 const BY_SIZE: [Color; 6] = [BLUE, ORANGE, GREEN, PURPLE, SKY, VERMILLION];
 
-/// One entry of a legend, and the numbers of the kinds that it is for.
+/// An entry of a legend, and the indices of the kinds that it covers.
 pub(super) struct Class {
     pub(super) kinds: Vec<usize>,
     pub(super) colour: Color,
     pub(super) legend: String,
 }
 
-/// Kinds of attractors as entries of a legend, the largest first and the smallest together.
-/// Outcomes that are no attractor follow, each by itself.
-/// `size` is that of an attractor, `none` the word for what is none.
+/// Groups kinds of attractors into entries of a legend: the largest first, the smallest together.
+/// Outcomes that are no attractor follow separately. `size` is the size of a kind, `none` the word
+/// for an outcome that is no attractor.
 pub(super) fn by_size<T>(
     all: &[T],
     size: impl Fn(&T) -> usize,
@@ -43,7 +43,7 @@ pub(super) fn by_size<T>(
         legend: legend(&all[kind]),
     };
     let mut order: Vec<usize> = (0..all.len()).collect();
-    // A stable sort: equal ones stay in the order of their numbers.
+    // A stable sort keeps kinds of equal size in the order of their indices.
     order.sort_by_key(|&kind| Reverse(size(&all[kind])));
     let (attractors, others): (Vec<usize>, Vec<usize>) = order
         .into_iter()
@@ -67,7 +67,7 @@ pub(super) fn by_size<T>(
     classes
 }
 
-/// Names of letters.
+/// Greek letters by name.
 const GREEK: [(&str, &str); 21] = [
     ("alpha", "α"),
     ("beta", "β"),
@@ -92,7 +92,7 @@ const GREEK: [(&str, &str); 21] = [
     ("omega", "ω"),
 ];
 
-/// Words of which nothing is mark-up, with minus signs.
+/// Escapes markup, and replaces hyphens by minus signs.
 pub(super) fn plain(text: &str) -> String {
     let mut escaped = String::new();
     for c in text.chars() {
@@ -104,8 +104,8 @@ pub(super) fn plain(text: &str) -> String {
     escaped
 }
 
-/// A name in mathematics: italic, digits and what follows `_` below the line, Greek letters for
-/// their names.
+/// A name as a mathematical symbol: italic, with Greek letters for their names. Digits and what
+/// follows `_` are subscripts.
 pub(super) fn symbol(name: &str) -> String {
     let (letters, index) = match name.split_once('_') {
         Some((letters, index)) if !letters.is_empty() => (letters, index),
@@ -126,24 +126,24 @@ pub(super) fn with_unit(name: &str, unit: &str) -> String {
     if unit.is_empty() || unit == "1" {
         return symbol;
     }
-    // A unit is a product of powers; the page has no signs to be read as mark-up in it but these.
+    // A unit is a product of powers. Only these of its characters could be read as markup.
     let unit = unit.replace('\\', "").replace('*', "·").replace('_', "\\_");
     format!("{symbol}, {unit}")
 }
 
-/// The unit of time.
+/// Label of the time axis, with its unit.
 pub(super) fn time_label(system: &System) -> String {
     with_unit("t", system.file.time.unit.as_deref().unwrap_or_default())
 }
 
-/// A parameter, with its unit.
+/// Label of a parameter, with its unit.
 pub(super) fn parameter_label(system: &System, name: &str) -> String {
     let mut parameters = system.file.parameters.iter();
     let known = parameters.find(|parameter| parameter.name == name);
     with_unit(name, known.map_or("", |parameter| &parameter.unit))
 }
 
-/// The axis of a parameter under panels above one another; it has label and numbers in the last.
+/// The parameter axis of stacked panels. Only the last panel has its label and numbers.
 pub(super) fn parameter_axis(
     system: &System,
     name: &str,
@@ -157,7 +157,7 @@ pub(super) fn parameter_axis(
     }
 }
 
-/// Words for what is measured in time, with its unit to a power.
+/// Label of a quantity measured in a power of the unit of time.
 pub(super) fn in_time(system: &System, words: &str, power: &str) -> String {
     match system.file.time.unit.as_deref().unwrap_or_default() {
         "" => words.to_owned(),
@@ -165,11 +165,11 @@ pub(super) fn in_time(system: &System, words: &str, power: &str) -> String {
     }
 }
 
-/// An axis for values, with a little room at both ends.
+/// An axis that covers the values, with a margin at both ends.
 pub(super) fn axis(label: &str, values: impl Iterator<Item = f64>) -> Axis {
     let (low, high) = extremes(values);
     let (low, high) = if low <= high { (low, high) } else { (0.0, 0.0) };
-    // What differs by rounding only has one value.
+    // Values that differ only by rounding count as equal.
     let least = 1e-9 * low.abs().max(high.abs()).max(1e-6);
     let room = if high - low > least {
         0.05 * (high - low)
@@ -179,8 +179,7 @@ pub(super) fn axis(label: &str, values: impl Iterator<Item = f64>) -> Axis {
     Axis::new(label, low - room, high + room)
 }
 
-/// The least and the greatest of the values that are finite; infinite, and the greater one first,
-/// where there are none.
+/// Minimum and maximum of the finite values; (∞, −∞) if there are none.
 pub(super) fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let finite = values.filter(|value| value.is_finite());
     finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {

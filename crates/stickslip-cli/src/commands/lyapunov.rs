@@ -64,7 +64,7 @@ fn found(ready: &Ready, settings: &SpectrumOptions) -> Result<Report, Failure> {
         report.line(&format!("λ{k}"), words);
         exponents.push(json);
     }
-    // Of either sign, and zero has none.
+    // The defect may have either sign; zero is printed without one.
     let defect = spectrum.defect();
     let entries = spectrum.stick_entries;
     let percent = 100.0 * spectrum.stick_fraction;
@@ -114,7 +114,7 @@ fn annihilated(system: &System) -> &'static str {
 fn figure(system: &System, spectrum: &Spectrum) -> Figure {
     let running = &spectrum.convergence;
     let end = running.last().map_or(spectrum.duration, |at| at.elapsed);
-    // The beginning swings far out; what is looked at is where the exponents go.
+    // The first values vary widely, so the axis is chosen from the later ones.
     let settled = running.iter().filter(|at| at.elapsed >= 0.05 * end);
     let values = settled.flat_map(|at| at.exponents.iter().copied());
     let mut panel = Panel::new(

@@ -1,4 +1,4 @@
-//! `stickslip map`: what an orbit comes to, over two parameters.
+//! `stickslip map`: the attractor of an orbit, over two parameters.
 
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -57,7 +57,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     })
 }
 
-/// Everything that a map depends on besides the system.
+/// Everything that a map depends on, except the system.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Map {
     /// The two parameters.
@@ -65,7 +65,7 @@ pub(super) struct Map {
     columns: NonZeroUsize,
     rows: NonZeroUsize,
     start: StartArguments,
-    /// Time after which an orbit is undecided.
+    /// Time after which an orbit counts as undecided.
     until: f64,
     duration: f64,
     solver: SolverArguments,
@@ -93,7 +93,7 @@ impl Map {
             duration: arguments.exponent.of(system)?,
             solver: arguments.run.solver.clone(),
         };
-        // What is wrong is better told before the sweep than by one of its blocks.
+        // Errors should be reported before the sweep, not by one of its blocks.
         map.solver.options()?;
         let (columns, rows) = (map.columns.get() - 1, map.rows.get() - 1);
         for (column, row) in [(0, 0), (columns, 0), (0, rows), (columns, rows)] {
@@ -163,7 +163,7 @@ impl Sweep for Map {
         });
         let mut report = Report::of(system, format!("{all} cells, {x}, {y}"));
         report.field("cells", all).file(path);
-        // Attractors as they are met first, and behind them what is none.
+        // Attractors come first, in the order of first appearance; other outcomes follow.
         let mut in_order: Vec<&Class> = found.classes.iter().collect();
         in_order.sort_by_key(|class| !class.is_attractor);
         for class in &in_order {
@@ -177,7 +177,11 @@ impl Sweep for Map {
             report.note(format!("{percent:6.2} %  {none}{name}"));
         }
         let classes = in_order.iter().map(|class| {
-            json!({ "motion": class.name, "is_attractor": class.is_attractor, "cells": class.cells })
+            json!({
+                "motion": class.name,
+                "is_attractor": class.is_attractor,
+                "cells": class.cells,
+            })
         });
         report.field("classes", classes.collect::<Vec<Value>>());
         report.figure("map", &self.figure(&found, system))?;
@@ -185,28 +189,28 @@ impl Sweep for Map {
     }
 }
 
-/// What is found at one pair of parameters.
+/// Result at one pair of parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Cell {
     motion: Motion,
     period_uncertainty: f64,
-    /// The phases of a period, wherever it begins; nothing where phases do not tell one motion from
-    /// another.
+    /// The phases of a period, independent of where it begins. Empty where phases do not
+    /// distinguish motions.
     phases: String,
-    /// Part of the time in stick, if there is an attractor.
+    /// Fraction of time in stick, if there is an attractor.
     in_stick: Option<f64>,
     largest: Largest,
 }
 
 impl Cell {
-    /// The kind of motion, of an attractor with its phases.
+    /// The kind of motion; for an attractor also its phases.
     fn class(&self) -> String {
         let word = self.motion.word();
         if self.phases.is_empty() {
             return word.to_owned();
         }
-        // Long sequences would be wider than a figure; their number of phases tells most of them
-        // apart.
+        // Long sequences would be wider than a figure. The number of phases distinguishes most of
+        // them.
         let number = self.phases.split(' ').count();
         if number > 8 {
             format!("{word}, {number} phases")
@@ -216,10 +220,10 @@ impl Cell {
     }
 }
 
-/// What the figure shows of a cell.
+/// Data of a cell for the figure.
 #[derive(Clone, Copy)]
 struct CellShown {
-    /// Which of the classes.
+    /// Index of the class.
     class: usize,
     in_stick: Option<f64>,
     largest: Largest,
@@ -227,25 +231,25 @@ struct CellShown {
 
 /// Cells of one kind of motion.
 struct Class {
-    /// What it is, of an attractor with its phases.
+    /// Name of the motion; for an attractor also its phases.
     name: String,
-    /// Whether it is a kind of attractor: orbits that escape, end, fail or are undecided have come
-    /// to none.
+    /// Whether this is a kind of attractor. Orbits that escape, end, fail or are undecided reach
+    /// none.
     is_attractor: bool,
     /// Number of cells.
     cells: usize,
 }
 
-/// Everything found.
+/// Results of a map.
 struct MapResults {
-    /// In the order in which they are met first.
+    /// In the order of first appearance.
     classes: Vec<Class>,
     /// Row by row from the lowest second parameter.
     cells: Vec<CellShown>,
 }
 
 impl Map {
-    /// Reads the blocks one after the other and writes the table.
+    /// Reads the blocks in order and writes the table.
     fn read(&self, store: &Store, path: &Path) -> Result<MapResults, Failure> {
         let (mut classes, mut shown): (Vec<Class>, _) = (Vec::new(), Vec::new());
         type Row = ([f64; 2], Cell);
@@ -290,14 +294,14 @@ impl Map {
         })
     }
 
-    /// The plane three times: attractor, exponent, part of time in stick.
+    /// Plots the plane three times: attractor, exponent, fraction of time in stick.
     fn figure(&self, found: &MapResults, system: &System) -> Figure {
         let axis = |k: usize| {
             let range = &self.plane[k];
             let label = figures::parameter_label(system, &range.name);
             Axis::new(&label, range.low, range.high)
         };
-        // All panels share the first one's axis of the second parameter.
+        // All panels share the axis of the second parameter, which the first panel shows.
         let panel = |label: &str, title: &str, layers: Vec<Layer>| {
             let is_first = label == "(a)";
             let second = &self.plane[1];
@@ -339,7 +343,7 @@ impl Map {
     }
 }
 
-/// From pale to dark: how negative an exponent is.
+/// Colours of negative exponents, darker for larger size.
 const BLUES: [Color; 4] = [
     Color(200, 224, 242),
     Color(132, 184, 222),
@@ -347,7 +351,7 @@ const BLUES: [Color; 4] = [
     Color(0, 76, 130),
 ];
 
-/// From pale to dark: how positive an exponent is, or how large a part of time.
+/// Colours of positive exponents and of fractions of time, darker for larger values.
 const REDS: [Color; 4] = [
     Color(252, 226, 184),
     Color(243, 178, 98),
@@ -362,15 +366,14 @@ struct Layer {
     legend: String,
 }
 
-/// A layer for each kind of attractor, the largest first; behind them those of what is none, each
-/// by itself.
+/// A layer for each kind of attractor, the largest first. Other outcomes follow, one layer each.
 fn kinds(found: &MapResults, until: f64) -> Vec<Layer> {
     let classes = figures::by_size(
         &found.classes,
         |class| class.cells,
         |class| (!class.is_attractor).then_some(class.name.as_str()),
         |class| match class.is_attractor {
-            // In a figure a minus is as wide as a plus.
+            // Figures use the minus sign, which is as wide as a plus sign.
             true => figures::plain(&class.name),
             false => attractors::since(&class.name, until),
         },
@@ -389,7 +392,7 @@ fn kinds(found: &MapResults, until: f64) -> Vec<Layer> {
     classes.into_iter().map(layer).collect()
 }
 
-/// The cells of which something holds, if there are any.
+/// Layer of the cells that satisfy a condition, if there are any.
 fn layer(
     cells: &[CellShown],
     is_in: impl Fn(&CellShown) -> bool,
@@ -404,7 +407,7 @@ fn layer(
     })
 }
 
-/// The exponents of one sign in quarters, from zero on.
+/// Layers of exponents of one sign, in quarters of their range from zero.
 fn quarters(cells: &[CellShown], sign: f64, colours: [Color; 4]) -> Vec<Option<Layer>> {
     let size = |cell: &CellShown| match cell.largest {
         Largest::Finite { value, .. } if !cell.largest.is_zero() => Some(sign * value),
@@ -414,7 +417,7 @@ fn quarters(cells: &[CellShown], sign: f64, colours: [Color; 4]) -> Vec<Option<L
     let quarter = |(k, colour): (usize, Color)| {
         let [low, high] = [k, k + 1].map(|k| most * k as f64 / colours.len() as f64);
         let is_last = k + 1 == colours.len();
-        // The largest is in the last, whatever rounding does to its end.
+        // The largest belongs to the last quarter, even if rounding makes its end smaller.
         let holds = |size: f64| size > low && (size <= high || is_last);
         let ends = if sign < 0.0 {
             [-high, -low]
@@ -441,7 +444,7 @@ fn exponents(cells: &[CellShown]) -> Vec<Layer> {
     layers.into_iter().flatten().collect()
 }
 
-/// Decimal places that tell the quarters of a value apart.
+/// Number of decimal places that distinguishes the quarters of a range.
 fn decimals(most: f64) -> usize {
     let mut decimals = 1;
     let mut unit = 0.1;

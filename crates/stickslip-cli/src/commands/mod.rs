@@ -1,4 +1,4 @@
-//! The command line: what can be asked, and what follows from each question.
+//! The command line and its commands.
 
 mod arguments;
 mod attractors;
@@ -45,7 +45,8 @@ Begin with:
   stickslip check my-system.toml       see what was understood
   stickslip simulate my-system.toml    phases and transitions, with figures
 
-Wherever the FILE of a system is asked for, the name of a shipped model will do: belt, forced, bracket, leine, basins, den-hartog.";
+Wherever the FILE of a system is asked for, the name of a shipped model will do: belt, forced, \
+bracket, leine, basins, den-hartog.";
 
 #[derive(Debug, Subcommand)]
 enum Command {
@@ -63,9 +64,9 @@ enum Command {
     Spectrum(spectrum::Arguments),
 }
 
-/// The command line. What follows an option is its value, also where it begins with a hyphen as a
-/// negative number does; but for the folder, which would be named after an option if its own name
-/// were forgotten.
+/// Parses the command line. The value of an option may begin with a hyphen, as a negative number
+/// does. The name of the folder may not: otherwise a forgotten name would give a folder named after
+/// the next option.
 fn parsed() -> CommandLine {
     let may_be_negative = |option: Arg| match option.get_action().takes_values() {
         true if !option.is_positional() && option.get_id() != "out" => {
@@ -77,7 +78,7 @@ fn parsed() -> CommandLine {
     CommandLine::from_arg_matches(&line.get_matches()).unwrap_or_else(|error| error.exit())
 }
 
-/// Everything the program does.
+/// Runs the program.
 ///
 /// Exit code 0 on success, 1 if something failed (`error: …` on standard error), 2 for a wrong
 /// command line or file of a system.

@@ -38,7 +38,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         _ => Path::new("."),
     };
     write_all(folder, &[Artifact::text(name, EXAMPLE)]).map_err(|error| {
-        // There is no --out here.
+        // This command has no --out, so the error must not suggest it.
         let (WriteError::Folder { path, source } | WriteError::File { path, source }) = error;
         let path = path.display();
         Failure::Usage(format!(

@@ -66,7 +66,7 @@ fn found(ready: &Ready, search: &SearchArguments) -> Result<Report, Failure> {
         .field("t", orbit.t)
         .field("x", by_state(system, x));
 
-    // The first one of a system that does not depend on time is trivial.
+    // The first multiplier of an autonomous system is trivial.
     let trivial = usize::from(periods.is_none());
     let multipliers = multipliers(&orbit.monodromy);
     let lines = multipliers.iter().enumerate().map(|(k, multiplier)| {
@@ -93,7 +93,7 @@ fn found(ready: &Ready, search: &SearchArguments) -> Result<Report, Failure> {
         report.line("family", family_words(orbit.family));
     }
 
-    // The orbit begins in the middle of a phase, which is counted once.
+    // The orbit begins in the middle of a phase. Both parts of that phase count as one.
     let phases = recording.phases.iter();
     let mut modes: Vec<Modes> = phases.map(|phase| phase.mode).collect();
     if let [first, .., last] = modes[..]

@@ -12,17 +12,17 @@ use stickslip_kernels::file::{System, number};
 /// A range of a state.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct StateRange {
-    /// Which component.
+    /// Index of the state.
     pub(super) state: usize,
-    /// From where.
+    /// Lower end.
     pub(super) low: f64,
-    /// To where.
+    /// Upper end.
     pub(super) high: f64,
 }
 
 impl StateRange {
-    /// The range of `--option STATE=LOW:HIGH`; where it is not given, that of the file for the
-    /// component `default`.
+    /// Parses the range of `--option STATE=LOW:HIGH`. Without the option, the range of state
+    /// `default` in the file is used.
     pub(super) fn new(
         option: &str,
         given: Option<&str>,
@@ -31,7 +31,7 @@ impl StateRange {
     ) -> Result<Self, Failure> {
         let states = &system.file.states;
         let Some(text) = given else {
-            // A discrete state begins where the file has it.
+            // Discrete states keep their start values from the file.
             let moving = states.iter().enumerate();
             let moving: Vec<_> = moving.filter(|(_, state)| !state.is_discrete).collect();
             let Some(&(default, state)) = moving.get(default) else {
@@ -67,7 +67,7 @@ impl StateRange {
         Ok(Self { state, low, high })
     }
 
-    /// The value at a part of the way.
+    /// The value at a fraction of the range.
     pub(super) fn at(&self, part: f64) -> f64 {
         self.low + (self.high - self.low) * part
     }
@@ -78,20 +78,20 @@ impl StateRange {
 pub(super) struct ParameterRange {
     /// Its name.
     pub(super) name: String,
-    /// From where.
+    /// Lower end.
     pub(super) low: f64,
-    /// To where.
+    /// Upper end.
     pub(super) high: f64,
 }
 
 impl ParameterRange {
-    /// The range of `--option NAME=LOW:HIGH`.
+    /// Parses the range of `--option NAME=LOW:HIGH`.
     pub(super) fn new(option: &str, text: &str, system: &System) -> Result<Self, Failure> {
         let (name, low, high) = name_and_range(option, text)?;
         let plain = normal(&name);
         let known = system.file.parameters.iter();
         let Some(known) = known.map(|one| &one.name).find(|known| **known == plain) else {
-            // The same words as for --set.
+            // The error has the same words as for --set.
             return match system.file.with(&[(name.clone(), low)]) {
                 Err(error) => Err(error.into()),
                 Ok(_) => Err(Failure::Usage(format!("there is no parameter `{name}`"))),
@@ -107,7 +107,7 @@ impl ParameterRange {
         with_values(system, &[(&self.name, value)])
     }
 
-    /// The value at a part of the way.
+    /// The value at a fraction of the range.
     pub(super) fn at(&self, part: f64) -> f64 {
         self.low + (self.high - self.low) * part
     }
@@ -129,10 +129,10 @@ fn check_ends(low: f64, high: f64, option: &str) -> Result<(), Failure> {
     }
 }
 
-/// Points of a basin, or cells of a map, of which all are held in memory at the end.
+/// Maximum number of points of a basin or cells of a map. All are held in memory at the end.
 const MOST_POINTS: usize = 100_000_000;
 
-/// Refuses a number of points that no memory holds.
+/// Rejects numbers of points that would not fit into memory.
 pub(super) fn not_too_many(option: &str, points: Option<usize>) -> Result<(), Failure> {
     if points.is_some_and(|points| points <= MOST_POINTS) {
         return Ok(());
@@ -143,7 +143,7 @@ pub(super) fn not_too_many(option: &str, points: Option<usize>) -> Result<(), Fa
     )))
 }
 
-/// The numbers of columns and rows of `200x100`.
+/// Parses the numbers of columns and rows, such as `200x100`.
 pub(super) fn grid(text: &str) -> Result<(NonZeroUsize, NonZeroUsize), Failure> {
     let numbers = text.split_once('x').and_then(|(columns, rows)| {
         Some((columns.trim().parse().ok()?, rows.trim().parse().ok()?))
@@ -161,12 +161,12 @@ pub(super) fn grid(text: &str) -> Result<(NonZeroUsize, NonZeroUsize), Failure> 
     Ok((columns, rows))
 }
 
-/// Where along a row of so many cells the middle of one is.
+/// Centre of a cell, as a fraction of a row of `of` cells.
 pub(super) fn middle(cell: usize, of: NonZeroUsize) -> f64 {
     (cell as f64 + 0.5) / of.get() as f64
 }
 
-/// Name and ends of `NAME=LOW:HIGH`.
+/// Parses name and ends of `NAME=LOW:HIGH`.
 fn name_and_range(option: &str, text: &str) -> Result<(String, f64, f64), Failure> {
     let wrong = |what: &str| {
         Failure::Usage(format!(

@@ -1,4 +1,4 @@
-//! An orbit as a command keeps it.
+//! Recording of an orbit for a command.
 
 use std::ops::ControlFlow;
 
@@ -10,34 +10,34 @@ use crate::terminal::Patience;
 use stickslip_kernels::file::{InputShape, System};
 use stickslip_kernels::kernel::Watcher;
 
-/// Parts of a step for a curve through the orbit, at least: a step of high order is long, and a
-/// curve through its ends alone would be a polygon.
+/// Minimum number of parts of a step for a curve through the orbit. Steps of high order are long,
+/// so that a curve through their ends alone would be a polygon.
 const PER_STEP: u32 = 16;
 
-/// A part is halved where its middle is off the straight line by more than this part of what the
-/// orbit has covered, so many times at most.
+/// A part is halved if its midpoint is off the straight line by more than this fraction of the
+/// extent of the orbit so far. The next constant limits the number of halvings.
 const STRAIGHT: f64 = 1e-3;
 const MOST_HALVINGS: u32 = 6;
 
-/// What differs by this part of its size may be rounding.
+/// Relative differences up to this may be rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Steps of the bar that shows how far a run is.
+/// Number of steps of the progress bar.
 const FINENESS: f64 = 1000.0;
 
 /// A point of the orbit.
 pub(super) struct Point {
     pub(super) t: f64,
     pub(super) x: Vector,
-    /// Whether it is the end of a step and not between.
+    /// Whether the point is the end of a step.
     pub(super) ends_step: bool,
 }
 
-/// What happens at one time of an orbit.
+/// An event at one time of an orbit.
 pub(super) enum Occurrence {
     /// A mode changes, a boundary is touched, or the state jumps.
     Transition(Transition),
-    /// An input kinks, or a switch of time changes its sign.
+    /// An input has a kink, or a switch changes its sign.
     Kink(Kink),
 }
 
@@ -64,7 +64,7 @@ impl Occurrence {
         }
     }
 
-    /// What it is called in tables.
+    /// Name of the event in tables.
     pub(super) fn kind(&self, system: &System) -> &'static str {
         match self {
             Occurrence::Transition(at) => kind_name(at.kind),
@@ -75,7 +75,7 @@ impl Occurrence {
         }
     }
 
-    /// The contact, jump or input that it is of, by name.
+    /// Name of the contact, jump or input of the event.
     pub(super) fn of(&self, system: &System) -> String {
         match self {
             Occurrence::Transition(at) => system.contact_name(at.contact),
@@ -84,13 +84,13 @@ impl Occurrence {
     }
 }
 
-/// All of an orbit.
+/// Points, events and phases of an orbit.
 pub(super) struct Recording {
     pub(super) phases: Vec<Phase>,
     pub(super) transitions: Vec<Occurrence>,
     pub(super) passages: Vec<Passage>,
     pub(super) points: Vec<Point>,
-    /// Least and greatest value of each state at the ends of steps so far.
+    /// Minimum and maximum of each state at the ends of steps so far.
     extent: Vec<(f64, f64)>,
     span: (f64, f64),
     patience: Patience,
@@ -113,7 +113,7 @@ impl Recording {
         }
     }
 
-    /// Keeps the points of a step between two, and the second one.
+    /// Records the points of a step between two moments, and the second one.
     fn part(&mut self, solution: &dyn Fn(f64) -> Vector, from: &Moment, to: Moment, deep: u32) {
         let t = 0.5 * (from.t + to.t);
         if deep > 0 {
@@ -134,12 +134,12 @@ impl Recording {
         self.points.push(Point { t, x, ends_step });
     }
 
-    /// Takes off the terminal how far the run is.
+    /// Removes the progress of the run from the terminal.
     pub(super) fn close(&self) {
         self.patience.clear();
     }
 
-    /// From when to when a contact sticks, whatever the others do meanwhile.
+    /// Intervals of time in which a contact sticks, independent of the other contacts.
     pub(super) fn sticks_of(&self, contact: usize) -> Vec<(f64, f64)> {
         let mut sticks: Vec<(f64, f64)> = Vec::new();
         for phase in &self.phases {
@@ -210,7 +210,7 @@ impl Watcher for Recording {
     }
 }
 
-/// What tables call transitions, in the order in which they are counted.
+/// Names of transitions in tables, in the order in which they are counted.
 pub(super) const KINDS: [&str; 9] = [
     "stick entry",
     "stick exit",
@@ -223,7 +223,7 @@ pub(super) const KINDS: [&str; 9] = [
     "kink",
 ];
 
-/// A kind of transition in a table.
+/// Name of a kind of transition in tables.
 fn kind_name(kind: TransitionKind) -> &'static str {
     match kind {
         TransitionKind::StickEntry => KINDS[0],
@@ -236,7 +236,7 @@ fn kind_name(kind: TransitionKind) -> &'static str {
     }
 }
 
-/// A direction in a table.
+/// Name of a direction in tables.
 pub(super) fn direction_name(direction: Direction) -> &'static str {
     match direction {
         Direction::Rising => "rising",

@@ -1,4 +1,4 @@
-//! The search for a periodic orbit, as it is given on the command line.
+//! Options of the search for a periodic orbit.
 
 use serde::Serialize;
 use stickslip::Options;
@@ -32,12 +32,12 @@ pub(super) struct SearchArguments {
     periods: Option<u32>,
 }
 
-/// How long the orbit may take to come back where nothing is given.
+/// Default for the longest period.
 const LONGEST: f64 = 100.0;
 
 impl SearchArguments {
-    /// The orbit that the run from `(t, x)` comes to, and the number of periods of the drive in one
-    /// of it, if there is a drive.
+    /// Searches the periodic orbit that the run from `(t, x)` approaches. Also returns its number
+    /// of periods of the drive, if there is a drive.
     pub(super) fn found(
         &self,
         system: &System,
@@ -58,7 +58,7 @@ impl SearchArguments {
         found.map_err(in_words)
     }
 
-    /// The equilibrium that the run from `x` comes to, or without a run that state.
+    /// The equilibrium that the run from `x` approaches, or `x` itself without a run.
     pub(super) fn equilibrium(
         &self,
         system: &System,
@@ -91,7 +91,7 @@ impl SearchArguments {
         }
     }
 
-    /// Refuses what would be given in vain.
+    /// Rejects options without effect.
     fn have_effect(&self, drive: Option<f64>) -> Result<(), Failure> {
         match (drive, self.periods, self.longest) {
             (None, Some(periods), _) => Err(Failure::Usage(format!(
@@ -107,7 +107,7 @@ impl SearchArguments {
     }
 }
 
-/// Why none was found, with what to give instead.
+/// Why the search failed, and what to change.
 fn in_words(error: SearchError) -> Failure {
     let comes_to = |rest: &str| {
         Failure::NoPeriodicOrbit(format!(

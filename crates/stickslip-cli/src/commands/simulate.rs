@@ -52,13 +52,13 @@ fn followed(ready: &Ready, t_end: Option<f64>) -> Result<Report, Failure> {
     let outcome = follow(system.dynamics(), &run, &system.section(), &mut recording);
     recording.close();
     let failure = match &outcome {
-        // At a start whose future is not unique there is nothing to draw.
+        // If the run ends at its start, where the future is not unique, there is nothing to draw.
         Ok(ended) if ended.t == *t => {
             let x = Point::from(&ended.x);
             return Err(Error::NoUniqueFuture { t: *t, x }.into());
         }
         Ok(_) => None,
-        // What was reached is worth having; where nothing was, there is nothing to write.
+        // The orbit up to an error is written, unless it has no length.
         Err(error) if recording.points.len() > 1 => Some(in_words(error, system)),
         Err(error) => return Err(error.clone().into()),
     };
@@ -67,7 +67,7 @@ fn followed(ready: &Ready, t_end: Option<f64>) -> Result<Report, Failure> {
     let steps = Table::new()
         .column("t", |at: &&recording::Point| at.t)
         .state(system, "", |at| at.x.clone());
-    // Where the solution is as accurate as the run.
+    // Only at the ends of steps is the solution as accurate as the run.
     let ends = recording.points.iter().filter(|point| point.ends_step);
     report.table(steps.csv("steps", ends)?);
     let passages = Table::new()
@@ -100,8 +100,8 @@ fn stopped_by(system: &System, recording: &Recording, ended: Option<&Summary>) -
     recording.transitions.last().map(|last| last.of(system))
 }
 
-/// How many transitions of each kind there are; of which contact, jump or input, where there are
-/// several that it could be.
+/// Number of transitions of each kind. Contacts, jumps or inputs are counted separately if there
+/// are several.
 fn counts(system: &System, recording: &Recording) -> Vec<String> {
     let mut counts: Vec<((usize, String), usize)> = Vec::new();
     for at in &recording.transitions {
@@ -119,7 +119,7 @@ fn counts(system: &System, recording: &Recording) -> Vec<String> {
             None => counts.push((of, 1)),
         }
     }
-    // A stable sort: of one kind the first comes first.
+    // A stable sort keeps the order of appearance within a kind.
     counts.sort_by_key(|((kind, _), _)| *kind);
     let words = counts.into_iter().map(|((kind, of), count)| {
         let kind = KINDS.get(kind).copied().unwrap_or_default();
@@ -175,7 +175,7 @@ fn found(system: &System, recording: &Recording, ended: Option<&Summary>) -> Rep
     }
     report.field("sticks", all);
 
-    // Behind a jump that ends the run there is no point.
+    // No point is recorded after a jump that ends the run.
     let last = ended.map(|ended| &ended.x);
     let last = last.or(points.last().map(|point| &point.x));
     if let Some(last) = last {

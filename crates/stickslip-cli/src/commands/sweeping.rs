@@ -1,4 +1,4 @@
-//! Sweeps as commands: what all of them share.
+//! Shared parts of the commands that compute sweeps.
 
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
@@ -55,7 +55,7 @@ pub(super) struct ExponentArguments {
 }
 
 impl ExponentArguments {
-    /// The time, if exponents can be measured for so long.
+    /// The time, if exponents can be measured over it.
     pub(super) fn of(&self, system: &System) -> Result<f64, Failure> {
         let duration = time_or(self.duration, 500.0, system);
         if duration > 0.0 && duration.is_finite() {
@@ -67,13 +67,13 @@ impl ExponentArguments {
     }
 }
 
-/// How many blocks things make, of which so many are in each.
+/// Number of blocks for `of` items, with `in_block` items in each.
 pub(super) fn blocks(of: NonZeroUsize, in_block: usize) -> NonZeroUsize {
     NonZeroUsize::new(of.get().div_ceil(in_block)).unwrap_or(NonZeroUsize::MIN)
 }
 
-/// A command that computes block by block. What it holds is everything that the blocks depend on,
-/// besides the system, and goes into the manifest.
+/// A command that computes block by block. Its fields are everything that the blocks depend on,
+/// except the system, and are written to the manifest.
 pub(super) trait Sweep: Serialize + DeserializeOwned + Sync {
     /// Name of the command.
     const COMMAND: &'static str;
@@ -81,7 +81,7 @@ pub(super) trait Sweep: Serialize + DeserializeOwned + Sync {
     /// Number of chains of blocks, and of blocks in each.
     fn size(&self) -> (NonZeroUsize, NonZeroUsize);
 
-    /// What a block holds; `before` is the one before it in its chain.
+    /// Computes the content of a block; `before` is the previous block of its chain.
     fn block(
         &self,
         system: &System,
@@ -89,25 +89,25 @@ pub(super) trait Sweep: Serialize + DeserializeOwned + Sync {
         before: Option<&[u8]>,
     ) -> Result<Vec<u8>, BlockError>;
 
-    /// What was found, from all blocks; tables that need not fit into memory are in the folder
-    /// `out` then.
+    /// Reports the results of all blocks. Tables that may not fit into memory are written to the
+    /// folder `out`.
     fn report(&self, system: &System, store: &Store, out: &Path) -> Result<Report, Failure>;
 }
 
-/// The content of a block, in CBOR, which has every number: JSON writes `null` for what is infinite
-/// or undefined, and reads it as no number.
+/// Encodes the content of a block as CBOR. JSON cannot be used: it writes `null` for numbers that
+/// are infinite or undefined, and does not read that as a number.
 pub(super) fn to_content(value: &impl Serialize) -> Result<Vec<u8>, BlockError> {
     let mut content = Vec::new();
     ciborium::into_writer(value, &mut content)?;
     Ok(content)
 }
 
-/// What [`to_content`] has written.
+/// Decodes what [`to_content`] has written.
 pub(super) fn from_content<T: DeserializeOwned>(content: &[u8]) -> Result<T, BlockError> {
     Ok(ciborium::from_reader(content)?)
 }
 
-/// Writes a table that need not fit into memory: its rows are made of one block after the other.
+/// Writes a table that may not fit into memory. Its rows are made from one block at a time.
 pub(super) fn table<T: DeserializeOwned, R>(
     store: &Store,
     path: &Path,
@@ -127,15 +127,15 @@ pub(super) fn table<T: DeserializeOwned, R>(
     })
 }
 
-/// The name under which the manifest has the values of the parameters.
+/// Name of the values of the parameters in the manifest.
 const PARAMETERS: &str = "parameters";
 
-/// The folder of a sweep in the folder for all files.
+/// The folder of a sweep within the output folder.
 pub(super) fn folder(out: &str) -> PathBuf {
     Path::new(out).join("sweep")
 }
 
-/// Computes what is missing of a sweep. If it is all there then, the sweep is finished.
+/// Computes the missing blocks of a sweep. If all are then present, writes its results.
 pub(super) fn sweep<S: Sweep>(
     arguments: &SweepArguments,
     of: &RunArguments,
@@ -166,7 +166,7 @@ pub(super) fn sweep<S: Sweep>(
     }
 }
 
-/// Tables and figures of a sweep whose blocks are all there.
+/// Writes tables and figures of a sweep whose blocks are complete.
 pub(super) fn finish<S: Sweep>(store: &Store, output: &OutputArguments) -> Result<Answer, Failure> {
     let (wanted, system) = of_plan::<S>(store.plan())?;
     finished(&wanted, &system, store, output)
@@ -183,7 +183,7 @@ fn finished<S: Sweep>(
     Ok(report.written(&store.staging()?, output)?)
 }
 
-/// Joins shares in the folder for all files.
+/// Joins shares in the output folder.
 pub(super) fn merged(
     out: &str,
     shares: &[String],
@@ -192,15 +192,15 @@ pub(super) fn merged(
     crate::sweep::merge(&folder(out), &shares)
 }
 
-/// Whether attractors can be looked for: of a driven system by a strobe, whose period must be known
-/// and be one.
+/// Checks whether attractors can be searched. A driven system is sampled once a period, so its
+/// period must be known and valid.
 pub(super) fn check_period(system: &System) -> Result<(), Failure> {
     let checked = system.checked_period().map(|_| ());
     checked.map_err(|error| Failure::Usage(error.to_string()))
 }
 
-/// What is computed: by which command, with everything that it depends on besides the system, in so
-/// many chains of so many blocks.
+/// The plan of a sweep: its command, everything that it depends on besides the system, and the
+/// numbers of chains and blocks.
 pub(super) fn plan(
     command: &str,
     wanted: &impl Serialize,

@@ -13,7 +13,7 @@ use crate::render::{Answer, OutputArguments, Report, Table};
 use crate::tangents::{Kind, Line, OnLine, TangentPoint, Zone};
 use stickslip_kernels::file::System;
 
-/// Branches of a boundary with what is on them.
+/// Branches of a boundary, with their tangent points and zones.
 pub(super) type Branches = [(Line, OnLine)];
 
 /// Tangent points and stick zones on the boundary of a contact
@@ -144,13 +144,13 @@ fn kind_name(kind: Kind) -> &'static str {
     }
 }
 
-/// What was found, line by line, under the names of the states.
+/// Lists the results, line by line, with the names of the states.
 pub(super) fn listing(system: &System, line: &Line, found: &Branches) -> Vec<String> {
     let states = &system.file.states;
     let (along, solved) = (&states[line.along].name, &states[line.solved].name);
     let mut rows = Vec::new();
     for (k, (branch, on_it)) in found.iter().enumerate() {
-        // One branch over the whole range is the boundary.
+        // A single branch over the whole range needs no heading.
         if found.len() > 1 || branch.range != line.range {
             let [from, to] = [0, branch.path.len() - 1].map(|end| branch.path[end].map(readable));
             rows.push(format!(
@@ -207,7 +207,7 @@ fn zones<'a>(system: &System, line: &Line) -> Table<'a, (usize, &'a Zone)> {
         .column("branch", |&(branch, _)| branch)
 }
 
-/// What is on the branches, with their numbers from 1 on.
+/// Items on the branches, with the numbers of the branches from 1.
 fn numbered<'a, T: 'a>(
     found: &'a Branches,
     of: impl Fn(&'a OnLine) -> &'a [T],
@@ -216,7 +216,7 @@ fn numbered<'a, T: 'a>(
     branches.flat_map(move |(k, (_, on_it))| of(on_it).iter().map(move |one| (k, one)))
 }
 
-/// What was found on a line, without the system.
+/// Results on a line as JSON, without the system.
 pub(super) fn json(system: &System, line: &Line, found: &Branches) -> Value {
     let branches: Vec<(f64, f64)> = found.iter().map(|(branch, _)| branch.range).collect();
     json!({

@@ -24,13 +24,13 @@ const STRIP: f64 = 24.0;
 /// Least height of all strips, px.
 const LEAST: f64 = 36.0;
 
-/// What the axis of time takes under the last strip, px.
+/// Height of the time axis below the last strip, px.
 const AXIS: f64 = 44.0;
 
-/// What lies between two panels and around all of them, px.
+/// Space between two panels and around all of them, px.
 const BETWEEN: f64 = 16.0;
 
-/// Puts phases and transitions into a report, as tables and, if they tell of a plane, as figures.
+/// Adds phases and transitions to a report, as tables and, for at least two states, as figures.
 pub(super) fn put(
     system: &System,
     recording: &Recording,
@@ -77,7 +77,7 @@ pub(super) fn transitions<'a>(system: &'a System) -> Table<'a, &'a Occurrence> {
         .state(system, "", |at| at.x().clone())
 }
 
-/// The phase portrait in the plane of the first two states, stick in another colour.
+/// The phase portrait in the plane of the first two states, with stick in another colour.
 fn portrait(system: &System, recording: &Recording) -> Figure {
     let states = &system.file.states;
     let component = |k: usize| recording.points.iter().map(move |point| point.x[k]);
@@ -106,11 +106,11 @@ fn portrait(system: &System, recording: &Recording) -> Figure {
             1 => "stick".to_owned(),
             _ => format!("stick of {}", symbol(&contact.name)),
         };
-        // Where several stick, the first ones show beside the last.
+        // Where several contacts stick, the wider lines of the first ones remain visible.
         let width = 3.0 + 1.5 * (contacts.len() - 1 - k).min(3) as f64;
         let stick = curve(&is_stuck).color(STICKS[k % STICKS.len()]);
         panel.add(stick.width(width).legend(&name));
-        // Where a stick goes nowhere there is no line to be seen.
+        // A stick without motion has no visible line, so it is drawn as a point.
         let points = standing(recording, k);
         let markers = Markers::new(points).size(width + 1.5);
         panel.add(markers.color(STICKS[k % STICKS.len()]));
@@ -150,8 +150,7 @@ fn portrait(system: &System, recording: &Recording) -> Figure {
     Figure::new("portrait", (560.0, 480.0), &title, &description).row(1.0, panel)
 }
 
-/// Where a contact's sticks stand in the plane of the first two states, but for a part of it that
-/// is not seen.
+/// Points of the plane of the first two states at which a contact sticks without visible motion.
 fn standing(recording: &Recording, contact: usize) -> Vec<(f64, f64)> {
     const UNSEEN: f64 = 0.01;
     let points = &recording.points;
@@ -173,14 +172,14 @@ fn standing(recording: &Recording, contact: usize) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// All states against time, and when each contact sticks.
+/// All states against time, and the intervals in which each contact sticks.
 fn history(system: &System, recording: &Recording) -> Figure {
     let points = &recording.points;
     let from = points.first().map_or(0.0, |point| point.t);
     let to = points.last().map_or(1.0, |point| point.t);
     let time = |label: &str| Axis::new(label, from, to);
     let states = &system.file.states;
-    // The word beside them wants as much.
+    // The minimum is the room for the label beside the strips.
     let strips_height = (STRIP * system.contacts() as f64).max(LEAST);
     let panels = states.len() as f64;
     let strips = match system.contacts() {
@@ -206,7 +205,7 @@ fn history(system: &System, recording: &Recording) -> Figure {
     for (k, state) in states.iter().enumerate() {
         let values = points.iter().map(|point| point.x[k]);
         let label = with_unit(&state.name, &state.unit);
-        // Without contacts the last state's panel has the time below it.
+        // Without contacts the time axis is below the panel of the last state.
         let is_lowest = all_sticks.is_empty() && k + 1 == states.len();
         let (below, height) = match is_lowest {
             true => (time(&time_label(system)), HISTORY + AXIS),
@@ -226,7 +225,7 @@ fn history(system: &System, recording: &Recording) -> Figure {
     if rows == 0 {
         return figure;
     }
-    // The first contact stands at the top.
+    // The first contact has the top strip.
     let floor = |contact: usize| (rows - 1 - contact) as f64;
     let contacts = system.file.contacts.iter();
     let names: Vec<String> = contacts.map(|contact| symbol(&contact.name)).collect();

@@ -1,5 +1,5 @@
-//! Results as text, CSV, JSON and files. A command describes what it has found once; each form is
-//! written here and nowhere else.
+//! Results as text, CSV, JSON and files. A command describes its results once; only this module
+//! formats them.
 
 mod table;
 mod words;
@@ -17,11 +17,11 @@ pub(crate) use words::{
     by_state, explained, input_name, known, place, rounded, state_words, within,
 };
 
-/// What a command prints at its end.
+/// Final output of a command.
 pub(crate) struct Answer {
     /// For standard output.
     pub(crate) text: String,
-    /// What went wrong behind what was found all the same.
+    /// An error that occurred after the results were computed.
     pub(crate) failure: Option<String>,
 }
 
@@ -42,7 +42,7 @@ pub(crate) struct OutputArguments {
 }
 
 impl OutputArguments {
-    /// Refuses what cannot be written before anything is computed for it.
+    /// Rejects output that cannot be written, before anything is computed.
     ///
     /// # Errors
     /// [`OutputError::Png`].
@@ -60,13 +60,13 @@ pub enum OutputError {
     /// A file or its folder cannot be made.
     #[error("{0}; {hint}choose another with --out", hint = if_file(.0))]
     Write(#[from] WriteError),
-    /// The rows do not fit into a CSV file.
+    /// The rows cannot be written as CSV.
     #[error("cannot put the rows into CSV: {0}")]
     Csv(#[from] csv::Error),
     /// The drawing failed.
     #[error(transparent)]
     Plot(#[from] plot::PlotError),
-    /// A figure cannot be made a PNG.
+    /// A figure cannot be converted to PNG.
     #[error("{0}{hint}", hint = if_not_built(.0))]
     Png(#[from] PngError),
 }
@@ -88,29 +88,29 @@ fn if_not_built(error: &PngError) -> &'static str {
     }
 }
 
-/// What a command has found, for people and for programs, with its tables and figures.
+/// Results of a command, as text and as JSON, with tables and figures.
 #[derive(Default)]
 pub(crate) struct Report {
     text: String,
-    /// Columns before the title of a line, and those that the title takes.
+    /// Indentation of a line, and width of its title, in characters.
     margin: (usize, usize),
     json: Map<String, Json>,
     tables: Vec<Artifact>,
     figures: Vec<(String, String)>,
-    /// Files that are on disk already.
+    /// Files that have been written already.
     there: Vec<PathBuf>,
     failure: Option<String>,
 }
 
 impl Report {
-    /// About a system: its name and what was done with it.
+    /// Begins a report with the name of a system and what was computed.
     pub(crate) fn of(system: &System, what: impl Display) -> Self {
         let mut report = Self::plain(format!("{}: {what}\n", system.file.name), (2, 13));
         report.system(system);
         report
     }
 
-    /// The system's name and values, for programs.
+    /// Adds the name and values of the system, for programs.
     pub(crate) fn system(&mut self, system: &System) -> &mut Self {
         let parameters = system.file.parameters.iter().zip(&system.values);
         let parameters: Map<String, Json> = parameters
@@ -120,7 +120,7 @@ impl Report {
         self.field("system", system)
     }
 
-    /// With a beginning and margins of its own.
+    /// Begins a report with a given text and margins.
     pub(crate) fn plain(text: String, margin: (usize, usize)) -> Self {
         Self {
             text,
@@ -129,15 +129,15 @@ impl Report {
         }
     }
 
-    /// A line for people, under a title, which may be empty.
+    /// Adds a line of text with a title, which may be empty.
     pub(crate) fn line(&mut self, title: &str, text: impl Display) -> &mut Self {
         let (indent, width) = self.margin;
-        // Writing into a text cannot fail.
+        // Writing to a string cannot fail.
         let _ = writeln!(self.text, "{:indent$}{title:width$}{text}", "");
         self
     }
 
-    /// Lines under one title.
+    /// Adds lines with one title.
     pub(crate) fn lines(
         &mut self,
         title: &str,
@@ -149,7 +149,7 @@ impl Report {
         self
     }
 
-    /// Things of one kind, each with a line for people and a value for programs.
+    /// Adds items of one kind, each with a line of text and a value for programs.
     pub(crate) fn list(
         &mut self,
         title: &str,
@@ -159,19 +159,19 @@ impl Report {
         self.lines(title, lines).field(title, values)
     }
 
-    /// A line for people that has no title.
+    /// Adds a line of text without a title.
     pub(crate) fn note(&mut self, text: impl Display) -> &mut Self {
         let _ = writeln!(self.text, "  {text}");
         self
     }
 
-    /// A value for programs.
+    /// Adds a value for programs.
     pub(crate) fn field(&mut self, key: &str, value: impl Serialize) -> &mut Self {
         self.json.insert(key.to_owned(), json!(value));
         self
     }
 
-    /// The members of an object, for programs.
+    /// Adds the members of an object, for programs.
     pub(crate) fn fields(&mut self, object: Json) -> &mut Self {
         if let Json::Object(members) = object {
             self.json.extend(members);
@@ -179,19 +179,19 @@ impl Report {
         self
     }
 
-    /// A table to write.
+    /// Adds a table to write.
     pub(crate) fn table(&mut self, table: Artifact) -> &mut Self {
         self.tables.push(table);
         self
     }
 
-    /// A file that is on disk already.
+    /// Adds a file that has been written already.
     pub(crate) fn file(&mut self, path: PathBuf) -> &mut Self {
         self.there.push(path);
         self
     }
 
-    /// A figure to write.
+    /// Adds a figure to write.
     pub(crate) fn figure(
         &mut self,
         name: &str,
@@ -201,13 +201,13 @@ impl Report {
         Ok(self)
     }
 
-    /// What went wrong behind what was found all the same.
+    /// An error that occurred after the results were computed.
     pub(crate) fn failure(&mut self, failure: Option<String>) -> &mut Self {
         self.failure = failure;
         self
     }
 
-    /// What was found, of a command that writes no files.
+    /// The output of a command that writes no files.
     pub(crate) fn answer(self, as_json: bool) -> Answer {
         let text = if as_json {
             format!("{:#}\n", Json::Object(self.json))
@@ -220,7 +220,7 @@ impl Report {
         }
     }
 
-    /// Writes the files, by way of a folder for what is unfinished, and says what was found.
+    /// Writes the files, staged in a folder for incomplete files, and returns the output.
     pub(crate) fn written(
         mut self,
         staging: &Path,

@@ -1,4 +1,4 @@
-//! Tables: as CSV, and as objects of JSON.
+//! Tables, as CSV and as JSON objects.
 
 use std::io;
 
@@ -19,12 +19,12 @@ pub(crate) enum Value {
     Number(f64),
     /// A value for each state.
     State(Vec<f64>),
-    /// A mode for each contact, and all of them in letters.
+    /// A mode for each contact, and all modes as letters.
     Modes(Modes, String),
 }
 
 impl Value {
-    /// The cells of a CSV. Numbers read back to the last bit.
+    /// Appends the cells of the value for CSV. Numbers read back bit for bit.
     fn cells(&self, into: &mut Vec<String>) {
         match self {
             Value::Missing => into.push(String::new()),
@@ -81,17 +81,17 @@ impl<T: Into<Value>> From<Option<T>> for Value {
     }
 }
 
-/// Neighbouring columns of a table, in JSON one member.
+/// Adjacent columns of a table, which are one member in JSON.
 struct Columns<'a, R> {
-    /// What JSON calls it.
+    /// Name of the member in JSON.
     key: String,
     names: Vec<String>,
-    /// What JSON calls the values of a state.
+    /// Names of the values of a state in JSON.
     members: Vec<String>,
     value: Box<dyn Fn(&R) -> Value + 'a>,
 }
 
-/// What the columns of a table are called, and how each is made of what a row is of.
+/// Names of the columns of a table, and functions that compute their values for a row.
 pub(crate) struct Table<'a, R> {
     columns: Vec<Columns<'a, R>>,
 }
@@ -103,12 +103,12 @@ impl<'a, R> Table<'a, R> {
         }
     }
 
-    /// A column.
+    /// Adds a column.
     pub(crate) fn column<V: Into<Value>>(self, name: &str, value: impl Fn(&R) -> V + 'a) -> Self {
         self.many(name, vec![name.to_owned()], value)
     }
 
-    /// A column for each state, with something behind its name.
+    /// Adds a column for each state, with a suffix to its name.
     pub(crate) fn state<V: Into<Value>>(
         self,
         system: &System,
@@ -120,7 +120,7 @@ impl<'a, R> Table<'a, R> {
         self.columns_of(&format!("x{suffix}"), (names, states().collect()), value)
     }
 
-    /// A column for each contact, with something before its name.
+    /// Adds a column for each contact, with a prefix to its name.
     pub(crate) fn modes(
         self,
         system: &'a System,
@@ -135,7 +135,7 @@ impl<'a, R> Table<'a, R> {
         })
     }
 
-    /// Columns of these names; cells of a row that has fewer values are empty.
+    /// Adds columns with these names. If a row has fewer values, its other cells are empty.
     pub(crate) fn many<V: Into<Value>>(
         self,
         key: &str,

@@ -6,29 +6,29 @@ use stickslip::dynamics::Modes;
 use stickslip::math;
 use stickslip_kernels::file::System;
 
-/// A number that reads back to the last bit.
+/// A number that reads back bit for bit.
 pub(super) fn exact(value: f64) -> String {
     format!("{value:?}")
 }
 
-/// A number for people: twelve digits, of which rounding has not made the last ones.
+/// Rounds a number to twelve significant digits, so that rounding errors are not shown.
 pub(crate) fn rounded(value: f64) -> f64 {
     to_digits(value, 12)
 }
 
-/// A number to so many significant digits.
+/// Rounds a number to significant digits.
 fn to_digits(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
 }
 
-/// A number to the digits that it has, in which it is rounded by more than its uncertainty.
+/// Rounds a number to its significant digits: the rounding is larger than the uncertainty.
 pub(crate) fn known(value: f64, uncertainty: f64) -> f64 {
     const MOST: f64 = 12.0;
     let digits = 1.0 + math::log10(value.abs() / (2.0 * uncertainty)).floor();
     to_digits(value, digits.clamp(1.0, MOST) as usize)
 }
 
-/// A number with what it is uncertain by, and no digits beyond.
+/// A number with its uncertainty, without further digits.
 pub(crate) fn within(value: f64, uncertainty: f64) -> String {
     const MOST: f64 = 16.0;
     if !(uncertainty > 0.0 && uncertainty.is_finite()) {
@@ -39,7 +39,7 @@ pub(crate) fn within(value: f64, uncertainty: f64) -> String {
         return format!("{value:.2e} ± {uncertainty:.0e}");
     }
     let text = format!("{value:.0$}", decimals as usize);
-    // Rounded to zero it has no sign.
+    // Zero after rounding has no sign.
     let is_zero = text
         .bytes()
         .all(|digit| matches!(digit, b'-' | b'0' | b'.'));
@@ -51,7 +51,7 @@ pub(crate) fn within(value: f64, uncertainty: f64) -> String {
     format!("{text} ± {uncertainty:.0e}")
 }
 
-/// A located number, with no digits beyond its uncertainty.
+/// A located value, without digits beyond its uncertainty.
 pub(crate) fn place(value: f64, uncertainty: f64) -> String {
     if uncertainty > 1e-12 * value.abs() {
         within(value, uncertainty)
@@ -60,9 +60,9 @@ pub(crate) fn place(value: f64, uncertainty: f64) -> String {
     }
 }
 
-/// A state for people.
+/// A state as text.
 pub(crate) fn state_words(x: &[f64]) -> String {
-    // What rounds to zero has no sign.
+    // Zero after rounding has no sign.
     let signed = |x: f64| if x.abs() < 0.5e-9 { 0.0 } else { x };
     let x: Vec<String> = x.iter().map(|&x| format!("{:.9}", signed(x))).collect();
     format!("({})", x.join(", "))
@@ -73,15 +73,15 @@ pub(crate) fn input_name(system: &System, input: usize) -> String {
     system.contact_name(system.contacts() + system.file.jumps.len() + input)
 }
 
-/// Something of each state, by names.
+/// Values for each state, by name.
 pub(crate) fn by_state(system: &System, of_each: &[impl Serialize]) -> Json {
     let states = system.file.states.iter().zip(of_each);
     let map = states.map(|(state, value)| (state.name.clone(), json!(value)));
     Json::Object(map.collect())
 }
 
-/// A sequence of phases of an orbit, with what the letters mean; `None` of a system that has
-/// neither contacts nor jumps.
+/// A sequence of phases of an orbit, with the meaning of the letters. `None` for a system without
+/// contacts and jumps.
 pub(crate) fn explained(system: &System, modes: &[Modes]) -> Option<String> {
     let key = match (system.contacts(), system.file.jumps.len()) {
         (0, 0) => return None,

@@ -1,4 +1,4 @@
-//! A block as it is on disk: a line that says what follows, then what was computed.
+//! Format of a block on disk: a line that describes the content, then the content.
 
 use std::fmt::Write;
 
@@ -7,14 +7,14 @@ use sha2::{Digest, Sha256};
 /// The first word of every block.
 const MARKER: &str = "stickslip-block";
 
-/// What is found under the name of a block.
+/// Result of reading a block.
 #[derive(Debug, PartialEq)]
 pub(super) enum Decoded {
-    /// What was computed.
+    /// A complete block, with its content.
     Whole(Vec<u8>),
     /// A block of another sweep.
     Stranger,
-    /// A block that cannot be used, and why.
+    /// A damaged block, and what is wrong with it.
     Damaged(&'static str),
 }
 
@@ -22,13 +22,13 @@ pub(super) enum Decoded {
 pub(super) fn digest(bytes: &[u8]) -> String {
     let mut text = String::with_capacity(64);
     for byte in Sha256::digest(bytes) {
-        // Writing into a string does not fail.
+        // Writing to a string cannot fail.
         let _ = write!(text, "{byte:02x}");
     }
     text
 }
 
-/// The bytes on disk of block `index` of the sweep with this fingerprint.
+/// Bytes on disk of block `index` of the sweep with this fingerprint.
 pub(super) fn encode(fingerprint: &str, index: usize, content: &[u8]) -> Vec<u8> {
     let (length, checksum) = (content.len(), digest(content));
     let mut bytes = format!("{MARKER} {fingerprint} {index} {length} {checksum}\n").into_bytes();
@@ -36,7 +36,7 @@ pub(super) fn encode(fingerprint: &str, index: usize, content: &[u8]) -> Vec<u8>
     bytes
 }
 
-/// What `bytes` are, under the name of block `index` of the sweep with this fingerprint.
+/// Decodes `bytes` as block `index` of the sweep with this fingerprint.
 pub(super) fn decode(fingerprint: &str, index: usize, bytes: &[u8]) -> Decoded {
     let Some((content, words)) = split(bytes) else {
         return Decoded::Damaged("cut short or no block");
@@ -58,14 +58,14 @@ pub(super) fn decode(fingerprint: &str, index: usize, bytes: &[u8]) -> Decoded {
     if digest(content) != checksum {
         return Decoded::Damaged("changed since it was written");
     }
-    // Told last: what is damaged may have any fingerprint.
+    // This check comes last, because a damaged block may have any fingerprint.
     if sweep != fingerprint {
         return Decoded::Stranger;
     }
     Decoded::Whole(content.to_vec())
 }
 
-/// What follows the first line, and the words of that line.
+/// Splits the content from the words of the first line.
 fn split(bytes: &[u8]) -> Option<(&[u8], Vec<&str>)> {
     let end = bytes.iter().position(|byte| *byte == b'\n')?;
     let line = std::str::from_utf8(&bytes[..end]).ok()?;

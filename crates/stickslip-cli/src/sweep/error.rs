@@ -1,15 +1,15 @@
-//! What can go wrong with a sweep on disk.
+//! Errors of sweeps on disk.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
 use output::WriteError;
 
-/// What a block fails with: an error of whatever is computed.
+/// Error of the computation of a block.
 pub type BlockError = Box<dyn std::error::Error + Send + Sync>;
 
-/// An error of a sweep. Blocks that were complete before it stay on disk, and the same command goes
-/// on from them.
+/// An error of a sweep. Blocks that are complete stay on disk, and the same command resumes from
+/// them.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
     /// A folder cannot be made.
@@ -37,7 +37,7 @@ pub enum SweepError {
         /// The cause.
         source: io::Error,
     },
-    /// There are blocks, and nothing that says of what.
+    /// There are blocks without a manifest.
     #[error("{} has blocks but no manifest.json, so nothing says what they are of; put the \
         manifest back, or choose another folder", folder.display())]
     NoManifest {
@@ -55,7 +55,8 @@ pub enum SweepError {
     },
     /// The folder holds another sweep.
     #[error("{} holds another sweep: {what} was {old} there and is {new} now; old and new blocks \
-        are not mixed: give the old value to go on with it, or choose another folder with --out", folder.display())]
+        are not mixed: give the old value to go on with it, or choose another folder \
+        with --out", folder.display())]
     Differs {
         /// The folder of the sweep.
         folder: PathBuf,
@@ -67,12 +68,15 @@ pub enum SweepError {
         new: String,
     },
     /// A block that belongs to another sweep.
-    #[error("{} is a block of another sweep; move it away, and the same command goes on", path.display())]
+    #[error(
+        "{} is a block of another sweep; move it away, and the same command goes on",
+        path.display()
+    )]
     Stranger {
         /// The file.
         path: PathBuf,
     },
-    /// A block that was complete and is not so any more.
+    /// A block that is damaged.
     #[error("block {block} in {} is {damage}; the same command computes it anew", folder.display())]
     Damaged {
         /// Its index.
@@ -103,7 +107,7 @@ pub enum SweepError {
         /// The cause.
         reason: String,
     },
-    /// What is computed has failed.
+    /// The computation of a block failed.
     #[error("block {block}: {source}")]
     Block {
         /// Index of the block.
@@ -139,16 +143,16 @@ pub enum SweepError {
             and the --shard that they are of, then merge again"
     )]
     Gaps {
-        /// How many there are not.
+        /// Number of missing blocks.
         missing: usize,
-        /// How many there should be.
+        /// Number of all blocks.
         total: usize,
-        /// Which, as ranges.
+        /// Missing blocks, as ranges.
         which: String,
-        /// Which of them are there and damaged, as text; nothing if none is.
+        /// Which of them are damaged, as text; empty if none are.
         damaged: String,
     },
-    /// Two shares have the same block with other content.
+    /// Two shares have the same block with different content.
     #[error("block {block} in {} is not the one in {}; one of the two was not made by this program \
         on these arguments: find out which, and delete it", one.display(), other.display())]
     Overlap {
@@ -156,13 +160,13 @@ pub enum SweepError {
         block: usize,
         /// A folder that has it.
         one: PathBuf,
-        /// A folder that has it otherwise.
+        /// A folder that has it with different content.
         other: PathBuf,
     },
 }
 
 impl SweepError {
-    /// Whether the command line is at fault and not the data or the machine.
+    /// Whether the command line is at fault, rather than the data or the machine.
     pub fn is_usage(&self) -> bool {
         matches!(
             self,

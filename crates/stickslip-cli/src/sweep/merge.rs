@@ -1,4 +1,4 @@
-//! Joins the shares of a sweep that were computed in folders of their own.
+//! Joins the shares of a sweep that were computed in separate folders.
 
 use std::path::Path;
 
@@ -6,15 +6,15 @@ use super::error::SweepError;
 use super::plan::Share;
 use super::store::{Store, Writer};
 
-/// Ranges of missing blocks that an error names; of more it says how many.
+/// Maximum number of ranges of missing blocks that an error lists.
 const NAMED: usize = 12;
 
-/// What was joined.
+/// Result of joining shares.
 #[derive(Debug)]
 pub struct Merged {
     /// The folder with all blocks.
     pub store: Store,
-    /// Blocks that more than one folder had, all with the same bytes.
+    /// Number of blocks that several folders contain, with the same bytes.
     pub repeated: usize,
 }
 
@@ -97,7 +97,8 @@ fn same_sweep(first: &Store, second: &Store) -> Result<(), SweepError> {
     }
 }
 
-/// The first folder that has a block whole, and how many have; if none has, which are damaged.
+/// The first folder with a complete block, and the number of such folders. If there is none, the
+/// damaged blocks.
 type Picked<'a> = Result<(&'a Store, usize), Vec<String>>;
 
 fn pick(sources: &[Store], block: usize) -> Result<Picked<'_>, SweepError> {

@@ -1,5 +1,5 @@
-//! What a sweep is, everything its blocks depend on, and how the folder of its blocks says so; and
-//! a share of it, which one of several processes or machines computes.
+//! The plan of a sweep: everything that its blocks depend on, as recorded in its folder. Also its
+//! shares, each of which one process or machine computes.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -16,13 +16,13 @@ use serde_json::Value;
 use super::block::digest;
 use super::error::SweepError;
 
-/// Name of the file that says of which sweep the blocks in a folder are.
+/// Name of the file that identifies the sweep in a folder.
 pub(super) const MANIFEST: &str = "manifest.json";
 
-/// Version of the files' form.
+/// Version of the file format.
 const FORMAT: u32 = 6;
 
-/// The program and its version: another one may have other bits.
+/// The program and its version. Other versions may compute different bits.
 const PROGRAM: &str = concat!("stickslip ", env!("CARGO_PKG_VERSION"));
 
 /// A sweep. Two sweeps with the same plan have the same blocks, bit for bit. As JSON it is the
@@ -38,14 +38,14 @@ pub struct Plan {
     pub arguments: BTreeMap<String, Value>,
     /// Number of chains.
     pub chains: NonZeroUsize,
-    /// Blocks of a chain. Where blocks do not depend on each other, each is a chain of its own.
+    /// Number of blocks in a chain. If blocks are independent, each is a chain of its own.
     #[serde(rename = "blocks_in_chain")]
     pub length: NonZeroUsize,
     /// The system.
     pub system: Definition,
 }
 
-/// A system: the whole file.
+/// A system, as its complete file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Definition {
@@ -55,7 +55,7 @@ pub struct Definition {
 }
 
 impl Definition {
-    /// From the file's name and text.
+    /// A system from the name and text of its file.
     pub fn new(name: String, text: String) -> Self {
         let sha256 = digest(text.as_bytes());
         Self { name, sha256, text }
@@ -73,7 +73,7 @@ impl Definition {
 }
 
 impl Plan {
-    /// So many chains, of so many blocks each.
+    /// A plan with the given numbers of chains and of blocks in each chain.
     pub fn new(
         command: &str,
         arguments: BTreeMap<String, Value>,
@@ -106,7 +106,7 @@ impl Plan {
             path: path.clone(),
             reason,
         };
-        // The version is asked first: another one may have other fields.
+        // The version is checked first: another one may have other fields.
         let value: Value =
             serde_json::from_slice(&bytes).map_err(|error| bad(error.to_string()))?;
         match value.get("format").and_then(Value::as_u64) {
@@ -141,8 +141,8 @@ impl Plan {
         Ok(bytes)
     }
 
-    /// What its blocks are marked with. The system's name is that of a file, and says nothing of
-    /// what is in it.
+    /// The fingerprint of the blocks. It does not include the name of the system, which is only a
+    /// file name.
     ///
     /// # Errors
     /// As [`Plan::bytes`].
@@ -152,8 +152,8 @@ impl Plan {
         nameless.bytes(folder).map(|bytes| digest(&bytes))
     }
 
-    /// What differs first between two sweeps: what it is, its value here and its value in the
-    /// other; nothing if their blocks are the same.
+    /// The first difference between two sweeps: its name, its value here, and its value in the
+    /// other. `None` if their blocks are the same.
     pub(super) fn difference(&self, other: &Self) -> Option<(String, String, String)> {
         let (old, new) = (self.parts(), other.parts());
         let value = |parts: &[(String, String)], name: &String| {
@@ -191,28 +191,28 @@ impl Plan {
         self.chains.get() * self.length.get()
     }
 
-    /// The blocks of chain `index`, of which each begins where the one before has ended. They are
-    /// computed one after the other, by one thread.
+    /// The blocks of chain `index`. Each begins where the one before ended, so one thread computes
+    /// them in order.
     pub fn chain(&self, index: usize) -> Range<usize> {
         let length = self.length.get();
         index * length..(index + 1) * length
     }
 
-    /// The block that `block` goes on from.
+    /// The block from which `block` continues.
     pub fn before(&self, block: usize) -> Option<usize> {
         (!block.is_multiple_of(self.length.get())).then(|| block - 1)
     }
 }
 
-/// Whether a file could not be read because there is none; a file in the place of a folder above it
-/// is told when the folder is made.
+/// Whether a file does not exist. A file in the place of a parent folder also counts; making the
+/// folder reports that.
 pub(super) fn is_absent(error: &io::Error) -> bool {
     use io::ErrorKind::{NotADirectory, NotFound};
     matches!(error.kind(), NotFound | NotADirectory)
 }
 
-/// Share `number` of `of`, counted from 1: every `of`-th chain, so that dear and cheap parts of a
-/// plane spread over all of them.
+/// Share `number` of `of`, counted from 1. It has every `of`-th chain, so that expensive and cheap
+/// parts of a plane are spread over all shares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Share {
     number: usize,
@@ -236,13 +236,13 @@ impl Share {
         Ok(Self { number, of })
     }
 
-    /// Whether it is all of the sweep.
+    /// Whether the share is the whole sweep.
     pub fn is_whole(&self) -> bool {
         self.of == 1
     }
 
-    /// Its chains, in order. There are none if the sweep has fewer chains than there are shares
-    /// before this one.
+    /// The chains of the share, in order. A share has no chains if there are fewer chains than
+    /// `number`.
     pub fn chains(self, plan: &Plan) -> impl Iterator<Item = Range<usize>> {
         let all = self.number - 1..plan.chains.get();
         all.step_by(self.of).map(|index| plan.chain(index))

@@ -11,42 +11,42 @@ use super::error::{BlockError, SweepError};
 use super::plan::{Plan, Share};
 use super::store::{Store, Writer};
 
-/// What is to be computed, and where it goes.
+/// What to compute, and where to store it.
 #[derive(Clone, Copy, Debug)]
 pub struct Task<'a> {
     /// The sweep.
     pub plan: &'a Plan,
-    /// Its folder, made if it is missing.
+    /// Its folder, created if missing.
     pub folder: &'a Path,
-    /// What of it.
+    /// The share to compute.
     pub share: Share,
     /// Number of threads; one for each core if not given.
     pub threads: Option<NonZeroUsize>,
 }
 
-/// What a run has done.
+/// Result of a run.
 #[derive(Debug)]
 pub struct Computed {
-    /// The folder, ready to be read. It is complete if the share is the whole.
+    /// The folder, ready to be read. It is complete if the share is the whole sweep.
     pub store: Store,
-    /// Blocks that were computed.
+    /// Number of blocks that were computed.
     pub new: usize,
-    /// Blocks that were on disk already.
+    /// Number of blocks that were on disk already.
     pub old: usize,
-    /// Blocks that were on disk and damaged, and were computed anew, each with what was wrong.
+    /// Damaged blocks that were recomputed, each with what was wrong.
     pub repaired: Vec<(usize, &'static str)>,
 }
 
-/// Whether a block is there, and whole.
+/// State of a block: absent, complete or damaged.
 type State = Option<Result<(), &'static str>>;
 
-/// Computes what is missing of a share, on all threads. `compute` gets the index of a block and, in
-/// a chain, the bytes of the block before it, and gives the bytes of the block: they must depend on
-/// nothing else. `report` is called with the number of blocks done and of all blocks, at first with
-/// those that were there.
+/// Computes the missing blocks of a share, on all threads. `compute` receives the index of a block
+/// and, within a chain, the bytes of the block before it. It returns the bytes of the block, which
+/// must depend on nothing else. `report` is called with the number of finished blocks and of all
+/// blocks, first with the blocks that were on disk.
 ///
-/// A block is on disk as soon as it is done, whole or not at all. Only blocks in flight are held in
-/// memory.
+/// A block is written as soon as it is finished, either completely or not at all. Only unfinished
+/// blocks are held in memory.
 ///
 /// # Errors
 /// [`SweepError::Block`] with the first error of `compute`; those of the folder. Blocks that were
@@ -68,7 +68,7 @@ where
         })?;
     let writer = Writer::open(task.folder, task.plan, task.share)?;
     let chains: Vec<Range<usize>> = task.share.chains(task.plan).collect();
-    // What there is of each block before the run; contents are read again where they are needed.
+    // State of each block before the run. Contents are read again where needed.
     let inspect = |chain: &Range<usize>| -> Result<Vec<State>, SweepError> {
         let states = chain.clone().map(|block| writer.store.find(block));
         let states = states.map(|found| Ok(found?.map(|whole| whole.map(drop))));
@@ -102,7 +102,7 @@ where
         Ok(())
     };
     let each = chains.par_iter().zip(&inspected);
-    // One at a time, so that short and long ones spread evenly.
+    // Chains are distributed one at a time, so that short and long ones are balanced.
     pool.install(|| each.with_max_len(1).try_for_each(work))?;
 
     let blocks = chains.iter().cloned().flatten().zip(states());

@@ -16,7 +16,7 @@ const LOCK: &str = "lock";
 /// Ending of the names of blocks.
 const ENDING: &str = ".block";
 
-/// The content of a block, or how it is damaged.
+/// The content of a block, or what is wrong with it.
 pub type Whole = Result<Vec<u8>, &'static str>;
 
 /// A folder with blocks of a sweep.
@@ -25,15 +25,15 @@ pub struct Store {
     folder: PathBuf,
     plan: Plan,
     fingerprint: String,
-    // Of a folder that blocks are written into. It is held until all is written that is made of
-    // them; the system gives it back however the process ends.
+    // Lock of a folder into which blocks are written. It is held until all results are written. The
+    // operating system releases it however the process ends.
     _lock: Option<File>,
 }
 
-/// A folder that a share's blocks are written into.
+/// A folder into which the blocks of a share are written.
 #[derive(Debug)]
 pub struct Writer {
-    /// Where they are read.
+    /// Reads the blocks.
     pub store: Store,
     staging: PathBuf,
 }
@@ -61,8 +61,8 @@ impl Store {
         })
     }
 
-    /// A folder for what is being written of tables and figures: whoever computes or merges the
-    /// whole sweep next removes what a kill leaves there.
+    /// A folder for unfinished tables and figures. The next process that computes or merges the
+    /// whole sweep removes what a kill leaves there.
     ///
     /// # Errors
     /// [`SweepError::CreateFolder`].
@@ -75,12 +75,12 @@ impl Store {
         &self.folder
     }
 
-    /// What the sweep is.
+    /// The plan of the sweep.
     pub fn plan(&self) -> &Plan {
         &self.plan
     }
 
-    /// Hands the blocks to `each`, in order, one at a time.
+    /// Passes the blocks to `each`, in order, one at a time.
     ///
     /// # Errors
     /// Those of `each`; [`SweepError::Damaged`] at a block that is not there or not whole,
@@ -95,7 +95,7 @@ impl Store {
         Ok(())
     }
 
-    /// What was computed as `block`.
+    /// The content of `block`.
     pub(super) fn block(&self, block: usize) -> Result<Vec<u8>, SweepError> {
         let damaged = |damage: &str| SweepError::Damaged {
             block,
@@ -106,7 +106,7 @@ impl Store {
         found.map_err(damaged)
     }
 
-    /// What was computed as `block`, or how it is damaged; nothing if nothing is under its name.
+    /// The content of `block`, or what is wrong with it. `None` if there is no such file.
     ///
     /// # Errors
     /// [`SweepError::Stranger`], [`SweepError::Read`].
@@ -145,7 +145,7 @@ impl Store {
 }
 
 impl Writer {
-    /// Checks that a folder holds nothing but what is asked for, before anything is made.
+    /// Checks that a folder contains no other sweep, before anything is created.
     ///
     /// # Errors
     /// [`SweepError::Differs`], [`SweepError::NoManifest`], [`SweepError::BadManifest`],
@@ -154,15 +154,15 @@ impl Writer {
         is_free(folder, plan).map(drop)
     }
 
-    /// Makes the folder fit for a share of a sweep: nobody else at work on that share, the manifest
-    /// of this sweep and of no other, nothing unfinished.
+    /// Prepares the folder for a share of a sweep. No other process may work on that share, and the
+    /// manifest must be of this sweep. Unfinished files are removed.
     ///
     /// # Errors
     /// [`SweepError::CreateFolder`], [`SweepError::Write`], [`SweepError::Read`],
     /// [`SweepError::Busy`], [`SweepError::Differs`], [`SweepError::BadManifest`],
     /// [`SweepError::NoManifest`].
     pub fn open(folder: &Path, plan: &Plan, share: Share) -> Result<Self, SweepError> {
-        // Before anything is made: a folder of another sweep is left as it is.
+        // This check comes first, so that a folder of another sweep is left unchanged.
         let is_new = is_free(folder, plan)?;
         let staging = folder
             .join("work")
@@ -179,7 +179,7 @@ impl Writer {
         if is_new {
             let path = folder.join(MANIFEST);
             write_once(&path, &staging, &plan.bytes(folder)?)?;
-            // Another process may have been faster, with other arguments.
+            // Another process may have written the manifest first, with other arguments.
             is_free(folder, plan)?;
         }
         Ok(Self {
@@ -188,7 +188,7 @@ impl Writer {
         })
     }
 
-    /// Puts a block on disk, whole or not at all; what was there of it before is gone then.
+    /// Writes a block, either completely or not at all. It replaces a previous version.
     ///
     /// # Errors
     /// [`SweepError::Write`].
@@ -201,7 +201,7 @@ impl Writer {
     }
 }
 
-/// The folder for unfinished tables, made if it is missing.
+/// The folder for unfinished tables, created if missing.
 fn tables(folder: &Path) -> Result<PathBuf, SweepError> {
     let tables = folder.join("work").join("tables");
     output::make_folder(&tables)?;
@@ -232,7 +232,7 @@ fn block_names(folder: &Path) -> Result<Vec<String>, SweepError> {
     Ok(names)
 }
 
-/// Whether there is no sweep in `folder` yet; if there is, it must be the wanted one.
+/// Whether there is no sweep in `folder` yet. A sweep that exists must be the wanted one.
 fn is_free(folder: &Path, wanted: &Plan) -> Result<bool, SweepError> {
     let there = Plan::read(folder)?;
     let folder = folder.to_owned();
@@ -249,8 +249,8 @@ fn is_free(folder: &Path, wanted: &Plan) -> Result<bool, SweepError> {
     }
 }
 
-/// The lock of a share. Whoever holds it removes what a killed process has left in the folders for
-/// what is unfinished.
+/// Acquires the lock of a share. Its holder removes what a killed process has left in the folders
+/// for unfinished files.
 fn lock(
     staging: &Path,
     share: Share,
@@ -273,8 +273,8 @@ fn lock(
             });
         }
         // Some shared file systems have no locks. Two processes on one share then do the same work
-        // twice and write the same bytes; only what a kill has left must stay, as it may be the
-        // other's.
+        // twice and write the same bytes. Unfinished files must stay, because they may belong to
+        // the other process.
         Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => {
             return Ok(file);
         }
@@ -298,12 +298,10 @@ fn clear(staging: &Path) -> Result<(), SweepError> {
     clear().map_err(SweepError::write(staging))
 }
 
-/// Writes a table or another file that need not fit into memory, by way of a temporary file in
-/// `staging`: `content` writes it bit by bit, and it appears under its name when it is complete.
-/// Both folders must exist.
+/// Writes a table or another file that may not fit into memory. `content` writes it in parts to a
+/// temporary file in `staging`, which is renamed when it is complete. Both folders must exist.
 ///
-/// # Errors
-/// Those of `content`; [`SweepError::Write`]. What was at `path` before then stays.
+/// # Errors Those of `content`; [`SweepError::Write`]. A previous file at `path` then stays.
 pub fn write_whole<E: From<SweepError>>(
     path: &Path,
     staging: &Path,
@@ -320,7 +318,7 @@ pub fn write_whole<E: From<SweepError>>(
     Ok(placed.map_err(failed)?)
 }
 
-/// As [`write_whole`], but what is there already stays: whoever is first has written the file.
+/// As [`write_whole`], but an existing file stays: the first process to finish has written it.
 ///
 /// # Errors
 /// [`SweepError::Write`].

@@ -2,20 +2,20 @@
 
 use csv::StringRecord;
 
-/// Separator, and whether numbers have a decimal comma.
+/// Separator of columns, and whether numbers have a decimal comma.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Dialect {
-    /// What separates the columns of a line; without one any number of spaces and tabs does.
+    /// Separator of columns. `None` means any number of spaces and tabs.
     separator: Option<char>,
     has_decimal_comma: bool,
 }
 
 impl Dialect {
-    /// What the first lines use, and a note where nothing but their digits shows that commas are
-    /// decimal ones. The very first line counts only if there is a number in it, or no other line.
+    /// Detects the format of the first lines. A note is returned if only their digits show that
+    /// commas are decimal ones. The very first line counts only if it contains a number, or is the
+    /// only line.
     ///
-    /// # Errors
-    /// Why the columns cannot be told.
+    /// # Errors Why the columns cannot be distinguished.
     pub(super) fn sense<'t>(
         lines: impl Iterator<Item = &'t str>,
     ) -> Result<(Self, Option<&'static str>), &'static str> {
@@ -50,8 +50,8 @@ impl Dialect {
             separator,
             has_decimal_comma: false,
         };
-        // Between columns that something else separates, a comma can only be a decimal one. Where
-        // points are found too, none is taken as one.
+        // If something else separates columns, a comma can only be a decimal one. If points occur
+        // too, no comma is taken as a decimal one.
         let cells: Vec<StringRecord> = sample.iter().map(|line| dialect.cells(line)).collect();
         let any = |holds: &dyn Fn(&str) -> bool| cells.iter().flatten().any(holds);
         let commas = any(&|cell| with_point(cell).is_some());
@@ -69,8 +69,8 @@ impl Dialect {
         }
     }
 
-    /// The names in a comment, if there are `count` and none is a number. A word with a colon and
-    /// what it is of the file, as Octave writes them (`# columns: 1`), are none.
+    /// The names in a comment, if there are `count` and none is a number. Properties of the file as
+    /// Octave writes them (`# columns: 1`) are no names.
     pub(super) fn header(&self, comment: &str, count: usize) -> Option<StringRecord> {
         let mut words = comment.split_whitespace();
         if words.next().is_some_and(|word| word.ends_with(':')) && words.next().is_some() {
@@ -95,7 +95,7 @@ impl Dialect {
         parse(cell)
     }
 
-    /// What the separators are called, for a message.
+    /// Name of the separator, for messages.
     pub(super) fn separated_by(&self) -> &'static str {
         match self.separator {
             None => "spaces",
@@ -112,12 +112,12 @@ fn separator(sample: &[&str]) -> Option<char> {
         return Some(';');
     }
     if any('\t') {
-        // Columns that are aligned by several tabs leave empty cells in every line; a gap does so
-        // in some.
+        // Alignment with several tabs leaves empty cells in every line. A missing value does so
+        // only in some lines.
         let aligned = |line: &&str| line.trim().split('\t').any(|cell| cell.trim().is_empty());
         return (!sample.iter().all(aligned)).then_some('\t');
     }
-    // Columns by commas hold no spaces inside; decimal commas between spaces do.
+    // Cells between separating commas contain no spaces. Those between decimal commas do.
     let is_word = |cell: &str| cell.split_whitespace().count() <= 1;
     if any(',') && sample.iter().all(|line| line.split(',').all(is_word)) {
         return Some(',');
@@ -127,8 +127,8 @@ fn separator(sample: &[&str]) -> Option<char> {
     (any('"') || !sample.iter().any(by_spaces)).then_some(',')
 }
 
-/// Whether what commas part are the two parts of numbers: digits throughout, and some that no whole
-/// number has, -0 before a comma or 05 behind it.
+/// Whether commas separate the two parts of decimal numbers. All cells are then digits, and some
+/// are no whole numbers, as -0 before a comma or 05 after it.
 fn are_parts(sample: &[&str]) -> bool {
     let digits = |part: &str| !part.is_empty() && part.bytes().all(|b| b.is_ascii_digit());
     let mut is_told = false;
@@ -147,7 +147,7 @@ fn are_parts(sample: &[&str]) -> bool {
     is_told
 }
 
-/// A number as people and Fortran write it.
+/// Parses a number, also in the notation of Fortran.
 fn parse(cell: &str) -> Option<f64> {
     cell.parse().ok().or_else(|| {
         let is_fortran = cell
@@ -159,7 +159,7 @@ fn parse(cell: &str) -> Option<f64> {
     })
 }
 
-/// The cell with a point in the place of its one decimal comma.
+/// The cell with a point in place of its only comma.
 fn with_point(cell: &str) -> Option<String> {
     let (whole, rest) = cell.split_once(',')?;
     let begins = whole
@@ -177,7 +177,7 @@ fn unquoted(cell: &str) -> &str {
     inside.unwrap_or(cell)
 }
 
-/// A line with quotes, in which separators may stand.
+/// Splits a line with quotes, within which separators do not count.
 fn quoted(line: &str, separator: char) -> StringRecord {
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
@@ -185,6 +185,6 @@ fn quoted(line: &str, separator: char) -> StringRecord {
         .delimiter(u8::try_from(separator).unwrap_or(b','))
         .from_reader(line.as_bytes());
     let record = reader.records().next().and_then(Result::ok);
-    // The text of a line is read already, and is not empty.
+    // This cannot fail: the line is text and not empty.
     record.unwrap_or_else(|| StringRecord::from(vec![line]))
 }

@@ -1,13 +1,13 @@
-//! The lines of a text, one at a time and none without bound.
+//! The lines of a text, one at a time and with a maximum length.
 
 use std::io::{BufRead, Read};
 
 use super::TableError;
 
-/// Longest line, in bytes: a million columns fit into it.
+/// Maximum length of a line, in bytes: enough for a million columns.
 const LONGEST: usize = 1 << 24;
 
-/// Marks at the start of files that are no text, with what they are and what to do.
+/// First bytes of files that are not text, with the kind of file and a remedy.
 const FOREIGN: [(&[u8], &str); 9] = [
     (b"\x1f\x8b", "compressed by gzip; unpack it first: gunzip"),
     (b"BZh", "compressed by bzip2; unpack it first: bunzip2"),
@@ -36,18 +36,18 @@ pub(super) struct Lines<'i, R> {
     source: R,
     number: u64,
     bytes: Vec<u8>,
-    /// Whether a line with content came.
+    /// Whether a line with content has been read.
     has_begun: bool,
     /// The last comment above the content, without its mark.
     pub(super) comment: Option<String>,
-    /// A blank line behind content.
+    /// Number of a blank line after content.
     blank: Option<u64>,
-    /// The first blank line with content before and behind it.
+    /// Number of the first blank line between lines with content.
     pub(super) gap: Option<u64>,
 }
 
 impl<'i, R: BufRead> Lines<'i, R> {
-    /// The lines of a text; other kinds of files are refused.
+    /// Begins to read a text; other kinds of files are rejected.
     pub(super) fn new(input: &'i str, mut source: R) -> Result<Self, TableError> {
         let start = source
             .fill_buf()
@@ -69,7 +69,7 @@ impl<'i, R: BufRead> Lines<'i, R> {
                     '\\r' '\\n'"
             )));
         }
-        // Spreadsheets put a mark before the first character.
+        // Spreadsheets write a byte order mark before the first character.
         if start.starts_with(b"\xef\xbb\xbf") {
             source.consume(3);
         }
@@ -85,8 +85,8 @@ impl<'i, R: BufRead> Lines<'i, R> {
         })
     }
 
-    /// The next line that holds something but a comment, with its number counted from 1; `None` at
-    /// the end.
+    /// The next line that is neither blank nor a comment, with its number from 1; `None` at the
+    /// end.
     pub(super) fn next(&mut self) -> Result<Option<(u64, &str)>, TableError> {
         loop {
             self.number += 1;
@@ -109,7 +109,7 @@ impl<'i, R: BufRead> Lines<'i, R> {
                 [] => {}
                 [b'#' | b'%', comment @ ..] => {
                     if !self.has_begun {
-                        // In whatever encoding.
+                        // Comments may have any encoding.
                         let text = String::from_utf8_lossy(comment);
                         self.comment = Some(text.trim().to_owned());
                     }

@@ -1,4 +1,4 @@
-//! Tables of numbers from text files and arrays of numpy.
+//! Tables of numbers from text files and NumPy arrays.
 
 mod dialect;
 mod lines;
@@ -16,22 +16,22 @@ use dialect::Dialect;
 use lines::Lines;
 use rows::Rows;
 
-/// Lines from which the separator is sensed.
+/// Number of lines from which the separator is detected.
 const SAMPLE: usize = 64;
-/// Most numbers that are read: 1 GiB of them.
+/// Maximum number of values that are read: 1 GiB.
 const MOST: usize = 1 << 27;
-/// Values are the same again where they differ by no more than this part of their column's range:
-/// the rounding of a function of the time.
+/// Values count as repeated if they differ by at most this fraction of the range of their column.
+/// This allows for the rounding of a function of time.
 const REPEAT: f64 = 1e-9;
 
-/// Values drawn from an attractor nearly all differ: where fewer different ones than this part are
-/// left, the typical value is met twice.
+/// Values from an attractor nearly all differ. With a smaller fraction of distinct values than
+/// this, a typical value occurs twice.
 const DIFFERENT: f64 = 0.5;
 
 /// The columns chosen from a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
-    /// Where it comes from, for messages.
+    /// Name of the input, for messages.
     pub input: String,
     /// Names, or numbers counted from 1.
     pub names: Vec<String>,
@@ -39,9 +39,9 @@ pub struct Table {
     pub values: Vec<f64>,
     /// Time between two rows.
     pub dt: f64,
-    /// The column that says so, if `dt` was not given.
+    /// The column from which `dt` was determined, if it was not given.
     pub time: Option<String>,
-    /// What was done that was not asked for.
+    /// Notes on automatic choices.
     pub notes: Vec<String>,
 }
 
@@ -50,9 +50,9 @@ pub struct Table {
 pub struct Grid {
     /// The column, counted from 0.
     pub column: usize,
-    /// How many different values it has.
+    /// Number of distinct values.
     pub values: usize,
-    /// What all their distances are multiples of; none if they are multiples of nothing.
+    /// Common divisor of all differences of the values, if there is one.
     pub step: Option<f64>,
 }
 
@@ -67,13 +67,13 @@ pub enum TableError {
     Read {
         /// Path, or `standard input`.
         input: String,
-        /// What the operating system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// The file has not what was asked of it: the columns, or a time between two rows.
+    /// The file lacks a requested column, or a time between two rows.
     #[error("{0}")]
     Request(String),
-    /// The file is no table of finite numbers: where, and what to do.
+    /// The file is not a table of finite numbers. The message has the place and a remedy.
     #[error("{0}")]
     File(String),
 }
@@ -91,20 +91,20 @@ impl TableError {
     }
 }
 
-/// Reads the columns `wanted` (numbers counted from 1, or names; none for all but a time column) of
-/// `path`, `-` for standard input. `report` gets the bytes read and their total.
+/// Reads the columns `wanted` (numbers from 1, or names; empty for all but a time column) of
+/// `path`, or of standard input for `-`. `report` is called with the number of bytes read and their
+/// total.
 ///
-/// Columns are separated by commas, semicolons, tabs or spaces, whichever the first lines use; a
-/// comma between digits is a decimal comma where something else separates. Lines that start with
-/// `#` or `%` are skipped; the first line, or a comment right above the numbers, may hold names. An
-/// array of numpy (`.npy`) has no names. A column named `t` or `time` is no coordinate: without
-/// `dt` it says what the time between two rows is, and else is held against it. Without names a
-/// first column that goes on evenly is the time, too, and one that rises unevenly is an error. A
-/// column that is constant is left out.
+/// Columns are separated by commas, semicolons, tabs or spaces, whichever the first lines use. If
+/// something else separates columns, a comma between digits is a decimal comma. Lines that start
+/// with `#` or `%` are skipped. The first line, or a comment directly above the numbers, may
+/// contain names. A NumPy array (`.npy`) has no names. A column named `t` or `time` is not a
+/// coordinate: it determines the time between two rows, or is compared with `dt` if that is given.
+/// Without names, an evenly spaced first column is also the time, and one that rises unevenly is an
+/// error. Constant columns are left out.
 ///
-/// # Errors
-/// Everything that is not a complete table of finite numbers, with line and column; a time between
-/// rows that is neither given nor found.
+/// # Errors Input that is not a complete table of finite numbers, with line and column; a time
+/// between rows that is neither given nor determined.
 pub fn read(
     path: &Path,
     wanted: &[String],
@@ -127,7 +127,7 @@ pub fn read(
     parse(input, BufReader::new(counted), wanted, dt)
 }
 
-/// A file that tells how much of it was read.
+/// A file that reports how much of it was read.
 struct Counted<'a> {
     file: File,
     done: u64,
@@ -139,7 +139,7 @@ impl Read for Counted<'_> {
     fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
         let count = self.file.read(into)?;
         self.done += count as u64;
-        // A pipe does not say how long it is.
+        // The length of a pipe is unknown.
         if self.total > 0 {
             (self.report)(self.done as usize, self.total as usize);
         }
@@ -174,7 +174,7 @@ pub fn parse(
         .map_err(|cause| TableError::File(format!("{input}, line {line}: {cause}")))?;
     let cells = dialect.cells(first);
     let count = cells.len();
-    // A header is a first line in which nothing is a number.
+    // A header is a first line without numbers.
     let is_header = cells.iter().all(|cell| dialect.number(cell).is_none());
     let header = if is_header {
         Some(cells)
@@ -213,7 +213,7 @@ impl Table {
         values.step_by(self.names.len())
     }
 
-    /// The least and the largest value of a column.
+    /// Minimum and maximum of a column.
     pub fn range(&self, column: usize) -> (f64, f64) {
         self.column(column)
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
@@ -221,14 +221,14 @@ impl Table {
             })
     }
 
-    /// Columns whose values rise or fall evenly from row to row, as a time or an index does and no
-    /// recurrent state, with their step.
+    /// Columns whose values rise or fall evenly from row to row, with their step. A time or an
+    /// index does so, a recurrent state does not.
     pub fn even_columns(&self) -> impl Iterator<Item = (usize, f64)> {
         (0..self.names.len())
             .filter_map(|column| Some((column, time::even_step(self.column(column))?)))
     }
 
-    /// The smallest number of rows after which all of them come again, twice at least.
+    /// The smallest period of the rows, if they contain it at least twice.
     pub fn period(&self) -> Option<usize> {
         let (columns, rows) = (self.names.len(), self.rows());
         let allowed: Vec<f64> = (0..columns)
@@ -242,8 +242,8 @@ impl Table {
                 .zip(&allowed)
                 .all(|((a, b), allowed)| (a - b).abs() <= *allowed)
         };
-        // The longest end that is a beginning, too, of all rows up to each one (Knuth, Morris and
-        // Pratt, SIAM J. Comput. 6, 323, 1977).
+        // For each row, the length of the longest suffix of the rows up to it that is also a prefix
+        // (Knuth, Morris and Pratt, SIAM J. Comput. 6, 323, 1977).
         let mut borders = vec![0; rows];
         for row in 1..rows {
             let mut border = borders[row - 1];
@@ -256,7 +256,7 @@ impl Table {
         (2 * period <= rows).then_some(period)
     }
 
-    /// The first column whose values lie on a grid. What repeats itself or stands still is on none.
+    /// The first column whose values lie on a grid. Periodic or constant values do not count.
     pub fn grid(&self) -> Option<Grid> {
         if self.period().is_some() {
             return None;
@@ -285,8 +285,8 @@ impl Table {
         self.names.remove(column);
     }
 
-    /// A column that does not vary has no neighbours; if none does, it is left to the estimator to
-    /// say so.
+    /// Leaves out constant columns, which do not distinguish neighbours. If all are constant, they
+    /// stay and the estimator reports it.
     fn leave_out_constants(&mut self) {
         let is_constant = |column: &usize| self.range(*column).0 == self.range(*column).1;
         let constant: Vec<usize> = (0..self.names.len()).filter(is_constant).collect();

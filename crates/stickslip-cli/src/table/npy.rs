@@ -1,4 +1,4 @@
-//! An array of numpy.
+//! NumPy arrays.
 
 use std::io::{BufRead, Error, ErrorKind, Read};
 
@@ -7,13 +7,13 @@ use npyz::{DType, Deserialize, NpyFile, Order, TypeChar};
 use super::rows::Rows;
 use super::{MOST, Table, TableError};
 
-/// Whether the source begins as one.
+/// Whether the source begins like a NumPy array.
 pub(super) fn is_array(source: &mut impl BufRead) -> bool {
     let start = source.fill_buf();
     start.is_ok_and(|start| start.starts_with(b"\x93NUMPY"))
 }
 
-/// Rows are states; an array of one dimension is one column.
+/// Reads an array. Rows are states; a one-dimensional array is one column.
 pub(super) fn read(
     input: String,
     source: impl BufRead,
@@ -66,7 +66,7 @@ pub(super) fn read(
     chosen.finish(dt)
 }
 
-/// Whatever real numbers they are, as doubles.
+/// Converts real numbers of any type to doubles.
 fn numbers_of<R: Read>(file: NpyFile<R>) -> Result<Vec<f64>, String> {
     let dtype = file.dtype();
     let DType::Plain(kind) = &dtype else {
@@ -75,7 +75,7 @@ fn numbers_of<R: Read>(file: NpyFile<R>) -> Result<Vec<f64>, String> {
     match (kind.type_char(), kind.size_field()) {
         (TypeChar::Float, 8) => widened(file, |v: f64| v),
         (TypeChar::Float, 4) => widened(file, |v: f32| v.into()),
-        // The default of numpy for whole numbers; what is above 2⁵³ is rounded.
+        // NumPy's default for integers; those above 2⁵³ are rounded.
         (TypeChar::Int, 8) => widened(file, |v: i64| v as f64),
         (TypeChar::Int, 4) => widened(file, |v: i32| v.into()),
         (TypeChar::Int, 2) => widened(file, |v: i16| v.into()),

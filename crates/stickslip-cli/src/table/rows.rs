@@ -1,4 +1,4 @@
-//! The rows that are read, which of their columns, and what is wrong with them.
+//! Rows of a table: choice of columns, and errors.
 
 use csv::StringRecord;
 use stickslip::error::readable;
@@ -9,21 +9,21 @@ use super::{MOST, Table, TableError, time};
 
 /// Names of a column that holds the time.
 const TIME: [&str; 2] = ["t", "time"];
-/// Most names that a message lists, and letters of a cell that it shows.
+/// Maximum number of names that a message lists, and of characters of a cell that it shows.
 const LISTED: usize = 20;
 const SHOWN: usize = 40;
-/// So many values rise by chance once in 10!, which is 3.6 million times.
+/// This many values are in rising order by chance with probability 1/10!, one in 3.6 million.
 const RISING: usize = 10;
 
 /// Which columns are read, and the rows so far.
 pub(super) struct Rows<'a> {
     input: &'a str,
-    /// Columns of the file.
+    /// Number of columns in the file.
     count: usize,
     names: Option<Vec<String>>,
     pub(super) columns: Vec<usize>,
     time: Option<usize>,
-    /// Whether no choice was made.
+    /// Whether no columns were chosen.
     are_all: bool,
     pub(super) values: Vec<f64>,
     /// Times of the rows, with their lines.
@@ -37,7 +37,7 @@ impl<'a> Rows<'a> {
         names: Option<Vec<String>>,
         wanted: &[String],
     ) -> Result<Self, TableError> {
-        // With a unit, too: "t (s)", "time [ms]".
+        // Names with a unit also count: "t (s)", "time [ms]".
         let is_time = |name: &String| {
             let word = name.split(['(', '[', '/']).next().unwrap_or(name);
             TIME.contains(&word.trim().to_lowercase().as_str())
@@ -111,7 +111,7 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// What is wrong with a cell.
+    /// The error for a cell.
     fn cell(&self, line: u64, column: usize, cause: &str) -> TableError {
         let name = self.names.as_ref().and_then(|names| names.get(column));
         let name = name.map_or(String::new(), |name| format!(" ({name})"));
@@ -190,7 +190,7 @@ impl<'a> Rows<'a> {
         Err(self.cell(line, column, &cause))
     }
 
-    /// That all steps in time are `dt`; if not, what is wrong with the first that is another.
+    /// Checks that all time steps are `dt`. The error describes the first that differs.
     fn holds(&self, dt: f64) -> Result<(), TableError> {
         let Some(gap) = time::first_gap(self.times.iter().map(|row| row.1), dt) else {
             return Ok(());
@@ -211,19 +211,19 @@ impl<'a> Rows<'a> {
         Err(self.cell(line, self.time.unwrap_or(0), &cause))
     }
 
-    /// The step in time that they all are.
+    /// The common time step.
     fn step(&self) -> Result<f64, TableError> {
         let times = || self.times.iter().map(|row| row.1);
         let Some((middle, mean)) = time::middle_step(times()).zip(time::mean_step(times())) else {
-            // One row is too few whatever its step.
+            // A single row is too few for an estimate, whatever the step.
             return Ok(1.0);
         };
-        // Of times that descend or stand still the first that does is reported.
+        // If times fall or repeat, the first such time is reported.
         self.holds(middle.abs().max(f64::MIN_POSITIVE))?;
         Ok(mean)
     }
 
-    /// The table, with its time sorted out and without constant columns.
+    /// The table, with its time step and without constant columns.
     pub(super) fn finish(mut self, dt: Option<f64>) -> Result<Table, TableError> {
         let input = self.input;
         if self.values.is_empty() && self.times.is_empty() {
@@ -283,8 +283,9 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// Without names and a choice, a first column that goes on evenly is the time, unless another step
-/// is given; its step. One that rises from row to row is no state of a system that comes back.
+/// Returns the step of a first column that is the time. Without names and a choice, that is an
+/// evenly spaced column, unless another step is given. One that rises unevenly is an error: it
+/// cannot be a state of a recurrent system.
 fn time_in_first_column(table: &mut Table, given: Option<f64>) -> Result<Option<f64>, TableError> {
     let all = table.names.join(",");
     let first = || table.column(0);

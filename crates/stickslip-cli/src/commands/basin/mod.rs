@@ -68,15 +68,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     })
 }
 
-/// Seed where none is given.
+/// Default seed.
 const FIRST_SEED: u64 = 1;
 
-/// Everything that a basin depends on besides the system.
+/// Everything that a basin depends on, except the system.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Basin {
     /// The coordinates of the plane.
     plane: [StateRange; 2],
-    /// The points in it.
+    /// Points in the plane.
     points: Points,
     /// The other components of the starts.
     start: Vec<f64>,
@@ -84,12 +84,12 @@ pub(super) struct Basin {
     solver: SolverArguments,
 }
 
-/// What a block holds.
+/// Content of a block.
 #[derive(Debug, Serialize, Deserialize)]
 struct Block {
-    /// The attractors that its starts lead to, in the order in which they do so first.
+    /// Attractors of the starts in the block, in the order of first appearance.
     attractors: Vec<Outcome>,
-    /// Which of these each start leads to.
+    /// Index of each start's attractor in `attractors`.
     starts: Vec<usize>,
 }
 
@@ -142,12 +142,12 @@ impl Basin {
             solver: arguments.run.solver.clone(),
         };
         recurrence(system, basin.until).check()?;
-        // A wrong option is better told before the sweep than by its first block.
+        // A wrong option should be reported before the sweep, not by its first block.
         basin.solver.options()?;
         Ok(basin)
     }
 
-    /// The state that point `index` of the plane stands for.
+    /// Start state at point `index` of the plane.
     fn start(&self, index: usize) -> Vec<f64> {
         let mut start = self.start.clone();
         let at = self.points.at(index, &self.plane);
@@ -197,7 +197,7 @@ impl Sweep for Basin {
         let mut report = Report::of(system, format!("{starts} starts, {x}, {y}"));
         report.field("starts", starts).file(path);
         report.note("attractor   share  std. error  motion");
-        // By number, and behind the attractors what is none.
+        // Attractors come first, by number; outcomes that are no attractor follow.
         let mut in_order: Vec<&Attracting> = attractors.iter().collect();
         in_order.sort_by_key(|one| one.number.is_none());
         for one in &in_order {
@@ -235,22 +235,23 @@ impl Sweep for Basin {
     }
 }
 
-/// An attractor and the starts that lead to it; or the starts that lead to none in one way, as by
-/// escape.
+/// An attractor, or an outcome that is no attractor (such as escape), with the starts that lead to
+/// it.
 struct Attracting {
     outcome: Outcome,
-    /// Dimension of the family of periodic orbits of which this is the one that was met first.
+    /// Dimension of the family of periodic orbits that this attractor represents. The first orbit
+    /// of a family represents it.
     family: usize,
-    /// Which attractor it is, from 1; none where it is none.
+    /// Number of the attractor, from 1; `None` for other outcomes.
     number: Option<usize>,
     starts: usize,
-    /// Part of all starts.
+    /// Fraction of all starts.
     share: f64,
-    /// Standard error of that part, of starts drawn at random.
+    /// Standard error of the fraction, for starts drawn at random.
     std_error: f64,
 }
 
-/// The number of an attractor among those known; it is added if it is new.
+/// Index of an attractor among the known ones. A new attractor is added.
 fn number(
     known: &mut Vec<Outcome>,
     mut outcome: Outcome,
@@ -261,14 +262,14 @@ fn number(
     let attractors = Attractors::new(system.dynamics(), settings, options);
     let same = |one: &Outcome| one.is_same(&outcome, &attractors);
     known.iter().position(same).unwrap_or_else(|| {
-        // Once: each further orbit is compared with it.
+        // The family is determined once, because every further orbit is compared with it.
         outcome.family = Some(outcome.family(&attractors));
         known.push(outcome);
         known.len() - 1
     })
 }
 
-/// The attractors' numbers from 1, in their order; what is none has none.
+/// Numbers the attractors from 1, in order. Other outcomes have no number.
 fn numbers_of(known: &[Outcome]) -> Vec<Option<usize>> {
     let mut last = 0;
     let number = |outcome: &Outcome| {
@@ -281,9 +282,9 @@ fn numbers_of(known: &[Outcome]) -> Vec<Option<usize>> {
 }
 
 impl Basin {
-    /// Reads the blocks one after the other, tells their attractors apart, and writes the table of
-    /// all starts. The attractors are in the order in which starts lead to them first; for each
-    /// start, which of these, from 0.
+    /// Reads the blocks in order, identifies the attractors, and writes the table of all starts.
+    /// Returns the attractors in the order of first appearance, and for each start the index of its
+    /// attractor, from 0.
     fn read(
         &self,
         system: &System,
@@ -401,7 +402,7 @@ impl Basin {
         Figure::new("basin", (520.0, height), &title, &description).row(1.0, panel)
     }
 
-    /// What an attractor is called in the legend.
+    /// Name of an attractor in the legend.
     fn legend(&self, system: &System, outcome: &Outcome, share: f64) -> String {
         let word = outcome.motion.word();
         let percent = 100.0 * share;
@@ -415,7 +416,7 @@ impl Basin {
         } else {
             figures::plain(&phases)
         };
-        // Plain text, so that it is as wide as computed in every viewer.
+        // Plain text has the computed width in every viewer.
         let text = format!("{word}, period {period:.4}");
         let text = attractors::with_phases(text, ", ", &phases);
         format!("{text}: {percent:.2} %")

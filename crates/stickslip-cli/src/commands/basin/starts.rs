@@ -1,4 +1,4 @@
-//! Which starts a plane has.
+//! Starts in a plane.
 
 use std::num::NonZeroUsize;
 use std::ops::Range;
@@ -9,14 +9,14 @@ use stickslip::statistics::SplitMix;
 use crate::commands::range::{StateRange, middle};
 use crate::commands::sweeping::blocks;
 
-/// Random starts in a block.
+/// Number of random starts in a block.
 const IN_BLOCK: usize = 100;
 
-/// Which points of the plane.
+/// Points of the plane.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Points {
-    /// The middles of cells, row by row from the lowest second coordinate.
+    /// Centres of cells, row by row from the lowest second coordinate.
     Grid {
         columns: NonZeroUsize,
         rows: NonZeroUsize,
@@ -26,7 +26,7 @@ pub(super) enum Points {
 }
 
 impl Points {
-    /// Number of blocks: a row of a grid is one.
+    /// Number of blocks. A row of a grid is one block.
     pub(super) fn blocks(&self) -> NonZeroUsize {
         match *self {
             Points::Grid { rows, .. } => rows,
@@ -48,7 +48,7 @@ impl Points {
         }
     }
 
-    /// Where in the plane a point is.
+    /// Coordinates of a point in the plane.
     pub(super) fn at(&self, index: usize, ranges: &[StateRange; 2]) -> [f64; 2] {
         let parts = match *self {
             Points::Grid { columns, rows } => [

@@ -1,4 +1,4 @@
-//! What was found on both ways through the range, as tables and as the diagram.
+//! Results of both passes through the range, as tables and as a diagram.
 
 use std::path::PathBuf;
 use std::rc::Rc;
@@ -16,27 +16,27 @@ use crate::failure::Failure;
 use crate::render::Table;
 use crate::sweep::Store;
 
-/// What the two ways through the range are called.
+/// Names of the two passes through the range.
 pub(super) const WAY_NAMES: [&str; 2] = ["up", "down"];
 
-/// Points of one way through the range, as parameter and value.
+/// Points of one pass through the range, as parameter and value.
 type Points = Vec<(f64, f64)>;
 
-/// The points that a panel shows of a way.
+/// Selects the points that a panel shows of one pass.
 type Shown = fn(&OneDirection) -> &Points;
 
-/// What the figure shows of one way through the range, as points of parameter and value.
+/// What the figure shows of one pass through the range.
 #[derive(Default)]
 pub(super) struct OneDirection {
-    /// First state at the points of the section.
+    /// First state at the section points.
     section: Points,
-    /// Durations of sticks.
+    /// Durations of stick.
     sticks: Points,
     /// Largest exponents.
     exponents: Points,
-    /// What changes on the way, and between which values.
+    /// Changes along the pass, and the values between which they occur.
     pub(super) changes: Vec<ChangeBetween>,
-    /// Values between which the motion stays the same, in the order of the way, and what it is.
+    /// Intervals of the parameter with the same motion, in the order of the pass, and the motion.
     pub(super) spans: Vec<(f64, f64, String)>,
 }
 
@@ -69,8 +69,7 @@ fn sticks(at: &AtValue) -> impl Iterator<Item = &PhaseThere> {
 }
 
 impl Bifurcation {
-    /// Reads the blocks one after the other and writes the tables of points of the section and of
-    /// sticks.
+    /// Reads the blocks in order and writes the tables of section points and of sticks.
     pub(super) fn read(
         &self,
         system: &System,
@@ -79,7 +78,7 @@ impl Bifurcation {
     ) -> Result<[OneDirection; 2], Failure> {
         let mut ways = [OneDirection::default(), OneDirection::default()];
         let parameter = self.parameter.name.as_str();
-        // One without a state where there is no point.
+        // A value without section points has one entry without a state.
         type Point = (usize, Rc<AtValue>, Option<usize>);
         let columns = Table::new()
             .column("way", |&(way, ..): &Point| WAY_NAMES[way])
@@ -167,8 +166,8 @@ impl Bifurcation {
                     panel.add(Guide::vertical(value));
                 }
             }
-            // Up is an open square around the point of down, so that both are seen where they
-            // agree.
+            // The upward pass has open squares around the points of the downward one, so that both
+            // are visible where they agree.
             let up = Markers::new(of(up).iter().copied());
             panel.add(
                 up.shape(Shape::Square)
@@ -182,7 +181,7 @@ impl Bifurcation {
             if k == last {
                 panel = panel.legend(Legend::Below);
             }
-            // The last one has the numbers of the axis and the legend below.
+            // Below the last panel are the numbers of the axis and the legend.
             figure = figure.row(if k == last { 1.3 } else { 1.0 }, panel);
         }
         figure

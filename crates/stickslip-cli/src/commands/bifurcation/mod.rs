@@ -63,30 +63,29 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     })
 }
 
-/// Values of the parameter in a block.
+/// Number of parameter values in a block.
 const IN_BLOCK: usize = 10;
 
-/// Ways through the range.
+/// Number of passes through the range: up and down.
 const WAYS: NonZeroUsize = NonZeroUsize::MIN.saturating_add(1);
 
-/// Everything that a diagram depends on besides the system.
+/// Everything that a diagram depends on, except the system.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Bifurcation {
     parameter: ParameterRange,
     values: NonZeroUsize,
     start: StartArguments,
-    /// Time after which an orbit is undecided.
+    /// Time after which an orbit counts as undecided.
     until: f64,
     duration: f64,
     solver: SolverArguments,
 }
 
-/// What a block holds.
+/// Content of a block.
 #[derive(Debug, Serialize, Deserialize)]
 struct Block {
     found: Vec<AtValue>,
-    /// Changes from each value to the next, the first of them from the last value of the block
-    /// before.
+    /// Changes from each value to the next. The first begins at the last value of the block before.
     changes: Vec<ChangeBetween>,
     last: Option<ValueEnd>,
 }
@@ -101,7 +100,7 @@ impl Bifurcation {
             duration: arguments.exponent.of(system)?,
             solver: arguments.run.solver.clone(),
         };
-        // What is wrong is better told before the sweep than by one of its blocks.
+        // Errors should be reported before the sweep, not by one of its blocks.
         if diagram.values.get() < 2 {
             return Err(Failure::Usage(
                 "--values 1: a diagram has at least 2 values".into(),
@@ -118,17 +117,17 @@ impl Bifurcation {
         Ok(diagram)
     }
 
-    /// Blocks of one way.
+    /// Number of blocks of one pass.
     fn blocks(&self) -> NonZeroUsize {
         blocks(self.values, IN_BLOCK)
     }
 
-    /// Whether a block is on the way up.
+    /// Whether a block belongs to the upward pass.
     fn is_up(&self, block: usize) -> bool {
         block < self.blocks().get()
     }
 
-    /// The values of the parameter in a block, in the order in which they are gone through.
+    /// Parameter values of a block, in the order of the pass.
     fn values_of(&self, block: usize) -> impl Iterator<Item = f64> + '_ {
         let number = self.values.get();
         let first = block % self.blocks().get() * IN_BLOCK;

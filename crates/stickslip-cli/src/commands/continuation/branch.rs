@@ -1,4 +1,4 @@
-//! The branch through an orbit, both ways.
+//! The branch through an orbit, in both directions.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -23,24 +23,24 @@ use stickslip_kernels::file::System;
 /// An orbit of the branch.
 pub(super) struct Point {
     pub(super) orbit: BranchPoint,
-    /// Least and greatest value of each state on it.
+    /// Minimum and maximum of each state on the orbit.
     pub(super) extremes: Vec<(f64, f64)>,
 }
 
-/// A whole branch, from its end downwards to its end upwards.
+/// A whole branch, from its lower to its upper end.
 pub(super) struct Branch {
     pub(super) points: Vec<Point>,
     /// The special orbits, in the same order.
     pub(super) special: Vec<SpecialPoint>,
-    /// The orbit that the branch was begun with.
+    /// Index of the orbit from which the branch was started.
     pub(super) first: usize,
-    /// Why it ends downwards and upwards.
+    /// Why the branch ends, downwards and upwards.
     pub(super) stops: [Stop; 2],
 }
 
 /// A branch that begins at a special orbit of another one.
 pub(super) struct Other {
-    /// The number of that orbit, counted from 0, among the special ones.
+    /// Index of that orbit among the special ones, from 0.
     pub(super) from: usize,
     pub(super) branch: Branch,
 }
@@ -86,7 +86,7 @@ impl<'a> Begin<'a> {
                 name = range.name
             )));
         }
-        // What cannot be evaluated at the ends is better told now.
+        // A system that cannot be evaluated at the ends should be reported now.
         for end in [range.low, range.high] {
             range.system(system, end)?;
         }
@@ -99,7 +99,8 @@ impl<'a> Begin<'a> {
         })
     }
 
-    /// The branch through an orbit that takes so many periods of the drive, if there is one.
+    /// The branch through an orbit. `periods` is the number of periods of the drive in it, if there
+    /// is a drive.
     pub(super) fn branch(
         &self,
         (orbit, periods): (&PeriodicOrbit, Option<u32>),
@@ -139,7 +140,7 @@ impl<'a> Begin<'a> {
         };
         let (down, up) = rayon::join(|| way(false), || way(true));
         let (mut down, mut up) = (down?, up?);
-        // A closed branch is the same the other way round.
+        // A closed branch is the same in the other direction.
         if down.stop == Stop::Closed {
             only_begun(&mut up);
         } else if up.stop == Stop::Closed {
@@ -148,7 +149,7 @@ impl<'a> Begin<'a> {
         self.joined(down, up, options)
     }
 
-    /// The branch of equilibria through one near a state, downwards and upwards.
+    /// The branch of equilibria through the one near a state, downwards and upwards.
     pub(super) fn equilibria(
         &self,
         x: &[f64],
@@ -160,7 +161,7 @@ impl<'a> Begin<'a> {
         Ok([way(false)?, way(true)?])
     }
 
-    /// The system with another parameter as a state, too.
+    /// The system with a second parameter as a state.
     pub(super) fn also(&self, range: ParameterRange) -> Result<Also, Failure> {
         let parameters = self.system.file.parameters.iter();
         let names: Vec<&str> = parameters.map(|one| one.name.as_str()).collect();
@@ -191,8 +192,8 @@ impl<'a> Begin<'a> {
         Ok(Also { range, value, both })
     }
 
-    /// Each special orbit on the branch but branch points, followed in two parameters; none where
-    /// no curve goes on from it.
+    /// Follows each special orbit on the branch in two parameters, except branch points. `None` if
+    /// no curve continues from it.
     pub(super) fn curves(
         &self,
         also: &Also,
@@ -210,7 +211,7 @@ impl<'a> Begin<'a> {
         let is_above = |at: &SpecialPoint| at.behind > branch.first;
         let below = branch.special.iter().filter(|at| !is_above(at)).count();
         let curve = |(k, at): (usize, &SpecialPoint)| {
-            // Each way counts from the orbit that the branch was begun with.
+            // In each direction, orbits are counted from the one that the branch was started from.
             let upwards = is_above(at);
             let number = if upwards { k - below } else { below - 1 - k };
             let ranges = (&settings, (also.range.low, also.range.high));
@@ -240,7 +241,7 @@ impl<'a> Begin<'a> {
         followed.into_par_iter().map(curve).collect()
     }
 
-    /// The branches that begin at flips and branch points of one.
+    /// The branches that begin at flips and branch points of a branch.
     pub(super) fn others(
         &self,
         (orbit, periods): (&PeriodicOrbit, Option<u32>),
@@ -268,7 +269,7 @@ impl<'a> Begin<'a> {
                 Err(Error::NotFound { .. }) => Vec::new(),
                 Err(error) => return Err(Failure::from(error)),
             };
-            // It ends with what it begins with on one side.
+            // On one side, the branch ends with its first orbit.
             let begin = |way: &Way| Way {
                 points: way.points.iter().take(1).cloned().collect(),
                 special: Vec::new(),
@@ -286,12 +287,11 @@ impl<'a> Begin<'a> {
         Ok(others?.into_iter().flatten().collect())
     }
 
-    /// A state of the orbit at a time that is a multiple of its period: there the clock of the
-    /// branch begins.
+    /// A state of the orbit at a multiple of its period, where the time of the branch begins.
     fn at_zero(&self, orbit: &PeriodicOrbit, options: &Options) -> Result<Vector, Failure> {
         let behind = orbit.t.rem_euclid(orbit.period);
         let t_end = orbit.t + (orbit.period - behind);
-        // What is behind by rounding may be a whole period, or none.
+        // By rounding, the remainder may be a whole period or zero.
         if !self.system.built.depends_on_time || behind == 0.0 || t_end <= orbit.t {
             return Ok(orbit.x.clone());
         }
@@ -305,9 +305,9 @@ impl<'a> Begin<'a> {
         Ok(ended.x)
     }
 
-    /// Both ways as one, in the time of the file and with how far each orbit goes.
+    /// Joins both directions, in the time of the file, with the extremes of each orbit.
     fn joined(&self, down: Way, up: Way, options: &Options) -> Result<Branch, Failure> {
-        // The first orbit is on both.
+        // Both directions contain the first orbit.
         let first = down.points.len().saturating_sub(1);
         let mut orbits: Vec<BranchPoint> = down.points.into_iter().skip(1).rev().collect();
         orbits.extend(up.points);
@@ -322,7 +322,7 @@ impl<'a> Begin<'a> {
             behind: at.behind + first,
             ..at
         }));
-        // Newton's iteration comes to the ends of the range but for rounding.
+        // Newton's iteration reaches the ends of the range only up to rounding.
         let within = |parameter: f64| parameter.clamp(self.range.low, self.range.high);
         for orbit in &mut orbits {
             orbit.parameter = within(orbit.parameter);
@@ -348,7 +348,7 @@ impl<'a> Begin<'a> {
         })
     }
 
-    /// How fast the file's time passes at a value of the parameter, in the time of the branch.
+    /// Ratio of the time of the file to the time of the branch, at a value of the parameter.
     fn pace(&self, parameter: f64) -> Result<f64, Failure> {
         self.pace_of(&[(&self.range.name, parameter)])
     }
@@ -361,7 +361,7 @@ impl<'a> Begin<'a> {
         Ok(there.built.period.map_or(1.0, |there| there / here))
     }
 
-    /// What is the system's own of a state with the parameter behind it.
+    /// The states of the system, without the parameter that follows them.
     fn states_of(&self, x: &Vector) -> Vector {
         x.rows(0, self.system.states()).into_owned()
     }
@@ -409,7 +409,7 @@ fn whole(
     }
 }
 
-/// Leaves of one way only where it begins.
+/// Keeps only the first orbit of a direction.
 fn only_begun(way: &mut Way) {
     way.points.truncate(1);
     way.special.clear();

@@ -12,7 +12,7 @@ use super::{json as special_json, what, words as special_words};
 use crate::failure::Failure;
 use crate::render::{Report, Table, rounded};
 
-/// Tells the curves, and writes `curves.csv` and `curves.svg`.
+/// Reports the curves, and writes `curves.csv` and `curves.svg`.
 pub(super) fn report(
     report: &mut Report,
     system: &System,
@@ -69,7 +69,7 @@ pub(super) fn report(
     Ok(())
 }
 
-/// Why a curve ends there.
+/// Why a curve ends.
 fn words(stop: CurveStop) -> &'static str {
     match stop {
         CurveStop::Range => "(an end of a range)",
@@ -88,7 +88,7 @@ fn word(stop: CurveStop) -> &'static str {
     }
 }
 
-/// The curves in the plane of both parameters.
+/// Plots the curves in the plane of both parameters.
 fn diagram(
     system: &System,
     range: &ParameterRange,

@@ -1,4 +1,4 @@
-//! A branch of equilibria, both ways.
+//! A branch of equilibria, in both directions.
 
 use plot::{BLACK, BLUE, Curve, Dash, Figure, Legend, Markers, Panel, Shape, VERMILLION};
 use serde_json::{Value, json};
@@ -13,7 +13,7 @@ use super::End;
 use crate::failure::Failure;
 use crate::render::{Report, Table, place, rounded};
 
-/// What was found of the branch downwards and upwards.
+/// Reports the branch, downwards and upwards.
 pub(super) fn report(
     system: &System,
     range: &ParameterRange,
@@ -21,7 +21,7 @@ pub(super) fn report(
 ) -> Result<Report, Failure> {
     let name = &range.name;
     let stops = [down.stop, up.stop];
-    // The first one is on both.
+    // Both directions contain the first equilibrium.
     let first = down.points.len() - 1;
     let points: Vec<EquilibriumPoint> = down
         .points
@@ -126,7 +126,7 @@ fn frequency(at: &SpecialEquilibrium) -> Option<f64> {
     }
 }
 
-/// The contact on whose boundary it is, and the modes before and behind it.
+/// The contact on whose boundary the equilibrium lies, and the modes before and after it.
 fn boundary(at: &SpecialEquilibrium, system: &System) -> Option<(String, [String; 2])> {
     match at.what {
         EquilibriumBifurcation::Boundary {
@@ -182,7 +182,7 @@ fn columns<'a>(
         })
 }
 
-/// The special equilibria, each behind so many rows of the table of all.
+/// Table of special equilibria, each with the number of rows before it in the table of all.
 fn special_columns<'a>(system: &'a System, parameter: &str) -> Table<'a, &'a SpecialEquilibrium> {
     let states = system.states();
     let modes = move |k: usize| {
@@ -200,7 +200,7 @@ fn special_columns<'a>(system: &'a System, parameter: &str) -> Table<'a, &'a Spe
         .state(system, "", move |at| at.x.as_slice()[..states].to_vec())
 }
 
-/// The first state over the parameter.
+/// Plots the first state over the parameter.
 fn diagram(
     system: &System,
     range: &ParameterRange,
@@ -218,7 +218,7 @@ fn diagram(
     let mut begin = 0;
     for run in points.chunk_by(|a, b| a.stability() == b.stability()) {
         let end = begin + run.len();
-        // It reaches to the run before.
+        // The line begins at the last point of the run before, without a gap.
         let line = places[begin.saturating_sub(1)..end].to_vec();
         begin = end;
         let stability = run[0].stability();

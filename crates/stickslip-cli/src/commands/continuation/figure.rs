@@ -1,4 +1,4 @@
-//! The branch over the parameter: how far its orbits go, their period and their largest multiplier.
+//! The branch over the parameter: extremes of the orbits, periods and largest multipliers.
 
 use plot::{
     BLACK, BLUE, Color, Curve, Dash, Figure, GREEN, Guide, Legend, Markers, ORANGE, PURPLE, Panel,
@@ -11,20 +11,20 @@ use super::super::range::ParameterRange;
 use super::branch::{Branch, Point};
 use stickslip_kernels::file::System;
 
-/// A value of an orbit.
+/// Computes a value of an orbit.
 type Value = fn(&Point) -> f64;
 
 const LARGEST_MULTIPLIER: &str = "largest multiplier";
 
-/// Largest multiplier that is drawn: of unstable orbits it may be of any size.
+/// Largest multiplier that is drawn. Those of unstable orbits may have any size.
 const LARGEST: f64 = 3.0;
 
-/// The first of the branches is that through the orbit that was found.
+/// Plots the branches. The first is the one through the initial orbit.
 pub(super) fn diagram(system: &System, range: &ParameterRange, branches: &[&Branch]) -> Figure {
     let first = &system.file.states[0];
     let largest: Value = |at| {
         let sizes = at.orbit.multipliers.iter().map(|one| one.norm());
-        // Of orbits that stick it is zero but for rounding.
+        // For orbits that stick it is zero up to rounding.
         match sizes.fold(0.0, f64::max) {
             largest if largest > LARGEST => f64::NAN,
             largest if largest < 1e-9 => 0.0,
@@ -33,8 +33,8 @@ pub(super) fn diagram(system: &System, range: &ParameterRange, branches: &[&Bran
     };
     let extent = |which: &str| format!("{which} {}", figures::with_unit(&first.name, &first.unit));
     let period = figures::in_time(system, "period", "");
-    // Multipliers are known to 1e-6. The greatest and the least have a scale each, on which the
-    // ways there and back of a closed branch are told apart.
+    // Multipliers are accurate to 1e-6. Maximum and minimum have separate scales, so that the two
+    // parts of a closed branch can be distinguished.
     let extents: [(String, Value); 2] = [
         (extent("greatest"), |at| at.extremes[0].1),
         (extent("least"), |at| at.extremes[0].0),
@@ -43,7 +43,7 @@ pub(super) fn diagram(system: &System, range: &ParameterRange, branches: &[&Bran
         (period, |at| at.orbit.period, 0.0),
         (LARGEST_MULTIPLIER.to_owned(), largest, 1e-6),
     ];
-    // Of a driven system the period says nothing, unless it is what is varied.
+    // The period of a driven system is not informative, unless it varies with the parameter.
     let others = others
         .into_iter()
         .filter(|(_, value, error)| differs(branches, *value, *error))
@@ -123,7 +123,7 @@ pub(super) fn diagram(system: &System, range: &ParameterRange, branches: &[&Bran
     figure
 }
 
-/// What marks special orbits, in the order of the legend.
+/// Labels of special orbits, in the order of the legend.
 const SPECIAL: [&str; 5] = [
     "fold",
     "branch point",
@@ -132,7 +132,7 @@ const SPECIAL: [&str; 5] = [
     "change of phases",
 ];
 
-/// The mark of a special orbit, as the legend has it.
+/// Label and marker of a special orbit, as in the legend.
 fn mark(kind: &Special) -> (&'static str, Color, Shape) {
     match kind {
         Special::Fold => (SPECIAL[0], BLACK, Shape::Circle),
@@ -143,7 +143,7 @@ fn mark(kind: &Special) -> (&'static str, Color, Shape) {
     }
 }
 
-/// What marks ends of a branch, in the order of the legend.
+/// Labels and markers of ends of a branch, in the order of the legend.
 const ENDS: [(&str, Shape); 5] = [
     ("Hopf bifurcation", Shape::Circle),
     ("homoclinic end", Shape::Square),
@@ -152,7 +152,7 @@ const ENDS: [(&str, Shape); 5] = [
     ("two-fold", Shape::Up),
 ];
 
-/// The number of the mark of an end, if it has one.
+/// Index in [`ENDS`] of the marker of an end, if it has one.
 fn mark_of_end(stop: &Stop) -> Option<usize> {
     match stop {
         Stop::Equilibrium { .. } => Some(0),
@@ -164,8 +164,8 @@ fn mark_of_end(stop: &Stop) -> Option<usize> {
     }
 }
 
-/// Where the end of a branch is: an equilibrium is between the least and the greatest that the last
-/// orbit has of a state.
+/// Position of the marker at the end of a branch. An equilibrium lies between the minimum and the
+/// maximum of a state on the last orbit.
 fn end_mark(end: &Point, stop: &Stop, value: Value, is_extent: bool) -> (f64, f64) {
     let (least, greatest) = end.extremes[0];
     let height = match stop {
@@ -191,7 +191,7 @@ fn points<'b>(branches: &'b [&Branch]) -> impl Iterator<Item = &'b Point> {
     branches.iter().flat_map(|branch| &branch.points)
 }
 
-/// The part of the range that the branches take, with a little room.
+/// The part of the range that the branches cover, with a margin.
 fn ends(range: &ParameterRange, branches: &[&Branch]) -> (f64, f64) {
     let parameters = points(branches).map(|at| at.orbit.parameter);
     let (low, high) = figures::extremes(parameters);
@@ -202,8 +202,8 @@ fn ends(range: &ParameterRange, branches: &[&Branch]) -> (f64, f64) {
     ((low - room).max(range.low), (high + room).min(range.high))
 }
 
-/// Where a special orbit is on the curve of a value: between its neighbours. Where stability
-/// changes by a multiplier, its size is 1.
+/// Position of a special orbit on the curve of a value, between its neighbours. If a multiplier
+/// changes the stability, its size is 1 there.
 fn place(branch: &Branch, at: &SpecialPoint, value: Value, is_size: bool) -> (f64, f64) {
     let stability = |k: usize| branch.points.get(k).map(|point| point.orbit.stability());
     let changes = at.behind.checked_sub(1).and_then(stability) != stability(at.behind);
@@ -220,7 +220,8 @@ fn place(branch: &Branch, at: &SpecialPoint, value: Value, is_size: bool) -> (f6
     let height = match (before, orbit(at.behind)) {
         (Some(a), Some(b)) => {
             let [from, to] = [a.0, b.0].map(|parameter| (parameter - at.parameter).abs());
-            // A fold lies beyond both; along the branch the parameter goes there like a square.
+            // A fold lies beyond both neighbours: there the parameter is quadratic along the
+            // branch.
             let is_fold = matches!(at.what, Special::Fold);
             let [from, to] = [from, to].map(|way| if is_fold { way.sqrt() } else { way });
             let part = if from + to > 0.0 {
@@ -235,8 +236,8 @@ fn place(branch: &Branch, at: &SpecialPoint, value: Value, is_size: bool) -> (f6
     (at.parameter, height)
 }
 
-/// The branch in pieces of one stability. Neighbouring pieces share the special orbit between them,
-/// so that the curve has no gap.
+/// Splits the branch into pieces of equal stability. Neighbouring pieces share the special orbit
+/// between them, so that the curve has no gap.
 fn runs(branch: &Branch, value: Value, is_size: bool) -> Vec<(Stability, Vec<(f64, f64)>)> {
     let mut runs: Vec<(Stability, Vec<(f64, f64)>)> = Vec::new();
     for (k, at) in branch.points.iter().enumerate() {
@@ -262,7 +263,7 @@ fn runs(branch: &Branch, value: Value, is_size: bool) -> Vec<(Stability, Vec<(f6
     runs
 }
 
-/// Whether a value is not the same everywhere but for rounding, and for what it may be off.
+/// Whether a value varies by more than rounding and its error.
 fn differs(branches: &[&Branch], value: Value, error: f64) -> bool {
     let (low, high) = figures::extremes(points(branches).map(value));
     high - low > error + 1e-9 * high.abs()

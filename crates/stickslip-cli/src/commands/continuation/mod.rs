@@ -86,7 +86,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     Ok(report.written(&writer.store.staging()?, &arguments.run.output)?)
 }
 
-/// The range of the parameter, and how the branch is followed in it.
+/// Range of the parameter, and settings of the continuation.
 fn settings(
     arguments: &Arguments,
     system: &System,
@@ -110,7 +110,7 @@ fn equilibria(arguments: &Arguments, ready: &Ready) -> Result<Report, Failure> {
     equilibria::report(system, &range, branches)
 }
 
-/// Everything that the branch depends on besides the system.
+/// Everything that the branch depends on, except the system.
 #[derive(Serialize)]
 struct Wanted<'a> {
     parameter: &'a ParameterRange,
@@ -121,7 +121,7 @@ struct Wanted<'a> {
     solver: &'a SolverArguments,
 }
 
-/// Ways along the branch, each of them saved in a block.
+/// Number of directions along the branch. Each is saved in a block.
 const WAYS: NonZeroUsize = NonZeroUsize::MIN.saturating_add(1);
 
 fn found(arguments: &Arguments, ready: &Ready) -> Result<(Report, Writer), Failure> {
@@ -249,7 +249,7 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<(Report, Writer), Failu
     Ok((report, writer))
 }
 
-/// A branch that begins at another one, in words and as an object.
+/// A branch that begins at another branch, in words and as a JSON object.
 fn told(
     number: usize,
     Other { from, branch }: &Other,
@@ -288,8 +288,8 @@ fn told(
     (note, object)
 }
 
-/// The special orbits of a branch with a number; the ends that are bifurcations are before and
-/// behind them.
+/// Rows of the special orbits of branch `number`. Ends that are bifurcations come before and after
+/// them.
 fn rows(number: usize, branch: &Branch, system: &System, name: &str) -> Vec<Row> {
     let [first, last] = branch
         .stops
@@ -313,7 +313,7 @@ fn change(at: &SpecialPoint) -> Option<Change> {
     }
 }
 
-/// What a special orbit is called.
+/// Name of a special orbit.
 fn what(at: &SpecialPoint) -> String {
     change(at).map_or_else(|| at.what.to_string(), |change| change.name())
 }
@@ -358,14 +358,14 @@ fn json(at: &SpecialPoint, system: &System) -> Value {
 
 /// The end of a branch.
 struct End {
-    /// In a word.
+    /// Name for programs.
     stop: &'static str,
-    /// Behind "it ends".
+    /// Words that follow "it ends".
     words: String,
     /// A value for programs, with its name.
     detail: Option<(&'static str, Value)>,
-    /// The row of `special.csv`, if it is a bifurcation. Its orbit has no phases of its own, and a
-    /// homoclinic one no period.
+    /// The row of `special.csv`, if the end is a bifurcation. It has no phases, and a homoclinic
+    /// orbit has no period.
     row: Option<Row>,
 }
 
@@ -491,7 +491,7 @@ impl End {
         }
     }
 
-    /// Its row, behind so many orbits.
+    /// Row of the end, after the number of orbits in `behind`.
     fn row(&self, behind: usize) -> Option<Row> {
         let row = self.row.clone()?;
         Some(Row { behind, ..row })
@@ -536,8 +536,8 @@ impl Row {
     }
 }
 
-/// The columns of `special.csv`: the special orbits, each behind so many rows that its branch has
-/// in `branch.csv`, and the ends that are bifurcations.
+/// The columns of `special.csv`: special orbits and ends that are bifurcations. Each has the number
+/// of rows of its branch that come before it in `branch.csv`.
 fn special_columns<'a>(system: &System, parameter: &str, is_numbered: bool) -> Table<'a, Row> {
     let phases = |k: usize| move |row: &Row| row.phases.as_ref().map(|phases| phases[k].clone());
     numbered(is_numbered, |row: &Row| row.branch)
@@ -553,7 +553,7 @@ fn special_columns<'a>(system: &System, parameter: &str, is_numbered: bool) -> T
         .state(system, "", |row| row.x.clone())
 }
 
-/// A table with the number of the branch, if that is asked for.
+/// A table with a column for the number of the branch, if `is_numbered`.
 fn numbered<'a, R>(is_numbered: bool, number: impl Fn(&R) -> usize + 'a) -> Table<'a, R> {
     match is_numbered {
         true => Table::new().column("branch", number),
@@ -561,7 +561,7 @@ fn numbered<'a, R>(is_numbered: bool, number: impl Fn(&R) -> usize + 'a) -> Tabl
     }
 }
 
-/// The columns of `branch.csv`: an orbit a row, from the branch's end downwards to its end upwards.
+/// The columns of `branch.csv`: one row per orbit, from the lower to the upper end of the branch.
 fn columns<'a>(
     system: &'a System,
     parameter: &str,

@@ -1,4 +1,4 @@
-//! A branch on disk while it is followed, so that it goes on after a kill.
+//! Saves a branch while it is followed, so that the computation resumes after a kill.
 
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -8,7 +8,7 @@ use stickslip::analysis::PartialBranch;
 use super::super::sweeping::{from_content, to_content};
 use crate::sweep::{SweepError, Writer};
 
-/// What was saved in a block; none where nothing whole is there.
+/// Reads what was saved in a block. `None` if there is no complete block.
 pub(super) fn saved(writer: &Writer, block: usize) -> Result<Option<PartialBranch>, SweepError> {
     let failed = |source| SweepError::Block { block, source };
     match writer.store.find(block)? {
@@ -17,11 +17,11 @@ pub(super) fn saved(writer: &Writer, block: usize) -> Result<Option<PartialBranc
     }
 }
 
-/// Saves one way along a branch in a block.
+/// Saves one direction along a branch in a block.
 pub(super) struct Saving<'a> {
     writer: &'a Writer,
     block: usize,
-    /// When it is saved next.
+    /// Time of the next save.
     due: Instant,
     unsaved: Option<PartialBranch>,
     outcome: Result<(), SweepError>,
@@ -38,7 +38,7 @@ impl<'a> Saving<'a> {
         }
     }
 
-    /// Saves the branch, if that is due. Where it fails, the branch need not go on.
+    /// Saves the branch, if that is due. Stops the continuation if saving fails.
     pub(super) fn observe(&mut self, branch: &PartialBranch) -> ControlFlow<()> {
         if Instant::now() < self.due {
             self.unsaved = Some(branch.clone());
@@ -52,7 +52,8 @@ impl<'a> Saving<'a> {
         }
     }
 
-    /// Saves what the last step began with: the file is then the same however often it was left.
+    /// Saves the state at the start of the last step. The file is then the same however often the
+    /// computation was interrupted.
     pub(super) fn finish(mut self) -> Result<(), SweepError> {
         if let Some(branch) = self.unsaved.take() {
             self.save(&branch)?;
@@ -61,7 +62,7 @@ impl<'a> Saving<'a> {
     }
 
     fn save(&mut self, branch: &PartialBranch) -> Result<(), SweepError> {
-        /// Times as long as it takes to save the branch it is followed between.
+        /// Time between two saves, in units of the duration of a save.
         const TIMES: u32 = 20;
         let block = self.block;
         let begun = Instant::now();

@@ -1,4 +1,4 @@
-//! The picture of a spectrum: how the exponents converge, and which directions the data have.
+//! The figure of a spectrum: convergence of the exponents, and directions in the data.
 
 use crate::commands::figures::extremes;
 use plot::*;
@@ -13,7 +13,7 @@ use super::findings::{Embedded, Findings, short};
 const COLOURS: [Color; 6] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY];
 /// Height of a row of panels.
 const ROW: f64 = 420.0;
-/// Part of the series after which the vertical axis must hold the running means.
+/// Fraction of the series after which the running means must lie within the vertical axis.
 const SETTLED: f64 = 0.1;
 
 /// The figure.
@@ -66,7 +66,7 @@ fn panel(title: &str, x: Axis, y: Axis) -> Panel {
     Panel::new(x, y).title(title).legend(Legend::Below)
 }
 
-/// Distances of neighbours over time.
+/// Distances between neighbours over time.
 fn partings(divergence: &Divergence) -> Panel {
     let curves = || std::iter::once(&divergence.rosenstein).chain(&divergence.kantz);
     let points = || curves().flat_map(|curve| &curve.points);
@@ -114,7 +114,7 @@ fn brief(v: f64) -> String {
     }
 }
 
-/// The series among its surrogates.
+/// The series compared with its surrogates.
 fn surrogates(test: &SurrogateTest) -> Panel {
     let all = || std::iter::once(&test.series).chain(&test.surrogates);
     let x = range(all().map(|one| one.residual));
@@ -168,7 +168,7 @@ fn delays(embedded: &Embedded) -> Panel {
     panel
 }
 
-/// False neighbours and Cao's averages over the number of values.
+/// False neighbours and Cao's averages over the number of delayed values.
 fn dimensions(embedded: &Embedded) -> Panel {
     let choice = &embedded.choice;
     let last = choice.dimensions.len().max(2) as f64;
@@ -209,8 +209,8 @@ fn convergence(findings: &Findings) -> Panel {
     let spectrum = &findings.spectrum;
     let end = spectrum.convergence.last().map_or(1.0, |row| row.t);
     let shown = |i: usize| spectrum.exponents[i].status != Status::Annihilated;
-    // An unidentified exponent may be anywhere; the axis is for those that mean something, if there
-    // are any.
+    // An unidentified exponent may have any value. The axis is chosen from the others, if there are
+    // any.
     let scales = |i: usize| match spectrum.dimension {
         0 => shown(i),
         _ => spectrum.exponents[i].status != Status::Unidentified && shown(i),
@@ -294,7 +294,7 @@ fn sizes(spectrum: &DataSpectrum) -> Panel {
     panel
 }
 
-/// The range of the finite values, widened by a margin; some interval if there is none.
+/// The range of the finite values, with a margin; a default interval if there are none.
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) = extremes(values);
     if low > high {

@@ -1,4 +1,4 @@
-//! All that is found out about a series, in words.
+//! Results of the analysis of a series, in words.
 
 use std::fmt::Write;
 
@@ -11,31 +11,31 @@ use stickslip_series::{
 use crate::render::{self, OutputError};
 use crate::table::Table;
 
-/// What is called ok was held against the truth on series of so many points and more.
+/// The reliability of the status `ok` was measured on series of at least this many points.
 const COUNTED_POINTS: usize = 5000;
-/// What exponents are measured in.
+/// Unit of exponents.
 pub(super) const UNIT: &str =
     "natural logarithms of growth per unit of the time that dt is given in";
 
-/// The spectrum and what stands beside it.
+/// The spectrum and the results that accompany it.
 pub(super) struct Findings {
     /// The spectrum, of the columns or of delayed values.
     pub(super) spectrum: DataSpectrum,
-    /// The divergence that was given and what it says of the spectrum; none of delayed values.
+    /// The given divergence and the comparison with the spectrum; `None` for delayed values.
     pub(super) balance: Option<(f64, Balance)>,
     /// The embedding, if the columns were embedded.
     pub(super) embedded: Option<Embedded>,
-    /// The largest exponent by diverging neighbours, where there are points enough.
+    /// The largest exponent from diverging neighbours, if there are enough points.
     pub(super) divergence: Option<Divergence>,
-    /// The test against surrogates, if it was asked for.
+    /// The test against surrogates, if requested.
     pub(super) surrogates: Option<SurrogateTest>,
 }
 
-/// An embedding and what became of it.
+/// An embedding and its results.
 pub(super) struct Embedded {
-    /// Delay and dimension, with the evidence.
+    /// Delay and dimension, with the evidence for them.
     pub(super) choice: EmbeddingChoice,
-    /// Which exponents are the system's.
+    /// Which exponents belong to the system.
     pub(super) reversal: Reversal,
 }
 
@@ -57,15 +57,15 @@ fn with_error((value, stderr): (f64, f64)) -> String {
     format!("{} ± {}", short(value), short(stderr))
 }
 
-/// Numbers counted from 1 of those of which something holds, for a list.
+/// Numbers, from 1, of the entries that are true, for a list.
 pub(super) fn numbers(all: impl IntoIterator<Item = bool>) -> Vec<String> {
     let holding = (1..).zip(all).filter(|(_, holds)| *holds);
     holding.map(|(i, _): (usize, _)| i.to_string()).collect()
 }
 
 impl Findings {
-    /// The status of an exponent in a word: that of the estimator, but for exponents of the
-    /// embedding's own, which no other status would make one of the system's.
+    /// The status of an exponent in a word. It is that of the estimator, except for spurious
+    /// exponents of the embedding.
     pub(super) fn status(&self, i: usize) -> &'static str {
         match self.spectrum.exponents[i].status {
             _ if self.is_spurious(i) => "spurious",
@@ -77,13 +77,13 @@ impl Findings {
         self.status(i) == Status::Ok.word()
     }
 
-    /// Whether the next delayed value does not depend on those before.
+    /// Whether the next delayed value is independent of those before.
     pub(super) fn is_noise(&self) -> bool {
         let embedded = self.embedded.as_ref();
         embedded.is_some_and(|embedded| embedded.choice.is_noise)
     }
 
-    /// Whether an exponent that the data determine is the embedding's own.
+    /// Whether an exponent that the data determine is spurious, that is, due to the embedding.
     pub(super) fn is_spurious(&self, i: usize) -> bool {
         let status = self.spectrum.exponents[i].status;
         let embedded = self.embedded.as_ref();
@@ -91,7 +91,7 @@ impl Findings {
             && embedded.is_some_and(|embedded| embedded.is_spurious(i))
     }
 
-    /// The spectrum and its evidence, for the terminal. Writing to a string cannot fail.
+    /// The spectrum and its evidence, for the terminal.
     pub(super) fn table(&self, source: &Table) -> String {
         let spectrum = &self.spectrum;
         let time = source.time.as_ref();
@@ -192,7 +192,7 @@ impl Findings {
         text
     }
 
-    /// How many of the tangent directions have an exponent to be trusted.
+    /// Number of tangent directions with a reliable exponent.
     fn determined(&self) -> String {
         let dimension = self.spectrum.dimension;
         match (0..dimension).filter(|&i| self.is_ok(i)).count() {
@@ -203,8 +203,8 @@ impl Findings {
         }
     }
 
-    /// What is to be known of the exponents that are ok: which have no sign for certain, and that
-    /// nobody counted what "ok" is worth of so few points.
+    /// Notes on exponents with the status `ok`: which of them have an uncertain sign, and that the
+    /// reliability of `ok` was not measured for so few points.
     pub(super) fn notes(&self, source: &Table) -> Vec<String> {
         let spectrum = &self.spectrum;
         let mut notes = Vec::new();
@@ -231,8 +231,8 @@ impl Findings {
         notes
     }
 
-    /// `index,exponent,stderr,status`, full precision; `-inf` for an annihilated direction, an
-    /// empty cell where there is no value.
+    /// Columns `index,exponent,stderr,status` in full precision. An annihilated direction has
+    /// `-inf`, and cells without a value are empty.
     pub(super) fn csv(&self) -> Result<String, OutputError> {
         let number = |value: f64| (!value.is_nan()).then_some(value);
         let exponent = |&i: &usize| &self.spectrum.exponents[i];
@@ -246,7 +246,7 @@ impl Findings {
     }
 }
 
-/// Which estimator it is, and what its error holds.
+/// The estimator, and what its error includes.
 fn estimator(spectrum: &DataSpectrum) -> String {
     let Some(sizes) = &spectrum.sizes else {
         let why = match spectrum.settings.estimator {
@@ -282,15 +282,15 @@ fn value(exponent: &DataExponent, is_spurious: bool) -> String {
 }
 
 impl Embedded {
-    /// Whether exponent `i` is the embedding's and not the system's.
+    /// Whether exponent `i` is due to the embedding and not to the system.
     pub(super) fn is_spurious(&self, i: usize) -> bool {
         self.reversal.origins.get(i) == Some(&Origin::Spurious)
     }
 
-    /// What was embedded and why so.
+    /// How the series was embedded, and why.
     fn text(&self, source: &Table) -> String {
         let choice = &self.choice;
-        // A number alone would read as a value.
+        // A bare number could be read as a value.
         let column = |name: &String| match name.parse::<usize>() {
             Ok(_) => format!("column {name}"),
             Err(_) => name.clone(),
@@ -311,7 +311,7 @@ impl Embedded {
         )
     }
 
-    /// Whose the exponents are.
+    /// Which exponents belong to the system and which to the embedding.
     fn origins(&self, spectrum: &DataSpectrum) -> String {
         let [system, spurious, unknown] =
             [Origin::System, Origin::Spurious, Origin::Unknown].map(|origin| {
@@ -345,7 +345,7 @@ impl Embedded {
     }
 }
 
-/// What a known divergence says of a spectrum.
+/// Comparison of a spectrum with a known divergence.
 fn against_divergence(spectrum: &DataSpectrum, divergence: f64, balance: &Balance) -> String {
     let divergence = short(divergence);
     match *balance {
@@ -375,7 +375,7 @@ fn against_divergence(spectrum: &DataSpectrum, divergence: f64, balance: &Balanc
     }
 }
 
-/// The largest exponent by diverging neighbours.
+/// The largest exponent from diverging neighbours.
 fn by_divergence(divergence: &Divergence) -> String {
     let opinion = |exponent: Option<(f64, f64)>| {
         exponent.map_or(

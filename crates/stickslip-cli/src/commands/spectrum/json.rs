@@ -1,5 +1,5 @@
-//! All that is found out about a series, for programs. Infinity and what has no value are `null`,
-//! as JSON has no word for them; `status` tells which.
+//! Results of the analysis of a series, as JSON. JSON has neither infinity nor undefined numbers,
+//! so both are `null`; `status` distinguishes them.
 
 use serde_json::{Value, json};
 use stickslip_series::{Balance, Divergence, DivergenceCurve, Neighbourhood, Statistics};

@@ -1,4 +1,4 @@
-//! `stickslip spectrum`: the Lyapunov spectrum of anyone's time series.
+//! `stickslip spectrum`: the Lyapunov spectrum of a time series.
 
 mod figure;
 mod findings;
@@ -21,7 +21,7 @@ use crate::table;
 use crate::terminal::{Patience, note};
 use findings::{Embedded, Findings};
 
-/// The first random number of the surrogates, so that two runs find the same.
+/// Seed of the surrogates. It is fixed so that results are reproducible.
 const SEED: u64 = 19_920_901;
 
 const ABOUT: &str = "Lyapunov exponents of a time series: maps fitted to neighbours of each point \
@@ -34,9 +34,11 @@ const AFTER: &str = include_str!("help.txt").trim_ascii_end();
 
 /// With `-h`, which has a line for each option.
 const AFTER_SHORT: &str = "\
-One column is embedded; several are the state as they are, unless they lack one. A column named t or time gives --dt.
+One column is embedded; several are the state as they are, unless they lack one. \
+A column named t or time gives --dt.
 Example: stickslip spectrum lorenz.dat --dt 0.02 --columns 1
-What the statuses of exponents and the columns of the table mean, which files are read, more examples: --help";
+What the statuses of exponents and the columns of the table mean, which files are read, \
+more examples: --help";
 
 /// Lyapunov exponents of a time series from a file, without equations
 #[derive(Debug, clap::Args)]
@@ -87,7 +89,12 @@ pub(super) struct Arguments {
     affine: bool,
 
     /// Singular values below this fraction of the largest are zero
-    #[arg(long, value_parser = number, value_name = "FRACTION", default_value_t = DataSettings::default().rank_tolerance)]
+    #[arg(
+        long,
+        value_parser = number,
+        value_name = "FRACTION",
+        default_value_t = DataSettings::default().rank_tolerance
+    )]
     rank_tolerance: f64,
 
     /// What is made of the local maps
@@ -173,7 +180,7 @@ fn neighbours(text: &str) -> Result<Neighbours, String> {
     }
 }
 
-/// A number of the command line.
+/// Parses a number from the command line.
 fn number(text: &str) -> Result<f64, String> {
     let pointed = text.replace(',', ".");
     match text.parse() {
@@ -185,14 +192,14 @@ fn number(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A whole number of the command line.
+/// Parses a whole number from the command line.
 fn count(text: &str) -> Result<usize, String> {
     text.parse()
         .map_err(|_| format!("a whole number from 0 to {} is needed", usize::MAX))
 }
 
 impl Arguments {
-    /// The estimator's settings.
+    /// Settings of the estimator.
     ///
     /// # Errors
     /// [`Failure::Usage`] for options that exclude one another.
@@ -235,7 +242,7 @@ impl Arguments {
         Ok(settings)
     }
 
-    /// What can be refused before the file is read.
+    /// Rejects invalid options before the file is read.
     fn check(&self) -> Result<(), Failure> {
         if let Some(dt) = self.dt {
             Series::new(vec![0.0], 1, dt)?;
@@ -252,7 +259,7 @@ impl Arguments {
 
 fn refused(setting: &str, value: f64, bound: &str) -> String {
     let flag = match setting {
-        // The two ends of one option.
+        // `min` and `max` are the two ends of one option.
         "min" => "neighbours, minimum",
         "max" => "neighbours, maximum",
         "fixed_rank" => "rank",
@@ -264,18 +271,18 @@ fn refused(setting: &str, value: f64, bound: &str) -> String {
 }
 
 impl From<DataError> for Failure {
-    /// A setting is called by its option.
+    /// Settings are named after their options.
     fn from(error: DataError) -> Self {
         match error {
             DataError::Setting { name, value, bound } => Self::Usage(refused(name, value, &bound)),
-            // The defaults never reach over the end of a series.
+            // The defaults never extend beyond the end of a series, so the option is at fault.
             DataError::Span { .. } => Self::Usage(error.to_string()),
             other => Self::Series(other),
         }
     }
 }
 
-/// Runs `work` with a report of what is done and of how much.
+/// Runs `work`, which reports how much is done and how much there is.
 fn counted<T>(what: &str, work: impl FnOnce(&dyn Fn(usize, usize)) -> T) -> T {
     let patience = Patience::new(format!("{what} {{bar:40}} {{percent}} %, {{eta}} to go"));
     let outcome = work(&|done, total| patience.done(done as u64, total.max(1) as u64));
@@ -315,7 +322,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     Ok(answer)
 }
 
-/// Everything that is computed.
+/// Computes all results.
 fn find(
     series: &Series,
     settings: DataSettings,
@@ -371,7 +378,7 @@ fn find(
         })?),
         None => None,
     };
-    // Some exponents of delayed values may be none of the system's.
+    // Some exponents of delayed values may be spurious, so their sum is not compared.
     let balance = arguments
         .divergence
         .filter(|_| embedded.is_none())
@@ -380,7 +387,7 @@ fn find(
         spectrum,
         balance,
         embedded,
-        // A spectrum may be had of fewer points.
+        // A spectrum needs fewer points than this.
         divergence: match curves {
             Err(DataError::TooFew { .. }) => None,
             other => Some(other?),

@@ -1,5 +1,4 @@
-//! What makes a spectrum doubtful, what was done that was not asked for, and what was asked for and
-//! changes nothing.
+//! Warnings about a spectrum: reasons for doubt, automatic choices, and options without effect.
 
 use std::f64::consts::PI;
 
@@ -12,26 +11,27 @@ use super::Arguments;
 use super::findings::{Findings, numbers, short};
 use crate::table::Table;
 
-/// With a larger part of the reference points starved there is a warning.
+/// A warning is issued if a larger fraction of the reference points has too few neighbours.
 const STARVED: f64 = 0.1;
-/// With a larger part of the states the same as those before them there is a warning.
+/// A warning is issued if a larger fraction of the states equals the state before.
 const STANDING: f64 = 0.01;
-/// Reference points that reach over fewer Theiler windows are one short piece of an orbit, of which
-/// `ok` was found to be worth less.
+/// Reference points that cover fewer Theiler windows form one short piece of an orbit. The status
+/// `ok` is less reliable there.
 const WINDOWS: usize = 2;
-/// Mean distances of two values by which both ends of a turn may be missed. Values that fill it
-/// evenly miss them by more once in 2e7 (21 exp(−20)),
+/// Tolerance for the two ends of a full turn, in mean distances between neighbouring values.
+/// Uniformly distributed values exceed it with probability 4e-8 (21 exp(−20)).
 const MISSED_ENDS: f64 = 20.0;
-/// but no larger part of the turn: ranges of other quantities come as near to one by chance.
+/// Maximum tolerance as a fraction of the turn. Ranges of other quantities come as close to a turn
+/// by chance.
 const MISSED_PART: f64 = 0.01;
-/// The two fits disagree where they differ by more than so many standard errors of the difference.
+/// The two fits disagree if they differ by more than this many standard errors of the difference.
 const COMBINED_ERRORS: f64 = 4.0;
 
 /// All warnings, each with its remedy.
 pub(super) fn all(findings: &Findings, source: &Table, arguments: &Arguments) -> Vec<String> {
     let spectrum = &findings.spectrum;
     let mut warnings = counting(source);
-    // Whatever else there is to say follows from it.
+    // All other warnings would follow from this one.
     if findings.is_noise() {
         warnings.push(
             "Cao's E2 is 1 with any number of delayed values: the next value does not depend on \
@@ -75,7 +75,7 @@ pub(super) fn all(findings: &Findings, source: &Table, arguments: &Arguments) ->
     warnings
 }
 
-/// The exponents of a status with their verb.
+/// The exponents of a status, with the matching verb form.
 fn with_status(spectrum: &DataSpectrum, status: Status) -> Option<String> {
     let exponents = spectrum.exponents.iter();
     let indices = numbers(exponents.map(|exponent| exponent.status == status));
@@ -127,7 +127,7 @@ fn starved(spectrum: &DataSpectrum) -> Option<String> {
     ))
 }
 
-/// The first column whose values lie on a grid, and what that does.
+/// Warning about the first column whose values lie on a grid.
 fn on_a_grid(spectrum: &DataSpectrum, source: &Table) -> Option<String> {
     let grid = source.grid()?;
     let step = grid.step.map_or(String::new(), |step| {
@@ -152,7 +152,7 @@ fn unstable(spectrum: &DataSpectrum) -> Option<String> {
             "or from linear maps to quadratic ones, by more than two statistical errors"
         }
     };
-    // What is in use already is no remedy.
+    // An option that is in use already is not suggested.
     let affine = if spectrum.settings.affine {
         ""
     } else {
@@ -169,7 +169,7 @@ fn unstable(spectrum: &DataSpectrum) -> Option<String> {
     ))
 }
 
-/// A sum of exponents that differs from the divergence.
+/// Warning about a sum of exponents that differs from the divergence.
 fn unbalanced(findings: &Findings) -> Option<String> {
     let (divergence, balance) = findings.balance?;
     let Balance::Whole {
@@ -191,7 +191,7 @@ fn unbalanced(findings: &Findings) -> Option<String> {
     ))
 }
 
-/// What makes an embedding doubtful.
+/// Warnings about an embedding.
 fn embedding(findings: &Findings) -> Vec<String> {
     let mut warnings = Vec::new();
     let Some(embedded) = &findings.embedded else {
@@ -215,7 +215,7 @@ fn embedding(findings: &Findings) -> Vec<String> {
     warnings
 }
 
-/// States that are the same as the ones before them.
+/// Warning about states that equal the state before.
 fn standing_still(findings: &Findings, source: &Table) -> Option<String> {
     let embedded = findings.embedded.as_ref();
     let reach = embedded.map_or(0, |embedded| embedded.choice.embedding.span());
@@ -230,7 +230,7 @@ fn standing_still(findings: &Findings, source: &Table) -> Option<String> {
     })
 }
 
-/// A time or an index makes every point its own: it is no coordinate of a state.
+/// Warning about a column of times or indices. It never recurs, so it is no coordinate of a state.
 fn counting(source: &Table) -> Vec<String> {
     let warn = |(column, step): (usize, f64)| {
         let others = source.names.iter().enumerate();
@@ -252,8 +252,8 @@ fn counting(source: &Table) -> Vec<String> {
     source.even_columns().map(warn).collect()
 }
 
-/// Exponents that nothing else speaks against, but on which the two linear fits differ. One that is
-/// extrapolated is neither of them, and its error is its own.
+/// Exponents without other warnings on which the two linear fits differ. An extrapolated exponent
+/// is neither fit, and has an error of its own.
 fn disagreements(findings: &Findings) -> Vec<String> {
     let spectrum = &findings.spectrum;
     if spectrum.sizes.is_some() {
@@ -280,7 +280,7 @@ fn disagreements(findings: &Findings) -> Vec<String> {
         .collect()
 }
 
-/// Reference points that lie on too short a piece of an orbit.
+/// Warning about reference points on too short a piece of an orbit.
 fn short_of_references(spectrum: &DataSpectrum) -> Option<String> {
     let (settings, references) = (&spectrum.settings, spectrum.references);
     let chains = settings.step.div_ceil(settings.stride);
@@ -296,8 +296,8 @@ fn short_of_references(spectrum: &DataSpectrum) -> Option<String> {
     })
 }
 
-/// Columns whose values fill a whole turn and jump by more than half of it: an angle that is taken
-/// back by a turn tears neighbours apart.
+/// Warning about columns whose values fill a full turn and jump by more than half of it. Wrapping
+/// an angle separates neighbours.
 fn wrapped(source: &Table) -> Option<String> {
     const TURNS: [(f64, &str); 2] = [(2.0 * PI, "2π"), (360.0, "360")];
     let gap = (MISSED_ENDS / source.rows() as f64).min(MISSED_PART);
@@ -316,13 +316,13 @@ fn wrapped(source: &Table) -> Option<String> {
     })
 }
 
-/// Each option without effect, with what would have one.
+/// Options without effect, each with an option that would have one.
 fn without_effect(arguments: &Arguments, findings: &Findings) -> Vec<String> {
     let spectrum = &findings.spectrum;
     let mut notes = Vec::new();
-    // What is extrapolated comes from so many nearest points, and of Eq. (25) a ball of as few as
-    // many neighbours, too. With a range the radius decides how many of them there are, and where
-    // chains begin.
+    // If minimum and maximum are equal, the neighbours are that many nearest points, in the
+    // extrapolation and in Eq. (25), and the radius has no effect on them. With a range of numbers,
+    // the radius decides how many neighbours there are and where chains begin.
     if let (Some(_), Neighbourhood::Ball { min, max, .. }) =
         (arguments.eps, spectrum.settings.neighbours)
         && min == max
