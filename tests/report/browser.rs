@@ -122,7 +122,10 @@ impl Browser {
         let size =
             json!({ "width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500 });
         self.call("Emulation.setDeviceMetricsOverride", size);
-        let features = json!({ "media": "", "features": [{ "name": "prefers-color-scheme", "value": scheme }] });
+        let features = json!({
+            "media": "",
+            "features": [{ "name": "prefers-color-scheme", "value": scheme }],
+        });
         self.call("Emulation.setEmulatedMedia", features);
     }
 

@@ -7,7 +7,8 @@ use stickslip_series::statistics::middle_two;
 use super::trial::{Observed, Row, Verdict};
 
 /// First line of the CSV.
-const HEADER: &str = "system,observed,points,seed,index,known,exponent,stderr,status,holds,sano_sawada,sano_sawada_stderr,sano_sawada_status,sano_sawada_holds";
+const HEADER: &str = "system,observed,points,seed,index,known,exponent,stderr,status,holds,\
+    sano_sawada,sano_sawada_stderr,sano_sawada_status,sano_sawada_holds";
 
 /// A line for each exponent; no value is an empty cell.
 pub fn csv(rows: &[Row]) -> String {
