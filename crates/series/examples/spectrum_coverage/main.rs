@@ -1,6 +1,6 @@
-//! How often the true exponent lies within two error bars where an estimate from data is called
-//! `ok`: series of systems of known spectrum, from starts that no constant of the estimator was
-//! chosen on.
+//! Measures how often the true exponent lies within two standard errors of an estimate whose status
+//! is `ok`. The series come from systems of known spectrum, with starts on which no constant of the
+//! estimator was chosen.
 //!
 //! `cargo run --release -p stickslip-series --example spectrum_coverage -- FOLDER` takes some
 //! fifteen minutes on two cores and writes `coverage.csv` and `README.md`; `--known` prints the
@@ -17,8 +17,9 @@ use trial::Observed;
 
 /// Lengths of the series.
 const POINTS: [usize; 5] = [5_000, 10_000, 20_000, 50_000, 100_000];
-/// Starts of each length. Constants of the estimator were chosen on the seed 1 and those from 1007
-/// on, and some were kept because the table of the seeds 101 to 105 had not become worse.
+/// Seeds of the starts, the same for each length. The constants of the estimator were chosen on
+/// seed 1 and on seeds from 1007 on. Some were kept because the table of seeds 101 to 105 did not
+/// become worse.
 const SEEDS: std::ops::Range<u64> = 201..206;
 /// Points of a run for the exponents from the equations, and its seeds.
 const LONG: (usize, [u64; 2]) = (10_000_000, [1, 2]);
@@ -34,7 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
 }
 
-/// The exponents from the equations.
+/// Prints the exponents computed from the equations.
 fn known() {
     for case in systems::cases() {
         for seed in LONG.1 {
