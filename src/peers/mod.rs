@@ -1,5 +1,5 @@
-//! The program `peers`: work and precision of our solvers beside those that people use now, on
-//! problems with known event times.
+//! The program `peers`: work and precision of our solvers beside other common ones, on problems
+//! with known event times.
 
 mod child;
 mod compare;
@@ -174,7 +174,7 @@ fn run(all: &All) -> Result<String, PeersError> {
         [] => problems()?,
         chosen => chosen.to_vec(),
     };
-    // Said before a long computation, not after it.
+    // Reported before the long computation.
     for folder in [&all.folders.report_dir, &all.folders.figures_dir] {
         output::write_all(folder, &[])?;
     }

@@ -23,7 +23,7 @@ pub struct Finding {
     pub by_construction: bool,
     /// Whether settings that the paper does not state decide it.
     pub undetermined: bool,
-    /// What is to be said of it.
+    /// A remark on it.
     pub note: Option<String>,
 }
 
