@@ -1,4 +1,4 @@
-//! A headless Chromium, spoken to by its DevTools protocol.
+//! A headless Chromium, controlled by its DevTools protocol.
 
 use std::io::{BufRead, BufReader};
 use std::net::TcpStream;
@@ -37,7 +37,7 @@ pub struct Browser {
     socket: WebSocket<MaybeTlsStream<TcpStream>>,
     session: String,
     last_id: u64,
-    /// Whatever the page has said or thrown so far.
+    /// Console messages and exceptions of the page so far.
     pub complaints: Vec<String>,
     _profile: tempfile::TempDir,
 }
