@@ -10,7 +10,8 @@ help: ## Show the targets
 
 figures: $(FIGURES) ## Compute and draw all figures into figures/
 
-# One build for all figures, without what they do not need; the runs then only start them, one after the other even under make -j.
+# One build for all figures, without what they do not need. The runs then only start them, one after
+# the other even under make -j.
 FIGURES_BUILD := --profile figures --no-default-features
 REPLICATION := --locked --quiet -p stickslip-replication
 build-figures:
@@ -33,14 +34,14 @@ golden: ## Rewrite golden/ and what repeats it (figures/, report/, README) on pu
 	$(MAKE) figures report diagrams
 	INSTA_UPDATE=always $(CARGO) test --locked
 
-# A search that was stopped goes on where it was; one that is complete is never taken for a new one.
+# An interrupted search is resumed; a complete one is never mistaken for a new one.
 readings: build-replication ## Search all readings of Figs. 10-12 anew into golden/, some ten minutes
 	$(CARGO) run $(REPLICATION) --release --bin readings -- --out target/readings
 	cp target/readings/readings.csv target/readings/readings.txt golden/
 	rm -r target/readings
 
-# What a command prints as JSON is its golden. A sweep goes on from its blocks, so these are removed first. The commands run in the
-# folder of their output, so that the goldens name no folder of a build.
+# The JSON output of a command is its golden. A sweep resumes from its blocks, so these are removed
+# first. The commands run in the folder of their output, so that no golden names a build folder.
 STICKSLIP = "$$($(CARGO) metadata --locked --no-deps --format-version 1 | sed -E 's/.*"target_directory":"([^"]*)".*/\1/')/debug/stickslip"
 DIAGRAMS := target/diagrams
 DIAGRAM = cd $(DIAGRAMS) && $(STICKSLIP)
@@ -72,8 +73,9 @@ cluster-test: ## A sweep as a job array on a Slurm of one node, with a kill and 
 bench: ## Run the benchmarks
 	$(CARGO) bench --locked
 
-# The peers get an environment of their own with the versions of requirements.txt. The stamp stands only after all of them
-# are installed, so that a broken installation is tried again. PEERS_ARGS="--rounds 3" makes a short run.
+# The peers get an environment of their own with the versions of requirements.txt. The stamp is
+# written after all of them are installed, so that a broken installation is tried again.
+# PEERS_ARGS="--rounds 3" makes a short run.
 PYTHON ?= python3
 PEERS_ARGS ?=
 PEERS_VENV := target/peers-venv

@@ -29,7 +29,7 @@ pub(crate) fn changes(grid: impl IntoIterator<Item = f64>, has: impl Fn(f64) -> 
         .collect()
 }
 
-/// Least and largest of some numbers; `(∞, −∞)` of none. Numbers that are NaN are passed over.
+/// Least and largest of some numbers; `(∞, −∞)` of none. NaN is skipped.
 pub(crate) fn extent(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
     let none = (f64::INFINITY, f64::NEG_INFINITY);
     let wider = |(low, high): (f64, f64), value: f64| (low.min(value), high.max(value));

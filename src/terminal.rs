@@ -1,5 +1,4 @@
-//! What all programs of the replication share on a terminal: what they print, which exit code that
-//! comes to, and how far they are.
+//! Terminal output shared by all programs of the replication: results, exit codes and progress.
 
 use std::fmt::Display;
 use std::io::{self, Write};
@@ -47,7 +46,7 @@ pub(crate) fn note(line: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 
-/// A sign that something goes on, gone when it is cleared. Only a terminal shows it.
+/// A spinner, removed when it is cleared. Only a terminal shows it.
 pub(crate) fn spinner(message: String) -> ProgressBar {
     let spinner = ProgressBar::new_spinner().with_message(message);
     spinner.enable_steady_tick(Duration::from_millis(120));

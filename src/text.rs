@@ -1,4 +1,4 @@
-//! Text that several programs write.
+//! Text helpers shared by several programs.
 
 use std::fmt::Display;
 

@@ -1,5 +1,5 @@
-//! What is kept of an orbit of Figs. 10–12: states at equal times, and the section, where the block
-//! turns back.
+//! Records of an orbit of Figs. 10–12: states at equal intervals of time, and the section where the
+//! block turns back.
 
 use stickslip::models::BlockAndBracket;
 use stickslip::{Direction, EventFunctions, EventSearch, Options, Scalar, StepRecord};

@@ -1,4 +1,4 @@
-//! Every figure program as its user meets it: good and bad command lines.
+//! Every figure program from the command line, with valid and invalid arguments.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use predicates::prelude::*;
 
 /// Largest SVG a reader should have to load.
 const LARGEST_SVG: u64 = 300_000;
-/// Figures whose table says of exponents what they are worth.
+/// Figures whose table has a status for exponents.
 const WITH_STATUS: [&str; 3] = ["fig10", "fig11", "fig12"];
 
 fn default_run_writes_a_named_picture_and_its_numbers(mut program: Command, name: &str) {

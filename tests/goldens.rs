@@ -21,7 +21,7 @@ fn is_golden(table: &Picture) {
     assert_golden(table.figure, text, TOLERANCE);
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("figures/{}.svg", table.figure));
     let committed = std::fs::read_to_string(&path).unwrap();
-    // Not assert_eq: nobody wants two whole pictures in the terminal.
+    // Not assert_eq, which would print two whole pictures.
     assert!(
         committed == table.svg,
         "{} is not what the program draws now; run `make figures` and look at the difference",

@@ -325,7 +325,11 @@ fn flipping_a_defect_flips_it_alone() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 64,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     /// Any start and any of the 128 sets of defects ends in a typed outcome, stuck bodies move with
     /// the belt, and all that is handed out are numbers.
@@ -338,7 +342,14 @@ proptest! {
             }
         }
         let start = [0.0, x1, x2];
-        let setup = Setup { start, defects, h: 1e-3, window_start: 0.0, end: 6.0, ..Setup::default() };
+        let setup = Setup {
+            start,
+            defects,
+            h: 1e-3,
+            window_start: 0.0,
+            end: 6.0,
+            ..Setup::default()
+        };
         let mut previous: Option<Sample> = None;
         run_with(&setup, |sample| {
             assert!(sample.t.is_finite() && sample.x1.is_finite() && sample.x2.is_finite());

@@ -1,4 +1,4 @@
-//! The program `peers` as its user meets it.
+//! The program `peers` from the command line.
 
 use std::path::Path;
 
@@ -73,7 +73,7 @@ fn the_committed_picture_is_that_of_the_committed_table() {
     command.assert().success().stdout(contains("bench.svg"));
     let drawn = std::fs::read_to_string(folder.path().join("bench.svg")).unwrap();
     let committed = std::fs::read_to_string(top.join("figures/bench.svg")).unwrap();
-    // Not assert_eq: nobody wants two whole pictures in the terminal.
+    // Not assert_eq, which would print two whole pictures.
     assert!(
         drawn == committed,
         "run `cargo run --release --bin peers -- redraw`"
@@ -148,7 +148,7 @@ fn a_python_that_is_none_is_told() {
     assert!(!folder.path().join("bench.csv").exists());
 }
 
-/// In place of Python a program that answers what it likes.
+/// A program in place of Python, with arbitrary answers.
 #[cfg(unix)]
 mod impostor {
     use super::*;

@@ -1,4 +1,4 @@
-//! The program `readings` as its user meets it.
+//! The program `readings` from the command line.
 
 use std::path::Path;
 
@@ -194,7 +194,7 @@ fn folders_that_cannot_be_used_exit_with_1() {
             .and(contains("with --out"))
             .and(contains("--out-dir").not()),
     );
-    // Someone else's table is left alone.
+    // A table of another search is left unchanged.
     let folder = tempfile::tempdir().unwrap();
     let table = folder.path().join("readings.csv");
     std::fs::write(&table, "a,b\n1,2\n").unwrap();

@@ -1,4 +1,4 @@
-//! Work and precision of this solver beside those that people use now.
+//! Work and precision of this solver beside other common ones.
 
 fn main() -> std::process::ExitCode {
     replication::peers::main()

@@ -1,4 +1,4 @@
-//! What becomes of every claim of the paper.
+//! The verdict on every claim of the paper.
 
 fn main() -> std::process::ExitCode {
     replication::report::cli::main()

@@ -74,7 +74,7 @@ fn command<D>(figure: &FigureSpec<D>) -> clap::Command {
 /// none behind.
 pub fn run<D>(figure: &FigureSpec<D>, arguments: &Arguments) -> Result<String, FigureError> {
     if arguments.png && !cfg!(feature = "png") {
-        // Said before a long computation, not after it.
+        // Reported before the long computation.
         return Err(FigureError::PngNotBuilt);
     }
     let claims = Claims::committed()?;

@@ -17,7 +17,7 @@ use rows::Row;
 use stickslip::filippov::normal_component;
 use stickslip::{Error, Filippov, Mode, Orbit, Scalar, Side, Transition, TransitionKind};
 
-/// What stops a computation.
+/// Error of a computation.
 pub(crate) type Failure = Box<dyn std::error::Error + Send + Sync>;
 
 /// A figure of the paper: computing, reporting and drawing apart from each other.

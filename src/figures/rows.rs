@@ -61,7 +61,7 @@ impl fmt::Display for Value {
     }
 }
 
-/// What a row speaks of.
+/// The subject of a row.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Quantity {
     /// What a claim publishes.
@@ -71,7 +71,7 @@ pub enum Quantity {
     Member(ClaimId, usize),
     /// Something else that belongs to a claim; the paper gives no value for it.
     Detail(ClaimId, String),
-    /// Something that no claim speaks of.
+    /// Something outside all claims.
     Other(String),
 }
 
@@ -111,11 +111,11 @@ pub struct Comparison {
 /// One line of a figure's table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    /// What it speaks of.
+    /// Its subject.
     pub quantity: Quantity,
     /// How the paper was understood.
     pub reading: Reading,
-    /// What was found.
+    /// The computed value.
     pub value: Value,
     /// Unit of the value; empty for a word, `1` for a pure number.
     pub unit: &'static str,

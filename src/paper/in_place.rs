@@ -1,5 +1,5 @@
-//! The arithmetic of the Appendix's listing carried to systems of any dimension: what Model 3 does
-//! if it was run that way.
+//! The arithmetic of the Appendix's listing carried to systems of any dimension: the result for
+//! model 3 if it was run that way.
 //!
 //! The paper prints a program for Model 2 only. This is the same scheme, defects and all, for a
 //! [`Filippov`] system whose boundary function is `x₂ − vp`: Runge–Kutta stages that overwrite
@@ -68,7 +68,7 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
     /// One pass of the listing's loop.
     ///
     /// # Errors
-    /// [`Lost`] where the motion is none any longer.
+    /// [`Lost`] where the state is no longer a motion of the system.
     pub fn advance(&mut self) -> Result<(), Lost> {
         let t = self.t;
         match self.mode {

@@ -4,8 +4,8 @@
 //! stick–slip transitions existing in Filippov-type discontinuous dynamical systems with dry
 //! friction*, Nonlinear Dynamics 73 (2013) 723–736, doi 10.1007/s11071-013-0826-7.
 //!
-//! Nothing here is a good way to integrate a friction oscillator; it is here so that a published
-//! number can be traced to the arithmetic that made it.
+//! Nothing here is a good way to integrate a friction oscillator; it serves to trace a published
+//! number to the arithmetic that produced it.
 
 pub mod claim_id;
 pub mod in_place;

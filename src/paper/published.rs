@@ -1,8 +1,8 @@
 //! The quantities the paper publishes, as data.
 //!
 //! `data/claims.csv` has one row for each: values, sets of exact values, curves and statements.
-//! Only the first two can be compared with a number; the rest is there so that a report can name
-//! it.
+//! Only the first two can be compared with a number; the others are listed so that a report can
+//! name them.
 
 use std::sync::LazyLock;
 
@@ -30,8 +30,8 @@ described! {
         Curve = "curve",
         /// A sentence.
         Statement = "statement",
-        /// What could not be otherwise: it follows from other claims or from a definition. It is
-        /// listed and not counted.
+        /// An identity: it follows from other claims or from a definition. It is listed and not
+        /// counted.
         Identity = "identity",
     }
 }

@@ -189,9 +189,9 @@ impl Peers {
 
 impl Drop for Peers {
     fn drop(&mut self) {
-        // The end of its input is its sign to leave.
+        // The process exits at the end of its input.
         self.input = None;
-        // Where it is gone already, nobody is left to wait for.
+        // It may have exited already, in which case there is nothing to wait for.
         let _ = self.child.wait();
     }
 }

@@ -5,7 +5,7 @@ use crate::numbers::median;
 use crate::text::distinct;
 use stickslip::math;
 
-/// Errors below this are not told apart: rounding of the times themselves.
+/// Errors below this count as equal: rounding of the times themselves.
 const LEAST_ERROR: f64 = 1e-16;
 /// The accuracy at which solvers are compared, if they reach it.
 pub const WANTED: f64 = 1e-12;

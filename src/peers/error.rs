@@ -34,7 +34,10 @@ pub enum PeersError {
         source: stickslip::Error,
     },
     /// A program cannot be started.
-    #[error("cannot start {}: {source}; check --python, or leave it out to measure without peers", program.display())]
+    #[error(
+        "cannot start {}: {source}; check --python, or leave it out to measure without peers",
+        program.display()
+    )]
     Start {
         /// The program.
         program: PathBuf,

@@ -237,8 +237,8 @@ mod tests {
                 System::Bracket(m, start) => (
                     start.into(),
                     fields!(
-                        m: coupling, coupling_damping, mobility, bracket_stiffness, bracket_damping, mu0,
-                        unloading, unloading_rate, delta, belt_speed
+                        m: coupling, coupling_damping, mobility, bracket_stiffness, bracket_damping,
+                        mu0, unloading, unloading_rate, delta, belt_speed
                     ),
                 ),
             };

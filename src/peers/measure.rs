@@ -103,7 +103,7 @@ fn ours(problem: &Problem, reference: &[Event]) -> Vec<(Row, Timed)> {
     entries
 }
 
-/// The row with its events held against the reference's.
+/// The row with its events compared with those of the reference.
 fn judged(mut row: Row, events: &[Event], reference: &[Event]) -> Row {
     row.events = Some(events.len());
     match error(events, reference) {

@@ -1,5 +1,5 @@
-//! The program `peers`: work and precision of our solvers beside those that people use now, on
-//! problems with known event times.
+//! The program `peers`: work and precision of our solvers beside other common ones, on problems
+//! with known event times.
 
 mod child;
 mod compare;
@@ -34,10 +34,13 @@ Files written:
   bench.csv  solver,problem,setting,tolerance,error,events,median_s,min_s,compile_s,process_s,note
   bench.txt  what is printed: ratios of times at equal error, times of whole processes
   bench.svg  the work-precision figure
-  docs/speed.md  its table of speeds, when all problems were measured beside peers into the default folders
+  docs/speed.md  its table of speeds, when all problems were measured beside peers \
+    into the default folders
 
-An error is the largest of all event times, against references of 30 digits (data/references). A run that finds other events
-than the reference has failed, and says so in its note. Times are medians of rounds in which all solvers take turns, warm;
+An error is the largest of all event times, against references of 30 digits (data/references). \
+    A run that finds other events
+than the reference has failed, and says so in its note. Times are medians of rounds in \
+    which all solvers take turns, warm;
 compilation is told separately.
 
 Examples:
@@ -48,7 +51,13 @@ Examples:
 
 /// Arguments of the program.
 #[derive(Debug, Parser)]
-#[command(name = "peers", version, about = ABOUT, after_help = AFTER, args_conflicts_with_subcommands = true)]
+#[command(
+    name = "peers",
+    version,
+    about = ABOUT,
+    after_help = AFTER,
+    args_conflicts_with_subcommands = true
+)]
 struct Arguments {
     #[command(subcommand)]
     command: Option<Single>,
@@ -97,7 +106,12 @@ struct One {
 #[derive(Debug, Args)]
 struct All {
     /// Rounds in which every solver is timed at every setting
-    #[arg(long, value_name = "COUNT", default_value_t = 21, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(
+        long,
+        value_name = "COUNT",
+        default_value_t = 21,
+        value_parser = clap::value_parser!(u32).range(1..)
+    )]
     pub rounds: u32,
 
     /// Rounds in which whole processes are timed; 0 to leave them out
@@ -160,7 +174,7 @@ fn run(all: &All) -> Result<String, PeersError> {
         [] => problems()?,
         chosen => chosen.to_vec(),
     };
-    // Said before a long computation, not after it.
+    // Reported before the long computation.
     for folder in [&all.folders.report_dir, &all.folders.figures_dir] {
         output::write_all(folder, &[])?;
     }

@@ -1,5 +1,5 @@
 //! The problems that all solvers get. Their numbers also stand in data/references/problems.json,
-//! for the other programs; a test holds the two against each other.
+//! for the other programs; a test compares the two.
 
 use std::ops::ControlFlow;
 
@@ -240,7 +240,7 @@ pub const SOLVERS: &[Solver] = &[
     Solver {
         name: "stickslip Dop853",
         method: Method::Dop853,
-        // Rounding ends what slopes can reach.
+        // Rounding limits the accuracy of Runge–Kutta steps.
         tolerances: LADDER.split_at(11).0,
     },
 ];

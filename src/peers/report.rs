@@ -1,4 +1,4 @@
-//! What is printed, and kept as report/bench.txt.
+//! The printed report, also written to report/bench.txt.
 
 use super::compare::{Ratio, WANTED, most_accurate, ratios};
 use super::row::Row;

@@ -1,4 +1,5 @@
-//! The committed search, `golden/readings.csv`: what the report says of it, and which file that is.
+//! The committed search, `golden/readings.csv`: its results for the report, and the identity of the
+//! file.
 
 use sha2::{Digest, Sha256};
 

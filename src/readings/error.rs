@@ -1,4 +1,4 @@
-//! What can stop the search.
+//! Errors of the search.
 
 use std::path::PathBuf;
 

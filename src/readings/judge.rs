@@ -1,4 +1,5 @@
-//! How near rows come to the published exponents, and how many of them bear out what is published.
+//! Distances of rows from the published exponents, and the number of rows that confirm what is
+//! published.
 
 use std::collections::BTreeSet;
 

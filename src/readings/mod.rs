@@ -48,13 +48,18 @@ const ABOUT: &str = "Searches the ways to read the paper's Eq. (27)-(28) and the
 
 const AFTER: &str = "\
 Writes into the folder
-  readings.csv  every configuration tried: form of equations and captions, integrator, settings of the estimator; classes,
+  readings.csv  every configuration tried: form of equations and captions, integrator, \
+    settings of the estimator; classes,
                 sizes of the motions, exponents with their status, distance from the published ones
-  readings.txt  the nearest to each figure and to all, chance level, spread of the estimator; also printed
+  readings.txt  the nearest to each figure and to all, chance level, spread of the \
+    estimator; also printed
 
-A run that was stopped, or had no time left, goes on where it was when started again with the same folder. What is kept is
-whole readings x integrators, with all settings of the estimator: each takes about 5 to 30 s, the first, which has most settings,
-up to a minute. With --time-limit those begun are finished, so that the limit is overrun by as much, and however short it is
+A run that was stopped, or had no time left, goes on where it was when started again with the same \
+    folder. What is kept is
+whole readings x integrators, with all settings of the estimator: each takes about 5 to 30 s, \
+    the first, which has most settings,
+up to a minute. With --time-limit those begun are finished, so that the limit is overrun by as \
+    much, and however short it is
 one is begun. Complete files are the same bytes for any number of threads and interruptions.
 
 Exit codes: 0 done or out of time, 1 a file cannot be read or written, 2 wrong command line.

@@ -46,12 +46,12 @@ impl Bounded {
     }
 }
 
-/// What came of an orbit.
+/// Outcome of an orbit.
 #[derive(Clone, Debug)]
 pub enum Outcome {
     /// It stayed to the end.
     Bounded(Bounded),
-    /// It left for infinity; when it was last within the bound.
+    /// It diverged; the time when it was last within the bound.
     Escaped(f64),
     /// It could not be followed: transitions pile up, the step collapses, or it takes too long.
     Failed,

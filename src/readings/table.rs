@@ -19,7 +19,7 @@ const PUBLISHED: [Class; 3] = [Class::Periodic(2), Class::QuasiPeriodic, Class::
 pub enum Verdict {
     /// It stayed; this is the class of its motion.
     Motion(Class),
-    /// It left for infinity.
+    /// It diverged.
     Escaped,
     /// It could not be followed.
     Failed,
@@ -72,7 +72,7 @@ impl FromStr for Verdict {
 /// A line of `readings.csv`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    /// Part, reading, integrator, settings: what is told apart.
+    /// Part, reading, integrator, settings: the key of the row.
     pub key: [String; 4],
     /// Class of each figure's orbit.
     pub classes: [Verdict; 3],
@@ -81,7 +81,7 @@ pub struct Row {
     pub sizes: [[f64; 2]; 3],
     /// Exponents, descending; NaN where there is none.
     pub exponents: Twelve,
-    /// What the estimator says of each.
+    /// Status of each.
     pub statuses: [[&'static str; 4]; 3],
     /// Distance from the published exponents: of each figure, and of all.
     pub scores: [f64; 4],

@@ -60,7 +60,7 @@ pub fn run(
     arguments: &Arguments,
     tick: &(dyn Fn() + Sync),
 ) -> Result<(Ledger, String), ReportError> {
-    // Said before a long computation, not after it.
+    // Reported before the long computation.
     for folder in FOLDERS {
         write_all(&arguments.out_dir.join(folder), &[]).map_err(FigureError::from)?;
     }

@@ -23,7 +23,7 @@ pub struct Finding {
     pub by_construction: bool,
     /// Whether settings that the paper does not state decide it.
     pub undetermined: bool,
-    /// What is to be said of it.
+    /// A remark on it.
     pub note: Option<String>,
 }
 
@@ -80,7 +80,12 @@ impl Finding {
         rows: &[Row],
     ) -> Vec<Self> {
         let mut findings: Vec<Finding> = Vec::new();
-        let compared = |row: &&Row| matches!(row.quantity, Quantity::Claim(id) | Quantity::Member(id, _) if id == claim.id);
+        let compared = |row: &&Row| {
+            matches!(
+                row.quantity,
+                Quantity::Claim(id) | Quantity::Member(id, _) if id == claim.id
+            )
+        };
         for row in rows.iter().filter(compared) {
             let digits = match row.value {
                 Value::Number(value) => agreement(claim, value),

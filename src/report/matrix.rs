@@ -11,7 +11,7 @@ use crate::text::joined;
 /// Subsets of the defects.
 pub const SUBSETS: usize = 1 << Defect::ALL.len();
 
-/// One run of the listing, held against the four published numbers.
+/// One run of the listing, compared with the four published numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cell {
     /// Its step (s).

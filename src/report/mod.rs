@@ -1,9 +1,9 @@
-//! The report: what becomes of every claim of the paper, by computation, and why.
+//! The report: the verdict on every claim of the paper, by computation, with its reasons.
 //!
 //! [`ledger::Ledger::compute`] makes all of it; everything else here is a part of that: what
 //! readings give for a claim ([`finding`]) and what that comes to ([`verdict`]), evidence for
 //! statements ([`evidence`], [`accuracy`]), the cause of Fig. 8's numbers ([`cause`], [`matrix`],
-//! [`convergence`],), the search for what Fig. 8 shows in the stated model ([`scan`]), the
+//! [`convergence`]), the search for what Fig. 8 shows in the stated model ([`scan`]), the
 //! estimator's spread in Figs. 10–12 ([`spread`]) and the misprints ([`errata`]). [`page`] and
 //! [`readme`] show it.
 

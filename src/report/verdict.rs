@@ -9,7 +9,7 @@ use crate::paper::reading::Role;
 use crate::text::described;
 
 described! {
-    /// What becomes of a claim.
+    /// The verdict on a claim.
     Verdict: [&'static str; 3] as described {
         /// The model as stated gives it.
         Reproduced = [

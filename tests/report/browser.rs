@@ -1,4 +1,4 @@
-//! A headless Chromium, spoken to by its DevTools protocol.
+//! A headless Chromium, controlled by its DevTools protocol.
 
 use std::io::{BufRead, BufReader};
 use std::net::TcpStream;
@@ -37,7 +37,7 @@ pub struct Browser {
     socket: WebSocket<MaybeTlsStream<TcpStream>>,
     session: String,
     last_id: u64,
-    /// Whatever the page has said or thrown so far.
+    /// Console messages and exceptions of the page so far.
     pub complaints: Vec<String>,
     _profile: tempfile::TempDir,
 }
@@ -122,7 +122,10 @@ impl Browser {
         let size =
             json!({ "width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500 });
         self.call("Emulation.setDeviceMetricsOverride", size);
-        let features = json!({ "media": "", "features": [{ "name": "prefers-color-scheme", "value": scheme }] });
+        let features = json!({
+            "media": "",
+            "features": [{ "name": "prefers-color-scheme", "value": scheme }],
+        });
         self.call("Emulation.setEmulatedMedia", features);
     }
 

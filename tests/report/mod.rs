@@ -285,7 +285,7 @@ fn the_committed_files_are_the_computed_ones() {
         ] {
             let computed = std::fs::read_to_string(report.folder.path().join(name)).unwrap();
             let committed = std::fs::read_to_string(top.join(name)).unwrap();
-            // Not assert_eq: nobody wants two whole files in the terminal.
+            // Not assert_eq, which would print two whole files.
             assert!(
                 committed == computed,
                 "{name} is not what the program computes now; run `make report` and look at the \

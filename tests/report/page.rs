@@ -31,7 +31,8 @@ const FAINT: &str = r#"(() => {
     const ratio = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
     const size = parseFloat(style.fontSize);
     const large = size >= 24 || (size >= 18.66 && style.fontWeight >= 700);
-    if (ratio < (large ? 3 : 4.5)) faint.push(`${ratio.toFixed(2)}: ${node.textContent.slice(0, 40)}`);
+    if (ratio < (large ? 3 : 4.5))
+      faint.push(`${ratio.toFixed(2)}: ${node.textContent.slice(0, 40)}`);
   }
   return faint;
 })()"#;

@@ -4,29 +4,29 @@ use std::f64::consts::FRAC_2_PI;
 
 use super::chain::Stretch;
 
-/// Blocks the reference points are divided into for the standard error: of so many it is 4 % wider
-/// than of any number.
+/// Number of blocks of reference points for the standard error. It is 4 % wider with this many than
+/// with infinitely many.
 const BLOCKS: usize = 32;
 /// Fewest reference points of a block.
 const SHORTEST_BLOCK: usize = 10;
-/// Rows of the running means: a picture of them has hardly more points side by side.
+/// Rows of the running means. A plot resolves hardly more points.
 const ROWS: usize = 400;
 
-/// Mean logarithm of the stretching in one position, per time.
+/// Mean logarithm of the stretching in one position, per unit of time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Average {
     /// NaN if no step determines it.
     pub(crate) mean: f64,
     /// Standard error from the means over blocks of time; NaN for fewer than two blocks.
     pub(crate) stderr: f64,
-    /// The same without regard to how few the blocks are: what a difference is measured by that is
-    /// not told by scatter.
+    /// The standard error without the correction for a small number of blocks. Differences that
+    /// scatter does not explain are measured in it.
     pub(crate) scatter: f64,
-    /// Steps that it is over, those without a stretching among them.
+    /// Number of steps averaged over, including those without a stretching.
     pub(crate) steps: usize,
     /// Steps in which the direction was annihilated.
     pub(crate) collapses: usize,
-    /// Steps in which the data determine nothing.
+    /// Steps in which the data do not determine the direction.
     pub(crate) undetermined: usize,
 }
 
@@ -49,8 +49,8 @@ impl Sum {
     }
 }
 
-/// The average over the stretchings in a position of all reference points in the order of time,
-/// each over the time `tau`.
+/// Averages the stretchings in one position over all reference points, in order of time. Each
+/// stretching takes the time `tau`.
 pub(crate) fn average(stretches: &[Stretch], position: usize, tau: f64) -> Average {
     let blocks = (stretches.len() / SHORTEST_BLOCK).clamp(1, BLOCKS);
     let mut all = Sum::default();
@@ -78,7 +78,7 @@ pub(crate) fn average(stretches: &[Stretch], position: usize, tau: f64) -> Avera
     }
 }
 
-/// Running means of the same, each with the number of reference points before it.
+/// Running means of the stretchings, each with the number of reference points before it.
 pub(crate) fn running(stretches: &[Stretch], columns: usize, tau: f64) -> Vec<(usize, Vec<f64>)> {
     let thin = stretches.len().div_ceil(ROWS).max(1);
     let mut sums = vec![Sum::default(); columns];
@@ -100,9 +100,9 @@ pub(crate) fn volume(stretches: &[Stretch], dimension: usize, tau: f64) -> Avera
     average(&volumes.collect::<Vec<_>>(), 0, tau)
 }
 
-/// Standard error of the mean from the scatter of the means of blocks, and how many times it is
-/// widened. Fewer than [`BLOCKS`] tell their own scatter less well: the error then is wider, so
-/// that twice as much holds the mean as often as with all of them.
+/// Standard error of the mean from the scatter of block means, and the factor by which it is
+/// widened. With fewer than [`BLOCKS`] blocks the scatter is less certain. The error is then
+/// widened so that two standard errors contain the mean as often as with all blocks.
 fn block_error(blocks: impl Iterator<Item = Sum>) -> (f64, f64) {
     let means: Vec<f64> = blocks.filter(|b| b.1 > 0).map(Sum::mean).collect();
     let count = means.len() as f64;
@@ -119,8 +119,8 @@ fn block_error(blocks: impl Iterator<Item = Sum>) -> (f64, f64) {
     ((squares / (count - 1.0) / count).sqrt(), widened)
 }
 
-/// How many standard errors hold a mean as often as two do where the scatter is known exactly, if
-/// it is known from `freedom` degrees of freedom: a quantile of Student's distribution.
+/// Number of standard errors, estimated with `freedom` degrees of freedom, that contain the mean as
+/// often as two exact ones do. This is a quantile of Student's distribution.
 fn student(freedom: usize) -> f64 {
     // Probability that a normal quantity is within two standard errors.
     const HELD: f64 = 0.954_499_736_103_641_6;
@@ -137,13 +137,12 @@ fn student(freedom: usize) -> f64 {
     high
 }
 
-/// Probability that a quantity of Student's distribution is within `t` of zero (Abramowitz & Stegun
-/// 1964, 26.7.3 and 26.7.4).
+/// Probability that a variable with Student's distribution is within `t` of zero (Abramowitz &
+/// Stegun 1964, 26.7.3 and 26.7.4).
 fn within(t: f64, freedom: usize) -> f64 {
     let angle = libm::atan(t / (freedom as f64).sqrt());
     let (sine, cosine) = (libm::sin(angle), libm::cos(angle));
-    // Of powers of the cosine: odd ones for an odd number of degrees of freedom, even ones for an
-    // even number.
+    // A sum of powers of the cosine: odd ones for odd degrees of freedom, even ones for even.
     let odd = freedom % 2;
     let mut term = if odd == 1 { cosine } else { 1.0 };
     let mut sum = 0.0;

@@ -1,4 +1,4 @@
-//! The product of the local maps, taken along the series.
+//! The product of the local maps along the series.
 
 use super::fit::LocalMap;
 use super::matrix::{Matrix, Row, product};
@@ -8,9 +8,9 @@ use super::svd::svd;
 /// What one map did to the tangent vectors.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stretch {
-    /// Stretching in each position; 0 where there was none.
+    /// Stretching in each position; 0 where there is none.
     pub(crate) factor: Row,
-    /// Positions from here on were annihilated: the data determine the map, and it is zero.
+    /// Positions from here on are annihilated: the data determine the map, and it is zero there.
     pub(crate) alive: usize,
     /// Positions from here on are not determined by the data.
     pub(crate) determined: usize,
@@ -29,16 +29,17 @@ impl Stretch {
     }
 }
 
-/// Interleaved chains of maps: the point that a reference point moves to is one of the same chain.
+/// Interleaved chains of maps. The image of a reference point is a reference point of the same
+/// chain.
 pub(crate) struct Chains {
-    /// How many chains there are, and how many vectors are taken along each.
+    /// Number of chains, and number of vectors carried along each.
     pub(crate) count: usize,
     pub(crate) width: usize,
-    /// Where the vectors of each chain are.
+    /// The current vectors of each chain.
     bases: Vec<Matrix>,
-    /// Memory for where they are next.
+    /// Workspace for the next vectors.
     next: Matrix,
-    /// At all reference points so far, in the order of time.
+    /// Stretchings at all reference points so far, in order of time.
     pub(crate) stretches: Vec<Stretch>,
 }
 
@@ -53,7 +54,7 @@ impl Chains {
         }
     }
 
-    /// Takes the vectors through the map of the next reference point. They begin with the
+    /// Applies the map of the next reference point to the vectors. Initially they are the
     /// directions of the neighbourhood, so that undetermined ones come last.
     pub(crate) fn push(&mut self, map: &LocalMap, directions: &Matrix) {
         let i = self.stretches.len();
@@ -67,13 +68,12 @@ impl Chains {
     }
 }
 
-/// Takes orthonormal vectors (the first `width` rows of `basis`) through a map and makes them
-/// orthonormal again, in the memory of `next`.
+/// Applies a map to orthonormal vectors (the first `width` rows of `basis`) and orthonormalises the
+/// images, with `next` as workspace.
 ///
-/// A vector of which nothing is left after the map, or nothing that is independent of those before
-/// it, goes to the end and is replaced by one orthogonal to all others. Positions are thus in the
-/// order of exponents also when the map is singular, and the product never contains the rounding
-/// error of a vector that vanished.
+/// A vector goes to the end if its image is zero or depends on the images before it. There it is
+/// replaced by one orthogonal to all others. Thus positions follow the order of exponents even if
+/// the map is singular, and the rounding error of a vanished vector never enters the product.
 fn advance(
     map: &LocalMap,
     directions: &Matrix,
@@ -88,7 +88,7 @@ fn advance(
         determined,
     };
     if determined == 0 {
-        // Nothing is known here; the vectors wait for the next map.
+        // The map is unknown here, so the vectors are kept for the next one.
         return stretch;
     }
     if width < columns && determined == width {
@@ -125,12 +125,12 @@ fn advance(
     stretch
 }
 
-/// Turns the vectors into the space that the map is determined in, without shortening them.
+/// Rotates the vectors into the subspace on which the map is determined, without shortening them.
 ///
-/// The images of the last neighbourhood and the points of this one span the same tangent space, but
-/// for the error of either; a projection from the one onto the other would lose the cosine of the
-/// angle at every step, which adds up to a negative contribution that grows with the sampling rate.
-/// The rotation nearest to the projection (its orthogonal polar factor) loses nothing.
+/// The images of the last neighbourhood and the points of this one span the same tangent space, up
+/// to errors. A projection from one onto the other loses the cosine of the angle at every step.
+/// These losses add up to a negative contribution that grows with the sampling rate. The rotation
+/// nearest to the projection (its orthogonal polar factor) loses nothing.
 fn align(basis: &mut Matrix, domain: &Matrix, width: usize) {
     let columns = basis.columns();
     let mut projection = Matrix::zeros(columns, columns);
@@ -154,8 +154,8 @@ fn align(basis: &mut Matrix, domain: &Matrix, width: usize) {
     }
 }
 
-/// Subtracts the components along orthonormal vectors, twice, so that what is left is orthogonal to
-/// rounding (Giraud, Langou and Rozložník 2005); returns its length.
+/// Subtracts the components along orthonormal vectors, twice, so that the remainder is orthogonal
+/// to rounding (Giraud, Langou and Rozložník 2005). Returns its length.
 fn orthogonalise<'a>(vector: &mut [f64], others: impl Iterator<Item = &'a [f64]> + Clone) -> f64 {
     for _ in 0..2 {
         for other in others.clone() {
@@ -168,8 +168,8 @@ fn orthogonalise<'a>(vector: &mut [f64], others: impl Iterator<Item = &'a [f64]>
     product(vector, vector).sqrt()
 }
 
-/// A unit vector orthogonal to so many orthonormal ones, fewer than they have components: what is
-/// left of the coordinate axis furthest from them.
+/// A unit vector orthogonal to the given orthonormal ones, which must be fewer than their
+/// components. It is the orthogonal part of the coordinate axis furthest from them.
 fn complement(others: &Matrix, count: usize) -> Vec<f64> {
     let columns = others.columns();
     let mut best = (vec![0.0; columns], 0.0);
@@ -188,7 +188,7 @@ fn complement(others: &Matrix, count: usize) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// Through a map of a rank, from the coordinate axes; with the vectors after it.
+    /// Applies a map of a given rank to the coordinate axes, and also returns the vectors after it.
     fn through<const N: usize>(matrix: [[f64; N]; N], rank: usize) -> (Stretch, Matrix) {
         let map = LocalMap {
             matrix: Matrix::new(matrix.concat(), N),

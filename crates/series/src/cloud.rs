@@ -1,21 +1,21 @@
-//! The points as the estimator works on them: rows scaled by a power of two.
+//! The points as the estimator uses them: rows scaled by a power of two.
 
 use super::error::DataError;
 use super::matrix::{Matrix, distance2};
 use super::series::Series;
 
-/// Longest lag that is looked at, as a part of the series: of a Theiler window as long four fifths
-/// of the points are left to be neighbours, and of a delay ten vectors of two values follow one
-/// another.
+/// Longest lag considered, as a fraction of the series. A Theiler window this long leaves four
+/// fifths of the points as neighbours, and a delay this long allows ten successive vectors of two
+/// values.
 const LONGEST_PART: usize = 10;
 /// Terms in the estimate of an autocorrelation, whose standard error is then 1/64.
 const TERMS: usize = 4096;
 
-/// The points, divided by a power of two near their extent. Exponents do not change by that, and no
-/// square over- or underflows whatever the unit of the data.
+/// The points, divided by a power of two near their extent. This does not change exponents, and no
+/// square over- or underflows, whatever the unit of the data.
 pub(crate) struct Cloud {
     pub(crate) points: Matrix,
-    /// What the points were divided by.
+    /// The divisor of the points.
     pub(crate) unit: f64,
     /// `√Σ var`, in the scaled unit.
     pub(crate) spread: f64,
@@ -26,7 +26,7 @@ pub(crate) struct Cloud {
 impl Cloud {
     /// # Errors
     /// [`DataError::Constant`] if the points differ by rounding at most, [`DataError::Overflow`] if
-    /// by too much.
+    /// they differ by too much.
     pub(crate) fn new(series: &Series) -> Result<Self, DataError> {
         let constant = DataError::Constant { rows: series.len() };
         let columns = series.columns();
@@ -35,11 +35,11 @@ impl Cloud {
             return Err(constant);
         };
         let mut extent: f64 = 0.0;
-        // Two points may be on either side of the first, and differ so in all columns.
+        // Two points may lie on opposite sides of the first, in all columns.
         let farthest = 0.25 * f64::MAX / (columns as f64).sqrt();
         for (i, row) in rows().enumerate() {
             for (c, (v, origin)) in row.iter().zip(first).enumerate() {
-                // Halves first: the difference of two finite numbers may be infinite.
+                // Halve first: the difference of two finite numbers may overflow.
                 let half = (0.5 * v - 0.5 * origin).abs();
                 if half > farthest {
                     let (row, column, value) = (i + 1, c + 1, *v);
@@ -72,7 +72,7 @@ impl Cloud {
     }
 
     /// The first lag at which the autocorrelation of the series, all columns together, is below
-    /// 1/e, or the longest that is looked at.
+    /// 1/e, or else the longest lag considered.
     pub(crate) fn decorrelation(&self) -> usize {
         let at = self.uncorrelated_at(libm::exp(-1.0));
         at.unwrap_or(longest_lag(self.points.len()))
@@ -84,7 +84,7 @@ impl Cloud {
     }
 
     /// The first lag at which the autocorrelation of the series, all columns together, is below the
-    /// threshold, if one that is looked at is.
+    /// threshold; `None` if there is none among the lags considered.
     pub(crate) fn uncorrelated_at(&self, threshold: f64) -> Option<usize> {
         let points = &self.points;
         let mean = mean(points);
@@ -107,7 +107,7 @@ impl Cloud {
     }
 }
 
-/// The longest lag that is looked at in so many rows.
+/// The longest lag considered for this many rows.
 pub(crate) fn longest_lag(rows: usize) -> usize {
     (rows / LONGEST_PART).max(1)
 }
@@ -122,8 +122,7 @@ fn mean(points: &Matrix) -> Vec<f64> {
     mean.iter().map(|sum| sum / points.len() as f64).collect()
 }
 
-/// The power of two not above `v > 0` and not below half of it, within what has an exact
-/// reciprocal.
+/// The largest power of two not above `v > 0`, limited to those with an exact reciprocal.
 fn power_of_two_near(v: f64) -> f64 {
     const BIAS: i32 = 1023;
     // Eleven bits of exponent follow the sign.

@@ -1,9 +1,9 @@
-//! Which directions a series has points in.
+//! The directions in which the points of a series spread.
 //!
-//! Around a point of a smooth manifold of dimension m the neighbours within r lie in m directions
-//! at distances of the order of r, in further ones at r² or less, where the manifold curves, and in
-//! noise at distances that do not depend on r. The slope of `log s_i` over `log r`, with `s_i` the
-//! singular values of the neighbour matrix, tells the three apart.
+//! Around a point of a smooth manifold of dimension m, neighbours within r lie at distances of
+//! order r in m directions. In further directions they lie at distances of order r² or less, by the
+//! curvature of the manifold. Distances due to noise do not depend on r. The slope of `log s_i`
+//! over `log r`, with `s_i` the singular values of the neighbour matrix, distinguishes the three.
 
 use rayon::prelude::*;
 
@@ -16,28 +16,29 @@ use super::series::MAX_COLUMNS;
 use super::settings::DataSettings;
 use crate::statistics::{power, upper_median};
 
-/// Neighbourhoods of so many sizes are compared.
+/// Number of neighbourhood sizes compared.
 pub const LEVELS: usize = 4;
-/// Points looked at, spread evenly over the series: the median of their slopes is known to a
+/// Number of points sampled evenly from the series. The median of their slopes has an error of a
 /// twentieth of the scatter.
 const SAMPLES: usize = 512;
-/// The largest neighbourhood has so many times the points of the smallest, in two dimensions four
-/// times the radius and in four twice, but not more than [`LARGEST_PART`] of the series.
+/// Ratio of points in the largest and smallest neighbourhoods. In two dimensions this is four times
+/// the radius, in four dimensions twice. The largest has at most [`LARGEST_PART`] of the series.
 const RANGE: usize = 16;
 /// Half way between the slopes 0 of noise and 1 of a tangent direction,
 const NOISE: f64 = 0.5;
 /// and between that and the 2 of curvature.
 const CURVATURE: f64 = 1.5;
-/// Neighbourhoods must differ in size by this factor in all for a slope to mean something.
+/// The largest and smallest neighbourhoods must differ in radius by this factor for a slope to be
+/// meaningful.
 const SMALLEST_SPAN: f64 = 1.2;
 
-/// What the neighbours do in a direction.
+/// How the neighbours spread in a direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// They spread in proportion to the size of the neighbourhood: the manifold extends there.
     Tangent,
-    /// They leave with a higher power of the size: the manifold curves into it, and no neighbour
-    /// tells what a perturbation in that direction does.
+    /// They spread with a higher power of the size: the manifold curves into this direction. The
+    /// neighbours carry no information on a perturbation along it.
     Curvature,
     /// They spread to the same extent at all sizes.
     Noise,
@@ -60,16 +61,17 @@ impl Kind {
 /// One direction of the neighbourhoods, the widest first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Direction {
-    /// What the neighbours do there.
+    /// How the neighbours spread in it.
     pub kind: Kind,
-    /// Median slope of the singular value over the radius, both logarithmic; NaN where it is flat.
+    /// Median slope of the singular value over the radius, both logarithmic; NaN for a flat
+    /// direction.
     pub slope: f64,
     /// Median radius and median singular value per root of the number of neighbours, in the unit of
     /// the data, at sizes from small to large.
     pub sizes: Vec<(f64, f64)>,
 }
 
-/// What one point says.
+/// The measurement at one point.
 struct Vote {
     radius: [f64; LEVELS],
     /// The singular values at each size.
@@ -78,7 +80,7 @@ struct Vote {
     slopes: Row,
 }
 
-/// What a point is measured with.
+/// Settings and workspace of the measurement at a point.
 struct Probe<'a> {
     cloud: &'a Cloud,
     finder: &'a Finder<'a>,
@@ -175,7 +177,7 @@ fn direction(votes: &[Vote], i: usize, unit: f64) -> Direction {
             (unit * radius, unit * size)
         })
         .collect();
-    // Flat where most points say so, and where no point has anything to say.
+    // Flat where it is flat at most points, and where no point has a slope.
     let (kind, slope) = if 2 * slopes.len() <= votes.len() {
         (Kind::Flat, f64::NAN)
     } else {

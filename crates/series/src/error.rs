@@ -1,4 +1,4 @@
-//! What can be wrong with a series or a setting.
+//! Errors of series and settings.
 
 /// Why a spectrum cannot be estimated from a series.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -59,7 +59,7 @@ pub enum DataError {
         /// The value.
         value: f64,
     },
-    /// Too few points for the neighbour counts and windows asked for.
+    /// Too few points for the requested neighbour counts and windows.
     #[error(
         "{rows} points are too few: {needed} are needed for {neighbours} neighbours outside a \
          Theiler window of {theiler} and a step of {step}, and for 20 reference points; give more \
@@ -77,7 +77,7 @@ pub enum DataError {
         /// Step of the chain.
         step: usize,
     },
-    /// Delayed values that reach over the end of the series.
+    /// Delayed values that reach beyond the end of the series.
     #[error(
         "{rows} points are too few for {dimension} values with a delay of {delay}: {needed} are \
          needed; give more points, a smaller delay or a smaller dimension"
@@ -115,13 +115,14 @@ pub enum DataError {
     Transform {
         /// Number of points.
         rows: usize,
-        /// What its crate said.
+        /// The message of the transform's crate.
         cause: String,
     },
 }
 
 impl DataError {
-    /// Of delayed values, each of which reaches over `span` rows more: counted in rows.
+    /// Converts an error about delayed values, each of which spans `span` more rows, to counts of
+    /// rows.
     pub fn in_rows(mut self, span: usize) -> Self {
         if let DataError::TooFew { rows, needed, .. } = &mut self {
             *rows += span;
@@ -131,7 +132,7 @@ impl DataError {
     }
 }
 
-/// A number for messages: with an exponent where it would otherwise be a row of zeros, and zero
+/// A number for messages: with an exponent where it would otherwise have many zeros, and zero
 /// without a sign.
 pub(crate) fn readable(value: f64) -> String {
     if value == 0.0 {

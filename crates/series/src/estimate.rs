@@ -18,18 +18,17 @@ use super::series::Series;
 use super::settings::{DataSettings, Estimator, Neighbourhood};
 use super::statistics::upper_median;
 
-/// Reference points between two reports of progress. Few enough that their maps stay near the
-/// processor.
+/// Reference points between two reports of progress. Few enough that their maps stay in the cache.
 const CHUNK: usize = 512;
 
-/// What is extrapolated comes from neighbourhoods if the smaller ones are within so many times the
-/// radius given. On starts that the table of `spectrum_coverage` is not of (the seeds 1007 to 1009,
-/// up to 50000 points) the true value is within two errors of 99 % of those exponents of one column
-/// that are called ok with 1, of 96 % with 1.5, 92 % with 2 and 87 % with any; of whole states it
-/// is of 98 % with each.
+/// An extrapolated estimate is not starved if its smaller neighbourhoods lie within this many times
+/// the given radius. Measured on seeds 1007 to 1009, up to 50000 points, which the table of
+/// `spectrum_coverage` does not use. For one column the true value is within two errors of the
+/// exponents called ok in 99 % of cases with 1, 96 % with 1.5, 92 % with 2, and 87 % without a
+/// limit. For whole states it is 98 % with each.
 const LARGE: f64 = 1.5;
 
-/// The spectrum of a series.
+/// Estimates the Lyapunov spectrum of a series.
 ///
 /// ```
 /// use stickslip_series::{DataSettings, Series, Status, data_spectrum};
@@ -53,8 +52,8 @@ pub fn data_spectrum(series: &Series, settings: &DataSettings) -> Result<DataSpe
     data_spectrum_with(series, settings, &|_, _| ())
 }
 
-/// As [`data_spectrum`], calling `progress(done, total)` in between, with numbers of reference
-/// points.
+/// As [`data_spectrum`], with calls of `progress(done, total)` at intervals, in numbers of
+/// reference points.
 ///
 /// # Errors
 /// As [`data_spectrum`].
@@ -66,7 +65,7 @@ pub fn data_spectrum_with(
     let columns = series.columns();
     settings.check(columns)?;
     let step = settings.step;
-    // Of too few points nothing else is to be said.
+    // Too few points take precedence over other errors.
     let cloud = Cloud::new(series);
     let decorrelation = || cloud.as_ref().map_or(0, Cloud::decorrelation);
     let theiler = settings.theiler.unwrap_or_else(decorrelation);
@@ -100,7 +99,7 @@ pub fn data_spectrum_with(
         cloud: &cloud,
         finder,
         settings,
-        // The other estimator has two sizes of its own.
+        // The extrapolated estimator has two sizes of its own.
         has_wide: settings.sensitivity && settings.estimator == Estimator::SanoSawada,
         fixed_rank,
     };
@@ -179,7 +178,7 @@ pub fn data_spectrum_with(
         fixed_rank,
         directions,
         spread: cloud.unit * cloud.spread,
-        // The sum alone may be too large for the unit.
+        // The sum alone may overflow in the unit of the data.
         mean_eps: cloud.unit * (distances / references as f64),
         neighbours: Counts {
             min: count(0),
@@ -206,16 +205,16 @@ pub fn data_spectrum_with(
     })
 }
 
-/// Memory that is used again for the next reference point.
+/// Workspace, reused for the next reference point.
 struct Memory<'a> {
-    /// Neighbours, the nearest first, and of which point they are.
+    /// Neighbours, the nearest first, and the point that they belong to.
     nearest: Vec<Neighbour>,
     of: Option<usize>,
     scratch: Scratch,
     fit: LeastSquares<'a>,
 }
 
-/// What is kept of a reference point.
+/// The result at a reference point.
 struct Point {
     neighbours: usize,
     radius: f64,
@@ -247,7 +246,7 @@ impl Around<'_> {
     fn point(&self, j: usize, plan: Option<&Plan>, memory: &mut Memory<'_>) -> Local {
         let (settings, cloud) = (self.settings, self.cloud);
         let (columns, spread) = (cloud.points.columns(), cloud.spread);
-        // The neighbourhood of Eq. (25), among so many of the nearest as are extrapolated from.
+        // The neighbourhood of Eq. (25), among the nearest points used for extrapolation.
         let size = (
             1 + usize::from(self.has_wide),
             plan.map_or(0, Plan::furthest),
@@ -275,7 +274,7 @@ impl Around<'_> {
         let fixed = narrow.map(self.fixed_rank, settings);
         let directions = narrow.into_directions();
         let maps = plan.map(|plan| plan.maps(&mut memory.fit, j, nearest, &directions));
-        // Judged by what the exponents come from.
+        // Judged by the maps that the exponents come from.
         if let (Some(plan), Some(maps), Neighbourhood::Ball { eps, .. }) =
             (plan, &maps, settings.neighbours)
         {
@@ -293,12 +292,12 @@ impl Around<'_> {
     }
 }
 
-/// Reference points of so many rows.
+/// Reference points for this many rows.
 fn references(rows: usize, settings: &DataSettings) -> usize {
     let all = settings.references_before(rows - settings.step);
     settings.references.map_or(all, |asked| asked.min(all))
 }
 
-/// The smallest neighbourhood in which directions are measured has so many points, or twice as many
-/// as there are columns.
+/// The smallest neighbourhood for measuring directions has this many points, or twice the number of
+/// columns.
 const SMALLEST_LEVEL: usize = 20;

@@ -1,24 +1,25 @@
-//! What speaks for and against an exponent.
+//! The evidence for and against an exponent.
 
 use super::averages::Average;
 use super::extrapolation::Extrapolated;
 use super::result::{DataExponent, OK_ERRORS, Status};
 
-/// Part of the reference points that may fail to determine a direction that counts as determined.
+/// Fraction of the reference points that may fail to determine a direction that still counts as
+/// determined.
 const UNDETERMINED: f64 = 0.01;
-/// With a larger part of the reference points starved no estimate is the one asked for.
+/// With a larger fraction of starved reference points, no estimate is the one asked for.
 const STARVED: f64 = 0.5;
-/// With a larger residual ratio the maps predict next to nothing: about a third of the variance.
+/// With a larger residual ratio the maps predict little: at most about a third of the variance.
 const UNPREDICTABLE: f64 = 0.8;
-/// An estimate moves with the size of the neighbourhoods if it does by more than this part of the
+/// An estimate is unstable if doubled neighbourhoods change it by more than this fraction of the
 /// value,
 const PART: f64 = 0.05;
-/// and by more than so many standard errors of Eqs. (25) and (26), twice as many as the promise, as
-/// both estimates have one. The error of an extrapolated one holds the way to size zero, and
-/// [`OK_ERRORS`] decide.
+/// and by more than this many standard errors of Eqs. (25) and (26). It is twice the promised
+/// number, as both estimates have an error. The error of an extrapolated estimate contains the step
+/// to size zero, and [`OK_ERRORS`] decides.
 const STANDARD_ERRORS: f64 = 2.0 * OK_ERRORS;
 
-/// What is known of all exponents alike.
+/// Evidence common to all exponents.
 pub(crate) struct Evidence {
     pub(crate) dimension: usize,
     pub(crate) references: usize,
@@ -29,8 +30,8 @@ pub(crate) struct Evidence {
 }
 
 impl Evidence {
-    /// Puts together what is known of exponent `i`. `wide` is its estimate from neighbourhoods of
-    /// twice the size, if there is one.
+    /// Assembles the result for exponent `i`. `wide` is its estimate from neighbourhoods of twice
+    /// the size, if there is one.
     pub(crate) fn exponent(
         &self,
         i: usize,
@@ -70,8 +71,8 @@ impl Evidence {
         }
     }
 
-    /// The first of all reasons against an exponent, the gravest first: it is none of the system's,
-    /// none of the data's, none of small neighbourhoods.
+    /// The first reason against an exponent, in order of severity: it is not of the system, not of
+    /// the data, or not of small neighbourhoods.
     fn status(
         &self,
         i: usize,
@@ -88,13 +89,13 @@ impl Evidence {
             change.abs() <= (errors * scatter).max(PART * value.abs())
         };
         let moves = match corrected {
-            // To the exponents at the larger size, and from those by the maps that judge linear
-            // ones, if these exist.
+            // The change to the larger size, and the distance from the maps that linear ones are
+            // compared with, if these exist.
             Some(corrected) => !corrected.changes.iter().all(|change| {
                 let scatter = corrected.zero.scatter;
                 is_small(*change, OK_ERRORS, scatter, best.mean)
             }),
-            // Nothing moves where nothing else was estimated.
+            // Without a second estimate there is no change.
             None => {
                 !eps_sensitivity.is_nan()
                     && !is_small(eps_sensitivity, STANDARD_ERRORS, full.scatter, full.mean)
@@ -133,7 +134,7 @@ mod tests {
         tau: 1.0,
     };
 
-    /// From so few blocks that Student's error is five times the scatter.
+    /// So few blocks that Student's error is five times the scatter.
     fn from_few_blocks(mean: f64) -> Average {
         Average {
             mean,

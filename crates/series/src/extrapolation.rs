@@ -1,17 +1,16 @@
 //! The estimate from neighbourhoods of two sizes, extrapolated to size zero.
 //!
-//! What is left of the bias of local polynomials of degree p falls as `r^(p + 1)` where
-//! neighbourhoods are symmetric on average, with p + 1 = 2 for linear maps, and as `r²` at least
-//! for quadratic ones. From the exponents λ₁ at radius r₁ and λ₂ at r₂ the one at zero is
-//! `λ₀ = λ₁ + w (λ₁ − λ₂)` with `w = r₁²/(r₂² − r₁²)`. The same combination is made of the
-//! stretchings at every point, so that the scatter of its block means holds the correlation of the
-//! two. All of `λ₀ − λ₂` is counted as an error besides: the power of r is a law for small r, and
-//! nothing says that r is.
+//! The bias of local polynomials of degree p falls as `r^(p + 1)` where neighbourhoods are
+//! symmetric on average. It falls as `r²` for linear maps, and at least as `r²` for quadratic ones.
+//! From the exponents λ₁ at radius r₁ and λ₂ at r₂ the one at zero is `λ₀ = λ₁ + w (λ₁ − λ₂)` with
+//! `w = r₁²/(r₂² − r₁²)`. The same combination of the stretchings is formed at every point, so that
+//! the scatter of its block means contains their correlation. The whole of `λ₀ − λ₂` is added as an
+//! error: the power law holds for small r, and r need not be small.
 //!
-//! Linear maps that were asked for show why: of one column of Hénon's map their second exponent is
-//! 0.09 off and hardly moves with the size, for what fits the folds badly does so at any size.
-//! Quadratic maps are fitted beside them where the points suffice, and the distance between the two
-//! is counted as an error, too.
+//! Linear maps show why. For one column of Hénon's map their second exponent is off by 0.09 and
+//! hardly changes with the size, since they fit the folds badly at any size. Where linear maps are
+//! requested and the points suffice, quadratic ones are fitted as well. The distance between the
+//! two is added to the error.
 
 use super::averages::{Average, average, running, volume};
 use super::chain::{Chains, Stretch};
@@ -24,13 +23,13 @@ use super::polynomial::{Degree, Polynomial};
 use super::settings::DataSettings;
 use super::statistics::upper_median;
 
-/// Neighbours of the smaller size for each unknown.
+/// Neighbours at the smaller size for each unknown.
 const PER_UNKNOWN: usize = 3;
-/// This part of a chain is left out: its vectors begin with the directions of a neighbourhood and
-/// have to turn to those that they keep.
+/// This fraction of a chain is discarded: its vectors begin with the directions of a neighbourhood
+/// and have to converge first.
 const SETTLING: usize = 20;
 
-/// The sizes and what is fitted at them.
+/// The sizes and the degree of the maps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sizes {
     /// Degree of the maps.
@@ -46,13 +45,13 @@ pub(crate) struct Plan {
     degree: Degree,
     polynomial: Polynomial,
     pub(crate) neighbours: [usize; 2],
-    /// What linear maps are held against, and its neighbours.
+    /// The polynomial that linear maps are compared with, and its number of neighbours.
     judge: Option<(Polynomial, usize)>,
 }
 
 impl Plan {
-    /// Quadratic maps where the points suffice or they are asked for, linear ones elsewhere. Where
-    /// linear ones are asked for and the points suffice for quadratic ones, these judge them.
+    /// Chooses quadratic maps where the points suffice or they are requested, and linear ones
+    /// elsewhere. Requested linear maps are compared with quadratic ones if the points suffice.
     pub(crate) fn new(
         cloud: &Cloud,
         settings: &DataSettings,
@@ -82,7 +81,7 @@ impl Plan {
         }
     }
 
-    /// Neighbours of the largest neighbourhood.
+    /// Number of points of the largest neighbourhood.
     pub(crate) fn furthest(&self) -> usize {
         let judge = self.judge.map_or(0, |(_, neighbours)| neighbours);
         self.neighbours[1].max(judge)
@@ -128,7 +127,7 @@ pub(crate) struct Maps {
     judge: Option<LocalMap>,
 }
 
-/// The chains at both sizes, and that of the maps that judge.
+/// The chains at both sizes, and that of the maps for comparison.
 pub(crate) struct Extrapolation {
     plan: Plan,
     sizes: [Chains; 2],
@@ -143,19 +142,19 @@ pub(crate) struct Extrapolation {
 pub(crate) struct Extrapolated {
     /// With its statistical error.
     pub(crate) zero: Average,
-    /// From the smaller size to the larger.
+    /// Change from the smaller size to the larger.
     pub(crate) eps_sensitivity: f64,
-    /// From the larger size to zero, and from the maps that judge linear ones: 0 if there are none,
-    /// NaN where they determine nothing.
+    /// Changes from the larger size to zero, and from the maps that linear ones are compared with.
+    /// 0 if there are none, NaN where they determine nothing.
     pub(crate) changes: [f64; 2],
-    /// Part of the neighbours' variance in its direction that is noise, by which the maps are
-    /// flattened.
+    /// Fraction of the neighbours' variance in its direction that is noise. The slopes of the maps
+    /// are too small by it.
     pub(crate) noise: f64,
 }
 
 impl Extrapolated {
-    /// At size zero, with an error that holds the changes, too. A change from nothing adds nothing;
-    /// the status tells.
+    /// The exponent at size zero, with an error that contains the changes. A change that does not
+    /// exist adds nothing; the status shows it.
     pub(crate) fn best(&self) -> Average {
         let [range, gap] = self.changes;
         let gap = gap.abs().max(0.0);
@@ -167,18 +166,18 @@ impl Extrapolated {
     }
 }
 
-/// What is found at size zero.
+/// The results at size zero.
 pub(crate) struct Corrected {
     pub(crate) sizes: Sizes,
     pub(crate) exponents: Vec<Extrapolated>,
-    /// Sum of the exponents of the tangent directions, with its whole error.
+    /// Sum of the exponents of the tangent directions, with its total error.
     pub(crate) sum: Average,
     /// Running means, with the number of reference points before each.
     pub(crate) running: Vec<(usize, Vec<f64>)>,
 }
 
 impl Extrapolation {
-    /// So many interleaved chains, of which nothing is known yet.
+    /// Starts this many interleaved chains.
     pub(crate) fn new(plan: Plan, count: usize, columns: usize) -> Self {
         let chains = || Chains::new(count, columns);
         Self {
@@ -194,7 +193,7 @@ impl Extrapolation {
         &self.plan
     }
 
-    /// Takes the chains through the maps of the next reference point.
+    /// Applies the maps of the next reference point to the chains.
     pub(crate) fn push(&mut self, maps: &Maps, directions: &Matrix) {
         for (size, map) in maps.sizes.iter().enumerate() {
             self.radius[size] += maps.radius[size];
@@ -254,7 +253,8 @@ impl Extrapolation {
     fn at_zero(&self) -> Vec<Stretch> {
         let [small, large] = self.radius();
         let rise = large * large - small * small;
-        // Neighbourhoods of the same radius, as of points in few places, tell nothing of another.
+        // Two neighbourhoods of the same radius, as for points in few places, allow no
+        // extrapolation.
         let weight = if rise > 0.0 {
             small * small / rise
         } else {

@@ -1,4 +1,4 @@
-//! The map between neighbourhoods, Eq. (25).
+//! The linear map between neighbourhoods, Eq. (25).
 
 use super::cloud::Cloud;
 use super::least_squares::Scratch;
@@ -15,10 +15,11 @@ pub(crate) const ABOVE_ROUNDING: f64 = 4.0;
 pub(crate) struct LocalMap {
     /// `[row][column]`.
     pub(crate) matrix: Matrix,
-    /// How many directions the neighbourhood determines it in; it is zero in the others.
+    /// Number of directions in which the neighbourhood determines the map; it is zero in the
+    /// others.
     pub(crate) rank: usize,
-    /// A stretching below this is nothing: the map's own uncertainty from the rounding of the data,
-    /// or the tolerance.
+    /// A stretching below this counts as zero: the uncertainty of the map from rounding of the
+    /// data, or the tolerance.
     pub(crate) nothing: f64,
 }
 
@@ -26,19 +27,19 @@ pub(crate) struct LocalMap {
 pub(crate) struct Decomposed {
     /// `Qᵀ Y'`, upper rows.
     images: Matrix,
-    /// Size of the rounding in the neighbour matrix.
+    /// Size of rounding errors in the neighbour matrix.
     rounding: f64,
-    /// Sum of squares of what no linear map of the neighbours makes of the images.
+    /// Sum of squares of the part of the images that no linear map of the neighbours explains.
     outside: f64,
     /// Independent rows: the neighbours, less one where a constant is fitted.
     independent: usize,
     svd: Svd,
-    /// How many singular values are not zero.
+    /// Number of singular values that are not zero.
     rank: usize,
 }
 
 impl Decomposed {
-    /// Of the neighbours of point `j`, with a constant or without one.
+    /// Fits the neighbours of point `j`, with a constant or without one.
     pub(crate) fn new(
         scratch: &mut Scratch,
         cloud: &Cloud,
@@ -65,10 +66,10 @@ impl Decomposed {
         &self.svd.s
     }
 
-    /// Part of the images' deviations from the image of the point that the map (without ridge) does
-    /// not predict: root mean square per degree of freedom, over the same without a map. 0 for a
-    /// smooth map of small neighbourhoods, 1 if the images have nothing to do with the points. NaN
-    /// if there are no degrees of freedom to tell from.
+    /// Residual ratio: the fraction of the images' deviations from the image of the point that the
+    /// map (without ridge) does not predict. It is the root mean square per degree of freedom, over
+    /// the same without a map. It is 0 for a smooth map of small neighbourhoods, 1 if the images do
+    /// not depend on the points, and NaN without degrees of freedom.
     pub(crate) fn residual_ratio(&self) -> f64 {
         let (rank, columns) = (self.rank, self.images.columns());
         if self.independent <= rank {

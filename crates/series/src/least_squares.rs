@@ -1,28 +1,29 @@
-//! Least squares over the neighbours of a point: of linear maps, and of polynomials, to which more
+//! Least squares over the neighbours of a point, for linear maps and for polynomials, to which more
 //! neighbours can be added.
 //!
-//! Own code, because the sizes are tiny and the bits must be the same everywhere: only `+ − × ÷ √`,
-//! in a fixed order. The triangle is found from the neighbours' coordinates themselves and never
-//! from `Σ y yᵀ`, whose condition number is the square.
+//! Own code, because the sizes are tiny and the results must be bit-for-bit the same everywhere:
+//! only `+ − × ÷ √`, in a fixed order. The triangular factor is computed from the coordinates of
+//! the neighbours, never from `Σ y yᵀ`, whose condition number is the square.
 
 use pulp::Arch;
 
 use super::matrix::Matrix;
 use super::neighbours::Neighbour;
 
-/// Rows are filled up with zeros, which change no sum, so that no vector is broken.
+/// Rows are padded with zeros to a multiple of this, which changes no sum and fills whole SIMD
+/// vectors.
 const VECTOR: usize = 4;
-/// Columns that are reflected together: their sums do not wait for one another.
+/// Columns reflected together, so that their sums are independent instructions.
 const TOGETHER: usize = 4;
 
-/// A column of which no more than this part is left by those before it is a combination of them:
-/// the default of the rank tolerance.
+/// A column counts as dependent if no more than this fraction of it is orthogonal to those before
+/// it: the default of the rank tolerance.
 const DEPENDENT: f64 = 1e-10;
 
-/// What is fitted to each component of the image by a polynomial.
+/// The terms of the polynomial fitted to each component of the image.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Terms {
-    /// Directions that there are quadratic forms of.
+    /// Number of directions with quadratic forms.
     pub(crate) forms: usize,
     /// Whether there is a constant.
     pub(crate) affine: bool,
@@ -37,19 +38,19 @@ impl Terms {
     }
 }
 
-/// Components of images that are columns of the point itself. Of delayed values, a delay ahead,
-/// these are all but the last, and only the last is to be fitted.
+/// Components of images that are columns of the point itself. For delayed values one delay ahead
+/// these are all but the last, and only the last is fitted.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct ShiftedColumns {
-    /// The column that each component of the image is, if it is one.
+    /// The column of the point that each component of the image equals, if any.
     sources: Vec<Option<usize>>,
-    /// The components that are none.
+    /// The components that equal none.
     fitted: Vec<usize>,
 }
 
 impl ShiftedColumns {
-    /// Of points whose images come `step` later. A component is a column of the point if it is that
-    /// column at all points.
+    /// For points whose images come `step` later. A component equals a column of the point if it
+    /// does so at all points.
     pub(crate) fn of(points: &Matrix, step: usize) -> Self {
         let columns = points.columns();
         let is_column = |component: usize, column: usize| {
@@ -64,20 +65,20 @@ impl ShiftedColumns {
     }
 }
 
-/// A fit, whose memory is used again for the next point.
+/// A fit, whose memory is reused for the next point.
 pub(crate) struct LeastSquares<'a> {
     points: &'a Matrix,
     shifted: &'a ShiftedColumns,
-    /// Of the neighbours so far, row after row: constant, forms, coordinates along the directions,
-    /// images. The linear terms come after the forms, so that the corner of the triangle that
-    /// belongs to them holds what is theirs alone.
+    /// The triangle of the neighbours so far, row after row: constant, forms, coordinates along the
+    /// directions, images. The linear terms come after the forms, so that their corner of the
+    /// triangle is free of the forms.
     triangle: Vec<f64>,
-    /// Of the neighbours that are added, column after column.
+    /// Rows of the neighbours to be added, column after column.
     rows: Vec<f64>,
     unknowns: usize,
     /// Neighbours so far.
     pub(crate) count: usize,
-    /// Sum of squares of what the fit leaves of their images.
+    /// Sum of squares of the residuals of their images.
     pub(crate) rest: f64,
 }
 
@@ -110,8 +111,8 @@ impl<'a> LeastSquares<'a> {
         self.extend(j, neighbours, directions, terms);
     }
 
-    /// Fits them to further neighbours beside those so far, of which the triangle holds all that is
-    /// needed.
+    /// Adds further neighbours to the fit. The triangle holds all that is needed of the earlier
+    /// ones.
     pub(crate) fn extend(
         &mut self,
         j: usize,
@@ -142,7 +143,7 @@ impl<'a> LeastSquares<'a> {
     ) {
         let (forms, unknowns) = (terms.forms, self.unknowns);
         let components = self.points.columns();
-        // Differences to the point come last, for a while.
+        // Temporarily, the differences to the point come last.
         let columns = unknowns + self.shifted.fitted.len();
         let cells = (columns + components) * long;
         if self.rows.len() < cells {
@@ -192,9 +193,9 @@ impl<'a> LeastSquares<'a> {
         }
     }
 
-    /// Adds neighbours to the triangle, by reflections that take their rows to zero, and returns
-    /// the sum of squares of what is left of their images. A column that depends on those before it
-    /// gets a zero corner and is passed over.
+    /// Adds neighbours to the triangle, by reflections that annihilate their rows, and returns the
+    /// sum of squares of the residuals of their images. A column that depends on those before it
+    /// gets a zero on the diagonal and is skipped.
     #[inline(always)]
     fn add(&mut self, j: usize, further: &[Neighbour], directions: &Matrix, terms: Terms) -> f64 {
         let long = further.len().next_multiple_of(VECTOR);
@@ -231,9 +232,9 @@ impl<'a> LeastSquares<'a> {
         dot(images, images)
     }
 
-    /// What belongs to the linear terms alone: the triangle of the coordinates along the
-    /// directions, and the images row by row. Of an image that is a column of the point it is that
-    /// of the column.
+    /// The part of the linear terms alone: the triangle of the coordinates along the directions,
+    /// and the images row by row. For an image that equals a column of the point, it is the part of
+    /// that column.
     pub(crate) fn linear_part(&self, directions: &Matrix) -> (Matrix, Matrix) {
         let components = self.points.columns();
         let first = self.unknowns - components;
@@ -257,8 +258,9 @@ impl<'a> LeastSquares<'a> {
     }
 }
 
-/// Reflects a row and the columns below it, each with as many rows as `mirror`, at the plane across
-/// `first` and, below, `mirror`, whose square of length together is `square`.
+/// Applies a Householder reflection to a row and the columns below it, each with as many rows as
+/// `mirror`. The vector of the reflection is `first` followed by `mirror`, with the squared length
+/// `square`.
 #[inline(always)]
 fn reflect_below(
     mirror: &[f64],
@@ -290,7 +292,7 @@ fn reflect_below(
     }
 }
 
-/// Subtracts multiples of the mirror from columns as long.
+/// Subtracts multiples of the mirror from columns of the same length.
 #[inline(always)]
 fn subtract<const C: usize>(mirror: &[f64], factors: [f64; C], columns: [&mut [f64]; C]) {
     for (column, factor) in columns.into_iter().zip(factors) {
@@ -300,7 +302,7 @@ fn subtract<const C: usize>(mirror: &[f64], factors: [f64; C], columns: [&mut [f
     }
 }
 
-/// Scalar products with several columns as long, each with the bits of [`dot`].
+/// Scalar products with several columns of the same length, each bit-for-bit that of [`dot`].
 #[inline(always)]
 fn dots<const C: usize>(a: &[f64], columns: [&[f64]; C]) -> [f64; C] {
     let (a_fours, a_rest) = a.as_chunks::<VECTOR>();
@@ -322,15 +324,14 @@ fn dots<const C: usize>(a: &[f64], columns: [&[f64]; C]) -> [f64; C] {
     })
 }
 
-/// Four partial sums, in a fixed order: independent additions, so that they need not wait for one
-/// another.
+/// Four partial sums, in a fixed order, so that additions are independent.
 #[inline(always)]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let [sum] = dots(a, [b]);
     sum
 }
 
-/// Memory for the least squares of linear maps, used again for every point.
+/// Workspace for the least squares of linear maps, reused for every point.
 #[derive(Default)]
 pub(crate) struct Scratch {
     left: Vec<f64>,
@@ -342,16 +343,16 @@ pub(crate) struct Triangle {
     pub(crate) points: Matrix,
     /// `Qᵀ Y'`, upper rows.
     pub(crate) images: Matrix,
-    /// Sum of squares of its lower rows, of which no linear map makes anything.
+    /// Sum of squares of its lower rows, which no linear map explains.
     pub(crate) rest: f64,
     /// At least as many as columns.
     pub(crate) rows: usize,
 }
 
 impl Scratch {
-    /// Turns the differences of point `j` and its neighbours into a triangle by reflections, which
-    /// are applied to the differences `step` later, too. With `affine` their means are taken out,
-    /// which is what a fitted constant amounts to.
+    /// Reduces the differences between point `j` and its neighbours to a triangle by reflections.
+    /// These are also applied to the differences `step` later. With `affine` the means are
+    /// subtracted, which is equivalent to fitting a constant.
     pub(crate) fn triangle(
         &mut self,
         points: &Matrix,
@@ -384,8 +385,8 @@ impl Scratch {
     }
 }
 
-/// `x_{k + ahead} − x_{j + ahead}` of all neighbours `k`, column after column, filled up with zeros
-/// to as many rows as columns; with `affine` minus their mean.
+/// `x_{k + ahead} − x_{j + ahead}` of all neighbours `k`, column after column, padded with zeros to
+/// as many rows as columns; with `affine` minus their mean.
 fn differences(
     points: &Matrix,
     j: usize,
@@ -398,7 +399,7 @@ fn differences(
     let rows = neighbours.len().max(points.columns());
     columns.clear();
     columns.resize(points.columns() * rows, 0.0);
-    // A point's coordinates lie together: each point is fetched once.
+    // The coordinates of a point are contiguous, so each point is fetched once.
     for (row, &(_, k)) in neighbours.iter().enumerate() {
         let point = &points[k as usize + ahead];
         for (c, (v, origin)) in point.iter().zip(origin).enumerate() {
@@ -414,7 +415,7 @@ fn differences(
     }
 }
 
-/// Reflects columns of so many rows until those on the left are an upper triangle, which is
+/// Reflects columns with this many rows until the left ones form an upper triangle, which is
 /// returned.
 #[inline(always)]
 fn reflect(left: &mut [f64], right: &mut [f64], rows: usize, columns: usize) -> Matrix {
@@ -447,7 +448,7 @@ mod tests {
     use super::*;
     use crate::statistics::SplitMix;
 
-    /// Points and their images, one behind the other; all but the first are neighbours of it.
+    /// Points followed by their images; all points but the first are neighbours of it.
     fn triangle_of(pairs: &[[[f64; 2]; 2]]) -> Triangle {
         let points = Matrix::new(pairs.as_flattened().as_flattened().to_vec(), 2);
         let neighbours: Vec<Neighbour> = (1..pairs.len()).map(|k| (1.0, 2 * k as u32)).collect();

@@ -6,42 +6,42 @@
 //!    later.
 //! 2. Orthonormal vectors are taken through these maps along the orbit, `x_j → x_{j+d} → …`. An
 //!    exponent is the mean logarithm of the stretching in its position.
-//! 3. It is measured which directions the series has points in. An attractor of dimension m in n
-//!    columns determines m exponents; the others come from curvature or rounding and are
-//!    [`Status::Unidentified`].
+//! 3. The directions in which the points of the series spread are measured. An attractor of
+//!    dimension m in n columns determines m exponents; the others come from curvature or rounding
+//!    and are [`Status::Unidentified`].
 //! 4. The same is done with quadratic maps from neighbourhoods of two sizes, and the exponents are
-//!    extrapolated to size zero ([`Estimator::Extrapolated`], the default). The change counts into
+//!    extrapolated to size zero ([`Estimator::Extrapolated`], the default). The change is part of
 //!    the error; an exponent that changes too much is [`Status::Unstable`].
-//! 5. It is measured how much of the neighbours' motion the maps predict. Noise, and a single
+//! 5. The fraction of the neighbours' motion that the maps predict is measured. Noise, and a single
 //!    column of a system of more dimensions, are [`Status::Unpredictable`].
 //!
 //! Points 1 and 2 alone are [`Estimator::SanoSawada`], the estimator of the paper's Figs. 10 to 12.
-//! Its value comes along with the other ([`DataExponent::sano_sawada`]). A second chain has maps
-//! from neighbourhoods of twice the size; an exponent that changes by much more than its standard
-//! error is [`Status::Unstable`].
+//! Its value is reported with that of the default ([`DataExponent::sano_sawada`]). A second chain
+//! has maps from neighbourhoods of twice the size; an exponent that changes by much more than its
+//! standard error is [`Status::Unstable`].
 //!
 //! # What is extrapolated
 //! Maps are `y' = A y + Q(u, u)`, with a quadratic form of the widest directions for each
 //! component. At most 28 unknowns allow forms of all directions up to six columns. The smaller
 //! neighbourhood has three points for each unknown, the larger twice as many. Directions that are
-//! not tangent and of which the forms leave next to nothing are left out. If the larger
+//! not tangent and that the forms explain almost completely are omitted. If the larger
 //! neighbourhood would hold more than a twentieth of the series, the maps are linear, from the
-//! neighbours asked for and twice as many. Where linear maps are asked for in a longer series,
-//! their distance from quadratic ones counts into the error.
+//! requested number of neighbours and twice as many. Where linear maps are requested for a longer
+//! series, their distance from quadratic ones is part of the error.
 //!
 //! # What "ok" promises
-//! The true exponent is within two standard errors in nine of ten cases or more. That was counted
+//! The true exponent is within two standard errors in nine of ten cases or more. This was counted
 //! on 200 series of eight systems of known spectrum, 5000 to 100000 points, on these with noise of
 //! a thousandth of their spread, and on their first columns alone, embedded. No constant was chosen
-//! on their starts. The tables are in `examples/spectrum_coverage/README.md`. Of whole states it
+//! on their starts. The tables are in `examples/spectrum_coverage/README.md`. For whole states it
 //! holds from 30 reference points on ([`DataSettings::references`]) that reach over two Theiler
 //! windows. Nothing is promised for noise of another kind, for series that go through the attractor
 //! a few times only, and for systems with corners at points that few orbits visit.
 //!
 //! # The divergence
 //! The exponents of all directions add up to the mean divergence of the system. Where it is known,
-//! [`DataSpectrum::balance`] holds the sum against it, or says what the other exponents must be:
-//! Lorenz' third, of which no series shows anything, is −14.57 that way.
+//! [`DataSpectrum::balance`] compares the sum with it, or gives the sum of the missing exponents.
+//! The third exponent of the Lorenz system, which no series shows, is −14.57 that way.
 //!
 //! # The columns are not standardised
 //! The same factor for all columns, or another order of them, changes nothing. A factor for one
@@ -59,23 +59,23 @@
 //! many standard errors where the orbit has corners, and on a fractal it loses what it cuts off.
 //!
 //! # Fewer columns than the system has
-//! One measured column is no state. [`choose_embedding`] makes one of delayed values. The delay is
-//! the first minimum of the average mutual information, or for values on a curve, which has none,
-//! the first zero of the autocorrelation. The number of values is the first without false nearest
-//! neighbours. [`Embedding::of`] is the series of these vectors; [`DataSettings::delayed`] are the
-//! settings that suit them. More values than the attractor has dimensions bring exponents of the
-//! embedding's own, often the first of all by linear maps; [`reversal`] finds them.
-//! [`lacks_columns`] says whether several columns are fewer than a state.
+//! One measured column is not a state. [`choose_embedding`] forms states of delayed values. The
+//! delay is the first minimum of the average mutual information, or for values on a curve, which
+//! has none, the first zero of the autocorrelation. The number of values is the first without false
+//! nearest neighbours. [`Embedding::of`] is the series of these vectors; [`DataSettings::delayed`]
+//! are the settings that suit them. More values than the attractor has dimensions add spurious
+//! exponents, with linear maps often the largest of all; [`reversal`] identifies them.
+//! [`lacks_columns`] returns whether several columns are too few for a state.
 //!
 //! # Second opinions
-//! [`divergence`] finds the largest exponent without maps, from how neighbours part (Rosenstein,
-//! Kantz). [`surrogate_test`] compares the series with linear noise of the same spectrum and
-//! values.
+//! [`divergence`] estimates the largest exponent without maps, from the divergence of neighbours
+//! (Rosenstein, Kantz). [`surrogate_test`] compares the series with linear noise of the same
+//! spectrum and values.
 //!
 //! # Noise
-//! Noise of the points flattens the maps: a slope is too small by the part of the neighbours'
-//! variance that is noise. What the maps leave unpredicted bounds it; where that is more than two
-//! errors an exponent is [`Status::Noisy`].
+//! Noise of the points flattens the maps: a slope is too small by the fraction of the neighbours'
+//! variance that is noise. The unpredicted part of the images bounds this effect. Where the bound
+//! exceeds two errors, an exponent is [`Status::Noisy`].
 //!
 //! # When an exponent is minus infinity, and when unidentified
 //! In a stick phase the velocity is the belt's, exactly. Neighbours in it do not differ in
@@ -90,9 +90,9 @@
 //! orthogonal to the others, in the last position.
 //!
 //! Images on a curved line lose a dimension, too, but a linear fit reports a strong contraction
-//! instead. An attractor that sticks regularly has fewer dimensions afterwards: its direction is
-//! not tangent anywhere, and the usual verdict is `unidentified`. The equations can tell, the data
-//! cannot.
+//! instead. An attractor that sticks regularly has fewer dimensions afterwards. The lost direction
+//! is not tangent anywhere, and the usual status is `unidentified`. The equations can decide this,
+//! the data cannot.
 //!
 //! # Same bits
 //! Maps are computed in parallel, each on its own; sums over points are sequential. Equal distances

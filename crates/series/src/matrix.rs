@@ -1,14 +1,13 @@
-//! Rows of equally many numbers, of which only the program's user knows how many.
+//! Rows of equal length, which is known at run time only.
 
 use std::ops::{Index, IndexMut};
 
 use super::series::MAX_COLUMNS;
 
-/// A number for each column, and zeros behind them: what is kept of every point takes no memory of
-/// its own.
+/// One number per column, padded with zeros, so that no allocation per point is needed.
 pub(crate) type Row = [f64; MAX_COLUMNS];
 
-/// A matrix, `[row][column]`; of points each is a row.
+/// A matrix, `[row][column]`; each point is a row.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Matrix {
     columns: usize,
@@ -25,7 +24,7 @@ impl Matrix {
         Self::new(vec![0.0; rows * columns], columns)
     }
 
-    /// Of orthonormal directions.
+    /// A matrix of orthonormal directions.
     #[cfg(test)]
     pub(crate) fn identity(columns: usize) -> Self {
         let mut identity = Self::zeros(columns, columns);
@@ -50,7 +49,7 @@ impl Matrix {
         self.cells.chunks_exact_mut(self.columns)
     }
 
-    /// So many of the first rows.
+    /// The first rows, this many.
     pub(crate) fn first(&self, rows: usize) -> std::slice::ChunksExact<'_, f64> {
         self.cells[..rows * self.columns].chunks_exact(self.columns)
     }

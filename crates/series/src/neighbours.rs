@@ -6,28 +6,29 @@ use super::matrix::{Matrix, distance2};
 use super::settings::Neighbourhood;
 use super::tree::Tree;
 
-/// Points nearer than this fraction of the spread are the same point met again. Their difference is
-/// rounding or the tolerance of an integrator, and tells nothing of the dynamics.
+/// Points nearer than this fraction of the spread count as repeats of one point. Their difference
+/// is rounding or integration error, without information on the dynamics.
 const REPEAT: f64 = 1e-9;
 
-/// One over the part of the points that a neighbourhood holds at most: a larger one is no small
-/// part of the attractor.
+/// Inverse of the largest fraction of the points in a neighbourhood: a larger one is no small part
+/// of the attractor.
 pub(crate) const LARGEST_PART: usize = 20;
 
 /// A neighbour: squared distance and index.
 pub(crate) type Neighbour = (f64, u32);
 
-/// How many of the nearest points are the neighbourhood asked for.
+/// How many of the nearest points form the requested neighbourhood.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Selection {
-    /// The first so many.
+    /// Number of nearest points.
     pub(crate) count: usize,
-    /// The ball held too few, so that the nearest were taken.
+    /// Whether the ball held too few, so that the nearest points were taken.
     pub(crate) starved: bool,
 }
 
 impl Selection {
-    /// Of the nearest points, at least as many as the neighbourhood may have.
+    /// Selects from the nearest points, which must be at least as many as the neighbourhood may
+    /// have.
     fn of(nearest: &[Neighbour], neighbours: &Neighbourhood, spread: f64) -> Self {
         match *neighbours {
             Neighbourhood::Nearest(k) => Selection {
@@ -50,7 +51,7 @@ impl Selection {
 pub(crate) struct Finder<'c> {
     tree: Tree,
     points: &'c Matrix,
-    /// So many of them, from the first on, have an image.
+    /// Number of points, from the first on, that have an image.
     candidates: usize,
     theiler: usize,
     repeat2: f64,
@@ -91,7 +92,7 @@ impl<'c> Finder<'c> {
     ) -> Selection {
         let of_size = |count: usize| count.saturating_mul(times).max(fewest);
         let (least, most) = (of_size(neighbours.fewest()), of_size(neighbours.most()));
-        // Where the ball decides nothing but which points are starved, it bounds no search.
+        // Where the ball only decides which points are starved, it does not bound the search.
         let radius = match *neighbours {
             Neighbourhood::Ball { eps, .. } if most > least => times as f64 * eps * spread,
             _ => f64::INFINITY,
@@ -103,9 +104,8 @@ impl<'c> Finder<'c> {
         Selection::of(nearest, neighbours, spread)
     }
 
-    /// As [`Finder::nearest`], where `nearest` are those of the point `before`: where they have
-    /// gone is no nearer than the ones that are looked for, which makes for a short search in a
-    /// flow.
+    /// As [`Finder::nearest`], where `nearest` are those of the point `before`: their images bound
+    /// the distance of the ones searched for, which makes the search short in a flow.
     pub(crate) fn follow(
         &self,
         (before, j): (Option<usize>, usize),
@@ -120,8 +120,8 @@ impl<'c> Finder<'c> {
         self.within(j, wanted, reach2.min(radius * radius), nearest);
     }
 
-    /// Square of the largest distance from point `j` of where neighbours are so much later;
-    /// infinite if one of them is none then.
+    /// Square of the largest distance from point `j` of the images of neighbours this much later.
+    /// Infinite if one of the images is no valid neighbour.
     fn reach2(&self, j: usize, later: usize, nearest: &[Neighbour]) -> f64 {
         nearest.iter().fold(0.0, |reach: f64, &(_, k)| {
             let k = k as usize + later;
@@ -157,7 +157,7 @@ mod tests {
     use super::*;
     use crate::series::Series;
 
-    /// As [`Finder::nearest`], by looking at every point.
+    /// As [`Finder::nearest`], by exhaustive search.
     fn brute(
         cloud: &Cloud,
         finder: &Finder<'_>,
@@ -227,8 +227,8 @@ mod tests {
         agrees_with_brute_force((0..2500).map(|i| [f64::from(i % 50), f64::from(i / 50)]));
     }
 
-    /// Nine tenths of the points are one, from which there is nothing near but repeats, and which
-    /// is one far neighbour from elsewhere.
+    /// Nine tenths of the points coincide. Near them there are only repeats; from elsewhere they
+    /// are one far neighbour.
     #[test]
     fn the_tree_finds_what_brute_force_finds_beside_rest() {
         agrees_with_brute_force((0..3000).map(|i| {
@@ -237,7 +237,7 @@ mod tests {
         }));
     }
 
-    /// Half of the points are repeats of the one looked at, and all others are equally distant.
+    /// Half of the points are repeats of the reference point, and all others are equally distant.
     #[test]
     fn the_tree_finds_what_brute_force_finds_behind_repeats() {
         agrees_with_brute_force((0..3000).map(|i| [f64::from(i % 2)]));
@@ -245,7 +245,7 @@ mod tests {
 
     #[test]
     fn only_repeats_end_the_search_with_nothing() {
-        // The last point alone is another, and has no image.
+        // Only the last point differs, and it has no image.
         let rows = (0..3000).map(|i| [f64::from(u8::from(i == 2999))]);
         let cloud = Cloud::new(&Series::from_rows(rows, 1.0).unwrap()).unwrap();
         let finder = Finder::new(&cloud, 1, 1).unwrap();

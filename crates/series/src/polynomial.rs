@@ -1,22 +1,22 @@
-//! Local maps with the curvature taken out: polynomials of second degree.
+//! Local polynomial maps of second degree, which account for curvature.
 //!
-//! A linear map fitted to a neighbourhood of radius r is off by what the quadratic terms of the
-//! true map do to it, of the order of r where the neighbourhood is not symmetric, and on a curved
-//! attractor far more: there a direction is wide by curvature alone. A fit `y' = A y + Q(u, u)`,
-//! with u the coordinates of y along the widest directions, leaves an error of the order of r² and
-//! takes the curvature of the attractor for what it is (Bryant, Brown and Abarbanel, Phys. Rev.
-//! Lett. 65, 1523 (1990); Brown, Bryant and Abarbanel, Phys. Rev. A 43, 2787 (1991)).
+//! A linear map fitted to a neighbourhood of radius r has an error from the quadratic terms of the
+//! true map. The error is of order r where the neighbourhood is not symmetric. It is far larger on
+//! a curved attractor, where a direction may be wide by curvature alone. A fit `y' = A y + Q(u,
+//! u)`, with u the coordinates of y along the widest directions, leaves an error of order r² and
+//! represents the curvature of the attractor (Bryant, Brown and Abarbanel, Phys. Rev. Lett. 65,
+//! 1523 (1990); Brown, Bryant and Abarbanel, Phys. Rev. A 43, 2787 (1991)).
 
 use super::fit::{ABOVE_ROUNDING, LocalMap};
 use super::least_squares::{LeastSquares, Terms};
 use super::matrix::{Matrix, Row, product};
 use super::series::MAX_COLUMNS;
 
-/// A direction that is not tangent is left out where less than this part of the widest is left of
-/// it by the quadratic forms: what cubic terms do to such a small rest would pass for a derivative.
+/// A direction that is not tangent is omitted if the quadratic forms leave less than this fraction
+/// of the widest. Cubic terms in so small a remainder would pass for a derivative.
 const THIN: f64 = 1e-3;
-/// Most unknowns of one image's component: six columns, all their 21 forms and a constant. With
-/// more columns the forms are of the widest directions only.
+/// Largest number of unknowns per component of the image: six columns, all their 21 forms and a
+/// constant. With more columns there are forms of the widest directions only.
 const MOST_UNKNOWNS: usize = 28;
 
 /// Degree of local maps.
@@ -24,7 +24,7 @@ const MOST_UNKNOWNS: usize = 28;
 pub enum Degree {
     /// Linear maps.
     Linear,
-    /// Linear maps and quadratic forms of the widest directions beside them.
+    /// Linear maps plus quadratic forms of the widest directions.
     Quadratic,
 }
 
@@ -42,20 +42,21 @@ impl Degree {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Polynomial {
     pub(crate) terms: Terms,
-    /// Directions that the attractor extends in.
+    /// Number of tangent directions of the attractor.
     pub(crate) tangent: usize,
     /// Rounding of a coordinate.
     pub(crate) rounding: f64,
 }
 
-/// The linear part of a fitted polynomial. It is not determined in any direction if not in all
-/// tangent ones.
+/// The linear part of a fitted polynomial. It counts as undetermined unless it is determined in all
+/// tangent directions.
 #[derive(Clone, Debug)]
 pub(crate) struct Derivative {
     pub(crate) map: LocalMap,
-    /// Part of the neighbours' variance in each direction that is noise, by which a slope is too
-    /// small, if the noise is the same in all columns: what the images leave unpredicted is theirs
-    /// and, through the map, that of the points. NaN where there is nothing to tell it from.
+    /// Fraction of the neighbours' variance in each direction that is noise, assumed equal in all
+    /// columns. A slope is too small by this fraction. The unpredicted part of the images is taken
+    /// as their own noise plus, through the map, that of the points. NaN without degrees of
+    /// freedom.
     pub(crate) noise: Row,
 }
 
@@ -73,8 +74,7 @@ impl Polynomial {
         }
     }
 
-    /// With forms of all directions, or of so many of the widest that the unknowns do not become
-    /// too many.
+    /// With forms of all directions, or of as many of the widest as the limit of unknowns allows.
     pub(crate) fn quadratic(mut self, columns: usize) -> Self {
         let unknowns = |forms| {
             Terms {
@@ -89,8 +89,8 @@ impl Polynomial {
         self
     }
 
-    /// The linear part of the fit of these terms, by back substitution. `directions` are those that
-    /// the coordinates are along.
+    /// The linear part of the fit of these terms, by back substitution. The coordinates are along
+    /// `directions`.
     pub(crate) fn derivative(&self, fit: &LeastSquares<'_>, directions: &Matrix) -> Derivative {
         let components = directions.columns();
         let (rows, unknowns) = (fit.count, self.terms.unknowns(components));
@@ -134,8 +134,7 @@ impl Polynomial {
             }
         }
         let carried: f64 = slopes.iter().map(|slopes| product(slopes, slopes)).sum();
-        // Variance that the polynomial leaves of a component; NaN where there are no degrees of
-        // freedom to tell from.
+        // Residual variance of a component; NaN without degrees of freedom.
         let unpredicted = fit.rest / ((rows - unknowns) * components) as f64;
         let of_noise = unpredicted / (1.0 + carried / components as f64);
         noise.iter_mut().for_each(|part| *part *= of_noise);
@@ -157,7 +156,8 @@ mod tests {
     use crate::neighbours::Neighbour;
     use crate::statistics::SplitMix;
 
-    /// A polynomial with two tangent directions and forms of so many.
+    /// A polynomial with two tangent directions and quadratic forms of the given number of
+    /// directions.
     fn with_forms(forms: usize) -> Polynomial {
         let mut polynomial = Polynomial::linear(false, 1, 2, f64::EPSILON);
         polynomial.terms.forms = forms;

@@ -4,22 +4,21 @@ use super::directions::Direction;
 use super::extrapolation::Sizes;
 use super::settings::DataSettings;
 
-/// Whether an exponent can be had from the series.
+/// Whether the series determines an exponent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
-    /// It belongs to a direction that the series has points in, and no sign of an error beyond the
-    /// standard one was found.
+    /// It belongs to a direction in which the points spread, and there is no sign of an error
+    /// beyond the standard error.
     Ok,
-    /// It belongs to such a direction, but depends on the size of the neighbourhoods: what they do
-    /// to it by the curvature of map and attractor is not small. Extrapolated, it is at size zero
-    /// another than at the larger size, by more than two statistical errors and 5 %, or linear maps
-    /// that were asked for give another than quadratic ones by as much; by
-    /// [`super::Estimator::SanoSawada`] it is another with neighbourhoods of twice the size, by
-    /// more than four standard errors and 5 %.
+    /// It belongs to such a direction, but depends on the size of the neighbourhoods, by the
+    /// curvature of map and attractor. For an extrapolated exponent, the value at size zero differs
+    /// from that at the larger size by more than two statistical errors and 5 %, or requested
+    /// linear maps differ from quadratic ones by as much. With [`super::Estimator::SanoSawada`],
+    /// neighbourhoods of twice the size change it by more than four standard errors and 5 %.
     Unstable,
     /// It belongs to such a direction, but at more than half of the reference points the ball held
-    /// too few neighbours and the nearest were taken, at whatever distance: not the estimate that
-    /// was asked for.
+    /// too few neighbours and the nearest points were taken, at any distance: this is not the
+    /// requested estimate.
     Starved,
     /// It belongs to such a direction, but at more than 1 % of the reference points the neighbours
     /// do not determine the maps that are extrapolated ([`DataExponent::undetermined`]), as where
@@ -27,10 +26,10 @@ pub enum Status {
     Undetermined,
     /// It belongs to such a direction, but noise may flatten the maps that are extrapolated by more
     /// than two errors. What they leave unpredicted of the images is taken for noise, the same in
-    /// all columns, of images and points. The part that it is of the neighbours' variance in a
-    /// direction is what slopes, and logarithms of stretchings, are too small by; the first
-    /// exponent is held against the widest direction, and so on. Many that are called so are within
-    /// two errors nevertheless.
+    /// all columns, of images and points. Slopes, and logarithms of stretchings, are too small by
+    /// its fraction of the neighbours' variance in a direction. The first exponent is compared with
+    /// the widest direction, and so on. Many exponents with this status are within two errors
+    /// nevertheless.
     Noisy,
     /// The maps do not predict where neighbours go ([`DataSpectrum::residual_ratio`] above 0.8):
     /// the points are not states of a deterministic system, or noise is as large as the
@@ -79,10 +78,10 @@ pub struct DataExponent {
     /// fit happens to give, or NaN if no reference point determines it; for [`Status::Annihilated`]
     /// minus infinity.
     pub value: f64,
-    /// Standard error. By [`super::Estimator::SanoSawada`] that of the mean from the scatter
-    /// between blocks of time, which is statistical only and knows nothing of bias; by
-    /// [`super::Estimator::Extrapolated`] the root of the sum of squares of that, of the whole step
-    /// from the larger size to zero, and of the distance of linear maps that were asked for from
+    /// Standard error. With [`super::Estimator::SanoSawada`] it is that of the mean, from the
+    /// scatter between blocks of time; it is statistical only and excludes bias. With
+    /// [`super::Estimator::Extrapolated`] it is the root of the sum of squares of that, of the
+    /// whole step from the larger size to zero, and of the distance of requested linear maps from
     /// quadratic ones. With fewer than 320 reference points there are fewer than 32 blocks, of ten
     /// points at least; the scatter is then wider by the quotient of Student's quantiles, so that
     /// two errors hold as much. NaN where nothing determines the value.
@@ -95,7 +94,7 @@ pub struct DataExponent {
     /// from the smaller to the larger of [`DataSpectrum::sizes`] by the other. NaN for
     /// [`Status::Annihilated`] and where one of the two does not exist.
     pub eps_sensitivity: f64,
-    /// Whether the value means something.
+    /// Whether the value is meaningful.
     pub status: Status,
     /// The exponent by the fit of fixed rank, with its standard error; nothing beyond that rank.
     pub fixed_rank: Option<(f64, f64)>,
@@ -125,7 +124,7 @@ pub struct Running {
     pub exponents: Vec<f64>,
 }
 
-/// What [`super::data_spectrum`] finds.
+/// The result of [`super::data_spectrum`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct DataSpectrum {
     /// The exponents, in the order the chain finds them: descending, but for differences within the
@@ -135,7 +134,7 @@ pub struct DataSpectrum {
     /// than theirs where what one gains the other loses. NaN where there is none; see
     /// [`DataSpectrum::balance`].
     pub sum: (f64, f64),
-    /// Number of tangent directions: so many exponents the series can tell.
+    /// Number of tangent directions: the number of exponents that the series can determine.
     pub dimension: usize,
     /// Rank of the second fit.
     pub fixed_rank: usize,
@@ -158,20 +157,21 @@ pub struct DataSpectrum {
     /// deterministic system, near 1 for noise, and for a single column of a system of more
     /// dimensions. NaN if no neighbourhood has more points than its map has columns.
     pub residual_ratio: f64,
-    /// Sizes that the exponents were extrapolated from; none with [`super::Estimator::SanoSawada`].
+    /// Sizes from which the exponents were extrapolated; `None` with
+    /// [`super::Estimator::SanoSawada`].
     pub sizes: Option<Sizes>,
     /// Running means of the exponents, some 400 rows.
     pub convergence: Vec<Running>,
-    /// The settings, with what was left to the estimator filled in.
+    /// The settings, with the values chosen by the estimator filled in.
     pub settings: DataSettings,
 }
 
 /// Standard errors within which `ok` promises the truth: two hold 95 % of a normal distribution.
 pub const OK_ERRORS: f64 = 2.0;
-/// A divergence given in four digits is off by this part of it at most.
+/// Largest relative error of a divergence given to four digits.
 const ROUNDING: f64 = 5e-4;
 
-/// What a known divergence says of a spectrum.
+/// Comparison of a spectrum with a known divergence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Balance {
     /// The series has points in all directions: its exponents must add up to the divergence.
@@ -183,9 +183,9 @@ pub enum Balance {
         /// Whether the two agree within two standard errors.
         agrees: bool,
     },
-    /// The series tells only some of the exponents: what the others must add up to.
+    /// The series determines only some of the exponents: the sum of the others.
     Rest {
-        /// How many others there are; with one, `sum` is that exponent.
+        /// Number of the others; if it is one, `sum` is that exponent.
         exponents: usize,
         /// Their sum.
         sum: f64,
@@ -197,7 +197,7 @@ pub enum Balance {
 }
 
 impl DataSpectrum {
-    /// Holds the sum of the exponents against the mean divergence of the system, per unit of time:
+    /// Compares the sum of the exponents with the mean divergence of the system, per unit of time:
     /// the trace of the Jacobian of a flow, `ln |det J|` of a map, over `dt` for the step between
     /// two points. The columns must be the states of the system, no more and no fewer.
     pub fn balance(&self, divergence: f64) -> Balance {

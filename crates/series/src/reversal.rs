@@ -1,16 +1,16 @@
-//! Which exponents of an embedding are the system's.
+//! Classification of the exponents of an embedding: the system's, or spurious.
 //!
 //! m delayed values of a system whose attractor has fewer dimensions give m exponents, of which
 //! some are the embedding's own, and those may be anywhere: of x alone of Hénon's map the first of
-//! three is 0.8, twice the system's. Two things tell them apart. A fit restricted to the tangent
+//! three is 0.8, twice the system's. Two criteria distinguish them. A fit restricted to the tangent
 //! directions of the points has no room for them (Stoop and Parisi, Physica D 50, 89, 1991). And
 //! with the time reversed true exponents change their sign, while spurious ones have no reason to
 //! (Parlitz, Int. J. Bifurcation Chaos 2, 155, 1992). Quadratic maps that are extrapolated leave
 //! directions out in which the points only bend, and with them mostly the embedding's own
 //! exponents; then the first are the system's already. A map that cannot be inverted and a
 //! contraction that is finer than the points lie make the reversed series unpredictable or its
-//! exponents none of the system's; then it finds not even the first exponent again, and is not
-//! asked.
+//! exponents none of the system's; then it does not even reproduce the first exponent, and is not
+//! used.
 
 use super::error::DataError;
 use super::estimate::data_spectrum_with;
@@ -26,14 +26,14 @@ const PART: f64 = 0.25;
 /// or if they stretch by parts of each map that are so near: the exponents of a regular motion are
 /// all about 0, and a fit is no better.
 const FIT: f64 = 0.01;
-/// Reference points of the reversed series, where the step allows for fewer than all: it is asked
-/// whether exponents are near, and no more.
+/// Reference points of the reversed series, where the step allows fewer than all: it is enough to
+/// decide whether exponents are near.
 const REFERENCES: usize = 1000;
 /// With a larger residual ratio a series is not predictable enough, in either direction of time,
 /// for its exponents to be compared.
 const UNPREDICTABLE: f64 = 0.5;
 
-/// Whose an exponent is.
+/// Origin of an exponent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
     /// The system's: the fit restricted to the tangent directions has it, or the reversed series
@@ -58,20 +58,20 @@ impl Origin {
     }
 }
 
-/// What the reversed series says of the exponents of an embedding.
+/// Result of the comparison with the reversed series.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reversal {
-    /// Whose the exponents are, in the order of the spectrum.
+    /// Origins of the exponents, in the order of the spectrum.
     pub origins: Vec<Origin>,
     /// The exponents of the reversed series by the fit of fixed rank, with their standard errors.
     pub reversed: Vec<(f64, f64)>,
-    /// Whether the reversed series has the first exponent with the other sign. Where it does not it
-    /// tells nothing of the others.
+    /// Whether the reversed series has the first exponent with the other sign. If not, it carries
+    /// no information on the others.
     pub is_conclusive: bool,
 }
 
-/// Holds the spectrum of an embedded series against its fit of fixed rank and against the reversed
-/// series. `progress(done, total)` is called in between with numbers of reference points.
+/// Compares the spectrum of an embedded series with its fit of fixed rank and with the reversed
+/// series. `progress(done, total)` is called at intervals with numbers of reference points.
 ///
 /// # Errors
 /// Those of [`super::data_spectrum`].
@@ -122,8 +122,8 @@ pub fn reversal(
     let full: Vec<(f64, f64)> = full.map(|one| (one.value, one.stderr)).collect();
     let [by_rank, by_reversal] =
         [&forward, &negated].map(|known| matched(&full, known, scale, spectrum.dimension));
-    // A fit of full rank has room for the embedding's own, too, and tells nothing of what it has
-    // not.
+    // A fit of full rank has room for spurious exponents, too, so that an exponent missing from it
+    // proves nothing.
     let is_judged = is_conclusive || forward.len() < full.len();
     let origins = full.iter().zip(by_rank.into_iter().zip(by_reversal));
     let origins = origins.map(|(exponent, (by_rank, by_reversal))| {
@@ -154,17 +154,17 @@ fn reversed(series: &Series) -> Result<Series, DataError> {
     )
 }
 
-/// The distance of two values that are the same, none of others.
+/// The distance of two values that count as the same; `None` for others.
 fn gap(a: (f64, f64), b: (f64, f64), scale: f64) -> Option<f64> {
     let distance = (a.0 - b.0).abs();
     let errors = STANDARD_ERRORS * (a.1 * a.1 + b.1 * b.1).sqrt();
     let bias = PART * scale.max(a.0.abs()).max(b.0.abs());
-    // Not a number is not near.
+    // NaN is never near.
     (distance <= errors.max(bias)).then_some(distance)
 }
 
-/// Which of `all` are among `known`; each of these is one of them only, the nearest. The first
-/// `determined`, which the data tell, come before the others.
+/// Which of `all` are among `known`. Each known value matches at most one, the nearest. The first
+/// `determined`, which the data determine, are matched before the others.
 fn matched(all: &[(f64, f64)], known: &[(f64, f64)], scale: f64, determined: usize) -> Vec<bool> {
     let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
     for (i, a) in all.iter().enumerate() {
@@ -200,7 +200,7 @@ mod tests {
             [false, true, false, true]
         );
         assert_eq!(matched(&all, &exact(&[f64::NAN]), 0.4, 2), [false; 4]);
-        // Nearer is the last, but the second is one that the data tell.
+        // The last is nearer, but the second is one that the data determine.
         let all = exact(&[0.42, -1.63, -1.1, -1.5]);
         assert_eq!(
             matched(&all, &exact(&[0.418, -1.45]), 0.418, 2),

@@ -2,7 +2,7 @@
 
 use super::error::{DataError, readable};
 
-/// Most columns: what is kept of a point has place for so many numbers.
+/// Largest number of columns: the storage of a point has this many places.
 pub const MAX_COLUMNS: usize = 10;
 /// Shortest time between two rows; one over it is the longest. A logarithm of a double, below 750,
 /// stays a number over either.

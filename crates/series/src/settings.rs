@@ -11,14 +11,14 @@ pub enum Neighbourhood {
     Ball {
         /// Radius, as a fraction of the signal's spread `√Σ var`.
         eps: f64,
-        /// With fewer than so many in the ball the nearest so many are taken, and the reference
-        /// point counts as starved. Where exponents are extrapolated it does if the smaller of the
-        /// two neighbourhoods reaches farther than one and a half times the radius.
+        /// With fewer points than this in the ball, this many nearest points are taken, and the
+        /// reference point counts as starved. Where exponents are extrapolated it does if the
+        /// smaller of the two neighbourhoods reaches farther than one and a half times the radius.
         min: usize,
-        /// With more than so many in the ball the nearest so many are taken.
+        /// With more points than this in the ball, only this many nearest points are taken.
         max: usize,
     },
-    /// The nearest so many, however far.
+    /// This many nearest points, at any distance.
     Nearest(usize),
 }
 
@@ -46,7 +46,7 @@ pub enum Estimator {
     /// Sano and Sawada's: linear maps of one neighbourhood, Eqs. (25) and (26) of the paper as they
     /// stand. Its error is statistical only.
     SanoSawada,
-    /// Maps from neighbourhoods of two sizes, extrapolated to size zero. The error holds that of
+    /// Maps from neighbourhoods of two sizes, extrapolated to size zero. The error includes that of
     /// the extrapolation.
     Extrapolated {
         /// Degree of the maps; `None` takes quadratic ones where the series is long enough.
@@ -64,7 +64,8 @@ impl Estimator {
     }
 }
 
-/// Fewest reference points: fewer make no two blocks of time, and no standard error.
+/// Fewest reference points: fewer do not form two blocks of time, so that there is no standard
+/// error.
 pub const FEWEST_REFERENCES: usize = 20;
 
 /// Reference points among delayed values that are enough,
@@ -79,8 +80,8 @@ const PART: usize = 100;
 const FOR_EACH_VALUE: usize = 4;
 
 /// Settings of [`super::data_spectrum`]. The defaults suit noise-free series of some ten thousand
-/// points: the nearest dozen, which keeps the bias small, and a radius at which a neighbourhood is
-/// too large to be called one. Noise wants more neighbours.
+/// points: the nearest dozen, which keeps the bias small, and a radius beyond which a neighbourhood
+/// is not local. Noisy series need more neighbours.
 ///
 /// How many points a ball holds can be estimated beforehand: of n points on a surface of area S it
 /// holds about n π (eps · spread)² / S. For 45001 points on the torus (cos a, sin a, cos b, sin b)
@@ -114,10 +115,10 @@ pub struct DataSettings {
     /// steps, …, so that the point a reference point moves to is one again: as many interleaved
     /// chains as there are below `step`. With 1 all points are reference points.
     pub stride: usize,
-    /// Uses only the first so many reference points, at least [`FEWEST_REFERENCES`].
+    /// Uses only this many first reference points, at least [`FEWEST_REFERENCES`].
     pub references: Option<usize>,
-    /// Estimates a second time from neighbourhoods of twice the size, to say how far the result
-    /// depends on them; takes as long again. Without it no `eps_sensitivity` is known and no
+    /// Estimates a second time from neighbourhoods of twice the size, to measure how the result
+    /// depends on them. This doubles the time. Without it no `eps_sensitivity` is known and no
     /// exponent is called unstable. [`Estimator::Extrapolated`] has two sizes anyhow.
     pub sensitivity: bool,
 }
@@ -144,7 +145,8 @@ impl Default for DataSettings {
     }
 }
 
-/// The stride with the fewest chains that still have so many reference points of the rows, or 1.
+/// The stride with the fewest chains that still have this many reference points among the rows, or
+/// 1.
 pub(crate) fn longest_stride(step: usize, rows: usize, references: usize) -> usize {
     let with_image = rows.saturating_sub(step).max(1);
     match references.saturating_mul(step).div_ceil(with_image) {
@@ -175,7 +177,7 @@ impl DataSettings {
 }
 
 impl DataSettings {
-    /// The estimator of the paper, Eqs. (25) and (26), which corrects no bias; all else as by
+    /// The estimator of the paper, Eqs. (25) and (26), without correction of bias; all else is the
     /// default.
     pub fn sano_sawada() -> Self {
         Self {
@@ -225,8 +227,8 @@ impl DataSettings {
     /// [`DataError::Setting`] with the first setting that is not allowed.
     pub(crate) fn check(&self, columns: usize) -> Result<(), DataError> {
         let refuse = |name, value, bound: String| Err(DataError::Setting { name, value, bound });
-        // With as many neighbours as unknowns every map fits them, and nothing is left to judge it
-        // by.
+        // With as many neighbours as unknowns the fit is exact, and there are no residuals to judge
+        // it by.
         let unknowns = columns + usize::from(self.affine);
         let bound = if self.affine {
             format!("above the number of columns plus one for the affine fit, {unknowns}")
@@ -300,7 +302,7 @@ mod tests {
                 settings.references_before(rows - step)
             };
             let stride = longest_stride(step, rows, wanted);
-            // Of a step that is begun some chains lack a point.
+            // In the last, incomplete step some chains lack a point.
             assert!(
                 of(stride) + step > wanted.min(rows - step),
                 "{step} {rows} {wanted}"

@@ -1,7 +1,6 @@
 //! Medians, a power law, and random numbers with the same bits on every machine.
 
-/// The two values in the middle, which are one for an odd number of values; none of no values. What
-/// is not a number is passed over.
+/// The two middle values, equal for an odd number of values; `None` without values. NaN is skipped.
 pub fn middle_two(values: impl IntoIterator<Item = f64>) -> Option<[f64; 2]> {
     let mut values: Vec<f64> = values.into_iter().filter(|v| !v.is_nan()).collect();
     values.sort_by(f64::total_cmp);
@@ -9,19 +8,19 @@ pub fn middle_two(values: impl IntoIterator<Item = f64>) -> Option<[f64; 2]> {
     Some([values[(values.len() - 1) / 2], upper])
 }
 
-/// The middle value (the upper of two) of those that are numbers, NaN of none.
+/// The median (the upper of the middle two), without NaN; NaN if there are no values.
 pub(crate) fn upper_median(values: impl IntoIterator<Item = f64>) -> f64 {
     middle_two(values).map_or(f64::NAN, |[_, upper]| upper)
 }
 
-/// Places of values in ascending order, equal ones by place.
+/// Indices of the values in ascending order of value, equal ones by index.
 pub(crate) fn order(values: &[f64]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_unstable_by(|&a, &b| values[a].total_cmp(&values[b]).then(a.cmp(&b)));
     order
 }
 
-/// The power of `x` that `y` goes with: the slope of the line of least squares through the
+/// The exponent of a power law of `y` over `x`: the slope of the line of least squares through the
 /// logarithms of positive numbers.
 pub(crate) fn power(points: impl Iterator<Item = (f64, f64)>) -> f64 {
     let logs: Vec<(f64, f64)> = points.map(|(x, y)| (libm::log(x), libm::log(y))).collect();

@@ -1,7 +1,7 @@
 //! Singular values of small matrices, by one-sided Jacobi rotations.
 //!
-//! Own code, because the sizes are tiny and the bits must be the same everywhere: only `+ − × ÷ √`,
-//! in a fixed order.
+//! Own code, because the sizes are tiny and the results must be bit-for-bit the same everywhere:
+//! only `+ − × ÷ √`, in a fixed order.
 
 use super::matrix::{Matrix, Row, product};
 use super::series::MAX_COLUMNS;
@@ -22,7 +22,7 @@ pub(crate) struct Svd {
 }
 
 /// Singular value decomposition of a square matrix by rotations of the columns (Hestenes), which
-/// finds small singular values to high relative accuracy.
+/// computes small singular values to high relative accuracy.
 pub(crate) fn svd(m: &Matrix) -> Svd {
     let n = m.columns();
     // Columns as rows: w[i] becomes u_i s_i.

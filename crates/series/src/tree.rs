@@ -1,9 +1,9 @@
 //! A search tree for the nearest points among those that may be neighbours.
 //!
 //! Own code, because the neighbours of a time series are not its nearest points: those next to them
-//! in time and exact repeats do not count, and equally distant ones are told apart by index. Said
-//! inside the search, this costs nothing; from outside of it more points had to be asked for, often
-//! several times, and half of the time of a spectrum went there.
+//! in time and exact repeats do not count, and equally distant ones are ordered by index. Inside
+//! the search these conditions cost nothing. Outside of it, more points would have to be requested,
+//! often several times, at half of the time of a spectrum.
 
 use std::cmp::Ordering;
 
@@ -35,9 +35,9 @@ impl Bounds<'_> {
             .unwrap_or(0)
     }
 
-    /// A square that no point of the box is nearer than: the subtractions and squares are those of
-    /// [`super::matrix::distance2`], in its order, with smaller operands, and rounding is
-    /// monotonic.
+    /// Lower bound of the squared distance to the points of the box: the subtractions and squares
+    /// are those of [`super::matrix::distance2`], in its order, with smaller operands, and rounding
+    /// is monotonic.
     #[inline(always)]
     fn distance2(&self, centre: &[f64]) -> f64 {
         let mut sum = 0.0;
@@ -48,7 +48,7 @@ impl Bounds<'_> {
         sum
     }
 
-    /// A square that no point of the box is further than, in the same way.
+    /// Upper bound of the squared distance, in the same way.
     fn furthest2(&self, centre: &[f64]) -> f64 {
         let mut sum = 0.0;
         for ((v, low), high) in centre.iter().zip(self.low).zip(self.high) {
@@ -185,9 +185,9 @@ impl Tree {
     /// most `radius2`, of those that are `admissible` by index: nearest first, equally distant ones
     /// by index. Fewer if there are no more.
     ///
-    /// Where a system rests or sticks, thousands of points are one: a node of repeats only is
-    /// passed over, and so is one as far as the last of those found, if all indices in it are
-    /// larger.
+    /// Where a system is at equilibrium or sticks, thousands of points coincide. A node with
+    /// repeats only is skipped. So is a node as far as the last neighbour so far, if all its
+    /// indices are larger.
     pub(crate) fn nearest(
         &self,
         centre: &[f64],
@@ -200,7 +200,8 @@ impl Tree {
         if wanted == 0 {
             return;
         }
-        // With the machine's vectors, which change no bit: a distance is a lane.
+        // Compiled for the SIMD vectors of the machine, which change no bit: each distance is one
+        // lane.
         Arch::new().dispatch(
             #[inline(always)]
             || self.collect(centre, wanted, between, admissible, nearest),
@@ -358,7 +359,7 @@ mod tests {
         }
     }
 
-    /// What keeps a search short where a system rests.
+    /// The search stays short where a system is at equilibrium.
     #[test]
     fn a_box_of_repeats_and_one_of_later_points_as_far_are_passed_over() {
         let (place, beside) = ([0.5, 1.0], [0.5, 3.0]);

@@ -1,4 +1,4 @@
-//! The orbit, its spectra and what becomes of the equations as printed.
+//! The orbit, its spectra and the outcome of the equations as printed.
 
 use super::watch::{DT, END, START, Watch};
 use crate::figures::Failure;
@@ -9,7 +9,7 @@ use stickslip::models::{BlockAndBracket, Caption, Reading};
 use stickslip::{Error, Locator, Method, Options, State, run};
 use stickslip_series::{DataSettings, DataSpectrum, Neighbourhood, Series, data_spectrum};
 
-/// What one of the three figures differs in.
+/// What distinguishes each of the three figures.
 #[derive(Clone, Copy, Debug)]
 pub struct Set {
     /// Which of the three.
@@ -18,9 +18,9 @@ pub struct Set {
     pub caption: Caption,
     /// Length of the orbit drawn, at the end of the run.
     pub shown: f64,
-    /// Title for readers who cannot see the picture.
+    /// Title of the picture for screen readers.
     pub title: &'static str,
-    /// What the picture shows, for them.
+    /// Description of the picture for screen readers.
     pub description: &'static str,
 }
 

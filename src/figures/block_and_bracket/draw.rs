@@ -28,7 +28,7 @@ const DASHES: [Dash; 4] = [Dash::Solid, Dash::Dashed, Dash::Solid, Dash::Dashed]
 /// Where the axis of exponents turns from linear to logarithmic.
 const LINEAR: f64 = 1e-3;
 
-/// What the picture shows, for readers who cannot see it.
+/// Description of the picture for screen readers.
 fn description(data: &Data) -> String {
     let exact = &data.exact;
     let exponents = exact.spectrum.exponents.iter();

@@ -1,6 +1,5 @@
-//! The rows of Figs. 10, 11 and 12.
-//! Exponents from data stand beside those from the equations, wherever the estimator says that the
-//! data tell them.
+//! The rows of Figs. 10, 11 and 12. Exponents from data stand beside those from the equations,
+//! wherever the estimator reports that the data determine them.
 
 use super::compute::{Data, Literal, Measured};
 use crate::figures::rows::Row;
@@ -9,7 +8,7 @@ use crate::paper::reading::Reading;
 use stickslip::analysis::Exponent;
 use stickslip_series::{DataExponent, DataSpectrum, Status};
 
-/// What becomes of an orbit that leaves every bound, in the place of a class.
+/// Reported in place of a class for an orbit that leaves every bound.
 pub const DIVERGES: &str = "diverges";
 
 pub(super) fn numbers(data: &Data) -> Vec<Row> {
@@ -216,11 +215,11 @@ impl Comparison {
 /// together, and that is more than enough. Bias of the data: a linear map fitted to a ball of
 /// radius ε leaves out terms of second order in the distance, so that its slopes are off by `c εᵖ`
 /// with p ≥ 1, and so is an exponent. With twice the radius it is off by `2ᵖ c εᵖ`: the change is
-/// `(2ᵖ − 1) c εᵖ`, at least the bias itself. The estimator runs with twice the radius, too, and
-/// tells that change.
+/// `(2ᵖ − 1) c εᵖ`, at least the bias itself. The estimator also runs with twice the radius and
+/// reports that change.
 ///
-/// What differs by more has a bias that doubling the neighbourhoods does not show, as it may where
-/// no power of ε rules yet.
+/// A larger difference is a bias that doubling the neighbourhoods does not show. This may happen
+/// where no power of ε dominates yet.
 pub fn compare(data: &DataSpectrum, equations: &[Exponent]) -> Vec<Comparison> {
     let pairs = data.exponents.iter().zip(equations).enumerate();
     pairs

@@ -1,4 +1,4 @@
-//! What is noted while the orbit runs.
+//! What is recorded along the orbit.
 
 use std::ops::ControlFlow;
 
@@ -15,7 +15,7 @@ pub(crate) const DT: f64 = 0.2;
 /// Parts a step is cut into to look for the least normal force: fine enough for one minimum in
 /// each, since a step is a fraction of a turn.
 const PARTS: u32 = 8;
-/// Narrowings that a place within a part takes: by then its ends differ by 1e-12 of it.
+/// Iterations of the golden-section search, which shrink a part to 1e-12 of its length.
 const REFINEMENTS: u32 = 60;
 /// Golden ratio less one: what a golden-section search keeps of its interval.
 const KEPT: f64 = 0.618_033_988_749_894_9;

@@ -52,7 +52,8 @@ pub struct Data {
 
 /// Errors of a run stay far below the differences that decide here.
 const TOLERANCE: f64 = 1e-13;
-/// Length of the drawn orbits (s): about two turns, after which they cannot be told from the cycle.
+/// Length of the drawn orbits (s): about two turns, after which they are indistinguishable from the
+/// cycle.
 const DRAWN: f64 = 16.0;
 /// Time after which an orbit is near enough to the cycle for Newton's iteration (s).
 const SETTLED: f64 = 60.0;

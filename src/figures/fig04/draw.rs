@@ -5,7 +5,7 @@ use crate::figures::{FigureError, belt_line};
 use plot::*;
 use stickslip::analysis::Visibility;
 
-/// What the picture shows, for readers who cannot see it.
+/// Description of the picture for screen readers.
 fn description(data: &Data) -> String {
     let sticks = match data.cycle.sticks {
         0 => "without sticking".to_owned(),

@@ -24,8 +24,8 @@ pub struct Data {
     /// Another spring, whose `k₁` is not its `k₂`: with the paper's own, Eqs. (22) and (23) are
     /// Eqs. (12) and (13).
     pub unequal: Cubic,
-    /// Zeros of its `∂σ/∂z` found by a scan and bisection, m, ascending: what Eq. (22) is held
-    /// against.
+    /// Zeros of its `∂σ/∂z` located by a scan and bisection, m, ascending, for comparison with Eq.
+    /// (22).
     pub stationary: Vec<f64>,
 }
 

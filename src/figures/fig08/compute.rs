@@ -202,9 +202,12 @@ fn shares(model: &ForcedOscillator) -> Result<Shares, Error> {
         count as f64 * each
     };
     let periodic = |is: fn(usize, usize) -> bool| {
-        share(
-            &|end| matches!(end, Destination::Periodic { sticks, period, .. } if is(*sticks, *period)),
-        )
+        share(&|end| {
+            matches!(
+                end,
+                Destination::Periodic { sticks, period, .. } if is(*sticks, *period)
+            )
+        })
     };
     Ok(Shares {
         starts: starts.len(),

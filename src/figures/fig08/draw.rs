@@ -7,7 +7,7 @@ use crate::paper::listing::Crossing;
 use plot::*;
 use stickslip::math;
 
-/// What the picture shows, for readers who cannot see it.
+/// Description of the picture for screen readers.
 fn description(data: &Data) -> String {
     let printed = &data.as_printed.pattern;
     let exact = &data.exact.pattern;

@@ -58,7 +58,10 @@ fn from(claims: &Claims, x1: f64) -> Result<FromPoint, Error> {
         x1,
         first_release: first.map_or(f64::NAN, |phase| phase.stick.exit.t),
         digits: published_digits(claims, &outcome),
-        model_two_periodic: matches!(end, Destination::Periodic { period, sticks, .. } if two_periodic(sticks, period)),
+        model_two_periodic: matches!(
+            end,
+            Destination::Periodic { period, sticks, .. } if two_periodic(sticks, period)
+        ),
     })
 }
 

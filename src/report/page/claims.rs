@@ -65,7 +65,10 @@ pub(super) fn section(ledger: &Ledger) -> Markup {
             (heading("claims"))
             fieldset.filter {
                 legend { "Show" }
-                label { input type="radio" name="verdict" id="all" checked; "all " (ledger.entries.len()) }
+                label {
+                    input type="radio" name="verdict" id="all" checked;
+                    "all " (ledger.entries.len())
+                }
                 @for (verdict, count) in filters {
                     label {
                         input type="radio" name="verdict" id={ "only-" (verdict.key()) };
@@ -81,7 +84,11 @@ pub(super) fn section(ledger: &Ledger) -> Markup {
                         the kinder is judged and the evidence names the other."
                 }
                 (columns(&["Claim", "Published", "Found", "Verdict"]))
-                tbody { @for (place, entry) in ledger.entries.iter().enumerate() { (row(ledger, place, entry)) } }
+                tbody {
+                    @for (place, entry) in ledger.entries.iter().enumerate() {
+                        (row(ledger, place, entry))
+                    }
+                }
             }
             (by_part(ledger))
             h3 #corrections { "Corrections" }
@@ -117,18 +124,32 @@ fn row(ledger: &Ledger, place: usize, entry: &Entry) -> Markup {
                 details {
                     summary { "evidence" }
                     ul { @for line in entry.lines() { li { (line) } } }
-                    @if entry.asks_for_cause() { p { "Cause: " a href="#cause" { (ledger.cause.status()) } "." } }
+                    @if entry.asks_for_cause() {
+                        p { "Cause: " a href="#cause" { (ledger.cause.status()) } "." }
+                    }
                 }
             }
             td data-column="Published" { (published(entry)) }
             td data-column="Found" {
-                ul.found { @for one in entry.distinct().into_iter().filter(|one| one.reading.role() != Role::Beside) { li { (one.reading) ": " b { (worth(entry, one)) } @if one.by_construction { " \
-                    by construction: no evidence" } } } }
+                ul.found {
+                    @for one in entry
+                        .distinct()
+                        .into_iter()
+                        .filter(|one| one.reading.role() != Role::Beside)
+                    {
+                        li {
+                            (one.reading) ": " b { (worth(entry, one)) }
+                            @if one.by_construction { " by construction: no evidence" }
+                        }
+                    }
+                }
                 @if let Some(exponent) = &entry.exponent { p.soft { (sign_and_spread(exponent)) } }
             }
             td data-column="Verdict" data-key=(entry.verdict as usize) {
                 (mark(entry.verdict))
-                @if !entry.corrections.is_empty() && matches!(entry.verdict, Verdict::WithCorrections | Verdict::InKind) {
+                @if !entry.corrections.is_empty()
+                    && matches!(entry.verdict, Verdict::WithCorrections | Verdict::InKind)
+                {
                     span.soft { " (" a href="#corrections" { (labels(&entry.corrections)) } ")" }
                 }
             }

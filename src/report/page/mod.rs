@@ -49,7 +49,9 @@ fn document(report: &Report) -> Markup {
                     p.soft { (resting(report.ledger)) }
                     nav aria-label="Sections" {
                         ol {
-                            @for (anchor, heading) in SECTIONS { li { a href={ "#" (anchor) } { (heading) } } }
+                            @for (anchor, heading) in SECTIONS {
+                                li { a href={ "#" (anchor) } { (heading) } }
+                            }
                         }
                     }
                 }
@@ -57,7 +59,10 @@ fn document(report: &Report) -> Markup {
                     (claims::section(report.ledger))
                     (injection::cause(report))
                     (injection::existence(report))
-                    section aria-labelledby="readings" { (heading("readings")) p { (figs_10_to_12(report.ledger)) } }
+                    section aria-labelledby="readings" {
+                        (heading("readings"))
+                        p { (figs_10_to_12(report.ledger)) }
+                    }
                     (text::errata(report.ledger))
                     (figures::section(report))
                     (text::methods(report.ledger))

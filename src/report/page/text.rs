@@ -23,7 +23,9 @@ pub(super) fn errata(ledger: &Ledger) -> Markup {
                             td data-column="Should read" { (erratum.correct) }
                             td data-column="Shown by" {
                                 ul.found {
-                                    @for shown in &erratum.shown { li { (shown.what) ": " b { (value(shown)) } } }
+                                    @for shown in &erratum.shown {
+                                        li { (shown.what) ": " b { (value(shown)) } }
+                                    }
                                 }
                                 @if !erratum.holds { p { "The computation does not bear it out." } }
                             }

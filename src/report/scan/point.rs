@@ -132,7 +132,7 @@ impl Point {
         factor: f64,
         value: f64,
     ) -> Result<Point, Error> {
-        // A spring that pulls back for large stretches lets nobody go, however fast.
+        // A spring that pulls back for large stretches lets no body escape, however fast.
         let pushes_out = model.k2 > 0.0;
         let options = Options::tol(TOLERANCE)
             .escape(if pushes_out { ESCAPE } else { 100.0 * ESCAPE })

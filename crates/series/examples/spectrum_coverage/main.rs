@@ -1,6 +1,6 @@
-//! How often the true exponent lies within two error bars where an estimate from data is called
-//! `ok`: series of systems of known spectrum, from starts that no constant of the estimator was
-//! chosen on.
+//! Measures how often the true exponent lies within two standard errors of an estimate whose status
+//! is `ok`. The series come from systems of known spectrum, with starts on which no constant of the
+//! estimator was chosen.
 //!
 //! `cargo run --release -p stickslip-series --example spectrum_coverage -- FOLDER` takes some
 //! fifteen minutes on two cores and writes `coverage.csv` and `README.md`; `--known` prints the
@@ -17,8 +17,9 @@ use trial::Observed;
 
 /// Lengths of the series.
 const POINTS: [usize; 5] = [5_000, 10_000, 20_000, 50_000, 100_000];
-/// Starts of each length. Constants of the estimator were chosen on the seed 1 and those from 1007
-/// on, and some were kept because the table of the seeds 101 to 105 had not become worse.
+/// Seeds of the starts, the same for each length. The constants of the estimator were chosen on
+/// seed 1 and on seeds from 1007 on. Some were kept because the table of seeds 101 to 105 did not
+/// become worse.
 const SEEDS: std::ops::Range<u64> = 201..206;
 /// Points of a run for the exponents from the equations, and its seeds.
 const LONG: (usize, [u64; 2]) = (10_000_000, [1, 2]);
@@ -34,7 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
 }
 
-/// The exponents from the equations.
+/// Prints the exponents computed from the equations.
 fn known() {
     for case in systems::cases() {
         for seed in LONG.1 {
@@ -75,23 +76,33 @@ fn write(folder: &Path) -> Result<(), Box<dyn Error>> {
 
 const HEAD: &str = "# What `ok` is worth
 
-Made by `cargo run --release -p stickslip-series --example spectrum_coverage -- crates/series/examples/spectrum_coverage`
-from `coverage.csv` beside it, which it makes, too. The starts (seeds 201 to 205) are others than those on which the estimator's constants
+Made by `cargo run --release -p stickslip-series --example spectrum_coverage -- \
+    crates/series/examples/spectrum_coverage`
+from `coverage.csv` beside it, which it makes, too. The starts (seeds 201 to 205) are others \
+    than those on which the estimator's constants
 were chosen; the systems and some of the lengths are the same.
 
 ";
 
 const TAIL: &str = "
-An exponent counts where the system has it; one that is called `ok` and that no exponent of the system answers to counts as not within.
-\"ok\" is the share of the system's exponents that are called so, \"within 2σ\" how often the true one is within two standard errors of
-these, \"error\" the median distance from it, per unit of time. Of whole states those that are not `ok` are mostly strong contractions that no
-series shows (`unidentified`), Chua's where the corners of its diode are in the neighbourhoods (`unstable`), and those of short series
+An exponent counts where the system has it; one that is called `ok` and that no exponent of the \
+    system answers to counts as not within.
+\"ok\" is the share of the system's exponents that are called so, \"within 2σ\" how often the \
+    true one is within two standard errors of
+these, \"error\" the median distance from it, per unit of time. Of whole states those that are \
+    not `ok` are mostly strong contractions that no
+series shows (`unidentified`), Chua's where the corners of its diode are in the neighbourhoods \
+    (`unstable`), and those of short series
 (`starved`); of one column most are not among those found, or `starved`.
 
-Noise is a normal error of each value, in parts of its column's standard deviation. The more points, the smaller the neighbourhoods, and the more
+Noise is a normal error of each value, in parts of its column's standard deviation. The more \
+    points, the smaller the neighbourhoods, and the more
 of them is noise: an exponent is `noisy` then, or `unstable`.
 
-One column is embedded with the delay and the number of values that are chosen from the data, and so are several if they lack one, as with
-noise they may. Which column it is changes from seed to seed, so that each has its turn; the pendulum's are the sine and the cosine of an angle that
-turns over, and the velocity. Exponents that are told to be the embedding's own are left out; what the system has and the rest has not is not `ok`.
+One column is embedded with the delay and the number of values that are chosen from the data, \
+    and so are several if they lack one, as with
+noise they may. Which column it is changes from seed to seed, so that each has its turn; the \
+    pendulum's are the sine and the cosine of an angle that
+turns over, and the velocity. Exponents that are told to be the embedding's own are left out; \
+    what the system has and the rest has not is not `ok`.
 ";

@@ -7,20 +7,20 @@ use stickslip::statistics::SplitMix;
 
 /// Runge–Kutta steps between two points of a flow's series.
 const SUBSTEPS: usize = 8;
-/// Points left out before a series begins.
+/// Points discarded as a transient before a series begins.
 const TRANSIENT: usize = 3000;
 
-/// A system as the map that takes a state to the next one of the series.
+/// A system, as the map from one state of the series to the next.
 trait System<const N: usize> {
     /// Time between two states; 1 for a map.
     const DT: f64;
-    /// Middle of the box that starts are drawn from; its sides are 0.1.
+    /// Centre of the box from which starts are drawn; its sides are 0.1.
     const START: [f64; N];
 
     /// The state after `DT`.
     fn next<T: Scalar>(x: [T; N]) -> [T; N];
 
-    /// What is written of a state.
+    /// Columns of the series for a state.
     fn observe(x: &[f64; N]) -> Vec<f64> {
         x.to_vec()
     }
@@ -71,7 +71,7 @@ impl System<2> for Ikeda {
     }
 }
 
-/// Two logistic maps at 3.9 and 3.8 of which each takes a twentieth from the other.
+/// Two logistic maps at 3.9 and 3.8, each coupled to the other with the weight 1/20.
 struct Logistic;
 
 impl System<2> for Logistic {
@@ -89,7 +89,7 @@ fn lorenz<T: Scalar>([x, y, z]: &[T; 3], [sigma, r, b]: [f64; 3]) -> [T; 3] {
     [(y - x) * sigma, x * (-z + r) - y, x * y - z * b]
 }
 
-/// Lorenz' system with his numbers.
+/// The Lorenz system with its original parameters.
 struct Lorenz;
 
 impl System<3> for Lorenz {
@@ -101,7 +101,7 @@ impl System<3> for Lorenz {
     }
 }
 
-/// Lorenz' system with the numbers of Wolf et al. (1985).
+/// The Lorenz system with the parameters of Wolf et al. (1985).
 struct LorenzWolf;
 
 impl System<3> for LorenzWolf {
@@ -126,7 +126,7 @@ impl System<3> for Roessler {
 }
 
 /// A pendulum with damping 1/2, driven by 1.5 cos(2t/3) (Baker and Gollub): angle, velocity, phase.
-/// Angles are written as sine and cosine, which have no jump.
+/// The angle is written as sine and cosine, which do not jump.
 struct Pendulum;
 
 impl System<3> for Pendulum {
@@ -152,7 +152,7 @@ impl System<3> for Pendulum {
     }
 }
 
-/// Chua's circuit with its diode of straight pieces, on the double scroll.
+/// Chua's circuit with its piecewise linear diode, on the double scroll.
 struct Chua;
 
 impl System<3> for Chua {
@@ -184,17 +184,17 @@ pub struct Case {
     pub dt: f64,
     /// Columns of the series.
     pub columns: usize,
-    /// The first so many are seen alone, too; those behind are the pendulum's drive and see nothing
-    /// of the system.
+    /// Number of leading columns that are also observed alone. The columns after them belong to the
+    /// pendulum's drive and carry no information on the system.
     pub alone: usize,
     /// Its exponents, descending: the means of two runs of [`Case::exponents`] over 10⁷ points,
     /// with 0 for a flow's second. Sprott (Chaos and Time-Series Analysis, 2003) gives the same for
     /// Hénon and Lorenz, and for Rössler's first 0.0714.
     pub known: &'static [f64],
-    /// The values of so many states on the attractor, row after row, from a start drawn with this
+    /// The values of this many states on the attractor, row after row, from a start drawn with this
     /// seed.
     pub series: fn(seed: u64, points: usize) -> Vec<f64>,
-    /// The exponents from the equations, over so many points.
+    /// The exponents from the equations, over this many points.
     pub exponents: fn(seed: u64, points: usize) -> Vec<f64>,
 }
 
@@ -272,7 +272,7 @@ fn exponents<S: System<N>, const N: usize>(seed: u64, points: usize) -> Vec<f64>
             *sum += math::ln(length);
         }
     }
-    // A direction that nothing feeds keeps its vector and its position.
+    // A direction into which nothing is mapped keeps its vector and its position.
     sums.sort_by(|a, b| b.total_cmp(a));
     sums.map(|sum| sum / (points as f64 * S::DT)).to_vec()
 }

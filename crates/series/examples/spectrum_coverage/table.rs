@@ -1,4 +1,4 @@
-//! The outcome as CSV, and the table of it.
+//! The results as CSV, and their table in Markdown.
 
 use std::fmt::Write;
 
@@ -7,9 +7,10 @@ use stickslip_series::statistics::middle_two;
 use super::trial::{Observed, Row, Verdict};
 
 /// First line of the CSV.
-const HEADER: &str = "system,observed,points,seed,index,known,exponent,stderr,status,holds,sano_sawada,sano_sawada_stderr,sano_sawada_status,sano_sawada_holds";
+const HEADER: &str = "system,observed,points,seed,index,known,exponent,stderr,status,holds,\
+    sano_sawada,sano_sawada_stderr,sano_sawada_status,sano_sawada_holds";
 
-/// A line for each exponent; no value is an empty cell.
+/// One line per exponent; a missing value is an empty cell.
 pub fn csv(rows: &[Row]) -> String {
     let mut text = format!("{HEADER}\n");
     for row in rows {
@@ -48,14 +49,14 @@ fn number(v: f64) -> String {
     }
 }
 
-/// Exponents and what one estimator makes of them.
+/// Counts for one estimator.
 #[derive(Clone, Debug, Default)]
 pub struct Count {
-    /// Called `ok`.
+    /// Exponents with the status `ok`.
     pub ok: usize,
-    /// Of these, with the truth within two errors.
+    /// Of these, the ones whose true value is within two standard errors.
     pub holds: usize,
-    /// Distances from the truth of those.
+    /// Distances of those from the true values.
     errors: Vec<f64>,
 }
 
@@ -87,20 +88,20 @@ impl Count {
 /// A group of series.
 #[derive(Clone, Debug, Default)]
 pub struct Group {
-    /// What it is called.
+    /// Name of the group.
     pub name: String,
     /// Series.
     pub series: usize,
     /// Exponents of the systems.
     pub exponents: usize,
-    /// By the default settings.
+    /// With the default settings.
     pub found: Count,
     /// By Sano and Sawada's estimator.
     pub sano_sawada: Count,
 }
 
-/// The groups of what was `observed` in a CSV of [`csv`] by a name that is made of system and
-/// points, in the order in which they come.
+/// Groups the rows of what was `observed`, from a CSV written by [`csv`], by a name made of system
+/// and points. The order is that of first occurrence.
 pub fn groups(csv: &str, observed: Observed, name: impl Fn(&str, &str) -> String) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     for line in csv.lines().skip(1) {
@@ -141,7 +142,7 @@ fn percent(part: usize, whole: usize) -> String {
     }
 }
 
-/// The table of what was `observed` in a CSV, in Markdown: by system, by length, and of all.
+/// The Markdown table of what was `observed`, from a CSV: by system, by length, and in total.
 pub fn table(csv: &str, observed: Observed) -> String {
     let mut text = String::from(
         "| | series | exponents | ok | within 2σ if ok | error if ok | Sano–Sawada: ok | within 2σ \

@@ -1,4 +1,4 @@
-//! One series: what the estimators say of it, held against the truth.
+//! One series: the results of the estimators, compared with the true exponents.
 
 use std::f64::consts::PI;
 
@@ -12,22 +12,22 @@ use stickslip::statistics::SplitMix;
 
 use super::systems::Case;
 
-/// Part of a column's standard deviation.
+/// Standard deviation of the noise, as a fraction of that of the column.
 pub const NOISE: f64 = 0.001;
 
-/// What a series holds of the states.
+/// Which components of the states are observed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Observed {
     /// All of them.
     States,
     /// All of them, with noise of [`NOISE`].
     Noisy,
-    /// One of their values, each in turn from seed to seed.
+    /// One of their components, a different one from seed to seed.
     Column,
 }
 
 impl Observed {
-    /// Each way.
+    /// All variants.
     pub const ALL: [Observed; 3] = [Observed::States, Observed::Noisy, Observed::Column];
 
     /// A word for tables.
@@ -40,11 +40,11 @@ impl Observed {
     }
 }
 
-/// An exponent by both estimators.
+/// One exponent from both estimators.
 pub struct Row {
     /// Name of the system.
     pub system: &'static str,
-    /// What of it was seen.
+    /// What was observed of it.
     pub observed: Observed,
     /// Points of the series.
     pub points: usize,
@@ -54,19 +54,19 @@ pub struct Row {
     pub index: usize,
     /// The system's exponent; not a number where the series has more than the system.
     pub known: f64,
-    /// By the default settings; none where there are fewer.
+    /// With the default settings; `None` where there are fewer exponents.
     pub found: Option<Verdict>,
     /// By Sano and Sawada's estimator.
     pub sano_sawada: Option<Verdict>,
 }
 
-/// What an estimator says of an exponent.
+/// The result of one estimator for one exponent.
 pub struct Verdict {
     /// Exponent.
     pub value: f64,
-    /// Its error.
+    /// Its standard error.
     pub stderr: f64,
-    /// What is to be made of it.
+    /// Its status.
     pub status: Status,
 }
 
@@ -79,13 +79,13 @@ impl Verdict {
         }
     }
 
-    /// Whether the truth is within two errors; it is not where there is no truth.
+    /// Whether the true value is within two standard errors; false where there is no true value.
     pub fn holds(&self, known: f64) -> bool {
         (self.value - known).abs() <= 2.0 * self.stderr
     }
 }
 
-/// Both estimators on a series.
+/// Runs both estimators on a series.
 ///
 /// # Errors
 /// Those of the series, its embedding and [`data_spectrum`].
@@ -125,8 +125,8 @@ pub fn trial(
         .collect())
 }
 
-/// Each value with a normal error of its own, [`NOISE`] of its column's standard deviation, as of a
-/// sensor.
+/// Adds independent normal noise to each value, as from a sensor. Its standard deviation is
+/// [`NOISE`] times that of the column.
 fn noisy(mut values: Vec<f64>, columns: usize, seed: u64) -> Vec<f64> {
     let mut random = SplitMix::new(seed);
     for column in 0..columns {
@@ -148,7 +148,7 @@ fn settings() -> [DataSettings; 2] {
     [DataSettings::default(), DataSettings::sano_sawada()]
 }
 
-/// As `stickslip spectrum` has them, without those that are told to be an embedding's own.
+/// The exponents that `stickslip spectrum` prints, without those identified as the embedding's own.
 fn verdicts(
     series: &Series,
     embedding: Option<Embedding>,

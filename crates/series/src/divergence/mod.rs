@@ -1,10 +1,11 @@
-//! The largest exponent by how neighbours part, a second opinion that fits no maps: Rosenstein,
-//! Collins and De Luca, Physica D 65, 117 (1993); Kantz, Phys. Lett. A 185, 77 (1994).
+//! The largest exponent from the divergence of neighbours, an independent estimate that fits no
+//! maps: Rosenstein, Collins and De Luca, Physica D 65, 117 (1993); Kantz, Phys. Lett. A 185, 77
+//! (1994).
 //!
-//! The mean logarithm of the distance of neighbours grows along a straight line, whose slope is the
-//! exponent, between the time in which their difference turns into the fastest direction and the
-//! time at which it is as large as the attractor. Rosenstein follows the nearest neighbour of each
-//! point, Kantz the mean distance of all within a radius. Distances are those of whole vectors.
+//! The mean logarithm of the distance of neighbours grows linearly, and its slope is the exponent.
+//! The line begins when the difference has turned into the fastest direction. It ends when the
+//! difference is as large as the attractor. Rosenstein follows the nearest neighbour of each point,
+//! Kantz the mean distance of all neighbours within a radius. Distances are between whole vectors.
 
 mod straight;
 
@@ -20,28 +21,29 @@ use super::statistics::upper_median;
 pub use straight::StraightPart;
 use straight::straight_part;
 
-/// Points that are followed, spread evenly over the series: a mean logarithm of so many is known to
-/// some hundredths.
+/// Number of points followed, spread evenly over the series. The error of a mean logarithm is then
+/// a few hundredths.
 const SAMPLES: usize = 1000;
-/// With fewer points there is nothing to follow, as eight blocks would hold fewer than seven each,
-/// and nothing is embedded unasked.
+/// Fewest points for which neighbours are followed: with fewer, eight blocks would hold fewer than
+/// seven each. Shorter series are not embedded unless asked.
 pub(crate) const FEWEST: usize = 50;
-/// Points of time they are followed over, at most,
+/// Largest number of time steps over which they are followed,
 const LONGEST: usize = 2048;
-/// and as a part of the series.
+/// and the same as a fraction of the series.
 const LONGEST_PART: usize = 4;
 /// Neighbours in Kantz' smallest ball at half of the points, and those in the larger ones.
 const KANTZ: [usize; 3] = [3, 6, 12];
-/// Neighbours of a point in a ball that are followed, at most: more than the largest ball holds at
-/// most points.
+/// Largest number of neighbours followed per point: more than the largest ball holds around most
+/// points.
 const MOST: usize = 20;
 /// Blocks of points for the standard error of a slope.
 const BLOCKS: usize = 8;
-/// Pairs of points that tell the size of the attractor, in logarithms to some hundredths.
+/// Number of pairs of points that give the logarithm of the size of the attractor, to a few
+/// hundredths.
 const PAIRS: usize = 2000;
-/// Whether a curve still rises is asked after so many points.
+/// Number of time steps between checks whether a curve still rises.
 const LOOKED_BACK: usize = 256;
-/// A curve is followed until it is so near to the size of the attractor, in logarithms.
+/// A curve is followed until it is this near to the size of the attractor, in logarithms.
 const SATURATED: f64 = 0.3;
 
 /// Mean logarithm of the distance of neighbours over time.
@@ -59,15 +61,14 @@ pub struct DivergenceCurve {
     pub straight: Option<StraightPart>,
 }
 
-/// The largest exponent by two ways of following neighbours.
+/// The largest exponent by two methods.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Divergence {
     /// Nearest neighbours.
     pub rosenstein: DivergenceCurve,
     /// Balls of three radii.
     pub kantz: Vec<DivergenceCurve>,
-    /// Mean logarithm of the distance of points that have nothing to do with one another: where the
-    /// curves end.
+    /// Mean logarithm of the distance of unrelated points: the level at which the curves saturate.
     pub saturation: f64,
 }
 
@@ -78,8 +79,8 @@ impl Divergence {
         Some((straight.slope, straight.stderr))
     }
 
-    /// Kantz' exponent per unit of time: the median of those of the radii that have one, with the
-    /// larger of its standard error and half the range of all of them.
+    /// Kantz' exponent per unit of time: the median over the radii that have one. Its error is the
+    /// larger of its standard error and half the range over the radii.
     pub fn by_kantz(&self) -> Option<(f64, f64)> {
         let parts = self.kantz.iter();
         let mut parts: Vec<&StraightPart> =
@@ -94,7 +95,7 @@ impl Divergence {
 
 /// Follows the neighbours of a series of states or of delayed values. `theiler` as in
 /// [`super::DataSettings`]; `None` takes the time in which the autocorrelation falls below 1/e.
-/// `progress(done, total)` is called in between.
+/// `progress(done, total)` is called at intervals.
 ///
 /// # Errors
 /// [`DataError::TooFew`] for fewer than 50 points or a window that leaves no neighbours,
@@ -182,8 +183,8 @@ pub fn divergence(
     })
 }
 
-/// Mean logarithm of the distance of points half a series apart, and a little more from pair to
-/// pair.
+/// Mean logarithm of the distance of points about half a series apart; the lag grows slightly from
+/// pair to pair.
 fn saturation(cloud: &Cloud) -> f64 {
     let points = &cloud.points;
     let half = points.len() / 2;
@@ -199,10 +200,10 @@ fn saturation(cloud: &Cloud) -> f64 {
     sum / count
 }
 
-/// Points of time between two looks at where the curve is.
+/// Number of time steps between two checks of the curve.
 const TOGETHER: usize = 16;
 
-/// A curve in the making.
+/// A curve under construction.
 struct Growth<'a> {
     points: &'a Matrix,
     /// Reference points, and the neighbours of each that are followed.
@@ -211,7 +212,7 @@ struct Growth<'a> {
     saturation: f64,
     /// Mean logarithms of the distance, over time.
     means: Vec<f64>,
-    /// The same of each block of reference points.
+    /// The same for each block of reference points.
     blocks: Vec<[f64; BLOCKS]>,
 }
 
@@ -233,8 +234,8 @@ impl Growth<'_> {
             if *self.means.last()? > self.saturation - SATURATED {
                 return Some(self.saturation);
             }
-            // Neighbours that keep in phase, as Rössler's do, never come to be as far apart as any
-            // two points.
+            // Neighbours that stay in phase, as in the Rössler system, never get as far apart as
+            // unrelated points.
             if self.is_flat() {
                 return self.means.iter().copied().reduce(f64::max);
             }
@@ -242,8 +243,8 @@ impl Growth<'_> {
         None
     }
 
-    /// Sums of the logarithms of mean distances so many points later, and their numbers, for each
-    /// block of reference points. Distances of zero are passed over.
+    /// Sums of the logarithms of mean distances this many points later, and their counts, for each
+    /// block of reference points. Zero distances are skipped.
     fn logarithms(&self, ahead: usize) -> [(f64, f64); BLOCKS] {
         let mut sums = [(0.0, 0.0); BLOCKS];
         for (i, (j, neighbours)) in self.pairs.iter().enumerate() {
@@ -261,8 +262,8 @@ impl Growth<'_> {
         sums
     }
 
-    /// Whether the curve, going on as over its last half, would not rise any more by half a factor
-    /// of e.
+    /// Whether the curve, extrapolated from its last half, would rise by less than half a factor of
+    /// e.
     fn is_flat(&self) -> bool {
         let (curve, quarter) = (&self.means, self.means.len() / 4);
         if curve.len() < LOOKED_BACK {

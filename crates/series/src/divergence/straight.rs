@@ -1,20 +1,21 @@
-//! The straight part of a curve of divergence.
+//! The straight part of a divergence curve.
 
 use super::BLOCKS;
 
-/// A factor of e in logarithms, the time scale of an exponent. A straight part rises by one at
-/// least, and ends one below where distances level off: beyond, folding bends it.
+/// A factor of e in logarithms, the time scale of an exponent. A straight part rises by at least
+/// this much. It ends this much below the level of saturation, beyond which folding bends the
+/// curve.
 const E_FOLD: f64 = 1.0;
-/// It has so many points at least, three more than its line has parameters,
+/// Fewest points of a straight part, three more than a line has parameters.
 const FEWEST: usize = 5;
-/// and rises by this part of the whole rise to there: a shorter piece may be straight by chance and
-/// has the growth of a few places only.
+/// A straight part has at least this fraction of the whole rise. A shorter piece may be straight by
+/// chance, and its growth is that of a few places only.
 const PART: f64 = 0.5;
-/// Scatter about the line, as a part of the rise, above which there is no straight part.
+/// Scatter about the line, as a fraction of the rise, above which there is no straight part.
 const CROOKED: f64 = 0.05;
 
-/// The part of a curve from which an exponent is taken: of all parts that end before the curve
-/// levels off, the one whose scatter about its line of least squares is smallest against its rise.
+/// The part of a curve from which an exponent is taken. Of all parts that end before the curve
+/// levels off, it has the smallest scatter about its least-squares line, relative to its rise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StraightPart {
     /// Index of its first point.
@@ -25,12 +26,12 @@ pub struct StraightPart {
     pub slope: f64,
     /// Standard error of the slope, from those of eight blocks of points over the same part.
     pub stderr: f64,
-    /// Root mean square distance of the points from the line, as a part of its rise.
+    /// Root mean square distance of the points from the line, as a fraction of its rise.
     pub scatter: f64,
 }
 
 impl StraightPart {
-    /// First and last point of the line, for a picture of the curve `points` that it is a part of.
+    /// First and last point of the line, to be drawn with the curve `points` that it belongs to.
     pub fn line(&self, points: &[(f64, f64)]) -> Option<[(f64, f64); 2]> {
         let (first, last) = (points.get(self.from)?, points.get(self.to)?);
         let inside = &points[self.from..=self.to];
@@ -41,8 +42,8 @@ impl StraightPart {
     }
 }
 
-/// Finds the straight part of `curve`, a value for each point of time; `blocks` holds the same for
-/// parts of the data, and at `level` the curve levels off.
+/// Selects the straight part of `curve`, which has one value per time step. `blocks` holds the same
+/// for parts of the data, and `level` is where the curve levels off.
 pub(crate) fn straight_part(
     curve: &[f64],
     blocks: &[[f64; BLOCKS]],
@@ -119,7 +120,7 @@ impl Sums {
         self.yy += y * y;
     }
 
-    /// Slope, and root mean square of what is left per degree of freedom.
+    /// Slope, and root mean square of the residuals per degree of freedom.
     fn line(&self) -> (f64, f64) {
         let xx = self.xx - self.x * self.x / self.n;
         let xy = self.xy - self.x * self.y / self.n;
@@ -166,7 +167,7 @@ mod tests {
         };
         assert!(none(&[-3.0; 30]));
         assert!(none(&[]));
-        // At once as far apart as any two points.
+        // As far apart as any two points from the start.
         assert!(none(&[-4.0, -0.1, 0.0, 0.0, 0.0, 0.0, 0.0]));
         assert!(none(&[f64::NAN; 10]));
     }

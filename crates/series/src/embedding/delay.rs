@@ -16,8 +16,8 @@ pub struct Embedding {
 }
 
 impl Embedding {
-    /// Points between the first and the last value of a vector: so many rows fewer does the
-    /// embedded series have.
+    /// Points between the first and the last value of a vector. The embedded series is shorter by
+    /// as many rows.
     pub fn span(&self) -> usize {
         self.delay.saturating_mul(self.dimension.saturating_sub(1))
     }
@@ -35,8 +35,8 @@ impl Embedding {
     /// ```
     ///
     /// # Errors
-    /// [`DataError::Setting`] for a delay or a dimension of 0 or a dimension that makes more than
-    /// [`MAX_COLUMNS`] columns, [`DataError::Span`] if the vectors are longer than the series.
+    /// [`DataError::Setting`] for a delay or a dimension of 0, or a dimension that gives more than
+    /// [`MAX_COLUMNS`] columns; [`DataError::Span`] if the vectors are longer than the series.
     pub fn of(&self, series: &Series) -> Result<Series, DataError> {
         self.check(series.columns())?;
         let span = self.span();
@@ -95,7 +95,7 @@ impl Embedding {
     }
 }
 
-/// Most delayed values of each of `columns` columns.
+/// Largest number of delayed values of each of `columns` columns.
 pub(crate) fn most_dimensions(columns: usize) -> usize {
     MAX_COLUMNS / columns.max(1)
 }

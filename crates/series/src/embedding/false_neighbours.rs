@@ -1,6 +1,6 @@
-//! How many values make a state: false nearest neighbours (Kennel, Brown and Abarbanel, Phys. Rev.
-//! A 45, 3403, 1992) and Cao's averages (Physica D 110, 43, 1997), both from the nearest neighbour
-//! of each point at every dimension.
+//! The number of values that form a state: false nearest neighbours (Kennel, Brown and Abarbanel,
+//! Phys. Rev. A 45, 3403, 1992) and Cao's averages (Physica D 110, 43, 1997), both from the nearest
+//! neighbour of each point at every dimension.
 
 use rayon::prelude::*;
 
@@ -10,20 +10,20 @@ use crate::error::DataError;
 use crate::neighbours::Finder;
 use crate::series::Series;
 
-/// Points whose nearest neighbour is looked at, spread evenly over the series: 1 % of so many has a
-/// standard error of 0.2 %.
+/// Number of points whose nearest neighbour is examined, spread evenly over the series. A fraction
+/// of 1 % of them has a standard error of 0.2 %.
 const SAMPLES: usize = 2000;
-/// A neighbour is false if the next value is further off than so many times its distance (Kennel:
-/// 10 or more tell them clearly),
+/// A neighbour is false if the next value differs by more than this many times its distance
+/// (Kennel: 10 or more separate clearly),
 const DISTANCE_RATIO: f64 = 15.0;
-/// or so many times the spread of the series: of points without neighbours nothing else is known
-/// (Kennel's second criterion).
+/// or by more than this many times the spread of the series (Kennel's second criterion, for points
+/// without near neighbours).
 const SPREADS: f64 = 2.0;
 
-/// What one dimension shows, or the nearest neighbour of one point.
+/// Statistics of one dimension, or of the nearest neighbour of one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Level {
-    /// Part of the nearest neighbours that are false.
+    /// Fraction of the nearest neighbours that are false.
     pub(crate) false_part: f64,
     /// Cao's E: mean ratio of the distances with and without the next value, in the maximum norm.
     pub(crate) stretching: f64,
@@ -31,8 +31,8 @@ pub(crate) struct Level {
     pub(crate) next_difference: f64,
 }
 
-/// Looks at nearest neighbours in `dimension` delayed values and at the next value; `None` if no
-/// point has a neighbour.
+/// Compares nearest neighbours in `dimension` delayed values by the next value. Returns `None` if
+/// no point has a neighbour.
 ///
 /// # Errors
 /// [`DataError::Span`] if no point has a next value, [`DataError::Constant`],
@@ -43,7 +43,7 @@ pub(crate) fn level(
     theiler: usize,
     spread: f64,
 ) -> Result<Option<Level>, DataError> {
-    // That the next value exists.
+    // Checks that the next value exists.
     let next = Embedding {
         dimension: embedding.dimension + 1,
         ..embedding
@@ -58,7 +58,7 @@ pub(crate) fn level(
     }
     let embedded = embedding.of(series)?;
     let cloud = Cloud::new(&embedded)?;
-    // Points whose next value is one delay behind the end have none.
+    // Points less than one delay before the end have no next value.
     let finder = Finder::new(&cloud, embedding.delay, theiler.min(series.len()))?;
     let points = cloud.points.len() - embedding.delay;
     let every = points.div_ceil(SAMPLES).max(1);

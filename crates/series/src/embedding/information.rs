@@ -1,16 +1,17 @@
-//! Average mutual information of a series with itself some points later: Fraser and Swinney, Phys.
-//! Rev. A 33, 1134 (1986).
+//! Average mutual information of a series and its delayed copy: Fraser and Swinney, Phys. Rev. A
+//! 33, 1134 (1986).
 
 use rayon::prelude::*;
 
 use crate::series::Series;
 use crate::statistics::order;
 
-/// Pairs that are counted at most: 32 for each cell of the most classes.
+/// Largest number of pairs counted: 32 per cell at the largest number of classes.
 const PAIRS: usize = 1 << 15;
-/// Pairs to a cell on average, at least: what they scatter by is then a third of their number.
+/// Fewest pairs per cell on average. Their relative scatter is then a third.
 const PAIRS_PER_CELL: usize = 8;
-/// Fewest and most classes: with 32 of them a correlated Gaussian loses 2 % of its information.
+/// Smallest and largest number of classes. With 32 a correlated Gaussian loses 2 % of its
+/// information.
 const CLASSES: (usize, usize) = (4, 32);
 
 /// A series sorted into classes, ready to be compared with itself at any lag.
@@ -22,7 +23,7 @@ pub(crate) struct Classes {
 }
 
 impl Classes {
-    /// Classes that hold equally many points each, but that equal values are in the same one.
+    /// Sorts into classes with equally many points each, except that equal values share a class.
     pub(crate) fn new(series: &Series) -> Self {
         let rows = series.len();
         let pairs = rows.min(PAIRS);
@@ -50,9 +51,9 @@ impl Classes {
         Classes { columns, count }
     }
 
-    /// The mutual information at a lag, in nats, averaged over the columns; what independent values
-    /// would show with so few pairs on average, `(classes − 1)²/2 pairs` (Miller 1955), is taken
-    /// off.
+    /// The mutual information at a lag, in nats, averaged over the columns; The mean for
+    /// independent values with as many pairs, `(classes − 1)²/2 pairs` (Miller 1955), is
+    /// subtracted.
     pub(crate) fn information(&self, lag: usize) -> f64 {
         let sum: f64 = self
             .columns
@@ -62,8 +63,8 @@ impl Classes {
         sum / self.columns.len() as f64
     }
 
-    /// What of the information at a lag may be chance: three standard deviations of that of
-    /// independent values, whose double times the number of pairs is distributed as χ² with
+    /// The part of the information at a lag that may be chance: three standard deviations of that
+    /// of independent values. Twice the latter times the number of pairs is distributed as χ² with
     /// `(classes − 1)²` degrees of freedom.
     pub(crate) fn chance(&self, lag: usize) -> f64 {
         let pairs = self.pairs(lag) as f64;
@@ -138,7 +139,8 @@ mod tests {
         assert!(far.abs() < classes.chance(400), "{far}");
     }
 
-    /// Equal values are one class, however many: a column of two values has at most ln 2.
+    /// Equal values form one class, however many there are: a column of two values has at most ln
+    /// 2.
     #[test]
     fn equal_values_are_not_told_apart() {
         let rows = (0..4000).map(|i| [f64::from(i / 2 % 2)]);

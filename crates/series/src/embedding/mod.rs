@@ -1,5 +1,5 @@
-//! States from fewer columns than the system has: delayed values, and how many of them at what
-//! delay.
+//! Delay embedding: states from fewer columns than the system has, and the choice of delay and
+//! dimension.
 
 mod delay;
 mod false_neighbours;
@@ -14,36 +14,36 @@ use delay::most_dimensions;
 use false_neighbours::{Level, level};
 use information::Classes;
 
-/// Lags that are looked at, at most: a bound on the time that it takes.
+/// Largest number of lags considered, to bound the computing time.
 const MOST_LAGS: usize = 2000;
-/// A minimum is one if the information rises behind it by this part of what it is at the first lag.
+/// A minimum counts if the information rises after it by this fraction of its value at the first
+/// lag.
 const RISE: f64 = 0.01;
-/// At a minimum at which more than this part of the information at lag 0 is left, a value tells all
-/// but two or three classes of the other, as on a closed curve, of which the information has no
-/// minimum: where it is less, and it rises, only the borders of the classes decide.
+/// A minimum with more than this fraction of the information at lag 0 is rejected. One value then
+/// determines the other up to two or three classes, as on a closed curve. The information on a
+/// curve has no true minimum; apparent ones come from the borders of the classes.
 const ON_CURVE: f64 = 0.5;
-/// On a curve nothing else is to be expected after so many decorrelation times, a period or more:
-/// of a sine a period has 5.3.
+/// On a curve the search stops after this many decorrelation times, which is a period or more. The
+/// period of a sine has 5.3.
 const PERIOD: usize = 6;
-/// The curve is given up to so many times the delay, for a picture in which the minimum stands
-/// inside.
+/// The curve is reported up to this many times the delay, so that a plot shows the minimum inside.
 const SHOWN: usize = 3;
-/// With a smaller part of false neighbours there are none: Kennel's 1 %.
+/// A smaller fraction of false neighbours counts as none: Kennel's 1 %.
 pub const NO_FALSE_NEIGHBOURS: f64 = 0.01;
-/// With a larger part of them columns are missing: whole states have up to 3 % where they stick,
-/// and Lorenz' x and z at 3000 points 5 %.
+/// With a larger fraction of false neighbours, columns are missing. Whole states have up to 3 %
+/// where they stick, and x and z of the Lorenz system at 3000 points have 5 %.
 const MANY_FALSE_NEIGHBOURS: f64 = 0.05;
-/// Dimensions that are looked at beyond a given one, at least: Cao's E1 takes the next one, and its
-/// change the one after.
+/// Dimensions considered beyond a given one, at least. Cao's E1 needs the next one, and its change
+/// the one after.
 const BEYOND: usize = 2;
-/// Cao reads off a curve where E1 stops changing, at about 1: it has where it is above,
+/// Cao's dimension is where E1 stops changing, near 1. That is where E1 is above this value,
 const CAO_SETTLED: f64 = 0.9;
-/// and differs from the one of a dimension more by less.
+/// and differs from E1 of the next dimension by less than this.
 const CAO_CHANGE: f64 = 0.05;
-/// Cao's E2 is 1 at all dimensions for noise; further off it is not.
+/// For noise Cao's E2 is within this distance of 1 at all dimensions.
 const CAO_NOISE: f64 = 0.1;
 
-/// What is given of an embedding, and what it is chosen with.
+/// Given parts of an embedding, and settings for the choice of the others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct EmbeddingSettings {
     /// Delay in points; `None` takes it from the mutual information.
@@ -59,18 +59,19 @@ pub struct EmbeddingSettings {
 pub enum DelayReason {
     /// It was given.
     Given,
-    /// The autocorrelation is below 1/e after one point: the points follow one another as those of
-    /// a map, whose delay is 1.
+    /// The autocorrelation is below 1/e after one point: the series is like that of a map, and the
+    /// delay is 1.
     Uncorrelated,
     /// The first minimum of the mutual information.
     FirstMinimum,
-    /// The values lie on a curve, as of a periodic motion without noise, and the minima of the
-    /// mutual information are those of the classes' borders: the first zero of the autocorrelation,
-    /// of a sine a quarter of its period.
+    /// The first zero of the autocorrelation, a quarter of the period for a sine. It is used where
+    /// the values lie on a curve, as for periodic motion without noise. Minima of the mutual
+    /// information then come from the borders of the classes.
     OnCurve,
-    /// The mutual information falls to what independent values show, without a minimum before.
+    /// The lag at which the mutual information falls to that of independent values, without an
+    /// earlier minimum.
     Independent,
-    /// Neither a minimum nor independence at any lag looked at: the longest.
+    /// The longest lag considered: there is neither a minimum nor independence.
     NoMinimum,
 }
 
@@ -95,8 +96,8 @@ pub enum DimensionReason {
     Given,
     /// The first at which less than 1 % of the nearest neighbours are false.
     FalseNeighbours,
-    /// More are false at all dimensions; the one at which fewest are: noise, or more dimensions
-    /// than can be looked at.
+    /// The dimension with the fewest false neighbours, as more are false at all dimensions. This
+    /// indicates noise, or more dimensions than can be considered.
     FewestFalse,
 }
 
@@ -111,12 +112,12 @@ impl DimensionReason {
     }
 }
 
-/// What one dimension shows.
+/// Statistics of one dimension.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DimensionEvidence {
     /// Delayed values of each column.
     pub dimension: usize,
-    /// Part of the nearest neighbours that the next value shows to be false.
+    /// Fraction of the nearest neighbours that the next value shows to be false.
     pub false_neighbours: f64,
     /// Cao's E1, near 1 where the dimension suffices; NaN at the last dimension.
     pub e1: f64,
@@ -135,23 +136,24 @@ pub struct EmbeddingChoice {
     pub dimension_reason: DimensionReason,
     /// Mutual information in nats over the lag in points, averaged over the columns.
     pub information: Vec<(usize, f64)>,
-    /// False neighbours and Cao's averages, dimension after dimension, until both methods have
-    /// theirs.
+    /// False neighbours and Cao's averages for ascending dimensions, until both methods have chosen
+    /// one.
     pub dimensions: Vec<DimensionEvidence>,
-    /// The dimension by Cao's method: the first from which E1 does not change; `None` if it does at
-    /// all, and for noise.
+    /// The dimension by Cao's method: the first from which E1 does not change. `None` if it changes
+    /// at all dimensions, and for noise.
     pub cao: Option<usize>,
-    /// Cao's E2 is 1 at all dimensions: the next value does not depend on those before, as in
-    /// noise.
+    /// Whether Cao's E2 is 1 at all dimensions: the next value does not depend on those before, as
+    /// in noise.
     pub is_noise: bool,
 }
 
-/// The embedding that the settings ask for or the data need; `None` if the columns are the state as
-/// they are.
+/// The embedding that the settings ask for or the data need; `None` if the columns form a state
+/// already.
 ///
 /// One column is embedded in as many delayed values as it needs. Several are embedded only if a
-/// delay or a dimension is given, or if they [lack columns](lacks_columns) and delayed values cure
-/// it. Fewer than 50 points are too few to tell. `progress(done, total)` is called in between.
+/// delay or a dimension is given, or if they [lack columns](lacks_columns) and delayed values
+/// remedy that. Fewer than 50 points are too few to decide. `progress(done, total)` is called at
+/// intervals.
 ///
 /// # Errors
 /// Those of [`choose_embedding`].
@@ -172,7 +174,7 @@ pub fn needed_embedding(
 }
 
 /// Chooses an embedding, or gives the evidence for a given one. `progress(done, total)` is called
-/// in between.
+/// at intervals.
 ///
 /// # Errors
 /// [`DataError::Setting`] for a delay or dimension that is not allowed, [`DataError::Span`] for one
@@ -184,7 +186,7 @@ pub fn choose_embedding(
     progress: &dyn Fn(usize, usize),
 ) -> Result<EmbeddingChoice, DataError> {
     let most = most_dimensions(series.columns());
-    // A given one must fit before anything is computed.
+    // A given embedding is checked before anything is computed.
     Embedding {
         delay: settings.delay.unwrap_or(1),
         dimension: settings.dimension.unwrap_or(1),
@@ -212,7 +214,7 @@ pub fn choose_embedding(
         progress(dimension, most + 1);
         match level(series, Embedding { delay, dimension }, theiler, spread) {
             Ok(Some(found)) => levels.push(found),
-            // Too short for more, or nothing but repeats.
+            // The series is too short for more, or has nothing but repeats.
             Ok(None) | Err(DataError::Span { .. }) => break,
             Err(error) => return Err(error),
         }
@@ -232,16 +234,16 @@ pub fn choose_embedding(
         delay_reason,
         dimension_reason,
         information,
-        // Of noise E1 comes near 1 slowly, too, as its neighbours go apart.
+        // For noise, E1 also approaches 1 slowly, as neighbours move apart.
         cao: cao(&dimensions).filter(|_| !is_noise),
         is_noise,
         dimensions,
     })
 }
 
-/// Whether the columns are too few for a state: of more than 5 % of the nearest neighbours what
-/// follows a decorrelation time later shows that they are false. A quicker question than
-/// [`choose_embedding`], for several columns that may be the whole state.
+/// Whether the columns are too few for a state: more than 5 % of the nearest neighbours are false,
+/// judged by their images one decorrelation time later. This is quicker than [`choose_embedding`],
+/// for several columns that may be the whole state.
 ///
 /// # Errors
 /// [`DataError::Constant`], [`DataError::Overflow`], [`DataError::TooMany`].
@@ -261,7 +263,7 @@ pub fn lacks_columns(series: &Series, theiler: Option<usize>) -> Result<bool, Da
 /// Mutual information over the lag.
 type Information = Vec<(usize, f64)>;
 
-/// A delay and why it is this one, with the information at all lags that were looked at.
+/// A delay and its source, with the information at all lags considered.
 fn delay(
     series: &Series,
     decorrelation: usize,
@@ -311,7 +313,7 @@ fn delay(
 
 fn evidence(levels: &[Level]) -> Vec<DimensionEvidence> {
     let of_each = levels.iter().enumerate().map(|(i, level)| {
-        // How a quantity changes from one dimension to the next.
+        // Ratio of a quantity between one dimension and the next.
         let ratio = |quantity: fn(&Level) -> f64| {
             let next = levels.get(i + 1);
             next.map_or(f64::NAN, |next| quantity(next) / quantity(level))
@@ -332,7 +334,7 @@ fn is_noise(dimensions: &[DimensionEvidence]) -> bool {
     known().count() > 1 && known().all(|one| (one.e2 - 1.0).abs() < CAO_NOISE)
 }
 
-/// Whether both methods have their dimension, and more delayed values would say nothing else.
+/// Whether both methods have chosen a dimension, so that more delayed values would change nothing.
 fn is_settled(dimensions: &[DimensionEvidence]) -> bool {
     let (_, reason) = without_false_neighbours(dimensions);
     let is_enough = reason == DimensionReason::FalseNeighbours;

@@ -13,11 +13,11 @@ use crate::error::DataError;
 use crate::series::Series;
 use crate::statistics::{SplitMix, order};
 
-/// Iterations after which a surrogate is taken as it is.
+/// Largest number of iterations for a surrogate.
 const ITERATIONS: usize = 100;
-/// Ends that fit together are looked for in this part of the series, at either end,
+/// Matching ends are searched for in this fraction of the series, at either end,
 const END_PART: usize = 20;
-/// and in so many points at most.
+/// and in this many points at most.
 const END_POINTS: usize = 500;
 
 /// Makes surrogates of a series.

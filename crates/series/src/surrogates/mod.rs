@@ -1,5 +1,5 @@
-//! Whether a series is told from linear noise: Theiler, Eubank, Longtin, Galdrikian and Farmer,
-//! Physica D 58, 77 (1992).
+//! Test whether a series differs from linear noise: Theiler, Eubank, Longtin, Galdrikian and
+//! Farmer, Physica D 58, 77 (1992).
 //!
 //! Surrogates have the power spectrum and the values of the series, and no other order in them. An
 //! exponent of noise is positive, too, and looks like any other; but maps predict the next point of
@@ -23,7 +23,7 @@ use iaaft::Randomiser;
 
 /// Fewest surrogates: the level is one over one more, 5 %.
 pub const FEWEST_SURROGATES: usize = 19;
-/// Most surrogates: more tell no more, and each takes an estimate.
+/// Largest number of surrogates: more add no information, and each takes an estimate.
 pub const MOST_SURROGATES: usize = 10_000;
 
 /// The level of the test.
@@ -43,7 +43,7 @@ pub struct Statistics {
     pub exponent: f64,
 }
 
-/// What a test against surrogates found.
+/// Result of a test against surrogates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurrogateTest {
     /// Of the series.
@@ -82,7 +82,7 @@ pub fn check_surrogates(count: usize) -> Result<(), DataError> {
 
 /// Compares a series with `count` surrogates, made from random numbers of `seed`. Series and
 /// surrogates are embedded alike, if at all, and estimated with the same settings. `progress(done,
-/// total)` is called in between with numbers of surrogates.
+/// total)` is called at intervals with numbers of surrogates.
 ///
 /// Surrogates are amplitude-adjusted: iterated phase randomisation (Schreiber and Schmitz, Phys.
 /// Rev. Lett. 77, 635, 1996), of several columns with the same random phases (Prichard and Theiler,
@@ -133,10 +133,10 @@ pub fn surrogate_test(
         surrogates.extend(more);
     }
     progress(count, count);
-    // One that has no residual is no evidence.
+    // A surrogate without a residual is no evidence.
     let is_above = |one: &Statistics| one.residual > own.residual;
     Ok(SurrogateTest {
-        // Nothing is told from a residual that does not exist.
+        // Without a residual the test has no result.
         p: if own.residual.is_nan() {
             1.0
         } else {

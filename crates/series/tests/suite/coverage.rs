@@ -1,5 +1,5 @@
 //! The true exponent is within two error bars, at least nine times in ten where the status is `ok`:
-//! a part of the example `spectrum_coverage`, and what it left behind.
+//! a part of the example `spectrum_coverage`, and its committed results.
 
 #[path = "../../examples/spectrum_coverage/systems.rs"]
 mod systems;
@@ -37,7 +37,7 @@ fn short_series_hold_what_ok_promises() {
 
 #[test]
 fn the_table_is_that_of_the_csv_and_holds_what_ok_promises() {
-    // What calls nothing `ok` promises nothing: most exponents of whole states are called so, a
+    // Without any `ok` the promise would be empty: most exponents of whole states are called so, a
     // third of those with noise, and nearly half of embedded columns.
     for (observed, least) in Observed::ALL.into_iter().zip([7, 3, 4]) {
         assert!(PAGE.contains(&table::table(CSV, observed)));

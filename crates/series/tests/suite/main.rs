@@ -1,5 +1,5 @@
-//! The spectrum from a series against closed forms, against known spectra, and where the data tell
-//! nothing.
+//! The spectrum from a series against closed forms, against known spectra, and where the data
+//! determine nothing.
 
 mod coverage;
 mod embedding;
