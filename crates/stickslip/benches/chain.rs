@@ -27,7 +27,8 @@ macro_rules! chain {
                 for i in 0..$m {
                     let v = x[$m + i];
                     let slip_speed = (v - self.belt_speed) * sides[i].sign();
-                    let mut force = -x[i] - (slip_speed * WEAKENING + 1.0).recip() * sides[i].sign();
+                    let friction = (slip_speed * WEAKENING + 1.0).recip() * sides[i].sign();
+                    let mut force = -x[i] - friction;
                     if i > 0 {
                         force = force + (x[i - 1] - x[i]) * COUPLING;
                     }

@@ -76,33 +76,29 @@ fn write(folder: &Path) -> Result<(), Box<dyn Error>> {
 
 const HEAD: &str = "# What `ok` is worth
 
-Made by `cargo run --release -p stickslip-series --example spectrum_coverage -- \
-    crates/series/examples/spectrum_coverage`
-from `coverage.csv` beside it, which it makes, too. The starts (seeds 201 to 205) are others \
-    than those on which the estimator's constants
-were chosen; the systems and some of the lengths are the same.
+Made by `cargo run --release -p stickslip-series --example spectrum_coverage --
+crates/series/examples/spectrum_coverage` from `coverage.csv` beside it, which it makes, too. The
+starts (seeds 201 to 205) are others than those on which the estimator's constants were chosen; the
+systems and some of the lengths are the same.
 
 ";
 
-const TAIL: &str = "
-An exponent counts where the system has it; one that is called `ok` and that no exponent of the \
-    system answers to counts as not within.
-\"ok\" is the share of the system's exponents that are called so, \"within 2σ\" how often the \
-    true one is within two standard errors of
-these, \"error\" the median distance from it, per unit of time. Of whole states those that are \
-    not `ok` are mostly strong contractions that no
-series shows (`unidentified`), Chua's where the corners of its diode are in the neighbourhoods \
-    (`unstable`), and those of short series
-(`starved`); of one column most are not among those found, or `starved`.
+const TAIL: &str = r#"
+An exponent counts where the system has it; one that is called `ok` and that no exponent of the
+system answers to counts as not within. "ok" is the share of the system's exponents that are called
+so, "within 2σ" how often the true one is within two standard errors of these, "error" the median
+distance from it, per unit of time. Of whole states those that are not `ok` are mostly strong
+contractions that no series shows (`unidentified`), Chua's where the corners of its diode are in the
+neighbourhoods (`unstable`), and those of short series (`starved`); of one column most are not among
+those found, or `starved`.
 
-Noise is a normal error of each value, in parts of its column's standard deviation. The more \
-    points, the smaller the neighbourhoods, and the more
-of them is noise: an exponent is `noisy` then, or `unstable`.
+Noise is a normal error of each value, in parts of its column's standard deviation. The more points,
+the smaller the neighbourhoods, and the more of them is noise: an exponent is `noisy` then, or
+`unstable`.
 
-One column is embedded with the delay and the number of values that are chosen from the data, \
-    and so are several if they lack one, as with
-noise they may. Which column it is changes from seed to seed, so that each has its turn; the \
-    pendulum's are the sine and the cosine of an angle that
-turns over, and the velocity. Exponents that are told to be the embedding's own are left out; \
-    what the system has and the rest has not is not `ok`.
-";
+One column is embedded with the delay and the number of values that are chosen from the data, and so
+are several if they lack one, as with noise they may. Which column it is changes from seed to seed,
+so that each has its turn; the pendulum's are the sine and the cosine of an angle that turns over,
+and the velocity. Exponents that are told to be the embedding's own are left out; what the system
+has and the rest has not is not `ok`.
+"#;

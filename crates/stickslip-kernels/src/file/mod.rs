@@ -17,7 +17,7 @@
 //!
 //! [contacts.belt]
 //! boundary = "v - vp"            # belt is -1 where this is negative, +1 where it is positive
-//! friction = "mu0/(1 + slip)"    # how large friction is in slip; friction(belt) is belt times that
+//! friction = "mu0/(1 + slip)"    # in slip; friction(belt) is belt times that
 //!
 //! [field]                        # the rates of the states
 //! x = "v"

@@ -37,7 +37,8 @@ const ROUNDING: f64 = 1e-12;
 /// use stickslip::{Direction, Options, Plane, analysis::PoincareMap, models::BeltOscillator};
 ///
 /// let belt = BeltOscillator::default();
-/// let section = Plane { point: [0.0, 0.0].into(), normal: [1.0, 0.0].into(), direction: Direction::Rising };
+/// let (point, normal) = ([0.0, 0.0].into(), [1.0, 0.0].into());
+/// let section = Plane { point, normal, direction: Direction::Rising };
 /// let options = Options::tol(1e-12);
 /// let mut map = PoincareMap::new(&belt, &section, (0.0, [0.5, 1.5]), 50.0, &options)?;
 /// for at in map.by_ref().take(20) {

@@ -20,12 +20,15 @@ traced!(
 
 traced!(
     2:
-    Smooth<Backwards>, BeatFamily, DenHartog, Smooth<Detour>, AtParameter<Dragged>, Driven, Ends, AtParameter<Grip>, Held, Leine, AtParameter<Persists>, Pushed, AtParameter<Rings>, Shaken, Smooth<Shear>, ToZero, AtParameter<Twisted>, Wells,
+    Smooth<Backwards>, BeatFamily, DenHartog, Smooth<Detour>, AtParameter<Dragged>, Driven, Ends,
+    AtParameter<Grip>, Held, Leine, AtParameter<Persists>, Pushed, AtParameter<Rings>, Shaken,
+    Smooth<Shear>, ToZero, AtParameter<Twisted>, Wells,
 );
 
 traced!(
     3:
-    Belt, DrivenIsland, Dragged, DrivenFamily, Focus, Grip, Island, AtParameter<Lags>, Smooth<Lorenz>, Persists, Pulse, Rings, Rough, AtParameter<Sheet>, Smooth<Softening>, Twisted,
+    Belt, DrivenIsland, Dragged, DrivenFamily, Focus, Grip, Island, AtParameter<Lags>,
+    Smooth<Lorenz>, Persists, Pulse, Rings, Rough, AtParameter<Sheet>, Smooth<Softening>, Twisted,
 );
 
 traced!(

@@ -151,7 +151,10 @@ fn static_friction_below_the_kinetic_is_told_with_the_contact() {
     rig.ratio = 0.5;
     let failure = solve(&Several(&rig), 0.0, [0.0; 6], 5.0, &Options::default()).unwrap_err();
     assert!(
-        matches!(failure.error, Error::StaticBelowKinetic { contact: 0, ratio, .. } if (ratio - 0.5).abs() < 1e-12),
+        matches!(
+            failure.error,
+            Error::StaticBelowKinetic { contact: 0, ratio, .. } if (ratio - 0.5).abs() < 1e-12
+        ),
         "{failure}"
     );
 }

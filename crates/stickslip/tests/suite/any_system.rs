@@ -39,7 +39,12 @@ macro_rules! typed {
 
         impl stickslip::Filippov<$n> for $any<'_> {
             #[inline(never)]
-            fn field<T: stickslip::Scalar>(&self, side: stickslip::Side, t: T, x: &[T; $n]) -> [T; $n] {
+            fn field<T: stickslip::Scalar>(
+                &self,
+                side: stickslip::Side,
+                t: T,
+                x: &[T; $n],
+            ) -> [T; $n] {
                 match self {
                     $($any::$name(system) => system.field(side, t, x)),*
                 }
@@ -66,14 +71,18 @@ macro_rules! typed {
 
 traced!(
     1:
-    BlowUp, Breathing, Cup, Dent, Fork, Knee, Line, MovingLine, Nowhere, Push, Rectified, Rider, Spike, Square, Steep, Steepening, TurningLine, Wall, Window,
+    BlowUp, Breathing, Cup, Dent, Fork, Knee, Line, MovingLine, Nowhere, Push, Rectified, Rider,
+    Spike, Square, Steep, Steepening, TurningLine, Wall, Window,
 );
 
 typed!(Any1, 1: Brink(Brink), Rest(Rest), Valley(Valley));
 
 traced!(
     2:
-    BeltOscillator, Ceiling, CornerOfBoundary, CornerOfField, Creep, DenHartog, Dip, Driven, EqualInStick, Floor, ForcedOscillator, FromSupport, Ledge, Smooth<Linear<2>>, Overflowing, Parabola, Pit, Pushed, Ramp, Refracting, Reversed<BeltOscillator>, Reversed<ForcedOscillator>, grazes::Shaken, SoftStop, grazes::AtRest, Spiral, Slippery, StaticFriction, Turn, TwoFold, Zeno,
+    BeltOscillator, Ceiling, CornerOfBoundary, CornerOfField, Creep, DenHartog, Dip, Driven,
+    EqualInStick, Floor, ForcedOscillator, FromSupport, Ledge, Smooth<Linear<2>>, Overflowing,
+    Parabola, Pit, Pushed, Ramp, Refracting, Reversed<BeltOscillator>, Reversed<ForcedOscillator>,
+    grazes::Shaken, SoftStop, grazes::AtRest, Spiral, Slippery, StaticFriction, Turn, TwoFold, Zeno,
 );
 
 typed!(Any2, 2: Bilinear(Bilinear), Gate(Gate), Kink(Kink));

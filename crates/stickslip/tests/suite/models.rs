@@ -83,16 +83,20 @@ proptest! {
 
     /// Lengths μ0 times as long, speeds too, and μ0 times as small a decay with speed.
     #[test]
-    fn lengths_in_units_of_friction_are_another_unit_only(x in prop::array::uniform4(-3.0..3.0f64)) {
+    fn lengths_in_units_of_friction_are_another_unit_only(
+        x in prop::array::uniform4(-3.0..3.0f64)
+    ) {
         let caption = Caption::FIG12;
-        let scaled = BlockAndBracket::from_caption(&caption, &Reading::scaled_by_friction()).unwrap();
+        let reading = Reading::scaled_by_friction();
+        let scaled = BlockAndBracket::from_caption(&caption, &reading).unwrap();
         let mu0 = caption.numbers[5];
         let mut in_lengths = caption;
         in_lengths.numbers[7] /= mu0;
         in_lengths.numbers[8] *= mu0;
         let exact = BlockAndBracket::from_caption(&in_lengths, &Reading::exact()).unwrap();
         let side = side_of(x[1], scaled.belt_speed);
-        let (small, large) = (scaled.field(side, 0.0, &x), exact.field(side, 0.0, &x.map(|v| mu0 * v)));
+        let small = scaled.field(side, 0.0, &x);
+        let large = exact.field(side, 0.0, &x.map(|v| mu0 * v));
         for i in 0..4 {
             prop_assert!((mu0 * small[i] - large[i]).abs() < 1e-12 * (1.0 + large[i].abs()));
         }
@@ -118,7 +122,10 @@ proptest! {
     }
 
     #[test]
-    fn at_its_support_the_spring_of_a_forced_block_is_at_rest(t in 0.0..20.0f64, v in -2.0..2.0f64) {
+    fn at_its_support_the_spring_of_a_forced_block_is_at_rest(
+        t in 0.0..20.0f64,
+        v in -2.0..2.0f64,
+    ) {
         let forced = ForcedOscillator::default();
         let slip = v - forced.belt_speed;
         prop_assume!(slip != 0.0);

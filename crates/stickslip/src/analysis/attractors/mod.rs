@@ -111,7 +111,8 @@ impl RecurrenceSettings {
 /// use stickslip::{Options, models::BeltOscillator};
 ///
 /// let belt = BeltOscillator { belt_speed: 0.2, ..BeltOscillator::default() };
-/// let reached = attractor(&belt, [0.5, 0.1], &RecurrenceSettings::within(500.0), &Options::default())?;
+/// let settings = RecurrenceSettings::within(500.0);
+/// let reached = attractor(&belt, [0.5, 0.1], &settings, &Options::default())?;
 /// assert!(matches!(reached.kind, Kind::Periodic { .. }));
 /// for phase in &reached.phases {
 ///     println!("{:?} for {}", phase.mode, phase.duration());

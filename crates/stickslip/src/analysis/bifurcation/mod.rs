@@ -137,9 +137,11 @@ pub struct Sweep {
 ///
 /// let family = |belt_speed| BeltOscillator { belt_speed, ..BeltOscillator::default() };
 /// let speeds = (0..5).map(|k| 0.2 + 0.05 * f64::from(k));
-/// let found = sweep(family, speeds, [0.5, 0.1], &SweepSettings::within(500.0), &Options::default())?;
+/// let settings = SweepSettings::within(500.0);
+/// let found = sweep(family, speeds, [0.5, 0.1], &settings, &Options::default())?;
 /// for point in &found.points {
-///     println!("{}: {}, {:.3} of the time in stick", point.parameter, point.reached.kind, point.reached.in_stick);
+///     let (kind, in_stick) = (&point.reached.kind, point.reached.in_stick);
+///     println!("{}: {kind}, {in_stick:.3} of the time in stick", point.parameter);
 /// }
 /// assert_eq!(found.points.len(), 5);
 /// # Ok::<(), stickslip::Error>(())

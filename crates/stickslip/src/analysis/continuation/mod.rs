@@ -290,7 +290,8 @@ pub struct Branch {
 /// }
 ///
 /// let settings = ContinuationSettings::over(-1.5, 0.0);
-/// let branch = continue_periodic_orbit(&Rings, [1.3, 0.0, -0.5], 6.3, false, &settings, &Options::tol(1e-12))?;
+/// let (start, options) = ([1.3, 0.0, -0.5], Options::tol(1e-12));
+/// let branch = continue_periodic_orbit(&Rings, start, 6.3, false, &settings, &options)?;
 /// assert_eq!(branch.special[0].what, Special::Fold);
 /// assert!((branch.special[0].parameter + 1.0).abs() < 1e-9);
 /// # Ok::<(), stickslip::Error>(())

@@ -221,8 +221,7 @@ fn the_dense_output_errs_by_the_fourth_power_of_the_step_and_by_the_eighth() {
 }
 
 #[test]
-fn the_error_of_a_sensitive_orbit_follows_the_tolerance_and_is_what_the_flow_makes_of_each_step_s_own()
- {
+fn the_error_of_a_sensitive_orbit_follows_the_tolerance_and_is_the_flow_of_each_step_s_own() {
     let belt = BeltOscillator {
         belt_speed: 0.4,
         ..BeltOscillator::default()

@@ -56,9 +56,11 @@ proptest! {
 
     #[test]
     fn no_graze_is_missed_wherever_it_falls_in_a_step(
-        x0 in -3.0..-0.2f64, first in 0.01..5.0f64, longest in 0.05..8.0f64, locator in prop::sample::select(super::super::LOCATORS),
+        x0 in -3.0..-0.2f64, first in 0.01..5.0f64, longest in 0.05..8.0f64,
+        locator in prop::sample::select(super::super::LOCATORS),
     ) {
-        let options = Options { first_step: Some(first), longest_step: longest, ..super::super::tol(TIGHT) }
+        let tight = super::super::tol(TIGHT);
+        let options = Options { first_step: Some(first), longest_step: longest, ..tight }
             .locator(locator);
         for gap in GAPS {
             assert_two_crossings(&parabola(gap, x0, 4.0, &options), x0, gap, locator);

@@ -70,7 +70,10 @@ fn the_same_friction_at_rest_changes_nothing() {
 fn less_friction_at_rest_than_in_slip_is_an_error_that_says_so() {
     let failure = solve(&block(0.3), 0.0, [0.0, SPEED], 10.0, &Options::default()).unwrap_err();
     assert!(
-        matches!(failure.error, Error::StaticBelowKinetic { contact: 0, ratio, .. } if (ratio - 0.5).abs() < 1e-12),
+        matches!(
+            failure.error,
+            Error::StaticBelowKinetic { contact: 0, ratio, .. } if (ratio - 0.5).abs() < 1e-12
+        ),
         "{failure}"
     );
 }
