@@ -42,11 +42,11 @@ sol = ss.solve_ivp(blocks, (0, 40), np.zeros(4), t_eval=times)
 released = [
     row
     for row in sol.transitions
-    if row["contact"] == "floor" and row["from_mode"][1] == "S" and row["to_mode"][1] != "S"
+    if row["contact"] == "floor" and row["from_mode"].endswith("|S") and row["to_mode"][-1] != "S"
 ]
 axes = plt.figure().subplots()
 for phase in sol.phases:
-    if phase["mode"][1] == "S":
+    if phase["mode"].endswith("|S"):
         axes.axvspan(phase["t_start"], phase["t_end"], color="C5", alpha=0.2, lw=0)
 axes.plot(sol.t, sol.y[1], label="lower block")
 axes.plot(sol.t, sol.y[3], label="upper block")

@@ -45,7 +45,7 @@ start = [0, 0, 0.3, 0]
 def distances(speed, duration):
     """Distances of the blocks at the entries into common stick, after a transient."""
     sol = ss.solve_ivp(blocks.with_parameters(vb=speed), (0, duration), start)
-    entries = sol.transitions[sol.transitions["to_mode"] == "SS"]
+    entries = sol.transitions[sol.transitions["to_mode"] == "S|S"]
     entries = entries[entries["t"] > 0.4 * duration]
     return entries["y"][:, 2] - entries["y"][:, 0]
 

@@ -73,11 +73,12 @@ axes.set(xlabel="position $x_1$ [m]", ylabel="velocity $x_2$ [m/s]")
 axes.legend()
 
 for kind, stick, share in zip(basins.kind, basins.in_stick, basins.shares):
-    print(f"{100 * share:5.1f} % of starts: {kind}, {100 * stick:.0f} % of the time in stick")
+    detail = "" if np.isnan(stick) else f", {100 * stick:.0f} % of the time in stick"
+    print(f"{100 * share:5.1f} % of starts: {kind}{detail}")
 print(f"settled orbit: {orbit.period / period:.6f} forcing periods, {orbit.stability}")
 print(f"stick phases per period: {sum(late['mode'] == 'S')} (published 2 in two periods)")
 assert (excess > 1.9 * rounding).all()
 assert not (late["mode"] == "S").any()
 assert orbit.stability == "stable" and abs(orbit.period - period) < 1e-12
-assert len(basins.kind) == 2 and max(basins.in_stick) == 0
+assert len(basins.kind) == 2 and np.nanmax(basins.in_stick) == 0
 plt.show()
