@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _core
+from ._errors import OptionError
 from ._progress import shown
 from ._results import (
     Basins,
@@ -246,22 +247,28 @@ def continuation(
     (array(['fold'], dtype='<U4'), array([-1.]))
     """
     low, high = array(bounds, "bounds").tolist()
+    name = _name(parameter)
+    value = system.parameters.get(name, low)
+    if not low <= value <= high:
+        bound = f"in the bounds {low:g} to {high:g} of the branch"
+        message = f"{name} = {value:g}: it must be {bound}; set it by with_parameters"
+        raise OptionError(message, name, value, bound)
     with shown(progress, "continuation", "orbits") as report:
         found = called(
             _core.continuation,
             system._core,
             (float(t0), state(system, y0)),
             _search(transient, period, longest, periods),
-            (_name(parameter), low, high),
+            (name, low, high),
             (float(step), int(most_points)),
             settings(options),
             report,
         )
     raised = {"raised": found.pop("raised", None)}
     names = ("name", "parameter", "uncertainty", "period")
-    special = structured({name: found.pop(f"special_{name}") for name in names})
+    special = structured({field: found.pop(f"special_{field}") for field in names})
     found["stops"] = tuple(found["stops"])
-    return kept(raised, Branch(special=special, name=_name(parameter), **found))
+    return kept(raised, Branch(special=special, name=name, **found))
 
 
 def lyapunov_spectrum(

@@ -219,3 +219,12 @@ def test_an_option_out_of_bounds_has_typed_fields():
     assert (error.name, error.value) == ("rtol", 2.0) and error.bound in str(error)
     with pytest.raises(TypeError, match="'rtoll' is no option"):
         ss.lyapunov_spectrum(rings(), [1, 0], rtoll=1e-9)
+
+
+def test_a_branch_begins_within_its_bounds():
+    (x,) = ss.states("x")
+    p = ss.parameter("p", 2.0)
+    system = ss.System({x: p - x})
+    with pytest.raises(ss.OptionError, match="p = 2: it must be in the bounds 0 to 1") as caught:
+        ss.continuation(system, p, (0, 1), [0.5])
+    assert (caught.value.name, caught.value.value) == ("p", 2.0)
