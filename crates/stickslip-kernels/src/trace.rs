@@ -1,8 +1,8 @@
-//! Systems in Rust as formulas: their functions are called once, with numbers that write down what
-//! is done with them.
+//! Formulas of systems written in Rust. Their functions are called once with numbers that record
+//! the operations.
 //!
-//! What comes of it runs on the solver that is compiled for systems from files. So a program with
-//! many systems, as a set of tests is, compiles the solver once and not for each of them.
+//! The formulas run on the solver that is compiled for systems from files. So a program with many
+//! systems, such as a test suite, compiles the solver only once.
 
 use std::cell::{Cell, RefCell};
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -14,12 +14,12 @@ use crate::kernel::OneContact;
 
 thread_local! {
     static GRAPH: RefCell<Graph> = RefCell::new(Graph::new());
-    /// Whether something was asked for that no formula has: a value, a comparison, a number that is
-    /// none.
+    /// Whether an operation occurred that a formula cannot express: a value, a comparison, or a
+    /// number that is not finite.
     static FAILED: Cell<bool> = const { Cell::new(false) };
 }
 
-/// A number that is known by its formula only.
+/// A number known only by its formula.
 #[derive(Clone, Copy, Debug)]
 struct Symbol(Id);
 
@@ -30,7 +30,7 @@ impl Symbol {
                 FAILED.set(true);
                 graph.constant(0.0)
             });
-            // Zero is a number.
+            // Zero is always a valid number.
             Symbol(made.unwrap_or_else(|_| graph.time()))
         })
     }
@@ -129,7 +129,7 @@ impl Scalar for Symbol {
     }
 }
 
-/// The formulas of what a function gives at time and state; `None` where it branches on values.
+/// The formulas of a function's results at time and state; `None` if it branches on values.
 fn traced<const N: usize, const K: usize>(
     function: impl FnOnce(Symbol, &[Symbol; N]) -> [Symbol; K],
 ) -> Option<Tape> {
@@ -142,7 +142,7 @@ fn traced<const N: usize, const K: usize>(
     tape.filter(|_| !FAILED.get())
 }
 
-/// A system as formulas; `None` where its functions branch on values.
+/// A system as formulas; `None` if its functions branch on values.
 ///
 /// ```
 /// use stickslip::models::BeltOscillator;

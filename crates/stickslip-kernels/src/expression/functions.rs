@@ -1,4 +1,4 @@
-//! The functions that an expression can call: those of [`stickslip::Scalar`].
+//! The functions that an expression can call, which are those of [`stickslip::Scalar`].
 
 use stickslip::Scalar;
 
@@ -19,7 +19,7 @@ pub enum Function {
     Cosh,
     /// Hyperbolic tangent.
     Tanh,
-    /// `e` to the power of the argument.
+    /// `e` raised to the argument.
     Exp,
     /// Natural logarithm.
     Ln,
@@ -29,7 +29,7 @@ pub enum Function {
     Abs,
 }
 
-/// The functions of one argument by their names.
+/// The functions of one argument, by name.
 pub const FUNCTIONS: [(&str, Function); 11] = [
     ("sin", Function::Sin),
     ("cos", Function::Cos),
@@ -45,7 +45,7 @@ pub const FUNCTIONS: [(&str, Function); 11] = [
 ];
 
 impl Function {
-    /// The function of that name.
+    /// The function with a name.
     pub fn named(name: &str) -> Option<Function> {
         FUNCTIONS
             .iter()
@@ -53,7 +53,7 @@ impl Function {
             .map(|&(_, function)| function)
     }
 
-    /// Its value.
+    /// Value of the function.
     #[inline(always)]
     pub fn of<T: Scalar>(self, a: T) -> T {
         match self {

@@ -1,5 +1,4 @@
-//! Expressions with their names resolved: what they share is there once, what is constant is
-//! folded.
+//! Expressions with resolved names. Common subexpressions are shared and constants are folded.
 
 use std::collections::HashMap;
 
@@ -21,18 +20,18 @@ impl Id {
     }
 }
 
-/// A constant part of an expression is no finite number.
+/// A constant part of an expression is not a finite number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NotANumber {
-    /// What it is instead: infinite, or NaN.
+    /// Its value: infinite or NaN.
     pub value: f64,
 }
 
-/// How a number is made. Constants are kept as their bits, so that equal ones are found.
+/// How a number is computed. Constants are stored as bits, so that equal ones compare equal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Node {
     Constant(u64),
-    /// Time is 0, the states follow.
+    /// Time is input 0, and the states follow.
     Input(u8),
     Negative(Id),
     Sum(Id, Id),
@@ -49,7 +48,7 @@ pub(super) enum Node {
 }
 
 impl Node {
-    /// What it is made of.
+    /// The operands.
     pub(super) fn operands(self) -> [Option<Id>; 2] {
         match self {
             Node::Constant(_) | Node::Input(_) => [None, None],
@@ -68,10 +67,9 @@ impl Node {
     }
 }
 
-/// Numbers and how they are made of each other; each stands behind what it is made of.
+/// Numbers and their operands. Each number comes after its operands.
 ///
-/// Nothing is reordered or multiplied out: a number has the bits that the expression as written
-/// has.
+/// Nothing is reordered or expanded. A number is bit-for-bit what the expression as written gives.
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
     nodes: Vec<Node>,
@@ -81,7 +79,7 @@ pub struct Graph {
 type Made = Result<Id, NotANumber>;
 
 impl Graph {
-    /// An empty one.
+    /// An empty graph.
     pub fn new() -> Self {
         Graph::default()
     }
@@ -118,7 +116,7 @@ impl Graph {
         if !value.is_finite() {
             return Err(NotANumber { value });
         }
-        // There is one zero.
+        // Both zeros are stored as +0.
         Ok(self.add(Node::Constant((value + 0.0).to_bits())))
     }
 
@@ -130,10 +128,10 @@ impl Graph {
         }
     }
 
-    /// The negative.
+    /// The negative of a number.
     ///
     /// # Errors
-    /// As [`Graph::constant`], here and below.
+    /// See [`Graph::constant`].
     pub fn negative(&mut self, a: Id) -> Made {
         match self.node(a) {
             Node::Constant(bits) => self.constant(-f64::from_bits(bits)),
@@ -142,10 +140,10 @@ impl Graph {
         }
     }
 
-    /// Two joined by an operator.
+    /// Two numbers joined by an operator.
     ///
     /// # Errors
-    /// As [`Graph::constant`].
+    /// See [`Graph::constant`].
     pub fn binary(&mut self, operator: Binary, a: Id, b: Id) -> Made {
         match operator {
             Binary::Sum => self.sum(a, b),
@@ -213,8 +211,8 @@ impl Graph {
 
     fn power(&mut self, a: Id, b: Id) -> Made {
         let Some(exponent) = self.value(b) else {
-            // For positive bases: of others a power with an exponent that changes is no real
-            // number.
+            // For a positive base only: with another base, a power with a varying exponent is not
+            // real.
             let logarithm = self.call(Function::Ln, a)?;
             let product = self.product(logarithm, b)?;
             return self.call(Function::Exp, product);
@@ -240,7 +238,7 @@ impl Graph {
     /// A function of one argument.
     ///
     /// # Errors
-    /// As [`Graph::constant`].
+    /// See [`Graph::constant`].
     pub fn call(&mut self, function: Function, a: Id) -> Made {
         match self.value(a) {
             Some(a) => self.constant(function.of(a)),
@@ -251,7 +249,7 @@ impl Graph {
     /// The larger of two.
     ///
     /// # Errors
-    /// As [`Graph::constant`].
+    /// See [`Graph::constant`].
     pub fn larger(&mut self, a: Id, b: Id) -> Made {
         match (self.value(a), self.value(b)) {
             (Some(a), Some(b)) => self.constant(a.max(b)),
@@ -262,7 +260,7 @@ impl Graph {
     /// The smaller of two.
     ///
     /// # Errors
-    /// As [`Graph::constant`].
+    /// See [`Graph::constant`].
     pub fn smaller(&mut self, a: Id, b: Id) -> Made {
         match (self.value(a), self.value(b)) {
             (Some(a), Some(b)) => self.constant(a.min(b)),
@@ -273,7 +271,7 @@ impl Graph {
     /// The number `a` where `condition` is positive, else zero.
     ///
     /// # Errors
-    /// As [`Graph::constant`].
+    /// See [`Graph::constant`].
     pub fn where_positive(&mut self, condition: Id, a: Id) -> Made {
         match self.value(condition) {
             Some(value) if value > 0.0 => Ok(a),
@@ -282,7 +280,7 @@ impl Graph {
         }
     }
 
-    /// The node, or the one with its operands exchanged if that is there already.
+    /// Adds a node, unless it or the one with exchanged operands exists already.
     fn either_way(&mut self, node: Node, exchanged: Node) -> Id {
         match self.known.get(&exchanged) {
             Some(&id) => id,
@@ -290,7 +288,7 @@ impl Graph {
         }
     }
 
-    /// What the numbers are made of, themselves included: by index, whether it is.
+    /// For every index, whether the number is one of `roots` or an operand of them at any depth.
     pub(super) fn reached(&self, roots: &[Id]) -> Vec<bool> {
         let mut reached = vec![false; self.nodes.len()];
         for root in roots {

@@ -1,16 +1,16 @@
-//! Expressions of mathematics: from text to a tape that runs on any [`stickslip::Scalar`].
+//! Mathematical expressions: from text to a tape that runs on any [`stickslip::Scalar`].
 //!
-//! # Why no kept crate
-//! The library evaluates a system on a dozen number types: on `f64`, on dual numbers, on Taylor
-//! coefficients and on dual numbers of those. Some are private to it, and a Taylor coefficient
-//! borrows from the pass that it belongs to. What the expression crates make of a text is tied to
-//! one number type when it is parsed (exmex wants `FromStr` and `Default` of it, evalexpr, meval
-//! and fasteval have `f64` only). So the text is parsed here, once and to no number type at all.
+//! # Why not an existing crate
+//! The library evaluates a system on a dozen number types: `f64`, dual numbers, Taylor
+//! coefficients, and dual numbers over those. Some are private to it, and a Taylor coefficient
+//! borrows from its pass. Existing expression crates fix one number type when they parse (exmex
+//! requires `FromStr` and `Default`; evalexpr, meval and fasteval support `f64` only). So the text
+//! is parsed here, once and for no number type in particular.
 //!
-//! # The way of an expression
-//! [`parse()`] makes a tree of the text, and every branch knows its place there. A [`Graph`] takes
-//! trees with all names resolved, shares what they have in common and folds what is constant. A
-//! [`Tape`] is the graph in the order of evaluation, with few registers.
+//! # Stages
+//! [`parse()`] builds a tree from the text, and every node knows its position there. A [`Graph`]
+//! takes trees with all names resolved, shares common subexpressions and folds constants. A
+//! [`Tape`] is the graph in order of evaluation, with few registers.
 
 mod functions;
 mod graph;
@@ -28,15 +28,15 @@ pub use tree::{Binary, Expression, Kind};
 
 use std::ops::Range;
 
-/// A text that is no expression: what is wrong, and where in it.
+/// A text that is not an expression: the fault and its position.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct SyntaxError {
     /// What is wrong.
     pub message: String,
-    /// What to write instead, if that is known.
+    /// A suggested replacement, if there is one.
     pub help: Option<String>,
-    /// Where, in bytes of the text.
+    /// Position in bytes of the text.
     pub span: Range<usize>,
 }
 

@@ -1,4 +1,4 @@
-//! From the text of an expression to its tree.
+//! Parses the text of an expression into a tree.
 
 use std::ops::Range;
 
@@ -6,17 +6,17 @@ use super::SyntaxError;
 use super::token::{Token, tokens};
 use super::tree::{Binary, Expression, Kind};
 
-/// How deep an expression may be nested.
+/// Greatest depth of nesting.
 const DEEPEST: usize = 100;
 
-/// The tree of a text.
+/// Parses a text into its tree.
 ///
-/// Of the operators `^` binds first, and to the right (`-x^2` is the negative of a square, `2^3^2`
-/// is 2⁹), then `*` and `/`, then `+` and `-`. A function's arguments stand in brackets. `·`, `×`
-/// and `−` are what they look like, and `x²` is `x^2`.
+/// The operator `^` binds most tightly and is right-associative: `-x^2` is the negative of a
+/// square, and `2^3^2` is 2⁹. Then come `*` and `/`, then `+` and `-`. The arguments of a function
+/// stand in parentheses. The characters `·`, `×` and `−` are operators too, and `x²` is `x^2`.
 ///
 /// # Errors
-/// [`SyntaxError`] with the place of the first thing that cannot be read.
+/// [`SyntaxError`] with the position of the first part that cannot be parsed.
 pub fn parse(text: &str) -> Result<Expression, SyntaxError> {
     let tokens = tokens(text)?;
     let mut parser = Parser {
@@ -32,7 +32,7 @@ pub fn parse(text: &str) -> Result<Expression, SyntaxError> {
     }
 }
 
-/// What follows a whole expression.
+/// Reports what follows a complete expression.
 fn left_over(before: &Expression, token: &Token, place: &Range<usize>) -> SyntaxError {
     let error = SyntaxError::new(
         format!("{} is not expected here", token.told()),
@@ -50,7 +50,7 @@ fn left_over(before: &Expression, token: &Token, place: &Range<usize>) -> Syntax
 struct Parser<'a> {
     tokens: &'a [(Token, Range<usize>)],
     next: usize,
-    /// Where the text ends.
+    /// Position of the end of the text.
     end: usize,
     depth: usize,
 }
@@ -188,7 +188,7 @@ impl<'a> Parser<'a> {
         })
     }
 
-    /// The bracket that closes the one at `open`; where it ends.
+    /// Reads the parenthesis that closes the one at `open` and returns its end.
     fn close(&mut self, open: &Range<usize>) -> Result<usize, SyntaxError> {
         if let Some(place) = self.take(&Token::Close) {
             return Ok(place.end);
@@ -212,7 +212,7 @@ impl<'a> Parser<'a> {
         SyntaxError::new(message, self.end..self.end)
     }
 
-    /// Brackets and signs are read by recursion, which must end before the stack does.
+    /// Parentheses and signs are parsed recursively, and the depth is bounded to protect the stack.
     fn deeper(&mut self) -> Result<(), SyntaxError> {
         self.depth += 1;
         if self.depth <= DEEPEST {
@@ -240,7 +240,7 @@ fn joined(operator: Binary, left: Expression, right: Expression) -> Expression {
 mod tests {
     use super::*;
 
-    /// With all brackets written.
+    /// The expression with all parentheses written.
     fn told(expression: &Expression) -> String {
         match &expression.kind {
             Kind::Number(value) => value.to_string(),

@@ -1,15 +1,15 @@
-//! Expressions in the order of their evaluation.
+//! Expressions in order of evaluation.
 
 use stickslip::Scalar;
 
 use super::functions::Function;
 use super::graph::{Graph, Id, Node};
 
-/// How many numbers a tape can hold at once, time and states among them.
+/// Most numbers that a tape can hold at once, including time and states.
 pub const MOST_REGISTERS: usize = 1024;
 
-/// How many the short tapes hold, and those of some length; powers of two. Most systems need no
-/// more, and have their room on the stack.
+/// Registers of the short and the medium tapes; powers of two. Most systems need no more, and these
+/// registers are on the stack.
 const FEW_REGISTERS: usize = 16;
 const SOME_REGISTERS: usize = 64;
 
@@ -29,7 +29,7 @@ pub struct Tape {
     outputs: Vec<Output>,
 }
 
-/// One operation: `to` becomes `a operation b`, or `a operation constant`.
+/// One operation: register `to` becomes `a operation b`, or `a operation constant`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Step {
     operation: Operation,
@@ -58,8 +58,8 @@ enum Operation {
     Other(Other),
 }
 
-/// The operations that take longer than a call does: for nested dual numbers these are long
-/// functions, which would be compiled for each number of registers.
+/// Operations that take longer than a call. For nested dual numbers these are long functions, which
+/// would be compiled for each number of registers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Other {
     /// The exponent is the constant.
@@ -78,7 +78,7 @@ enum Output {
 }
 
 impl Tape {
-    /// A tape for the numbers `roots`, of `states` states.
+    /// Builds a tape for the numbers `roots` of a system with `states` states.
     ///
     /// # Errors
     /// [`TooLarge`].
@@ -86,13 +86,13 @@ impl Tape {
         Layout::new(graph, roots, states).tape(roots)
     }
 
-    /// How many operations it has.
+    /// Number of operations.
     pub fn operations(&self) -> usize {
         self.steps.len()
     }
 
-    /// The numbers at time `t` and state `x`. They are written to the front of `out`; those that it
-    /// has no room for are left out.
+    /// Computes the numbers at time `t` and state `x` and writes them to the front of `out`. Those
+    /// that do not fit are omitted.
     #[inline(always)]
     pub fn evaluate<T: Scalar>(&self, t: T, x: &[T], out: &mut [T]) {
         if self.registers <= FEW_REGISTERS {
@@ -106,7 +106,7 @@ impl Tape {
 
     #[inline(never)]
     fn run_within<T: Scalar, const R: usize>(&self, t: T, x: &[T], out: &mut [T]) {
-        // All places are less than this power of two: the mask tells the compiler.
+        // All register indices are below this power of two; the mask shows it to the compiler.
         self.run(&mut [T::zero(); R], R - 1, (t, x), out);
     }
 
@@ -120,8 +120,8 @@ impl Tape {
         );
     }
 
-    /// One of each of the two callers for each kind of number, however many kinds of systems there
-    /// are: inlined into the solver it would be compiled for each of them.
+    /// Inlined into its two callers, so that it is compiled twice for each number type. If inlined
+    /// into the solver, it would be compiled for each kind of system.
     #[inline(always)]
     fn run<T: Scalar>(&self, registers: &mut [T], mask: usize, (t, x): (T, &[T]), out: &mut [T]) {
         registers[0] = t;
@@ -129,13 +129,14 @@ impl Tape {
             *register = component;
         }
         for step in &self.steps {
-            // Not a map of three: development builds would call it for every operation.
+            // Not `map` over an array of three: without optimization that would be a call for every
+            // operation.
             let (a, b) = (usize::from(step.a) & mask, usize::from(step.b) & mask);
             let to = usize::from(step.to) & mask;
             let constant = step.constant;
             let r = &mut *registers;
-            // Each writes its result itself. One place for all would have it put together first and
-            // copied then, which takes longer than most operations.
+            // Each arm stores its own result. A common store would assemble and copy the value,
+            // which takes longer than most operations.
             match step.operation {
                 Operation::Add => r[to] = r[a] + r[b],
                 Operation::Subtract => r[to] = r[a] - r[b],
@@ -156,7 +157,7 @@ impl Tape {
         for (out, output) in out.iter_mut().zip(&self.outputs) {
             *out = match *output {
                 Output::Register(k) => registers[usize::from(k) & mask],
-                // Numbers that fold know these two without looking at them.
+                // Number types that fold constants recognize these two without a look at the value.
                 Output::Constant(0.0) => T::zero(),
                 Output::Constant(1.0) => T::one(),
                 Output::Constant(value) => T::constant(value),
@@ -185,11 +186,11 @@ fn sine_cosine<T: Scalar>(a: T) -> (T, T) {
     a.sin_cos()
 }
 
-/// Registers are given out as numbers come and taken back when they are used for the last time.
+/// Assigns registers to numbers and frees them after their last use.
 struct Layout<'a> {
     graph: &'a Graph,
     reached: Vec<bool>,
-    /// By number, the last that is made of it; its own where it is an output, which lasts.
+    /// The last number that uses each number. An output is its own last user and is kept.
     last_use: Vec<usize>,
     register: Vec<Option<u16>>,
     free: Vec<u16>,
@@ -243,7 +244,7 @@ impl<'a> Layout<'a> {
         let value = |id: Id| self.graph.value(id);
         use Operation as Op;
         let (operation, a, b, constant) = match node {
-            // Where it is used, it stands in the operation; where it cannot, it is loaded there.
+            // A constant is part of the operation that uses it, or else is loaded there.
             Node::Constant(_) => return Ok(()),
             Node::Input(k) => {
                 self.register[i] = Some(u16::from(k));
@@ -294,7 +295,7 @@ impl<'a> Layout<'a> {
         Ok(())
     }
 
-    /// A function; sine and cosine of the same number are made together.
+    /// Emits a function call. Sine and cosine of the same number are computed together.
     fn call(&mut self, i: usize, function: Function, a: Id) -> Result<(), TooLarge> {
         let other = match function {
             Function::Sin => self.partner(i, Function::Cos, a),
@@ -333,7 +334,7 @@ impl<'a> Layout<'a> {
         Ok(())
     }
 
-    /// A further call with the same argument, to be made behind `i`.
+    /// A further call with the same argument that comes after `i`.
     fn partner(&self, i: usize, function: Function, a: Id) -> Option<usize> {
         let wanted = Node::Call(function, a);
         (i + 1..self.reached.len())
@@ -368,7 +369,7 @@ impl<'a> Layout<'a> {
         Ok((self.given - 1) as u16)
     }
 
-    /// Takes back the registers of what `user` is the last to use; the inputs keep theirs.
+    /// Frees the registers of the operands that `user` is the last to use. Inputs keep theirs.
     fn release(&mut self, operands: [Option<Id>; 2], user: usize) {
         for operand in operands.into_iter().flatten() {
             let k = operand.index();

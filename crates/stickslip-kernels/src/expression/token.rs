@@ -1,10 +1,10 @@
-//! The words of an expression.
+//! The tokens of an expression.
 
 use std::ops::Range;
 
 use super::SyntaxError;
 
-/// A word.
+/// A token.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Token {
     Number(f64),
@@ -14,7 +14,7 @@ pub(super) enum Token {
     Times,
     Over,
     Power,
-    /// `²` or `³`, a power written small.
+    /// `²` or `³`, a superscript power.
     SmallPower(u8),
     Open,
     Close,
@@ -22,7 +22,7 @@ pub(super) enum Token {
 }
 
 impl Token {
-    /// As a message names it.
+    /// The token as messages name it.
     pub(super) fn told(&self) -> String {
         match self {
             Token::Number(value) => format!("the number {value}"),
@@ -40,23 +40,23 @@ impl Token {
     }
 }
 
-/// Whether a name can begin so.
+/// Whether a name can begin with this character.
 pub fn begins_name(c: char) -> bool {
     c.is_alphabetic() || c == '_'
 }
 
-/// Whether a name can go on so: letters, digits, and digits written as an index.
+/// Whether a name can continue with this character: a letter, a digit or a subscript digit.
 pub fn is_in_name(c: char) -> bool {
     begins_name(c) || c.is_ascii_digit() || ('₀'..='₉').contains(&c)
 }
 
-/// A name as it is compared: the micro sign is the Greek letter, which looks the same and is
-/// another character.
+/// A name in the form used for comparison. The micro sign is replaced by the Greek letter, which
+/// looks the same.
 pub fn normal(name: &str) -> String {
     name.replace('\u{b5}', "μ")
 }
 
-/// The words of a text, each with its place.
+/// Splits a text into tokens with their positions.
 pub(super) fn tokens(text: &str) -> Result<Vec<(Token, Range<usize>)>, SyntaxError> {
     let mut found = Vec::new();
     let mut rest = text;
@@ -133,7 +133,7 @@ pub(super) fn tokens(text: &str) -> Result<Vec<(Token, Range<usize>)>, SyntaxErr
     Ok(found)
 }
 
-/// How long a number is at the beginning of a text: digits, a point, an exponent.
+/// Length of the number at the beginning of a text: digits, a point, an exponent.
 fn number_length(text: &str) -> usize {
     let bytes = text.as_bytes();
     let digits = |from: usize| {

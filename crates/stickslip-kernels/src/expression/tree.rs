@@ -2,38 +2,38 @@
 
 use std::ops::Range;
 
-/// An expression, or a branch of one.
+/// An expression, or a subexpression.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expression {
-    /// What it is.
+    /// Kind and operands.
     pub kind: Kind,
-    /// Where it stands, in bytes of its text.
+    /// Position in bytes of the text.
     pub span: Range<usize>,
 }
 
-/// What an expression is.
+/// The kinds of expressions.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Kind {
     /// A number.
     Number(f64),
     /// A name.
     Name(String),
-    /// The negative.
+    /// The negative of an expression.
     Negative(Box<Expression>),
-    /// Two joined by an operator.
+    /// Two expressions joined by an operator.
     Binary(Binary, Box<Expression>, Box<Expression>),
-    /// A function of arguments.
+    /// A function call.
     Call {
         /// Name of the function.
         function: String,
-        /// Where that stands.
+        /// Position of the name.
         place: Range<usize>,
         /// The arguments.
         arguments: Vec<Expression>,
     },
 }
 
-/// What joins two expressions.
+/// The operators between two expressions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Binary {
     /// `a + b`

@@ -1,4 +1,4 @@
-//! From the expressions of a file to tapes.
+//! Builds tapes from the expressions of a file.
 
 use std::sync::Arc;
 
@@ -13,37 +13,37 @@ use crate::kernel::{Combination, Fields, HELD, Input, Jump, Shape, Switching, si
 pub struct Built {
     /// The fields.
     pub fields: Fields,
-    /// Whether a contact has static friction of its own.
+    /// Whether any contact has static friction of its own.
     pub has_static: bool,
     /// The boundary functions of all contacts.
     pub boundaries: Tape,
-    /// The normal force of the only contact, where contact can be lost.
+    /// The normal force of the only contact, if contact can be lost.
     pub normal_force: Option<Tape>,
-    /// The function of the section.
+    /// The section function.
     pub section: Option<Tape>,
-    /// State at the start; `None` where the file gives none.
+    /// Initial state; `None` if the file gives none.
     pub start: Option<Vec<f64>>,
-    /// When runs begin.
+    /// Start time of runs.
     pub t_start: f64,
-    /// When runs end unless told otherwise.
+    /// Default end time of runs.
     pub t_end: Option<f64>,
     /// Period in time.
     pub period: Option<f64>,
-    /// Whether field or boundaries depend on time.
+    /// Whether a field or boundary depends on time.
     pub depends_on_time: bool,
     /// Jumps and inputs.
     pub switching: Switching,
 }
 
-/// The value of an expression of numbers alone.
+/// The value of an expression without variables.
 pub(super) fn value(formula: &Formula) -> Result<f64, Problem> {
     let mut graph = Graph::new();
     let built = Builder::of_numbers(&mut graph, "the value of a parameter").formula(formula)?;
-    // Of numbers alone everything folds.
+    // An expression of constants folds to one number.
     Ok(graph.value(built).unwrap_or(f64::NAN))
 }
 
-/// Finds what is wrong with any expression of the file, used or not.
+/// Checks every expression of the file, used or not.
 pub(super) fn check(file: &Arc<SystemFile>) -> Result<(), Problem> {
     let mut graph = Graph::new();
     let values = values(file);
@@ -61,7 +61,8 @@ pub(super) fn check(file: &Arc<SystemFile>) -> Result<(), Problem> {
         builder.formula(law)?;
     }
     builder.sided = 0;
-    // Definitions already known have told their sides; here those that the field has are counted.
+    // Definitions that are built already have marked their sides. Here the sides that the field
+    // uses are counted.
     builder.forget();
     for rate in &file.field {
         match rate {
@@ -98,7 +99,7 @@ pub(super) fn check(file: &Arc<SystemFile>) -> Result<(), Problem> {
     built(file, &values, Variant::AsWritten).map(drop)
 }
 
-/// The values of the parameters as the file has them.
+/// The parameter values given in the file.
 pub(crate) fn values(file: &SystemFile) -> Vec<f64> {
     file.parameters
         .iter()
@@ -111,18 +112,18 @@ pub(crate) fn values(file: &SystemFile) -> Vec<f64> {
 pub(crate) enum Variant {
     /// As in the file.
     AsWritten,
-    /// These parameters are states behind those of the file, whose rates are zero. Time is measured
-    /// so that the period, if there is one, is everywhere what it is with the given values.
+    /// These parameters become states with zero rates, after those of the file. Time is scaled so
+    /// that the period, if there is one, stays what it is for the given values.
     Free(Freed),
-    /// Time is measured so that the period, if there is one, is this.
+    /// Time is scaled so that the period, if there is one, has this value.
     InPeriod(f64),
 }
 
-/// The tapes with these values of the parameters.
+/// Builds the tapes for these parameter values.
 ///
 /// # Errors
-/// [`Problem`] where a constant part of an expression is no number with them, or an expression is
-/// too large.
+/// [`Problem`] if a constant part of an expression is not a finite number, or an expression is too
+/// large.
 pub(crate) fn built(
     file: &Arc<SystemFile>,
     values: &[f64],
@@ -182,7 +183,7 @@ pub(crate) fn built(
     let (switching, is_timed) = switching(file, inputs, &mut graph)?;
     depends_on_time |= is_timed || !switching.inputs.is_empty();
     if heights.is_empty() {
-        // Without a contact there is one side.
+        // A system without contacts has one side.
         heights.extend(graph.constant(1.0));
     }
     let mut alone = |formula: &Formula, place| -> Result<Tape, Problem> {
@@ -317,7 +318,7 @@ fn switching(
     Ok((switching, is_timed))
 }
 
-/// The states that jumps set to one of some values: to what is made of numbers and such states.
+/// The states that jumps set to isolated values: to expressions of constants and such states.
 fn discrete(file: &SystemFile, graph: &Graph, sets: &[Vec<Id>]) -> Vec<bool> {
     let mut discrete: Vec<bool> = file.states.iter().map(|state| state.is_discrete).collect();
     loop {
@@ -362,7 +363,7 @@ fn tape(
     Tape::new(graph, roots, states).map_err(too_large)
 }
 
-/// What parameters and time are in a variant.
+/// Parameters and time of a variant.
 fn inputs<'a>(
     file: &SystemFile,
     values: &'a [f64],
@@ -378,7 +379,8 @@ fn inputs<'a>(
     Ok(inputs.paced(pace(file, inputs, reference, graph)?))
 }
 
-/// How fast the file's time passes where the period is to be `period`; `None` where it is that.
+/// Rate of the file's time in scaled time such that the period is `period`; `None` if it is that
+/// already.
 fn pace(
     file: &SystemFile,
     inputs: Inputs<'_>,
@@ -405,7 +407,7 @@ fn start(file: &SystemFile, values: &[f64]) -> Result<Option<Vec<f64>>, Problem>
         .states
         .iter()
         .map(|state| state.start.as_ref().map(component));
-    // All that are given are looked at; together they are a start if none is missing.
+    // All given components are evaluated. They form a start if none is missing.
     let given: Vec<Option<f64>> = given.map(Option::transpose).collect::<Result<_, _>>()?;
     Ok(given.into_iter().collect())
 }

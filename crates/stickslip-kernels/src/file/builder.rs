@@ -1,4 +1,4 @@
-//! From expressions to numbers in a graph: every name becomes what it stands for.
+//! Adds expressions to a graph and resolves every name.
 
 use std::ops::Range;
 
@@ -11,32 +11,31 @@ use crate::kernel::HELD;
 /// What may occur in an expression.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Scope {
-    /// Time, states and the sides of contacts: bit `i` of `above` is set where contact `i` is
-    /// above, of `held` where it holds.
+    /// Time, states and the sides of contacts. Bit `i` of `above` is set if contact `i` is above,
+    /// bit `i` of `held` if it holds.
     Sides { above: usize, held: usize },
-    /// Time and states; the name says where.
+    /// Time and states. The string says what the expression is.
     NoSides(&'static str),
-    /// Neither; the name says where.
+    /// Neither time nor states. The string says what the expression is.
     Constant(&'static str),
 }
 
 /// Up to two parameters that are states.
 pub(crate) type Freed = [Option<usize>; 2];
 
-/// What the parameters and time are in an expression.
+/// Parameters and time of an expression.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Inputs<'a> {
     /// Values of the parameters.
     values: &'a [f64],
-    /// Parameters that are states behind those of the file instead, in this order.
+    /// Parameters that are states instead, after those of the file and in this order.
     free: Freed,
-    /// How fast the file's time passes in the time of the expressions, where that depends on a free
-    /// parameter.
+    /// Rate of the file's time in scaled time, if it depends on a free parameter.
     pace: Option<Id>,
 }
 
 impl<'a> Inputs<'a> {
-    /// Every parameter has its value.
+    /// All parameters have fixed values.
     pub(super) fn fixed(values: &'a [f64]) -> Self {
         Self::free(values, [None; 2])
     }
@@ -50,12 +49,12 @@ impl<'a> Inputs<'a> {
         }
     }
 
-    /// How many parameters are states.
+    /// Number of parameters that are states.
     pub(super) fn count_free(&self) -> usize {
         self.free.iter().flatten().count()
     }
 
-    /// Which of those a parameter is.
+    /// Index of a parameter among those that are states.
     fn place(&self, parameter: usize) -> Option<usize> {
         self.free
             .iter()
@@ -63,13 +62,13 @@ impl<'a> Inputs<'a> {
             .position(|free| *free == parameter)
     }
 
-    /// The same in another time.
+    /// The same with another time scale.
     pub(super) fn paced(self, pace: Option<Id>) -> Self {
         Inputs { pace, ..self }
     }
 }
 
-/// How far a named part is.
+/// State of a named part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Progress {
     NotYet,
@@ -77,16 +76,16 @@ enum Progress {
     Done(Id),
 }
 
-/// Puts expressions into a graph.
+/// Adds expressions to a graph.
 pub(super) struct Builder<'a> {
-    /// `None` where there are no names but the ones that every file has.
+    /// `None` if only the built-in names exist.
     file: Option<&'a SystemFile>,
     inputs: Inputs<'a>,
     graph: &'a mut Graph,
     scope: Scope,
     definitions: Vec<Progress>,
     frictions: Vec<Progress>,
-    /// Bits of the contacts whose sides have been asked for.
+    /// Bits of the contacts whose sides were used.
     pub(super) sided: usize,
 }
 
@@ -110,7 +109,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// For expressions of numbers alone, `what` they are.
+    /// A builder for expressions of constants; `what` says what they are.
     pub(super) fn of_numbers(graph: &'a mut Graph, what: &'static str) -> Self {
         Builder {
             file: None,
@@ -123,7 +122,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Forgets what has been built, but not which sides were asked for.
+    /// Discards what has been built but keeps the record of used sides.
     pub(super) fn forget(&mut self) {
         self.definitions.fill(Progress::NotYet);
         self.frictions.fill(Progress::NotYet);
@@ -134,7 +133,7 @@ impl<'a> Builder<'a> {
         self.frictions[contact] != Progress::NotYet
     }
 
-    /// The rates of all states, and of the parameter that is one.
+    /// The rates of all states, and of the parameters that are states.
     pub(super) fn field(&mut self) -> Result<Vec<Id>, Problem> {
         let rates = self.file.map_or(&[][..], |file| &file.field);
         let mut built = Vec::with_capacity(rates.len() + 1);
@@ -154,7 +153,7 @@ impl<'a> Builder<'a> {
         Ok(built)
     }
 
-    /// A rate, or a time, of the file in the time of the expressions.
+    /// Converts a rate, or a time, of the file to scaled time.
     fn in_time(&mut self, id: Id, place: Range<usize>) -> Made {
         match self.inputs.pace {
             None => Ok(id),
@@ -244,7 +243,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// An input: what it holds, and its slope times its clock.
+    /// The value of an input: the value held, plus its slope times its clock.
     fn input(&mut self, number: usize, place: Range<usize>) -> Made {
         let Some(entry) = self.file.and_then(|file| file.inputs.get(number)) else {
             return Err(Problem::new("there are no inputs here", place));
@@ -265,7 +264,7 @@ impl<'a> Builder<'a> {
         made.map_err(|error| no_number(error, place))
     }
 
-    /// The clock of an input; of a switch the function whose sign it is.
+    /// The clock of an input. For a switch, it is the function whose sign it takes.
     pub(super) fn clock(&mut self, entry: &InputEntry) -> Made {
         let time = self.graph.time();
         let time = self.in_time(time, entry.place.clone())?;
@@ -284,7 +283,7 @@ impl<'a> Builder<'a> {
         Ok(made)
     }
 
-    /// The period or phase of an input, which makes its clock go evenly.
+    /// The period or phase of an input, which must be constant so that its clock runs uniformly.
     fn of_input(&mut self, formula: &Formula, what: &str) -> Made {
         let made = self.formula(formula)?;
         if self.graph.depends_on_time(made) {
@@ -417,8 +416,8 @@ impl<'a> Builder<'a> {
             .map_err(|error| no_number(error, place))
     }
 
-    /// The friction force of a contact: its sign times the law that holds in this mode, and zero
-    /// where the normal force is not positive.
+    /// The friction force of a contact: its sign times the law that holds in this mode, and zero if
+    /// the normal force is not positive.
     fn friction(
         &mut self,
         formula: &Formula,
@@ -488,7 +487,7 @@ impl<'a> Builder<'a> {
             let wanted = "a contact, the expression below and the one above";
             return Err(wrong_count("by_side", wanted, arguments.len(), place));
         };
-        // Both are looked at, so that nothing wrong hides on the other side.
+        // Both sides are built, so that an error on the other side is reported too.
         let (below, above) = (
             self.expression(formula, below)?,
             self.expression(formula, above)?,

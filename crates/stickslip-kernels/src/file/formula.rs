@@ -1,4 +1,4 @@
-//! An expression and where in the file it stands.
+//! An expression and its position in the file.
 
 use std::ops::Range;
 
@@ -8,25 +8,24 @@ use crate::expression::{Expression, Kind, parse};
 /// An expression of the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Formula {
-    /// Its tree; places in it are those of its own text.
+    /// The tree; positions in it refer to the text of the expression.
     pub tree: Expression,
-    /// As it is written.
+    /// The expression as written.
     pub text: String,
     place: Place,
 }
 
-/// Where the text of an expression stands.
+/// Position of the text of an expression.
 #[derive(Clone, Debug, PartialEq)]
 struct Place {
     /// The whole value, quotes included.
     whole: Range<usize>,
-    /// Where its text begins; `None` where the file has it with escapes, so that bytes cannot be
-    /// counted.
+    /// Start of the text; `None` if it contains escapes, so that bytes cannot be counted.
     text: Option<usize>,
 }
 
 impl Formula {
-    /// A number written as one.
+    /// An expression given as a number.
     pub(super) fn number(value: f64, whole: Range<usize>) -> Self {
         Formula {
             tree: Expression {
@@ -41,7 +40,7 @@ impl Formula {
         }
     }
 
-    /// A text, which is the value at `whole`.
+    /// An expression given as a text, which is the value at `whole`.
     pub(super) fn parsed(
         text: &str,
         whole: Range<usize>,
@@ -49,7 +48,7 @@ impl Formula {
     ) -> Result<Self, Problem> {
         let raw = source.text.get(whole.clone()).unwrap_or_default();
         let quotes = raw.len() - raw.trim_start_matches(['"', '\'']).len();
-        // Behind three quotes the first end of line does not belong to the text.
+        // A line break directly after three quotes is not part of the text.
         let begin = raw[quotes..].find(text).filter(|&skipped| {
             raw[quotes..quotes + skipped]
                 .chars()
@@ -71,12 +70,12 @@ impl Formula {
         }
     }
 
-    /// The place in the file of a part of the text.
+    /// Position in the file of a part of the text.
     pub fn at(&self, span: &Range<usize>) -> Range<usize> {
         self.place.of(span)
     }
 
-    /// The place of the whole.
+    /// Position of the whole value.
     pub fn whole(&self) -> Range<usize> {
         self.place.whole.clone()
     }

@@ -1,4 +1,4 @@
-//! Systems as files: what a `system.toml` says.
+//! Systems as files: the format of `system.toml`.
 //!
 //! ```toml
 //! name = "Block on a belt"
@@ -17,7 +17,7 @@
 //!
 //! [contacts.belt]
 //! boundary = "v - vp"            # belt is -1 where this is negative, +1 where it is positive
-//! friction = "mu0/(1 + slip)"    # in slip; friction(belt) is belt times that
+//! friction = "mu0/(1 + slip)"    # its size in slip; friction(belt) is belt times that
 //!
 //! [field]                        # the rates of the states
 //! x = "v"
@@ -28,18 +28,20 @@
 //! v = 0
 //! ```
 //!
-//! Friction is written by side and not by the sign of a velocity, so that each side's formula goes
-//! on smoothly across Σ. `static` beside `friction` is how large it may be while the contact holds.
-//! Where the sides differ in more than friction, `by_side(belt, below, above)` is one expression or
-//! the other, and so is `v = { below = "…", above = "…" }` in `[field]`.
+//! Friction is written by side and not by the sign of a velocity, so that the formula of each side
+//! extends smoothly across Σ. `static`, beside `friction`, is the largest friction force while the
+//! contact holds. If the sides differ in more than friction, `by_side(belt, below, above)` selects
+//! an expression, and so does `v = { below = "…", above = "…" }` in `[field]`.
 //!
-//! A state jumps where `[jumps.NAME]` says: `when` is the function whose zero it is, `direction`
-//! which way that passes (`rising`, `falling`, `both`), `set` what the states become. With `stop =
-//! true`, or `count = n`, the run ends there, or with the n-th. `[discrete]` has states that change
-//! by jumps only, each with its start. What depends on time alone is `[inputs.NAME]`, with `shape`
-//! (`square`, `triangle`, `sawtooth`, `pulse` with `width`; each with `period` and `phase`, in
-//! parts of the period; or `table` with `times` and `values`, or a `file`, and `between`), or
-//! `[switches.NAME]`, the sign of a `function` of time.
+//! `[jumps.NAME]` describes a jump of the state. `when` is the function whose zero triggers it,
+//! `direction` the sign change that counts (`rising`, `falling`, `both`), and `set` gives the new
+//! states. With `stop = true`, or `count = n`, the run ends there, or with the n-th jump.
+//! `[discrete]` lists states that change only in jumps, each with its start.
+//!
+//! `[inputs.NAME]` describes a function of time alone by its `shape`. The shapes `square`,
+//! `triangle`, `sawtooth` and `pulse` (with `width`) have a `period`, and a `phase` in fractions of
+//! it. The shape `table` has `times` and `values`, or a `file`, and `between`. `[switches.NAME]` is
+//! the sign of a `function` of time.
 
 mod build;
 mod builder;
@@ -66,7 +68,7 @@ use stickslip::Direction;
 
 use crate::kernel::Piece;
 
-/// The models that come with the crate: names and files, in the order in which they are listed.
+/// The models that come with the crate: names and files, in the order of listing.
 const SHIPPED: [(&str, &str); 6] = [
     ("belt", include_str!("../../systems/belt.toml")),
     ("forced", include_str!("../../systems/forced.toml")),
@@ -76,19 +78,19 @@ const SHIPPED: [(&str, &str); 6] = [
     ("den-hartog", include_str!("../../systems/den-hartog.toml")),
 ];
 
-/// A file to begin with, with a comment on everything that can be in it.
+/// A template, with a comment on every possible entry.
 pub const EXAMPLE: &str = include_str!("../../systems/example.toml");
 
-/// What a file says, its names known to be right.
+/// The content of a file, with all names checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SystemFile {
-    /// The file.
+    /// The source file.
     pub source: Source,
     /// Name of the system.
     pub name: String,
-    /// What it is.
+    /// Description.
     pub description: Option<String>,
-    /// About time.
+    /// The time settings.
     pub time: Time,
     /// Components of the state, in their order.
     pub states: Vec<StateEntry>,
@@ -98,7 +100,7 @@ pub struct SystemFile {
     pub definitions: Vec<Named>,
     /// Contacts.
     pub contacts: Vec<Contact>,
-    /// Jumps, in the order in which they are done where several happen at one time.
+    /// Jumps, in the order of execution if several happen at one time.
     pub jumps: Vec<JumpEntry>,
     /// Inputs that depend on time alone.
     pub inputs: Vec<InputEntry>,
@@ -106,20 +108,20 @@ pub struct SystemFile {
     pub field: Vec<Rate>,
     /// Poincaré section.
     pub section: Option<SectionEntry>,
-    /// What every name stands for.
+    /// The meaning of every name.
     pub names: Names,
 }
 
-/// What `[time]` and `[start]` say of time.
+/// The settings in `[time]` and `[start]` that concern time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Time {
     /// Unit of time.
     pub unit: Option<String>,
-    /// When runs begin; 0 unless given.
+    /// Start time of runs; 0 by default.
     pub start: Option<Formula>,
-    /// When runs end unless told otherwise.
+    /// Default end time of runs.
     pub end: Option<Formula>,
-    /// Period in time, of a driven system.
+    /// Period in time of a driven system.
     pub period: Option<Formula>,
 }
 
@@ -130,13 +132,13 @@ pub struct StateEntry {
     pub name: String,
     /// Unit, empty where there is none.
     pub unit: String,
-    /// What it is, in words.
+    /// Description.
     pub meaning: Option<String>,
-    /// Where runs begin.
+    /// Initial value.
     pub start: Option<Formula>,
-    /// The part that figures and scans show.
+    /// The range that figures and scans show.
     pub range: Option<(f64, f64)>,
-    /// Whether it changes by jumps only.
+    /// Whether it changes only in jumps.
     pub is_discrete: bool,
 }
 
@@ -149,20 +151,20 @@ pub struct Parameter {
     pub value: f64,
     /// Unit, empty where there is none.
     pub unit: String,
-    /// What it is, in words.
+    /// Description.
     pub meaning: Option<String>,
-    /// Values that are allowed.
+    /// Allowed values.
     pub range: Option<(f64, f64)>,
-    /// Where the value stands.
+    /// Position of the value.
     pub place: Range<usize>,
 }
 
-/// A named part of other expressions.
+/// A named subexpression.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Named {
     /// Name.
     pub name: String,
-    /// What it stands for.
+    /// The expression.
     pub formula: Formula,
 }
 
@@ -173,30 +175,30 @@ pub struct Contact {
     pub name: String,
     /// The boundary function.
     pub boundary: Formula,
-    /// How large friction is in slip.
+    /// Magnitude of friction in slip.
     pub friction: Option<Formula>,
-    /// How large friction may be while the contact holds, where that differs.
+    /// Largest friction force while the contact holds, if it differs.
     pub holding: Option<Formula>,
-    /// The normal force, where contact can be lost: friction is zero where it is not positive.
+    /// The normal force, if contact can be lost. Friction is zero where it is not positive.
     pub normal_force: Option<Formula>,
-    /// Where it stands.
+    /// Position in the file.
     pub place: Range<usize>,
 }
 
-/// A jump: where a function of the state passes through zero the state is mapped.
+/// A jump: the state is mapped where a function passes through zero.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JumpEntry {
     /// Name.
     pub name: String,
     /// The function.
     pub when: Formula,
-    /// Which way it passes through zero.
+    /// The sign change that counts.
     pub direction: Direction,
-    /// What the states become; those without a formula stay.
+    /// The new states; states without a formula stay.
     pub set: Vec<Option<Formula>>,
-    /// The run ends with so many.
+    /// The run ends with this jump of the count.
     pub most: Option<u64>,
-    /// Where it stands.
+    /// Position in the file.
     pub place: Range<usize>,
 }
 
@@ -205,27 +207,27 @@ pub struct JumpEntry {
 pub struct InputEntry {
     /// Name.
     pub name: String,
-    /// What it is.
+    /// Shape of the input.
     pub shape: InputShape,
-    /// Where it stands.
+    /// Position in the file.
     pub place: Range<usize>,
 }
 
-/// What an input is.
+/// The shapes of inputs.
 #[derive(Clone, Debug, PartialEq)]
 pub enum InputShape {
-    /// The same again in each period.
+    /// Periodic in time.
     Periodic {
-        /// The name of its shape.
+        /// Name of the shape.
         shape: String,
-        /// What it is over a period, in parts of it.
+        /// The pieces over one period, in fractions of it.
         pieces: Vec<Piece>,
         /// The period.
         period: Formula,
-        /// The part of the period that has passed at time 0; none unless given.
+        /// The phase at time 0, as a fraction of the period; 0 by default.
         phase: Option<Formula>,
     },
-    /// Through points in time.
+    /// Interpolation of points in time.
     Table(Vec<Piece>),
     /// The sign of a function of time.
     Switch(Formula),
@@ -234,9 +236,9 @@ pub enum InputShape {
 /// The rate of a state.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Rate {
-    /// One expression.
+    /// One expression for both sides.
     Same(Formula),
-    /// One on each side of the only contact.
+    /// An expression for each side of the only contact.
     BySide {
         /// Where the boundary function is negative.
         below: Formula,
@@ -248,16 +250,16 @@ pub enum Rate {
 /// A Poincaré section.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SectionEntry {
-    /// The function that is zero on it.
+    /// The function that vanishes on it.
     pub function: Formula,
-    /// Which way it is passed.
+    /// The direction of the crossings.
     pub direction: Direction,
 }
 
-/// A file that cannot be used.
+/// Why a file cannot be used.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum FileError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error(
         "cannot read {path}: {cause}; {meant}give the path of a system's file or the name of a \
             shipped model ({shipped})"
@@ -265,35 +267,35 @@ pub enum FileError {
     Unreadable {
         /// The path as given.
         path: String,
-        /// What the operating system said.
+        /// The operating system's message.
         cause: String,
-        /// The shipped model that may have been meant, as a question; empty where there is none.
+        /// The shipped model that may have been meant, as a question; empty if there is none.
         meant: String,
         /// Names of the shipped models.
         shipped: String,
     },
-    /// Its letters are in another code.
+    /// The file is not UTF-8.
     #[error("{path} is no text in UTF-8: line {line} has other bytes; save it as UTF-8")]
     NotUtf8 {
         /// The path as given.
         path: String,
-        /// The first line that is not.
+        /// The first line that is not UTF-8.
         line: usize,
     },
-    /// Its content is wrong.
+    /// The content is invalid.
     #[error("{}", problem.shown(source_text))]
     Wrong {
-        /// What is wrong, and where.
+        /// The fault and its position.
         problem: Box<Problem>,
         /// The file.
         source_text: Box<Source>,
     },
 }
 
-/// The value of an expression of numbers, as on a command line.
+/// The value of an expression of constants, such as on a command line.
 ///
 /// # Errors
-/// What is wrong with it.
+/// A message about the fault.
 pub fn number(text: &str) -> Result<f64, String> {
     let source = Source {
         name: String::new(),
@@ -306,7 +308,7 @@ pub fn number(text: &str) -> Result<f64, String> {
 
 fn unreadable(path: &str, cause: &std::io::Error) -> FileError {
     let shipped = SHIPPED.map(|(name, _)| name);
-    // Of a file that is there somebody means that file.
+    // If a file of that name exists, it is the one that is meant.
     let is_missing = cause.kind() == std::io::ErrorKind::NotFound;
     let meant = is_missing.then(|| did_you_mean(path, shipped.iter().copied()));
     FileError::Unreadable {
@@ -331,7 +333,7 @@ fn not_utf8(path: &str, wrong: &std::string::FromUtf8Error) -> FileError {
 }
 
 impl SystemFile {
-    /// Reads a file, or a shipped model by its name. A file of that name comes first.
+    /// Reads a file, or a shipped model by name. A file of that name takes precedence.
     ///
     /// # Errors
     /// [`FileError`].
@@ -348,10 +350,10 @@ impl SystemFile {
         SystemFile::parse(Source { name, text })
     }
 
-    /// What a text says.
+    /// Parses a text.
     ///
     /// # Errors
-    /// [`FileError::Wrong`] with the first thing that is wrong.
+    /// [`FileError::Wrong`] with the first fault.
     pub fn parse(source: Source) -> Result<SystemFile, FileError> {
         let read = read::read(&source).and_then(|file| {
             let file = Arc::new(file);
@@ -364,10 +366,10 @@ impl SystemFile {
         })
     }
 
-    /// The same system with this section in place of its own.
+    /// The same system with another section.
     ///
     /// # Errors
-    /// [`FileError::Wrong`] with what is wrong with the function.
+    /// [`FileError::Wrong`] with the fault of the function.
     pub fn with_section(
         &self,
         function: &str,

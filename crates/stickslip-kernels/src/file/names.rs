@@ -1,4 +1,4 @@
-//! What names stand for, and what somebody may have meant who wrote another one.
+//! The meaning of names, and suggestions for unknown ones.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::problem::Problem;
 use crate::expression::{FUNCTIONS, begins_name, is_in_name, normal};
 
-/// What a name of the file stands for; numbers count the entries of each kind from 0.
+/// The meaning of a name. Numbers count the entries of each kind from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Meaning {
     /// Time.
@@ -52,7 +52,7 @@ pub struct Names {
 }
 
 impl Names {
-    /// The names that every file has.
+    /// The built-in names.
     pub(super) fn new() -> Self {
         let mut names = Names::default();
         for (name, meaning) in [
@@ -65,7 +65,7 @@ impl Names {
         names
     }
 
-    /// Adds a name; it as it is compared.
+    /// Adds a name, in the form used for comparison.
     pub(super) fn add(
         &mut self,
         name: &str,
@@ -106,12 +106,12 @@ impl Names {
         }
     }
 
-    /// What a name stands for.
+    /// The meaning of a name.
     pub fn get(&self, name: &str) -> Option<Meaning> {
         self.known.get(&normal(name)).map(|&(meaning, _)| meaning)
     }
 
-    /// A known name that is like it.
+    /// A known name similar to it.
     pub(super) fn like(&self, name: &str) -> Option<String> {
         let mut known: Vec<&str> = self.known.keys().map(String::as_str).collect();
         known.sort_unstable();
@@ -124,9 +124,9 @@ pub(super) fn is_function(name: &str) -> bool {
     plain.chain(FURTHER_FUNCTIONS).any(|known| known == name)
 }
 
-/// "did you mean", if one of the known names is like this one.
+/// A "did you mean" question, if a known name is similar.
 pub fn did_you_mean<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
-    // Names are often written with or without their underscores and in another case.
+    // Names are often written without underscores, or in another case.
     let plain = |name: &str| name.replace('_', "").to_lowercase();
     let likeness = |other: &str| {
         let as_written = strsim::jaro_winkler(name, other);

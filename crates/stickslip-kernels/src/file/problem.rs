@@ -1,4 +1,4 @@
-//! What is wrong with a file, shown where it is wrong.
+//! Errors in a file, shown with the source line.
 
 use std::ops::Range;
 
@@ -6,23 +6,23 @@ use codespan_reporting::diagnostic::{Diagnostic, Label};
 use codespan_reporting::files::SimpleFile;
 use codespan_reporting::term;
 
-/// Something wrong at a place of a file.
+/// An error at a position in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem {
-    /// What is wrong.
+    /// The message.
     pub message: String,
-    /// Where, in bytes of the file.
+    /// Position in bytes of the file.
     pub place: Range<usize>,
-    /// What is said at that place.
+    /// Label at the position.
     pub label: String,
-    /// A second place that has to do with it, and what is said there.
+    /// A second, related position and its label.
     pub also: Option<Box<(Range<usize>, String)>>,
-    /// What to do about it.
+    /// Advice.
     pub help: Option<String>,
 }
 
 impl Problem {
-    /// A problem with nothing but a message and a place.
+    /// An error with only a message and a position.
     pub fn new(message: impl Into<String>, place: Range<usize>) -> Self {
         Problem {
             message: message.into(),
@@ -33,7 +33,7 @@ impl Problem {
         }
     }
 
-    /// With words at its place.
+    /// Adds a label at the position.
     #[must_use]
     pub fn label(self, label: impl Into<String>) -> Self {
         Problem {
@@ -42,7 +42,7 @@ impl Problem {
         }
     }
 
-    /// With a second place.
+    /// Adds a second position.
     #[must_use]
     pub fn also(self, place: Range<usize>, label: impl Into<String>) -> Self {
         Problem {
@@ -51,7 +51,7 @@ impl Problem {
         }
     }
 
-    /// With advice.
+    /// Adds advice.
     #[must_use]
     pub fn help(self, help: impl Into<String>) -> Self {
         Problem {
@@ -60,13 +60,13 @@ impl Problem {
         }
     }
 
-    /// With advice, if there is some.
+    /// Adds advice, if there is any.
     #[must_use]
     pub fn help_if(self, help: Option<String>) -> Self {
         Problem { help, ..self }
     }
 
-    /// With line, column and the source around it.
+    /// The text of the error, with line, column and surrounding source.
     pub fn shown(&self, source: &Source) -> String {
         let primary = Label::primary((), self.place.clone()).with_message(&self.label);
         let mut labels = vec![primary];
@@ -85,14 +85,14 @@ impl Problem {
         let file = SimpleFile::new(source.name.as_str(), source.text.as_str());
         let config = term::Config::default();
         match term::emit_into_string(&config, &file, &diagnostic) {
-            // The program begins every message with this word itself.
+            // The program itself begins every message with this word.
             Ok(text) => text.trim_start_matches("error: ").trim_end().to_owned(),
             Err(_) => self.message.clone(),
         }
     }
 }
 
-/// The text of a file and what it is called.
+/// The text of a file and its name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Source {
     /// Path, or name of a shipped model.

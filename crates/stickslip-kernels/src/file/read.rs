@@ -1,4 +1,4 @@
-//! From the text of a file to its entries.
+//! Reads the entries of a file from its text.
 
 use stickslip::Direction;
 use toml::de::DeTable;
@@ -54,7 +54,7 @@ pub(super) fn read(source: &Source) -> Result<SystemFile, Problem> {
             Problem::new(message, 0..0).help(format!("a file can have {MOST_STATES} states"))
         );
     }
-    // What is discrete stands still between jumps.
+    // Discrete states are constant between jumps.
     let none = || Rate::Same(Formula::number(0.0, 0..0));
     field.extend(states[continuous..].iter().map(|_| none()));
     let jumps = switching::jumps(&file, &mut names, &states)?;
@@ -77,7 +77,7 @@ pub(super) fn read(source: &Source) -> Result<SystemFile, Problem> {
     })
 }
 
-/// What is not even TOML.
+/// Reports a text that is not TOML.
 fn not_toml(error: &toml::de::Error, source: &Source) -> Problem {
     let place = error.span().unwrap_or(0..0);
     let line = source.text[..place.start]
@@ -187,7 +187,7 @@ fn parameters(file: &Table<'_>, names: &mut Names) -> Result<Vec<Parameter>, Pro
                 .transpose()?;
         }
         parameter.place = given.place();
-        // Of numbers alone: parameters are set one by one.
+        // An expression of constants only: parameters are set one by one.
         parameter.value = super::build::value(&given.formula()?)?;
         if let Some((low, high)) = parameter.range
             && !(low..=high).contains(&parameter.value)
@@ -305,7 +305,7 @@ fn field(
     rows.collect()
 }
 
-/// The entries of a table whose names are states, in the order of the states.
+/// The entries of a table whose keys are states, in the order of the states.
 pub(super) fn by_state<'a>(
     table: &Table<'a>,
     states: &[StateEntry],
@@ -320,7 +320,7 @@ pub(super) fn by_state<'a>(
                 let all: Vec<&str> = known().collect();
                 let all = format!("the states are {}", listed(&all));
                 let (message, help) = match names.get(name) {
-                    // Of all states those that are not here are discrete.
+                    // States that are missing here are discrete.
                     Some(Meaning::State(_)) => (
                         format!("`{name}` is a discrete state and stands in [discrete] alone"),
                         "it changes by jumps only, and [discrete] has its start".to_owned(),
@@ -378,7 +378,7 @@ fn section(file: &Table<'_>) -> Result<Option<SectionEntry>, Problem> {
     }))
 }
 
-/// Which way a function passes through zero.
+/// The direction of a sign change.
 pub(super) fn direction(entry: Option<Entry<'_>>) -> Result<Direction, Problem> {
     let Some(entry) = entry else {
         return Ok(Direction::Both);

@@ -1,4 +1,4 @@
-//! What a file says of discrete states, jumps, and inputs that depend on time alone.
+//! Reads discrete states, jumps, and inputs that depend on time alone.
 
 use std::path::Path;
 
@@ -8,10 +8,10 @@ use super::table::{Entry, Table, listed};
 use super::{InputEntry, InputShape, JumpEntry, StateEntry};
 use crate::kernel::Piece;
 
-/// The shapes that repeat, and what each is over a period.
+/// The periodic shapes and their pieces over one period.
 const SHAPES: [&str; 5] = ["square", "triangle", "sawtooth", "pulse", "table"];
 
-/// Discrete states: they change by jumps only.
+/// Discrete states, which change only in jumps.
 pub(super) fn discrete(
     file: &Table<'_>,
     names: &mut Names,
@@ -92,7 +92,7 @@ fn jump(
     })
 }
 
-/// The inputs: those that repeat, those of tables, and switches.
+/// The inputs: periodic shapes, tables and switches.
 pub(super) fn inputs(
     source: &Source,
     file: &Table<'_>,
@@ -163,7 +163,7 @@ fn input(source: &Source, table: &Table<'_>) -> Result<InputShape, Problem> {
     })
 }
 
-/// An input that goes through points.
+/// An input that interpolates points.
 fn points(source: &Source, table: &Table<'_>) -> Result<InputShape, Problem> {
     table.only(&["shape", "times", "values", "file", "between"])?;
     let place = table.place.clone();
@@ -210,7 +210,7 @@ fn points(source: &Source, table: &Table<'_>) -> Result<InputShape, Problem> {
             return Err(Problem::new(message, entry.place()).help("it is linear or constant"));
         }
     };
-    // Before the first point it is as there, and behind the last.
+    // The input is constant before the first point and after the last.
     let first = Piece {
         from: f64::NEG_INFINITY,
         value: values[0],
@@ -228,7 +228,7 @@ fn points(source: &Source, table: &Table<'_>) -> Result<InputShape, Problem> {
     Ok(InputShape::Table(pieces.collect()))
 }
 
-/// Times and values from the first two columns of a file beside that of the system.
+/// Times and values from the first two columns of a file, relative to the system's file.
 fn from_file(source: &Source, entry: Entry<'_>) -> Result<(Vec<f64>, Vec<f64>), Problem> {
     let name = entry.text()?;
     let folder = Path::new(&source.name).parent().unwrap_or(Path::new(""));
@@ -261,7 +261,7 @@ fn from_file(source: &Source, entry: Entry<'_>) -> Result<(Vec<f64>, Vec<f64>), 
                 times.push(t);
                 values.push(value);
             }
-            // Names of columns.
+            // A header row.
             _ if row == 0 => {}
             (Err(what), _) | (_, Err(what)) => {
                 let message = format!("{}: row {} {what}", path.display(), row + 1);

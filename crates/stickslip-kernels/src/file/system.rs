@@ -1,4 +1,4 @@
-//! A system ready to run: a file, and values for its parameters.
+//! A system ready to run: a file and values for its parameters.
 
 use std::sync::Arc;
 
@@ -15,25 +15,25 @@ use crate::kernel::{
     sides_to_check, stoppable,
 };
 
-/// States at which a period is tried.
+/// Number of states at which a period is checked.
 const PROBES: usize = 16;
 
-/// Steps of Newton's iteration: where gradients depend on each other each halves what is left.
+/// Newton iterations. Where gradients are dependent, each iteration halves the remaining distance.
 const NEWTON_STEPS: usize = 60;
 
-/// Singular value of gradients of length 1 below which they depend on each other: ten times that of
-/// a run, which may come nearer.
+/// Gradients of length 1 are dependent if a singular value is below this. It is ten times the limit
+/// in a run, which may come nearer.
 const DEPENDENT: f64 = 1e-5;
 
-/// Distance from a boundary, in parts of the state, below which it is reached.
+/// A boundary is reached within this distance, relative to the state.
 const ON_BOUNDARY: f64 = 1e-13;
 
-/// Part by which the field may differ after a period: rounding, in time, too.
+/// Relative difference by which the field may change over a period, for rounding, also in time.
 const PERIODIC: f64 = 1e-6;
 
 /// A system ready to run.
 pub struct System {
-    /// The file that it is from.
+    /// The source file.
     pub file: Arc<SystemFile>,
     /// Values of the parameters, in the order of the file.
     pub values: Vec<f64>,
@@ -43,7 +43,7 @@ pub struct System {
     stop: Option<Arc<Stop>>,
 }
 
-/// Attractors of a system that depends on time cannot be looked for.
+/// Why attractors of a time-dependent system cannot be computed.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PeriodError {
     /// No period is given.
@@ -51,7 +51,7 @@ pub enum PeriodError {
         "the system depends on time: what is its period? Add period = \"…\" to [time] of the file"
     )]
     Missing,
-    /// The one given is none.
+    /// The given period is not a period.
     #[error(
         "the field or a boundary is not the same after the file's period {period}; correct the \
             period in [time]"
@@ -62,18 +62,18 @@ pub enum PeriodError {
     },
 }
 
-/// A parameter was set wrongly.
+/// Why a parameter cannot be set.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum SettingError {
-    /// There is none of this name.
+    /// There is no parameter of this name.
     #[error("there is no parameter `{name}`; {help}")]
     Unknown {
         /// Name given.
         name: String,
-        /// What may have been meant, or what there is.
+        /// A suggestion, or the names that exist.
         help: String,
     },
-    /// The value is outside what the file allows.
+    /// The value is outside the range in the file.
     #[error("{name} = {value} is not allowed: its range in the file is from {low} to {high}")]
     OutsideRange {
         /// Name.
@@ -91,7 +91,7 @@ pub enum SettingError {
         /// Name.
         name: String,
     },
-    /// With the values, something in the file cannot be evaluated.
+    /// An expression of the file cannot be evaluated with the values.
     #[error(transparent)]
     File(#[from] FileError),
 }
@@ -100,8 +100,8 @@ impl SystemFile {
     /// The system with some of its parameters set to other values.
     ///
     /// # Errors
-    /// [`SettingError`] for a name that there is not, a value outside the parameter's range, or one
-    /// with which an expression is no number.
+    /// [`SettingError`] for an unknown name, a value outside the parameter's range, or a value with
+    /// which an expression is not a finite number.
     pub fn with(&self, settings: &[(String, f64)]) -> Result<System, SettingError> {
         let values = self.values_with(build::values(self), settings)?;
         Ok(System::new(Arc::new(self.clone()), values, None)?)
@@ -178,10 +178,10 @@ impl System {
         })
     }
 
-    /// The same with other values of some parameters, by name.
+    /// The same system with other values of some parameters, by name.
     ///
     /// # Errors
-    /// As [`SystemFile::with`].
+    /// See [`SystemFile::with`].
     pub fn with_values(&self, given: &[(&str, f64)]) -> Result<System, SettingError> {
         let settings: Vec<(String, f64)> = given
             .iter()
@@ -191,30 +191,30 @@ impl System {
         Ok(System::new(self.file.clone(), values, self.stop.clone())?)
     }
 
-    /// The same with another section.
+    /// The same system with another section.
     ///
     /// # Errors
-    /// As [`SystemFile::with_section`].
+    /// See [`SystemFile::with_section`].
     pub fn with_section(&self, function: &str, direction: Direction) -> Result<System, FileError> {
         let file = Arc::new(self.file.with_section(function, direction)?);
         System::new(file, self.values.clone(), self.stop.clone())
     }
 
-    /// The same, whose orbits end when `stop` is raised, as do those of the systems made of it.
+    /// The same system, whose orbits end when `stop` is raised. This also holds for systems derived
+    /// from it.
     ///
     /// # Errors
-    /// As [`SystemFile::with`].
+    /// See [`SystemFile::with`].
     pub fn stoppable(&self, stop: Arc<Stop>) -> Result<System, SettingError> {
         let (file, values) = (self.file.clone(), self.values.clone());
         Ok(System::new(file, values, Some(stop))?)
     }
 
-    /// The system with a parameter as one more state behind the others, along which its orbits can
-    /// be continued. Time runs so that a period that depends on the parameter keeps the value that
-    /// it has now.
+    /// The system with a parameter as an additional last state, for continuation. Time is scaled so
+    /// that a period that depends on the parameter keeps its present value.
     ///
     /// # Errors
-    /// [`SettingError::File`] where the expressions are too large with one more state.
+    /// [`SettingError::File`] if the expressions are too large with an additional state.
     pub fn along(&self, parameter: usize) -> Result<DynamicsRef<'static>, SettingError> {
         self.varied(Variant::Free([Some(parameter), None]), self.states() + 1)
     }
@@ -222,7 +222,7 @@ impl System {
     /// [`System::along`] with two parameters as states, of which this one is the last.
     ///
     /// # Errors
-    /// As [`System::along`].
+    /// See [`System::along`].
     pub fn along_both(
         &self,
         other: usize,
@@ -232,10 +232,10 @@ impl System {
         self.varied(Variant::Free(freed), self.states() + 2)
     }
 
-    /// The system in a time in which the period, if it has one, is the one given.
+    /// The system with time scaled so that the period, if there is one, has the given value.
     ///
     /// # Errors
-    /// [`SettingError::File`] where the expressions are too large with another time.
+    /// [`SettingError::File`] if the expressions are too large with the scaled time.
     pub fn in_period(&self, period: Option<f64>) -> Result<DynamicsRef<'static>, SettingError> {
         let variant = period.map_or(Variant::AsWritten, Variant::InPeriod);
         self.varied(variant, self.states())
@@ -251,10 +251,10 @@ impl System {
         Ok(stoppable(dynamics, self.stop.as_ref()))
     }
 
-    /// The period of a system that has one, and none of a system that does not depend on time.
+    /// The period of a driven system; `None` for an autonomous one.
     ///
     /// # Errors
-    /// [`PeriodError`] where it depends on time and no period is known, or the period is none.
+    /// [`PeriodError`] if the system depends on time and no valid period is given.
     pub fn checked_period(&self) -> Result<Option<f64>, PeriodError> {
         let period = self.built.period;
         match (period, self.is_periodic()) {
@@ -264,8 +264,8 @@ impl System {
         }
     }
 
-    /// Whether field, boundaries and jumps are what they were a period ago, at some states; `None`
-    /// where there is no period.
+    /// Whether field, boundaries and jumps repeat after a period, checked at some states; `None` if
+    /// there is no period.
     pub fn is_periodic(&self) -> Option<bool> {
         let period = self.built.period?;
         let at = |t: f64, x: &[f64]| -> Vec<f64> {
@@ -288,7 +288,7 @@ impl System {
         Some(self.probes().iter().all(|x| {
             let t = self.built.t_start + random.between(0.0, period);
             let (now, later) = (at(t, x), at(t + period, x));
-            // What is no number here is none of this.
+            // States at which a value is not finite do not count.
             now.iter().zip(&later).all(|(now, later)| {
                 let off = (now - later).abs();
                 off.is_nan() || off <= PERIODIC * (1.0 + now.abs())
@@ -296,7 +296,7 @@ impl System {
         }))
     }
 
-    /// States about the start, or about zero.
+    /// States around the start, or around zero.
     fn probes(&self) -> Vec<Vec<f64>> {
         let random = &mut SplitMix::new(1);
         let start = self.built.start.clone();
@@ -310,13 +310,13 @@ impl System {
         (0..PROBES).map(&mut probe).collect()
     }
 
-    /// Contacts whose boundaries vanish together, and a state where their gradients depend on each
-    /// other, so that no run can go through it. Looked for at the start's time, from states about
-    /// the start; of more than four contacts only pairs are looked at.
+    /// Contacts whose boundaries vanish together at a state with dependent gradients, and that
+    /// state. No run can pass through it. The search uses the start time and states around the
+    /// start. With more than four contacts, only pairs are checked.
     pub fn dependent_boundaries(&self) -> Option<(Vec<usize>, Vec<f64>)> {
         let most = if self.contacts() <= 4 { 4 } else { 2 };
         let sets = 1..1_usize << self.contacts();
-        // Numbers of subsets come before those of the sets.
+        // A subset has a smaller number than the sets that contain it.
         sets.filter(|set| set.count_ones() <= most).find_map(|set| {
             let contacts = (0..self.contacts()).filter(|contact| set >> contact & 1 == 1);
             let contacts: Vec<usize> = contacts.collect();
@@ -326,8 +326,8 @@ impl System {
         })
     }
 
-    /// Newton's iteration, by the shortest steps, to where the boundaries of these contacts vanish;
-    /// the place if they depend on each other there.
+    /// Newton's iteration with minimum-norm steps to a common zero of the boundaries of these
+    /// contacts. Returns the state if their gradients are dependent there.
     fn dependence(&self, contacts: &[usize], mut x: Vec<f64>) -> Option<Vec<f64>> {
         for _ in 0..NEWTON_STEPS {
             let at = |i: usize, k| self.boundary_and_slope(contacts[i], self.built.t_start, &x, k);
@@ -353,12 +353,12 @@ impl System {
         None
     }
 
-    /// The system as the library's analyses take it.
+    /// The system in the form that the library's analyses take.
     pub fn dynamics(&self) -> &DynamicsRef<'static> {
         &self.dynamics
     }
 
-    /// The section that the file has, or none.
+    /// The section of the file, or none.
     pub fn section(&self) -> Watched {
         match self.built.section {
             Some(_) => Watched::Own,
@@ -376,7 +376,7 @@ impl System {
         self.file.contacts.len()
     }
 
-    /// The boundary function of a contact on any number.
+    /// The boundary function of a contact, on any number type.
     pub fn boundary<T: Scalar>(&self, contact: usize, t: T, x: &[T]) -> T {
         let mut heights = vec![T::zero(); self.contacts()];
         let x = self.built.switching.extended(t.value(), x);
@@ -384,7 +384,7 @@ impl System {
         heights[contact]
     }
 
-    /// The field of a combination of sides on any number.
+    /// The field of a combination of sides, on any number type.
     pub fn field<T: Scalar>(&self, of: Combination, t: T, x: &[T]) -> Vec<T> {
         let mut rates = vec![T::zero(); x.len()];
         let x = self.built.switching.extended(t.value(), x);
@@ -392,7 +392,7 @@ impl System {
         rates
     }
 
-    /// The boundary function of a contact, and its derivative by one state.
+    /// The boundary function of a contact, and its derivative with respect to one state.
     pub fn boundary_and_slope(
         &self,
         contact: usize,
@@ -410,7 +410,7 @@ impl System {
     }
 }
 
-/// The tapes, or what is wrong with the file.
+/// Builds the tapes, or reports the fault in the file.
 fn built(file: &Arc<SystemFile>, values: &[f64], variant: Variant) -> Result<Built, FileError> {
     build::built(file, values, variant).map_err(|problem| wrong(problem, &file.source))
 }
@@ -422,7 +422,7 @@ fn wrong(problem: Problem, source: &Source) -> FileError {
     }
 }
 
-/// The solver for the equations of a file, with so many states.
+/// The solver for the equations of a file with a given number of states.
 fn solver(
     file: &SystemFile,
     built: &Built,
@@ -433,7 +433,7 @@ fn solver(
     let switching = built.switching.clone();
     let room = switching.room();
     let solver = dynamics(equations(built), section, switching, (states, contacts));
-    // What the reader lets through has no more states and contacts than the solver has room for.
+    // The reader admits no more states and contacts than the solver supports.
     solver.filter(|_| contacts <= states).ok_or_else(|| {
         let message = if contacts > states {
             format!(
@@ -485,7 +485,7 @@ fn equations(built: &Built) -> Equations {
 mod tests {
     use super::*;
 
-    /// A system of so many states, of which each contact stops one.
+    /// A system with a given number of states, each stopped by a contact.
     fn system(states: usize, contacts: usize) -> Result<System, SettingError> {
         let each = |count: usize, line: &dyn Fn(usize) -> String| -> String {
             (0..count).map(line).collect()

@@ -1,4 +1,4 @@
-//! The tables of a file: entries in the order of the file, each with its place.
+//! Tables of a file: entries in the order of the file, with their positions.
 
 use std::ops::Range;
 
@@ -9,17 +9,17 @@ use super::formula::Formula;
 use super::names::did_you_mean;
 use super::problem::{Problem, Source};
 
-/// A value and where it stands.
+/// A value and its position.
 #[derive(Clone, Copy)]
 pub(super) struct Entry<'a> {
     pub source: &'a Source,
     value: &'a Spanned<DeValue<'a>>,
 }
 
-/// A table and what messages call it.
+/// A table and its name in messages.
 pub(super) struct Table<'a> {
     pub place: Range<usize>,
-    /// As in `[parameters]`; empty for the whole file.
+    /// The name, such as `[parameters]`; empty for the whole file.
     title: String,
     entries: Vec<(&'a str, Range<usize>, Entry<'a>)>,
 }
@@ -43,7 +43,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// Names, their places and values in the order of the file.
+    /// Keys, their positions and values in the order of the file.
     pub(super) fn entries(&self) -> impl Iterator<Item = (&'a str, Range<usize>, Entry<'a>)> {
         self.entries.iter().cloned()
     }
@@ -55,7 +55,7 @@ impl<'a> Table<'a> {
             .map(|&(_, _, entry)| entry)
     }
 
-    /// The entry of a name that must be there.
+    /// A required entry.
     pub(super) fn need(&self, name: &str, what: &str) -> Result<Entry<'a>, Problem> {
         self.get(name).ok_or_else(|| {
             let place = if self.title.is_empty() {
@@ -68,14 +68,14 @@ impl<'a> Table<'a> {
         })
     }
 
-    /// The table of a name.
+    /// A table by name.
     pub(super) fn table(&self, name: &str) -> Result<Option<Table<'a>>, Problem> {
         self.get(name)
             .map(|entry| entry.table(&self.title, name))
             .transpose()
     }
 
-    /// Refuses entries that are not among those that can be here.
+    /// Rejects unknown entries.
     pub(super) fn only(&self, known: &[&str]) -> Result<(), Problem> {
         for (name, place, _) in &self.entries {
             if !known.contains(name) {
@@ -99,7 +99,7 @@ impl<'a> Table<'a> {
     }
 }
 
-/// Names in backticks, with commas.
+/// Names in backticks, separated by commas.
 pub(super) fn listed(names: &[&str]) -> String {
     let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
     names.join(", ")
@@ -139,7 +139,7 @@ impl<'a> Entry<'a> {
         }
     }
 
-    /// A table, if it is one.
+    /// The value as a table, if it is one.
     pub(super) fn as_table(self, title: &str) -> Option<Table<'a>> {
         match self.value.get_ref() {
             DeValue::Table(table) => Some(Table::new(
@@ -190,7 +190,7 @@ impl<'a> Entry<'a> {
         }
     }
 
-    /// A whole number from 1 on.
+    /// An integer from 1 on.
     pub(super) fn count(self) -> Result<u64, Problem> {
         match self.number() {
             Some(value) if value >= 1.0 && value.fract() == 0.0 => Ok(value as u64),
@@ -211,7 +211,7 @@ impl<'a> Entry<'a> {
         entries.map(Entry::finite).collect()
     }
 
-    /// An expression: a text, or a number.
+    /// An expression: a text or a number.
     pub(super) fn formula(self) -> Result<Formula, Problem> {
         match self.value.get_ref() {
             DeValue::String(text) => Formula::parsed(text, self.place(), self.source),
@@ -222,7 +222,7 @@ impl<'a> Entry<'a> {
         }
     }
 
-    /// A lower and an upper bound, not equal; infinite only if that is allowed.
+    /// A lower and an upper bound, not equal. They may be infinite only if that is allowed.
     pub(super) fn interval(self, may_be_infinite: bool) -> Result<(f64, f64), Problem> {
         let wanted = "a range [lowest, highest]";
         let DeValue::Array(array) = self.value.get_ref() else {

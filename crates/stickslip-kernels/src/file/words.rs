@@ -1,4 +1,4 @@
-//! Names and sequences of phases of a system in words.
+//! Names, modes and phase sequences of a system in words.
 
 use stickslip::dynamics::Modes;
 use stickslip::{Mode, Side};
@@ -7,8 +7,8 @@ use super::System;
 use crate::kernel::{Motion, Outcome};
 
 impl System {
-    /// The name of a contact, or of a jump or an input, whose numbers are behind those; empty where
-    /// it is none of the system's.
+    /// Name of a contact, or of a jump or an input, whose numbers follow those of the contacts.
+    /// Empty for a number that the system does not have.
     pub fn contact_name(&self, number: usize) -> String {
         let contacts = self.file.contacts.iter().map(|contact| &contact.name);
         let jumps = self.file.jumps.iter().map(|jump| &jump.name);
@@ -17,10 +17,9 @@ impl System {
         all.nth(number).cloned().unwrap_or_default()
     }
 
-    /// The modes of a phase in a few letters, of several contacts separated by `|`: `+` and `-` for
-    /// slip above and below, `S` for stick. Behind them is the jump that ends the phase, in
-    /// brackets where there is a contact; `·` is a phase that no jump ends, of a system without
-    /// contacts.
+    /// The modes of a phase in letters, with several contacts separated by `|`: `+` and `-` for
+    /// slip above and below, `S` for stick. The jump that ends the phase follows, in brackets if
+    /// there is a contact. `·` stands for a phase without a contact that no jump ends.
     pub fn letters(&self, modes: &Modes) -> String {
         let letters = modes.iter().map(|mode| match mode {
             Mode::Stick => "S",
@@ -34,7 +33,7 @@ impl System {
         }
     }
 
-    /// Letters of modes with the jump that ends the phase.
+    /// Letters of the modes, and the jump that ends the phase.
     pub fn with_jump(&self, letters: String, modes: &Modes) -> String {
         let jump = modes.jump().map(|jump| self.contacts() + jump);
         match jump.map(|number| self.contact_name(number)) {
@@ -50,8 +49,8 @@ impl System {
         phases.join(" ")
     }
 
-    /// The phases of a period, the same text wherever in the cycle they were found to begin, or the
-    /// modes of a rest, in letters; empty for other motions, whose phases are only the last ones.
+    /// The phases of a period in letters, independent of where in the cycle they begin, or the
+    /// modes of an equilibrium. Empty for other motions, whose phases are only the last ones.
     pub fn phases(&self, outcome: &Outcome) -> String {
         match outcome.motion {
             Motion::Periodic { .. } => {
@@ -67,7 +66,7 @@ impl System {
         }
     }
 
-    /// The kind of motion, of a periodic orbit with the cycle of its phases.
+    /// The kind of motion; for a periodic orbit, with the cycle of its phases.
     pub fn class(&self, outcome: &Outcome) -> String {
         let word = outcome.motion.word();
         match outcome.motion {

@@ -1,69 +1,69 @@
-//! What becomes of an attractor between two values of a parameter, on disk.
+//! Changes of an attractor between two parameter values, in the form stored on disk.
 
 use serde::{Deserialize, Serialize};
 use stickslip::analysis::{SequenceChange, WhatChanges};
 use stickslip::dynamics::Modes;
 
-/// What becomes of an attractor between two neighbouring values of a parameter.
+/// A change of an attractor between two neighbouring parameter values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Change {
-    /// The phases of a periodic orbit: as [`stickslip::analysis::SequenceChange`], which says more
-    /// of each.
+    /// The phases of a periodic orbit change; see [`stickslip::analysis::SequenceChange`] for
+    /// details.
     Sequence {
-        /// The parameter.
+        /// Parameter value.
         parameter: f64,
-        /// How far from it other phases were seen, or its event function would be zero.
+        /// Distance to the nearest value with other phases, or to the zero of the event function.
         uncertainty: f64,
-        /// What it is called.
+        /// Name of the change.
         name: String,
-        /// The contacts whose event function vanishes, counted from 0; none where the change has no
+        /// The contacts whose event function vanishes, counted from 0. Empty if the change has no
         /// name.
         contacts: Vec<usize>,
-        /// Where on the orbit.
+        /// State on the orbit.
         x: Vec<f64>,
         /// Period of the orbit.
         period: f64,
-        /// The modes before it.
+        /// Modes before the change.
         before: Vec<Modes>,
-        /// The modes after it; none where no orbit was found there.
+        /// Modes after the change; empty if no orbit was found there.
         after: Vec<Modes>,
     },
-    /// An equilibrium loses its stability, or gains it.
+    /// An equilibrium loses or gains stability.
     Equilibrium {
-        /// The parameter.
+        /// Parameter value.
         parameter: f64,
-        /// The equilibrium there.
+        /// Equilibrium at that value.
         x: Vec<f64>,
-        /// Size of the imaginary part of the eigenvalues that cross.
+        /// Magnitude of the imaginary part of the crossing eigenvalues.
         frequency: f64,
     },
-    /// An equilibrium comes to the edge of where its mode holds.
+    /// An equilibrium reaches the limit of its mode.
     BoundaryEquilibrium {
-        /// The parameter.
+        /// Parameter value.
         parameter: f64,
-        /// The equilibrium there.
+        /// Equilibrium at that value.
         x: Vec<f64>,
     },
-    /// A periodic orbit that keeps its phases has a multiplier on the unit circle.
+    /// A multiplier of a periodic orbit reaches the unit circle, and the phases do not change.
     Multiplier {
-        /// The parameter.
+        /// Parameter value.
         parameter: f64,
-        /// By how much that may be off.
+        /// Uncertainty of the parameter value.
         uncertainty: f64,
-        /// What it is called.
+        /// Name of the bifurcation.
         name: String,
         /// A state on the orbit.
         x: Vec<f64>,
         /// Period of the orbit.
         period: f64,
     },
-    /// It could not be located.
+    /// The change could not be located.
     Unlocated,
 }
 
 impl Change {
-    /// What it is called.
+    /// Name of the change.
     pub fn name(&self) -> String {
         match self {
             Change::Sequence { name, .. } if name == "unnamed" => {

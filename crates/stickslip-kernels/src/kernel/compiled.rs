@@ -1,4 +1,4 @@
-//! The sizes that the solver is compiled for.
+//! The sizes for which the solver is compiled.
 
 use stickslip::dynamics::{Dynamics, DynamicsRef, Typed};
 use stickslip::{Filippov, Several};
@@ -6,12 +6,12 @@ use stickslip::{Filippov, Several};
 use super::inputs::Switching;
 use super::system::{Equations, ManyContacts, OneContact, OwnSection, Section};
 
-/// Functions whose zeros end a mode of a system of one contact.
+/// Number of functions whose zeros end a mode of a system with one contact.
 const GUARDS: usize = 3;
 
-/// The dynamics of these equations with numbers of states and contacts, which the library's
-/// analyses take; `None` for more states than [`super::MOST_STATES`] and a parameter, or more
-/// contacts than [`super::MOST_CONTACTS`].
+/// The dynamics of these equations in the form that the library's analyses take. `None` if there
+/// are more states than [`super::MOST_STATES`] and a parameter, or more contacts than
+/// [`super::MOST_CONTACTS`].
 pub fn dynamics(
     equations: Equations,
     section: Option<Section>,
@@ -26,7 +26,7 @@ pub fn dynamics(
     dynamics.map(DynamicsRef::Owned)
 }
 
-/// The dynamics of a system of one contact, or of none; `None` for more states than any size has.
+/// The dynamics of a system with at most one contact; `None` if it has too many states.
 fn of_one_contact(
     system: OneContact,
     extras: (OwnSection, Switching),
@@ -56,8 +56,7 @@ fn of_one_contact(
     })
 }
 
-/// The dynamics of a system of several contacts; `None` for more of them, or more states, than any
-/// size has.
+/// The dynamics of a system with several contacts; `None` if it has too many contacts or states.
 fn of_many_contacts(
     system: ManyContacts,
     extras: (OwnSection, Switching),

@@ -6,49 +6,48 @@ use stickslip::{Direction, Scalar};
 
 use crate::expression::Tape;
 
-/// Numbers that an input holds from one kink to the next: its value is the first, and the second
-/// times its clock.
+/// Numbers that an input holds from one kink to the next: a value, and a factor on its clock.
 pub const HELD: usize = 2;
 
-/// An input of time alone, linear between its kinks in the reading of its clock.
+/// An input that depends on time alone and is linear in its clock between kinks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Input {
-    /// The clock, linear in time; of a switch the function whose sign it is.
+    /// The clock, linear in time. For a switch, it is the function whose sign the input takes.
     pub clock: Tape,
-    /// What it is between kinks.
+    /// The shape between kinks.
     pub shape: Shape,
 }
 
-/// What an input is between its kinks.
+/// The shapes of an input between its kinks.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
-    /// Pieces that come again whenever the clock has gone on by 1. The first begins at 0.
+    /// Pieces that repeat whenever the clock has advanced by 1. The first begins at 0.
     Repeated(Vec<Piece>),
-    /// Pieces that come once. The first goes back without end.
+    /// Pieces that do not repeat. The first extends back without limit.
     Once(Vec<Piece>),
     /// The sign of the clock.
     Sign,
 }
 
-/// A part of an input.
+/// A piece of an input.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
-    /// Reading of the clock where it begins.
+    /// Clock reading at its start.
     pub from: f64,
-    /// Value there; of a first piece that goes back without end, all the time.
+    /// Value at its start. For a first piece without a start, its constant value.
     pub value: f64,
-    /// By how much it changes while the clock goes on by 1.
+    /// Change per unit of the clock.
     pub slope: f64,
 }
 
-/// Units in the last place by which a clock may be before a kink that it has come to.
+/// A kink is reached if the clock is before it by no more than this (units in the last place).
 const ULPS: f64 = 16.0;
 
-/// Units in the last place within which a time is that of a kink.
+/// A time is that of a kink within this distance (units in the last place).
 const NEAR: f64 = 1024.0;
 
-/// Evaluations in a search for the next change of sign. Where it has not been found by then the run
-/// stops for a moment, and looks again.
+/// Evaluations per search for the next sign change. After that the run pauses there and searches
+/// again.
 const MOST: usize = 10_000;
 
 impl Input {
@@ -58,20 +57,21 @@ impl Input {
         out[0]
     }
 
-    /// The reading of the clock, and its rate.
+    /// The clock reading and its rate.
     fn reading_and_rate(&self, t: f64, x: &[f64]) -> (f64, f64) {
         let frozen: Vec<Dual<f64>> = x.iter().map(|&x| Dual::new(x, 0.0)).collect();
         let Dual { re, eps } = self.reading(Dual::new(t, 1.0), &frozen);
         (re, eps)
     }
 
-    /// The clock at a time, moved on by rounding, so that a kink that is reached is passed.
+    /// The clock at a time, advanced by the rounding tolerance, so that a kink that is reached
+    /// counts as passed.
     fn moved(&self, t: f64, x: &[f64]) -> f64 {
         let reading = self.reading(t, x);
         reading + ULPS * f64::EPSILON * (1.0 + reading.abs())
     }
 
-    /// What it holds from a time on.
+    /// The numbers held from a time on.
     pub fn held(&self, t: f64, x: &[f64]) -> [f64; HELD] {
         let line = |piece: &Piece, turns: f64| match piece.slope {
             0.0 => [piece.value, 0.0],
@@ -93,7 +93,7 @@ impl Input {
         }
     }
 
-    /// When it kinks next, if that is not behind `t_end`.
+    /// The next kink, if it is not after `t_end`.
     fn next_kink(&self, t: f64, x: &[f64], t_end: f64) -> f64 {
         let reading = self.moved(t, x);
         let target = match &self.shape {
@@ -108,7 +108,7 @@ impl Input {
                 froms.chain([turns + 1.0]).find(|from| *from > reading)
             }
         };
-        // From the clock at 0, so that nothing adds up from kink to kink.
+        // Computed from the clock at 0, so that errors do not add up from kink to kink.
         let (at_zero, rate) = self.reading_and_rate(0.0, x);
         match target.map(|target| (target - at_zero) / rate) {
             Some(kink) if kink > t => kink,
@@ -116,8 +116,8 @@ impl Input {
         }
     }
 
-    /// The sign of the clock just behind a time: of the first value that is not zero; no number
-    /// where that is none.
+    /// The sign of the clock just after a time: that of the first value that is not zero, or NaN if
+    /// that value is not a number.
     fn sign(&self, t: f64, x: &[f64]) -> f64 {
         let mut ahead = 4.0 * ULPS * f64::EPSILON * t.abs().max(f64::MIN_POSITIVE / f64::EPSILON);
         while ahead.is_finite() {
@@ -133,8 +133,8 @@ impl Input {
         1.0
     }
 
-    /// When the clock changes its sign next. Bounds over ranges of time decide where it does not,
-    /// and where it rises or falls all the way, so that no change is missed.
+    /// The next sign change of the clock. Interval bounds exclude ranges without a zero and detect
+    /// ranges in which the clock is monotone, so that no sign change is missed.
     fn next_change(&self, t: f64, x: &[f64], t_end: f64) -> f64 {
         let x_there: Vec<Interval> = x.iter().map(|&x| Interval::around(x, 0.0)).collect();
         let constants = x_there
@@ -144,7 +144,7 @@ impl Input {
         let one = Interval::around(1.0, 0.0);
         let sign = self.sign(t, x);
         let (mut from, mut h) = (t, 1.0_f64);
-        // Where it is zero for a while there is nothing to resolve.
+        // A range in which the clock is zero throughout needs no resolution.
         let mut least = ULPS * f64::EPSILON;
         for _ in 0..MOST {
             if from >= t_end {
@@ -163,7 +163,7 @@ impl Input {
                 (from, h) = (to, 2.0 * h);
                 least = ULPS * f64::EPSILON;
             } else if to - from <= least * from.abs().max(f64::MIN_POSITIVE) {
-                // It touches zero, to rounding.
+                // The clock touches zero, within rounding.
                 if self.sign(to, x) != sign && to > t {
                     return to;
                 }
@@ -176,7 +176,7 @@ impl Input {
         from
     }
 
-    /// The time between two at which the sign changes, by bisection.
+    /// The sign change between two times, by bisection.
     fn change_between(&self, mut from: f64, mut to: f64, x: &[f64], sign: f64) -> f64 {
         loop {
             let middle = 0.5 * (from + to);
@@ -195,13 +195,13 @@ impl Input {
 /// A jump.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Jump {
-    /// The function whose zero it is.
+    /// The function whose zero triggers the jump.
     pub when: Tape,
-    /// Which way that passes through zero.
+    /// Direction of the sign change.
     pub direction: Direction,
-    /// The states behind it.
+    /// The states after the jump.
     pub set: Tape,
-    /// The run ends with so many.
+    /// The run ends with this jump of the count.
     pub most: Option<u64>,
 }
 
@@ -212,14 +212,14 @@ pub struct Switching {
     pub jumps: Vec<Jump>,
     /// The inputs.
     pub inputs: Vec<Input>,
-    /// How many states there are before what inputs hold.
+    /// Number of states before the numbers that inputs hold.
     pub states: usize,
-    /// Which of them jumps set to one of some values, with none near by.
+    /// The states that jumps set to isolated values.
     pub discrete: Vec<bool>,
 }
 
 impl Switching {
-    /// Neither, of a system of so many states.
+    /// No jumps or inputs, for a system with a given number of states.
     pub fn none(states: usize) -> Self {
         Switching {
             states,
@@ -227,12 +227,12 @@ impl Switching {
         }
     }
 
-    /// Room for states and what inputs hold.
+    /// Length of the vector of states and of numbers that inputs hold.
     pub fn room(&self) -> usize {
         self.states + HELD * self.inputs.len()
     }
 
-    /// States, and behind them what inputs hold from a time on.
+    /// The states, followed by the numbers that inputs hold from a time on.
     pub fn extended<T: Scalar>(&self, t: f64, x: &[T]) -> Vec<T> {
         let mut values: Vec<f64> = x.iter().map(|x| x.value()).collect();
         values.resize(self.room(), 0.0);

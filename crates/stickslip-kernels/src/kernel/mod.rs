@@ -1,4 +1,4 @@
-//! Systems that are known at run time: their tapes, and the library's solver for them.
+//! Systems defined at run time: their tapes and the library's solver for them.
 
 mod change;
 mod compiled;
@@ -25,60 +25,60 @@ pub use system::{
     Combination, Equations, Fields, ManyContacts, OneContact, Section, sides_to_check,
 };
 
-/// Most states that a system may have.
+/// Largest number of states of a system.
 pub const MOST_STATES: usize = 64;
 
-/// Most contacts that a system may have.
+/// Largest number of contacts of a system.
 pub const MOST_CONTACTS: usize = 16;
 
-/// Where a run begins and ends, and how it is made.
+/// Start, end and solver settings of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Run<'a> {
     /// Time at the start.
     pub t: f64,
-    /// State at the start; as many components as the system has states.
+    /// Initial state, with as many components as the system has states.
     pub x: &'a [f64],
-    /// Time at the end.
+    /// End time.
     pub t_end: f64,
     /// Settings of the solver.
     pub options: &'a Options,
 }
 
-/// Told of an orbit as it is made, in order of time. Each method may end the run.
+/// Receives the events of an orbit in order of time. Each method may end the run.
 pub trait Watcher {
-    /// Whether it is told of steps; where it is not, a part of the work can be left out.
+    /// Whether steps are wanted. If not, part of the work is omitted.
     fn watches_steps(&self) -> bool {
         false
     }
-    /// After every step, with the solution over it.
+    /// Called after every step, with the solution over it.
     fn step(&mut self, _step: &Step, _solution: &dyn Fn(f64) -> Vector) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
-    /// After [`Watcher::step`], the same to keep.
+    /// Called after [`Watcher::step`], with the same solution to keep.
     fn keep(&mut self, _step: Step, _solution: Solution) {}
-    /// After every phase.
+    /// Called after every phase.
     fn phase(&mut self, _phase: &Phase) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
-    /// At every transition, after the phase that it ends; of several contacts, once for each whose
-    /// mode changes.
+    /// Called at every transition, after the phase that it ends. With several contacts, called once
+    /// for each whose mode changes.
     fn transition(&mut self, _at: &Transition) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
-    /// At every kink of an input, before what it sets off.
+    /// Called at every kink of an input, before its consequences.
     fn kink(&mut self, _at: &Kink) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
-    /// At every passage of the section.
+    /// Called at every crossing of the section.
     fn passage(&mut self, _at: &Passage) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
 }
 
-/// Watches nothing.
+/// A watcher that ignores everything.
 impl Watcher for () {}
 
-/// Follows an orbit and tells `watcher` of it, passages of the section among the rest.
+/// Follows an orbit and reports it to `watcher`, including crossings of the section.
 ///
 /// # Errors
 /// Those of [`stickslip::run`].
@@ -125,7 +125,7 @@ pub fn follow(
     }
 }
 
-/// Tells of a transition, and of what happens to each other contact whose mode changes in the same
+/// Reports a transition, and the change of each other contact whose mode changes at the same
 /// instant.
 fn tell(mut at: Transition, watcher: &mut dyn Watcher) -> ControlFlow<()> {
     watcher.transition(&at)?;
@@ -139,10 +139,10 @@ fn tell(mut at: Transition, watcher: &mut dyn Watcher) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-/// Where a run stops or fails, the phase under way ends, too.
+/// The current phase also ends where a run stops or fails.
 fn tell_last_phase(orbit: &dyn OrbitUnderWay, watcher: &mut dyn Watcher) {
     if let Some(phase) = orbit.phase() {
-        // The run ends whatever the watcher says.
+        // The run ends whatever the watcher returns.
         let _ = watcher.phase(&phase);
     }
 }

@@ -1,35 +1,34 @@
-//! What an orbit has come to, on disk.
+//! The outcome of an orbit, in the form stored on disk.
 
 use serde::{Deserialize, Serialize};
 use stickslip::analysis::{Attractors, Kind, Reached};
 use stickslip::dynamics::{Modes, Moment, Phase, Vector};
 use stickslip::{Error, TransitionKind};
 
-/// What kind of motion an orbit has come to: as [`stickslip::analysis::Kind`], which says more of
-/// each.
+/// The kind of motion that an orbit reaches; see [`stickslip::analysis::Kind`] for details.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Motion {
     /// An equilibrium.
     Equilibrium,
-    /// One of a whole set of equilibria.
+    /// One of a continuous set of equilibria.
     EquilibriumSet,
     /// A periodic orbit.
     Periodic {
-        /// Points of the section in a period.
+        /// Crossings of the section per period.
         returns: usize,
         /// Period.
         period: f64,
     },
     /// Quasi-periodic or chaotic.
     Recurrent,
-    /// A component passed the escape bound.
+    /// A component exceeded the escape bound.
     Escape,
-    /// An end where the boundary repels.
+    /// The orbit ended where the boundary repels.
     Repelling,
-    /// An end at a two-fold.
+    /// The orbit ended at a two-fold.
     TwoFold,
-    /// The integration failed, and how.
+    /// The integration failed; the message says why.
     Failure(String),
     /// None of these within the longest time.
     Undecided,
@@ -50,7 +49,7 @@ impl Motion {
         }
     }
 
-    /// The library's kind, if it is one whose points tell one from another.
+    /// The library's kind, for kinds that are distinguished by points.
     fn kind(&self) -> Option<Kind> {
         match *self {
             Motion::Equilibrium => Some(Kind::Equilibrium),
@@ -61,13 +60,13 @@ impl Motion {
         }
     }
 
-    /// Whether it is an attractor, and not an orbit that has come to none: that escapes, ends,
-    /// fails, or is undecided.
+    /// Whether it is an attractor. Orbits that escape, end, fail or are undecided have reached
+    /// none.
     pub fn is_attractor(&self) -> bool {
         self.kind().is_some()
     }
 
-    /// A word for tables.
+    /// One word for tables.
     pub fn word(&self) -> &'static str {
         match self {
             Motion::Equilibrium => "equilibrium",
@@ -86,14 +85,14 @@ impl Motion {
 /// A transition between phases of an attractor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TransitionThere {
-    /// What happened.
+    /// Kind of transition.
     #[serde(with = "KindOnDisk")]
     pub kind: TransitionKind,
-    /// At which contact.
+    /// Contact.
     pub contact: usize,
 }
 
-/// How the kinds of transitions are written; the compiler keeps it like the library's.
+/// Serialized form of the kinds of transitions; the compiler checks that it matches the library's.
 #[derive(Serialize, Deserialize)]
 #[serde(remote = "TransitionKind", rename_all = "kebab-case")]
 enum KindOnDisk {
@@ -109,45 +108,45 @@ enum KindOnDisk {
 /// A phase of an attractor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PhaseThere {
-    /// Modes in it.
+    /// Modes of the phase.
     pub modes: Modes,
-    /// Time at the start.
+    /// Start time.
     pub t_start: f64,
-    /// Time at the end.
+    /// End time.
     pub t_end: f64,
-    /// State at the start.
+    /// Initial state.
     pub x_start: Vec<f64>,
-    /// State at the end.
+    /// Final state.
     pub x_end: Vec<f64>,
 }
 
-/// What an orbit has come to.
+/// The outcome of an orbit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
     /// The kind of motion.
     pub motion: Motion,
-    /// By how much its period may be off; zero where it has none.
+    /// Uncertainty of the period; zero if there is none.
     pub period_uncertainty: f64,
-    /// Dimension of the family of periodic orbits that it is one of, where that is known.
+    /// Dimension of the family of periodic orbits that contains it, if known.
     pub family: Option<usize>,
-    /// Time and state at the points of the section, or at the equilibrium. Kinds that points do not
-    /// tell apart have none.
+    /// Time and state at the points of the section, or at the equilibrium. Empty for kinds that are
+    /// not distinguished by points.
     pub points: Vec<(f64, Vec<f64>)>,
-    /// The phases that ended in one period. Kinds that points do not tell apart have none.
+    /// The phases that end in one period. Empty for kinds that are not distinguished by points.
     pub phases: Vec<PhaseThere>,
     /// The transitions of these phases.
     pub transitions: Vec<TransitionThere>,
-    /// Part of the time in which a contact sticks.
+    /// Fraction of the time in which a contact sticks.
     pub in_stick: f64,
-    /// Modes where the orbit was left.
+    /// Modes at the end of the computation.
     pub modes: Modes,
-    /// Time and state where the orbit was left; not kept on disk.
+    /// Time and state at the end of the computation; not stored on disk.
     #[serde(skip)]
     pub left_at: (f64, Vec<f64>),
 }
 
 impl Outcome {
-    /// The modes gone through in the phases; where none ended, those at the end alone.
+    /// The modes of the phases, or the final modes if no phase ended.
     pub fn sequence(&self) -> Vec<Modes> {
         if self.phases.is_empty() {
             vec![self.modes]
@@ -156,7 +155,7 @@ impl Outcome {
         }
     }
 
-    /// What the library has found; `told` puts into words what an integration failed with.
+    /// Converts the library's result. `told` formats the error of a failed integration.
     pub fn of(reached: &Reached, told: &dyn Fn(&Error) -> String) -> Self {
         let motion = Motion::of(&reached.kind, told);
         let told_by_points = motion.kind().is_some();
@@ -185,7 +184,7 @@ impl Outcome {
         }
     }
 
-    /// Dimension of the family of periodic orbits that it is one of.
+    /// Dimension of the family of periodic orbits that contains it.
     pub fn family(&self, known: &Attractors<'_>) -> usize {
         let kind = self.motion.kind();
         kind.map_or(0, |kind| known.family(&self.restored(kind)))
@@ -218,7 +217,7 @@ impl Outcome {
         }
     }
 
-    /// Whether it is the same attractor of the system as the other.
+    /// Whether both are the same attractor of the system.
     pub fn is_same(&self, other: &Outcome, known: &Attractors<'_>) -> bool {
         match (self.motion.kind(), other.motion.kind()) {
             (Some(one), Some(two)) => known.is_same(&self.restored(one), &other.restored(two)),

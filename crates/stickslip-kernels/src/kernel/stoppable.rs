@@ -10,17 +10,17 @@ use stickslip::dynamics::{
 use stickslip::orbit::Counters;
 use stickslip::{Error, Options};
 
-/// Ends orbits: of every system that [`crate::file::System::stoppable`] made with it.
+/// Ends the orbits of every system that [`crate::file::System::stoppable`] made with it.
 #[derive(Debug, Default)]
 pub struct Stop {
     is_raised: AtomicBool,
-    /// Bits of the time that the last step has come to. Many threads would be slowed down by
-    /// writing it, so that it is kept on demand only.
+    /// Bits of the time that the last step has reached. It is kept on request only, because writing
+    /// it slows down runs on many threads.
     time: Option<AtomicU64>,
 }
 
 impl Stop {
-    /// One that keeps the time.
+    /// A stop that keeps the time.
     pub fn with_time() -> Self {
         Stop {
             time: Some(AtomicU64::new(f64::NEG_INFINITY.to_bits())),
@@ -28,7 +28,7 @@ impl Stop {
         }
     }
 
-    /// From now on, every step fails.
+    /// Makes every further step fail.
     pub fn raise(&self) {
         self.is_raised.store(true, Ordering::Relaxed);
     }
@@ -38,7 +38,7 @@ impl Stop {
         self.is_raised.load(Ordering::Relaxed)
     }
 
-    /// The time that the last step has come to, if it is kept.
+    /// The time that the last step has reached, if it is kept.
     pub fn time(&self) -> f64 {
         let time = self.time.as_ref().map(|time| time.load(Ordering::Relaxed));
         time.map_or(f64::NEG_INFINITY, f64::from_bits)
@@ -166,7 +166,7 @@ struct StoppableOrbit<'a> {
 impl OrbitUnderWay for StoppableOrbit<'_> {
     fn step(&mut self) -> Result<Happening, Error> {
         if self.stop.is_raised() {
-            // Whoever has raised it expects no result.
+            // The thread that raised it expects no result.
             let Moment { t, x } = self.orbit.now();
             return Err(Error::TooMany {
                 name: "most_steps",

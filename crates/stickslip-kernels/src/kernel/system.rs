@@ -1,4 +1,4 @@
-//! Systems as tapes: what the solver runs.
+//! Systems as tapes, in the form that the solver runs.
 
 use std::fmt;
 use std::sync::{Arc, OnceLock};
@@ -7,20 +7,20 @@ use stickslip::{Contacts, Direction, EventFunctions, Filippov, Scalar, Side};
 
 use crate::expression::Tape;
 
-/// A system of one contact, its fields as tapes.
+/// A system with one contact and its fields as tapes.
 #[derive(Clone, Debug)]
 pub struct OneContact {
     /// The field of each side, [`Side::Below`] first.
     pub field: [Tape; 2],
-    /// The field of each side while the contact holds, where that is another.
+    /// The field of each side while the contact holds, if it differs.
     pub holding: Option<[Tape; 2]>,
     /// The boundary function.
     pub boundary: Tape,
-    /// The normal force, where contact can be lost.
+    /// The normal force, if contact can be lost.
     pub normal_force: Option<Tape>,
 }
 
-/// Which of two a side is.
+/// Index of a side.
 fn index(side: Side) -> usize {
     match side {
         Side::Below => 0,
@@ -62,7 +62,7 @@ impl<const N: usize> Filippov<N> for OneContact {
     }
 }
 
-/// The contacts that are above and those that hold, a bit for each.
+/// The contacts that are above and those that hold, as bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Combination {
     /// Bit `i` is set where contact `i` is [`Side::Above`].
@@ -71,14 +71,14 @@ pub struct Combination {
     pub held: usize,
 }
 
-/// Makes the tape of the field of a combination; `None` where there is none.
+/// Builds the tape of the field of a combination; `None` if there is none.
 pub type MakeTape = dyn Fn(Combination) -> Option<Tape> + Send + Sync;
 
-/// Where the tape of a combination is kept.
+/// Storage for the tape of a combination.
 type Place = OnceLock<(Combination, Option<Tape>)>;
 
-/// The fields of all combinations of sides and holding contacts, of which there are 4 to the number
-/// of contacts. Each is made when it is first asked for.
+/// The fields of all combinations of sides and holding contacts, 4^M for M contacts. Each is built
+/// on first use.
 #[derive(Clone)]
 pub struct Fields {
     contacts: usize,
@@ -86,12 +86,12 @@ pub struct Fields {
     make: Arc<MakeTape>,
 }
 
-/// Combinations that are kept: more than an orbit comes to. Further ones are made at every
-/// evaluation.
+/// Number of combinations that are stored, more than an orbit visits. Further ones are rebuilt at
+/// every evaluation.
 const MOST_KEPT: usize = 1 << 12;
 
 impl Fields {
-    /// None of them made yet.
+    /// No field is built yet.
     pub fn new(contacts: usize, make: Arc<MakeTape>) -> Self {
         let all = 1_usize
             .checked_shl(2 * contacts as u32)
@@ -109,14 +109,14 @@ impl Fields {
         self.contacts
     }
 
-    /// Keeps the tape of a combination, which need not be made then.
+    /// Stores the tape of a combination, which then need not be built.
     pub fn keep(&self, of: Combination, tape: &Tape) {
         let kept = || (of, Some(tape.clone()));
         self.places(of)
             .find(|place| place.get_or_init(kept).0 == of);
     }
 
-    /// The tape of a combination; `None` where it has none.
+    /// The tape of a combination; `None` if there is none.
     pub fn tape(&self, of: Combination) -> Option<Tape> {
         match self.kept(of) {
             Some(tape) => tape.clone(),
@@ -124,7 +124,7 @@ impl Fields {
         }
     }
 
-    /// Evaluates the field of a combination; where it has none, to no numbers.
+    /// Evaluates the field of a combination; NaN if there is none.
     pub fn evaluate<T: Scalar>(&self, of: Combination, t: T, x: &[T], out: &mut [T]) {
         match self.kept(of) {
             Some(tape) => evaluate(tape.as_ref(), t, x, out),
@@ -132,7 +132,7 @@ impl Fields {
         }
     }
 
-    /// The tape that is kept of a combination, made now if need be; `None` where there is no room.
+    /// The stored tape of a combination, built if necessary; `None` if there is no room.
     fn kept(&self, of: Combination) -> Option<&Option<Tape>> {
         let kept = self
             .places(of)
@@ -141,7 +141,8 @@ impl Fields {
         own.next().map(|(_, tape)| tape)
     }
 
-    /// The places of a combination: its own if all have one, else the next free one behind that.
+    /// The storage places of a combination, in order of search: its own first, then the following
+    /// ones.
     fn places(&self, of: Combination) -> impl Iterator<Item = &Place> {
         let own = (of.above | of.held << self.contacts) % self.made.len();
         let (before, from_own) = self.made.split_at(own);
@@ -156,11 +157,11 @@ fn evaluate<T: Scalar>(tape: Option<&Tape>, t: T, x: &[T], out: &mut [T]) {
     }
 }
 
-/// Contacts up to which all sides are looked at before a run.
+/// Largest number of contacts for which all combinations of sides are checked before a run.
 const ALL_SIDES: usize = 4;
 
-/// The sides that are looked at before a run: all, or of many contacts all below, all above, and
-/// each one by itself on the other side than the rest.
+/// The sides that are checked before a run: all combinations, or with many contacts only these: all
+/// below, all above, and each contact alone on the other side.
 pub fn sides_to_check(contacts: usize) -> Vec<usize> {
     let all = (1 << contacts) - 1;
     if contacts <= ALL_SIDES {
@@ -176,20 +177,19 @@ impl fmt::Debug for Fields {
     }
 }
 
-/// A system of several contacts, its fields as tapes.
+/// A system with several contacts and its fields as tapes.
 #[derive(Clone, Debug)]
 pub struct ManyContacts {
     /// The fields.
     pub fields: Fields,
-    /// Whether a field is another one while contacts hold.
+    /// Whether the field differs while contacts hold.
     pub has_static: bool,
-    /// The boundary functions; more than there are contacts are asked for, and those are never
-    /// zero.
+    /// The boundary functions. Functions beyond the number of contacts are never zero.
     pub boundaries: Tape,
 }
 
 impl ManyContacts {
-    /// Those of the contacts that there are for which something is true.
+    /// Bits of the existing contacts for which a condition holds.
     fn bits<const M: usize>(&self, is: impl Fn(usize) -> bool) -> usize {
         let contacts = self.fields.contacts.min(M);
         (0..contacts).fold(0, |bits, i| bits | usize::from(is(i)) << i)
@@ -220,33 +220,32 @@ impl<const N: usize, const M: usize> Contacts<N, M> for ManyContacts {
 
     #[inline(always)]
     fn boundaries<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; M] {
-        // Where there are fewer contacts than the number that is compiled, the rest is never at
-        // zero.
+        // Contacts beyond those of the system are never at zero.
         let mut heights = [T::one(); M];
         self.boundaries.evaluate(t, x, &mut heights);
         heights
     }
 }
 
-/// The equations of a system of any kind.
+/// The equations of any system.
 #[derive(Clone, Debug)]
 pub enum Equations {
-    /// Of one contact.
+    /// One contact.
     OneContact(Box<OneContact>),
-    /// Of several.
+    /// Several contacts.
     ManyContacts(ManyContacts),
 }
 
 /// A Poincaré section.
 #[derive(Clone, Debug)]
 pub struct Section {
-    /// The function that is zero on it.
+    /// The function that vanishes on the section.
     pub function: Tape,
-    /// Which way it is passed.
+    /// Direction of the crossings.
     pub direction: Direction,
 }
 
-/// The section that a system has, if it has one.
+/// The section of a system, if it has one.
 #[derive(Clone, Debug)]
 pub(super) struct OwnSection(pub Option<Section>);
 

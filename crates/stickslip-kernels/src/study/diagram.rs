@@ -1,4 +1,4 @@
-//! A bifurcation diagram, one value of the parameter after the other.
+//! A bifurcation diagram, computed value by value.
 
 use std::cell::Cell;
 
@@ -11,16 +11,16 @@ use super::{Largest, recurrence};
 use crate::file::{SettingError, System};
 use crate::kernel::{Change, Motion, Outcome};
 
-/// How an attractor is followed over a parameter.
+/// How an attractor is followed along a parameter.
 #[derive(Clone, Copy)]
 pub struct Diagram<'a> {
     /// The system.
     pub system: &'a System,
     /// Name of the parameter.
     pub parameter: &'a str,
-    /// Time after which an orbit is undecided.
+    /// Time after which an orbit counts as undecided.
     pub until: f64,
-    /// Time over which the largest exponent is measured, if it is.
+    /// Time over which the largest exponent is measured, if it is wanted.
     pub duration: Option<f64>,
     /// Whether changes of the attractor are located.
     pub locates: bool,
@@ -28,46 +28,46 @@ pub struct Diagram<'a> {
     pub options: &'a Options,
 }
 
-/// What is found at one value.
+/// The result at one parameter value.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct AtValue {
-    /// The parameter.
+    /// Parameter value.
     pub value: f64,
-    /// What the orbit has come to.
+    /// Outcome of the orbit.
     pub outcome: Outcome,
     /// Its largest exponent.
     pub largest: Largest,
 }
 
-/// A change between two neighbouring values.
+/// A change between two neighbouring parameter values.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct ChangeBetween {
     /// The two values.
     pub values: (f64, f64),
-    /// What changes.
+    /// The change.
     pub change: Change,
 }
 
-/// From where the next value goes on.
+/// Start of the computation at the next value.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct ValueEnd {
-    /// The parameter.
+    /// Parameter value.
     pub value: f64,
-    /// The motion there, as [`System::class`] has it.
+    /// Class of the motion, by [`System::class`].
     pub class: String,
-    /// The state that the orbit there began from.
+    /// Initial state of the orbit at this value.
     pub start: Vec<f64>,
-    /// The state that the orbit at the next value begins from.
+    /// Initial state of the orbit at the next value.
     pub carried: Vec<f64>,
 }
 
 impl Diagram<'_> {
-    /// What is found at a value, the changes of the attractor since the last one, and from where
-    /// the next one goes on. The first orbit begins where `start` says; `told` puts into words what
-    /// an integration failed with.
+    /// Computes the result at a value, the changes of the attractor since the last value, and the
+    /// start for the next one. The first orbit begins at `start`. `told` formats the error of a
+    /// failed integration.
     ///
     /// # Errors
-    /// Those of [`attractor`], of settings, and of `start`.
+    /// Those of [`attractor`], of the settings and of `start`.
     pub fn at<E: From<Error> + From<SettingError>>(
         &self,
         value: f64,
@@ -110,7 +110,7 @@ impl Diagram<'_> {
         Ok((found, changes, end))
     }
 
-    /// What the attractor becomes between the last value and this one.
+    /// Changes of the attractor between the last value and this one.
     fn changes<E: From<Error> + From<SettingError>>(
         &self,
         last: &ValueEnd,
@@ -121,9 +121,9 @@ impl Diagram<'_> {
             recurrence: *recurrence,
             ..SweepSettings::within(self.until)
         };
-        // In a time in which the drive has one period, though its own may change with the
-        // parameter. Where there is no system, the search goes on with this one, and what it finds
-        // is not told.
+        // Time is scaled so that the drive keeps one period, even if its own period depends on the
+        // parameter. If the system cannot be built at a value, the sweep continues with the present
+        // one, and its result is discarded.
         let complete = Cell::new(true);
         let family = |value| {
             let there = self.system.with_values(&[(self.parameter, value)]).ok();
@@ -156,11 +156,12 @@ impl Diagram<'_> {
     }
 }
 
-/// The state that the next value's orbit begins from; none where this one has come to no attractor.
+/// Initial state of the orbit at the next value; `None` if this one has reached no attractor.
 fn carried_on(outcome: &Outcome, is_forced: bool) -> Option<Vec<f64>> {
     match outcome.motion {
         Motion::Escape | Motion::Failure(_) | Motion::Repelling | Motion::TwoFold => None,
-        // At a flash of the strobe, so that the next orbit begins at the same phase of the forcing.
+        // The state is taken at a strobe time, so that the next orbit begins at the same phase of
+        // the forcing.
         _ if is_forced => outcome.points.last().map(|(_, x)| x.clone()),
         _ => Some(outcome.left_at.1.clone()),
     }

@@ -7,24 +7,24 @@ use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum};
 use crate::file::System;
 use crate::kernel::Outcome;
 
-/// Exponents of an orbit nearer to zero than so many of their standard errors are zero.
+/// Exponents of an orbit below this many standard errors count as zero.
 const ERRORS: f64 = 3.0;
 
-/// An exponent of a periodic orbit is zero to about this, whatever its standard error.
+/// Exponents of a periodic orbit are accurate to about this, whatever their standard error.
 const ROUNDING: f64 = 1e-6;
 
 /// A largest Lyapunov exponent.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Largest {
-    /// A number.
+    /// A finite exponent.
     Finite {
         /// The exponent.
         value: f64,
         /// Its standard error.
         std_error: f64,
     },
-    /// Stick takes all directions to zero.
+    /// Stick annihilates all directions.
     Annihilated,
     /// There is no orbit to measure, or it could not be followed.
     Unmeasured,
@@ -41,8 +41,8 @@ impl Largest {
         }
     }
 
-    /// Exponent and standard error: an infinite exponent has none, and what is not measured has
-    /// neither.
+    /// Exponent and standard error. An infinite exponent has no error, and an exponent that is not
+    /// measured has neither.
     pub fn numbers(&self) -> (Option<f64>, Option<f64>) {
         match *self {
             Largest::Finite { value, std_error } => (Some(value), Some(std_error)),
@@ -51,14 +51,14 @@ impl Largest {
         }
     }
 
-    /// Measured on an attractor from where the orbit has come to it; not measured where there is
-    /// none.
+    /// Measures the exponent on an attractor that an orbit has reached. It is not measured if there
+    /// is no attractor.
     pub fn on(system: &System, outcome: &Outcome, duration: f64, options: &Options) -> Self {
         if outcome.points.is_empty() {
             return Largest::Unmeasured;
         }
         let (t, x) = &outcome.left_at;
-        // On the attractor already: only the frame has to turn to it.
+        // The orbit is on the attractor already; only the tangent frame has to align.
         let settings = SpectrumOptions::over(0.1 * duration, duration).solver(*options);
         let spectrum = lyapunov_spectrum(system.dynamics(), (*t, x.as_slice()), &settings).ok();
         match spectrum.as_ref().and_then(|found| found.exponents.first()) {

@@ -1,4 +1,4 @@
-//! Studies of a system from a file that the program and the Python package share.
+//! Studies of a system from a file, shared by the program and the Python package.
 
 mod diagram;
 mod largest;
@@ -12,7 +12,7 @@ pub use search::{MOST_PERIODS, PeriodicSearch, SearchError, UNTIL};
 
 use crate::file::System;
 
-/// How attractors are looked for, of a driven system at the flashes of a strobe.
+/// Settings of the attractor search. A driven system is observed at strobe times.
 pub fn recurrence(system: &System, until: f64) -> RecurrenceSettings {
     RecurrenceSettings {
         forcing: system.built.period,

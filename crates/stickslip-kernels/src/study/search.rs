@@ -13,31 +13,31 @@ use stickslip::{Ending, Error, Options};
 use crate::file::{PeriodError, System};
 use crate::kernel::{Run, Watcher, follow};
 
-/// How long the run is followed to see what it comes to, where no periodic orbit was found.
+/// Time for which the run is followed to name its motion if no periodic orbit is found.
 pub const UNTIL: f64 = 2000.0;
 
-/// Most periods of the drive that are tried for one of the orbit.
+/// Largest number of drive periods that is tried as the period of the orbit.
 pub const MOST_PERIODS: u32 = 16;
 
-/// Part of the state within which it has come back after a part of the period that was found.
+/// A fraction of the period is a period if the state returns within this relative distance.
 const RETURNED: f64 = 1e-6;
 
-/// How a periodic orbit is looked for.
+/// Settings of the search for a periodic orbit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PeriodicSearch {
-    /// How long the run before is; 0 to shoot from the start.
+    /// Length of the preceding transient; 0 to shoot from the start.
     pub transient: f64,
-    /// How long the orbit may take to come back, of a system that does not depend on time.
+    /// Longest return time for an autonomous system.
     pub longest: f64,
-    /// Periods of the drive in one of the orbit, of a driven system; if not given, the fewest after
-    /// which the run comes back, [`MOST_PERIODS`] at most.
+    /// Period of the orbit in periods of the drive, for a driven system. By default it is the
+    /// smallest number after which the run returns, at most [`MOST_PERIODS`].
     pub periods: Option<u32>,
 }
 
 /// Why no periodic orbit was found.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum SearchError {
-    /// An orbit takes one period at least.
+    /// An orbit takes at least one period.
     #[error("periods = 0: an orbit takes one period of the drive at least")]
     NoPeriods,
     /// A setting is not allowed.
@@ -51,42 +51,42 @@ pub enum SearchError {
     /// The period of the drive is not known.
     #[error(transparent)]
     Period(#[from] PeriodError),
-    /// Friction holds the run against the drive.
+    /// Friction holds the system against the drive.
     #[error(
         "no periodic orbit was found: the run comes to rest at {x}, where friction holds it \
             against the drive"
     )]
     Held {
-        /// Where.
+        /// State.
         x: Point,
     },
-    /// The run comes to an equilibrium.
+    /// The run reaches an equilibrium.
     #[error("no periodic orbit was found: the run comes to the equilibrium {x}")]
     Equilibrium {
-        /// Where.
+        /// The equilibrium.
         x: Point,
         /// Whether it is one of a set of equilibria.
         is_of_set: bool,
     },
-    /// The run takes longer to come back.
+    /// The return takes longer.
     #[error(
         "no periodic orbit was found that comes back within {longest}: the run comes to one of \
             period {period:.6}"
     )]
     TakesLonger {
-        /// The time given.
+        /// The longest time allowed.
         longest: f64,
         /// The period.
         period: f64,
     },
-    /// What the search failed with.
+    /// The search failed with an error.
     #[error(transparent)]
     Failed(#[from] Error),
 }
 
 impl PeriodicSearch {
-    /// The orbit that the run from a time and state comes to, and the number of periods of the
-    /// drive in one of it, if there is a drive.
+    /// The orbit that the run from a time and state reaches. For a driven system, also its period
+    /// in periods of the drive.
     ///
     /// # Errors
     /// [`SearchError`].
@@ -127,7 +127,7 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Follows the orbit from `(t, x)` for a time.
+    /// Follows the orbit from `(t, x)` for a time `span`.
     fn follow(
         &self,
         (t, x): (f64, &Vector),
@@ -143,7 +143,7 @@ impl Search<'_> {
         follow(self.system.dynamics(), &run, &Section::None, watcher)
     }
 
-    /// Of a system that does not depend on time.
+    /// The orbit of an autonomous system.
     fn free(&self, x: &[f64]) -> Result<PeriodicOrbit, Error> {
         let system = self.system.dynamics();
         let PeriodicSearch {
@@ -153,8 +153,8 @@ impl Search<'_> {
         self.shortest(orbit)
     }
 
-    /// The same orbit with its shortest period. Where stick has made all returns equal but for
-    /// rounding, one of the later ones may be the nearest.
+    /// The same orbit with its shortest period. If stick makes all returns equal to rounding, a
+    /// later return may be the nearest.
     fn shortest(&self, orbit: PeriodicOrbit) -> Result<PeriodicOrbit, Error> {
         let size = orbit
             .x
@@ -171,8 +171,8 @@ impl Search<'_> {
         Ok(orbit)
     }
 
-    /// Of a driven one: first a whole number of periods as a transient, then as many as it takes to
-    /// come back.
+    /// The orbit of a driven system. The transient is an integer number of periods, and the orbit
+    /// takes as many periods as the run needs to return.
     fn driven(
         &self,
         t: f64,
@@ -206,8 +206,8 @@ impl Search<'_> {
         Ok((orbit, Some(count)))
     }
 
-    /// Why there is no periodic orbit: where the run comes to rest, that it does, where it takes
-    /// longer to come back, how long, and otherwise what the search failed with.
+    /// Why there is no periodic orbit: the run reaches an equilibrium, or it takes longer to
+    /// return. Otherwise the error of the search is returned.
     fn instead(&self, error: Error, x: &[f64]) -> SearchError {
         let looked = matches!(
             error,
@@ -231,7 +231,7 @@ impl Search<'_> {
                     is_of_set: *kind == Kind::EquilibriumSet,
                 }
             }
-            // What is left of a stick passes before the orbit is awaited.
+            // The remainder of a stick phase passes before the wait for the orbit begins.
             Some((&Kind::Periodic { period, .. }, _)) if 2.0 * period > longest => {
                 SearchError::TakesLonger { longest, period }
             }
@@ -250,7 +250,7 @@ impl Search<'_> {
         Ok((ended.t, ended.x))
     }
 
-    /// After how many periods the run is about where it was, as near as it ever comes.
+    /// Number of periods after which the run returns about as near as it ever does.
     fn comes_back(&self, t: f64, x: &Vector, period: f64) -> Result<u32, Error> {
         let mut distances = Vec::new();
         let (mut at, mut now) = (t, x.clone());
@@ -260,17 +260,17 @@ impl Search<'_> {
             distances.push(away.fold(0.0, f64::max));
         }
         let nearest = distances.iter().copied().fold(f64::INFINITY, f64::min);
-        // What rounding and the rest of the transient leave is no difference.
+        // Rounding and the remaining transient do not count as a difference.
         let near = (10.0 * nearest).max(1e-9);
         let first = distances.iter().position(|&distance| distance <= near);
         Ok(first.map_or(1, |first| first as u32 + 1))
     }
 }
 
-/// Places of a step at which rest is looked for, in equal parts of it.
+/// Number of equal parts of a step at whose ends motion is checked.
 const PER_STEP: u32 = 16;
 
-/// Whether nothing moves.
+/// Whether the state stays constant.
 struct Rest {
     x: Vector,
     lasts: bool,

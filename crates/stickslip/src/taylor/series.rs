@@ -45,8 +45,8 @@ pub(crate) struct Expansion<const W: usize> {
     pub value_read: bool,
     /// Whether the lanes cannot be expanded together.
     pub divided: bool,
-    /// Whether something was divided by what had overflowed: a coefficient that is no number is
-    /// then none over a shorter step either.
+    /// Whether there was a division by an overflowed number. A coefficient that is NaN then stays
+    /// NaN over a shorter step.
     pub overflowed: bool,
 }
 
