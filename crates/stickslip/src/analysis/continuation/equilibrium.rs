@@ -105,6 +105,7 @@ pub struct EquilibriumBranch {
 }
 
 /// Follows the equilibrium near `x` from its parameter upwards or downwards by pseudo-arclength.
+/// Plain Newton steps lead from `x` to it, so `x` must be close to it.
 /// Its mode is the one that the system takes there, or one that differs from it in one contact.
 /// **The parameter is the last state**, as in [`super::continue_periodic_orbit`]. Folds, branch
 /// points and Hopf bifurcations are zeros of functions of the Jacobian. A boundary equilibrium is a
