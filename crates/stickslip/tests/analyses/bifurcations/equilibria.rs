@@ -109,8 +109,8 @@ fn an_equilibrium_goes_over_into_sliding_and_back() {
 }
 
 /// Above the boundary nothing rests: the equilibrium of a mode that differs by the contact is
-/// taken. The start is below `y = 1 + 0.3 p`, where the sliding field has a pole: Newton's iteration
-/// is not promised to pass it.
+/// taken. The start is below `y = 1 + 0.3 p`, where the sliding field has a pole: Newton's
+/// iteration is not promised to pass it.
 #[test]
 fn a_start_beside_an_equilibrium_finds_its_mode_and_one_outside_the_range_is_refused() {
     for (p, mode) in [(0.2, Mode::Stick), (-0.2, Mode::Slip(Side::Below))] {
