@@ -27,12 +27,15 @@ $(FIGURES): build-figures
 report: build-replication ## The verdict on every claim: report/index.html, report/claims.csv, figures/{convergence,scan}.*, README's table
 	$(CARGO) run $(REPLICATION) --release --bin report
 
+# All packages that are tested without Python. `cargo test` alone is the check of the replication.
+TESTED := --locked --workspace --exclude stickslip-python
+
 test: ## Run all tests; the test profile is optimised, see Cargo.toml
-	$(CARGO) test --locked
+	$(CARGO) test $(TESTED)
 
 golden: ## Rewrite golden/ and what repeats it (figures/, report/, README) on purpose; look at the diff before committing it
 	$(MAKE) figures report diagrams
-	INSTA_UPDATE=always $(CARGO) test --locked
+	INSTA_UPDATE=always $(CARGO) test $(TESTED)
 
 # An interrupted search is resumed; a complete one is never mistaken for a new one.
 readings: build-replication ## Search all readings of Figs. 10-12 anew into golden/, some ten minutes
@@ -49,7 +52,7 @@ DIAGRAM = cd $(DIAGRAMS) && $(STICKSLIP)
 SPEEDS := 1.1 1.175 1.25 1.4 1.475 1.55 1.7 1.775 1.85
 
 diagrams: ## Figures of the program stickslip: figures/{basin,basins,bifurcation,branch,map}.svg with their goldens, some minutes
-	$(CARGO) test --locked --no-run
+	$(CARGO) test $(TESTED) --no-run
 	rm -rf $(DIAGRAMS) && mkdir -p $(DIAGRAMS)
 	$(DIAGRAM) basin forced --grid 100x100 --out basin --json > basin.json
 	$(DIAGRAM) basin basins --grid 200x200 --out basins --json > basins.json
@@ -67,11 +70,11 @@ diagrams: ## Figures of the program stickslip: figures/{basin,basins,bifurcation
 
 # The program as the tests build it: its bits are the same, and nothing is compiled twice.
 cluster-test: ## A sweep as a job array on a Slurm of one node, with a kill and a requeue; needs slurm-wlm and munge
-	$(CARGO) test --locked --no-run
+	$(CARGO) test $(TESTED) --no-run
 	timeout --kill-after=10 150 cluster/test.sh $(STICKSLIP)
 
 bench: ## Run the benchmarks
-	$(CARGO) bench --locked
+	$(CARGO) bench $(TESTED) --benches
 
 # The peers get an environment of their own with the versions of requirements.txt. The stamp is
 # written after all of them are installed, so that a broken installation is tried again.

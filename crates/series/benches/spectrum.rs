@@ -1,10 +1,9 @@
 //! Speed of the spectrum from a series: 45001 points in four columns, all of them reference points,
-//! on one thread and on two.
+//! on two threads beside one.
 
 use std::hint::black_box;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use criterion::{Criterion, criterion_group};
 use stickslip::math;
 use stickslip_series::{DataSettings, Series, data_spectrum};
 
@@ -26,35 +25,29 @@ fn series() -> Option<Series> {
     Series::from_rows(rows, DT).ok()
 }
 
-fn benches(criterion: &mut Criterion) {
-    let Some(series) = series() else {
-        return;
-    };
-    let mut group = criterion.benchmark_group("data_spectrum");
-    for threads in [1, 2] {
-        let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(threads).build() else {
-            continue;
-        };
-        for settings in [DataSettings::sano_sawada(), DataSettings::default()] {
-            let name = format!("{}/threads/{threads}", settings.estimator.words());
-            group.bench_function(name, |b| {
-                b.iter(|| pool.install(|| data_spectrum(black_box(&series), &settings)));
-            });
-        }
-    }
-    group.finish();
-}
-
-criterion_group! {
-    name = spectra;
-    config = Criterion::default()
-        .sample_size(10)
-        .warm_up_time(Duration::from_millis(500))
-        .measurement_time(Duration::from_secs(5));
-    targets = benches
-}
+/// Times of the two, measured in turns.
+const TURNS: usize = 5;
 
 fn main() {
-    spectra();
-    Criterion::default().configure_from_args().final_summary();
+    let series = series().expect("a series");
+    let [one, two] = [1, 2].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        pool.build().expect("threads")
+    });
+    for settings in [DataSettings::sano_sawada(), DataSettings::default()] {
+        let time = |pool: &rayon::ThreadPool| -> Duration {
+            let begin = Instant::now();
+            pool.install(|| black_box(data_spectrum(black_box(&series), &settings)))
+                .expect("a spectrum");
+            begin.elapsed()
+        };
+        let mut rounds: Vec<[Duration; 2]> = (0..TURNS).map(|_| [time(&one), time(&two)]).collect();
+        rounds.sort_by_key(|[one, _]| *one);
+        let [one, two] = rounds[TURNS / 2];
+        println!(
+            "spectrum, {}: one thread {one:.2?}, two threads {two:.2?}, {:.2} times as fast",
+            settings.estimator.words(),
+            one.as_secs_f64() / two.as_secs_f64()
+        );
+    }
 }

@@ -1,11 +1,9 @@
-//! How much longer a system from a file takes than the same one compiled. Besides Criterion's
-//! times, the ratios are printed from runs that take turns, so that whatever else the machine does
-//! meets both alike.
+//! How much longer a system from a file takes than the same one compiled. The runs take turns, so
+//! that whatever else the machine does meets both alike.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use criterion::{Criterion, criterion_group, criterion_main};
 use stickslip::dynamics::Section;
 use stickslip::models::{BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading};
 use stickslip::{Filippov, Method, Options, State, run};
@@ -47,18 +45,10 @@ fn compiled<S: Filippov<N>, const N: usize>(system: &S, x: &[f64], options: &Opt
     run(system, 0.0, x, SPAN, options, &mut ()).map_or(f64::NAN, |summary| summary.x[0])
 }
 
-fn compare<S: Filippov<N>, const N: usize>(c: &mut Criterion, name: &str, x: &[f64], system: &S) {
+fn compare<S: Filippov<N>, const N: usize>(name: &str, x: &[f64], system: &S) {
     let file = shipped(name);
     for (method, options) in methods() {
         assert!((from_file(&file, x, &options) - compiled(system, x, &options)).abs() < 1e-9);
-        let mut group = c.benchmark_group(format!("{name}, {method}"));
-        group.bench_function("compiled", |b| {
-            b.iter(|| compiled(system, black_box(x), &options));
-        });
-        group.bench_function("file", |b| {
-            b.iter(|| from_file(&file, black_box(x), &options))
-        });
-        group.finish();
         let mut times = [const { Vec::new() }; 2];
         for _ in 0..TURNS {
             times[0].push(timed(|| compiled(system, black_box(x), &options)));
@@ -88,21 +78,11 @@ fn middle(mut times: Vec<f64>) -> f64 {
     times[times.len() / 2]
 }
 
-fn models(c: &mut Criterion) {
-    compare(c, "belt", &[0.5, 1.5], &BeltOscillator::default());
-    compare(c, "forced", &[0.0, 0.0], &ForcedOscillator::default());
+fn main() {
+    compare("belt", &[0.5, 1.5], &BeltOscillator::default());
+    compare("forced", &[0.0, 0.0], &ForcedOscillator::default());
     match BlockAndBracket::from_caption(&Caption::FIG11, &Reading::exact()) {
-        Ok(bracket) => compare(c, "bracket", &[0.0, 0.0, 0.0, -0.1], &bracket),
+        Ok(bracket) => compare("bracket", &[0.0, 0.0, 0.0, -0.1], &bracket),
         Err(error) => panic!("{error}"),
     }
 }
-
-criterion_group! {
-    name = benches;
-    config = Criterion::default()
-        .sample_size(20)
-        .measurement_time(Duration::from_secs(1))
-        .warm_up_time(Duration::from_millis(300));
-    targets = models
-}
-criterion_main!(benches);

@@ -7,7 +7,6 @@
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use criterion::{Criterion, criterion_group};
 use stickslip::models::BeltOscillator;
 use stickslip::{Filippov, Method, Options, Side, State, run, solve};
 
@@ -80,14 +79,10 @@ fn chain(model: &BeltOscillator, calls: u64) -> State<2> {
     x
 }
 
-fn benches(criterion: &mut Criterion) {
+fn main() {
     let model = black_box(model());
     let calls = integrate(&model);
     assert!(calls > 0, "the run failed");
-    let mut group = criterion.benchmark_group("belt");
-    group.bench_function("integrate", |b| b.iter(|| integrate(black_box(&model))));
-    group.bench_function("floor", |b| b.iter(|| chain(black_box(&model), calls)));
-    group.finish();
     report_ratio(&model, calls);
     report_methods(&model);
 }
@@ -122,17 +117,4 @@ fn report_ratio(model: &BeltOscillator, calls: u64) {
         rounds[0].0,
         rounds[ROUNDS - 1].0
     );
-}
-
-criterion_group! {
-    name = belt;
-    config = Criterion::default()
-        .warm_up_time(Duration::from_millis(500))
-        .measurement_time(Duration::from_secs(2));
-    targets = benches
-}
-
-fn main() {
-    belt();
-    Criterion::default().configure_from_args().final_summary();
 }

@@ -5,7 +5,6 @@
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use criterion::{Criterion, criterion_group};
 use stickslip::filippov::{Summary, Switched};
 use stickslip::{Contacts, Method, Options, Scalar, Several, Side, State, run};
 
@@ -130,31 +129,13 @@ where
     per_step
 }
 
-fn benches(criterion: &mut Criterion) {
-    let mut group = criterion.benchmark_group("chain");
+fn main() {
     for method in [Method::Dop853, Method::Taylor] {
         for motion in [Motion::Slip, Motion::Stick, Motion::StickSlip] {
-            group.bench_function(format!("{motion:?}, {method:?}"), |b| {
-                b.iter(|| integrate::<8, 16>(motion, method));
-            });
             let of_one = Some(report::<1, 2>(motion, method, None));
             report::<2, 4>(motion, method, of_one);
             report::<4, 8>(motion, method, of_one);
             report::<8, 16>(motion, method, of_one);
         }
     }
-    group.finish();
-}
-
-criterion_group! {
-    name = chain;
-    config = Criterion::default()
-        .warm_up_time(Duration::from_millis(500))
-        .measurement_time(Duration::from_secs(2));
-    targets = benches
-}
-
-fn main() {
-    chain();
-    Criterion::default().configure_from_args().final_summary();
 }

@@ -19,9 +19,10 @@ pub(super) struct Arguments {
     /// Time before measuring; default 200, or 1000 periods of a drive that is faster than 0.2
     #[arg(long, value_name = "TIME")]
     transient: Option<f64>,
-    /// Time measured; default 2000, or 10000 periods of a drive that is faster than 0.2. Exponents
-    /// are told with four standard errors, and no digits beyond what a direction shows in that time
-    /// that grows without a rate
+    /// Time measured; default 2000, or 10000 periods of a drive that is faster than 0.2
+    ///
+    /// Exponents are printed with four standard errors. The error is never below what a direction
+    /// that grows without a rate shows in this time.
     #[arg(long, value_name = "TIME")]
     duration: Option<f64>,
     #[command(flatten)]

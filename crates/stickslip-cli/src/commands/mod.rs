@@ -33,7 +33,7 @@ use crate::terminal::finish;
 /// Dry-friction systems from files: orbits with exact transitions between slip and stick, tangent
 /// points, periodic orbits, Lyapunov spectra, and spectra of measured series
 #[derive(Debug, Parser)]
-#[command(name = "stickslip", version, after_help = AFTER_HELP)]
+#[command(name = "stickslip", version, after_help = AFTER_HELP, max_term_width = 100)]
 struct CommandLine {
     #[command(subcommand)]
     command: Command,
@@ -64,17 +64,22 @@ enum Command {
     Spectrum(spectrum::Arguments),
 }
 
-/// Parses the command line. The value of an option may begin with a hyphen, as a negative number
-/// does. The name of the folder may not: otherwise a forgotten name would give a folder named after
-/// the next option.
+/// Parses the command line.
+///
+/// The value of an option may begin with a hyphen, as a negative number does. The name of the
+/// folder may not: otherwise a forgotten name would give a folder named after the next option.
+/// Unless it is given, each command has a folder of its own, so that none overwrites the files of
+/// another.
 fn parsed() -> CommandLine {
-    let may_be_negative = |option: Arg| match option.get_action().takes_values() {
-        true if !option.is_positional() && option.get_id() != "out" => {
-            option.allow_hyphen_values(true)
-        }
-        _ => option,
-    };
-    let line = CommandLine::command().mut_subcommands(|command| command.mut_args(may_be_negative));
+    let line = CommandLine::command().mut_subcommands(|command| {
+        let folder = format!("stickslip-output/{}", command.get_name());
+        command.mut_args(|option: Arg| match option.get_id().as_str() {
+            "out" if option.get_default_values().is_empty() => option,
+            "out" => option.default_value(folder.clone()),
+            _ if option.is_positional() || !option.get_action().takes_values() => option,
+            _ => option.allow_hyphen_values(true),
+        })
+    });
     CommandLine::from_arg_matches(&line.get_matches()).unwrap_or_else(|error| error.exit())
 }
 

@@ -20,7 +20,7 @@ use stickslip_kernels::kernel::{Run, follow};
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// Time at the end; default as in the file
-    #[arg(long, value_name = "TIME")]
+    #[arg(long, value_name = "TIME", visible_alias = "until")]
     t_end: Option<f64>,
     #[command(flatten)]
     run: RunArguments,

@@ -18,12 +18,14 @@ pub(super) type Branches = [(Line, OnLine)];
 
 /// Tangent points and stick zones on the boundary of a contact
 ///
-/// The boundary is looked at along one state, at one time (--t-start); further states keep their
-/// values of the start, and further contacts slip on the side where these have them. Of a boundary
-/// with several values of the other state each branch is followed to where it turns back. Tangent
-/// points that are nearer to each other than 1/2000 of the range, and double ones, are not found;
-/// nor are two branches, if they stay nearer than 1/64 of what [ranges] says of the other state, or
-/// outside of that. Writes tangents.csv, zones.csv and tangents.svg.
+/// The search goes along one state on the boundary, at one time (--t-start). Further states keep
+/// their values of the start, and further contacts slip on the side where the start is. Where the
+/// boundary has several values of the other state, each branch is followed to where it turns back.
+///
+/// Not found: double tangent points; two tangent points closer than 1/2000 of the range; two
+/// branches closer than 1/64 of the other state's range in [ranges]; branches outside of it.
+///
+/// Writes tangents.csv, zones.csv and tangents.svg.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     #[command(flatten)]

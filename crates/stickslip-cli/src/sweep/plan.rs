@@ -173,6 +173,7 @@ impl Plan {
         ];
         let named = named.map(|(name, text)| (name.to_owned(), format!("`{text}`")));
         let arguments = self.arguments.iter();
+        let arguments = arguments.flat_map(|(name, value)| leaves(name.clone(), value));
         let arguments =
             arguments.map(|(name, value)| (format!("the argument `{name}`"), value.to_string()));
         let lines = (1..).zip(self.system.text.split('\n'));
@@ -268,4 +269,15 @@ impl fmt::Display for Share {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}/{}", self.number, self.of)
     }
+}
+
+/// The values in an argument, each with the names on the way to it.
+fn leaves(name: String, value: &Value) -> Vec<(String, &Value)> {
+    let Value::Object(inner) = value else {
+        return vec![(name, value)];
+    };
+    let inner = inner.iter();
+    inner
+        .flat_map(|(key, value)| leaves(format!("{name}.{key}"), value))
+        .collect()
 }

@@ -28,7 +28,7 @@ fn with_special(arguments: &[&str]) -> (Value, Vec<Value>, Vec<Value>) {
         .assert()
         .success();
     let json = serde_json::from_slice(&output.get_output().stdout).unwrap();
-    let folder = top.path().join("stickslip-output");
+    let folder = top.path().join("stickslip-output/continue");
     let svg = std::fs::read_to_string(folder.join("continue.svg")).unwrap();
     roxmltree::Document::parse(&svg).unwrap();
     let [branch, special] = ["branch.csv", "special.csv"].map(|name| rows(&folder.join(name)));
@@ -625,7 +625,7 @@ fn a_torus_is_named_in_ascii_for_other_programs() {
     assert!(special["parameter"].as_f64().unwrap().abs() < 1e-9);
     assert!((special["angle"].as_f64().unwrap() - 0.6 * PI).abs() < 1e-8);
     for table in ["branch.csv", "special.csv"] {
-        let path = top.path().join("stickslip-output").join(table);
+        let path = top.path().join("stickslip-output/continue").join(table);
         assert!(std::fs::read_to_string(path).unwrap().is_ascii(), "{table}");
     }
 }
@@ -849,7 +849,7 @@ fn the_branch_of_twice_the_period_is_followed_along_its_closed_form() {
     let from = other["from"].as_u64().unwrap() as usize;
     assert_eq!(json["special"][from]["what"], "flip");
     assert_eq!(other["stop"], "range");
-    let folder = top.path().join("stickslip-output");
+    let folder = top.path().join("stickslip-output/continue");
     let read = |name: &str| {
         let mut table = csv::Reader::from_path(folder.join(name)).unwrap();
         let rows: Result<Vec<std::collections::HashMap<String, String>>, _> =
@@ -922,7 +922,7 @@ fn folds_are_followed_in_two_parameters_round_their_cusp() {
         );
         assert_eq!(curve["stops"], serde_json::json!(["range", "range"]));
     }
-    let folder = top.path().join("stickslip-output");
+    let folder = top.path().join("stickslip-output/continue");
     let mut table = csv::Reader::from_path(folder.join("curves.csv")).unwrap();
     let rows: Vec<std::collections::HashMap<String, String>> =
         table.deserialize().map(Result::unwrap).collect();
@@ -955,7 +955,7 @@ fn a_change_is_followed_in_two_parameters_along_its_closed_form() {
     };
     assert_eq!(curve["change"]["sequence"]["name"], "grazing-sliding");
     assert_eq!(curve["stops"], serde_json::json!(["range", "range"]));
-    let folder = top.path().join("stickslip-output");
+    let folder = top.path().join("stickslip-output/continue");
     let mut table = csv::Reader::from_path(folder.join("curves.csv")).unwrap();
     let rows: Vec<std::collections::HashMap<String, String>> =
         table.deserialize().map(Result::unwrap).collect();
@@ -994,7 +994,7 @@ fn another_branch_in_the_same_folder_is_refused_and_a_failed_search_leaves_nothi
     let range = ["basins", "--parameter", "vd=1.1:2"];
     run(&[&range[..], &["--longest", "1"]].concat()).code(1);
     run(&range).success();
-    let table = top.path().join("stickslip-output/branch.csv");
+    let table = top.path().join("stickslip-output/continue/branch.csv");
     let whole = std::fs::read(&table).unwrap();
     run(&[&range[..], &["--step", "0.01"]].concat())
         .code(2)
@@ -1016,7 +1016,7 @@ fn equilibria(file: &str, arguments: &[&str]) -> (Value, Vec<Value>, Vec<Value>)
         .assert()
         .success();
     let json = serde_json::from_slice(&output.get_output().stdout).unwrap();
-    let folder = top.path().join("stickslip-output");
+    let folder = top.path().join("stickslip-output/continue");
     let svg = std::fs::read_to_string(folder.join("equilibria.svg")).unwrap();
     roxmltree::Document::parse(&svg).unwrap();
     let tables = ["equilibria.csv", "equilibria-special.csv"];

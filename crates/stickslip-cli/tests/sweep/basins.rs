@@ -187,23 +187,23 @@ fn another_argument_or_system_is_refused_in_the_same_folder() {
             .assert()
     };
     sweep(&[]).success();
-    let before = files(&top.path().join("stickslip-output"));
+    let before = files(&top.path().join("stickslip-output/basin"));
     sweep(&["--until", "100"])
         .code(2)
         .stderr(contains(
             "the argument `until` was 2000.0 there and is 100.0 now",
         ))
         .stderr(contains("--out"));
-    sweep(&["--tol", "1e-9"])
-        .code(2)
-        .stderr(contains("the argument `solver`"));
+    sweep(&["--tol", "1e-9"]).code(2).stderr(contains(
+        "the argument `solver.tol` was 1e-12 there and is 1e-9 now",
+    ));
     let mine = top.path().join("mine.toml");
     std::fs::write(&mine, text(&mine) + "# more\n").unwrap();
     sweep(&[])
         .code(2)
         .stderr(contains("of the system was"))
         .stderr(contains("# more"));
-    assert!(files(&top.path().join("stickslip-output")) == before);
+    assert!(files(&top.path().join("stickslip-output/basin")) == before);
 }
 
 #[test]
@@ -378,6 +378,6 @@ fn a_system_is_the_same_by_another_path() {
         .replace("mu0 = { value = 0.4", "mu0 = { value = 0.5");
     std::fs::write(top.path().join("there/other.toml"), changed).unwrap();
     basin("there/other.toml").failure().stderr(contains(
-        "holds another sweep: the argument `parameters` was",
+        "holds another sweep: the argument `parameters.mu0` was 0.4 there and is 0.5 now",
     ));
 }

@@ -35,7 +35,7 @@ pub fn parse(text: &str) -> Result<Expression, SyntaxError> {
 /// Reports what follows a complete expression.
 fn left_over(before: &Expression, token: &Token, place: &Range<usize>) -> SyntaxError {
     let error = SyntaxError::new(
-        format!("{} is not expected here", token.told()),
+        format!("{} is not expected here", token.description()),
         place.clone(),
     );
     match (token, &before.kind) {
@@ -160,7 +160,7 @@ impl<'a> Parser<'a> {
             other => {
                 let message = format!(
                     "a number, a name or `(` is expected here, not {}",
-                    other.told()
+                    other.description()
                 );
                 Err(SyntaxError::new(message, place.clone()))
             }
@@ -196,7 +196,7 @@ impl<'a> Parser<'a> {
         Err(match self.peek() {
             None => SyntaxError::new("this bracket is not closed", open.clone()),
             Some((token, place)) => SyntaxError::new(
-                format!("{} is not expected here", token.told()),
+                format!("{} is not expected here", token.description()),
                 place.clone(),
             )
             .help("a product needs its sign, `2*x`, and a bracket its end, `)`"),
@@ -241,11 +241,11 @@ mod tests {
     use super::*;
 
     /// The expression with all parentheses written.
-    fn told(expression: &Expression) -> String {
+    fn printed(expression: &Expression) -> String {
         match &expression.kind {
             Kind::Number(value) => value.to_string(),
             Kind::Name(name) => name.clone(),
-            Kind::Negative(inner) => format!("(-{})", told(inner)),
+            Kind::Negative(inner) => format!("(-{})", printed(inner)),
             Kind::Binary(operator, a, b) => {
                 let sign = match operator {
                     Binary::Sum => "+",
@@ -254,14 +254,14 @@ mod tests {
                     Binary::Quotient => "/",
                     Binary::Power => "^",
                 };
-                format!("({}{sign}{})", told(a), told(b))
+                format!("({}{sign}{})", printed(a), printed(b))
             }
             Kind::Call {
                 function,
                 arguments,
                 ..
             } => {
-                let arguments: Vec<String> = arguments.iter().map(told).collect();
+                let arguments: Vec<String> = arguments.iter().map(printed).collect();
                 format!("{function}[{}]", arguments.join(","))
             }
         }
@@ -297,7 +297,7 @@ mod tests {
             if wanted.is_empty() {
                 assert!(parsed.is_err(), "{text}");
             } else {
-                assert_eq!(parsed.map(|e| told(&e)), Ok(wanted.to_owned()), "{text}");
+                assert_eq!(parsed.map(|e| printed(&e)), Ok(wanted.to_owned()), "{text}");
             }
         }
     }

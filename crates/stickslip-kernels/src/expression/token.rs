@@ -23,7 +23,7 @@ pub(super) enum Token {
 
 impl Token {
     /// The token as messages name it.
-    pub(super) fn told(&self) -> String {
+    pub(super) fn description(&self) -> String {
         match self {
             Token::Number(value) => format!("the number {value}"),
             Token::Name(name) => format!("the name `{name}`"),

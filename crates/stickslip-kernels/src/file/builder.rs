@@ -216,7 +216,7 @@ impl<'a> Builder<'a> {
             (Meaning::Time | Meaning::State(_) | Meaning::Input(_), Scope::Constant(what)) => {
                 let message = format!(
                     "{what} cannot depend on `{name}`, which is {}",
-                    meaning.told()
+                    meaning.description()
                 );
                 Err(Problem::new(message, place)
                     .help("it is a number, or an expression of numbers and parameters"))
@@ -532,7 +532,7 @@ impl<'a> Builder<'a> {
             Problem::new(format!("unknown function `{function}`"), place).label("not known");
         if let Some(meaning) = self.meaning(function) {
             return Problem {
-                message: format!("`{function}` is {}, not a function", meaning.told()),
+                message: format!("`{function}` is {}, not a function", meaning.description()),
                 ..problem
             }
             .help(format!("a product needs its sign: {function}*(…)"));

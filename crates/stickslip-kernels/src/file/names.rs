@@ -28,7 +28,7 @@ pub enum Meaning {
 }
 
 impl Meaning {
-    pub(super) fn told(self) -> &'static str {
+    pub(super) fn description(self) -> &'static str {
         match self {
             Meaning::Time => "time",
             Meaning::Pi => "the number π",
@@ -93,14 +93,17 @@ impl Names {
                 Ok(name)
             }
             Some((known, first)) if first.is_empty() => {
-                let message = format!("`{name}` is the name of {} already", known.told());
+                let message = format!("`{name}` is the name of {} already", known.description());
                 Err(Problem::new(message, place).help("choose another name"))
             }
             Some((known, first)) => {
-                let message = format!("`{name}` is the name of {} already", known.told());
+                let message = format!("`{name}` is the name of {} already", known.description());
                 Err(Problem::new(message, place)
                     .label("here again")
-                    .also(first.clone(), format!("{} of this name", known.told()))
+                    .also(
+                        first.clone(),
+                        format!("{} of this name", known.description()),
+                    )
                     .help("in expressions all names are together; choose another one"))
             }
         }

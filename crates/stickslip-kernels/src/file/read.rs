@@ -325,7 +325,10 @@ pub(super) fn by_state<'a>(
                         format!("`{name}` is a discrete state and stands in [discrete] alone"),
                         "it changes by jumps only, and [discrete] has its start".to_owned(),
                     ),
-                    Some(meaning) => (format!("`{name}` is {}, not a state", meaning.told()), all),
+                    Some(meaning) => (
+                        format!("`{name}` is {}, not a state", meaning.description()),
+                        all,
+                    ),
                     None => (
                         format!("there is no state `{name}`"),
                         did_you_mean(name, known()).unwrap_or(all),

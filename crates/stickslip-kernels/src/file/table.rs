@@ -63,7 +63,7 @@ impl<'a> Table<'a> {
             } else {
                 self.place.clone()
             };
-            Problem::new(format!("{} has no `{name}`", self.told()), place)
+            Problem::new(format!("{} has no `{name}`", self.description()), place)
                 .help(format!("it is needed: {what}"))
         })
     }
@@ -79,7 +79,7 @@ impl<'a> Table<'a> {
     pub(super) fn only(&self, known: &[&str]) -> Result<(), Problem> {
         for (name, place, _) in &self.entries {
             if !known.contains(name) {
-                let message = format!("{} has no entry `{name}`", self.told());
+                let message = format!("{} has no entry `{name}`", self.description());
                 let help = did_you_mean(name, known.iter().copied())
                     .unwrap_or_else(|| format!("there can be {}", listed(known)));
                 return Err(Problem::new(message, place.clone())
@@ -90,7 +90,7 @@ impl<'a> Table<'a> {
         Ok(())
     }
 
-    fn told(&self) -> String {
+    fn description(&self) -> String {
         if self.title.is_empty() {
             "the file".to_owned()
         } else {

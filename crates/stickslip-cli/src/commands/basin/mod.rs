@@ -25,10 +25,11 @@ use stickslip_kernels::study::recurrence;
 
 /// Find which attractor each of many starts in a plane leads to
 ///
-/// Attractors are found by recurrence; none need be named. "Recurrent" is one that comes back near
-/// to everywhere that it has been and never closes: quasi-periodic or chaotic, which `lyapunov`
-/// tells. Starts that escape, fail or are undecided have rows of their own and no number. Writes
-/// basin.csv with all starts, attractors.csv with the shares and their standard errors, and
+/// Attractors are found by recurrence; none need be named. A "recurrent" one comes back near to
+/// all its states and never closes: it is quasi-periodic or chaotic, and `lyapunov` says which.
+/// Starts that escape, fail or are undecided have rows of their own and no number.
+///
+/// Writes basin.csv with all starts, attractors.csv with the shares and their standard errors, and
 /// basin.svg. Finished blocks are in sweep/: after a kill the same command goes on from there.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {

@@ -26,15 +26,18 @@ use stickslip_kernels::study::{AtValue, ChangeBetween, Diagram, ValueEnd, recurr
 ///
 /// For each value: the points of the section, the sequence of phases, durations and lengths of
 /// stick, and the largest Lyapunov exponent. Where both ways differ, there is more than one
-/// attractor. A change of the phases is located and named by the event function that vanishes
-/// there; where none does, by the multiplier on the unit circle: a fold, flip, Neimark-Sacker
-/// bifurcation or branch point. Equilibria are followed to where they lose their stability or come
-/// to the boundary. Where one orbit ends and the run comes to another one, that began elsewhere,
-/// both places are told. Writes bifurcation.csv, sticks.csv, changes.csv and bifurcation.svg. In
-/// changes.csv `before` and `after` are the phases of the orbit that is followed through the
-/// change; where it is unstable behind it, the attractor there is another one, whose phases
-/// bifurcation.csv has. Finished blocks are in sweep/: after a kill the same command goes on from
-/// there.
+/// attractor.
+///
+/// A change of the phases is located and named by the event function that vanishes there. Where
+/// none does, a multiplier on the unit circle names it: a fold, flip, Neimark-Sacker bifurcation or
+/// branch point. Equilibria are followed to where they lose their stability or come to the
+/// boundary. Where one orbit ends and the run comes to another that began elsewhere, both places
+/// are reported.
+///
+/// Writes bifurcation.csv, sticks.csv, changes.csv and bifurcation.svg. In changes.csv `before` and
+/// `after` are the phases of the orbit that is followed through the change. Where it is unstable
+/// behind the change, the attractor there is another one, whose phases are in bifurcation.csv.
+/// Finished blocks are in sweep/: after a kill the same command goes on from there.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// The parameter and its range

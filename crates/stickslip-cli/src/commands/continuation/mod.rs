@@ -30,19 +30,23 @@ use branch::{Begin, Branch, Other, Point};
 /// Continue a periodic orbit or an equilibrium along a parameter, stable or not, through folds and
 /// changes of its phases
 ///
-/// The orbit is found at the parameter's present value (that of the file, or of --set) and followed
-/// both ways by pseudo-arclength. Where a multiplier is 1 or -1 or a pair is on the unit circle,
-/// and where the phases change, the place is located and named; so is an end in an equilibrium, on
-/// the boundary or off it, a two-fold, a homoclinic orbit or rest. Of a driven system the parameter
-/// may be one that the period depends on. With --also each of these places on the branch, but for
-/// branch points, is followed in two parameters. With --branches the tables have a column `branch`:
-/// 0 is the branch through the orbit, and the others are in the order of where they begin. Writes
-/// branch.csv, special.csv and continue.svg; with --also curves.csv and curves.svg. The branch is
-/// saved in sweep/ as it is followed: after a kill the same command goes on from there. With --also
-/// or --branches added to a command that is done, the branch is not followed again. With
-/// --equilibrium the equilibrium that the run comes to is followed, also into the sliding field and
-/// out of it; folds, branch points, Hopf bifurcations and boundary equilibria are located. Writes
-/// equilibria.csv, equilibria-special.csv and equilibria.svg then.
+/// The orbit is located at the parameter's present value, of the file or of --set, and followed
+/// both ways by pseudo-arclength. A place is located and named where a multiplier is 1 or -1 or a
+/// pair is on the unit circle, and where the phases change. So is an end of the branch in an
+/// equilibrium, on the boundary or off it, a two-fold, a homoclinic orbit, or a motion at rest. The
+/// period of a drive may depend on the parameter.
+///
+/// With --also, each of these places but branch points is followed in two parameters. With
+/// --branches, the tables have a column `branch`: 0 is the branch through the orbit, and the others
+/// are in the order of where they begin.
+///
+/// With --equilibrium, the equilibrium that the run comes to is followed, into the sliding field
+/// and out of it, too. Folds, branch points, Hopf bifurcations and boundary equilibria are located.
+///
+/// Writes branch.csv, special.csv and continue.svg; with --also curves.csv and curves.svg; with
+/// --equilibrium equilibria.csv, equilibria-special.csv and equilibria.svg. The branch is saved in
+/// sweep/ as it is followed: after a kill the same command goes on from there, and --also or
+/// --branches added to a finished command use the branch that is saved.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// The parameter and the range in which the branch is followed

@@ -25,7 +25,7 @@ use findings::{Embedded, Findings};
 const SEED: u64 = 19_920_901;
 
 const ABOUT: &str = "Lyapunov exponents of a time series: maps fitted to neighbours of each point \
-    at two sizes, chained along the series and extrapolated to size zero. Tells which of the \
+    at two sizes, chained along the series and extrapolated to size zero. A status says which \
     exponents the data determine. --estimator sano-sawada is the method of Sano and Sawada, linear \
     maps of one size.";
 
@@ -44,11 +44,12 @@ more examples: --help";
 #[derive(Debug, clap::Args)]
 #[command(long_about = ABOUT, after_help = AFTER_SHORT, after_long_help = AFTER)]
 pub(super) struct Arguments {
-    /// Text with one state per line, separated by commas, semicolons, tabs or spaces, with or
-    /// without names in the first line; or a .npy array; - for standard input
+    /// Text with one state per line, or a .npy array; - for standard input
+    ///
+    /// Commas, semicolons, tabs or spaces separate the columns. The first line may hold names.
     file: PathBuf,
 
-    /// Time between two lines; 1 for a map [default: from a column named t or time]
+    /// Time between two lines, 1 for a map [default: by the column t or time]
     #[arg(long, value_parser = number, value_name = "TIME")]
     dt: Option<f64>,
 
@@ -56,22 +57,26 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     columns: Vec<String>,
 
-    /// Radius of the neighbourhoods, as a fraction of the signal's spread √Σvar [default: 0.1]
+    /// Radius of the neighbourhoods over the spread √Σvar [default: 0.1]
     #[arg(long, value_parser = number, value_name = "FRACTION")]
     eps: Option<f64>,
 
-    /// Fewest and most neighbours taken from the ball, as MIN-MAX, or the number of nearest
-    /// neighbours [default: 12-12; 40-40 for delayed values, fewer below 4000 points]
+    /// Neighbours: fewest and most in the ball, or the number of nearest
+    ///
+    /// [default: 12-12; 40-40 for delayed values, fewer below 4000 points]
     #[arg(long, value_parser = neighbours, value_name = "MIN-MAX|K")]
     neighbours: Option<Neighbours>,
 
-    /// Delayed values of each column that make a state, 1 for the columns as they are [default: for
-    /// one column the first number with less than 1 % false neighbours]
+    /// Delayed values of each column in a state; 1 for the columns as they are
+    ///
+    /// [default: for one column the first number with less than 1 % false neighbours]
     #[arg(long, value_parser = count, value_name = "VALUES")]
     dimension: Option<usize>,
 
-    /// Points between delayed values [default: first minimum of the mutual information; 1 for a
-    /// map, a quarter of a period for a clean periodic motion]
+    /// Points between delayed values
+    ///
+    /// [default: first minimum of the mutual information; 1 for a map, a quarter of a period for a
+    /// clean periodic motion]
     #[arg(long, value_parser = count, value_name = "POINTS")]
     delay: Option<usize>,
 
@@ -79,8 +84,9 @@ pub(super) struct Arguments {
     #[arg(long, value_parser = count, value_name = "D")]
     step: Option<usize>,
 
-    /// Points that follow one another so closely are no neighbours [default: time in which the
-    /// autocorrelation falls to 1/e]
+    /// Points so close in time are no neighbours
+    ///
+    /// [default: time in which the autocorrelation falls to 1/e]
     #[arg(long, value_parser = count, value_name = "POINTS")]
     theiler: Option<usize>,
 
@@ -101,14 +107,18 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, default_value_t = Method::Extrapolated)]
     estimator: Method,
 
-    /// Degree of the maps that are extrapolated; the error of linear ones holds how far they are
-    /// from quadratic ones where the series is long enough for these, and elsewhere too little of
-    /// the bias [default: quadratic where the series is long enough]
+    /// Degree of the maps that are extrapolated
+    ///
+    /// The error of linear maps contains their difference from quadratic ones where the series is
+    /// long enough for these. In shorter series it contains too little of the bias. [default:
+    /// quadratic where the series is long enough]
     #[arg(long, value_enum)]
     degree: Option<MapDegree>,
 
-    /// Mean divergence of the system per unit of time (trace of the Jacobian; of a map ln |det J|),
-    /// which the exponents must add up to; only where the columns are its state
+    /// Mean divergence of the system, to which the exponents must add up
+    ///
+    /// It is the trace of the Jacobian per unit of time; of a map, ln |det J|. The columns must be
+    /// the system's state.
     #[arg(long, value_parser = number, value_name = "VALUE")]
     divergence: Option<f64>,
 
@@ -120,17 +130,20 @@ pub(super) struct Arguments {
     #[arg(long, value_parser = count, value_name = "RANK")]
     rank: Option<usize>,
 
-    /// Use every so many points of a step as reference points [default: 1; for delayed values over
-    /// one delay the largest that leaves a third of all, and 1500]
+    /// Reference points are every so many points
+    ///
+    /// [default: 1; for delayed values with maps over one delay the largest that leaves a third of
+    /// all, and 1500]
     #[arg(long, value_parser = count, value_name = "POINTS")]
     stride: Option<usize>,
 
-    /// Use only the first so many reference points, at least 20 [default: all]
+    /// Most reference points, at least 20, from the first on [default: all]
     #[arg(long, value_parser = count, value_name = "COUNT")]
     references: Option<usize>,
 
-    /// Test against so many surrogates, at least 19, whether the series is told from linear noise;
-    /// takes as many estimates
+    /// Compare with so many surrogates of linear noise, at least 19
+    ///
+    /// Each takes an estimate of its own.
     #[arg(long, value_parser = count, value_name = "COUNT")]
     surrogates: Option<usize>,
 
