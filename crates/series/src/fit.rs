@@ -54,7 +54,7 @@ impl Decomposed {
         Self {
             images: triangle.images,
             rounding,
-            outside: triangle.rest,
+            outside: triangle.residual,
             independent: neighbours.len().saturating_sub(usize::from(affine)),
             rank: svd.s.iter().filter(|&&s| s > zero).count(),
             svd,

@@ -79,7 +79,7 @@ pub(crate) struct LeastSquares<'a> {
     /// Neighbours so far.
     pub(crate) count: usize,
     /// Sum of squares of the residuals of their images.
-    pub(crate) rest: f64,
+    pub(crate) residual: f64,
 }
 
 impl<'a> LeastSquares<'a> {
@@ -91,7 +91,7 @@ impl<'a> LeastSquares<'a> {
             rows: Vec::new(),
             unknowns: 0,
             count: 0,
-            rest: 0.0,
+            residual: 0.0,
         }
     }
 
@@ -107,7 +107,7 @@ impl<'a> LeastSquares<'a> {
         let columns = self.unknowns + self.shifted.fitted.len();
         self.triangle.clear();
         self.triangle.resize(self.unknowns * columns, 0.0);
-        (self.count, self.rest) = (0, 0.0);
+        (self.count, self.residual) = (0, 0.0);
         self.extend(j, neighbours, directions, terms);
     }
 
@@ -124,7 +124,7 @@ impl<'a> LeastSquares<'a> {
         if !further.is_empty() {
             // With the machine's vectors, which change no bit: the partial sums of [`dot`] are
             // lanes of one.
-            self.rest += Arch::new().dispatch(
+            self.residual += Arch::new().dispatch(
                 #[inline(always)]
                 || self.add(j, further, directions, terms),
             );
@@ -344,7 +344,7 @@ pub(crate) struct Triangle {
     /// `Qᵀ Y'`, upper rows.
     pub(crate) images: Matrix,
     /// Sum of squares of its lower rows, which no linear map explains.
-    pub(crate) rest: f64,
+    pub(crate) residual: f64,
     /// At least as many as columns.
     pub(crate) rows: usize,
 }
@@ -379,7 +379,7 @@ impl Scratch {
         Triangle {
             points: triangle,
             images,
-            rest: lower.map(|v| v * v).sum(),
+            residual: lower.map(|v| v * v).sum(),
             rows,
         }
     }

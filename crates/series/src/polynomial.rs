@@ -135,7 +135,7 @@ impl Polynomial {
         }
         let carried: f64 = slopes.iter().map(|slopes| product(slopes, slopes)).sum();
         // Residual variance of a component; NaN without degrees of freedom.
-        let unpredicted = fit.rest / ((rows - unknowns) * components) as f64;
+        let unpredicted = fit.residual / ((rows - unknowns) * components) as f64;
         let of_noise = unpredicted / (1.0 + carried / components as f64);
         noise.iter_mut().for_each(|part| *part *= of_noise);
         for (row, slopes) in map.matrix.rows_mut().zip(&*slopes) {
@@ -244,10 +244,10 @@ mod tests {
             );
             let part = (1.0 - wanted) * stretch;
             let left = 0.04 + stretch * stretch * wanted;
-            let told = left / (1.0 + part * part) / 1.04;
+            let expected = left / (1.0 + part * part) / 1.04;
             assert!(
-                (found.noise[0] / told - 1.0).abs() < 0.03,
-                "{stretch}: {:?} {told}",
+                (found.noise[0] / expected - 1.0).abs() < 0.03,
+                "{stretch}: {:?} {expected}",
                 found.noise
             );
             assert!(

@@ -5,7 +5,7 @@ use stickslip::Options;
 use stickslip::analysis::{RecurrenceSettings, attractor_of_many};
 
 use crate::failure::{Failure, in_words};
-use crate::render::{Table, by_state, known, place as within, state_words};
+use crate::render::{Table, by_state, determined_digits, place as within, state_words};
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::{Motion, Outcome};
 
@@ -61,7 +61,7 @@ pub(super) fn columns<'a, R>(
 /// Period of a periodic orbit, rounded to its significant digits.
 pub(super) fn known_period(motion: &Motion, uncertainty: f64) -> Option<f64> {
     match *motion {
-        Motion::Periodic { period, .. } => Some(known(period, uncertainty)),
+        Motion::Periodic { period, .. } => Some(determined_digits(period, uncertainty)),
         _ => None,
     }
 }

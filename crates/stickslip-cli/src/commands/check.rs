@@ -119,13 +119,15 @@ fn understood(system: &System) -> Report {
             .lines("", tangents::listing(system, &line, &found))
             .field("boundary", tangents::json(system, &line, &found));
     }
-    let doubts = doubts(system);
-    report.field("doubtful", &doubts).lines("doubtful", doubts);
+    let warnings = warnings(system);
+    report
+        .field("doubtful", &warnings)
+        .lines("doubtful", warnings);
     report
 }
 
 /// A unit or meaning after a value.
-fn behind(parts: &[&str]) -> String {
+fn suffix(parts: &[&str]) -> String {
     let parts = parts.iter().filter(|part| !part.is_empty());
     parts.map(|part| format!("  {part}")).collect()
 }
@@ -140,7 +142,7 @@ fn states(report: &mut Report, system: &System) {
             "" => String::new(),
             unit => format!(" ({unit})"),
         };
-        let meaning = behind(&[state.meaning.as_deref().unwrap_or_default()]);
+        let meaning = suffix(&[state.meaning.as_deref().unwrap_or_default()]);
         let line = format!("{}{unit}{}{meaning}", state.name, from.unwrap_or_default());
         let object = json!({
             "name": state.name,
@@ -164,8 +166,8 @@ fn parameters(report: &mut Report, system: &System) {
         } else {
             "(set)"
         };
-        let behind = behind(&[&parameter.unit, set, meaning]);
-        let line = format!("{} = {}{behind}", parameter.name, readable(value));
+        let suffix = suffix(&[&parameter.unit, set, meaning]);
+        let line = format!("{} = {}{suffix}", parameter.name, readable(value));
         let object = json!({
             "name": parameter.name,
             "value": value,
@@ -256,9 +258,9 @@ fn jumps_and_inputs(report: &mut Report, system: &System) {
                 ..
             } => {
                 let phase = phase.as_ref().map(|phase| &phase.text);
-                let behind = phase.map_or_else(String::new, |phase| format!(", phase {phase}"));
+                let suffix = phase.map_or_else(String::new, |phase| format!(", phase {phase}"));
                 (
-                    format!("{name}: {shape} of period {}{behind}", period.text),
+                    format!("{name}: {shape} of period {}{suffix}", period.text),
                     json!({ "name": name, "shape": shape, "period": period.text, "phase": phase }),
                 )
             }
@@ -306,7 +308,7 @@ fn on_boundary(system: &System) -> Option<(Line, Vec<(Line, OnLine)>)> {
 /// static friction below that in slip; friction is evaluated on the boundary of every contact, next
 /// to the start. They also concern boundaries of several contacts that vanish together and are
 /// dependent there.
-fn doubts(system: &System) -> Vec<String> {
+fn warnings(system: &System) -> Vec<String> {
     let period = match (system.is_periodic(), check_period(system)) {
         (Some(false), Err(failure)) => Some(failure.to_string()),
         _ => None,
@@ -317,8 +319,8 @@ fn doubts(system: &System) -> Vec<String> {
         let (t, x) = (system.built.t_start, Point(x));
         in_words(&Error::DependentContacts { t, x, contacts }, system)
     });
-    let doubts = period.into_iter().chain(contacts);
-    doubts.chain(dependent).collect()
+    let warnings = period.into_iter().chain(contacts);
+    warnings.chain(dependent).collect()
 }
 
 fn doubts_of(system: &System, contact: usize) -> Vec<String> {
@@ -339,9 +341,9 @@ fn doubts_of(system: &System, contact: usize) -> Vec<String> {
         rounding,
     } = jumps;
     let name = &described.name;
-    let mut doubts = Vec::new();
+    let mut warnings = Vec::new();
     if slip > rounding {
-        doubts.push(format!(
+        warnings.push(format!(
             "the friction of {name} drives the slip: the rate of {} is larger by {} above than \
              below, so that the contact never sticks; is friction({name}) meant with the other \
              sign?",
@@ -349,7 +351,7 @@ fn doubts_of(system: &System, contact: usize) -> Vec<String> {
             rounded(slip)
         ));
     } else if described.holding.is_some() && holding > slip + rounding {
-        doubts.push(format!(
+        warnings.push(format!(
             "static friction of {name} is less than friction in slip: it takes {} of the rate of \
                 {}, and in slip {}",
             rounded(-holding),
@@ -357,5 +359,5 @@ fn doubts_of(system: &System, contact: usize) -> Vec<String> {
             rounded(-slip)
         ));
     }
-    doubts
+    warnings
 }

@@ -17,20 +17,20 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 /// Minimum and maximum of every state, also between the ends of steps.
 pub(super) struct Extremes {
-    found: Vec<(f64, f64)>,
+    ranges: Vec<(f64, f64)>,
 }
 
 impl Extremes {
     /// Starts an orbit at `x`.
     pub(super) fn from(x: &[f64]) -> Self {
         Self {
-            found: x.iter().map(|&x| (x, x)).collect(),
+            ranges: x.iter().map(|&x| (x, x)).collect(),
         }
     }
 
     /// Minimum and maximum of each state.
-    pub(super) fn found(self) -> Vec<(f64, f64)> {
-        self.found
+    pub(super) fn ranges(self) -> Vec<(f64, f64)> {
+        self.ranges
     }
 }
 
@@ -44,7 +44,7 @@ impl Watcher for Extremes {
             step.t_start + (step.t_end - step.t_start) * f64::from(k) / f64::from(PER_STEP)
         };
         let samples: Vec<Vector> = (0..=PER_STEP).map(|k| solution(at(k))).collect();
-        for (i, (low, high)) in self.found.iter_mut().enumerate() {
+        for (i, (low, high)) in self.ranges.iter_mut().enumerate() {
             for sign in [-1.0, 1.0] {
                 let heights = (0_u32..).zip(samples.iter().map(|x| sign * x[i]));
                 let (k, highest) = heights.fold((0, f64::NEG_INFINITY), |best, next| {

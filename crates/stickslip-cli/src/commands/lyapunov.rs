@@ -34,11 +34,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         let transient = time_or(arguments.transient, 200.0, &ready.system);
         let duration = time_or(arguments.duration, 2000.0, &ready.system);
         let over = SpectrumOptions::over(transient, duration);
-        found(ready, &over.solver(ready.options))
+        report(ready, &over.solver(ready.options))
     })
 }
 
-fn found(ready: &Ready, settings: &SpectrumOptions) -> Result<Report, Failure> {
+fn report(ready: &Ready, settings: &SpectrumOptions) -> Result<Report, Failure> {
     let system = &ready.system;
     let spectrum = patiently("measuring the spectrum", |_| {
         lyapunov_spectrum(system.dynamics(), (ready.t, ready.x.as_slice()), settings)

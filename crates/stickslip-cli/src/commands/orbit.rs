@@ -28,14 +28,14 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     arguments
         .run
-        .answered(|ready| found(ready, &arguments.search))
+        .answered(|ready| report(ready, &arguments.search))
 }
 
-fn found(ready: &Ready, search: &SearchArguments) -> Result<Report, Failure> {
+fn report(ready: &Ready, search: &SearchArguments) -> Result<Report, Failure> {
     let Ready {
         system, options, ..
     } = ready;
-    let (orbit, periods) = search.found(system, (ready.t, &ready.x), options)?;
+    let (orbit, periods) = search.periodic_orbit(system, (ready.t, &ready.x), options)?;
     let (x, t_end) = (orbit.x.as_slice(), orbit.t + orbit.period);
     let mut recording = Recording::new(orbit.t, x, t_end);
     let once = Run {
@@ -49,7 +49,7 @@ fn found(ready: &Ready, search: &SearchArguments) -> Result<Report, Failure> {
     outcome?;
     let mut extremes = Extremes::from(x);
     follow(system.dynamics(), &once, &Section::None, &mut extremes)?;
-    let extremes = extremes.found();
+    let extremes = extremes.ranges();
 
     let mut report = Report::of(system, "periodic orbit");
     let drive = match periods {

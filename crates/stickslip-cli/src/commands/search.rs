@@ -38,7 +38,7 @@ const LONGEST: f64 = 100.0;
 impl SearchArguments {
     /// Searches the periodic orbit that the run from `(t, x)` approaches. Also returns its number
     /// of periods of the drive, if there is a drive.
-    pub(super) fn found(
+    pub(super) fn periodic_orbit(
         &self,
         system: &System,
         (t, x): (f64, &[f64]),

@@ -62,7 +62,7 @@ fn followed(ready: &Ready, t_end: Option<f64>) -> Result<Report, Failure> {
         Err(error) if recording.points.len() > 1 => Some(in_words(error, system)),
         Err(error) => return Err(error.clone().into()),
     };
-    let mut report = found(system, &recording, outcome.ok().as_ref());
+    let mut report = report(system, &recording, outcome.ok().as_ref());
     trajectory::put(system, &recording, &mut report)?;
     let steps = Table::new()
         .column("t", |at: &&recording::Point| at.t)
@@ -128,7 +128,7 @@ fn counts(system: &System, recording: &Recording) -> Vec<String> {
     words.collect()
 }
 
-fn found(system: &System, recording: &Recording, ended: Option<&Summary>) -> Report {
+fn report(system: &System, recording: &Recording, ended: Option<&Summary>) -> Report {
     let points = &recording.points;
     let [from, to] =
         [points.first(), points.last()].map(|point| point.map_or(f64::NAN, |point| point.t));

@@ -14,7 +14,7 @@ use stickslip_kernels::file::System;
 
 pub(crate) use table::Table;
 pub(crate) use words::{
-    by_state, explained, input_name, known, place, rounded, state_words, within,
+    by_state, determined_digits, explained, input_name, place, rounded, state_words, within,
 };
 
 /// Final output of a command.

@@ -22,7 +22,7 @@ fn to_digits(value: f64, digits: usize) -> f64 {
 }
 
 /// Rounds a number to its significant digits: the rounding is larger than the uncertainty.
-pub(crate) fn known(value: f64, uncertainty: f64) -> f64 {
+pub(crate) fn determined_digits(value: f64, uncertainty: f64) -> f64 {
     const MOST: f64 = 12.0;
     let digits = 1.0 + math::log10(value.abs() / (2.0 * uncertainty)).floor();
     to_digits(value, digits.clamp(1.0, MOST) as usize)

@@ -163,7 +163,7 @@ fn surrogates_tell_a_map_from_noise() {
     program(&["--surrogates", "19"], &autoregression(1500))
         .assert()
         .success()
-        .stdout(contains("not told from linear noise"));
+        .stdout(contains("does not differ from linear noise"));
 }
 
 /// Two rows more than without an embedding.
@@ -252,5 +252,5 @@ fn values_on_a_coarse_grid_get_a_warning_and_no_error() {
     program(&["--dimension", "3"], &noise)
         .assert()
         .success()
-        .stdout(contains("cannot be told").and(contains("nothing to extrapolate")));
+        .stdout(contains("is not determined").and(contains("nothing to extrapolate")));
 }

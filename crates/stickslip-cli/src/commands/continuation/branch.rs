@@ -385,7 +385,7 @@ impl<'a> Begin<'a> {
         let mut extremes = Extremes::from(once.x);
         whole(&system, &once, orbit.period, &mut extremes)?;
         Ok(Point {
-            extremes: extremes.found(),
+            extremes: extremes.ranges(),
             orbit,
         })
     }

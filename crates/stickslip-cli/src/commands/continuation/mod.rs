@@ -151,7 +151,7 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<(Report, Writer), Failu
     Writer::check(&folder, &plan)?;
     let (orbit, periods) = arguments
         .search
-        .found(system, (ready.t, &ready.x), options)?;
+        .periodic_orbit(system, (ready.t, &ready.x), options)?;
     let writer = Writer::open(&folder, &plan, Share::WHOLE)?;
     let branch = patiently("following the branch", |status| {
         begin.branch((&orbit, periods), &settings, options, (&writer, status))

@@ -319,7 +319,7 @@ impl Embedded {
                 numbers(all.map(|one| *one == origin)).join(", ")
             });
         if system.is_empty() && spurious.is_empty() {
-            return "Which exponents are the system's and which the embedding's cannot be told.\n"
+            return "Which exponents are the system's and which the embedding's is not determined.\n"
                 .into();
         }
         let reversed = if self.reversal.is_conclusive {
@@ -333,7 +333,7 @@ impl Embedded {
         };
         let unknown = match unknown.as_str() {
             "" => String::new(),
-            which => format!("; not told: {which}"),
+            which => format!("; not determined: {which}"),
         };
         format!(
             "The system's exponents: {}; the embedding's own: {}{unknown} (by the fit of rank \
@@ -377,7 +377,7 @@ fn against_divergence(spectrum: &DataSpectrum, divergence: f64, balance: &Balanc
 
 /// The largest exponent from diverging neighbours.
 fn by_divergence(divergence: &Divergence) -> String {
-    let opinion = |exponent: Option<(f64, f64)>| {
+    let estimate = |exponent: Option<(f64, f64)>| {
         exponent.map_or(
             "none, distances do not grow by a factor of e in a straight line".into(),
             with_error,
@@ -392,8 +392,8 @@ fn by_divergence(divergence: &Divergence) -> String {
         "Largest exponent by diverging neighbours, fitting no maps:\n  \
             Rosenstein  {}{part}\n  \
             Kantz       {}\n",
-        opinion(divergence.by_rosenstein()),
-        opinion(divergence.by_kantz())
+        estimate(divergence.by_rosenstein()),
+        estimate(divergence.by_kantz())
     )
 }
 
@@ -406,9 +406,9 @@ fn against_surrogates(test: &SurrogateTest) -> String {
         format!("{} to {}", short(low), short(high))
     };
     let verdict = if test.is_significant() {
-        "the series is told from linear noise"
+        "the series differs from linear noise"
     } else {
-        "the series is not told from linear noise: a positive exponent may be the noise's"
+        "the series does not differ from linear noise: a positive exponent may be the noise's"
     };
     format!(
         "Surrogates (amplitude-adjusted, {}): {verdict}, p = {:.3}; unpredicted part {} against \

@@ -132,7 +132,7 @@ fn embedding(embedded: &Embedded) -> Value {
 }
 
 fn diverging(divergence: &Divergence) -> Value {
-    let opinion = |exponent: Option<(f64, f64)>| {
+    let estimate = |exponent: Option<(f64, f64)>| {
         exponent.map(|(value, stderr)| json!({ "exponent": value, "stderr": stderr }))
     };
     let curve = |curve: &DivergenceCurve| {
@@ -150,8 +150,8 @@ fn diverging(divergence: &Divergence) -> Value {
         })
     };
     json!({
-        "rosenstein": opinion(divergence.by_rosenstein()),
-        "kantz": opinion(divergence.by_kantz()),
+        "rosenstein": estimate(divergence.by_rosenstein()),
+        "kantz": estimate(divergence.by_kantz()),
         "rosenstein_curve": curve(&divergence.rosenstein),
         "kantz_curves": divergence.kantz.iter().map(curve).collect::<Value>(),
     })
