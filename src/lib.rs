@@ -1,5 +1,4 @@
-//! The replication of one paper with the library [`stickslip`]: its figures, its claims, its
-//! readings.
+//! The replication of one paper with the library [`stickslip`]: its figures, claims and readings.
 
 pub mod figures;
 mod numbers;

@@ -1,10 +1,10 @@
-//! Records of an orbit of Figs. 10–12: states at equal intervals of time, and the section where the
-//! block turns back.
+//! Records of an orbit of Figs. 10–12: equidistant samples, and a Poincaré section at the block's
+//! turning points.
 
 use stickslip::models::BlockAndBracket;
 use stickslip::{Direction, EventFunctions, EventSearch, Options, Scalar, StepRecord};
 
-/// The block's velocity falls through zero.
+/// Event function: the block's velocity falls through zero.
 struct Turning;
 
 impl EventFunctions<4, 1> for Turning {
@@ -26,7 +26,7 @@ pub(crate) struct Turns<'a> {
 }
 
 impl<'a> Turns<'a> {
-    /// None yet, of a run with these options.
+    /// Empty, for a run with these options.
     pub(crate) fn new(model: &'a BlockAndBracket, options: &Options) -> Self {
         Turns {
             search: EventSearch::new(model, Turning, options),
@@ -34,7 +34,7 @@ impl<'a> Turns<'a> {
         }
     }
 
-    /// Looks for returns in the next step of the run.
+    /// Searches the next step of the run for returns.
     pub(crate) fn step(&mut self, step: &StepRecord<4>) {
         let found = self.search.in_step(step);
         self.points
@@ -42,7 +42,7 @@ impl<'a> Turns<'a> {
     }
 }
 
-/// States at equal times.
+/// States at equidistant times.
 pub(crate) struct Samples {
     from: f64,
     dt: f64,
@@ -51,7 +51,7 @@ pub(crate) struct Samples {
 }
 
 impl Samples {
-    /// None yet, of at most so many from a time on.
+    /// Empty, for at most `most` states from time `from` on.
     pub(crate) fn new(from: f64, dt: f64, most: usize) -> Self {
         Samples {
             from,
@@ -61,7 +61,7 @@ impl Samples {
         }
     }
 
-    /// Takes those that are due within the next step of the run.
+    /// Takes the samples that are due within the next step of the run.
     pub(crate) fn step(&mut self, step: &StepRecord<4>) {
         while self.states.len() < self.most {
             let t = self.from + self.states.len() as f64 / (1.0 / self.dt);

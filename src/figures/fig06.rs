@@ -15,7 +15,7 @@ use stickslip::models::friction::{Force, Friction};
 pub struct Graph {
     /// The law.
     pub law: Friction,
-    /// How `μ₀` is written, in markup.
+    /// `μ₀` in markup.
     pub mu0: &'static str,
     /// `(v, T)` in m/s and N, through the vertical part at `v = 0`.
     pub points: Vec<(f64, f64)>,
@@ -32,7 +32,7 @@ pub struct Data {
 
 /// Largest relative velocity shown, m/s.
 const V_MAX: f64 = 3.0;
-/// Points of a branch.
+/// Points per branch.
 const SAMPLES: u32 = 300;
 
 /// Fig. 6.
@@ -100,8 +100,8 @@ fn draw(data: &Data) -> Result<String, FigureError> {
         b.add(curve(graph, color, dash).legend(&format!("*δ* = {} s/m", graph.law.delta())));
     }
     for panel in [&mut a, &mut b] {
-        // Once more on top: all graphs share the vertical part, and dashes of others would show
-        // on it.
+        // Drawn again on top: all graphs share the vertical part, where dashes of the others would
+        // show.
         panel.add(curve(paper, LINES[1].0, LINES[1].1));
     }
     let title = "Friction force against relative velocity";
@@ -138,7 +138,7 @@ fn curve(graph: &Graph, color: Color, dash: Dash) -> Curve {
     curve.color(color).dash(dash).width(width)
 }
 
-/// The graph from left to right; at `v = 0` both ends of the vertical part.
+/// The graph from left to right, with both ends of the vertical part at `v = 0`.
 fn sample(law: &Friction) -> Vec<(f64, f64)> {
     let speed = |i: u32| V_MAX * f64::from(i) / f64::from(SAMPLES);
     let left = (1..=SAMPLES).rev().map(|i| -speed(i));

@@ -1,11 +1,11 @@
-//! The arithmetic of the Appendix's listing carried to systems of any dimension: the result for
-//! model 3 if it was run that way.
+//! The arithmetic of the Appendix's listing for systems of any dimension. It gives the result that
+//! model 3 would have if it was run that way.
 //!
-//! The paper prints a program for Model 2 only. This is the same scheme, defects and all, for a
-//! [`Filippov`] system whose boundary function is `x₂ − vp`: Runge–Kutta stages that overwrite
-//! their own start, so that a slip runs three times too fast; a Hénon step of the same kind onto Σ,
-//! taken from beyond it, away from it when coming from above, with 0.166666 for 1/6; a stick phase
-//! in which the rider moves with the belt at its own pace. See [`super::listing`] for the original.
+//! The paper prints a program for Model 2 only. This is the same scheme with its defects for a
+//! [`Filippov`] system whose boundary function is `x₂ − vp`. Runge–Kutta stages overwrite their own
+//! start, so a slip phase runs three times too fast. The Hénon step onto Σ has the same defect and
+//! starts beyond Σ. From above, it leads away from Σ; it takes 0.166666 for 1/6. In a stick phase
+//! the body moves with the belt at the correct speed. See [`super::listing`] for the original.
 
 use super::stages::{VELOCITY, in_time, in_velocity};
 use stickslip::system::components;
@@ -17,34 +17,35 @@ const SIXTH: f64 = 0.166666;
 /// Why the scheme cannot go on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lost {
-    /// A component passed the bound.
+    /// A component exceeded the bound.
     Escaped {
-        /// Clock at the last state within it.
+        /// Time of the last state within the bound.
         t: f64,
     },
-    /// A component is no number.
+    /// A component is not a number.
     BrokenDown {
-        /// Clock at the last state that was one.
+        /// Time of the last finite state.
         t: f64,
     },
 }
 
-/// The scheme on its way.
+/// The state of a run of the scheme.
 #[derive(Clone, Debug)]
 pub struct InPlace<S, const N: usize> {
     system: S,
     h: f64,
     bound: f64,
-    /// The clock.
+    /// Time.
     pub t: f64,
-    /// The state.
+    /// State.
     pub x: State<N>,
     mode: Mode,
 }
 
 impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
-    /// From `(0, x)`, with step `h`, until a component exceeds `bound`. A start on Σ sticks if both
-    /// fields push towards it, and goes to the side above otherwise, as in the listing.
+    /// Starts at `(0, x)` with step `h`. The run fails when a component exceeds `bound`. A start on
+    /// Σ sticks if both fields push towards it. Otherwise it goes to the side above, as in the
+    /// listing.
     pub fn start(system: S, x: State<N>, h: f64, bound: f64) -> Self {
         let mut scheme = InPlace {
             system,
@@ -95,7 +96,7 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
             self.x = moved;
             return;
         }
-        // Back onto Σ from below; from above the listing has the sign wrong.
+        // Back onto Σ from below. From above, the listing has the wrong sign.
         let to_go = gap * if side == Side::Below { -1.0 } else { 1.0 };
         let slope = |t: f64, x: &State<N>| {
             let f = State::from(system.field(side, t, components(x)));
@@ -141,7 +142,7 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
     }
 }
 
-/// Filippov's combination of the fields that keeps the velocity.
+/// Filippov's convex combination of the fields, which keeps the velocity constant.
 fn sliding<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<N>) -> State<N> {
     let velocity = |side| State::from(system.field(side, t, components(x)));
     let (below, above) = (velocity(Side::Below), velocity(Side::Above));

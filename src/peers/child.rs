@@ -1,10 +1,10 @@
-//! The peers: a process that solves the same problems with other people's solvers and answers line
-//! by line, so that rounds of theirs and of ours alternate.
+//! A process that solves the same problems with other solvers. It answers line by line, so that
+//! rounds of both programs alternate.
 //!
-//! Commands, one a line: `prepare PROBLEM`, `time INDEX SECONDS`. Answers, any number of lines and
-//! then `done`: `version,PACKAGE,NUMBER` (to the first command),
-//! `curve,INDEX,SOLVER,SETTING,TOLERANCE,COMPILE_S,EVENTS`,
-//! `cannot,SOLVER,SETTING,TOLERANCE,REASON`, and to the second `seconds,INDEX,PER_CALL`.
+//! Commands, one per line: `prepare PROBLEM`, `time INDEX SECONDS`. An answer is any number of
+//! lines and then `done`. The first command is answered by `version,PACKAGE,NUMBER`,
+//! `curve,INDEX,SOLVER,SETTING,TOLERANCE,COMPILE_S,EVENTS` and
+//! `cannot,SOLVER,SETTING,TOLERANCE,REASON`; the second by `seconds,INDEX,PER_CALL`.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
@@ -17,23 +17,23 @@ use super::row::Row;
 /// A line of an answer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Answer {
-    /// A package in use, and its version.
+    /// A package in use and its version.
     Version(String, String),
-    /// A solver with a setting, run once: the number by which it is timed, its row as far as it is
-    /// known, the events it found.
+    /// A solver with a setting, run once: the index by which it is timed, its row so far, and its
+    /// events.
     Curve(usize, Row, Vec<Event>),
-    /// A solver that cannot solve the problem, or did not.
+    /// A solver that cannot solve the problem, or failed.
     Cannot(Row),
-    /// Time of a call (s), and of which curve.
+    /// Index of a curve and time of a call (s).
     Seconds(usize, f64),
     /// End of the answer.
     Done,
 }
 
-/// Reads a line.
+/// Parses a line.
 ///
 /// # Errors
-/// What is wrong with it, in words.
+/// A description of the fault.
 pub fn parse(line: &str) -> Result<Answer, String> {
     let count = match line.split(',').next() {
         Some("version" | "seconds") => 3,
@@ -88,7 +88,7 @@ fn positive(text: &str) -> Result<f64, String> {
     number(text, |value| value > 0.0, " is not greater than 0")
 }
 
-/// A finite number that is allowed, or what is wrong with it.
+/// A finite number that is allowed, or a description of the fault.
 fn number(text: &str, is_allowed: fn(f64) -> bool, fault: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && is_allowed(value) => Ok(value),
@@ -97,7 +97,7 @@ fn number(text: &str, is_allowed: fn(f64) -> bool, fault: &str) -> Result<f64, S
     }
 }
 
-/// The running process; it ends when this is dropped.
+/// The running process. It ends when this is dropped.
 #[derive(Debug)]
 pub struct Peers {
     child: Child,
@@ -107,7 +107,7 @@ pub struct Peers {
 }
 
 impl Peers {
-    /// Starts `python` with the script `peers.py` in `scripts`; the problems are read from
+    /// Starts `python` with the script `peers.py` in `scripts`. The problems are read from
     /// `problems`.
     ///
     /// # Errors
@@ -166,7 +166,7 @@ impl Peers {
         }
     }
 
-    /// Time of a call of a curve (s), from as many calls as take about `batch` seconds.
+    /// Time of a call of a curve (s), averaged over as many calls as take about `batch` seconds.
     ///
     /// # Errors
     /// As [`Peers::ask`].
@@ -191,7 +191,7 @@ impl Drop for Peers {
     fn drop(&mut self) {
         // The process exits at the end of its input.
         self.input = None;
-        // It may have exited already, in which case there is nothing to wait for.
+        // If it has already exited, the error does not matter.
         let _ = self.child.wait();
     }
 }

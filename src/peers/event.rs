@@ -1,4 +1,4 @@
-//! Lists of events and how far one is from another.
+//! Lists of events and the differences between them.
 
 use std::str::FromStr;
 
@@ -7,7 +7,7 @@ use crate::numbers::largest;
 use crate::text::described;
 
 described! {
-    /// What happened.
+    /// Kind of an event.
     Kind: &'static str as name {
         /// From slip to slip through Σ.
         Crossing = "crossing",
@@ -32,16 +32,16 @@ impl FromStr for Kind {
 /// An event.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
-    /// What happened.
+    /// Kind.
     pub kind: Kind,
-    /// When.
+    /// Time.
     pub t: f64,
 }
 
 impl FromStr for Event {
     type Err = String;
 
-    /// As in `crossing@0.953`.
+    /// Format: `crossing@0.953`.
     fn from_str(text: &str) -> Result<Self, String> {
         let (kind, t) = text
             .split_once('@')
@@ -54,10 +54,10 @@ impl FromStr for Event {
     }
 }
 
-/// Largest error of an event time; why there is none if the lists are not of the same events.
+/// Largest error of an event time, or the reason why the lists do not have the same events.
 ///
 /// # Errors
-/// In words, for the column `note`.
+/// A description for the column `note`.
 pub fn error(events: &[Event], reference: &[Event]) -> Result<f64, String> {
     let (found, wanted) = (events.len(), reference.len());
     if found != wanted {
@@ -75,8 +75,8 @@ pub fn error(events: &[Event], reference: &[Event]) -> Result<f64, String> {
     Ok(largest(pairs.map(|(one, other)| (one.t - other.t).abs())))
 }
 
-/// Reads the file of a problem: `problem,event,kind,t,…`. Times have 30 decimals there; the nearest
-/// doubles are kept, so that an error below half a unit in the last place of a time cannot be told.
+/// Reads the file of a problem: `problem,event,kind,t,…`. It has times to 30 decimals. They are
+/// rounded to doubles, so that errors below half a unit in the last place are not seen.
 pub(super) fn parse(problem: &'static str, text: &str) -> Result<Vec<Event>, PeersError> {
     let wrong = |line: usize, cause: String| PeersError::Reference {
         problem,
@@ -110,7 +110,7 @@ mod tests {
     use crate::peers::problem::{Problem, System, problems};
     use stickslip::filippov::{Method, Options};
 
-    /// Our events and the reference's, of every problem in turn.
+    /// Our events and the reference's, for every problem.
     fn solved(options: &Options) -> Vec<(Problem, Vec<Event>, Vec<Event>)> {
         let problems = problems().unwrap();
         let solve = |problem: Problem| {
@@ -124,9 +124,9 @@ mod tests {
 
     #[test]
     fn slopes_meet_every_reference() {
-        // What is measured at a tolerance of 1e-12. The first problem enlarges errors of its start
-        // a thousandfold; with the moving boundary the solution is straight between events, and one
-        // rounding of a time is left.
+        // Errors measured at a tolerance of 1e-12. The first problem amplifies errors of its start
+        // a thousandfold. With the moving boundary the solution is linear between events, so that
+        // one rounding error of a time remains.
         let measured = [
             ("belt_sensitive", 6.9e-10),
             ("belt_periodic", 1.3e-12),
@@ -142,18 +142,19 @@ mod tests {
             assert_eq!(problem.name, name);
             let found = error(events, reference).unwrap();
             assert!(found < 3.0 * measured, "{name}: {found:e}");
-            // Or the number above is stale, and three times it is no bound.
+            // Otherwise the number above is outdated, and three times it is not a bound.
             assert!(found > measured / 3.0, "{name}: only {found:e}");
         }
     }
 
     #[test]
     fn series_meet_every_reference_to_the_last_digits() {
-        // In units in the last place of each event's own time: one where both roundings, the
-        // reference's and ours, are all that is left. The first event of `decay`, at 0.24, is a sum
-        // whose terms have a larger unit than it has. The first problem enlarges roundings to what
-        // is chance: from the starts one unit away it was 1, 19 or 96 by one order of additions,
-        // 49, 69 or 101 by another. So the worst of all these starts is what is held here.
+        // In units in the last place of each event's own time. One unit means that only the
+        // rounding errors of the reference and of ours remain. The first event of `decay`, at 0.24,
+        // is a sum of terms with a larger unit than its own. The first problem amplifies rounding
+        // errors at random: for starts one unit apart the error was 1, 19 or 96 with one order of
+        // additions, and 49, 69 or 101 with another. So the maximum over all these starts is
+        // tested.
         let measured = [
             ("belt_sensitive", 101.0),
             ("belt_periodic", 1.0),
@@ -172,7 +173,7 @@ mod tests {
             let worst = nearby(&problem).into_iter().map(|problem| {
                 let mut events = Vec::new();
                 problem.solve(&options, &mut events).unwrap();
-                // That they are the same events.
+                // The events are the same.
                 error(&events, &reference).unwrap();
                 let units = events.iter().zip(&reference).map(|(one, other)| {
                     let unit = other.t.next_up() - other.t;
@@ -186,7 +187,7 @@ mod tests {
         }
     }
 
-    /// The problem, and if it is model 1 those whose starts are one unit in the last place away.
+    /// The problem and, for model 1, the problems whose starts are one unit in the last place away.
     fn nearby(problem: &Problem) -> Vec<Problem> {
         let System::Belt(system, [x, v]) = problem.system else {
             return vec![*problem];
@@ -205,14 +206,14 @@ mod tests {
         starts.into_iter().map(from).collect()
     }
 
-    /// Fields of a model by their names.
+    /// Fields of a model by name.
     macro_rules! fields {
         ($model:ident: $($field:ident),*) => {
             vec![$((stringify!($field), $model.$field)),*]
         };
     }
 
-    /// The numbers that the other programs read are those of our models, to the last bit.
+    /// The numbers that the other programs read equal those of our models to the last bit.
     #[test]
     fn the_problems_for_others_are_ours() {
         let text = include_str!("../../data/references/problems.json");

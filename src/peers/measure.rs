@@ -1,4 +1,4 @@
-//! Errors once, times in alternating rounds.
+//! Errors are measured once, times in alternating rounds.
 
 use std::hint::black_box;
 use std::process::{Command, Stdio};
@@ -12,25 +12,25 @@ use super::problem::{Problem, SOLVERS, Solver};
 use super::row::Row;
 use crate::numbers::median;
 
-/// A sample is the mean over as many calls as take this long (s), thousands of times the clock's
-/// resolution.
+/// A sample is the mean over as many calls as take this long (s). That is thousands of times the
+/// clock's resolution.
 const BATCH: f64 = 5e-3;
-/// A row that has taken longer than this (s) gets no further rounds once it has `ENOUGH`: a median
-/// of three leaves an outlier out.
+/// A row that has taken longer than this (s) gets no further rounds once it has `ENOUGH`. A median
+/// of three excludes an outlier.
 const PATIENCE: f64 = 10.0;
 const ENOUGH: usize = 3;
 
-/// Who is timed for a row.
+/// The solver that is timed for a row.
 enum Timed {
     Ours(&'static Solver, f64),
     Theirs(usize),
     Nobody,
 }
 
-/// Everything measured on one problem but whole processes, one after the other in every round.
+/// All measurements on one problem except whole processes. The solvers alternate in every round.
 ///
 /// # Errors
-/// A problem without reference, peers that do not answer. A solver that fails on a problem only
+/// A problem without reference; peers that do not answer. If a solver fails on a problem, its row
 /// gets a note.
 pub fn problem(
     problem: &Problem,
@@ -82,7 +82,7 @@ fn ours(problem: &Problem, reference: &[Event]) -> Vec<(Row, Timed)> {
                 solver: solver.name.into(),
                 setting: "rtol = atol".into(),
                 tolerance: Some(tolerance),
-                // Compiled before it ever started.
+                // Compiled in advance.
                 compile: Some(0.0),
                 ..Row::default()
             };
@@ -103,7 +103,7 @@ fn ours(problem: &Problem, reference: &[Event]) -> Vec<(Row, Timed)> {
     entries
 }
 
-/// The row with its events compared with those of the reference.
+/// The row with the error of its events against those of the reference.
 fn judged(mut row: Row, events: &[Event], reference: &[Event]) -> Row {
     row.events = Some(events.len());
     match error(events, reference) {
@@ -113,7 +113,7 @@ fn judged(mut row: Row, events: &[Event], reference: &[Event]) -> Row {
     row
 }
 
-/// Seconds per run of ours.
+/// Seconds per run of our solver.
 fn time(problem: &Problem, solver: &Solver, tolerance: f64) -> Result<f64, PeersError> {
     let options = solver.options(tolerance);
     let mut events = Vec::new();
@@ -130,8 +130,8 @@ fn time(problem: &Problem, solver: &Solver, tolerance: f64) -> Result<f64, Peers
     }
 }
 
-/// Times whole processes, each of which starts, compiles and solves once, for the most accurate row
-/// of every solver, in alternation.
+/// Times whole processes in alternation, for the most accurate row of every solver. Each process
+/// starts, compiles and solves once.
 ///
 /// # Errors
 /// [`PeersError::Start`], [`PeersError::Process`].

@@ -1,5 +1,5 @@
-//! The program `peers`: work and precision of our solvers beside other common ones, on problems
-//! with known event times.
+//! The program `peers`: work–precision measurements of our solvers and other common ones, on
+//! problems with known event times.
 
 mod child;
 mod compare;
@@ -153,8 +153,7 @@ struct All {
     pub folders: Folders,
 }
 
-/// Everything the program does. Exit code 0 on success, 1 if something failed, 2 for a wrong
-/// command line.
+/// The program. Exit code 0 on success, 1 on failure, 2 for a wrong command line.
 pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let outcome = match &arguments.command {
@@ -168,7 +167,7 @@ pub fn main() -> ExitCode {
 /// Measures, compares, draws and writes; returns the text to print.
 ///
 /// # Errors
-/// Whatever one of these runs into. Files are written last, so an error leaves none behind.
+/// The error of the step that fails. Files are written last, so an error leaves none behind.
 fn run(all: &All) -> Result<String, PeersError> {
     let chosen = match &all.problems[..] {
         [] => problems()?,
@@ -207,7 +206,7 @@ fn run(all: &All) -> Result<String, PeersError> {
     Ok(text + &written)
 }
 
-/// The process that solves the problem of a row once by its solver, if there is one here.
+/// The command that solves the problem of a row once with its solver, if there is one here.
 fn once(all: &All, ours: &Path, row: &Row) -> Option<Command> {
     let mut command;
     if SOLVERS.iter().any(|solver| solver.name == row.solver) {
@@ -238,7 +237,7 @@ fn head(all: &All, versions: &[(String, String)]) -> String {
 
 fn write(all: &All, rows: &[Row], text: &str, problems: &[Problem]) -> Result<String, PeersError> {
     let table = row::csv(rows);
-    // From the digits that the table has, so that picture and README can be written from it again.
+    // The rows as the table has them, so that picture and README can be regenerated from it.
     let rows = row::read(&table, problems)?;
     let svg = draw::draw(&rows, problems)?;
     let tables = [
@@ -248,15 +247,14 @@ fn write(all: &All, rows: &[Row], text: &str, problems: &[Problem]) -> Result<St
     let mut paths = output::write_all(&all.folders.report_dir, &tables)?;
     let picture = Artifact::text("bench.svg", svg);
     paths.extend(output::write_all(&all.folders.figures_dir, &[picture])?);
-    // A part of the problems, or ours alone, says nothing of the table there.
+    // Some of the problems, or our solvers alone, do not make the whole table.
     if all.problems.is_empty() && all.python.is_some() {
         paths.extend(write_page(&all.folders, &rows)?);
     }
     Ok(output::listing(&paths))
 }
 
-/// The figure from the table of an earlier run: after a change of the drawing nothing need be
-/// measured again.
+/// Draws the figure from the table of an earlier run, without measuring again.
 fn redraw(folders: &Folders) -> Result<String, PeersError> {
     let path = folders.report_dir.join("bench.csv");
     let table = std::fs::read_to_string(&path).map_err(|source| PeersError::Input {
@@ -273,8 +271,7 @@ fn redraw(folders: &Folders) -> Result<String, PeersError> {
     Ok(output::listing(&paths))
 }
 
-/// The page of speeds gets the measurements that are written into the project's own folder of
-/// tables.
+/// Updates the page of speeds, if the tables are written into the project's own folder.
 fn write_page(folders: &Folders, rows: &[Row]) -> Result<Vec<PathBuf>, PeersError> {
     let top = Path::new("");
     let text = std::fs::read_to_string(top.join(SPEED_PAGE)).ok();
@@ -286,9 +283,9 @@ fn write_page(folders: &Folders, rows: &[Row]) -> Result<Vec<PathBuf>, PeersErro
 }
 
 const SPEED_PAGE: &str = "docs/speed.md";
-/// Where the project keeps its tables, and the default of `--report-dir`.
+/// The project's folder of tables, and the default of `--report-dir`.
 const TABLES: &str = "report";
-/// The solver of ours that the page of speeds compares with.
+/// Our solver in the page of speeds.
 const OURS: &str = "stickslip Taylor";
 
 fn solve_one(one: &One) -> Result<String, PeersError> {

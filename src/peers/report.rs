@@ -5,7 +5,7 @@ use super::row::Row;
 use crate::numbers::median;
 use crate::text::{Marks, distinct};
 
-/// A time in the unit that suits it.
+/// A time in a suitable unit.
 pub fn duration(seconds: f64) -> String {
     let (value, unit) = match seconds {
         s if s < 1e-3 => (s * 1e6, "µs"),
@@ -92,14 +92,14 @@ fn processes(rows: &[Row], ours: &[&str]) -> String {
     format!("\nWhole processes: start, compile, run once with the most accurate setting\n{text}")
 }
 
-/// Where they stand in the page of speeds.
+/// Markers of the table in the page of speeds.
 pub const MARKS: Marks = Marks {
     begin: "<!-- speed: written by `make bench-peers` -->\n",
     end: "<!-- end of speed -->\n",
 };
 
-/// For each peer how many times our time it takes, least and most over the problems, against one of
-/// our solvers.
+/// A table with a line for each peer: the ratio of its time to that of our solver, smallest and
+/// largest over the problems.
 pub fn block(rows: &[Row], ours: &str) -> String {
     let all = ratios(rows, &[ours]);
     let peers = all.iter().map(|one| one.peer.as_str());
@@ -128,7 +128,7 @@ pub fn block(rows: &[Row], ours: &str) -> String {
     text
 }
 
-/// How the names of our own solvers begin.
+/// Prefix of the names of our solvers.
 const OWN: &str = "stickslip";
 
 #[cfg(test)]
@@ -149,7 +149,7 @@ mod tests {
         let page = include_str!("../../docs/speed.md");
         let written = MARKS.put(page, &block(&rows, OURS)).unwrap();
         assert!(written == page, "run `peers redraw`");
-        // Another measurement is another table.
+        // Another measurement gives another table.
         let mut other = rows.clone();
         for row in other.iter_mut().filter(|row| row.solver == "heyoka") {
             row.seconds.iter_mut().for_each(|seconds| *seconds *= 2.0);

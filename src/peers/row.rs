@@ -1,4 +1,4 @@
-//! What was measured of one solver at one setting on one problem.
+//! Measurements of one solver at one setting on one problem.
 
 use std::str::FromStr;
 
@@ -16,13 +16,13 @@ pub struct Row {
     pub problem: &'static str,
     /// Setting, in words.
     pub setting: String,
-    /// Tolerance, or step where that is fixed.
+    /// Tolerance, or the step if that is fixed.
     pub tolerance: Option<f64>,
-    /// Largest error of an event time; none if the events are not those of the reference.
+    /// Largest error of an event time; `None` if the events differ from those of the reference.
     pub error: Option<f64>,
-    /// Events found.
+    /// Number of events.
     pub events: Option<usize>,
-    /// Time of a run in each round (s), compiled and warm.
+    /// Time of a run in each round (s), after compilation and warm-up.
     pub seconds: Vec<f64>,
     /// Time to compile (s), not part of `seconds`.
     pub compile: Option<f64>,
@@ -32,7 +32,7 @@ pub struct Row {
     pub note: String,
 }
 
-/// The file's head.
+/// Header of the file.
 const HEAD: [&str; 11] = [
     "solver",
     "problem",
@@ -70,11 +70,11 @@ pub fn csv(rows: &[Row]) -> String {
     text::csv(head.chain(rows.iter().map(record)))
 }
 
-/// The rows of such a CSV, each with its median in the place of its rounds.
+/// Parses such a CSV. Each row has its median in place of its rounds.
 ///
 /// # Errors
-/// [`PeersError::Table`] with the line that is not as [`csv`] writes it, or that is of none of the
-/// problems.
+/// [`PeersError::Table`] with the line that is not as [`csv`] writes it, or that names an unknown
+/// problem.
 pub fn read(text: &str, problems: &[Problem]) -> Result<Vec<Row>, PeersError> {
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
@@ -108,7 +108,7 @@ pub fn read(text: &str, problems: &[Problem]) -> Result<Vec<Row>, PeersError> {
             tolerance: number(3)?,
             error: number(4)?,
             events: filled(cells[5], "count").map_err(wrong)?,
-            // The shortest of the rounds, which follows, is not kept.
+            // The column after the median, the shortest round, is not kept.
             seconds: number(6)?.into_iter().collect(),
             compile: number(8)?,
             process: number(9)?,
@@ -118,7 +118,7 @@ pub fn read(text: &str, problems: &[Problem]) -> Result<Vec<Row>, PeersError> {
     Ok(rows)
 }
 
-/// What a cell holds; nothing if it is empty.
+/// The value of a cell; `None` if it is empty.
 fn filled<T: FromStr>(cell: &str, what: &str) -> Result<Option<T>, String> {
     let read = (!cell.is_empty()).then(|| cell.parse());
     read.transpose()
@@ -157,7 +157,7 @@ mod tests {
         let rows = read(text, &problems).unwrap();
         assert!(rows.len() > 100);
         let shortest = HEAD.iter().position(|name| *name == "min_s").unwrap();
-        // The shortest of the rounds is not kept: that column has the median again.
+        // The shortest round is not kept: that column has the median again.
         for (one, other) in csv(&rows).lines().zip(text.lines()).skip(1) {
             let apart = |line: &str| -> Vec<String> {
                 let mut reader = csv::ReaderBuilder::new()

@@ -1,4 +1,4 @@
-//! The committed search, `golden/readings.csv`: its results for the report, and the identity of the
+//! The committed search, `golden/readings.csv`: its results for the report, and the hash of the
 //! file.
 
 use sha2::{Digest, Sha256};
@@ -12,7 +12,7 @@ use super::table::Row;
 
 /// The committed table of all readings.
 const TABLE: &str = include_str!("../../golden/readings.csv");
-/// Its place in the project.
+/// Its path in the project.
 const FILE: &str = "golden/readings.csv";
 
 /// The results of the committed search.
@@ -20,40 +20,40 @@ const FILE: &str = "golden/readings.csv";
 pub struct Committed {
     /// The file.
     pub file: &'static str,
-    /// SHA-256 of its content, in hexadecimal digits.
+    /// SHA-256 of its content, in hexadecimal.
     pub sha256: String,
     /// Configurations tried: readings × integrators × settings of the estimator.
     pub configurations: usize,
-    /// Of these the ones whose reading keeps all three motions.
+    /// Among these, those whose reading keeps all three motions.
     pub kept: usize,
-    /// Of these the ones with all three kinds of motion: no other is ranked.
+    /// Among these, those with all three kinds of motion. No others are ranked.
     pub ranked: usize,
-    /// From how many readings, integrators and settings of the estimator the ranked ones come.
+    /// Numbers of readings, integrators and settings of the estimator among the ranked
+    /// configurations.
     pub ranked_from: [usize; 3],
     /// Pairs of reading and integrator, by class.
     pub pairs: Pairs,
-    /// By how many configurations that keep all three motions each published exponent is met to
-    /// the printed digits.
+    /// Number of configurations that keep all three motions and match a published exponent to the
+    /// printed digits, for each exponent.
     pub digits: [[usize; 4]; 3],
-    /// How near the configurations that keep all three motions come to all twelve exponents
-    /// together, and how near the ranked ones.
+    /// Distance of configurations from all twelve exponents together: those that keep all three
+    /// motions, and the ranked ones.
     pub together: [Level; 2],
-    /// How near the nearest of all configurations comes to each figure by itself, and which that
-    /// is.
+    /// For each figure alone, the distance of the nearest configuration, and that configuration.
     pub alone: [(Level, Match); 3],
     /// A row of each pair of reading and integrator, for its motions.
     pub motions: Vec<Row>,
-    /// How often targets drawn for an exponent are met by as many of these configurations as the
-    /// published one. Nothing where none meets it.
+    /// Fraction of random targets for an exponent that are matched by as many of these
+    /// configurations as the published one. `None` where none matches it.
     pub digits_by_random_targets: [[Option<Share>; 4]; 3],
-    /// What the settings that the paper does not state make of each exponent of each figure, for
+    /// Values of each exponent of each figure over the settings that the paper does not state, for
     /// the recommended reading.
     pub spread: [[ExponentSpread; 4]; 3],
-    /// How many of these settings bear out what Sect. 5.2 says.
+    /// Number of these settings that confirm the statements of Sect. 5.2.
     pub borne_out: BorneOut,
 }
 
-/// A row with its three motions in words, of an escape with its time.
+/// A row with its three motions in words, and with the time of an escape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Match {
     /// The row.
@@ -66,8 +66,8 @@ impl Committed {
     /// Reads the table.
     ///
     /// # Errors
-    /// [`ReadingsError::Incomplete`] if a configuration of the full search is missing or was made
-    /// with other settings; [`ReadingsError::Published`].
+    /// [`ReadingsError::Incomplete`] if a configuration of the full search is missing or has other
+    /// settings; [`ReadingsError::Published`].
     pub fn read() -> Result<Committed, ReadingsError> {
         Committed::of(TABLE)
     }
@@ -124,7 +124,7 @@ impl Committed {
         })
     }
 
-    /// The file with the beginning of its hash, as it stands beside a number taken from it.
+    /// The path and the first digits of the hash, for citation beside a number.
     pub fn cited(&self) -> String {
         format!("{}, SHA-256 {}…", self.file, &self.sha256[..16])
     }
@@ -135,7 +135,7 @@ mod tests {
     use super::*;
     use crate::readings::plan::{of_spread, spread_settings};
 
-    /// Of the settings of the spread one in so many is computed anew, from the first on.
+    /// Of the settings of the spread, one in so many is recomputed, starting with the first.
     const EVERY: usize = 15;
 
     #[test]

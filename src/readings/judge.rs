@@ -1,5 +1,5 @@
-//! Distances of rows from the published exponents, and the number of rows that confirm what is
-//! published.
+//! Distances of rows from the published exponents, and counts of rows that confirm published
+//! values.
 
 use std::collections::BTreeSet;
 
@@ -8,7 +8,7 @@ use super::table::{Row, Twelve, Verdict};
 use crate::numbers::{extent, median};
 use stickslip_series::Status;
 
-/// Root mean square of the differences of some figures (0, 1, 2).
+/// Root mean square of the differences over some figures (0, 1, 2).
 pub fn distance(values: &Twelve, wanted: &Twelve, figures: &[usize]) -> f64 {
     let square = |(value, wanted): (&f64, &f64)| {
         let difference = (value - wanted).abs() / (wanted.abs() + FLOOR);
@@ -20,27 +20,27 @@ pub fn distance(values: &Twelve, wanted: &Twelve, figures: &[usize]) -> f64 {
     (sum / (4 * figures.len()) as f64).sqrt()
 }
 
-/// Distances of the three figures, and of all.
+/// Distances for each of the three figures, and for all.
 pub fn scores(values: &Twelve, wanted: &Twelve) -> [f64; 4] {
     [&[0][..], &[1], &[2], &[0, 1, 2]].map(|figures| distance(values, wanted, figures))
 }
 
-/// Rows of a search, by what they count for.
+/// Rows of a search, by role.
 pub struct Rows<'a> {
-    /// Those that compete.
+    /// Rows that compete.
     pub search: Vec<&'a Row>,
-    /// Of these the ones whose reading keeps all three motions.
+    /// Among these, those whose reading keeps all three motions.
     pub kept: Vec<&'a Row>,
-    /// Of these the ones with all three kinds of motion: no other is ranked.
+    /// Among these, those with all three kinds of motion. No others are ranked.
     pub ranked: Vec<&'a Row>,
-    /// One for each pair of reading and integrator: its motions do not depend on the estimator.
+    /// One row for each pair of reading and integrator. Its motions do not depend on the estimator.
     pub pairs: Vec<&'a Row>,
     /// The recommended reading under all settings.
     pub recommended: Vec<&'a Row>,
 }
 
 impl<'a> Rows<'a> {
-    /// All of a table, in its order.
+    /// Sorts the rows of a table, in its order.
     pub fn of(rows: &'a [Row]) -> Rows<'a> {
         let of = |is: &dyn Fn(&Row) -> bool| rows.iter().filter(|row| is(row)).collect();
         let competes = |row: &Row| row.key[0] == SEARCH;
@@ -57,7 +57,7 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// From how many readings, integrators and settings rows come.
+/// Numbers of distinct readings, integrators and settings among the rows.
 pub fn sources(rows: &[&Row]) -> [usize; 3] {
     [1, 2, 3].map(|part| {
         let names: BTreeSet<&str> = rows.iter().map(|row| &*row.key[part]).collect();
@@ -76,20 +76,20 @@ pub fn sources_in_words([readings, integrators, settings]: [usize; 3]) -> String
     )
 }
 
-/// Of the settings tried for the recommended reading, how many bear out what Sect. 5.2 says of
-/// exponents. One of a size up to [`ZERO`] passes for zero.
+/// Number of settings, tried with the recommended reading, that confirm the statements of Sect. 5.2
+/// on exponents. An exponent of size up to [`ZERO`] counts as zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BorneOut {
-    /// Each figure has an exponent that is zero.
+    /// Each figure has a zero exponent.
     pub zero: usize,
-    /// The first two of Fig. 11 are.
+    /// The first two exponents of Fig. 11 are zero.
     pub two_zeros: usize,
-    /// The first of Fig. 12 is positive.
+    /// The first exponent of Fig. 12 is positive.
     pub positive: usize,
 }
 
 impl BorneOut {
-    /// Of some rows.
+    /// Counts over some rows.
     pub fn count(rows: &[&Row]) -> BorneOut {
         let with =
             |is: &dyn Fn(&Twelve) -> bool| rows.iter().filter(|row| is(&row.exponents)).count();
@@ -102,26 +102,27 @@ impl BorneOut {
     }
 }
 
-/// Pairs of reading and integrator. Each has one class for each figure, whatever the estimator.
+/// Pairs of reading and integrator. Each pair has one class for each figure, whatever the
+/// estimator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Pairs {
-    /// All.
+    /// Number of pairs.
     pub all: usize,
-    /// Those whose three motions stay bounded and can be followed.
+    /// Pairs whose three motions stay bounded and can be integrated.
     pub kept: usize,
-    /// Those with the captioned class of each figure; for Fig. 10 that is two-periodic.
+    /// Pairs with the captioned class, for each figure; for Fig. 10 that is two-periodic.
     pub class: [usize; 3],
-    /// Those with all three captioned classes.
+    /// Pairs with all three captioned classes.
     pub classes: usize,
-    /// Those with the captioned kind of motion of each figure: for Fig. 10 periodic with any number
-    /// of loops.
+    /// Pairs with the captioned kind of motion, for each figure. For Fig. 10 that is periodic with
+    /// any number of loops.
     pub kind: [usize; 3],
-    /// Those with all three captioned kinds.
+    /// Pairs with all three captioned kinds.
     pub kinds: usize,
 }
 
 impl Pairs {
-    /// Of one row for each pair.
+    /// Counts over one row for each pair.
     pub fn count(pairs: &[&Row]) -> Pairs {
         let with = |has: &dyn Fn(&Row) -> bool| pairs.iter().filter(|row| has(row)).count();
         Pairs {
@@ -135,7 +136,7 @@ impl Pairs {
     }
 }
 
-/// How many rows give the printed digits of exponent `k` of a figure, both from 0.
+/// Number of rows that give the printed digits of exponent `k` of a figure, both from 0.
 pub fn meeting(rows: &[&Row], (figure, k): (usize, usize), published: &Exponents) -> usize {
     let agrees = |row: &&&Row| published[figure][k].agrees(row.exponents[figure][k]);
     rows.iter().filter(agrees).count()
@@ -146,35 +147,35 @@ pub fn twelve<T>(of: impl Fn((usize, usize)) -> T) -> [[T; 4]; 3] {
     [0, 1, 2].map(|figure| [0, 1, 2, 3].map(|k| of((figure, k))))
 }
 
-/// What all settings make of one exponent.
+/// The results of all settings for one exponent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExponentSpread {
-    /// The finite values of the settings that identify it; nothing if there is none.
+    /// The finite values from settings that identify it; `None` if there is none.
     pub values: Option<Values>,
-    /// Settings tried.
+    /// Number of settings.
     pub settings: usize,
-    /// In how many the neighbours do not span the direction: the exponent is
+    /// Settings whose neighbours do not span the direction: the exponent is
     /// [`Status::Unidentified`].
     pub unidentified: usize,
-    /// In how many it is [`Status::Starved`] or [`Status::Unpredictable`].
+    /// Settings for which it is [`Status::Starved`] or [`Status::Unpredictable`].
     pub doubtful: usize,
-    /// How many give the published digits, identified or not.
+    /// Settings that give the published digits, identified or not.
     pub met: usize,
 }
 
 /// Finite values of an exponent (1/t).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Values {
-    /// The least.
+    /// Minimum.
     pub least: f64,
-    /// The median: of an even count the mean of the middle two.
+    /// Median; for an even count, the mean of the middle two.
     pub median: f64,
-    /// The largest.
+    /// Maximum.
     pub largest: f64,
 }
 
 impl ExponentSpread {
-    /// Of exponent `k` of a figure, both from 0.
+    /// For exponent `k` of a figure, both from 0.
     pub fn of(rows: &[&Row], (figure, k): (usize, usize), published: &Exponents) -> ExponentSpread {
         let having = |statuses: &[Status]| {
             let has = |row: &&&Row| statuses.iter().any(|s| s.word() == row.statuses[figure][k]);
@@ -209,7 +210,7 @@ mod tests {
     #[test]
     fn distances_are_those_of_the_formula_and_nothing_is_worse_than_the_cap() {
         let target = Plan::full().unwrap().target;
-        // One exponent of twelve off by half its size with the floor: the root of 0.25/12.
+        // One exponent of twelve is off by half its size with the floor: the root of 0.25/12.
         let mut off = target;
         off[2][0] += 0.5 * (target[2][0].abs() + FLOOR);
         let wanted = (0.25_f64 / 12.0).sqrt();

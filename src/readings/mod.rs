@@ -1,11 +1,11 @@
-//! The program `readings`: a search over how Figs. 10–12 of the paper can be read.
+//! The program `readings`: a search over interpretations of Figs. 10–12 of the paper.
 //!
-//! The paper prints Eq. (27)–(28) with signs that Newton's law does not allow, nine numbers without
-//! saying which is which, no settings of its estimator, and a program for another model. Every
+//! The paper prints Eq. (27)–(28) with signs that contradict Newton's law. It gives nine numbers
+//! without their names, no settings of its estimator, and a program for another model. Every
 //! combination tried is a row of a table, with its distance from the twelve published exponents. A
-//! reading that loses one of the three motions or gives it another kind is no match and is not
-//! ranked. What matters is the last part of the summary: how near other targets are met by the same
-//! search, and how far the estimator's settings alone move an exponent.
+//! reading that loses one of the three motions or changes its kind is not ranked. The last part of
+//! the summary decides. It says how near the same search comes to other targets, and how far the
+//! estimator's settings alone move an exponent.
 
 mod committed;
 mod error;
@@ -104,16 +104,15 @@ fn seconds(text: &str) -> Result<Duration, String> {
         .ok_or_else(|| "give a positive number of seconds, such as 300".into())
 }
 
-/// Everything the program does. Exit code 0 on success, 1 if something failed, 2 for a wrong
-/// command line.
+/// The program. Exit code 0 on success, 1 on failure, 2 for a wrong command line.
 pub fn main() -> ExitCode {
     terminal::finish("summary", run(&Arguments::parse()))
 }
 
-/// Searches, writes the table as it grows, then the summary, and returns that.
+/// Searches, writes the table as it grows, then the summary, and returns the summary.
 ///
 /// # Errors
-/// [`ReadingsError`] if a file cannot be read or written or threads cannot be started.
+/// [`ReadingsError`] if a file cannot be read or written, or threads cannot be started.
 pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
     let begin = Instant::now();
     let limit = arguments.time_limit;
@@ -123,7 +122,7 @@ pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
         false => Plan::full()?,
     };
     let store = Store::open(&plan, &arguments.out)?;
-    // A folder that cannot be written to is better known before the search.
+    // An unwritable folder is reported before the search.
     store.write()?;
     let pending = store.pending();
     let total = plan.groups.len();
@@ -133,14 +132,15 @@ pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
     let store = Mutex::new(store);
     let begun = AtomicBool::new(false);
     let work = || {
-        // One at a time, so that short and long ones spread evenly.
+        // One task at a time, so that short and long ones spread evenly.
         pending.par_iter().with_max_len(1).try_for_each(|&i| {
-            // One is begun whatever the limit, so that every call gets on.
+            // At least one task is done whatever the limit, so that repeated calls finish the
+            // search.
             if begun.swap(true, Ordering::Relaxed) && late() {
                 return Ok(());
             }
             let rows = search::group_rows(&plan.groups[i], &plan);
-            // A poisoned lock would mean a panic in between, which leaves rows whole all the same.
+            // After a panic elsewhere the lock is poisoned, but the rows are still complete.
             let added = store
                 .lock()
                 .unwrap_or_else(PoisonError::into_inner)
@@ -223,13 +223,13 @@ mod tests {
             .search
             .into_iter()
             .filter(|row| Group::recommended().has(row))
-            // The figures measure radii in the spread alone.
+            // The figures measure radii in units of the spread only.
             .filter(|row| !row.key[3].contains("absolute") && !row.key[3].contains("of ranges"))
             .collect();
         let best = summary::least(&search, Row::kinds_first).unwrap();
         let setting = (Unit::Spread, best_common());
         assert_eq!(best.key[3], plan::settings_name(&setting));
-        // The figures compute the same exponents anew, in the same order of size.
+        // The figures compute the same exponents, in the same order of size.
         for figure in 0..3 {
             let shown = committed(&format!("figures/fig{}.csv", figure + 10));
             let mut values: Vec<f64> = shown

@@ -1,4 +1,4 @@
-//! How near rows come to the published exponents, and how near to other targets.
+//! Distances of rows from the published exponents, compared with distances from other targets.
 
 use super::judge::distance;
 use super::plan::ZERO;
@@ -7,19 +7,20 @@ use crate::paper::published::HALF_DIGIT;
 use stickslip::math;
 use stickslip::statistics::SplitMix;
 
-/// Least and largest size of a negative exponent, a little wider than what is published. Its
-/// logarithm is drawn evenly.
+/// Smallest and largest size of a random negative exponent, a little wider than the published
+/// range. Its logarithm is uniform.
 pub const NEGATIVE: (f64, f64) = (0.003, 1.0);
-/// Least and largest positive exponent, around the published one. Its logarithm is drawn evenly.
+/// Smallest and largest random positive exponent, around the published one. Its logarithm is
+/// uniform.
 pub const POSITIVE: (f64, f64) = (0.001, 0.05);
-/// A match is rare if no more than this share of either kind of targets is met as well (%): the
-/// usual level of significance.
+/// Significance level (%). A match is rare if at most this share of either kind of targets is
+/// matched as well.
 const RARE: f64 = 5.0;
 
-/// Every run draws the same targets: the paper's year, volume and pages.
+/// Seed of the random targets, the same in every run: the paper's year, volume and pages.
 const SEED: u64 = 0x2013_0073_0723_0736;
 
-/// Draws targets.
+/// Generator of random targets.
 struct Targets(SplitMix);
 
 impl Targets {
@@ -27,7 +28,7 @@ impl Targets {
         Targets(SplitMix::new(SEED))
     }
 
-    /// With evenly distributed logarithm.
+    /// A number with uniform logarithm.
     fn logarithmic(&mut self, least: f64, most: f64) -> f64 {
         math::exp(math::ln(least) + self.0.uniform() * math::ln(most / least))
     }
@@ -47,7 +48,7 @@ impl Targets {
     }
 }
 
-/// The nearest row to a target in some of the figures (0, 1, 2), and its distance.
+/// The row nearest to a target in some of the figures (0, 1, 2), and its distance.
 pub fn nearest<'a>(
     rows: impl IntoIterator<Item = &'a Row>,
     target: &Twelve,
@@ -58,10 +59,10 @@ pub fn nearest<'a>(
         .min_by(|one, other| one.1.total_cmp(&other.1))
 }
 
-/// How many targets are met as well as the published exponents, or better.
+/// Number of targets matched at least as well as the published exponents.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Share {
-    /// Targets met.
+    /// Targets matched.
     pub met: usize,
     /// Targets tried.
     pub of: usize,
@@ -79,29 +80,30 @@ impl Share {
         100.0 * self.met as f64 / self.of.max(1) as f64
     }
 
-    /// The chance, in per cent, that the best of three figures is met so well (Šidák 1967).
+    /// The probability, in per cent, that the best of three figures is matched so well (Šidák
+    /// 1967).
     pub fn best_of_three(&self) -> f64 {
         let missed = 1.0 - self.percent() / 100.0;
         100.0 * (1.0 - missed * missed * missed)
     }
 }
 
-/// How near the rows come to the published exponents of some figures, and how near they come to
-/// other targets.
+/// Distance of the rows from the published exponents of some figures, compared with their distances
+/// from other targets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Level {
-    /// Distance of the nearest row to the published exponents.
+    /// Distance of the nearest row from the published exponents.
     pub published: f64,
     /// Random targets of the published classes.
     pub random: Share,
-    /// Spectra with the published pattern of signs, each met by rows of other readings than its
-    /// own. A reading that gives the same spectrum to the last bit is its own by another name, and
-    /// a target that leaves no other reading is none.
+    /// Spectra of other readings as targets: those with the published pattern of signs, each
+    /// matched by rows of other readings. A reading that gives the same spectrum to the last bit
+    /// counts as the same reading. A target without rows of other readings is skipped.
     pub readings: Share,
 }
 
 impl Level {
-    /// Of some rows, in some of the figures; `spectra` are the rows that give targets.
+    /// For some rows, in some of the figures. The rows `spectra` give the targets.
     pub fn of(
         rows: &[&Row],
         spectra: &[&Row],
@@ -132,8 +134,8 @@ impl Level {
         }
     }
 
-    /// Whether the published exponents are met better than nearly all other targets, one or three
-    /// figures having been looked at.
+    /// Whether the published exponents are matched better than nearly all other targets, when one
+    /// or three figures were tried.
     pub fn is_rare(&self, looks: usize) -> bool {
         let random = match looks {
             3 => self.random.best_of_three(),
@@ -143,8 +145,8 @@ impl Level {
     }
 }
 
-/// Whether the exponents have the signs of the target's. One of a size up to [`ZERO`] counts as
-/// zero, and its sign means nothing.
+/// Whether the exponents have the signs of the target's. One of size up to [`ZERO`] counts as zero
+/// and may have either sign.
 fn has_signs_of(row: &Row, target: &Twelve, figures: &[usize]) -> bool {
     figures.iter().all(|&f| {
         let mut pairs = row.exponents[f].iter().zip(&target[f]);
@@ -154,8 +156,7 @@ fn has_signs_of(row: &Row, target: &Twelve, figures: &[usize]) -> bool {
     })
 }
 
-/// Each figure by itself, exponents alone: its level among all rows, and the nearest of them.
-/// Nothing without rows.
+/// For each figure alone: its level among all rows, and the nearest row. `None` without rows.
 pub fn alone<'a>(
     search: &[&'a Row],
     target: &Twelve,
@@ -168,8 +169,8 @@ pub fn alone<'a>(
     Some([of(0)?, of(1)?, of(2)?])
 }
 
-/// Of the targets drawn for exponent `k` of a figure, how many are met to the printed digits by as
-/// many rows as `wanted`, or more.
+/// Number of random targets for exponent `k` of a figure that at least `wanted` rows match to the
+/// printed digits.
 pub fn digits(rows: &[&Row], (figure, k): (usize, usize), wanted: usize, draws: usize) -> Share {
     let mut targets = Targets::new();
     Share::count((0..draws).map(|_| {
@@ -205,17 +206,17 @@ mod tests {
             exponents: target.map(|four| four.map(|v| factor * v)),
             ..Row::empty(["search", reading, "exact", "s"].map(str::to_owned))
         };
-        // Nearer to each other than to the published, from which they are 10 % off.
+        // Nearer to each other than to the published exponents, from which they are 10 % off.
         let rows = [row("a", 0.9), row("b", 0.901), row("b", 0.901)];
         let all: Vec<&Row> = rows.iter().collect();
         let of = |rows: &[&Row]| Level::of(rows, rows, (&target, &[0, 1, 2]), 10).readings;
         assert_eq!(of(&all), Share { met: 3, of: 3 });
-        // The only reading has no other that could meet it, and is no target.
+        // A single reading has no other reading to match it, so it is not a target.
         assert_eq!(of(&all[1..]), Share { met: 0, of: 0 });
-        // Nor is the same spectrum under another name another reading.
+        // The same spectrum under another name is not another reading.
         let twin = row("c", 0.901);
         assert_eq!(of(&[&twin, all[1]]), Share { met: 0, of: 0 });
-        // Of another pattern of signs it is no target.
+        // A spectrum with another pattern of signs is not a target.
         let other = row("a", -0.9);
         assert_eq!(of(&[&other, all[1]]), Share { met: 0, of: 1 });
     }

@@ -1,4 +1,4 @@
-//! The table on disk: complete at any time, continued after a kill.
+//! The table on disk. It is complete at any time and is continued after a kill.
 
 use std::io::ErrorKind::{NotADirectory, NotFound};
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use output::{Artifact, write_all};
 /// Name of the table.
 pub const TABLE: &str = "readings.csv";
 
-/// The rows of every group, once it is done.
+/// The rows of every finished group.
 pub struct Store<'a> {
     plan: &'a Plan,
     folder: &'a Path,
@@ -20,21 +20,21 @@ pub struct Store<'a> {
 }
 
 impl<'a> Store<'a> {
-    /// What an earlier run has left in `folder`: whole groups only; a line that is cut short or
-    /// damaged counts for nothing.
+    /// Reads the results of an earlier run in `folder`. Only complete groups count; damaged lines
+    /// are ignored.
     ///
     /// # Errors
     /// [`ReadingsError::Read`], [`ReadingsError::OtherSearch`].
     pub fn open(plan: &'a Plan, folder: &'a Path) -> Result<Store<'a>, ReadingsError> {
         let path = folder.join(TABLE);
         let text = match std::fs::read(&path) {
-            // Bytes that are no text are damage, and the line they are in will not be understood.
+            // Invalid UTF-8 is damage: the line will not parse.
             Ok(bytes) => String::from_utf8_lossy(&bytes).into_owned(),
-            // Where it is no folder, making it will say so.
+            // If the path is not a folder, creating it will report that.
             Err(error) if matches!(error.kind(), NotFound | NotADirectory) => String::new(),
             Err(source) => return Err(ReadingsError::Read { path, source }),
         };
-        // Cut short within the heading: nothing is lost.
+        // Cut off within the heading: nothing is lost.
         if !plan.heading().starts_with(&text) {
             same_search(&text, plan, path)?;
         }
@@ -49,18 +49,18 @@ impl<'a> Store<'a> {
         Ok(Store { plan, folder, done })
     }
 
-    /// Indices of the groups that are still to be done.
+    /// Indices of the groups that are not done.
     pub fn pending(&self) -> Vec<usize> {
         let missing = |&i: &usize| self.done[i].is_none();
         (0..self.done.len()).filter(missing).collect()
     }
 
-    /// All rows there are, in the order of the plan.
+    /// All rows so far, in the order of the plan.
     pub fn rows(&self) -> Vec<Row> {
         self.done.iter().flatten().flatten().cloned().collect()
     }
 
-    /// Takes in a group and writes the table anew.
+    /// Adds a group and rewrites the table.
     ///
     /// # Errors
     /// [`ReadingsError::Write`].

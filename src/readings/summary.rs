@@ -45,7 +45,7 @@ fn tried(plan: &Plan, done: usize) -> String {
     text
 }
 
-/// What becomes of the three motions, and what each integrator makes of Fig. 11.
+/// The classes of the three motions, and Fig. 11 by each integrator.
 fn motions(pairs: &[&Row]) -> String {
     let Pairs {
         all,
@@ -91,7 +91,7 @@ fn motions(pairs: &[&Row]) -> String {
     )
 }
 
-/// The nearest of all rows to a figure, and whether it can count.
+/// The row nearest to a figure, and whether it can count.
 fn nearest(plan: &Plan, figure: usize, (level, row): (Level, &Row)) -> String {
     let (described, exponents) = (describe(row), exponents(row, &plan.target, figure));
     let percent = level.random.best_of_three();
@@ -137,7 +137,7 @@ fn best(plan: &Plan, kept: &[&Row]) -> String {
     both.into_iter().filter_map(of).collect()
 }
 
-/// The first of the rows with the least key.
+/// The first of the rows with the smallest key.
 pub fn least<'a, K: PartialOrd>(rows: &[&'a Row], key: impl Fn(&Row) -> K) -> Option<&'a Row> {
     let lesser = |one: &'a Row, other| if key(other) < key(one) { other } else { one };
     rows.iter().copied().reduce(lesser)
@@ -187,7 +187,7 @@ fn together(plan: &Plan, rows: &Rows) -> String {
     )
 }
 
-/// How well other targets are met.
+/// The level of a match among other targets.
 fn level_of(level: &Level) -> String {
     let Level {
         published,

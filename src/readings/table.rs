@@ -1,5 +1,5 @@
-//! The table of the search: one row for each configuration, with the classes and exponents that it
-//! gives the three figures.
+//! The table of the search: one row for each configuration, with the classes and exponents of the
+//! three figures.
 
 use std::fmt;
 use std::str::FromStr;
@@ -14,26 +14,26 @@ pub type Twelve = [[f64; 4]; 3];
 /// The captioned classes of Figs. 10–12.
 const PUBLISHED: [Class; 3] = [Class::Periodic(2), Class::QuasiPeriodic, Class::Chaotic];
 
-/// The verdict on an orbit.
+/// The outcome of an orbit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// It stayed; this is the class of its motion.
+    /// It stays bounded; the class of its motion.
     Motion(Class),
-    /// It diverged.
+    /// It diverges.
     Escaped,
-    /// It could not be followed.
+    /// It cannot be integrated.
     Failed,
 }
 
 impl Verdict {
-    /// Whether it is the class that the caption of figure 10, 11 or 12 (0, 1, 2) names, loops and
-    /// all.
+    /// Whether it is the class that the caption of figure 10, 11 or 12 (0, 1, 2) names, including
+    /// the number of loops.
     pub fn is_published(self, figure: usize) -> bool {
         self == Verdict::Motion(PUBLISHED[figure])
     }
 
-    /// Whether it is of that kind: periodic with any number of loops passes for Fig. 10's
-    /// "two-periodic". The search ranks by kind.
+    /// Whether it is of that kind: for Fig. 10's "two-periodic", periodic with any number of loops.
+    /// The search ranks by kind.
     pub fn is_of_kind(self, figure: usize) -> bool {
         match (self, PUBLISHED[figure]) {
             (Verdict::Motion(Class::Periodic(_)), Class::Periodic(_)) => true,
@@ -41,7 +41,7 @@ impl Verdict {
         }
     }
 
-    /// Whether the orbit stayed.
+    /// Whether the orbit stays bounded.
     pub fn stays(self) -> bool {
         matches!(self, Verdict::Motion(_))
     }
@@ -77,13 +77,13 @@ pub struct Row {
     /// Class of each figure's orbit.
     pub classes: [Verdict; 3],
     /// Half the extent of each figure's x₁, and the correlation dimension of its section; NaN where
-    /// there is none.
+    /// undefined.
     pub sizes: [[f64; 2]; 3],
-    /// Exponents, descending; NaN where there is none.
+    /// Exponents, descending; NaN where missing.
     pub exponents: Twelve,
-    /// Status of each.
+    /// Status of each exponent.
     pub statuses: [[&'static str; 4]; 3],
-    /// Distance from the published exponents: of each figure, and of all.
+    /// Distance from the published exponents, for each figure and for all.
     pub scores: [f64; 4],
 }
 
@@ -92,18 +92,18 @@ pub const NO_SERIES: &str = "no series";
 /// Why a figure has no exponents: its reading loses another figure, and its motion is not of the
 /// published kind.
 pub const LOST: &str = "reading lost";
-/// Why an exponent is not there: the estimator gives none.
+/// Why an exponent is missing: the estimator gives none.
 pub const NO_ESTIMATE: &str = "no estimate";
 const FIELDS: usize = 4 + 3 * 11 + 6;
 
-/// What becomes of the figures other than one (0, 1, 2), by their three motions in words.
+/// The motions of the other two figures in words; `figure` is 0, 1 or 2.
 pub fn others(motions: &[String; 3], figure: usize) -> String {
     let others = (0..3).filter(|f| *f != figure);
     let others = others.map(|f| format!("Fig. {} {}", f + 10, motions[f]));
     joined(others, ", ")
 }
 
-/// Nothing for NaN; other numbers read back to the same bits.
+/// Empty for NaN. Other numbers read back to the same bits.
 fn text(value: f64) -> String {
     match value.is_nan() {
         true => String::new(),
@@ -138,7 +138,7 @@ impl Row {
         }
     }
 
-    /// The table's second line.
+    /// The table's header.
     pub fn header() -> String {
         let mut text = String::from("part,reading,integrator,settings");
         for figure in 10..=12 {
@@ -175,13 +175,13 @@ impl Row {
         self.classes.iter().all(|class| class.stays())
     }
 
-    /// How many motions are of the published class ([`Verdict::is_published`]) or kind
+    /// Number of motions of the published class ([`Verdict::is_published`]) or kind
     /// ([`Verdict::is_of_kind`]).
     pub fn right(&self, is: fn(Verdict, usize) -> bool) -> usize {
         (0..3).filter(|&f| is(self.classes[f], f)).count()
     }
 
-    /// What the recommended row has least of: kinds of motion wrong, then distance of all
+    /// The key that the recommended row minimizes: wrong kinds of motion, then the distance of all
     /// exponents.
     pub fn kinds_first(&self) -> (usize, f64) {
         (3 - self.right(Verdict::is_of_kind), self.scores[3])
@@ -203,12 +203,12 @@ impl Row {
         fields.join(",") + "\n"
     }
 
-    /// Classes and kinds that are right, as they stand in the table.
+    /// Numbers of right classes and kinds, as in the table.
     fn rights(&self) -> [String; 2] {
         [Verdict::is_published, Verdict::is_of_kind].map(|is| self.right(is).to_string())
     }
 
-    /// Reads a line; `None` if it is damaged.
+    /// Parses a line; `None` if it is damaged.
     pub fn parse(line: &str) -> Option<Row> {
         let fields: Vec<&str> = line.split(',').collect();
         if fields.len() != FIELDS {

@@ -1,11 +1,11 @@
-//! What makes the four numbers of Fig. 8, shown by injection: three parts, none of which was chosen
+//! The cause of the four numbers of Fig. 8, shown by injection in three parts. No part was chosen
 //! because it agrees.
 //!
-//! The two defects of the listing that outlast a vanishing step are put into the event-exact
-//! solver, and must make the same motion and the published numbers as far as the listing's step
-//! lets tell ([`SameMotion`]). The listing must come to those numbers as its step goes to zero, at
-//! first order ([`Approach`]). And what is left at the printed step must be the listing's own error
-//! of the step, found without the injected solver ([`StepError`]).
+//! Two defects of the listing remain as the step goes to zero. Injected into the event-exact
+//! solver, they must give the same motion, and the published numbers within the listing's step
+//! error ([`SameMotion`]). The listing must converge to those numbers at first order as its step
+//! goes to zero ([`Approach`]). The difference at the printed step must be the listing's own step
+//! error, which is measured without the injected solver ([`StepError`]).
 
 use super::convergence::{Approach, Convergence, PRINTED_STEP};
 use crate::numbers::missing;
@@ -21,13 +21,13 @@ type Four = [f64; 4];
 /// The settled motions with the defects injected.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Injection {
-    /// With both.
+    /// With both defects.
     pub both: Pattern,
     /// Its four numbers.
     pub numbers: Four,
-    /// With the hastened slip alone, or the error that the run ends with.
+    /// With the faster slip alone, or the error that ends the run.
     pub slip_alone: Result<Pattern, Error>,
-    /// With the one-sided exit alone.
+    /// With the one-sided exit alone, or the error that ends the run.
     pub exit_alone: Result<Pattern, Error>,
 }
 
@@ -35,7 +35,8 @@ impl Injection {
     /// Runs all three.
     ///
     /// # Errors
-    /// Those of [`settled`] with both defects; [`Error::NotFound`] if no two stick phases are left.
+    /// Those of [`settled`] with both defects; [`Error::NotFound`] if fewer than two stick phases
+    /// remain.
     pub fn compute() -> Result<Injection, Error> {
         let both = settled(Injected::BOTH)?;
         let numbers = both.four_numbers();
@@ -48,7 +49,7 @@ impl Injection {
         })
     }
 
-    /// What either defect does alone, in words.
+    /// The effect of either defect alone, in words.
     pub fn alone(&self) -> String {
         let of = |run: &Result<Pattern, Error>| match run {
             Ok(pattern) => {
@@ -69,22 +70,22 @@ fn within(values: &Four, most: &Four) -> bool {
     pairs.all(|(one, most)| one.abs() <= *most)
 }
 
-/// (a) What the event-exact solver does with defects injected, beside the listing and the published
+/// (a) The event-exact solver with defects injected, compared with the listing and the published
 /// numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SameMotion {
     /// The listing at the printed step.
     pub listing: Pattern,
-    /// The event-exact solver with the defects, or the error that it ends with.
+    /// The event-exact solver with the defects, or the error that ends its run.
     pub injected: Result<Pattern, Error>,
-    /// Its four numbers less the published ones.
+    /// Its four numbers minus the published ones.
     pub differences: Option<Four>,
-    /// How far they may be off, see [`SameMotion::most`].
+    /// Allowed size of the differences, see [`SameMotion::most`].
     pub most: Four,
 }
 
 impl SameMotion {
-    /// Sets a motion with injected defects beside the listing's and the published numbers.
+    /// Compares a motion with injected defects with the listing's and the published numbers.
     pub fn new(
         listing: &Pattern,
         injected: Result<Pattern, Error>,
@@ -100,19 +101,19 @@ impl SameMotion {
         }
     }
 
-    /// How far the numbers of a solver without a step may be off those that the listing prints at
-    /// its step: what the listing's own numbers move by from there to a vanishing step, found
-    /// without any solver, and half a printed digit.
+    /// Allowed difference between a solver without a step error and the published numbers. It is
+    /// the step error of the listing at its step, measured without another solver, plus half a
+    /// printed digit.
     pub fn most(convergence: &Convergence) -> Four {
-        // The finest step stands for none and errs by its own part of the bound, once in the bound
-        // and once here.
+        // The finest step represents the limit and has its own step error. That enters once in the
+        // bound and once here.
         let finest = convergence.finest().map_or(f64::NAN, |finest| finest.h);
         let own = convergence.own_approach.each_ref();
         own.map(|one| one.bound * (PRINTED_STEP + 2.0 * finest) + HALF_DIGIT)
     }
 
-    /// Whether both motions are of the same kind, [`Pattern::same_motion`], and the four numbers
-    /// are the published ones as far as can be told.
+    /// Whether both motions are of the same kind ([`Pattern::same_motion`]) and the four numbers
+    /// equal the published ones within the allowed differences.
     pub fn holds(&self) -> bool {
         let injected = self.injected.as_ref();
         injected.is_ok_and(|injected| injected.same_motion(&self.listing))
@@ -155,23 +156,24 @@ impl SameMotion {
     }
 }
 
-/// (c) What is left at the printed step, by the injected solver and by the listing alone.
+/// (c) The difference at the printed step, by the injected solver and by the listing alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepError {
-    /// The finest step (s), which stands for the listing's own limit.
+    /// The finest step (s), which represents the listing's own limit.
     pub finest: f64,
-    /// The listing at the printed step less the injected solver, and the bound C h on that from the
-    /// other steps.
+    /// The listing at the printed step minus the injected solver, and its bound C h from the other
+    /// steps.
     pub left: Four,
     most_left: Four,
-    /// The listing at the printed step less the listing at the finest: its own error of the step,
-    /// by itself alone; and the bound on that from the listing alone, from the other steps.
+    /// The listing at the printed step minus the listing at the finest: its own step error. The
+    /// bound on it is from the listing alone, at the other steps.
     own: Four,
     most_own: Four,
-    /// How far `own` and `left` may be apart: the bound at the finest step, from the listing alone.
+    /// Allowed difference of `own` and `left`: the bound at the finest step, from the listing
+    /// alone.
     most_apart: Four,
-    /// Whether the listing at the printed step gives all four published numbers to all printed
-    /// digits.
+    /// Whether the listing at the printed step gives all printed digits of the four published
+    /// numbers.
     published: bool,
 }
 
@@ -192,8 +194,7 @@ impl StepError {
         })
     }
 
-    /// Whether what is left is within its bound, the listing's own error within its own, and both
-    /// the same.
+    /// Whether both differences are within their bounds and equal within the allowed difference.
     pub fn holds(&self) -> bool {
         let apart = std::array::from_fn(|i| self.own[i] - self.left[i]);
         self.published
@@ -213,20 +214,20 @@ impl StepError {
     }
 }
 
-/// What makes Fig. 8's numbers.
+/// The cause of Fig. 8's numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cause {
-    /// (a) The injected defects make the same motion and nearly the same numbers.
+    /// (a) The injected defects give the same motion and nearly the same numbers.
     pub motion: SameMotion,
-    /// (b) How the listing's numbers approach those of the injected solver.
+    /// (b) Convergence of the listing's numbers to those of the injected solver.
     pub approach: [Approach; 4],
-    /// (c) What is left at the printed step; nothing where the listing has no four numbers.
+    /// (c) The difference at the printed step; `None` where the listing has no four numbers.
     pub step: Option<StepError>,
 }
 
 impl Cause {
-    /// From the listing at the printed step, the event-exact solver with the defects, the listing's
-    /// convergence and the published numbers.
+    /// Compares the listing at the printed step, the event-exact solver with the defects, the
+    /// listing's convergence and the published numbers.
     pub fn new(
         listing: &Pattern,
         injected: Pattern,
@@ -241,12 +242,12 @@ impl Cause {
         }
     }
 
-    /// Whether the numbers go to those of the injected solver at first order.
+    /// Whether the numbers converge to those of the injected solver at first order.
     pub fn first_order(&self) -> bool {
         self.approach.iter().all(Approach::first_order)
     }
 
-    /// Whether what is left at the printed step is the listing's own error of the step.
+    /// Whether the difference at the printed step is the listing's own step error.
     pub fn is_step_error(&self) -> bool {
         self.step.as_ref().is_some_and(StepError::holds)
     }
@@ -256,7 +257,7 @@ impl Cause {
         self.motion.holds() && self.first_order() && self.is_step_error()
     }
 
-    /// The same in words.
+    /// The result in words.
     pub fn status(&self) -> &'static str {
         if self.is_shown() {
             "shown"
@@ -289,7 +290,7 @@ fn thousandths(value: f64) -> String {
     format!("{:+.3}", 1e3 * value)
 }
 
-/// The same without one.
+/// The same without the sign.
 fn allowed(value: f64) -> String {
     format!("{:.3}", 1e3 * value)
 }

@@ -1,4 +1,4 @@
-//! The part of the README that says what holds.
+//! The generated part of the README: the verdict.
 
 use super::finding::Finding;
 use super::ledger::{Entry, Ledger};
@@ -7,13 +7,13 @@ use crate::figures::rows::Value;
 use crate::paper::published::{Digits, Kind};
 use crate::text::{Marks, joined};
 
-/// Where it stands in the README.
+/// Markers of the part in the README.
 pub const MARKS: Marks = Marks {
     begin: "<!-- verdicts: written by `make report` -->\n",
     end: "<!-- end of verdicts -->\n",
 };
 
-/// What stands between the marks: the verdict in three sentences.
+/// The text between the marks: the verdict in three sentences.
 pub fn block(ledger: &Ledger) -> String {
     joined(sentences(ledger).map(|sentence| item(&sentence) + "\n"), "")
 }
@@ -33,7 +33,7 @@ fn item(sentence: &str) -> String {
     lines.join("\n")
 }
 
-/// A reading's values with as many decimals as are printed; six of what is known in closed form.
+/// The values of a reading with as many decimals as are printed, or six for a closed form.
 pub(super) fn shown(entry: &Entry, finding: &Finding) -> String {
     let decimals = match entry.claim.digits {
         Digits::Decimals(printed) => printed,

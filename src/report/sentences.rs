@@ -1,5 +1,5 @@
-//! The verdict in a few sentences, every number of them formatted from the run: the page and the
-//! README open with these.
+//! The verdict in a few sentences, with every number formatted from the run. They open the page and
+//! the README.
 
 use super::exponent::ExponentCheck;
 use super::ledger::{Entry, Ledger};
@@ -12,8 +12,7 @@ use crate::paper::reading::Reading;
 use crate::readings::{Committed, Match, others, sources_in_words};
 use stickslip::analysis::motion::Class;
 
-/// The parts of the paper in which claims are counted: as `data/claims.csv` has them, and their
-/// names.
+/// The parts of the paper in which claims are counted: keys in `data/claims.csv` and names.
 pub(super) const PARTS: [(&str, &str); 9] = [
     ("sect2", "Sect. 2, Eqs. (8)–(16)"),
     ("fig4", "Fig. 4"),
@@ -26,14 +25,13 @@ pub(super) const PARTS: [(&str, &str); 9] = [
     ("sect5", "Sects. 5.2, 6"),
 ];
 
-/// The name of the part that a claim belongs to.
+/// The name of the part to which a claim belongs.
 fn part_of(claim: &Claim) -> &'static str {
     let known = PARTS.iter().find(|(part, _)| *part == claim.part);
     known.map_or("", |(_, name)| name)
 }
 
-/// The verdict in three sentences: of all claims, of Fig. 8, of Figs. 10–12. What else there is
-/// stands with the claims.
+/// The verdict in three sentences: all claims, Fig. 8, and Figs. 10–12.
 pub(super) fn sentences(ledger: &Ledger) -> [String; 3] {
     let gives = |ids: &[ClaimId], met: &dyn Fn(&Entry) -> bool| {
         let count = ids.iter().filter(|id| met(ledger.entry(**id))).count();
@@ -72,7 +70,7 @@ pub(super) fn sentences(ledger: &Ledger) -> [String; 3] {
     ]
 }
 
-/// How many verdicts stand or fall with the one corrected model of Figs. 10–12.
+/// The number of verdicts that depend on the corrected model of Figs. 10–12.
 pub(super) fn resting(ledger: &Ledger) -> String {
     let verdict = Verdict::WithCorrections;
     let model = |one: &&Entry| {
@@ -152,8 +150,8 @@ pub(super) fn figs_10_to_12(ledger: &Ledger) -> String {
     )
 }
 
-/// What becomes of the figure that one configuration comes nearest to, in view of the three that
-/// were looked at.
+/// The significance of the configuration nearest to one figure, given that three figures were
+/// tried.
 fn lead(search: &Committed) -> String {
     let each = [0, 1, 2].map(|figure| {
         let level = &search.alone[figure].0;
@@ -183,7 +181,7 @@ fn lead(search: &Committed) -> String {
     )
 }
 
-/// What the nearest configuration of those that can count is worth.
+/// The significance of the nearest configuration among those that count.
 fn together(search: &Committed) -> String {
     let [kept, ranked] = search.together.each_ref().map(|level| {
         let (random, readings) = (level.random.percent(), level.readings.percent());

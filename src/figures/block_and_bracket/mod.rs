@@ -1,5 +1,5 @@
-//! What Figs. 10, 11 and 12 share: the block and the bracket with the parameters of one caption,
-//! its exponents from the equations and from data, and the class of its motion.
+//! Shared by Figs. 10, 11 and 12: the block and the bracket with the parameters of one caption. The
+//! figures show its exponents from the equations and from data, and the class of its motion.
 
 mod compute;
 mod draw;
@@ -20,8 +20,7 @@ pub use numbers::{Comparison, DIVERGES, compare};
 #[cfg(feature = "report")]
 pub(crate) use watch::{DT, START};
 
-/// A figure with what is computed in words: which set of parameters, and what the paper publishes
-/// it as.
+/// A figure with its description: the set of parameters, and the class that the paper publishes.
 macro_rules! figure {
     ($place:literal, $title:literal, $set:literal, $published:literal) => {
         FigureSpec {

@@ -1,4 +1,4 @@
-//! What is recorded along the orbit.
+//! Recording along the orbit.
 
 use std::ops::ControlFlow;
 
@@ -6,36 +6,37 @@ use crate::turns::{Samples, Turns};
 use stickslip::models::BlockAndBracket;
 use stickslip::{Observer, Options, State, StepRecord, Transition, TransitionKind};
 
-/// The series begins here, as in the paper.
+/// Start of the series, as in the paper.
 pub(crate) const START: f64 = 3000.0;
-/// And ends here.
+/// End of the series.
 pub(super) const END: f64 = 12_000.0;
-/// Time between two of its states.
+/// Sampling interval.
 pub(crate) const DT: f64 = 0.2;
-/// Parts a step is cut into to look for the least normal force: fine enough for one minimum in
-/// each, since a step is a fraction of a turn.
+/// Parts of a step, each searched for the minimum of the normal force. A step is a fraction of an
+/// oscillation, so each part has at most one minimum.
 const PARTS: u32 = 8;
-/// Iterations of the golden-section search, which shrink a part to 1e-12 of its length.
+/// Iterations of the golden-section search. They shrink a part to 1e-12 of its length.
 const REFINEMENTS: u32 = 60;
-/// Golden ratio less one: what a golden-section search keeps of its interval.
+/// Golden ratio minus one: the fraction of its interval that a golden-section search keeps.
 const KEPT: f64 = 0.618_033_988_749_894_9;
 /// Points drawn per step.
 const DRAWN: u32 = 10;
 
-/// The sampled series, the section, the least normal force and the part of the orbit that is drawn.
+/// The sampled series, the section, the minimum of the normal force, and the part of the orbit that
+/// is drawn.
 pub(super) struct Watch<'a> {
     model: &'a BlockAndBracket,
-    /// Drawn from here on.
+    /// Start of the drawn part.
     drawn_from: f64,
     /// States at `START + k·DT`.
     pub(super) samples: Samples,
-    /// Where the block turns back.
+    /// The block's turning points.
     pub(super) turns: Turns<'a>,
-    /// Least normal force, unclipped, in units of `mg`.
+    /// Minimum of the normal force, unclipped, in units of `mg`.
     pub(super) least_force: f64,
     /// Losses of contact.
     pub(super) losses: u64,
-    /// The part that is drawn.
+    /// The drawn part.
     pub(super) curve: Vec<[f64; 4]>,
 }
 
@@ -52,7 +53,7 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// Golden-section search for the least normal force between two times.
+    /// Golden-section search for the minimum of the normal force between two times.
     fn least(&self, step: &StepRecord<4>, mut from: f64, mut to: f64) -> f64 {
         let force = |t: f64| {
             self.model

@@ -31,14 +31,14 @@ pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
 
 const ZONE_THICKNESS: f64 = 9.0;
 
-/// The limit cycle, broad and pale under the orbits, so that those on it are seen.
+/// The limit cycle, broad and pale under the orbits, so that orbits on it are visible.
 fn cycle(data: &Data) -> Curve {
     Curve::new(data.cycle.curve.iter().copied())
         .color(VERMILLION.pale())
         .width(6.0)
 }
 
-/// Stick zones as grey bars, tangent points on them.
+/// Stick zones as grey bars, with tangent points on them.
 fn boundary(panel: &mut Panel, data: &Data) {
     let belt = data.model.belt_speed;
     panel.add(belt_line(belt));
@@ -68,8 +68,8 @@ fn boundary(panel: &mut Panel, data: &Data) {
     }
 }
 
-/// Where a tangent point's number stands, clear of the cycle: it runs above the line at 1 and 2,
-/// below it elsewhere.
+/// Offset of a tangent point's number, clear of the cycle. The cycle runs above the line at 1 and 2
+/// and below it elsewhere.
 fn beside(number: usize) -> (f64, f64) {
     (0.0, if number <= 2 { -9.0 } else { 9.0 })
 }
@@ -120,7 +120,7 @@ fn kink(data: &Data) -> Panel {
     for orbit in &data.orbits[..data.tangents.len()] {
         panel.add(Curve::new(orbit.iter().copied()).color(BLUE).width(0.9));
     }
-    // On Σ the slope in the plane is the acceleration over the belt's speed.
+    // On Σ the slope in the phase plane is the acceleration over the belt's speed.
     let [before, after] = cycle.kink.map(|acceleration| acceleration / belt);
     let at = (cycle.left, belt);
     let text = format!("kink: slope {before:.3} below Σ, {after:.3} above");

@@ -7,7 +7,7 @@ use plot::{
     Markers, Note, Panel, Region, VERMILLION,
 };
 
-/// A tangent point of an odd number ends its zone from above, one of an even number from below.
+/// Tangent points with odd numbers bound their zone from above, those with even numbers from below.
 const EDGES: [(Color, Dash); 2] = [(BLUE, Dash::Solid), (VERMILLION, Dash::Dashed)];
 
 /// The SVG.
@@ -70,7 +70,7 @@ fn oscillation(data: &Oscillation) -> Panel {
     for (k, positions) in data.positions.iter().enumerate() {
         let (color, dash) = EDGES[k % 2];
         panel.add(Curve::new(curve(positions)).color(color).dash(dash));
-        // Beside the crest of the second period, outside the zone.
+        // Beside the maximum of the second period, outside the zone.
         let crest = (1.25 * period, data.points[k] + amplitude);
         let up = if k % 2 == 0 { 5.0 } else { -5.0 };
         panel.add(Note::new(crest, &format!("{}", k + 1)).offset(0.0, up));
@@ -97,7 +97,7 @@ fn branches(data: &Data) -> Panel {
         panel.add(Region::between(upper, lower).fill(LIGHT_GREY));
     }
     panel.add(Guide::vertical(data.critical).color(GREY));
-    // Both lists begin with an upper end and have an even length, so the colours alternate across
+    // Both lists begin with an upper end and have even length, so that the colours alternate across
     // them.
     for (k, branch) in below.iter().chain(above).enumerate() {
         let (color, dash) = EDGES[k % 2];

@@ -1,4 +1,4 @@
-//! The listing's run, its limit, the exact orbit and the fate of a grid of starts.
+//! The listing's run, its limit, the exact orbit, and the attractors of a grid of starts.
 
 use rayon::prelude::*;
 
@@ -15,13 +15,11 @@ use stickslip::{Error, Mode, Options, Side, State, solve};
 /// The listing's settled motion.
 #[derive(Clone, Debug)]
 pub struct AsPrinted {
-    /// What it settles on.
+    /// Its pattern.
     pub pattern: Pattern,
-    /// Where the body sticks in the plotted window: time and position at the start and at the end
-    /// of each stretch.
+    /// Stick phases in the plotted window: time and position at the start and at the end of each.
     pub stuck: Vec<[(f64, f64); 2]>,
-    /// Part of the time in stick phases, in the plotted window, in which the body is in no stick
-    /// zone.
+    /// Fraction of the stick time in the plotted window during which the body is in no stick zone.
     pub outside_zones: f64,
     /// The plotted window: time, position, velocity.
     pub trajectory: Vec<(f64, f64, f64)>,
@@ -30,7 +28,7 @@ pub struct AsPrinted {
 /// The stated model's attractor.
 #[derive(Clone, Debug)]
 pub struct Exact {
-    /// What it settles on.
+    /// Its pattern.
     pub pattern: Pattern,
     /// Position of the upward crossing (m).
     pub left: f64,
@@ -46,7 +44,7 @@ pub struct Exact {
     pub trajectory: Vec<(f64, f64, f64)>,
 }
 
-/// Where a grid of starts ends up, in parts of all.
+/// Fractions of a grid of starts by attractor.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Shares {
     /// Starts in the grid.
@@ -55,13 +53,13 @@ pub struct Shares {
     pub slip_only: f64,
     /// Any periodic motion with stick.
     pub stick_slip: f64,
-    /// Of these the motions of the caption's kind, [`two_periodic`].
+    /// Among these, the motions of the caption's kind, [`two_periodic`].
     pub stick_slip_two: f64,
     /// Any other periodic motion without stick.
     pub other: f64,
-    /// Escape.
+    /// Orbits that escape.
     pub escapes: f64,
-    /// No periodic motion found.
+    /// Orbits without a periodic motion.
     pub unsettled: f64,
 }
 
@@ -80,13 +78,13 @@ pub struct Data {
     pub slip_times_three: Pattern,
     /// The stated model.
     pub exact: Exact,
-    /// Where its starts end up.
+    /// Attractors of its starts.
     pub shares: Shares,
 }
 
-/// Errors of a run stay far below the differences that decide here.
+/// Tolerance: errors of a run stay far below the differences that decide here.
 const TOLERANCE: f64 = 1e-13;
-/// Forcing periods in the picture: the published pattern.
+/// Forcing periods drawn: the published pattern.
 const SHOWN: f64 = 2.0;
 /// Forcing periods in which a pattern of any length repeats: three times the longest.
 const REPEATED: f64 = 24.0;
@@ -172,13 +170,13 @@ fn exact(model: &ForcedOscillator, options: &Options) -> Result<Exact, Error> {
     })
 }
 
-/// Starts in position and in velocity.
+/// Number of positions and velocities of the starts.
 const GRID: (u32, u32) = (61, 41);
-/// Outermost of them on either side (m, m/s).
+/// Largest position and velocity of a start (m, m/s).
 pub const REACH: [f64; 2] = [1.2, 2.0];
-/// Forcing periods that a start is followed over.
+/// Forcing periods over which a start is integrated.
 pub const FOLLOWED: usize = 40;
-/// States a pattern apart that are this near count as equal: the paper's last digit.
+/// Tolerance for states one pattern apart to be equal: the paper's last digit.
 const CLOSENESS: f64 = 1e-4;
 
 /// A grid of starts with its corners at [`REACH`].

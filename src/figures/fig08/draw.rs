@@ -101,8 +101,8 @@ fn add_stick_phases(panel: &mut Panel, data: &Data) {
     }
 }
 
-/// The deflections, which lie too near each other for the panel's scale: small, and enlarged in a
-/// corner.
+/// The deflections, which are too close together for the panel's scale. They are drawn small, and
+/// enlarged in a corner.
 fn add_deflections(panel: &mut Panel, side: &Side<'_>) {
     let belt = side.data.model.belt_speed;
     let deflections = side.data.as_printed.pattern.deflections();
@@ -125,7 +125,7 @@ fn add_deflections(panel: &mut Panel, side: &Side<'_>) {
     detail.add(Curve::new(curve).color(side.colour).width(1.4));
     detail.add(Markers::new(points()).open());
     panel.add(Inset::new((0.03, 0.72), (0.42, 0.98), detail));
-    // The legend has the symbol once; it is the large one.
+    // The legend shows the symbol once, in the large size.
     let symbol = Markers::new([]).open();
     panel.add(symbol.legend("deflection, enlarged in the corner"));
 }
@@ -134,7 +134,7 @@ fn add_deflections(panel: &mut Panel, side: &Side<'_>) {
 struct Side<'a> {
     data: &'a Data,
     trajectory: &'a [(f64, f64, f64)],
-    /// Time that the lower panel counts from.
+    /// Origin of the lower panel's time axis.
     origin: f64,
     colour: Color,
 }
@@ -160,7 +160,7 @@ impl<'a> Side<'a> {
         .legend(Legend::Below);
         panel.add(belt_line(belt).legend("Σ: *x*_2 = *v*_p"));
         let reach = self.data.model.amplitude;
-        // The outer zones' sweeps overlap this one's and would hide it.
+        // The sweeps of the outer zones overlap this one and would hide it.
         if let Some(&(lower, upper)) = self.data.zones.get(1) {
             let swept = Band::bar((lower - reach, upper + reach), belt, 9.0).fill(LIGHT_GREY);
             panel.add(swept.legend("sweep of the middle stick zone"));

@@ -1,4 +1,4 @@
-//! Fig. 8: the stick–slip trajectory as the listing prints it, and what the stated model does.
+//! Fig. 8: the stick–slip trajectory of the listing as printed, and the motion of the stated model.
 
 mod compute;
 mod draw;
@@ -47,7 +47,7 @@ fn numbers(data: &Data) -> Vec<Row> {
     rows
 }
 
-/// Lengths and durations, or how many stick phases there are instead of two.
+/// Lengths and durations of two stick phases; the number of stick phases if there are not two.
 fn four(reading: Reading, pattern: &Pattern) -> Vec<Row> {
     let numbers = pattern.four_numbers();
     let row = |(i, unit): (usize, &'static str)| match numbers {
@@ -67,7 +67,7 @@ fn four(reading: Reading, pattern: &Pattern) -> Vec<Row> {
 fn two_periodic(data: &Data) -> Vec<Row> {
     let of_motion =
         "the settled motion sticks and repeats after two forcing periods and not after one";
-    // Any attractor that the grid of starts finds may be the caption's.
+    // Any attractor of the grid of starts may be the caption's.
     let of_grid = "a start of the grid leads to a motion that sticks and repeats after two forcing \
         periods and not after one";
     let printed = data.as_printed.pattern.two_periodic();

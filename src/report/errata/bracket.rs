@@ -1,5 +1,5 @@
-//! Misprints on model 3: Eqs. (27) and (28), the time's unit, the abstract, and the captions of
-//! Figs. 10–12, with what of the motion depends on them.
+//! Misprints on model 3: Eqs. (27) and (28), the unit of time, the abstract, and the captions of
+//! Figs. 10–12, with their effect on the motion.
 
 use std::ops::ControlFlow;
 
@@ -15,7 +15,8 @@ use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
 use stickslip::models::{BlockAndBracket, Caption, CaptionOrder, Reading, Rig, Unloading};
 use stickslip::{Error, Observer, Options, State, StepRecord, run, solve};
 
-/// The section is kept from the begin of the published series to here: over a hundred turns.
+/// The section is recorded from the start of the published series to here: over a hundred
+/// oscillations.
 const SECTION_END: f64 = 4500.0;
 /// The figures and their captions.
 const FIGURES: [(&str, Caption); 3] = [
@@ -24,7 +25,7 @@ const FIGURES: [(&str, Caption); 3] = [
     ("Fig. 12", Caption::FIG12),
 ];
 
-/// The largest component of an orbit before the series begins, and its section after that.
+/// Records the largest component of an orbit before the series begins, and its section after that.
 struct LargestThenSection<'a> {
     largest: f64,
     turns: Turns<'a>,
@@ -40,22 +41,22 @@ impl Observer<4> for LargestThenSection<'_> {
     }
 }
 
-/// What becomes of the equations in one reading.
+/// The motion of the equations in one reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Outcome {
-    /// A component passes the bound at this time.
+    /// A component exceeds the bound at this time.
     Diverges(f64),
-    /// None does; the largest component until [`START`].
+    /// No component does; the largest component until [`START`].
     Bounded(f64),
-    /// The block turns nowhere: it rests or sticks for good.
+    /// The block has no turning points: it rests or sticks for good.
     Rests,
-    /// Closes after so many turns; time of one round.
+    /// The section closes after so many points; time of one round.
     Closes(usize, f64),
-    /// Does not close within the window; points of the section.
+    /// The section does not close within the window; its points.
     Open(usize),
 }
 
-/// Follows the equations until `end`. Up to [`SECTION_END`] the section decides what the motion is.
+/// Integrates the equations until `end`. The section up to [`SECTION_END`] decides the class.
 fn outcome(caption: &Caption, reading: &Reading, end: f64) -> Result<Outcome, Error> {
     let model = BlockAndBracket::from_caption(caption, reading)?;
     let options = Options::tol(TOLERANCE).escape(DIVERGED);
@@ -79,7 +80,7 @@ fn outcome(caption: &Caption, reading: &Reading, end: f64) -> Result<Outcome, Er
     })
 }
 
-/// The same with the section's verdict.
+/// The same, decided by the section.
 fn by_section(caption: &Caption, reading: &Reading) -> Result<Outcome, Error> {
     outcome(caption, reading, SECTION_END)
 }
@@ -111,7 +112,7 @@ impl Outcome {
         Shown::new(format!("{what}{more}"), value, unit)
     }
 
-    /// Whether it is what a caption calls quasi-periodic or chaotic: bounded and open.
+    /// Whether it may be quasi-periodic or chaotic: bounded, with an open section.
     fn is_open(self) -> bool {
         matches!(self, Outcome::Open(_))
     }
@@ -152,7 +153,7 @@ fn rig(gravity: f64, stiffness: f64) -> Rig {
     }
 }
 
-/// Time over which the rig is followed, in units of 1/ω: several turns.
+/// Time over which the rig is integrated, in units of 1/ω: several oscillations.
 const RIG_SPAN: f64 = 40.0;
 
 /// The state of a rig after [`RIG_SPAN`], in the units of Eq. (27).
@@ -164,7 +165,7 @@ fn of_rig(rig: &Rig, start: &State<4>) -> Result<State<4>, Error> {
     Ok(end.x_end.component_div(&units))
 }
 
-/// Newton's law in SI units against the two ways to write the normal force with ξ6.
+/// Newton's law in SI units, compared with two ways to write the normal force with ξ6.
 pub(super) fn friction_counted_twice() -> Result<Proof, ReportError> {
     let rig = rig(9.81, 1.0);
     let start = State::from([0.0, 0.01, 0.0, -0.05]);
@@ -199,11 +200,10 @@ pub(super) fn friction_counted_twice() -> Result<Proof, ReportError> {
     ))
 }
 
-/// Two rigs of other time units have the same Eq. (27).
+/// Two rigs with different units of time have the same Eq. (27).
 pub(super) fn unit_of_time() -> Result<Proof, ReportError> {
     let slow = rig(9.81, 1.0);
-    // Four times the stiffness and, so that the length unit stays, four times gravity; speeds
-    // double.
+    // Four times the stiffness and, to keep the unit of length, four times gravity. Speeds double.
     let fast = Rig {
         belt_speed: 2.0 * slow.belt_speed,
         delta: 0.5 * slow.delta,
@@ -216,11 +216,11 @@ pub(super) fn unit_of_time() -> Result<Proof, ReportError> {
     Ok(Proof::new("unit_of_time", [slow, fast, apart], holds))
 }
 
-/// Time over which the states of model 3 are sampled, a hundred turns, and how often.
+/// Time over which the states of model 3 are sampled: a hundred oscillations.
 const SAMPLED: f64 = 1000.0;
 const SAMPLES: u32 = 4000;
-/// A direction is there when the states spread along it by more than this part of their largest
-/// spread: what a phase plane shows as more than a line.
+/// A direction counts if the spread of the states along it exceeds this fraction of their largest
+/// spread. Less would show as a line in a phase plane.
 const PART: f64 = 1e-2;
 
 /// Spreads (standard deviations) of the sampled states along their principal directions, the
@@ -254,7 +254,7 @@ pub(super) fn four_states() -> Result<Proof, ReportError> {
     Ok(Proof::new("four_states", shown, holds))
 }
 
-/// Static friction (mg) tried where the heading's order leaves none.
+/// Values of static friction (mg), for the heading's order, which gives none.
 const FRICTIONS: [f64; 4] = [0.3, 0.7, 1.0, 2.0];
 
 pub(super) fn order_of_captions() -> Result<Proof, ReportError> {
@@ -315,7 +315,7 @@ mod tests {
 
     #[test]
     fn the_same_equations_run_at_two_paces() {
-        // With the belt of the slow rig the fast one is another system.
+        // With the belt of the slow rig, the fast one is another system.
         let slow = rig(9.81, 1.0);
         let other = rig(4.0 * 9.81, 4.0);
         let start = State::from([0.0, 0.01, 0.0, -0.05]);

@@ -1,5 +1,5 @@
-//! The paper's misprints, each with the computation that shows it: a run of the solver or of the
-//! listing that could have come out otherwise.
+//! The paper's misprints. A computation shows each: a run of the solver or of the listing that
+//! could have contradicted it.
 
 mod bracket;
 mod listing;
@@ -18,23 +18,23 @@ pub use proof::{Proof, Shown};
 /// A misprint or defect.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Erratum {
-    /// Its name; of a defect, that of [`Defect::name`].
+    /// Its name; for a defect, [`Defect::name`].
     pub name: String,
-    /// Where.
+    /// Where in the paper.
     pub place: String,
-    /// What stands there, in our words.
+    /// What is printed, in our words.
     pub printed: String,
-    /// What should.
+    /// What is correct.
     pub correct: String,
-    /// The computation's results.
+    /// Results of the computation.
     pub shown: Vec<Shown>,
-    /// Whether they bear it out.
+    /// Whether they confirm the misprint.
     pub holds: bool,
 }
 
 const MISPRINTS: &str = include_str!("../../../data/errata.csv");
 
-/// All of them, in the order of the paper, some by what has been computed already.
+/// All misprints, in the order of the paper, some from results computed elsewhere.
 ///
 /// # Errors
 /// [`ReportError`].
@@ -66,8 +66,8 @@ pub fn errata(
     Ok(proven(MISPRINTS, proofs)?)
 }
 
-/// The misprints of a table, each with its proof. What is shown has its words from the table
-/// where that has them.
+/// The misprints of a table, each with its proof. Results take their descriptions from the table if
+/// it has them.
 fn proven(table: &str, proofs: Vec<Proof>) -> Result<Vec<Erratum>, PublishedError> {
     let malformed = |reason: String| PublishedError::Malformed { reason };
     let named = proofs.into_iter().map(|proof| (proof.misprint, proof));

@@ -1,11 +1,11 @@
-//! What a computation shows of a misprint.
+//! Results of a computation that shows a misprint.
 
 use crate::figures::rows::Value;
 
 /// One result of a computation that shows a misprint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shown {
-    /// What it is. Where this is empty, the table of misprints has the words and the unit.
+    /// Description. If empty, the table of misprints has the description and the unit.
     pub what: String,
     /// A number, a count or a word.
     pub value: Value,
@@ -14,7 +14,7 @@ pub struct Shown {
 }
 
 impl Shown {
-    /// With words of its own.
+    /// With its own description.
     pub(super) fn new(what: impl Into<String>, value: impl Into<Value>, unit: &str) -> Shown {
         Shown {
             what: what.into(),
@@ -30,19 +30,19 @@ impl<V: Into<Value>> From<V> for Shown {
     }
 }
 
-/// What a computation shows of a misprint in `data/errata.csv`.
+/// Results of a computation that shows a misprint in `data/errata.csv`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Proof {
-    /// Its name there.
+    /// Name of the misprint in the table.
     pub misprint: &'static str,
-    /// The computation's results.
+    /// Results of the computation.
     pub shown: Vec<Shown>,
-    /// Whether they bear it out.
+    /// Whether they confirm the misprint.
     pub holds: bool,
 }
 
 impl Proof {
-    /// By results with words of their own, or by values with words in the table.
+    /// From results with their own descriptions, or from values that the table describes.
     pub(in crate::report) fn new<S: Into<Shown>>(
         misprint: &'static str,
         shown: impl IntoIterator<Item = S>,

@@ -1,5 +1,5 @@
-//! What the paper says of Fig. 8's motion: its start, its arcs, and that the Appendix's program
-//! finds it.
+//! The paper's statements on Fig. 8's motion: its start, its arcs, and that the Appendix's program
+//! computes it.
 
 use super::stick_phases::TOLERANCE;
 use crate::figures::rows::Value;
@@ -16,10 +16,10 @@ use stickslip::analysis::{Destination, destination};
 use stickslip::models::ForcedOscillator;
 use stickslip::{Error, Filippov, Mode, Side, solve};
 
-/// Forcing periods that a start of the stated model is followed over, and the distance of states
-/// that count as equal: as in the scan over parameters.
+/// Forcing periods over which a start of the stated model is integrated, and the distance of equal
+/// states, as in the scan over parameters.
 const SETTLING: (usize, f64) = (60, 1e-5);
-/// Forcing periods of the settled motion that are looked at: two of the published pattern.
+/// Forcing periods of the settled motion that are examined: two of the published pattern.
 const SHOWN: f64 = 4.0;
 
 /// How many of the four published numbers a run of the listing gives to all printed digits.
@@ -33,11 +33,11 @@ fn published_digits(claims: &Claims, run: &Run) -> usize {
 /// The program and the stated model from one start on Σ.
 #[derive(Debug, PartialEq)]
 struct FromPoint {
-    /// Where it is (m).
+    /// The start (m).
     x1: f64,
-    /// When the listing first releases the body (s).
+    /// Time of the listing's first release (s).
     first_release: f64,
-    /// Of the four published numbers, those that the listing settles on to all printed digits.
+    /// How many of the four published numbers the listing settles on to all printed digits.
     digits: usize,
     /// Whether the stated model settles on stick–slip of period two.
     model_two_periodic: bool,
@@ -99,7 +99,7 @@ pub(super) fn start(claims: &Claims) -> Result<(Vec<Finding>, Proof), Error> {
 struct Sides {
     /// Sides of the slip phases in order of time.
     sides: Vec<Side>,
-    /// Largest velocity reached in S1, and least in S2 (m/s).
+    /// Largest velocity in S1, and smallest in S2 (m/s).
     highest_in_s1: f64,
     lowest_in_s2: f64,
 }
@@ -111,7 +111,7 @@ impl Sides {
         lowest_in_s2: f64::INFINITY,
     };
 
-    /// Pairs of slip phases, one after the other, that lie on the same side.
+    /// Number of pairs of successive slip phases on the same side.
     fn repeats(&self) -> usize {
         let pairs = self.sides.windows(2);
         pairs.filter(|pair| pair[0] == pair[1]).count()
@@ -148,7 +148,7 @@ impl Sides {
     }
 }
 
-/// `s4.arcs`: on which sides of Σ the slip phases lie, and which of them are the upper ones.
+/// `s4.arcs`: the sides of Σ of the slip phases, and which of them are the upper ones.
 pub(super) fn arcs() -> Result<(Vec<Finding>, Proof), Error> {
     let model = ForcedOscillator::default();
     let (exact, listing) = (sides_of_model(&model)?, sides_of_listing());
@@ -168,7 +168,7 @@ pub(super) fn arcs() -> Result<(Vec<Finding>, Proof), Error> {
     ))
 }
 
-/// Of the attractor of the stated model, or of one like it.
+/// For the attractor of the stated model, or of a similar one.
 fn sides_of_model<S: Filippov<2>>(system: &S) -> Result<Sides, Error> {
     let printed = ForcedOscillator::default();
     let end = END + SHOWN * printed.period();
@@ -200,7 +200,7 @@ fn side_of(mode: Mode) -> Option<Side> {
     }
 }
 
-/// Of the listing as printed, in the plotted window.
+/// For the listing as printed, in the plotted window.
 fn sides_of_listing() -> Sides {
     let setup = Setup::default();
     let mut window: Vec<Sample> = Vec::new();
@@ -212,7 +212,7 @@ fn sides_of_listing() -> Sides {
         let Some(side) = side_of(phase[0].mode) else {
             continue;
         };
-        // A single pass only mends the side after a stick phase.
+        // A single pass only corrects the side after a stick phase.
         if phase.len() > 1 {
             sides.sides.push(side);
         }
@@ -222,8 +222,8 @@ fn sides_of_listing() -> Sides {
     sides
 }
 
-/// `s4.found_by_appendix`: what the Appendix's program finds. The claim is that; what the program
-/// without its defects finds stands beside it.
+/// `s4.found_by_appendix`: what the Appendix's program computes. The result of the program without
+/// its defects is shown beside it.
 pub(super) fn found_by_appendix(claims: &Claims, defects: Defects) -> Vec<Finding> {
     let [printed, mended] = [defects, Defects::MENDED].map(|of| run(&Setup::with(of)));
     let (digits, all) = (published_digits(claims, &printed), ClaimId::FOUR.len());
@@ -263,7 +263,7 @@ mod tests {
         assert!(model.highest_in_s1 < belt.belt_speed && belt.belt_speed < model.lowest_in_s2);
     }
 
-    /// Model 2 with S1 above Σ and S2 below, as Sect. 4.2 has it.
+    /// Model 2 with S1 above Σ and S2 below, as in Sect. 4.2.
     struct Exchanged(ForcedOscillator);
     impl Filippov<2> for Exchanged {
         fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
@@ -295,7 +295,7 @@ mod tests {
         let [captioned, listed] = [points[2], points[3]].map(|x1| from(claims, x1).unwrap());
         assert_eq!(listed.digits, 4);
         assert!((captioned.first_release - listed.first_release).abs() > 1e-3);
-        // Between the zones nothing sticks, and the program has no zone to release the body from.
+        // Between the zones no body sticks, and the program has no zone to release it from.
         assert_ne!(from(claims, 0.5).unwrap(), captioned);
         assert!(start(claims).unwrap().1.holds);
     }

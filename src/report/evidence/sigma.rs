@@ -1,5 +1,5 @@
-//! The product of the two normal components on Σ, its derivative, and where friction holds the
-//! body.
+//! The product of the two normal components on Σ, its derivative, and the region where friction
+//! holds the body.
 
 use super::zones::critical;
 use crate::figures::normals;
@@ -58,11 +58,11 @@ fn forced_ones() -> Compared {
     compared
 }
 
-/// σ by the library's own normal components against the printed polynomial.
+/// σ from the library's own normal components, compared with the printed polynomial.
 #[derive(Default)]
 struct Compared {
-    /// Points of Σ, over positions, friction and the other parameters, and sets of parameters among
-    /// them.
+    /// Number of points on Σ, over positions, friction and the other parameters, and number of sets
+    /// of parameters.
     points: usize,
     parameters: usize,
     /// Largest difference of the product from the polynomial, relative to its two terms.
@@ -72,12 +72,13 @@ struct Compared {
     slope_off: f64,
     /// Points where the polynomial is negative.
     negative: usize,
-    /// Points where the body sticks though it is not negative, or does not though it is.
+    /// Points where the body sticks although the polynomial is not negative, or slips although it
+    /// is.
     disagreements: usize,
 }
 
-/// Printed values at a point: σ, the size of its terms, its derivative, and the size of that one's
-/// terms.
+/// Printed values at a point: σ, the size of its terms, its derivative, and the size of the
+/// derivative's terms.
 struct Printed {
     sigma: f64,
     size: f64,
@@ -85,7 +86,8 @@ struct Printed {
     slope_size: f64,
 }
 
-/// Friction amplitudes (N): none, parts of the critical one, the critical one and beyond.
+/// Friction amplitudes (N): zero, fractions of the critical one, the critical one, and a larger
+/// one.
 fn frictions(critical: f64) -> [f64; 5] {
     [0.0, 0.2, 0.5, 1.0, 1.5].map(|part| part * critical)
 }
@@ -98,13 +100,14 @@ impl Compared {
         offset: f64,
         printed: impl Fn(f64) -> Printed,
     ) {
-        // None of the positions (m) along Σ is at a zero of any of the polynomials used here.
+        // No position (m) along Σ is at a zero of any polynomial used here.
         for z in (0..=300).map(|k| 0.01 * (f64::from(k) - 150.0) + 0.0013) {
             let position = z + offset;
             let seeded = [Dual::new(position, 1.0), Dual::new(belt_speed, 0.0)];
             let [below, above] = normals(system, Dual::new(t, 0.0), &seeded);
             let product = below * above;
-            // What the support adds is lost in the sum: the polynomial is taken where the body is.
+            // The sum rounds the displacement of the support, so the polynomial is evaluated at the
+            // rounded position.
             let expected = printed(position - offset);
             let relative = |off: f64, size: f64| off.abs() / size.max(f64::MIN_POSITIVE);
             let off = relative(product.re - expected.sigma, expected.size);
@@ -157,7 +160,7 @@ fn forced(model: &ForcedOscillator, z: f64) -> Printed {
     let per_mass = 1.0 / (model.mass * model.mass);
     let force = k2 * z * z * z - k1 * z;
     let terms = k2 * z.abs() * z * z + k1 * z.abs();
-    // A rounding of the time moves the support, and with it z.
+    // A rounding error of the time moves the support, and z with it.
     let moved = k1 + 3.0 * k2 * z * z;
     Printed {
         sigma: per_mass * (force * force - mu0 * mu0),
@@ -182,7 +185,7 @@ mod tests {
 
     #[test]
     fn friction_that_drives_holds_nothing() {
-        // The product cannot tell, where the body goes can.
+        // The product does not show it; the direction of the motion does.
         let mu0 = 0.2;
         let driving = BeltOscillator {
             mu0: -mu0,

@@ -14,7 +14,7 @@ use crate::paper::published::Kind;
 use crate::paper::reading::{Reading, Role};
 use crate::text::joined;
 
-/// How many claims have each verdict, and what the word means.
+/// The number of claims with each verdict, and the meaning of each verdict.
 pub(super) fn counts(ledger: &Ledger) -> Markup {
     html! {
         table.counts {
@@ -32,7 +32,7 @@ pub(super) fn counts(ledger: &Ledger) -> Markup {
     }
 }
 
-/// How many claims of each part of the paper have each verdict.
+/// The number of claims with each verdict, for each part of the paper.
 fn by_part(ledger: &Ledger) -> Markup {
     let counted = |part: &str, verdict: Verdict| {
         let of = |entry: &&Entry| entry.claim.part == part && entry.verdict == verdict;
@@ -162,7 +162,7 @@ fn labels(corrections: &[Correction]) -> String {
     joined(corrections.iter().map(|one| one.label()), ", ")
 }
 
-/// What the paper says, with its unit; long closed-form numbers to six decimals.
+/// The published value with its unit; long closed-form numbers to six decimals.
 fn published(entry: &Entry) -> String {
     let claim = &entry.claim;
     let mut parts: Vec<(&str, &f64)> = claim.published.split(';').zip(claim.values()).collect();
@@ -184,18 +184,17 @@ fn published(entry: &Entry) -> String {
     }
 }
 
-/// A number with more characters is a closed form in full precision; of these a reader wants the
-/// first digits.
+/// A number with more characters is a closed form in full precision; it is shortened.
 const SHORT: usize = 8;
 
-/// What is said of an exponent beside the verdict.
+/// The sign and the spread of an exponent.
 fn sign_and_spread(exponent: &ExponentCheck) -> String {
     let not = if exponent.sign_agrees() { "" } else { "not " };
     let (sign, sentence) = (exponent.sign, exponent.sentence());
     format!("sign: {sign}, {not}as published; {sentence}")
 }
 
-/// A reading's values and, in brackets, what they are worth.
+/// The values of a reading and, in brackets, their quality.
 fn worth(entry: &Entry, finding: &Finding) -> String {
     let values = shown(entry, finding);
     match finding.note.as_deref() {

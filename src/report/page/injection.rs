@@ -1,4 +1,5 @@
-//! Which defects make the published numbers, and whether the stated model sticks and slips at all.
+//! The defects that cause the published numbers, and whether the stated model has stick–slip at
+//! all.
 
 use maud::{Markup, html};
 
@@ -19,7 +20,7 @@ const NUMBERS: [&str; 4] = [
     "duration 2 (s)",
 ];
 
-/// What is asked for before a cause counts as shown.
+/// Conditions for a cause to count as shown.
 fn asked() -> [String; 3] {
     [
         "Put into the event-exact solver, the two defects that outlast a vanishing step make the \
@@ -135,7 +136,7 @@ pub(super) fn existence(report: &Report) -> Markup {
     }
 }
 
-/// How many starts lead where.
+/// The number of starts in each class.
 fn counts(point: &Point) -> String {
     let counts = Class::ALL.iter().zip(point.counts);
     let some = counts.filter(|(_, count)| *count > 0);

@@ -1,5 +1,4 @@
-//! The report as one HTML page that needs nothing else: style, figures and the little script are in
-//! it.
+//! The report as one self-contained HTML page, including style, figures and a short script.
 
 mod claims;
 mod figures;
@@ -16,7 +15,7 @@ use parts::{SECTIONS, heading};
 const STYLE: &str = include_str!("../../../assets/report/style.css");
 const SORT: &str = include_str!("../../../assets/report/sort.js");
 
-/// The page. Everything that is text is escaped; drawings, style and script are the project's own.
+/// The page. All text is escaped; drawings, style and script are the project's own.
 pub fn page(report: &Report) -> String {
     document(report).into_string()
 }

@@ -37,7 +37,7 @@ pub(super) fn errata(ledger: &Ledger) -> Markup {
     }
 }
 
-/// A number with six significant digits and its unit, a count or a word as it is.
+/// A number with six significant digits and its unit; a count or a word as it is.
 fn value(shown: &Shown) -> String {
     let v = match &shown.value {
         Value::Number(v) => *v,
@@ -63,7 +63,7 @@ const METHODS: &str = include_str!("../../../assets/report/methods.html");
 const CITE: &str = include_str!("../../../assets/report/cite.html");
 const REMAKE: &str = include_str!("../../../assets/report/remake.html");
 
-/// Paragraphs, their lines joined.
+/// Paragraphs, with their lines joined.
 pub(super) fn methods(ledger: &Ledger) -> Markup {
     let text = METHODS.replace("{source}", &ledger.spread.search.cited());
     let text = text.replace("\n\n", "\0").replace('\n', " ");
