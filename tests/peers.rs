@@ -7,7 +7,7 @@ use assert_cmd::cargo::cargo_bin_cmd;
 use predicates::prelude::*;
 use predicates::str::contains;
 
-/// A short measurement of one problem, its files in `folder`.
+/// A short measurement of one problem that writes its files into `folder`.
 fn short(folder: &Path, process_rounds: &str) -> Command {
     let mut command = cargo_bin_cmd!("peers");
     command.args(["--rounds", "1", "--problems", "decay"]);
@@ -46,9 +46,9 @@ fn measures_ours_alone_without_python() {
     assert!(rows.len() >= 11);
     let number = |row: &csv::StringRecord, cell: usize| row[cell].parse::<f64>().unwrap();
     for row in &rows {
-        // All nine events at every tolerance, and times that can be.
+        // All nine events at every tolerance, and plausible times.
         assert_eq!((&row[1], &row[5], &row[10]), ("decay", "9", ""));
-        // Loose tolerances have to find the events, tight ones to meet them.
+        // Loose tolerances must find the events; tight ones must be accurate.
         let bound = if number(row, 3) <= 1e-12 { 1e-11 } else { 1e-2 };
         assert!(number(row, 4) < bound, "{row:?}");
         assert!(number(row, 6) > 0.0 && number(row, 7) <= number(row, 6));
@@ -73,7 +73,7 @@ fn the_committed_picture_is_that_of_the_committed_table() {
     command.assert().success().stdout(contains("bench.svg"));
     let drawn = std::fs::read_to_string(folder.path().join("bench.svg")).unwrap();
     let committed = std::fs::read_to_string(top.join("figures/bench.svg")).unwrap();
-    // Not assert_eq, which would print two whole pictures.
+    // assert_eq would print both pictures.
     assert!(
         drawn == committed,
         "run `cargo run --release --bin peers -- redraw`"
@@ -148,7 +148,7 @@ fn a_python_that_is_none_is_told() {
     assert!(!folder.path().join("bench.csv").exists());
 }
 
-/// A program in place of Python, with arbitrary answers.
+/// A program that replaces Python and prints arbitrary answers.
 #[cfg(unix)]
 mod impostor {
     use super::*;

@@ -1,11 +1,11 @@
-//! How goldens are compared.
+//! Comparison with golden files.
 
 use insta::Comparator;
 use insta::Snapshot;
 use insta::internals::SnapshotContents;
 
-/// Line by line and word by word: numbers up to a relative difference, everything else to the
-/// letter.
+/// Compares line by line and word by word: numbers up to a relative difference, all other words
+/// exactly.
 #[derive(Clone, Copy, Debug)]
 pub struct Numerically {
     /// Largest relative difference.
@@ -13,7 +13,7 @@ pub struct Numerically {
 }
 
 impl Numerically {
-    /// Whether two texts state the same.
+    /// Whether two texts are equal in this sense.
     pub fn same(&self, golden: &str, found: &str) -> bool {
         let (golden, found) = (golden.trim_end(), found.trim_end());
         golden.lines().count() == found.lines().count()
@@ -33,7 +33,7 @@ impl Numerically {
         }
         match (golden.parse::<f64>(), found.parse::<f64>()) {
             (Ok(golden), Ok(found)) => {
-                // Infinities would be within any share of themselves.
+                // The relative difference of infinities would always be allowed.
                 let size = golden.abs().max(found.abs());
                 size.is_finite() && (golden - found).abs() <= self.tolerance * size
             }
