@@ -1,4 +1,4 @@
-//! Oscillators that have nothing to do with each other go on in one system as each does alone.
+//! Uncoupled oscillators in one system move as each does alone.
 
 use stickslip::{
     Contacts, Filippov, Method, Mode, Options, Orbit, Scalar, Several, Side, Start, State,
@@ -8,7 +8,7 @@ use stickslip::{
 use super::rig::Rig;
 use std::ops::ControlFlow;
 
-/// Three shaken blocks on a floor, each with a spring and friction of its own.
+/// Three driven blocks on a floor, each with its own spring and friction.
 pub fn three() -> Rig<3> {
     let mut rig = Rig::at_rest();
     for (i, k) in [1.0, 2.5, 0.4].into_iter().enumerate() {
@@ -122,8 +122,8 @@ fn a_contact_that_never_acts_changes_nothing() {
 
 #[test]
 fn a_contact_at_the_limit_of_what_holds_it_does_as_by_the_rules_of_one_boundary() {
-    // What pushes is just what friction can hold, and its rate is zero or is not: the second
-    // derivative decides, or the first.
+    // The push equals the friction limit, and its rate is zero or not. So the second derivative
+    // decides, or the first.
     let rig = |force: f64, omega: f64, stiffness: f64| {
         let mut rig = Rig::<3>::at_rest();
         (rig.forcing[0], rig.omega, rig.friction[0]) = (force, omega, 0.4);
@@ -131,10 +131,10 @@ fn a_contact_at_the_limit_of_what_holds_it_does_as_by_the_rules_of_one_boundary(
         rig
     };
     for (rig, x, sticks) in [
-        // The push is at its largest, and holds.
+        // The push is at its maximum, and friction holds.
         (rig(0.4, 1.0, 0.0), 0.0, true),
         (rig(-0.4, 1.0, 0.0), 0.0, true),
-        // At its least it does not.
+        // At its minimum it does not.
         (rig(-0.4, 1.0, 1.0), -0.8, false),
         (rig(0.4, 1.0, 1.0), 0.8, false),
         // It never changes.
@@ -157,8 +157,8 @@ fn a_contact_at_the_limit_of_what_holds_it_does_as_by_the_rules_of_one_boundary(
 
 #[test]
 fn two_that_come_to_rest_at_the_same_instant_are_decided_together() {
-    // Two equal blocks with equal starts stop at the same time, whatever rounding says; the third
-    // has a time of its own.
+    // Two equal blocks with equal starts stop at the same time, whatever the rounding. The third
+    // one stops at another time.
     let mut rig = three();
     rig.stiffness[1][1] = rig.stiffness[0][0];
     rig.forcing = [0.0; 3];
@@ -230,7 +230,7 @@ fn phases_and_steps_of_several_contacts_join() {
         .iter()
         .filter(|at| at.kind != TransitionKind::Touch);
     assert_eq!(changes.count() + 1, orbit.phases.len());
-    // What holds lies on its boundary to rounding.
+    // A contact that holds lies on its boundary to rounding.
     for step in &orbit.steps {
         let h = Contacts::boundaries(&rig, 0.0, step.x_end.as_ref());
         for (h, mode) in h.iter().zip(step.mode) {

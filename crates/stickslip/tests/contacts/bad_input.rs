@@ -1,25 +1,25 @@
-//! What is no problem of contacts is an error that says why.
+//! Invalid systems of contacts give an error with the reason.
 
 use stickslip::{Contacts, Ending, Error, Method, Options, Scalar, Several, Side, solve};
 
 use super::references::stacked;
 
-/// Two bodies whose contacts are what a case makes of them.
+/// Two bodies with contacts that depend on the case.
 struct Odd(Case);
 
 #[derive(Clone, Copy)]
 enum Case {
-    /// Both boundaries are the same.
+    /// Both boundaries are equal.
     Coincide,
-    /// The second boundary function has no slope.
+    /// The gradient of the second boundary function vanishes.
     Flat,
-    /// The second boundary function is not a number.
+    /// The second boundary function is NaN.
     Undefined,
-    /// The second boundary function is a number up to where the orbit takes it, and no further.
+    /// The second boundary function becomes NaN on the orbit.
     Ends,
-    /// Friction drives the second apart.
+    /// Friction drives the second contact apart.
     Repels,
-    /// What holds one contact also brakes the other.
+    /// The friction that holds one contact also brakes the other.
     HoldsAll,
     /// A parameter is not allowed.
     Refused,

@@ -1,6 +1,6 @@
-//! All systems of the tests as one type for each number of states: the solver is compiled once for
-//! that type and not once for every system. It is asked for orbits and spectra as the library is,
-//! by functions of the same names.
+//! All systems of the tests as one type for each number of states. The solver is compiled once for
+//! that type and not for every system. Functions with the library's names compute orbits and
+//! spectra.
 
 use stickslip::analysis::{Monodromy, PeriodicOrbit, Spectrum, SpectrumOptions};
 use stickslip::dynamics::Components;
@@ -29,8 +29,8 @@ use crate::taylor::{
 };
 use crate::two_folds::{Folds, Random};
 
-/// `typed!(Name, n: Variant(Type), …)`: the type `Name` of the systems of `n` states that do
-/// branch.
+/// `typed!(Name, n: Variant(Type), …)`: the type `Name` of the systems of `n` states that branch on
+/// values.
 macro_rules! typed {
     ($any:ident, $n:literal: $($name:ident($system:ty)),* $(,)?) => {
         pub enum $any<'a> {

@@ -1,4 +1,4 @@
-//! Events of the user's own and Poincaré maps against closed forms: circles, cycles of known
+//! User-defined events and Poincaré maps compared with closed forms: circles, cycles of known
 //! period, and differences.
 
 use std::f64::consts::PI;
@@ -18,16 +18,16 @@ use crate::den_hartog::DenHartog;
 use crate::listed::Listed;
 use crate::solver::systems::{Floor, decaying_friction};
 
-/// A function of one kind or another, so that the search is compiled once for all of them.
+/// One of several event functions, so that the search is compiled once for all of them.
 #[derive(Clone, Copy)]
 pub enum Function {
-    /// A component of the state less a level.
+    /// A component of the state minus a level.
     Level(usize, f64),
     /// `sin ωt`, with this ω.
     Wave(f64),
 }
 
-/// Event functions, the passages asked for, and the one that ends the run.
+/// Event functions, the directions searched for, and the terminal event.
 pub struct Watches<const E: usize> {
     functions: [Function; E],
     directions: [Direction; E],
@@ -57,7 +57,7 @@ fn watch(function: Function, direction: Direction) -> Watches<1> {
     }
 }
 
-/// By slopes, by series, and by fixed steps, with what their times may be off.
+/// Runge–Kutta steps, Taylor steps and fixed steps, with the allowed error of event times.
 fn methods() -> [(Options, f64); 4] {
     let slopes = Options::tol(1e-14);
     let fixed = |method| Options::default().method(method);
@@ -69,11 +69,11 @@ fn methods() -> [(Options, f64); 4] {
     ]
 }
 
-/// From 3 at rest [`Floor`]'s circles have radii 2.6, 1.8, 1 and 0.2 about ±0.4, half a turn each,
-/// and then it rests at -0.2.
+/// From 3 at rest [`Floor`]'s circles have radii 2.6, 1.8, 1 and 0.2 about ±0.4, half a turn each.
+/// Then it rests at -0.2.
 const START: [f64; 2] = [3.0, 0.0];
 
-/// When it passes 1, and which way.
+/// Times and directions of its passages through 1.
 fn passes_one() -> [(f64, Direction); 3] {
     [
         (math::acos(0.6 / 2.6), Falling),
@@ -100,7 +100,7 @@ fn a_level_is_passed_when_the_circles_say() {
             };
             assert_eq!(event.mode, Mode::Slip(side));
         }
-        // To watch changes nothing.
+        // Watching does not change the run.
         let alone = solve(&Floor, 0.0, START, 20.0, &options).unwrap();
         assert_eq!(found.orbit, alone);
     }
@@ -132,7 +132,7 @@ fn a_terminal_event_ends_the_run_there() {
             terminal: Some(1),
         };
         let found = solve_with_events(&Floor, &events, 0.0, START, 20.0, &options).unwrap();
-        // The sine passes zero where the first circle ends, and at the start it is none.
+        // The sine vanishes where the first circle ends. Its zero at the start is not an event.
         let told: Vec<_> = found.events.iter().map(|event| event.number).collect();
         assert_eq!(told, [0, 1]);
         let last = found.events[1];
@@ -199,7 +199,7 @@ fn many_zeros_in_one_step_are_told_in_order_with_the_transitions() {
 
 #[test]
 fn pairs_of_zeros_are_seen_and_misses_are_not() {
-    // The velocity is least, -2.6, after a quarter of a turn.
+    // The velocity has its minimum, -2.6, after a quarter of a turn.
     for (options, _) in &methods()[..2] {
         for gap in [1e-4, 1e-8, 1e-10] {
             let level = |by: f64| watch(Function::Level(1, -2.6 + by), Both);
@@ -208,7 +208,7 @@ fn pairs_of_zeros_are_seen_and_misses_are_not() {
             let times: Vec<_> = hit.events.iter().map(|event| event.t).collect();
             assert_eq!(times.len(), 2);
             for (t, exact) in times.iter().zip([0.5 * PI - half, 0.5 * PI + half]) {
-                // What rounding makes of the level, over the rate.
+                // Rounding of the level over the rate.
                 assert!((t - exact).abs() < 1e-14 / half, "{t} {exact}");
             }
             let missed = solve_with_events(&Floor, &level(-gap), 0.0, START, 3.0, options).unwrap();
@@ -239,7 +239,7 @@ fn a_block_that_sticks_passes_places_with_the_belt() {
 #[test]
 fn a_zero_at_the_very_end_of_a_phase_is_told_once_before_it() {
     for (options, _) in methods() {
-        // The boundary function itself: at rest half a turn apart, until the block stays at rest.
+        // The boundary function itself: zero half a turn apart, until the block stays at rest.
         let turns = watch(Function::Level(1, 0.0), Both);
         let found = solve_with_events(&Floor, &turns, 0.0, START, 20.0, &options).unwrap();
         let told: Vec<_> = found.events.iter().map(|e| (e.t, e.direction)).collect();
@@ -271,7 +271,8 @@ fn a_function_that_is_zero_during_stick_passes_at_its_ends() {
         for (event, at) in found.events.iter().zip(&found.orbit.transitions) {
             assert!((event.t - at.t).abs() < 1e-6, "{} {}", event.t, at.t);
         }
-        // It leaves with no rate, so that rounding hides it for a while; it comes with one.
+        // It leaves with zero rate, so that rounding hides it for a while; it returns with a
+        // nonzero rate.
         for (event, at) in found.events.iter().zip(&found.orbit.transitions).step_by(2) {
             assert_eq!(event.t, at.t);
         }
@@ -303,7 +304,7 @@ fn a_run_that_fails_keeps_the_events_before() {
     assert_eq!(failure.reached.events, []);
 }
 
-/// Of the cycle of [`decaying_friction`].
+/// Period of the cycle of [`decaying_friction`].
 const PERIOD: f64 = 9.230_770_458_082_98;
 
 #[test]
@@ -336,7 +337,7 @@ fn the_cycle_with_stick_returns_after_its_period_and_forgets_where_it_was() {
     }
 }
 
-/// The return to a plane from a start, and its derivative.
+/// The first return to a plane from a start, and its derivative.
 fn first_return<S: Listed<2>>(
     system: &S,
     section: &Plane<2>,
@@ -352,7 +353,7 @@ fn first_return<S: Listed<2>>(
 #[test]
 fn the_derivative_is_that_of_differences() {
     const CHANGE: f64 = 1e-5;
-    // Across Σ twice, and across a plane that is neither's level.
+    // Across Σ twice, and across a plane that is not a level of either component.
     let belt = BeltOscillator::default();
     let section = Plane {
         point: State::from([0.1, 0.0]),
@@ -377,7 +378,7 @@ fn the_derivative_is_that_of_differences() {
             let off = (found.column(j) - &slope).amax();
             assert!(off < 1e-7 * found.amax().max(1.0), "{found} {slope}");
         }
-        // It leads into the section.
+        // The start leads into the section.
         let normal = Vector::from_column_slice(section.normal.as_slice());
         assert!((normal.transpose() * &found).amax() < 1e-13 * found.amax());
     }
@@ -397,7 +398,7 @@ fn on_a_cycle_it_has_the_cycle_s_multiplier() {
     let system = belt.any();
     let start = (0.0, &cycle.x);
     let mut map = PoincareMap::new(&system, &section, start, 20.0, &options).unwrap();
-    // The block passes the place once each way.
+    // The block passes the position once in each direction.
     let (_, half) = map.step_with_derivative().unwrap();
     let (back, rest) = map.step_with_derivative().unwrap();
     assert!((back.x - cycle.x).amax() < 1e-10);
@@ -420,7 +421,7 @@ fn an_exit_at_a_tangent_point_passes_a_section_that_is_the_boundary_with_no_deri
             let system = belt.any();
             let start = (0.0, [0.04, speed - 0.21]);
             let mut map = PoincareMap::new(&system, &section, start, 20.0, &options).unwrap();
-            // Into stick with a rate, out of it with what rounding leaves of one.
+            // It enters stick with a nonzero rate and leaves it with a rate of rounding size.
             let (entry, derivative) = map.step_with_derivative().unwrap();
             assert_eq!(entry.mode, Mode::Slip(Side::Below));
             assert!(derivative.amax() > 0.1);
@@ -429,7 +430,7 @@ fn an_exit_at_a_tangent_point_passes_a_section_that_is_the_boundary_with_no_deri
                 matches!(exit, Err(Error::TangentSingular { .. })),
                 "{exit:?}"
             );
-            // It is a return all the same, and the next derivative starts there.
+            // It is still a return, and the next derivative starts there.
             assert_eq!(map.number(), 2);
             let left = (map.time(), map.state().clone());
             let Ok((_, derivative)) = map.step_with_derivative() else {
@@ -452,7 +453,7 @@ fn a_strobe_is_a_section_of_time() {
     };
     let period = 2.0 * PI / 0.7;
     let options = Options::tol(1e-13);
-    // To be terminal means nothing to a map.
+    // A map ignores that an event is terminal.
     let strobe = Watches {
         terminal: Some(0),
         ..watch(Function::Wave(0.7), Rising)
@@ -485,7 +486,7 @@ fn where_there_is_no_return_the_map_says_so_and_ends() {
     };
     assert_eq!((t, span), (first.t, 30.0));
     assert!(map.next().is_none());
-    // Shorter than it takes.
+    // Shorter than the return time.
     let mut map = PoincareMap::new(&system, &level, (0.0, START), 5.0, &options).unwrap();
     assert!(matches!(map.step(), Err(Error::NotFound { .. })));
     for longest in [0.0, f64::NAN, f64::INFINITY] {

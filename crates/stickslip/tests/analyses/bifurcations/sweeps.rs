@@ -1,4 +1,4 @@
-//! Sweeps up and down, and where the phases change between two values.
+//! Sweeps up and down, and changes of phases between two values.
 
 use std::f64::consts::{LN_10, PI};
 
@@ -16,12 +16,12 @@ use crate::listed::Listed;
 const ABOVE: Mode = Mode::Slip(Side::Above);
 const BELOW: Mode = Mode::Slip(Side::Below);
 
-/// A system for as long as the tests run: those of the list are lent.
+/// Leaks a system, since those of the list are borrowed.
 pub(super) fn kept<S>(system: S) -> &'static S {
     Box::leak(Box::new(system))
 }
 
-/// The only change in a sweep, which is one of phases.
+/// The only change in a sweep, a change of phases.
 fn only(found: &Sweep) -> &SequenceChange {
     let [change] = found.changes.as_slice() else {
         panic!("{:?}", found.changes);
@@ -37,7 +37,7 @@ fn values(from: f64, to: f64, steps: u32) -> impl Iterator<Item = f64> {
     (0..=steps).map(move |k| from + (to - from) * f64::from(k) / f64::from(steps))
 }
 
-/// The change between two values, met on the way up and on the way down.
+/// The change between two values, from the sweep up and from the sweep down.
 fn both_ways(rhythm: Rhythm, from: f64, to: f64) -> [SequenceChange; 2] {
     [(from, to), (to, from)].map(|(from, to)| {
         let settings = SweepSettings::within(400.0).forced(2.0 * PI);
@@ -48,8 +48,8 @@ fn both_ways(rhythm: Rhythm, from: f64, to: f64) -> [SequenceChange; 2] {
     })
 }
 
-/// A value of a sweep may hit the graze at p = 1, or lie where the orbit has gone over by less than
-/// what the tolerances leave open.
+/// A value of a sweep may hit the graze at p = 1, or lie where the orbit crosses by less than the
+/// tolerances resolve.
 #[test]
 fn a_change_that_a_value_hits_is_located() {
     for beyond in [0.0, 1e-12] {
@@ -80,7 +80,7 @@ fn check(change: &SequenceChange, name: SequenceBifurcation, exact: f64) {
     );
 }
 
-/// The only change in a sweep, which is by a multiplier: where, within what, and which.
+/// The only change in a sweep, by a multiplier: its location, uncertainty and kind.
 fn multiplier(found: &Sweep) -> ([f64; 2], &Special) {
     let [change] = found.changes.as_slice() else {
         panic!("{:?}", found.changes);
@@ -140,7 +140,7 @@ fn grazing_sliding_where_the_orbit_touches_the_boundary() {
     for change in [&up, &down] {
         check(change, SequenceBifurcation::GrazingSliding, 1.0);
         assert!((change.x[0] - 1.0).abs() < 1e-8);
-        // Tangent from below, with the curvature of the sine; from above it is pushed down.
+        // It is tangent from below, with the curvature of the sine. From above it is pushed down.
         assert!(change.own[0].abs() < 1e-4 && (change.own[1] - 1.0).abs() < 1e-3);
         assert_eq!(change.other[0], -1.0);
     }
@@ -151,7 +151,7 @@ fn grazing_sliding_where_the_orbit_touches_the_boundary() {
 
 #[test]
 fn adding_sliding_where_the_stick_touches_its_edge() {
-    // The field above pushes down by 1 - p cos t, at least by 1 - p.
+    // The field above points down by 1 - p cos t, at least by 1 - p.
     for change in both_ways(Rhythm::Part, 0.9, 1.1) {
         check(&change, SequenceBifurcation::AddingSliding, 1.0);
         let long = [ABOVE, Mode::Stick, BELOW, Mode::Stick];
@@ -164,7 +164,7 @@ fn adding_sliding_where_the_stick_touches_its_edge() {
     }
 }
 
-/// Where `Rhythm::Meet` lands from below: `(t - t₀)/2 - cos t + cos t₀ = 0` from `t₀ = 7π/6` on.
+/// Landing of `Rhythm::Meet` from below: `(t - t₀)/2 - cos t + cos t₀ = 0` for `t > t₀ = 7π/6`.
 pub fn landing() -> f64 {
     let start = 7.0 * PI / 6.0;
     let height = |t: f64| 0.5 * (t - start) - math::cos(t) + math::cos(start);
@@ -217,7 +217,7 @@ fn a_contact_grazes_where_its_function_touches_zero() {
 #[test]
 fn den_hartog_s_orbits_have_stops_from_his_edge_on() {
     for frequency in [0.6, 0.7, 0.8, 1.25] {
-        // At the stop the friction just holds: A O² = S, with A² = V² - S² U².
+        // At the stop, friction just holds: A O² = S, with A² = V² - S² U².
         let v = 1.0 / (1.0 - frequency * frequency);
         let angle = PI / frequency;
         let u = math::sin(angle) / (frequency * (1.0 + math::cos(angle)));
@@ -260,7 +260,7 @@ fn a_loss_of_stability_that_a_value_of_the_sweep_hits_is_located() {
 
 #[test]
 fn the_ends_of_bistability_are_found_by_sweeps_up_and_down() {
-    // At half a logarithm of ten the friction's fall takes all the damping away: 0.1 = e^(-2 vd).
+    // At half the logarithm of ten the falling friction cancels all damping: 0.1 = e^(-2 vd).
     let focus = 0.5 * LN_10;
     let family = |vd| kept(Driven { vd }).dynamics();
     let settings = SweepSettings::within(3e4);
@@ -286,8 +286,8 @@ fn the_ends_of_bistability_are_found_by_sweeps_up_and_down() {
     };
     assert!((parameter - focus).abs() < 1e-12, "{parameter}");
     assert!((frequency - 1.0).abs() < 1e-12 && (x[0] - 0.55).abs() < 1e-12);
-    // Up from there the block goes on sticking and slipping, to where the cycle only touches the
-    // belt's speed.
+    // Upwards from there the block continues its stick–slip motion, until the cycle only touches
+    // the belt's speed.
     let up = sweep(
         family,
         values(1.0, 2.0, 50),
@@ -300,7 +300,7 @@ fn the_ends_of_bistability_are_found_by_sweeps_up_and_down() {
     check(touch, SequenceBifurcation::GrazingSliding, touching());
     assert!(is_same_cycle(&touch.before, &[Mode::Stick, BELOW]));
     assert_eq!(touch.after, [BELOW], "the unstable cycle of slip alone");
-    // Between the two it depends on where one comes from.
+    // Between the two values the motion depends on the direction of the sweep.
     let at = |found: &Sweep, vd: f64| {
         let point = found
             .points
@@ -313,9 +313,9 @@ fn the_ends_of_bistability_are_found_by_sweeps_up_and_down() {
     assert_eq!(at(&up, 2.0), Kind::Equilibrium);
 }
 
-/// The static friction, in units of the kinetic, from which on a block that is let go comes back to
-/// the belt's speed: with ω² = 1 - ζ² its velocity is R exp(-ζt) cos(ωt + φ), R cos φ = 1 and R sin
-/// φ = (z + ζ)/ω, z = `ratio` - 2ζ - 1, and largest where ωt + φ = 2π - atan(ζ/ω).
+/// Static friction, in units of the kinetic one, above which a released block returns to the belt's
+/// speed. With ω² = 1 - ζ² its velocity is R exp(-ζt) cos(ωt + φ), R cos φ = 1, R sin φ = (z +
+/// ζ)/ω, and z = `ratio` - 2ζ - 1. It is largest where ωt + φ = 2π - atan(ζ/ω).
 fn coming_back() -> f64 {
     let damping = Held::DAMPING;
     let omega = (1.0 - damping * damping).sqrt();
@@ -352,12 +352,12 @@ fn with_static_friction_the_graze_that_ends_stick_and_slip_is_located_and_named(
         let change = only(&found);
         check(change, SequenceBifurcation::GrazingSliding, exact);
         assert!(is_same_cycle(&change.before, &[Mode::Stick, BELOW]));
-        // There is no orbit behind it that this one becomes.
+        // Beyond it this orbit does not continue.
         assert_eq!(
             (change.after.as_slice(), change.contacts.as_slice()),
             (&[][..], &[0][..])
         );
-        // On the belt's speed, where kinetic friction and spring balance: 1 = x + 2ζ.
+        // At the belt's speed, where kinetic friction and spring balance: 1 = x + 2ζ.
         assert!((change.x[1] - 1.0).abs() < 1e-12);
         assert!(
             (change.x[0] - (1.0 - 2.0 * Held::DAMPING)).abs() < 1e-4,
@@ -391,7 +391,7 @@ fn an_orbit_that_ends_or_fails_is_told_and_the_next_one_begins_anew() {
             }
             (_, other) => panic!("{end:?}: {other}"),
         }
-        // From the start again and not from where the first one ended: x = -1 - 3t/2, or x² = 1 +
+        // From the start again and not from the end of the first one: x = -1 - 3t/2, or x² = 1 +
         // 2t.
         assert_eq!(escaped.reached.kind, Kind::Escape);
         let (t, x) = (escaped.reached.t, escaped.reached.x[0]);
@@ -407,8 +407,8 @@ fn an_orbit_that_ends_or_fails_is_told_and_the_next_one_begins_anew() {
     }
 }
 
-/// The belt's speed at which the orbit that leaves the belt at the tangent point comes back to it,
-/// by a turn that meets the belt before and not after.
+/// The belt's speed at which the orbit that leaves the belt at the tangent point returns to it.
+/// Below it a turn meets the belt, above it does not.
 pub fn touching() -> f64 {
     let meets = |vd: f64| {
         let tangent = [1.0 - 0.1 * vd, vd];
@@ -446,7 +446,7 @@ fn exponents_are_measured_where_they_are_asked_for_and_nothing_is_located_where_
     assert_eq!(found.changes, []);
     let [cycle, rest] = [0, 1].map(|k| found.points[k].exponent);
     assert!(matches!(cycle, Some(Exponent::Finite { value, .. }) if value.abs() < 1e-2));
-    // Half of the damping that is left: (0.1 - e^(-2 vd))/2.
+    // Half of the remaining damping: (0.1 - e^(-2 vd))/2.
     let exact = -0.5 * (0.1 - math::exp(-3.8));
     assert!((rest.unwrap().value() - exact).abs() < 1e-3);
 }

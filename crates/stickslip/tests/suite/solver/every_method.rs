@@ -1,5 +1,5 @@
-//! What does not depend on the method that the other tests run: methods of fixed step, which a test
-//! names itself, and the models' parameters. It runs once, not once for every method.
+//! Tests that do not depend on the default method: fixed-step methods and the models' parameters.
+//! They run once, not for every method.
 
 use stickslip::TransitionKind::Touch;
 use stickslip::analysis::SpectrumOptions;

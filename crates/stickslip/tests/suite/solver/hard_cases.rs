@@ -1,5 +1,5 @@
-//! Cases that are easy to get wrong: on Σ to rounding only, at two-folds, at the edge of a field's
-//! domain, where transitions pile up, and where a step is long against what happens in it.
+//! Difficult cases: on Σ to rounding only, at two-folds, at the edge of a field's domain, at
+//! accumulating transitions, and with long steps.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::ControlFlow;
@@ -23,8 +23,7 @@ use crate::solver::systems::{
 
 #[test]
 fn a_state_on_the_boundary_to_rounding_is_on_it() {
-    // The floor's Σ is where the velocity is zero; a velocity of 1e-17 is what rounding leaves of
-    // that.
+    // The floor's Σ is at zero velocity; rounding may leave a velocity of 1e-17.
     for velocity in [0.0, 1e-17, -1e-17, 1e-300, -1e-300] {
         let start = State::from([0.1, velocity]);
         let orbit = solve(&Floor, 0.0, start, 1.0, &super::tol(TIGHT)).expect("runs");
@@ -58,7 +57,7 @@ fn a_run_from_any_transition_of_the_floor_repeats_the_rest() {
 
 #[test]
 fn a_two_fold_at_the_origin_is_one_to_rounding() {
-    // Stable sliding arrives at x₁ = 0 at time 1; behind it both fields lead away.
+    // Stable sliding reaches x₁ = 0 at time 1; beyond it both fields point away.
     let system = TwoFold {
         below: -1.0,
         above: 1.0,
@@ -71,14 +70,14 @@ fn a_two_fold_at_the_origin_is_one_to_rounding() {
         &super::tol(TIGHT),
     )
     .expect("runs");
-    // The fields agree there; what ends the orbit is that they lead away behind it.
+    // The fields agree there. The orbit ends because they point away beyond it.
     assert_eq!(orbit.ending, Ending::Repelling);
     assert!((orbit.t_end - 1.0).abs() < 1e-14, "{}", orbit.t_end);
 }
 
 #[test]
 fn a_two_fold_invisible_from_both_sides_is_slid_on() {
-    // The weights of the sliding field are 0/0 there, with a limit: x₁' = 1 all the same.
+    // The weights of the sliding field are 0/0 there and have a limit: x₁' = 1.
     let system = TwoFold {
         below: 1.0,
         above: -1.0,
@@ -132,8 +131,8 @@ fn a_step_whose_dense_output_is_not_finite_is_not_searched_for_ever() {
     let system = Rest {
         looks: AtomicU64::new(0),
     };
-    // Until time 2 the solution is 1 - (1 - t/2)², and then it rests at 1, at the edge of the
-    // field's domain: the run goes on there or ends there, promptly.
+    // Until time 2 the solution is 1 - (1 - t/2)². Then it rests at 1, at the edge of the field's
+    // domain. The run must continue or end there without delay.
     let x = match solve(&system, 0.0, State::from([0.0]), 2.5, &super::tol(1e-10)) {
         Ok(orbit) => orbit.x_end[0],
         Err(failure) => {
@@ -141,7 +140,8 @@ fn a_step_whose_dense_output_is_not_finite_is_not_searched_for_ever() {
             else {
                 panic!("{}", failure.error);
             };
-            // The edge is a double zero: its time is known to the root of the tolerance.
+            // The edge is a double zero, so its time is accurate to the square root of the
+            // tolerance.
             assert!(t > 2.0 - 1e-4, "{t}");
             x.0[0]
         }
@@ -149,7 +149,7 @@ fn a_step_whose_dense_output_is_not_finite_is_not_searched_for_ever() {
     assert!((x - 1.0).abs() < 1e-8, "{x}");
 }
 
-/// Ends a run that does not end itself.
+/// Ends a run that would not end.
 struct AtMost(usize);
 
 impl Observer<2> for AtMost {
@@ -180,7 +180,7 @@ fn a_pile_up_too_fast_to_be_counted_ends_the_run_all_the_same() {
                 &super::tol(tolerance),
                 &mut at_most,
             );
-            // Both fields are tangent to Σ where the excursions end; at the loosest tolerance they
+            // Both fields are tangent to Σ where the excursions end. At the loosest tolerance they
             // are not followed so far.
             let told = match &result {
                 Ok(summary) => matches!(summary.ending, Ending::TwoFold(_)),
@@ -198,8 +198,8 @@ fn a_pile_up_too_fast_to_be_counted_ends_the_run_all_the_same() {
 
 #[test]
 fn a_block_on_a_floor_that_sticks_in_every_period_goes_on() {
-    // It stands still at either end of every slip; that its velocity is zero there does not make
-    // the slip a pile-up.
+    // Its velocity vanishes at either end of every slip. That does not make the slip an
+    // accumulation.
     let block = DenHartog {
         frequency: 0.3,
         friction: 0.6,
@@ -220,8 +220,9 @@ fn a_block_on_a_floor_that_sticks_in_every_period_goes_on() {
 
 #[test]
 fn a_short_release_far_into_a_long_step_is_no_touch() {
-    // What ends the stick is known, at the release, to twice the width times the error of x₁: far
-    // better than to its slope at the start of the step, where q is as long as the step.
+    // The function that ends the stick is accurate, at the release, to twice the width times the
+    // error of x₁. That is far better than its slope at the start of the step, where q is as long
+    // as the step.
     for (centre, width, tolerance) in [
         (10.0, 5e-6, 1e-13),
         (20.0, 1e-5, 1e-13),
@@ -282,9 +283,9 @@ fn an_event_at_which_the_rate_across_the_boundary_changes_by_factors_keeps_the_t
 
 #[test]
 fn a_graze_shallower_than_the_dense_output_is_exact_is_found() {
-    // Inside a step the dense output may err by many tolerances, where the steps' ends err by one:
-    // a solution that passes 25 tolerances beyond the ceiling, little more than what still counts
-    // as a touch, must not look as if it stayed below.
+    // Inside a step the dense output may err by many tolerances, while the steps' ends err by one.
+    // A solution that exceeds the ceiling by 25 tolerances, little more than a touch, must not seem
+    // to stay below it.
     for tolerance in [1e-12, 1e-11, 1e-10, 1e-9] {
         let top = math::exp(1.0);
         let gap = 25.0 * tolerance * top;
@@ -323,7 +324,7 @@ fn an_orbit_that_starts_without_contact_first_gains_it() {
     }
 }
 
-/// Remembers the ends of the phases that it is told of, and ends the run at a transition.
+/// Records the ends of phases, and ends the run at a transition.
 struct Until {
     left: usize,
     phase_ends: Vec<f64>,
@@ -356,7 +357,7 @@ fn assert_phases_are_told<S: Listed<2>>(system: &S, start: [f64; 2], kinds: &[Tr
         let options = super::tol(1e-12);
         let end = run(system, 0.0, start, 40.0, &options, &mut until).expect("runs");
         assert_eq!((end.ending, end.t), (Ending::Stopped, at.t));
-        // The phase that a touch is in the midst of, too.
+        // This includes the phase during which a touch occurs.
         assert_eq!(until.phase_ends.last(), Some(&at.t), "{kind:?}");
         let ended = orbit.phases.iter().filter(|phase| phase.t_end <= at.t);
         let open = usize::from(*kind == Touch);
