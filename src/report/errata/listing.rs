@@ -7,7 +7,6 @@ use stickslip::math;
 
 /// The effect of mending one defect alone. The test of the start has an effect for another start
 /// only.
-/// start only.
 pub(super) fn defect(matrix: &Matrix, defect: Defect) -> Proof {
     let (printed, mended) = (matrix.with(Defects::AS_PRINTED), matrix.mended(defect));
     let mut all = changes(printed, mended);

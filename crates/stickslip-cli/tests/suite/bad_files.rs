@@ -1,9 +1,9 @@
-//! Files with one thing wrong, each with what is said about it, and where.
+//! Files with one error each: the message, its location in the file, and the advice.
 
 use stickslip_kernels::file::{FileError, SystemFile};
 use stickslip_kernels::file::{Problem, Source};
 
-/// A good file, of which each case changes one place.
+/// A valid file. Each case changes one place of it.
 const GOOD: &str = r#"name = "test"
 description = "a block"
 [time]
@@ -39,7 +39,8 @@ direction = "rising"
 x = [-2, 2]
 "#;
 
-/// What is changed into what; what is then said, of which part of the file, and with which advice.
+/// The text replaced and its replacement; the message, the part of the file that it marks, and the
+/// advice.
 type Case = (
     &'static str,
     &'static str,
@@ -503,7 +504,7 @@ fn each_bad_file_is_told_what_is_wrong_where_and_what_to_do() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
 }
 
-/// Whether a case is told as it should be.
+/// Whether a case is reported as expected.
 fn told((from, to, message, token, help): Case) -> Result<(), String> {
     let text = GOOD.replacen(from, to, 1);
     let (problem, shown) = problem_of(&text);
@@ -516,7 +517,7 @@ fn told((from, to, message, token, help): Case) -> Result<(), String> {
     };
     require(problem.message.contains(message), message)?;
     let place = &text[problem.place.clone()];
-    // Of a table its heading is enough.
+    // For a table its heading is enough.
     let is_table = token.is_empty() || token.starts_with('[');
     require(
         place == token || is_table && place.starts_with(token),
@@ -594,7 +595,7 @@ fn places_are_right_in_every_kind_of_quotes() {
         ("'v - vq'", "vq"),
         ("\"\"\"\n  v - vq\"\"\"", "vq"),
         ("'''v - vq'''", "vq"),
-        // With escapes bytes cannot be counted, and the whole is shown.
+        // With escapes the columns do not match the bytes, and the whole string is marked.
         (r#""v - v\u0071""#, r#""v - v\u0071""#),
     ] {
         let text = GOOD.replacen("boundary = \"v - vp\"", &format!("boundary = {quoted}"), 1);
@@ -643,7 +644,7 @@ fn a_file_in_another_code_is_told_with_its_line() {
     assert!(SystemFile::open(path).is_ok());
 }
 
-/// A good file with jumps and inputs, of which each case changes one place.
+/// A valid file with jumps and inputs. Each case changes one place of it.
 const JUMPS: &str = r#"name = "test"
 [states]
 x = "m"

@@ -1,4 +1,4 @@
-//! The program as it is called.
+//! The program from the command line.
 
 use std::path::Path;
 
@@ -174,7 +174,7 @@ fn wrong_arguments_are_told_with_a_remedy() {
             &["simulate", "belt", "--start", "x=1", "--start", "x=2"],
             "the state `x` is set twice",
         ),
-        // A number below its bounds is a number.
+        // A number outside the bounds is still a number.
         (
             &["simulate", "belt", "--tol", "-1e-9"],
             "--tol -1e-9 is not allowed: it must be between 1e-15 and 0.1",
@@ -219,7 +219,7 @@ fn wrong_arguments_are_told_with_a_remedy() {
             &["basin", "basins", "--random", "9", "--seed", "-1"],
             "invalid value '-1' for '--seed <SEED>': a whole number is expected, 0 at least",
         ),
-        // What would have no effect is not taken as if it had.
+        // Options that would have no effect are refused.
         (
             &["orbit", "leine", "--periods", "2"],
             "--periods 2 has no effect: the system does not depend on time",
@@ -301,7 +301,7 @@ fn what_was_understood_and_written_is_told_as_json_too() {
     assert_eq!(written, serde_json::json!({ "files": ["mine.toml"] }));
     let mine = json(top.path(), &["check", "mine.toml"]);
     assert_eq!(mine["system"]["name"], "Block on a belt");
-    // The file is understood with what is set.
+    // The file is checked with the values that are set.
     let found = json(top.path(), &["check", "leine", "--set", "vd=1/4"]);
     assert_eq!(found["system"]["parameters"]["vd"], 0.25);
     let all = |name: &str| found[name].as_array().unwrap().clone();
@@ -322,7 +322,7 @@ fn what_was_understood_and_written_is_told_as_json_too() {
         serde_json::json!({ "state": "x", "rate": "v" })
     );
     assert_eq!(found["time"]["depends_on_time"], false);
-    // Friction 1 at rest and a spring of 1: it sticks up to x = 1 either way.
+    // Static friction 1 and a spring of 1: it sticks up to x = 1 on either side.
     let boundary = &found["boundary"];
     assert_eq!(boundary["zones"][0]["kind"], "stick");
     let ends = ["from", "to"].map(|end| boundary["zones"][0][end].as_f64().unwrap());
@@ -333,7 +333,7 @@ fn what_was_understood_and_written_is_told_as_json_too() {
     assert_eq!(driven["time"]["period"], 4.0 * std::f64::consts::PI);
 }
 
-/// What integrates without complaint and is hardly meant.
+/// Files that integrate without errors but are probably not meant.
 #[test]
 fn a_period_that_is_none_is_doubted() {
     const DRIVEN: &str = r#"
@@ -414,7 +414,8 @@ fn friction_of_the_wrong_sign_or_less_at_rest_is_doubted() {
         less.contains("takes 0.4 of the rate") && less.contains("in slip 0.8"),
         "{less}"
     );
-    // The law at rest is the static one but for rounding, also beside a large force.
+    // Kinetic friction at zero velocity equals the static one up to rounding, also beside a large
+    // force.
     let same = "static = \"mu0*(0.09*m)/(0.09*m)\"";
     assert_eq!(doubts(commented, same), [""; 0]);
     let start = "[start]\nx = 0.5";
@@ -461,7 +462,7 @@ fn an_orbit_that_takes_longer_than_asked_to_come_back_is_told_with_its_period() 
         .stderr(contains("--longest"));
 }
 
-/// The place of a block that another one carries: nothing depends on it.
+/// The position of a block that another one carries: nothing depends on it.
 #[test]
 fn a_place_that_nothing_depends_on_keeps_no_orbit_from_being_found() {
     let top = folder();
@@ -497,7 +498,7 @@ upper = 0
     assert!(found["residual"].as_f64().unwrap() < 1e-9, "{found}");
 }
 
-/// Two blocks on a belt, each with a friction of its own.
+/// Two blocks on a belt, each with its own friction.
 const TWO: &str = r#"
 name = "two"
 [states]
@@ -531,7 +532,7 @@ x1 = [-1, 1]
 v1 = [-1, 1]
 "#;
 
-/// A drive weaker than friction comes to rest, too.
+/// With a drive weaker than friction, the block comes to rest, too.
 #[test]
 fn rest_under_a_drive_is_no_periodic_orbit() {
     let top = folder();
@@ -634,9 +635,9 @@ fn an_output_folder_that_cannot_be_made_is_told() {
         .stderr(contains("cannot create folder taken").and(contains("--out")));
 }
 
-/// A block on another on the ground, both of mass 1: pulled by t, the ground gives way at 2 and
-/// brakes with 1 from then on. Together they would begin at 1/2 then, but the upper one is held
-/// with 0.2 only.
+/// A block on another on the ground, both of mass 1, pulled by t. The ground releases at 2 and
+/// brakes with 1 afterwards. Together they would start at 1/2 then, but the upper one is held with
+/// 0.2 only.
 const STACKED: &str = r#"
 name = "stacked"
 [states]
@@ -708,8 +709,7 @@ fn the_times_of_a_run_are_expressions_of_parameters() {
         .stderr(contains("the end -3 does not lie after the start -2"));
 }
 
-/// A run that comes to where the boundaries of two contacts meet and are one and the same cannot go
-/// on.
+/// A run cannot continue where the boundaries of two contacts coincide.
 #[test]
 fn boundaries_that_depend_on_each_other_are_doubted() {
     let top = folder();
@@ -762,7 +762,7 @@ w = 0.1
         (["v", "w", "v + (w - 1)^2*v"], "`a`, `c`"),
         // They touch.
         (["w", "v", "v - 3*(x - 1)^2"], "`b`, `c`"),
-        // Each two are independent.
+        // Any two are independent.
         (["v", "w", "v - w"], "`a`, `b`, `c`"),
     ] {
         let found = doubts(boundaries);
@@ -775,7 +775,7 @@ w = 0.1
     }
 }
 
-/// A tangent point at zero, which none of the values looked at is.
+/// A tangent point at zero, which is not a value of the scan.
 #[test]
 fn no_number_is_a_row_of_zeros() {
     const ORIGIN: &str = r#"
@@ -853,7 +853,7 @@ y = [-2, 2]
         all.map(|one| one["branch"].as_i64().unwrap()).collect()
     };
     assert_eq!(found["branches"].as_array().unwrap().len(), 2);
-    // The table has what JSON has of each point.
+    // The table has the same values as JSON for each point.
     let points = text(top.path().join("o/tangents.csv"));
     assert!(
         points.starts_with("side,visibility,t,x,y,branch\n"),
@@ -889,8 +889,7 @@ fn tangents_are_listed_and_drawn() {
     assert!(text(top.path().join("o/tangents.svg")).contains("<svg"));
 }
 
-/// x'' = cos t - 2 x is without damping: x = cos t repeats, and all that begins beside it stays
-/// beside it.
+/// x'' = cos t - 2 x has no damping: x = cos t repeats, and neighbouring orbits stay beside it.
 #[test]
 fn an_orbit_without_damping_is_neutral() {
     const UNDAMPED: &str = r#"
@@ -930,7 +929,7 @@ fn a_periodic_orbit_is_found_with_its_phases() {
         .success()
         .stdout(contains("stability    stable"))
         .stdout(contains("(the trivial one)"));
-    // P15, to the digits that are published; stick takes all that is not along the orbit.
+    // P15, to the published digits. Stick annihilates all directions except that along the orbit.
     let orbit = text(top.path().join("o/orbit.csv"));
     let period: f64 = orbit
         .lines()
@@ -1011,7 +1010,7 @@ fn a_program_without_png_says_so() {
             .stderr(contains("without PNG output"))
             .stderr(contains("--features png"));
     }
-    // It is told before anything is computed.
+    // It is reported before anything is computed.
     assert_eq!(std::fs::read_dir(top.path()).unwrap().count(), 0);
 }
 
@@ -1095,7 +1094,7 @@ fn figures_are_also_written_as_png() {
     }
 }
 
-/// Friction that pushes on: both fields lead away from the boundary.
+/// Driving friction: both fields point away from the boundary.
 #[test]
 fn a_start_without_a_unique_future_is_told() {
     let top = folder();

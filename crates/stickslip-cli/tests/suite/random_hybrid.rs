@@ -1,4 +1,5 @@
-//! Random systems with jumps, discrete states, inputs and a contact: both methods see the same.
+//! Random systems with jumps, discrete states, inputs and a contact: both methods find the same
+//! events.
 
 use std::collections::BTreeMap;
 
@@ -10,19 +11,19 @@ use stickslip_kernels::file::System;
 use crate::hybrid::{options, system};
 use crate::public_cases::METHODS;
 
-/// Events of a run that are compared: beyond these, neighbours may have parted.
+/// Number of events compared: later, neighbouring orbits may have separated.
 const MOST: usize = 40;
 
-/// By how much the times of an event may differ.
+/// Allowed difference of event times.
 const SAME: f64 = 1e-6;
 
-/// The text of a random system.
+/// The file of a random system.
 fn text(random: &mut SplitMix) -> String {
     let mut a = |low: f64, high: f64| random.between(low, high);
     let mut text = "name = \"random\"\n[states]\nx = \"\"\ny = \"\"\n".to_owned();
     let mut acts = String::new();
     text += "[discrete]\nn = 1\nm = 0\n";
-    // Inputs, each there or not.
+    // Each input is optional.
     for (number, shape) in ["square", "triangle", "sawtooth", "pulse"]
         .iter()
         .enumerate()
@@ -50,7 +51,7 @@ fn text(random: &mut SplitMix) -> String {
         text += &format!("[switches.drive]\nfunction = \"{function}\"\n");
         acts += &format!(" + {}*drive", a(-1.0, 1.0));
     }
-    // A contact with friction, there or not.
+    // A contact with friction is optional.
     let mut friction = "";
     if a(0.0, 1.0) < 0.6 {
         let (speed, size) = (a(-0.5, 0.5), a(0.1, 1.0));
@@ -90,7 +91,7 @@ fn text(random: &mut SplitMix) -> String {
     text + &format!("[start]\nx = {}\ny = {}\n", a(-1.0, 1.0), a(-1.0, 1.0))
 }
 
-/// What a run has come to.
+/// Result of a run.
 #[derive(Debug)]
 struct Found {
     events: Vec<(TransitionKind, usize, f64)>,
@@ -111,7 +112,7 @@ fn found(system: &System, method: &str) -> Found {
     let mut events = Vec::new();
     loop {
         match orbit.step() {
-            // A touch is where a function comes to zero to within rounding and turns back.
+            // At a touch, a function comes to zero within rounding and turns back.
             Ok(Happening::Transition(at)) if at.kind != TransitionKind::Touch => {
                 events.push((at.kind, at.contact, at.t));
                 if events.len() == MOST {
@@ -143,7 +144,7 @@ fn are_alike([one, other]: &[Found; 2]) -> bool {
     let is_alike = |(a, b): (&(TransitionKind, usize, f64), &(TransitionKind, usize, f64))| {
         (a.0, a.1) == (b.0, b.1) && (a.2 - b.2).abs() < SAME
     };
-    // Where transitions pile up, the last ones are told by fewer digits than they take.
+    // Where transitions accumulate, the last ones have fewer significant digits.
     let count = match one.ending.as_str() {
         "EventPileUp" => one.events.len().min(other.events.len()).saturating_sub(8),
         _ if one.events.len() != other.events.len() => return false,
@@ -158,8 +159,8 @@ fn are_alike([one, other]: &[Found; 2]) -> bool {
             .all(is_alike)
 }
 
-/// How many events so many random systems have, and how many of them come to which ending; it tells
-/// of those in which the methods differ.
+/// Counts the events of so many random systems and their endings, and lists the systems for which
+/// the methods differ.
 fn compared(seeds: std::ops::Range<u64>) -> (usize, BTreeMap<String, usize>, Vec<String>) {
     let (mut events, mut different) = (0, Vec::new());
     let mut endings = BTreeMap::new();
@@ -196,7 +197,7 @@ fn both_methods_find_the_same_events_of_random_systems() {
     assert!(events > 4000 && to_the_end > 300, "{events} {endings:?}");
 }
 
-/// All alike, with 122275 events: two minutes of processor time.
+/// All agree, with 122275 events: two minutes of processor time.
 #[test]
 #[ignore = "takes minutes"]
 fn both_methods_find_the_same_events_of_ten_thousand_random_systems() {

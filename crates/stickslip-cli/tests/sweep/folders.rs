@@ -1,4 +1,4 @@
-//! What a folder may hold, and what is said of everything else.
+//! Contents of a folder that are accepted, and the messages for all others.
 
 use std::fs;
 use std::path::Path;
@@ -8,7 +8,7 @@ use stickslip_cli::sweep::{Plan, Share, SweepError, Task};
 
 use super::common::{block, compute, definition, plan, table, task, undisturbed};
 
-/// What is said if a sweep is tried where another has been.
+/// The message for a sweep in the folder of another one.
 fn refusal(old: &Plan, new: &Plan) -> String {
     let folder = tempfile::tempdir().unwrap();
     compute(&task(old, folder.path())).unwrap();
@@ -151,7 +151,7 @@ fn a_block_that_cannot_be_written_is_named_and_the_others_stay() {
         ..task(&plan, folder.path())
     };
     compute(&first).unwrap();
-    // A folder in the place of the block: nobody can replace it by a file.
+    // A folder in place of the block cannot be replaced by a file.
     let place = folder.path().join("blocks/00000003.block");
     fs::create_dir(&place).unwrap();
     let error = compute(&task(&plan, folder.path())).unwrap_err();

@@ -1,4 +1,4 @@
-//! Shares in folders of their own, joined.
+//! Shares in separate folders, merged.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -46,7 +46,7 @@ fn shares_make_the_whole_bit_for_bit() {
         assert_eq!(merged.repeated, 0);
         assert!(table(&merged.store) == undisturbed(&plan));
         drop(merged);
-        // The files are those of a single run, and it goes on from them.
+        // The files are those of a single run, which can be resumed from them.
         let single = tempfile::tempdir().unwrap();
         compute(&task(&plan, single.path())).unwrap();
         for block in 0..plan.blocks() {
@@ -128,7 +128,7 @@ fn strangers_are_refused() {
     let said = refused(&out, &[ours[0].clone(), strange.clone()]);
     let wanted = "the argument `grid` is [3,4] in the first and [3,5] in the second";
     assert!(said.contains(wanted), "{said}");
-    // A block of it among ours.
+    // A foreign block among ours.
     fs::copy(strange.join(name(1)), ours[1].join(name(1))).unwrap();
     let said = refused(&out, &ours);
     assert!(
