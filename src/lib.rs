@@ -2,6 +2,7 @@
 
 pub mod figures;
 mod numbers;
+mod orbit_records;
 pub mod paper;
 #[cfg(feature = "report")]
 pub mod peers;
@@ -11,4 +12,3 @@ pub mod readings;
 pub mod report;
 mod terminal;
 mod text;
-mod turns;

@@ -19,7 +19,10 @@ pub(crate) fn bisect(mut low: f64, mut high: f64, is_after: impl Fn(f64) -> bool
 }
 
 /// Points where a property begins or ends between neighbours of an ascending grid, to the last bit.
-pub(crate) fn changes(grid: impl IntoIterator<Item = f64>, has: impl Fn(f64) -> bool) -> Vec<f64> {
+pub(crate) fn change_points(
+    grid: impl IntoIterator<Item = f64>,
+    has: impl Fn(f64) -> bool,
+) -> Vec<f64> {
     let grid = grid.into_iter().map(|at| (at, has(at)));
     let grid: Vec<(f64, bool)> = grid.collect();
     let pairs = grid.windows(2).map(|pair| (pair[0], pair[1]));
@@ -50,7 +53,7 @@ pub(crate) fn median(values: &[f64]) -> Option<f64> {
 }
 
 /// The error of a search for `what` that started at time `t` and failed within `span` (s).
-pub(crate) fn missing(what: &'static str, t: f64, span: f64) -> Error {
+pub(crate) fn not_found(what: &'static str, t: f64, span: f64) -> Error {
     Error::NotFound { what, t, span }
 }
 

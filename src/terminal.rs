@@ -17,7 +17,7 @@ pub(crate) fn finish(what: &str, outcome: Result<String, impl Display>) -> ExitC
     match outcome {
         Ok(text) => end_of_print(what, print(&text)),
         Err(error) => {
-            note(&format!("error: {error}"));
+            print_note(&format!("error: {error}"));
             ExitCode::FAILURE
         }
     }
@@ -35,14 +35,14 @@ fn end_of_print(what: &str, printed: io::Result<()>) -> ExitCode {
         // The reader may close the pipe early; files are written all the same.
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(error) => {
-            note(&format!("error: cannot print the {what}: {error}"));
+            print_note(&format!("error: cannot print the {what}: {error}"));
             ExitCode::FAILURE
         }
     }
 }
 
 /// Prints a line on standard error. Failure is ignored: nobody reads it then.
-pub(crate) fn note(line: &str) {
+pub(crate) fn print_note(line: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 

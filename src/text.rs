@@ -67,7 +67,7 @@ where
 /// The lines that delimit a generated part of a file that is otherwise written by hand.
 #[cfg(feature = "report")]
 #[derive(Clone, Copy, Debug)]
-pub struct Marks {
+pub struct SectionMarkers {
     /// The line before it, with its newline.
     pub begin: &'static str,
     /// The line after it, with its newline.
@@ -75,12 +75,12 @@ pub struct Marks {
 }
 
 #[cfg(feature = "report")]
-impl Marks {
+impl SectionMarkers {
     /// `text` with `part` between the marks; `None` if it has no such marks.
-    pub fn put(self, text: &str, part: &str) -> Option<String> {
+    pub fn replace_section(self, text: &str, part: &str) -> Option<String> {
         let (before, rest) = text.split_once(self.begin)?;
         let (_, after) = rest.split_once(self.end)?;
-        let Marks { begin, end } = self;
+        let SectionMarkers { begin, end } = self;
         Some(format!("{before}{begin}\n{part}\n{end}{after}"))
     }
 }
@@ -91,14 +91,17 @@ mod tests {
 
     #[test]
     fn only_what_is_between_the_marks_is_replaced() {
-        let marks = Marks {
+        let marks = SectionMarkers {
             begin: "<!-- b -->\n",
             end: "<!-- e -->\n",
         };
         let readme = "a\n<!-- b -->\nold\n<!-- e -->\nb\n";
-        let once = marks.put(readme, "| new |\n").unwrap();
+        let once = marks.replace_section(readme, "| new |\n").unwrap();
         assert_eq!(once, "a\n<!-- b -->\n\n| new |\n\n<!-- e -->\nb\n");
-        assert_eq!(marks.put(&once, "| new |\n"), Some(once.clone()));
-        assert_eq!(marks.put("no marks", "x"), None);
+        assert_eq!(
+            marks.replace_section(&once, "| new |\n"),
+            Some(once.clone())
+        );
+        assert_eq!(marks.replace_section("no marks", "x"), None);
     }
 }

@@ -119,8 +119,8 @@ fn a_step_in_place_goes_three_times_as_far() {
 
 #[test]
 fn as_printed_it_gives_the_four_published_numbers() {
-    let numbers = printed(1e-4).four_numbers().unwrap();
-    for (value, id) in numbers.into_iter().zip(ClaimId::FOUR) {
+    let numbers = printed(1e-4).stick_numbers().unwrap();
+    for (value, id) in numbers.into_iter().zip(ClaimId::STICK_NUMBERS) {
         let claim = Claims::committed().unwrap().of(id);
         assert!(
             claim.agrees(value),
@@ -366,7 +366,7 @@ proptest! {
 /// One line of the table: name, the four numbers in full precision, the class.
 fn line(table: &mut String, name: &str, setup: &Setup) {
     let run = run(setup);
-    let numbers = match run.four_numbers() {
+    let numbers = match run.stick_numbers() {
         Some(numbers) => numbers.map(|value| format!("{value:<20?}")).join(" "),
         None => "-".to_owned(),
     };

@@ -1,7 +1,7 @@
 //! Fig. 6: the friction law of Eq. (2).
 
 use super::rows::Row;
-use super::{Failure, FigureError, FigureSpec, pair};
+use super::{Failure, FigureError, FigureSpec, side_by_side};
 use crate::paper::claim_id::ClaimId;
 use crate::paper::reading::Reading::Exact;
 use plot::{
@@ -111,7 +111,7 @@ fn draw(data: &Data) -> Result<String, FigureError> {
         values of μ0; larger μ0 stretches the curve. Panel b: μ0 = √3/9 and δ = 0.5, 1, 3; larger \
         δ makes it fall faster. Bold: the paper's parameters.";
     let figure = Figure::new(FIG06.name, (680.0, 310.0), title, description);
-    Ok(figure.columns(1.0, pair(a, b)).render()?)
+    Ok(figure.columns(1.0, side_by_side(a, b)).render()?)
 }
 
 /// The paper's parameters are the bold solid line in the middle.

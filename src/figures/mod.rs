@@ -9,7 +9,7 @@ pub mod fig08;
 pub mod locator;
 pub mod rows;
 
-use crate::numbers::missing;
+use crate::numbers::not_found;
 use crate::paper::published::PublishedError;
 use output::{PngError, WriteError};
 use plot::{Cell, Dash, GREY, Guide, Panel};
@@ -99,7 +99,7 @@ fn points<const N: usize, P>(orbit: &Orbit<N>, point: impl Fn(f64, &[f64]) -> P)
 }
 
 /// Time and the first two components.
-fn curve3<const N: usize>(orbit: &Orbit<N>) -> Vec<(f64, f64, f64)> {
+fn time_curve<const N: usize>(orbit: &Orbit<N>) -> Vec<(f64, f64, f64)> {
     points(orbit, |t, x| (t, x[0], x[1]))
 }
 
@@ -118,7 +118,7 @@ pub(crate) fn normals<S: Filippov<2>, T: Scalar>(system: &S, t: T, x: &[T; 2]) -
 fn crossing(orbit: &Orbit<2>, to: Side) -> Result<&Transition<2>, Error> {
     let is = |at: &&Transition<2>| at.kind == TransitionKind::Crossing && at.to == Mode::Slip(to);
     let first = orbit.transitions.iter().find(is);
-    first.ok_or_else(|| missing("a crossing of Σ", 0.0, orbit.t_end))
+    first.ok_or_else(|| not_found("a crossing of Σ", 0.0, orbit.t_end))
 }
 
 /// Σ in a phase plane: the belt's speed.
@@ -128,7 +128,7 @@ fn belt_line(speed: f64) -> Guide {
 }
 
 /// Two panels side by side, of equal width.
-pub(crate) fn pair(left: Panel, right: Panel) -> Vec<(f64, Cell)> {
+pub(crate) fn side_by_side(left: Panel, right: Panel) -> Vec<(f64, Cell)> {
     vec![(1.0, left.into()), (1.0, right.into())]
 }
 

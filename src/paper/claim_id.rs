@@ -87,7 +87,7 @@ impl ClaimId {
     }
 
     /// The four numbers of Sect. 4.2: lengths of the stick phases (m), then their durations (s).
-    pub const FOUR: [ClaimId; 4] = [
+    pub const STICK_NUMBERS: [ClaimId; 4] = [
         ClaimId::Fig08StickLength1,
         ClaimId::Fig08StickLength2,
         ClaimId::Fig08StickDuration1,

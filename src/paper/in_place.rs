@@ -16,7 +16,7 @@ const SIXTH: f64 = 0.166666;
 
 /// Why the scheme cannot go on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Lost {
+pub enum Breakdown {
     /// A component exceeded the bound.
     Escaped {
         /// Time of the last state within the bound.
@@ -58,7 +58,7 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
         let gap = scheme.system.boundary(0.0, components(&x));
         scheme.mode = if gap < 0.0 {
             Mode::Slip(Side::Below)
-        } else if gap == 0.0 && scheme.released().is_none() {
+        } else if gap == 0.0 && scheme.release_side().is_none() {
             Mode::Stick
         } else {
             Mode::Slip(Side::Above)
@@ -69,18 +69,18 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
     /// One pass of the listing's loop.
     ///
     /// # Errors
-    /// [`Lost`] where the state is no longer a motion of the system.
-    pub fn advance(&mut self) -> Result<(), Lost> {
+    /// [`Breakdown`] where the state is no longer a motion of the system.
+    pub fn advance(&mut self) -> Result<(), Breakdown> {
         let t = self.t;
         match self.mode {
             Mode::Stick => self.stick(),
             Mode::Slip(side) => self.slip(side),
         }
         if !self.t.is_finite() || self.x.iter().any(|v| !v.is_finite()) {
-            return Err(Lost::BrokenDown { t });
+            return Err(Breakdown::BrokenDown { t });
         }
         if self.x.amax() > self.bound {
-            return Err(Lost::Escaped { t });
+            return Err(Breakdown::Escaped { t });
         }
         Ok(())
     }
@@ -106,7 +106,7 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
         let step = (to_go, to_go * SIXTH);
         (self.t, self.x) = in_velocity(true, step, (self.t, moved), slope);
         self.x[VELOCITY] = moved[VELOCITY] - gap;
-        self.mode = match self.released() {
+        self.mode = match self.release_side() {
             None => Mode::Stick,
             Some(_) => Mode::Slip(side.opposite()),
         };
@@ -124,13 +124,13 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
         moved[0] = self.x[0] + self.h * velocity;
         self.x = moved;
         self.t += self.h;
-        if let Some(side) = self.released() {
+        if let Some(side) = self.release_side() {
             self.mode = Mode::Slip(side);
         }
     }
 
     /// The side whose field does not push towards Σ, if there is one.
-    fn released(&self) -> Option<Side> {
+    fn release_side(&self) -> Option<Side> {
         let x = components(&self.x);
         if self.system.field(Side::Below, self.t, x)[VELOCITY] <= 0.0 {
             Some(Side::Below)
@@ -197,6 +197,6 @@ mod tests {
     fn leaving_the_bound_is_an_outcome() {
         let mut scheme = fig11(0.3);
         let lost = (0..100_000).find_map(|_| scheme.advance().err());
-        assert!(matches!(lost, Some(Lost::Escaped { t }) if t > 0.0));
+        assert!(matches!(lost, Some(Breakdown::Escaped { t }) if t > 0.0));
     }
 }

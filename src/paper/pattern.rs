@@ -7,10 +7,10 @@ use super::listing::{
 use stickslip::{Mode, Phase, Side, State};
 
 /// Longest pattern searched for, in forcing periods, as in [`Motion`].
-const LONGEST: usize = Motion::LONGEST_PATTERN;
+const LONGEST_PATTERN: usize = Motion::LONGEST_PATTERN;
 /// Tolerance for two events of an accurate solution to be equal (m, s). It is far above the
 /// solver's tolerance and far below the printed digits.
-const SAME: f64 = 1e-6;
+const EVENT_TOLERANCE: f64 = 1e-6;
 
 /// Whether a motion is what the caption of Fig. 8 says. It must have stick phases and repeat after
 /// two forcing periods and not after one. `period` is the number of forcing periods after which it
@@ -80,14 +80,14 @@ impl Pattern {
             })
         });
         let events = Events::new(sticks.collect(), crossings.collect(), forcing_period);
-        let period = (1..=LONGEST).find(|&period| events.repeat_after(period))?;
+        let period = (1..=LONGEST_PATTERN).find(|&period| events.repeat_after(period))?;
         events.pattern(period)
     }
 
     /// The four numbers of Sect. 4.2: the lengths (m) of the two longest stick phases, the longer
     /// first, then their durations (s). They are taken within two forcing periods, or within the
     /// pattern if that is longer. `None` if there are fewer than two phases.
-    pub fn four_numbers(&self) -> Option<[f64; 4]> {
+    pub fn stick_numbers(&self) -> Option<[f64; 4]> {
         let mut sticks = self.sticks.clone();
         sticks.sort_by(|one, other| other.length().total_cmp(&one.length()));
         match sticks.as_slice() {
@@ -107,14 +107,14 @@ impl Pattern {
     }
 
     /// The stick phases of one pattern.
-    pub fn sticks_of_one(&self) -> impl Iterator<Item = &Stick> {
-        let from = self.begin();
+    pub fn pattern_sticks(&self) -> impl Iterator<Item = &Stick> {
+        let from = self.start();
         self.sticks.iter().filter(move |stick| stick.exit.t > from)
     }
 
     /// The crossings of one pattern.
-    pub fn crossings_of_one(&self) -> impl Iterator<Item = &Crossing> {
-        let from = self.begin();
+    pub fn pattern_crossings(&self) -> impl Iterator<Item = &Crossing> {
+        let from = self.start();
         self.crossings
             .iter()
             .filter(move |crossing| crossing.at.t > from)
@@ -126,7 +126,7 @@ impl Pattern {
     /// trajectory. The point where the body is released from stick is not a crossing of Σ.
     pub fn deflections(&self) -> Vec<Crossing> {
         let left = |crossing: &&Crossing| crossing.at.x1 < 0.0;
-        self.crossings_of_one().filter(left).copied().collect()
+        self.pattern_crossings().filter(left).copied().collect()
     }
 
     /// Whether another motion is of the same kind. It has the same period and the same numbers of
@@ -134,7 +134,7 @@ impl Pattern {
     pub fn same_motion(&self, other: &Pattern) -> bool {
         let kind = |one: &Pattern| {
             (
-                one.sticks_of_one().count(),
+                one.pattern_sticks().count(),
                 one.period,
                 one.deflections().len(),
             )
@@ -143,14 +143,14 @@ impl Pattern {
     }
 
     /// The time at which the last pattern begins.
-    fn begin(&self) -> f64 {
+    fn start(&self) -> f64 {
         pattern_begin(self.end, self.period, self.forcing_period)
     }
 }
 
 /// An event on Σ.
 #[derive(Clone, Copy, PartialEq)]
-enum Kind {
+enum EventKind {
     Entry,
     Exit,
     Crossing(Direction),
@@ -170,7 +170,7 @@ impl Events {
         let last_exit = sticks.last().map(|stick| stick.exit.t);
         let last_crossing = crossings.last().map(|crossing| crossing.at.t);
         // A motion that has not stuck for longer than any pattern no longer sticks.
-        let span = LONGEST as f64 * forcing_period;
+        let span = LONGEST_PATTERN as f64 * forcing_period;
         let current = last_exit.filter(|exit| last_crossing.is_none_or(|last| last - exit <= span));
         Events {
             sticks: if current.is_some() {
@@ -185,13 +185,18 @@ impl Events {
     }
 
     /// All events in order of time.
-    fn ordered(&self) -> Vec<(Kind, Instant)> {
+    fn ordered(&self) -> Vec<(EventKind, Instant)> {
         let sticks = self.sticks.iter();
-        let mut all: Vec<(Kind, Instant)> = sticks
-            .flat_map(|stick| [(Kind::Entry, stick.entry), (Kind::Exit, stick.exit)])
+        let mut all: Vec<(EventKind, Instant)> = sticks
+            .flat_map(|stick| {
+                [
+                    (EventKind::Entry, stick.entry),
+                    (EventKind::Exit, stick.exit),
+                ]
+            })
             .collect();
         let crossings = self.crossings.iter();
-        all.extend(crossings.map(|one| (Kind::Crossing(one.direction), one.at)));
+        all.extend(crossings.map(|one| (EventKind::Crossing(one.direction), one.at)));
         all.retain(|(_, at)| self.end.is_some_and(|end| at.t <= end));
         all.sort_by(|one, other| one.1.t.total_cmp(&other.1.t));
         all
@@ -208,10 +213,10 @@ impl Events {
         let compared = since((2 * period).max(LEAST_COMPARED));
         let shift = period as f64 * self.forcing_period;
         let earlier = all.iter().rev().skip(since(period));
-        let same = |((kind, at), (was, before)): (&(Kind, Instant), &(Kind, Instant))| {
+        let same = |((kind, at), (was, before)): (&(EventKind, Instant), &(EventKind, Instant))| {
             kind == was
-                && (at.x1 - before.x1).abs() <= SAME
-                && (at.t - before.t - shift).abs() <= SAME
+                && (at.x1 - before.x1).abs() <= EVENT_TOLERANCE
+                && (at.t - before.t - shift).abs() <= EVENT_TOLERANCE
         };
         let mut pairs = all.iter().rev().zip(earlier).take(compared);
         let enough = pairs.len() == compared;
@@ -241,10 +246,10 @@ impl Events {
 }
 
 impl Run {
-    /// The numbers of [`Pattern::four_numbers`]. `None` unless the motion is [`Motion::StickSlip`]
+    /// The numbers of [`Pattern::stick_numbers`]. `None` unless the motion is [`Motion::StickSlip`]
     /// with two such phases.
-    pub fn four_numbers(&self) -> Option<[f64; 4]> {
-        Pattern::of_listing(self)?.four_numbers()
+    pub fn stick_numbers(&self) -> Option<[f64; 4]> {
+        Pattern::of_listing(self)?.stick_numbers()
     }
 }
 
@@ -311,7 +316,7 @@ mod tests {
     #[test]
     fn numbers_and_deflections_are_those_of_the_pattern() {
         let two = Pattern::of_phases(&motion(&[0.1, 0.4], 20), 20.0, 1.0).unwrap();
-        let numbers = two.four_numbers().unwrap();
+        let numbers = two.stick_numbers().unwrap();
         for (found, wanted) in numbers.into_iter().zip([0.4, 0.1, 0.4, 0.1]) {
             assert!((found - wanted).abs() < 1e-12, "{numbers:?}");
         }
@@ -319,10 +324,10 @@ mod tests {
         // With a period of one, the stick phase occurs twice in two periods; the crossing is one
         // point.
         let one = Pattern::of_phases(&motion(&[0.4], 20), 20.0, 1.0).unwrap();
-        assert_eq!((one.sticks.len(), one.sticks_of_one().count()), (2, 1));
+        assert_eq!((one.sticks.len(), one.pattern_sticks().count()), (2, 1));
         assert_eq!(one.deflections().len(), 1);
-        assert!(one.four_numbers().is_some() && !one.same_motion(&two));
+        assert!(one.stick_numbers().is_some() && !one.same_motion(&two));
         let none = Pattern::of_phases(&motion(&[0.0], 20), 20.0, 1.0).unwrap();
-        assert_eq!((none.four_numbers(), none.deflections().len()), (None, 2));
+        assert_eq!((none.stick_numbers(), none.deflections().len()), (None, 2));
     }
 }

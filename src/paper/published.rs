@@ -21,7 +21,7 @@ const EXACT_TOLERANCE: f64 = 1e-12;
 
 described! {
     /// What a row of the table claims.
-    Kind: &'static str as pub name {
+    ClaimKind: &'static str as pub name {
         /// One number.
         Value = "value",
         /// Several numbers, or a formula for them.
@@ -36,9 +36,9 @@ described! {
     }
 }
 
-impl Kind {
-    fn named(name: &str) -> Option<Kind> {
-        Kind::ALL.into_iter().find(|kind| kind.name() == name)
+impl ClaimKind {
+    fn named(name: &str) -> Option<ClaimKind> {
+        ClaimKind::ALL.into_iter().find(|kind| kind.name() == name)
     }
 }
 
@@ -75,7 +75,7 @@ pub struct Claim {
     /// Where in the paper.
     pub place: String,
     /// What sort of claim it is.
-    pub kind: Kind,
+    pub kind: ClaimKind,
     /// What is published, as printed. Members of a set are separated by `;`.
     pub published: String,
     /// How many decimals are printed.
@@ -114,7 +114,7 @@ impl Claim {
             allowed,
         };
         let kinds = "value, set, curve, statement or identity";
-        let kind = Kind::named(&record[2]).ok_or_else(|| wrong("kind", &record[2], kinds))?;
+        let kind = ClaimKind::named(&record[2]).ok_or_else(|| wrong("kind", &record[2], kinds))?;
         let allowed = "a number of decimals up to 17, `exact` or empty";
         let digits = Digits::named(&record[4]);
         let digits = digits.ok_or_else(|| wrong("digits", &record[4], allowed))?;
@@ -123,7 +123,7 @@ impl Claim {
         let parsed = parsed.filter(|_| digits != Digits::None);
         let values = parsed.collect::<Result<Vec<f64>, _>>();
         let values = values.map_err(|_| wrong("published", published, numbers))?;
-        if kind == Kind::Value && values.len() != 1 {
+        if kind == ClaimKind::Value && values.len() != 1 {
             let allowed = "one number, with its digits, for a value";
             return Err(wrong("published", published, allowed));
         }
@@ -240,8 +240,8 @@ impl Claims {
     }
 
     /// The four numbers of Fig. 8: lengths of the two stick phases (m), then their durations (s).
-    pub fn four(&self) -> [f64; 4] {
-        ClaimId::FOUR.map(|id| self.value(id))
+    pub fn published_stick_numbers(&self) -> [f64; 4] {
+        ClaimId::STICK_NUMBERS.map(|id| self.value(id))
     }
 
     /// All of them, in the order of the table.

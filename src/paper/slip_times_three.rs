@@ -5,12 +5,12 @@
 //! steps along the field while the clock advances by one. So a slip phase runs three times too fast
 //! relative to the forcing; a stick phase does not. And a stick phase ends only at the upper end of
 //! the zone that it entered; the lower end, which may pass the body, is not tested. [`run`] injects
-//! both or either of them into the event-exact solver ([`Injected`]). The result does not depend on
-//! the listing's arithmetic, nor on any published number.
+//! both or either of them into the event-exact solver ([`InjectedDefects`]). The result does not
+//! depend on the listing's arithmetic, nor on any published number.
 
 use std::ops::ControlFlow;
 
-use crate::numbers::missing;
+use crate::numbers::not_found;
 use crate::paper::bounded;
 use crate::paper::listing::{END, Setup};
 use crate::paper::pattern::Pattern;
@@ -22,12 +22,12 @@ use stickslip::{
 };
 
 /// The forced oscillator with the state moving `factor` times too fast relative to the time.
-struct Hastened<'a> {
+struct FasterSlip<'a> {
     model: &'a ForcedOscillator,
     factor: f64,
 }
 
-impl Filippov<2> for Hastened<'_> {
+impl Filippov<2> for FasterSlip<'_> {
     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
         self.model.field(side, t, x).map(|rate| rate * self.factor)
     }
@@ -38,7 +38,7 @@ impl Filippov<2> for Hastened<'_> {
 
 /// The defects injected into the event-exact solver.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Injected {
+pub struct InjectedDefects {
     /// Factor by which a slip phase is too fast.
     pub slip: f64,
     /// Whether a stick phase ends only at the upper end of the zone that it entered, as in the
@@ -46,26 +46,26 @@ pub struct Injected {
     pub one_sided_exit: bool,
 }
 
-impl Injected {
+impl InjectedDefects {
     /// Both defects, as in the listing.
-    pub const BOTH: Injected = Injected {
+    pub const BOTH: InjectedDefects = InjectedDefects {
         slip: 3.0,
         one_sided_exit: true,
     };
     /// The faster slip alone.
-    pub const SLIP_ALONE: Injected = Injected {
+    pub const SLIP_ALONE: InjectedDefects = InjectedDefects {
         one_sided_exit: false,
-        ..Injected::BOTH
+        ..InjectedDefects::BOTH
     };
     /// The one-sided exit alone.
-    pub const EXIT_ALONE: Injected = Injected {
+    pub const EXIT_ALONE: InjectedDefects = InjectedDefects {
         slip: 1.0,
-        ..Injected::BOTH
+        ..InjectedDefects::BOTH
     };
     /// The stated model.
-    pub const NONE: Injected = Injected {
+    pub const NONE: InjectedDefects = InjectedDefects {
         slip: 1.0,
-        ..Injected::SLIP_ALONE
+        ..InjectedDefects::SLIP_ALONE
     };
 }
 
@@ -77,13 +77,13 @@ const TOLERANCE: f64 = 1e-13;
 ///
 /// # Errors
 /// Those of [`run`]; [`Error::NotFound`] if nothing repeats.
-pub fn settled(injected: Injected) -> Result<Pattern, Error> {
+pub fn settled(injected: InjectedDefects) -> Result<Pattern, Error> {
     let model = ForcedOscillator::default();
     let zones = model.stick_zones()?;
     let start = Setup::default().state();
     let phases = run(injected, &model, &zones, start, END, &bounded(TOLERANCE))?;
     let pattern = Pattern::of_phases(&phases, END, model.period());
-    pattern.ok_or_else(|| missing("a motion that repeats", 0.0, END))
+    pattern.ok_or_else(|| not_found("a motion that repeats", 0.0, END))
 }
 
 /// Runs the forced oscillator with the defects `injected` from `(0, x0)`, on Σ in a stick phase, to
@@ -94,18 +94,18 @@ pub fn settled(injected: Injected) -> Result<Pattern, Error> {
 /// Those of [`stickslip::run`]; [`Error::NotFound`] if a stick phase begins in no zone or does not
 /// end.
 pub fn run(
-    injected: Injected,
+    injected: InjectedDefects,
     model: &ForcedOscillator,
     zones: &[(f64, f64)],
     x0: State<2>,
     t_end: f64,
     options: &Options,
 ) -> Result<Vec<Phase<2>>, Error> {
-    let hastened = Hastened {
+    let hastened = FasterSlip {
         model,
         factor: injected.slip,
     };
-    let mut collected = Until {
+    let mut collected = StopAtEvent {
         phases: Vec::new(),
         event: TransitionKind::StickEntry,
     };
@@ -137,12 +137,12 @@ pub fn run(
 }
 
 /// Keeps phases and stops at the first event of one kind.
-struct Until {
+struct StopAtEvent {
     phases: Vec<Phase<2>>,
     event: TransitionKind,
 }
 
-impl Observer<2> for Until {
+impl Observer<2> for StopAtEvent {
     fn phase(&mut self, phase: &Phase<2>) -> ControlFlow<()> {
         self.phases.push(*phase);
         ControlFlow::Continue(())
@@ -164,7 +164,7 @@ fn either_exit(
     t_end: f64,
     options: &Options,
 ) -> Result<(f64, State<2>), Error> {
-    let mut stick = Until {
+    let mut stick = StopAtEvent {
         phases: Vec::new(),
         event: TransitionKind::StickExit,
     };
@@ -186,7 +186,7 @@ fn upper_exit(
     let slack = 1e-9;
     let holds = |(lower, upper): &&(f64, f64)| z >= lower - slack && z <= upper + slack;
     let Some(&(_, upper)) = zones.iter().find(holds) else {
-        return Err(missing("a stick zone that holds the body", t, 0.0));
+        return Err(not_found("a stick zone that holds the body", t, 0.0));
     };
     let room = |later: f64| upper + model.support(t + later) - x[0] - model.belt_speed * later;
     // The zone's end is periodic while the belt moves on. A search over half a period at a time is
@@ -198,7 +198,7 @@ fn upper_exit(
         Some(from + window * part)
     });
     let span = f64::from(most) * window;
-    let later = later.ok_or_else(|| missing("the upper end of the stick zone", t, span))?;
+    let later = later.ok_or_else(|| not_found("the upper end of the stick zone", t, span))?;
     let at = State::from([x[0] + model.belt_speed * later, model.belt_speed]);
     Ok((t + later, at))
 }

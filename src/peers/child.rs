@@ -12,7 +12,7 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use super::error::PeersError;
 use super::event::Event;
-use super::row::Row;
+use super::measurement::Measurement;
 
 /// A line of an answer.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,9 +21,9 @@ pub enum Answer {
     Version(String, String),
     /// A solver with a setting, run once: the index by which it is timed, its row so far, and its
     /// events.
-    Curve(usize, Row, Vec<Event>),
+    Curve(usize, Measurement, Vec<Event>),
     /// A solver that cannot solve the problem, or failed.
-    Cannot(Row),
+    Cannot(Measurement),
     /// Index of a curve and time of a call (s).
     Seconds(usize, f64),
     /// End of the answer.
@@ -45,7 +45,7 @@ pub fn parse(line: &str) -> Result<Answer, String> {
     match cells[..] {
         ["version", package, number] => Ok(Answer::Version(package.into(), number.into())),
         ["curve", place, solver, setting, tolerance, compile, events] => {
-            let row = Row {
+            let row = Measurement {
                 solver: solver.into(),
                 setting: setting.into(),
                 tolerance: Some(positive(tolerance)?),
@@ -54,7 +54,7 @@ pub fn parse(line: &str) -> Result<Answer, String> {
                     |s| s >= 0.0,
                     " s is a time before its start",
                 )?),
-                ..Row::default()
+                ..Measurement::default()
             };
             let events = events.split(';').filter(|event| !event.is_empty());
             let events = events.map(str::parse).collect::<Result<_, _>>()?;
@@ -62,12 +62,12 @@ pub fn parse(line: &str) -> Result<Answer, String> {
         }
         ["cannot", solver, setting, tolerance, reason] => {
             let tolerance = (!tolerance.is_empty()).then(|| positive(tolerance));
-            Ok(Answer::Cannot(Row {
+            Ok(Answer::Cannot(Measurement {
                 solver: solver.into(),
                 setting: setting.into(),
                 tolerance: tolerance.transpose()?,
                 note: reason.into(),
-                ..Row::default()
+                ..Measurement::default()
             }))
         }
         ["seconds", place, seconds] => Ok(Answer::Seconds(index(place)?, positive(seconds)?)),
@@ -161,7 +161,7 @@ impl Peers {
             match parse(text) {
                 Ok(Answer::Done) => return Ok(answers),
                 Ok(answer) => answers.push(answer),
-                Err(cause) => return Err(self.wrong(text.into(), cause)),
+                Err(cause) => return Err(self.malformed_answer(text.into(), cause)),
             }
         }
     }
@@ -176,12 +176,12 @@ impl Peers {
             [Answer::Seconds(index, seconds)] if index == curve => Ok(seconds),
             ref other => {
                 let cause = format!("one line 'seconds,{curve},…' is due");
-                Err(self.wrong(format!("{other:?}"), cause))
+                Err(self.malformed_answer(format!("{other:?}"), cause))
             }
         }
     }
 
-    fn wrong(&self, text: String, cause: String) -> PeersError {
+    fn malformed_answer(&self, text: String, cause: String) -> PeersError {
         let line = self.line;
         PeersError::Answer { line, text, cause }
     }

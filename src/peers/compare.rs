@@ -1,6 +1,6 @@
 //! Ratios of times at equal accuracy.
 
-use super::row::Row;
+use super::measurement::Measurement;
 use crate::numbers::median;
 use crate::text::distinct;
 use stickslip::math;
@@ -12,8 +12,8 @@ pub const WANTED: f64 = 1e-12;
 
 /// The Pareto front of a solver on a problem, as (time, error): points at which neither can be
 /// improved without the other. Time rises and the error falls.
-pub fn front<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<(f64, f64)> {
-    let point = |row: &Row| Some((median(&row.seconds)?, row.error?.max(LEAST_ERROR)));
+pub fn front<'a>(rows: impl Iterator<Item = &'a Measurement>) -> Vec<(f64, f64)> {
+    let point = |row: &Measurement| Some((median(&row.seconds)?, row.error?.max(LEAST_ERROR)));
     let mut points: Vec<(f64, f64)> = rows.filter_map(point).collect();
     points.sort_by(|one, other| one.0.total_cmp(&other.0));
     let mut front: Vec<(f64, f64)> = Vec::new();
@@ -57,11 +57,11 @@ pub struct Ratio {
 }
 
 /// All peers against all our solvers, in the order of the rows.
-pub fn ratios(rows: &[Row], ours: &[&str]) -> Vec<Ratio> {
+pub fn ratios(rows: &[Measurement], ours: &[&str]) -> Vec<Ratio> {
     let mut ratios = Vec::new();
     for (problem, peer) in distinct(rows.iter().map(|row| (row.problem, row.solver.as_str()))) {
         let of = |solver: &str| {
-            let measured = |row: &&Row| row.problem == problem && row.solver == solver;
+            let measured = |row: &&Measurement| row.problem == problem && row.solver == solver;
             front(rows.iter().filter(measured))
         };
         let theirs = of(peer);
@@ -88,8 +88,8 @@ pub fn ratios(rows: &[Row], ours: &[&str]) -> Vec<Ratio> {
 
 /// Index of the row with the smallest error for each solver and problem, in the order of their
 /// first rows.
-pub fn most_accurate(rows: &[Row]) -> Vec<usize> {
-    let order = |row: &Row| row.error.unwrap_or(f64::INFINITY);
+pub fn most_accurate(rows: &[Measurement]) -> Vec<usize> {
+    let order = |row: &Measurement| row.error.unwrap_or(f64::INFINITY);
     let pairs = distinct(rows.iter().map(|row| (row.problem, &row.solver)));
     let of_pair = |(problem, solver): (&str, &String)| {
         let same = |&i: &usize| rows[i].problem == problem && rows[i].solver == *solver;
@@ -103,13 +103,13 @@ pub fn most_accurate(rows: &[Row]) -> Vec<usize> {
 mod tests {
     use super::*;
 
-    fn row(solver: &str, seconds: f64, error: Option<f64>) -> Row {
-        Row {
+    fn row(solver: &str, seconds: f64, error: Option<f64>) -> Measurement {
+        Measurement {
             solver: solver.into(),
             problem: "decay",
             error,
             seconds: vec![seconds],
-            ..Row::default()
+            ..Measurement::default()
         }
     }
 

@@ -1,8 +1,8 @@
 //! The work–precision figure.
 
 use super::compare::front;
+use super::measurement::Measurement;
 use super::problem::Problem;
-use super::row::Row;
 use crate::numbers::extent;
 use crate::text::distinct;
 use plot::*;
@@ -29,7 +29,7 @@ const LEGEND: f64 = 60.0;
 ///
 /// # Errors
 /// Those of [`Figure::render`].
-pub fn draw(rows: &[Row], problems: &[Problem]) -> Result<String, PlotError> {
+pub fn draw(rows: &[Measurement], problems: &[Problem]) -> Result<String, PlotError> {
     let names = distinct(rows.iter().map(|row| row.solver.as_str()));
     let mut panels: Vec<Panel> = Vec::new();
     for (i, problem) in problems.iter().enumerate() {
@@ -72,7 +72,7 @@ fn look(place: usize) -> (Color, Dash, Shape) {
     LOOKS[place % LOOKS.len()]
 }
 
-fn work_precision(rows: &[&Row], names: &[&str]) -> Panel {
+fn work_precision(rows: &[&Measurement], names: &[&str]) -> Panel {
     let log = |(time, error)| (math::log10(time), math::log10(error));
     let front = |name: &&str| -> Vec<(f64, f64)> {
         let own = rows.iter().copied().filter(|row| row.solver == *name);
@@ -95,7 +95,7 @@ fn work_precision(rows: &[&Row], names: &[&str]) -> Panel {
 
 /// A line for every solver. Filled markers belong to the first problem timed this way, open ones to
 /// the others.
-fn processes(rows: &[Row], names: &[&str], problems: &[Problem]) -> Panel {
+fn processes(rows: &[Measurement], names: &[&str], problems: &[Problem]) -> Panel {
     let timed = |name: &str| {
         let mut rows = rows.iter();
         rows.any(|row| row.problem == name && row.process.is_some())

@@ -8,7 +8,7 @@ use crate::text::described;
 
 described! {
     /// Kind of an event.
-    Kind: &'static str as name {
+    EventKind: &'static str as name {
         /// From slip to slip through Σ.
         Crossing = "crossing",
         /// Stick begins.
@@ -18,11 +18,11 @@ described! {
     }
 }
 
-impl FromStr for Kind {
+impl FromStr for EventKind {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let mut all = Kind::ALL.into_iter();
+        let mut all = EventKind::ALL.into_iter();
         all.find(|kind| kind.name() == text).ok_or_else(|| {
             format!("'{text}' is no kind of event; there are crossing, entry and exit")
         })
@@ -33,7 +33,7 @@ impl FromStr for Kind {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
     /// Kind.
-    pub kind: Kind,
+    pub kind: EventKind,
     /// Time.
     pub t: f64,
 }
@@ -58,7 +58,7 @@ impl FromStr for Event {
 ///
 /// # Errors
 /// A description for the column `note`.
-pub fn error(events: &[Event], reference: &[Event]) -> Result<f64, String> {
+pub fn event_time_error(events: &[Event], reference: &[Event]) -> Result<f64, String> {
     let (found, wanted) = (events.len(), reference.len());
     if found != wanted {
         return Err(format!(
@@ -140,7 +140,7 @@ mod tests {
         assert_eq!(solved.len(), measured.len());
         for ((problem, events, reference), (name, measured)) in solved.iter().zip(measured) {
             assert_eq!(problem.name, name);
-            let found = error(events, reference).unwrap();
+            let found = event_time_error(events, reference).unwrap();
             assert!(found < 3.0 * measured, "{name}: {found:e}");
             // Otherwise the number above is outdated, and three times it is not a bound.
             assert!(found > measured / 3.0, "{name}: only {found:e}");
@@ -170,11 +170,11 @@ mod tests {
         for (problem, (name, measured)) in problems.into_iter().zip(measured) {
             assert_eq!(problem.name, name);
             let reference = problem.reference().unwrap();
-            let worst = nearby(&problem).into_iter().map(|problem| {
+            let worst = neighbouring_starts(&problem).into_iter().map(|problem| {
                 let mut events = Vec::new();
                 problem.solve(&options, &mut events).unwrap();
                 // The events are the same.
-                error(&events, &reference).unwrap();
+                event_time_error(&events, &reference).unwrap();
                 let units = events.iter().zip(&reference).map(|(one, other)| {
                     let unit = other.t.next_up() - other.t;
                     (one.t - other.t).abs() / unit
@@ -188,7 +188,7 @@ mod tests {
     }
 
     /// The problem and, for model 1, the problems whose starts are one unit in the last place away.
-    fn nearby(problem: &Problem) -> Vec<Problem> {
+    fn neighbouring_starts(problem: &Problem) -> Vec<Problem> {
         let System::Belt(system, [x, v]) = problem.system else {
             return vec![*problem];
         };
@@ -289,16 +289,16 @@ mod tests {
     fn the_error_is_that_of_the_worst_event() {
         let reference = list("entry@1;exit@2;crossing@3");
         assert_eq!(
-            error(&list("entry@1;exit@2.5;crossing@2.75"), &reference),
+            event_time_error(&list("entry@1;exit@2.5;crossing@2.75"), &reference),
             Ok(0.5)
         );
-        assert_eq!(error(&reference, &reference), Ok(0.0));
+        assert_eq!(event_time_error(&reference, &reference), Ok(0.0));
     }
 
     #[test]
     fn lists_of_other_events_have_no_error() {
         let reference = list("entry@1;exit@2");
-        let said = |text: &str| error(&list(text), &reference).unwrap_err();
+        let said = |text: &str| event_time_error(&list(text), &reference).unwrap_err();
         assert_eq!(said("entry@1"), "failed: 1 events, the reference has 2");
         assert!(said("entry@1;crossing@2").contains("kinds"));
         assert!(said("entry@1;exit@nan").contains("not a number"));

@@ -4,7 +4,7 @@
 use std::ops::ControlFlow;
 
 use super::error::PeersError;
-use super::event::{self, Event, Kind};
+use super::event::{self, Event, EventKind};
 use crate::text::joined;
 use stickslip::models::{BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading};
 use stickslip::{
@@ -148,7 +148,7 @@ impl Problem {
     /// A message, if there is none.
     pub fn named(name: &str) -> Result<Problem, String> {
         let problems = problems().map_err(|error| error.to_string())?;
-        one_of(&problems, |one| one.name, name).copied()
+        find_by_name(&problems, |one| one.name, name).copied()
     }
 
     /// The events of its reference, which has thirty digits.
@@ -186,20 +186,20 @@ impl Problem {
         events: &mut Vec<Event>,
     ) -> Result<(), stickslip::Error> {
         let start = State::from(start);
-        let mut notes = Notes(events);
+        let mut notes = EventRecorder(events);
         run(system, self.t_start, start, self.t_end, options, &mut notes)?;
         Ok(())
     }
 }
 
-struct Notes<'a>(&'a mut Vec<Event>);
+struct EventRecorder<'a>(&'a mut Vec<Event>);
 
-impl<const N: usize> Observer<N> for Notes<'_> {
+impl<const N: usize> Observer<N> for EventRecorder<'_> {
     fn transition(&mut self, at: &Transition<N>) -> ControlFlow<()> {
         let kind = match at.kind {
-            TransitionKind::Crossing => Kind::Crossing,
-            TransitionKind::StickEntry => Kind::Entry,
-            TransitionKind::StickExit => Kind::Exit,
+            TransitionKind::Crossing => EventKind::Crossing,
+            TransitionKind::StickEntry => EventKind::Entry,
+            TransitionKind::StickExit => EventKind::Exit,
             // Touches change no mode, and the peers do not report them.
             TransitionKind::Touch
             | TransitionKind::ContactLoss
@@ -245,7 +245,7 @@ pub const SOLVERS: &[Solver] = &[
 ];
 
 /// The item with this name.
-fn one_of<'a, T>(all: &'a [T], name_of: fn(&T) -> &str, name: &str) -> Result<&'a T, String> {
+fn find_by_name<'a, T>(all: &'a [T], name_of: fn(&T) -> &str, name: &str) -> Result<&'a T, String> {
     let named = all.iter().find(|one| name_of(one) == name);
     named.ok_or_else(|| format!("there are {}", joined(all.iter().map(name_of), ", ")))
 }
@@ -256,7 +256,7 @@ impl Solver {
     /// # Errors
     /// A message, if there is none.
     pub fn named(name: &str) -> Result<&'static Solver, String> {
-        one_of(SOLVERS, |one| one.name, name)
+        find_by_name(SOLVERS, |one| one.name, name)
     }
 
     /// Its options for a tolerance.

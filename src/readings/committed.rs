@@ -4,11 +4,14 @@
 use sha2::{Digest, Sha256};
 
 use super::error::ReadingsError;
-use super::judge::{BorneOut, ExponentSpread, Pairs, Rows, meeting, sources, twelve};
 use super::plan::{self, Plan};
+use super::scoring::{
+    ConfirmedStatements, ExponentSpread, Pairs, RowsByRole, count_matching, for_each_exponent,
+    sources,
+};
 use super::search;
-use super::significance::{Level, Share, alone, digits};
-use super::table::Row;
+use super::significance::{MatchLevel, Share, alone, digits};
+use super::table::ConfigurationRow;
 
 /// The committed table of all readings.
 const TABLE: &str = include_str!("../../golden/readings.csv");
@@ -38,11 +41,11 @@ pub struct Committed {
     pub digits: [[usize; 4]; 3],
     /// Distance of configurations from all twelve exponents together: those that keep all three
     /// motions, and the ranked ones.
-    pub together: [Level; 2],
+    pub joint_levels: [MatchLevel; 2],
     /// For each figure alone, the distance of the nearest configuration, and that configuration.
-    pub alone: [(Level, Match); 3],
+    pub figure_levels: [(MatchLevel, Match); 3],
     /// A row of each pair of reading and integrator, for its motions.
-    pub motions: Vec<Row>,
+    pub motions: Vec<ConfigurationRow>,
     /// Fraction of random targets for an exponent that are matched by as many of these
     /// configurations as the published one. `None` where none matches it.
     pub digits_by_random_targets: [[Option<Share>; 4]; 3],
@@ -50,14 +53,14 @@ pub struct Committed {
     /// the recommended reading.
     pub spread: [[ExponentSpread; 4]; 3],
     /// Number of these settings that confirm the statements of Sect. 5.2.
-    pub borne_out: BorneOut,
+    pub confirmed_statements: ConfirmedStatements,
 }
 
 /// A row with its three motions in words, and with the time of an escape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Match {
     /// The row.
-    pub row: Row,
+    pub row: ConfigurationRow,
     /// Its motions.
     pub motions: [String; 3],
 }
@@ -75,7 +78,8 @@ impl Committed {
     fn of(table: &str) -> Result<Committed, ReadingsError> {
         let plan = Plan::full()?;
         let (published, target) = (&plan.published, &plan.target);
-        let rows: Vec<Row> = table.lines().filter_map(Row::parse).collect();
+        let rows: Vec<ConfigurationRow> =
+            table.lines().filter_map(ConfigurationRow::parse).collect();
         let groups = plan.groups.iter();
         let wanted: Vec<[String; 4]> = groups.flat_map(|one| plan::keys(&plan, one)).collect();
         let same = rows.iter().map(|row| &row.key).eq(&wanted);
@@ -87,22 +91,22 @@ impl Committed {
         if !(same && table.starts_with(&plan.heading())) {
             return Err(incomplete());
         }
-        let Rows {
+        let RowsByRole {
             search,
             kept,
             ranked,
             pairs,
             recommended,
-        } = Rows::of(&rows);
-        let met = twelve(|exponent| meeting(&kept, exponent, published));
+        } = RowsByRole::of(&rows);
+        let met = for_each_exponent(|exponent| count_matching(&kept, exponent, published));
         let alone = alone(&search, target, plan.draws).ok_or_else(incomplete)?;
         let digest = Sha256::digest(table.as_bytes());
         let by_random_targets = |(figure, k): (usize, usize)| {
             let met = met[figure][k];
             (met > 0).then(|| digits(&kept, (figure, k), met, plan.draws))
         };
-        let level = |rows| Level::of(rows, &kept, (target, &[0, 1, 2]), plan.draws);
-        let with_motions = |(level, row): (Level, &Row)| {
+        let level = |rows| MatchLevel::of(rows, &kept, (target, &[0, 1, 2]), plan.draws);
+        let with_motions = |(level, row): (MatchLevel, &ConfigurationRow)| {
             let (row, motions) = (row.clone(), search::motions(&plan, row));
             (level, Match { row, motions })
         };
@@ -114,18 +118,20 @@ impl Committed {
             ranked: ranked.len(),
             ranked_from: sources(&ranked),
             pairs: Pairs::count(&pairs),
-            together: [level(&kept), level(&ranked)],
-            alone: alone.map(with_motions),
+            joint_levels: [level(&kept), level(&ranked)],
+            figure_levels: alone.map(with_motions),
             motions: pairs.into_iter().cloned().collect(),
-            digits_by_random_targets: twelve(by_random_targets),
-            spread: twelve(|exponent| ExponentSpread::of(&recommended, exponent, published)),
-            borne_out: BorneOut::count(&recommended),
+            digits_by_random_targets: for_each_exponent(by_random_targets),
+            spread: for_each_exponent(|exponent| {
+                ExponentSpread::of(&recommended, exponent, published)
+            }),
+            confirmed_statements: ConfirmedStatements::count(&recommended),
             digits: met,
         })
     }
 
     /// The path and the first digits of the hash, for citation beside a number.
-    pub fn cited(&self) -> String {
+    pub fn citation(&self) -> String {
         format!("{}, SHA-256 {}…", self.file, &self.sha256[..16])
     }
 }

@@ -9,9 +9,9 @@
 
 mod committed;
 mod error;
-mod judge;
 mod orbit;
 mod plan;
+mod scoring;
 mod search;
 mod significance;
 mod store;
@@ -32,12 +32,12 @@ use output::{Artifact, write_all};
 
 pub use committed::{Committed, Match};
 pub use error::ReadingsError;
-pub use judge::{BorneOut, ExponentSpread, Pairs, Values, sources_in_words};
 use plan::Plan;
 pub use plan::{Integrator, ZERO};
-pub use significance::{Level, Share};
+pub use scoring::{ConfirmedStatements, ExponentSpread, Pairs, Values, sources_in_words};
+pub use significance::{MatchLevel, Share};
 use store::{Store, TABLE};
-pub use table::{Row, Verdict, others};
+pub use table::{ConfigurationRow, OrbitVerdict, other_motions};
 
 /// Name of the summary.
 const SUMMARY: &str = "readings.txt";
@@ -170,9 +170,9 @@ pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figures::block_and_bracket::best_common;
-    use judge::Rows;
+    use crate::figures::block_and_bracket::best_common_settings;
     use plan::{Group, Unit};
+    use scoring::RowsByRole;
     use stickslip::models::Reading;
 
     fn committed(name: &str) -> String {
@@ -199,11 +199,13 @@ mod tests {
     #[test]
     fn the_in_place_scheme_never_makes_the_torus_of_fig_11() {
         let table = committed("golden/readings.csv");
-        let rows: Vec<Row> = table.lines().filter_map(Row::parse).collect();
+        let rows: Vec<ConfigurationRow> =
+            table.lines().filter_map(ConfigurationRow::parse).collect();
         let of = |integrator: &str| {
             let recommended = plan::reading_name(&Reading::exact());
             let mut all = rows.iter();
-            let is = |row: &&Row| row.key[1] == recommended && row.key[2] == integrator;
+            let is =
+                |row: &&ConfigurationRow| row.key[1] == recommended && row.key[2] == integrator;
             all.find(is).unwrap_or_else(|| panic!("{integrator}"))
         };
         let torus = of("exact");
@@ -218,16 +220,17 @@ mod tests {
     #[test]
     fn the_figures_use_the_nearest_setting_of_the_recommended_reading() {
         let table = committed("golden/readings.csv");
-        let rows: Vec<Row> = table.lines().filter_map(Row::parse).collect();
-        let search: Vec<&Row> = Rows::of(&rows)
+        let rows: Vec<ConfigurationRow> =
+            table.lines().filter_map(ConfigurationRow::parse).collect();
+        let search: Vec<&ConfigurationRow> = RowsByRole::of(&rows)
             .search
             .into_iter()
             .filter(|row| Group::recommended().has(row))
             // The figures measure radii in units of the spread only.
             .filter(|row| !row.key[3].contains("absolute") && !row.key[3].contains("of ranges"))
             .collect();
-        let best = summary::least(&search, Row::kinds_first).unwrap();
-        let setting = (Unit::Spread, best_common());
+        let best = summary::minimal_by(&search, ConfigurationRow::kinds_first).unwrap();
+        let setting = (Unit::Spread, best_common_settings());
         assert_eq!(best.key[3], plan::settings_name(&setting));
         // The figures compute the same exponents, in the same order of size.
         for figure in 0..3 {

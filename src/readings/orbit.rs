@@ -3,11 +3,11 @@
 use std::ops::ControlFlow;
 
 use super::plan::{CURVE, Group, Integrator, MOST_STEPS, Plan, SAME};
-use super::table::Verdict;
+use super::table::OrbitVerdict;
 use crate::figures::block_and_bracket::{DIVERGED, DT, TOLERANCE};
 use crate::numbers::extent;
-use crate::paper::in_place::{InPlace, Lost};
-use crate::turns::{Samples, Turns};
+use crate::orbit_records::{Samples, TurningPoints};
+use crate::paper::in_place::{Breakdown, InPlace};
 use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
 use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum_watched};
 use stickslip::math;
@@ -60,11 +60,11 @@ pub enum Outcome {
 
 impl Outcome {
     /// The entry in the table.
-    pub fn verdict(&self) -> Verdict {
+    pub fn verdict(&self) -> OrbitVerdict {
         match self {
-            Outcome::Bounded(motion) => Verdict::Motion(motion.class),
-            Outcome::Escaped(_) => Verdict::Escaped,
-            Outcome::Failed => Verdict::Failed,
+            Outcome::Bounded(motion) => OrbitVerdict::Motion(motion.class),
+            Outcome::Escaped(_) => OrbitVerdict::Escaped,
+            Outcome::Failed => OrbitVerdict::Failed,
         }
     }
 }
@@ -92,7 +92,7 @@ fn solved(system: &BlockAndBracket, start: State<4>, plan: &Plan, method: Method
     let t_end = plan.from + plan.duration();
     // The spectrum does not report its transient. A run without it decides whether the orbit can be
     // integrated at all.
-    let mut alone = Watch::new(system, &options, plan);
+    let mut alone = OrbitRecorder::new(system, &options, plan);
     let stayed = run(system, 0.0, start, t_end, &options, &mut alone);
     match stayed.map_err(Error::from) {
         Ok(summary) if summary.ending == Ending::EndTime => {}
@@ -100,7 +100,7 @@ fn solved(system: &BlockAndBracket, start: State<4>, plan: &Plan, method: Method
         _ => return Outcome::Failed,
     }
     let settings = SpectrumOptions::over(plan.from, plan.duration()).solver(options);
-    let mut watch = Watch::new(system, &options, plan);
+    let mut watch = OrbitRecorder::new(system, &options, plan);
     let spectrum = lyapunov_spectrum_watched(system, (0.0, start), &settings, &mut watch);
     match spectrum {
         Ok(spectrum) if spectrum.summary.ending == Ending::EndTime => {
@@ -111,14 +111,14 @@ fn solved(system: &BlockAndBracket, start: State<4>, plan: &Plan, method: Method
     }
 }
 
-struct Watch<'a> {
+struct OrbitRecorder<'a> {
     from: f64,
     steps: usize,
     samples: Samples,
-    turns: Turns<'a>,
+    turns: TurningPoints<'a>,
 }
 
-impl Observer<4> for Watch<'_> {
+impl Observer<4> for OrbitRecorder<'_> {
     fn step(&mut self, step: &StepRecord<4>) -> ControlFlow<()> {
         self.steps += 1;
         if self.steps > MOST_STEPS {
@@ -132,13 +132,13 @@ impl Observer<4> for Watch<'_> {
     }
 }
 
-impl<'a> Watch<'a> {
+impl<'a> OrbitRecorder<'a> {
     fn new(system: &'a BlockAndBracket, options: &Options, plan: &Plan) -> Self {
-        Watch {
+        OrbitRecorder {
             from: plan.from,
             steps: 0,
             samples: Samples::new(plan.from, DT, plan.points),
-            turns: Turns::new(system, options),
+            turns: TurningPoints::new(system, options),
         }
     }
 
@@ -169,8 +169,8 @@ fn in_place(system: &BlockAndBracket, start: State<4>, h: f64, plan: &Plan) -> O
         let before = scheme.x;
         match scheme.advance() {
             Ok(()) => {}
-            Err(Lost::Escaped { t }) => return Outcome::Escaped(t),
-            Err(Lost::BrokenDown { .. }) => return Outcome::Failed,
+            Err(Breakdown::Escaped { t }) => return Outcome::Escaped(t),
+            Err(Breakdown::BrokenDown { .. }) => return Outcome::Failed,
         }
         if let Some(at) = crossing(&before, &scheme.x).filter(|_| pass >= first) {
             section.push((scheme.t, at.into()));

@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use super::table::{Row, Twelve};
+use super::table::{ConfigurationRow, Twelve};
 use crate::figures::block_and_bracket::{DIVERGED, DT, START, TOLERANCE};
 use crate::paper::claim_id::SpectrumFigure;
 use crate::paper::published::{Claim, Claims, PublishedError};
@@ -73,7 +73,7 @@ impl Group {
     }
 
     /// Whether a row is of this reading and integrator.
-    pub fn has(&self, row: &Row) -> bool {
+    pub fn has(&self, row: &ConfigurationRow) -> bool {
         row.key[1] == reading_name(&self.reading) && row.key[2] == self.integrator.name()
     }
 }

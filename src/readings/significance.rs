@@ -1,8 +1,8 @@
 //! Distances of rows from the published exponents, compared with distances from other targets.
 
-use super::judge::distance;
 use super::plan::ZERO;
-use super::table::{Row, Twelve};
+use super::scoring::distance;
+use super::table::{ConfigurationRow, Twelve};
 use crate::paper::published::HALF_DIGIT;
 use stickslip::math;
 use stickslip::statistics::SplitMix;
@@ -50,10 +50,10 @@ impl Targets {
 
 /// The row nearest to a target in some of the figures (0, 1, 2), and its distance.
 pub fn nearest<'a>(
-    rows: impl IntoIterator<Item = &'a Row>,
+    rows: impl IntoIterator<Item = &'a ConfigurationRow>,
     target: &Twelve,
     figures: &[usize],
-) -> Option<(&'a Row, f64)> {
+) -> Option<(&'a ConfigurationRow, f64)> {
     rows.into_iter()
         .map(|row| (row, distance(&row.exponents, target, figures)))
         .min_by(|one, other| one.1.total_cmp(&other.1))
@@ -91,7 +91,7 @@ impl Share {
 /// Distance of the rows from the published exponents of some figures, compared with their distances
 /// from other targets.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Level {
+pub struct MatchLevel {
     /// Distance of the nearest row from the published exponents.
     pub published: f64,
     /// Random targets of the published classes.
@@ -102,32 +102,34 @@ pub struct Level {
     pub readings: Share,
 }
 
-impl Level {
+impl MatchLevel {
     /// For some rows, in some of the figures. The rows `spectra` give the targets.
     pub fn of(
-        rows: &[&Row],
-        spectra: &[&Row],
+        rows: &[&ConfigurationRow],
+        spectra: &[&ConfigurationRow],
         (target, figures): (&Twelve, &[usize]),
         draws: usize,
-    ) -> Level {
-        let distance = |nearest: Option<(&Row, f64)>| nearest.map_or(f64::INFINITY, |one| one.1);
+    ) -> MatchLevel {
+        let distance =
+            |nearest: Option<(&ConfigurationRow, f64)>| nearest.map_or(f64::INFINITY, |one| one.1);
         let published = distance(nearest(rows.iter().copied(), target, figures));
         let mut targets = Targets::new();
         let near_random = |_| {
             let target = targets.target();
             distance(nearest(rows.iter().copied(), &target, figures)) <= published
         };
-        let near_reading = |one: &&Row| {
-            let same_in = |row: &Row, f: &usize| row.exponents[*f] == one.exponents[*f];
-            let same = |row: &&&Row| figures.iter().all(|f| same_in(row, f));
+        let near_reading = |one: &&ConfigurationRow| {
+            let same_in =
+                |row: &ConfigurationRow, f: &usize| row.exponents[*f] == one.exponents[*f];
+            let same = |row: &&&ConfigurationRow| figures.iter().all(|f| same_in(row, f));
             let twins = spectra.iter().filter(same).map(|row| row.reading());
             let twins: Vec<&str> = twins.collect();
             let others = rows.iter().copied();
             let others = others.filter(|row| !twins.contains(&row.reading()));
             nearest(others, &one.exponents, figures).map(|(_, near)| near <= published)
         };
-        let alike = |row: &&&Row| has_signs_of(row, target, figures);
-        Level {
+        let alike = |row: &&&ConfigurationRow| has_signs_of(row, target, figures);
+        MatchLevel {
             published,
             random: Share::count((0..draws).map(near_random)),
             readings: Share::count(spectra.iter().filter(alike).filter_map(near_reading)),
@@ -147,7 +149,7 @@ impl Level {
 
 /// Whether the exponents have the signs of the target's. One of size up to [`ZERO`] counts as zero
 /// and may have either sign.
-fn has_signs_of(row: &Row, target: &Twelve, figures: &[usize]) -> bool {
+fn has_signs_of(row: &ConfigurationRow, target: &Twelve, figures: &[usize]) -> bool {
     figures.iter().all(|&f| {
         let mut pairs = row.exponents[f].iter().zip(&target[f]);
         pairs.all(|(found, wanted)| {
@@ -158,24 +160,33 @@ fn has_signs_of(row: &Row, target: &Twelve, figures: &[usize]) -> bool {
 
 /// For each figure alone: its level among all rows, and the nearest row. `None` without rows.
 pub fn alone<'a>(
-    search: &[&'a Row],
+    search: &[&'a ConfigurationRow],
     target: &Twelve,
     draws: usize,
-) -> Option<[(Level, &'a Row); 3]> {
+) -> Option<[(MatchLevel, &'a ConfigurationRow); 3]> {
     let of = |figure: usize| {
         let (row, _) = nearest(search.iter().copied(), target, &[figure])?;
-        Some((Level::of(search, search, (target, &[figure]), draws), row))
+        Some((
+            MatchLevel::of(search, search, (target, &[figure]), draws),
+            row,
+        ))
     };
     Some([of(0)?, of(1)?, of(2)?])
 }
 
 /// Number of random targets for exponent `k` of a figure that at least `wanted` rows match to the
 /// printed digits.
-pub fn digits(rows: &[&Row], (figure, k): (usize, usize), wanted: usize, draws: usize) -> Share {
+pub fn digits(
+    rows: &[&ConfigurationRow],
+    (figure, k): (usize, usize),
+    wanted: usize,
+    draws: usize,
+) -> Share {
     let mut targets = Targets::new();
     Share::count((0..draws).map(|_| {
         let target = targets.target()[figure][k];
-        let near = |row: &&&Row| (row.exponents[figure][k] - target).abs() <= HALF_DIGIT;
+        let near =
+            |row: &&&ConfigurationRow| (row.exponents[figure][k] - target).abs() <= HALF_DIGIT;
         rows.iter().filter(near).count() >= wanted
     }))
 }
@@ -202,14 +213,16 @@ mod tests {
     #[test]
     fn a_target_that_another_reading_gives_counts_and_one_that_its_own_gives_does_not() {
         let target = Plan::full().unwrap().target;
-        let row = |reading: &str, factor: f64| Row {
+        let row = |reading: &str, factor: f64| ConfigurationRow {
             exponents: target.map(|four| four.map(|v| factor * v)),
-            ..Row::empty(["search", reading, "exact", "s"].map(str::to_owned))
+            ..ConfigurationRow::empty(["search", reading, "exact", "s"].map(str::to_owned))
         };
         // Nearer to each other than to the published exponents, from which they are 10 % off.
         let rows = [row("a", 0.9), row("b", 0.901), row("b", 0.901)];
-        let all: Vec<&Row> = rows.iter().collect();
-        let of = |rows: &[&Row]| Level::of(rows, rows, (&target, &[0, 1, 2]), 10).readings;
+        let all: Vec<&ConfigurationRow> = rows.iter().collect();
+        let of = |rows: &[&ConfigurationRow]| {
+            MatchLevel::of(rows, rows, (&target, &[0, 1, 2]), 10).readings
+        };
         assert_eq!(of(&all), Share { met: 3, of: 3 });
         // A single reading has no other reading to match it, so it is not a target.
         assert_eq!(of(&all[1..]), Share { met: 0, of: 0 });
@@ -225,7 +238,7 @@ mod tests {
     fn three_looks_count_as_three() {
         let share = Share { met: 1, of: 100 };
         assert!((share.best_of_three() - 2.9701).abs() < 1e-10);
-        let level = |random, readings| Level {
+        let level = |random, readings| MatchLevel {
             published: 0.1,
             random: Share {
                 met: random,
@@ -239,7 +252,7 @@ mod tests {
         assert!(level(1, 5).is_rare(3) && level(5, 5).is_rare(1));
         assert!(!level(2, 5).is_rare(3) && !level(1, 6).is_rare(1));
         let without = Share { met: 0, of: 0 };
-        let untested = Level {
+        let untested = MatchLevel {
             readings: without,
             ..level(1, 0)
         };

@@ -4,9 +4,9 @@ use std::io::ErrorKind::{NotADirectory, NotFound};
 use std::path::{Path, PathBuf};
 
 use super::error::ReadingsError;
-use super::judge::scores;
 use super::plan::{self, Group, Plan};
-use super::table::Row;
+use super::scoring::scores;
+use super::table::ConfigurationRow;
 use output::{Artifact, write_all};
 
 /// Name of the table.
@@ -16,7 +16,7 @@ pub const TABLE: &str = "readings.csv";
 pub struct Store<'a> {
     plan: &'a Plan,
     folder: &'a Path,
-    done: Vec<Option<Vec<Row>>>,
+    done: Vec<Option<Vec<ConfigurationRow>>>,
 }
 
 impl<'a> Store<'a> {
@@ -39,9 +39,13 @@ impl<'a> Store<'a> {
             same_search(&text, plan, path)?;
         }
         let whole = text.rfind('\n').map_or("", |end| &text[..end]);
-        let sound = |row: &Row| row.scores == scores(&row.exponents, &plan.target);
-        let rows: Vec<Row> = whole.lines().filter_map(Row::parse).filter(sound).collect();
-        let of_group = |group: &Group| -> Option<Vec<Row>> {
+        let sound = |row: &ConfigurationRow| row.scores == scores(&row.exponents, &plan.target);
+        let rows: Vec<ConfigurationRow> = whole
+            .lines()
+            .filter_map(ConfigurationRow::parse)
+            .filter(sound)
+            .collect();
+        let of_group = |group: &Group| -> Option<Vec<ConfigurationRow>> {
             let find = |key: [String; 4]| rows.iter().find(|row| row.key == key).cloned();
             plan::keys(plan, group).into_iter().map(find).collect()
         };
@@ -56,7 +60,7 @@ impl<'a> Store<'a> {
     }
 
     /// All rows so far, in the order of the plan.
-    pub fn rows(&self) -> Vec<Row> {
+    pub fn rows(&self) -> Vec<ConfigurationRow> {
         self.done.iter().flatten().flatten().cloned().collect()
     }
 
@@ -64,7 +68,7 @@ impl<'a> Store<'a> {
     ///
     /// # Errors
     /// [`ReadingsError::Write`].
-    pub fn add(&mut self, group: usize, rows: Vec<Row>) -> Result<(), ReadingsError> {
+    pub fn add(&mut self, group: usize, rows: Vec<ConfigurationRow>) -> Result<(), ReadingsError> {
         self.done[group] = Some(rows);
         self.write()
     }
@@ -74,7 +78,7 @@ impl<'a> Store<'a> {
     /// # Errors
     /// [`ReadingsError::Write`].
     pub fn write(&self) -> Result<(), ReadingsError> {
-        let mut text = self.plan.heading() + &Row::header();
+        let mut text = self.plan.heading() + &ConfigurationRow::header();
         for row in self.done.iter().flatten().flatten() {
             text += &row.line();
         }

@@ -8,10 +8,10 @@
 //! error, which is measured without the injected solver ([`StepError`]).
 
 use super::convergence::{Approach, Convergence, PRINTED_STEP};
-use crate::numbers::missing;
+use crate::numbers::not_found;
 use crate::paper::pattern::Pattern;
 use crate::paper::published::HALF_DIGIT;
-use crate::paper::slip_times_three::{Injected, settled};
+use crate::paper::slip_times_three::{InjectedDefects, settled};
 use crate::text::joined;
 use stickslip::Error;
 
@@ -38,14 +38,14 @@ impl Injection {
     /// Those of [`settled`] with both defects; [`Error::NotFound`] if fewer than two stick phases
     /// remain.
     pub fn compute() -> Result<Injection, Error> {
-        let both = settled(Injected::BOTH)?;
-        let numbers = both.four_numbers();
-        let numbers = numbers.ok_or_else(|| missing("a pair of stick phases", 0.0, both.end))?;
+        let both = settled(InjectedDefects::BOTH)?;
+        let numbers = both.stick_numbers();
+        let numbers = numbers.ok_or_else(|| not_found("a pair of stick phases", 0.0, both.end))?;
         Ok(Injection {
             both,
             numbers,
-            slip_alone: settled(Injected::SLIP_ALONE),
-            exit_alone: settled(Injected::EXIT_ALONE),
+            slip_alone: settled(InjectedDefects::SLIP_ALONE),
+            exit_alone: settled(InjectedDefects::EXIT_ALONE),
         })
     }
 
@@ -53,7 +53,7 @@ impl Injection {
     pub fn alone(&self) -> String {
         let of = |run: &Result<Pattern, Error>| match run {
             Ok(pattern) => {
-                let (sticks, period) = (pattern.sticks_of_one().count(), pattern.period);
+                let (sticks, period) = (pattern.pattern_sticks().count(), pattern.period);
                 format!("stick phases: {sticks}, period {period}")
             }
             Err(error) => format!("no settled motion: {error}"),
@@ -92,7 +92,7 @@ impl SameMotion {
         published: Four,
         most: Four,
     ) -> SameMotion {
-        let numbers = injected.as_ref().ok().and_then(Pattern::four_numbers);
+        let numbers = injected.as_ref().ok().and_then(Pattern::stick_numbers);
         SameMotion {
             differences: numbers.map(|four| std::array::from_fn(|i| four[i] - published[i])),
             listing: listing.clone(),
@@ -125,7 +125,7 @@ impl SameMotion {
     /// In words.
     pub fn sentence(&self) -> String {
         let kind = |pattern: &Pattern| {
-            let (sticks, period) = (pattern.sticks_of_one().count(), pattern.period);
+            let (sticks, period) = (pattern.pattern_sticks().count(), pattern.period);
             let deflections = pattern.deflections().len();
             format!("{sticks} stick phases in {period} forcing periods, {deflections} deflections")
         };

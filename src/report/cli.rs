@@ -71,7 +71,7 @@ pub fn run(
 
 /// Draws and writes everything, and lists the files written.
 fn write(ledger: &Ledger, folder: &Path) -> Result<String, FigureError> {
-    let published = Claims::committed()?.four();
+    let published = Claims::committed()?.published_stick_numbers();
     let convergence = draw::convergence(&ledger.convergence, published)?;
     let scan = draw::scan(&ledger.scan)?;
     let figures = [
@@ -104,7 +104,7 @@ const README: &str = "README.md";
 /// The README with the present table; `None` if there is no README or it lacks the marks.
 fn new_readme(folder: &Path, ledger: &Ledger) -> Option<String> {
     let readme = std::fs::read_to_string(folder.join(README)).ok()?;
-    readme::MARKS.put(&readme, &readme::block(ledger))
+    readme::SECTION_MARKERS.replace_section(&readme, &readme::block(ledger))
 }
 
 fn summary(ledger: &Ledger) -> String {

@@ -3,7 +3,7 @@
 use super::convergence::{Convergence, PRINTED_STEP, REACH, distances};
 use super::figures::Picture;
 use super::scan::{Class, Line, Point, Scan};
-use crate::figures::pair;
+use crate::figures::side_by_side;
 use crate::text::joined;
 use plot::*;
 use stickslip::math;
@@ -43,7 +43,7 @@ pub fn convergence(data: &Convergence, published: [f64; 4]) -> Result<Picture, P
         "The listing as printed for smaller and smaller steps",
     );
     let figure = Figure::new(name, (760.0, 430.0), title, &about_convergence(data));
-    let panels = pair(approach(data), around(data, published));
+    let panels = side_by_side(approach(data), around(data, published));
     Ok(Picture {
         figure: name,
         title,

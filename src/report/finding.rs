@@ -2,7 +2,7 @@
 
 use super::digits::{Agreement, agreement};
 use crate::figures::rows::{Part, Quantity, Row, Value};
-use crate::paper::published::{Claim, Claims, Kind};
+use crate::paper::published::{Claim, ClaimKind, Claims};
 use crate::paper::reading::Reading;
 use crate::text::joined;
 
@@ -111,7 +111,7 @@ impl Finding {
                 ..Finding::new(row.reading)
             });
         }
-        if claim.kind == Kind::Set {
+        if claim.kind == ClaimKind::Set {
             for found in &mut findings {
                 found.agrees &= found.has_every_member(claim);
             }

@@ -127,7 +127,7 @@ impl Ledger {
     /// [`ReportError`] of the first part that fails.
     pub fn compute(tick: &(dyn Fn() + Sync)) -> Result<Ledger, ReportError> {
         let claims = Claims::committed()?;
-        let published = claims.four();
+        let published = claims.published_stick_numbers();
         let computed = Computed::compute(tick)?;
         let matrix = Matrix::compute(claims, tick);
         let injection = Injection::compute()?;
@@ -248,14 +248,14 @@ impl Ledger {
         exponent: Option<ExponentCheck>,
     ) -> Vec<String> {
         let Spread { search, .. } = &self.spread;
-        let borne_out = |met: usize, what: &str| {
+        let confirmed_statements = |met: usize, what: &str| {
             let all = search.spread[0][0].settings;
             format!(
                 "{met} of {all} settings of the estimator {what} (sizes up to {ZERO} pass for \
                     zero)"
             )
         };
-        let counts = &search.borne_out;
+        let counts = &search.confirmed_statements;
         match claim.id {
             ClaimId::Fig10Class => vec![
                 self.spread.mended_sentence(),
@@ -294,15 +294,15 @@ impl Ledger {
             },
             ClaimId::S5ZeroExponent => vec![
                 self.nearest_to_zero(),
-                borne_out(counts.zero, "give each figure an exponent that is zero"),
+                confirmed_statements(counts.zero, "give each figure an exponent that is zero"),
             ],
             ClaimId::S5TwoZeroExponents => {
                 let what = "make the first two of Fig. 11 zero";
-                vec![borne_out(counts.two_zeros, what)]
+                vec![confirmed_statements(counts.two_zeros, what)]
             }
             ClaimId::S5PositiveExponent => {
                 let what = "make the first of Fig. 12 positive";
-                vec![borne_out(counts.positive, what)]
+                vec![confirmed_statements(counts.positive, what)]
             }
             ClaimId::S3ArrivalAccuracy => self.accuracy.lines_of_arrival(),
             ClaimId::S3ReleaseAccuracy => self.accuracy.lines_of_release(),

@@ -33,7 +33,7 @@ impl Cell {
             h,
             ..Setup::with(present)
         });
-        let numbers = outcome.four_numbers();
+        let numbers = outcome.stick_numbers();
         Cell {
             h,
             present,
@@ -208,6 +208,6 @@ pub fn four_digits(claims: &Claims, numbers: &[f64; 4]) -> [Agreement; 4] {
         agreeing: 0,
         printed: 1,
     };
-    let of = |i| agreement(claims.of(ClaimId::FOUR[i]), numbers[i]).unwrap_or(nothing);
+    let of = |i| agreement(claims.of(ClaimId::STICK_NUMBERS[i]), numbers[i]).unwrap_or(nothing);
     std::array::from_fn(of)
 }

@@ -4,11 +4,11 @@ use super::finding::Finding;
 use super::ledger::{Entry, Ledger};
 use super::sentences::sentences;
 use crate::figures::rows::Value;
-use crate::paper::published::{Digits, Kind};
-use crate::text::{Marks, joined};
+use crate::paper::published::{ClaimKind, Digits};
+use crate::text::{SectionMarkers, joined};
 
 /// Markers of the part in the README.
-pub const MARKS: Marks = Marks {
+pub const SECTION_MARKERS: SectionMarkers = SectionMarkers {
     begin: "<!-- verdicts: written by `make report` -->\n",
     end: "<!-- end of verdicts -->\n",
 };
@@ -40,7 +40,7 @@ pub(super) fn shown(entry: &Entry, finding: &Finding) -> String {
         Digits::Exact | Digits::None => 6,
     };
     let mut values: Vec<&Value> = finding.values.iter().collect();
-    if entry.claim.kind == Kind::Set {
+    if entry.claim.kind == ClaimKind::Set {
         values.sort_by(|one, other| number(other).total_cmp(&number(one)));
     }
     let texts = values.into_iter().map(|value| match value {

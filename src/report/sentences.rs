@@ -9,7 +9,7 @@ use crate::figures::block_and_bracket::DIVERGES;
 use crate::paper::claim_id::{ClaimId, SpectrumFigure};
 use crate::paper::published::Claim;
 use crate::paper::reading::Reading;
-use crate::readings::{Committed, Match, others, sources_in_words};
+use crate::readings::{Committed, Match, other_motions, sources_in_words};
 use stickslip::analysis::motion::Class;
 
 /// The parts of the paper in which claims are counted: keys in `data/claims.csv` and names.
@@ -48,8 +48,8 @@ pub(super) fn sentences(ledger: &Ledger) -> [String; 3] {
     let (stated, counted) = (ledger.with(Verdict::Reproduced), ledger.counted());
     let corrected = ledger.with(Verdict::WithCorrections);
     let (motion, digits) = (least(Cell::gives_class), least(Cell::gives_digits));
-    let printed = gives(&ClaimId::FOUR, &by(Reading::AsPrinted));
-    let exact = gives(&ClaimId::FOUR, &by(Reading::Exact));
+    let printed = gives(&ClaimId::STICK_NUMBERS, &by(Reading::AsPrinted));
+    let exact = gives(&ClaimId::STICK_NUMBERS, &by(Reading::Exact));
     let (classes, unlike) = (gives(&classes, &by(Reading::Corrected)), unlike(ledger));
     let exponents = gives(exponents.as_flattened(), &open);
     [
@@ -131,7 +131,7 @@ pub(super) fn figs_10_to_12(ledger: &Ledger) -> String {
     let (met, unlike) = (met.count(), unlike(ledger));
     let search = &ledger.spread.search;
     let (settings, configurations) = (search.spread[0][0].settings, search.configurations);
-    let (cited, pairs) = (search.cited(), &search.pairs);
+    let (citation, pairs) = (search.citation(), &search.pairs);
     let (lead, together) = (lead(search), together(search));
     format!(
         "Figs. 10–12 publish {} classes of motion. The corrected equations give {met} of \
@@ -139,8 +139,8 @@ pub(super) fn figs_10_to_12(ledger: &Ledger) -> String {
          {} published exponents {of_open} are {open}: settings of the estimator that the paper \
          does not state decide their digits; {missed}: {of_missed}. {signs} have the computed \
          sign, {within} lie inside what those of {settings} settings give that identify them. A \
-         search over {configurations} ways to read and evaluate the figures ({cited}) finds {} of \
-         its {} pairs of equations and integrator with all three captioned classes, and {} with \
+         search over {configurations} ways to read and evaluate the figures ({citation}) finds {} \
+         of its {} pairs of equations and integrator with all three captioned classes, and {} with \
          the same kinds of motion, loops aside. {lead} {together}",
         classes.len(),
         exponents.len(),
@@ -154,14 +154,14 @@ pub(super) fn figs_10_to_12(ledger: &Ledger) -> String {
 /// tried.
 fn lead(search: &Committed) -> String {
     let each = [0, 1, 2].map(|figure| {
-        let level = &search.alone[figure].0;
+        let level = &search.figure_levels[figure].0;
         let (random, readings) = (level.random.best_of_three(), level.readings.percent());
         format!("{random:.1} % and {readings:.1} % for Fig. {}", figure + 10)
     });
-    let percent = |figure: &usize| search.alone[*figure].0.random.percent();
+    let percent = |figure: &usize| search.figure_levels[*figure].0.random.percent();
     let nearest = (0..3).min_by(|a, b| percent(a).total_cmp(&percent(b)));
     let figure = nearest.unwrap_or(0);
-    let (level, Match { row, motions }) = &search.alone[figure];
+    let (level, Match { row, motions }) = &search.figure_levels[figure];
     let rare = if level.is_rare(3) {
         "a rare"
     } else {
@@ -169,7 +169,7 @@ fn lead(search: &Committed) -> String {
     };
     let leaves = match row.is_ranked() {
         true => "has all three kinds of motion".to_owned(),
-        false => format!("is no match: it leaves {}", others(motions, figure)),
+        false => format!("is no match: it leaves {}", other_motions(motions, figure)),
     };
     let (reading, integrator) = (row.reading(), row.integrator());
     format!(
@@ -183,11 +183,11 @@ fn lead(search: &Committed) -> String {
 
 /// The significance of the nearest configuration among those that count.
 fn together(search: &Committed) -> String {
-    let [kept, ranked] = search.together.each_ref().map(|level| {
+    let [kept, ranked] = search.joint_levels.each_ref().map(|level| {
         let (random, readings) = (level.random.percent(), level.readings.percent());
         (random, readings, level.readings.of)
     });
-    let is_rare = search.together[1].is_rare(1);
+    let is_rare = search.joint_levels[1].is_rare(1);
     let single = if is_rare { "a" } else { "no" };
     let sources = sources_in_words(search.ranked_from);
     format!(

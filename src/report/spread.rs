@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::ReportError;
 use crate::figures::block_and_bracket::{SETS, Set, TOLERANCE, class};
-use crate::readings::{Committed, Integrator, Row, others};
+use crate::readings::{Committed, ConfigurationRow, Integrator, other_motions};
 use crate::text::joined;
 use stickslip::analysis::motion::Class;
 use stickslip::models::{Caption, Reading};
@@ -53,12 +53,12 @@ impl Spread {
     /// The readings that give Fig. 10 as captioned, including its loops, and the motions of the
     /// other figures there.
     pub fn two_periodic_sentence(&self) -> String {
-        let captioned = |one: &&Row| one.classes[0].is_published(0);
+        let captioned = |one: &&ConfigurationRow| one.classes[0].is_published(0);
         let all = self.search.motions.iter().filter(captioned);
         let each = all.map(|one| {
             let (reading, integrator, [amplitude, _]) =
                 (one.reading(), one.integrator(), one.sizes[0]);
-            let others = others(&one.motions(), 0);
+            let others = other_motions(&one.motions(), 0);
             format!("{reading}; {integrator} (x1 within {amplitude:.3} of its middle; {others})")
         });
         match joined(each, " | ") {
@@ -69,13 +69,15 @@ impl Spread {
 
     /// The class of Fig. 12 in every reading with the corrected signs, solved exactly.
     pub fn chaos_sentence(&self) -> String {
-        let corrected = |one: &&Row| {
+        let corrected = |one: &&ConfigurationRow| {
             one.integrator() == Integrator::Exact.name() && one.reading().starts_with("+x3 +T;")
         };
-        let all: Vec<&Row> = self.search.motions.iter().filter(corrected).collect();
-        let chaotic = |one: &&&Row| one.classes[2].is_of_kind(2);
-        let chaotic: Vec<&&Row> = all.iter().filter(chaotic).collect();
-        let has = |one: &Row, choice: &str| one.reading().split("; ").any(|part| part == choice);
+        let all: Vec<&ConfigurationRow> = self.search.motions.iter().filter(corrected).collect();
+        let chaotic = |one: &&&ConfigurationRow| one.classes[2].is_of_kind(2);
+        let chaotic: Vec<&&ConfigurationRow> = all.iter().filter(chaotic).collect();
+        let has = |one: &ConfigurationRow, choice: &str| {
+            one.reading().split("; ").any(|part| part == choice)
+        };
         // The choices that all readings with the class share and no others have.
         let choices = chaotic.first().map_or("", |one| one.reading()).split("; ");
         let needed = choices.filter(|choice| {

@@ -83,8 +83,8 @@ pub fn convergence(ledger: &Ledger) -> String {
     let convergence = &ledger.convergence;
     let limit = convergence.limit;
     let mut header = vec!["h".to_owned(), "all_digits".to_owned()];
-    header.extend(ClaimId::FOUR.map(|id| id.to_string()));
-    header.extend(ClaimId::FOUR.map(|id| format!("{id}.error")));
+    header.extend(ClaimId::STICK_NUMBERS.map(|id| id.to_string()));
+    header.extend(ClaimId::STICK_NUMBERS.map(|id| format!("{id}.error")));
     let row = |h: String, complete: bool, numbers: Option<[f64; 4]>| {
         let errors = numbers.map(|four| std::array::from_fn(|i| four[i] - limit[i]));
         let cells = |four: Option<[f64; 4]>| match four {

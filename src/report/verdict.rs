@@ -4,7 +4,7 @@
 use std::fmt;
 
 use super::finding::Finding;
-use crate::paper::published::{Claim, Kind};
+use crate::paper::published::{Claim, ClaimKind};
 use crate::paper::reading::Role;
 use crate::text::described;
 
@@ -82,7 +82,7 @@ impl Verdict {
 
     /// The verdict from findings on a claim of this kind. If several findings have one role, all
     /// must agree. If unstated settings decide one of them, nothing is decided.
-    pub fn of(kind: Kind, findings: &[Finding]) -> Verdict {
+    pub fn of(kind: ClaimKind, findings: &[Finding]) -> Verdict {
         let with = |role: Role| {
             let evidence = move |one: &&Finding| one.reading.role() == role && one.is_evidence();
             findings.iter().filter(evidence)
@@ -92,7 +92,7 @@ impl Verdict {
             let accurate = with(Role::Stated).chain(with(Role::Corrected));
             accurate.flat_map(Finding::parts).any(|holds| holds)
         };
-        if kind == Kind::Identity {
+        if kind == ClaimKind::Identity {
             Verdict::Identity
         } else if findings.iter().any(|one| one.undetermined) {
             Verdict::Undeterminable
@@ -102,7 +102,7 @@ impl Verdict {
             Verdict::WithCorrections
         } else if all_agree(Role::AsPrinted) {
             Verdict::AsPrintedOnly
-        } else if matches!(kind, Kind::Statement | Kind::Curve) && a_part_holds() {
+        } else if matches!(kind, ClaimKind::Statement | ClaimKind::Curve) && a_part_holds() {
             Verdict::InKind
         } else {
             Verdict::NotReproduced

@@ -4,7 +4,7 @@ use super::with;
 use replication::paper::listing::{Setup, run};
 use replication::paper::pattern::Pattern;
 use replication::paper::published::Claims;
-use replication::paper::slip_times_three::{Injected, settled};
+use replication::paper::slip_times_three::{InjectedDefects, settled};
 use replication::report::cause::{Cause, SameMotion};
 use replication::report::convergence::Convergence;
 
@@ -24,7 +24,7 @@ fn all_three_parts_hold() {
 
 #[test]
 fn a_wrong_limit_is_not_approached_and_leaves_no_step_error() {
-    let published = Claims::committed().unwrap().four();
+    let published = Claims::committed().unwrap().published_stick_numbers();
     let printed = Pattern::of_listing(&run(&Setup::default())).unwrap();
     with(|report| {
         let right = &report.ledger.convergence;
@@ -56,22 +56,22 @@ fn a_wrong_limit_is_not_approached_and_leaves_no_step_error() {
 
 #[test]
 fn only_both_defects_make_the_motion_and_the_numbers() {
-    let published = Claims::committed().unwrap().four();
+    let published = Claims::committed().unwrap().published_stick_numbers();
     let printed = Pattern::of_listing(&run(&Setup::default())).unwrap();
     with(|report| {
         let most = SameMotion::most(&report.ledger.convergence);
         let motion =
             |injected, published| SameMotion::new(&printed, settled(injected), published, most);
-        let both = motion(Injected::BOTH, published);
+        let both = motion(InjectedDefects::BOTH, published);
         assert!(both.holds(), "{}", both.sentence());
-        let twice = Injected {
+        let twice = InjectedDefects {
             slip: 2.0,
-            ..Injected::BOTH
+            ..InjectedDefects::BOTH
         };
         for injected in [
-            Injected::SLIP_ALONE,
-            Injected::EXIT_ALONE,
-            Injected::NONE,
+            InjectedDefects::SLIP_ALONE,
+            InjectedDefects::EXIT_ALONE,
+            InjectedDefects::NONE,
             twice,
         ] {
             let without = motion(injected, published);
@@ -80,6 +80,6 @@ fn only_both_defects_make_the_motion_and_the_numbers() {
         // If the third printed decimal were another, the numbers would not agree.
         let mut other = published;
         other[1] += 1e-3;
-        assert!(!motion(Injected::BOTH, other).holds());
+        assert!(!motion(InjectedDefects::BOTH, other).holds());
     });
 }

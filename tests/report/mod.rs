@@ -218,8 +218,8 @@ fn the_readme_says_what_the_ledger_does() {
     let readme = include_str!("../../README.md");
     with(|report| {
         let block = readme::block(&report.ledger);
-        let written = readme::MARKS
-            .put(readme, &block)
+        let written = readme::SECTION_MARKERS
+            .replace_section(readme, &block)
             .expect("the README has marks for its verdicts");
         assert!(written == readme, "run `make report`");
     });

@@ -1,6 +1,6 @@
 //! The orbit, its spectra, and the outcome of the equations as printed.
 
-use super::watch::{DT, END, START, Watch};
+use super::recorder::{DT, END, OrbitRecorder, START};
 use crate::figures::Failure;
 use crate::paper::claim_id::SpectrumFigure;
 use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
@@ -60,7 +60,7 @@ pub(crate) const DIVERGED: f64 = 1e3;
 
 /// Results for a bounded motion from `START` to `END`.
 #[derive(Clone, Debug)]
-pub struct Measured {
+pub struct BoundedMotion {
     /// Exponents from the equations.
     pub spectrum: Spectrum,
     /// Evidence for the class of the motion.
@@ -75,11 +75,11 @@ pub struct Measured {
 
 /// The equations as printed.
 #[derive(Clone, Debug)]
-pub enum Literal {
+pub enum AsPrintedOutcome {
     /// A component exceeds 1000 at this time.
     Diverges(f64),
     /// The orbit stays bounded until the end of the series.
-    Bounded(Box<Measured>),
+    Bounded(Box<BoundedMotion>),
 }
 
 /// What the figure shows.
@@ -90,7 +90,7 @@ pub struct Data {
     /// The model by the corrected equations.
     pub model: BlockAndBracket,
     /// Its motion.
-    pub exact: Measured,
+    pub exact: BoundedMotion,
     /// Exponents from the sampled states.
     pub from_data: DataSpectrum,
     /// The same with the nearest of the search's settings for the three figures together.
@@ -100,11 +100,11 @@ pub struct Data {
     /// The part of the orbit that is drawn.
     pub curve: Vec<[f64; 4]>,
     /// The first few of its section points.
-    pub turns: Vec<[f64; 4]>,
+    pub turning_points: Vec<[f64; 4]>,
     /// All section points: the block's turning points.
     pub section: Vec<[f64; 4]>,
     /// The reading `as-printed`.
-    pub literal: Literal,
+    pub literal: AsPrintedOutcome,
 }
 
 /// Computes one of the three figures.
@@ -115,39 +115,39 @@ pub(super) fn compute(set: &'static Set) -> Result<Data, Failure> {
     let (exact, literal) = rayon::join(exact, || literal(set));
     let (
         exact,
-        Watch {
+        OrbitRecorder {
             samples,
-            turns,
+            turning_points,
             curve,
             ..
         },
     ) = exact?;
     let series = Series::from_rows(samples.states.iter().copied(), DT)?;
-    let section: Vec<[f64; 4]> = turns.points.iter().map(|(_, x)| *x).collect();
+    let section: Vec<[f64; 4]> = turning_points.points.iter().map(|(_, x)| *x).collect();
     Ok(Data {
         set,
         exact,
         from_data: data_spectrum(&series, &DataSettings::sano_sawada())?,
-        best_of_readings: data_spectrum(&series, &best_common())?,
+        best_of_readings: data_spectrum(&series, &best_common_settings())?,
         samples: samples.states.len(),
         curve,
-        turns: section.iter().take(16).copied().collect(),
+        turning_points: section.iter().take(16).copied().collect(),
         section,
         literal: literal?,
         model,
     })
 }
 
-fn literal(set: &Set) -> Result<Literal, Error> {
+fn literal(set: &Set) -> Result<AsPrintedOutcome, Error> {
     let model = BlockAndBracket::from_caption(&set.caption, &Reading::as_printed())?;
     let options = Options::tol(TOLERANCE).escape(DIVERGED);
     let start = State::from(set.caption.start);
     match run(&model, 0.0, start, END, &options, &mut ()).map_err(Error::from) {
-        Err(Error::Escaped { t, .. }) => Ok(Literal::Diverges(t)),
+        Err(Error::Escaped { t, .. }) => Ok(AsPrintedOutcome::Diverges(t)),
         Err(other) => Err(other),
         Ok(_) => {
             let (measured, _) = measure(&model, set, options)?;
-            Ok(Literal::Bounded(Box::new(measured)))
+            Ok(AsPrintedOutcome::Bounded(Box::new(measured)))
         }
     }
 }
@@ -181,14 +181,14 @@ fn measure<'a>(
     model: &'a BlockAndBracket,
     set: &Set,
     solver: Options,
-) -> Result<(Measured, Watch<'a>), Error> {
+) -> Result<(BoundedMotion, OrbitRecorder<'a>), Error> {
     let settings = SpectrumOptions::over(START, END - START).solver(solver);
-    let mut watch = Watch::new(model, &settings.solver, set.shown);
+    let mut watch = OrbitRecorder::new(model, &settings.solver, set.shown);
     let start = (0.0, State::from(set.caption.start));
     let spectrum = lyapunov_spectrum_watched(model, start, &settings, &mut watch)?;
     let of = (Of::Flow, &spectrum.exponents[..], spectrum.duration);
-    let evidence = Evidence::gather(&watch.turns.points, of, &Criterion::default());
-    let measured = Measured {
+    let evidence = Evidence::gather(&watch.turning_points.points, of, &Criterion::default());
+    let measured = BoundedMotion {
         class: evidence.class(),
         evidence,
         least_force: watch.least_force,
@@ -203,7 +203,7 @@ fn measure<'a>(
 /// the spread, for [`stickslip::models::Reading::exact`] solved exactly. The first few differ by
 /// less than the scatter of Fig. 12's chaotic orbit. A change of the solver's last bits can reorder
 /// them; a test of the search then fails.
-pub(crate) fn best_common() -> DataSettings {
+pub(crate) fn best_common_settings() -> DataSettings {
     DataSettings {
         neighbours: Neighbourhood::Ball {
             eps: 0.1,

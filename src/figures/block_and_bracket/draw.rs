@@ -1,9 +1,9 @@
 //! The picture of Figs. 10, 11 and 12.
 
-use super::compute::{Data, Literal};
-use super::numbers::{compare, worth};
-use super::watch::{END, START};
-use crate::figures::{FigureError, belt_line, pair};
+use super::compute::{AsPrintedOutcome, Data};
+use super::numbers::{compare, quality};
+use super::recorder::{END, START};
+use crate::figures::{FigureError, belt_line, side_by_side};
 use crate::numbers::extent;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::published::{Claims, PublishedError};
@@ -32,7 +32,7 @@ const LINEAR: f64 = 1e-3;
 fn description(data: &Data) -> String {
     let exact = &data.exact;
     let exponents = exact.spectrum.exponents.iter();
-    let exponents = exponents.map(|exponent| four(exponent.value()));
+    let exponents = exponents.map(|exponent| four_decimals(exponent.value()));
     format!(
         "{} From the equations these come to {}; section points: {}; the motion is {}.",
         data.set.description,
@@ -46,7 +46,7 @@ pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
     let (set, size) = (data.set, (770.0, 800.0));
     let below = vec![(0.9, running(data)?.into()), (1.1, table(data)?.into())];
     let figure = Figure::new(set.figure.name(), size, set.title, &description(data));
-    let figure = figure.columns(0.47, pair(block(data), bracket(data)));
+    let figure = figure.columns(0.47, side_by_side(block(data), bracket(data)));
     let figure = figure.columns(0.43, below).row(0.1, caption(&set.caption));
     Ok(figure.render()?)
 }
@@ -86,8 +86,8 @@ fn block(data: &Data) -> Panel {
     let points = curve().map(|x| (x[0], x[1]));
     panel.add(Curve::new(points).color(BLUE).width(width(data)));
     if matches!(data.exact.class, Class::Periodic(_)) {
-        let turns = data.turns.iter().map(|x| (x[0], x[1]));
-        panel.add(Markers::new(turns).open().legend("section point"));
+        let turning_points = data.turning_points.iter().map(|x| (x[0], x[1]));
+        panel.add(Markers::new(turning_points).open().legend("section point"));
     }
     panel
 }
@@ -196,7 +196,7 @@ fn annihilated(data: &Data) -> String {
 }
 
 /// Four decimals, as published.
-fn four(value: f64) -> String {
+fn four_decimals(value: f64) -> String {
     if value == f64::NEG_INFINITY {
         "−∞".into()
     } else if value.is_nan() {
@@ -239,15 +239,19 @@ fn table(data: &Data) -> Result<Table, PublishedError> {
         let printed = published(data.set.figure.exponents()[i]).replace('-', "−");
         let exponent = &data.exact.spectrum.exponents[i];
         let equations = match exponent.std_error() {
-            Some(error) => format!("{} ± {}", four(exponent.value()), four(error)),
-            None => four(exponent.value()),
+            Some(error) => format!(
+                "{} ± {}",
+                four_decimals(exponent.value()),
+                four_decimals(error)
+            ),
+            None => four_decimals(exponent.value()),
         };
         let by_data = order.get(i).map_or_else(String::new, |&i| {
             let e = &data.from_data.exponents[i];
-            let value = four(e.value);
+            let value = four_decimals(e.value);
             match e.status {
                 Status::Unidentified => format!("({value})"),
-                _ => match worth(&data.from_data, i, &comparisons) {
+                _ => match quality(&data.from_data, i, &comparisons) {
                     "ok" | "annihilated" => value,
                     word => format!("{value} {word}"),
                 },
@@ -257,8 +261,8 @@ fn table(data: &Data) -> Result<Table, PublishedError> {
     }
     let exact = &data.exact;
     let literal = match &data.literal {
-        Literal::Diverges(t) => format!("beyond 1000 at *t* = {}", number(*t, 1)),
-        Literal::Bounded(measured) => measured.class.to_string(),
+        AsPrintedOutcome::Diverges(t) => format!("beyond 1000 at *t* = {}", number(*t, 1)),
+        AsPrintedOutcome::Bounded(measured) => measured.class.to_string(),
     };
     let points = section_points(exact.evidence.distinct, exact.evidence.returns);
     let stick = number(100.0 * exact.spectrum.stick_fraction, 2);

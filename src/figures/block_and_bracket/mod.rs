@@ -4,13 +4,15 @@
 mod compute;
 mod draw;
 mod numbers;
-mod watch;
+mod recorder;
 
 #[cfg(feature = "report")]
 pub(crate) use compute::DIVERGED;
 #[cfg(all(test, feature = "report"))]
-pub(crate) use compute::best_common;
-pub use compute::{Data, Literal, Measured, SETS, Set, TOLERANCE, by_rk4_and_henon, class};
+pub(crate) use compute::best_common_settings;
+pub use compute::{
+    AsPrintedOutcome, BoundedMotion, Data, SETS, Set, TOLERANCE, by_rk4_and_henon, class,
+};
 
 use super::FigureSpec;
 use compute::compute;
@@ -18,7 +20,7 @@ use draw::draw;
 use numbers::numbers;
 pub use numbers::{Comparison, DIVERGES, compare};
 #[cfg(feature = "report")]
-pub(crate) use watch::{DT, START};
+pub(crate) use recorder::{DT, START};
 
 /// A figure with its description: the set of parameters, and the class that the paper publishes.
 macro_rules! figure {

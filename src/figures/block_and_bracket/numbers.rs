@@ -1,7 +1,7 @@
 //! The rows of Figs. 10, 11 and 12. Exponents from data stand beside those from the equations,
 //! wherever the estimator reports that the data determine them.
 
-use super::compute::{Data, Literal, Measured};
+use super::compute::{AsPrintedOutcome, BoundedMotion, Data};
 use crate::figures::rows::Row;
 use crate::paper::claim_id::{ClaimId, SpectrumFigure};
 use crate::paper::reading::Reading;
@@ -12,7 +12,7 @@ use stickslip_series::{DataExponent, DataSpectrum, Status};
 pub const DIVERGES: &str = "diverges";
 
 pub(super) fn numbers(data: &Data) -> Vec<Row> {
-    let by = |reading| Named {
+    let by = |reading| FigureReading {
         figure: data.set.figure,
         reading,
     };
@@ -22,17 +22,17 @@ pub(super) fn numbers(data: &Data) -> Vec<Row> {
     rows.extend(from_data.data_exponents(&data.from_data, equations));
     rows.push(from_data.count("samples", data.samples));
     rows.extend(by(Reading::BestOfReadings).data_exponents(&data.best_of_readings, equations));
-    if let Literal::Bounded(measured) = &data.literal {
+    if let AsPrintedOutcome::Bounded(measured) = &data.literal {
         rows.extend(by(Reading::AsPrintedEquations).exponents(measured));
     }
     rows.extend(by(Reading::Corrected).motion(&data.exact));
     let as_printed = by(Reading::AsPrinted);
     match &data.literal {
-        Literal::Diverges(t) => {
+        AsPrintedOutcome::Diverges(t) => {
             rows.push(as_printed.number("diverges_at", *t, "t"));
             rows.push(as_printed.class(DIVERGES));
         }
-        Literal::Bounded(measured) => {
+        AsPrintedOutcome::Bounded(measured) => {
             let when = as_printed.name("diverges_at");
             rows.push(Row::word(when, Reading::AsPrinted, "never"));
             rows.extend(as_printed.motion(measured));
@@ -46,12 +46,12 @@ pub(super) fn numbers(data: &Data) -> Vec<Row> {
 }
 
 /// The rows of a figure under one reading.
-struct Named {
+struct FigureReading {
     figure: SpectrumFigure,
     reading: Reading,
 }
 
-impl Named {
+impl FigureReading {
     fn name(&self, quantity: &str) -> String {
         format!("{}.{quantity}", self.figure.name())
     }
@@ -68,19 +68,19 @@ impl Named {
         Row::word(self.figure.class(), self.reading, class)
     }
 
-    fn exponent(&self, place: usize, value: f64, worth: &'static str) -> Row {
+    fn exponent(&self, place: usize, value: f64, quality: &'static str) -> Row {
         let id = self.figure.exponents()[place];
-        Row::number(id, self.reading, value, "1/t").status(worth)
+        Row::number(id, self.reading, value, "1/t").status(quality)
     }
 
-    fn exponents(&self, measured: &Measured) -> Vec<Row> {
+    fn exponents(&self, measured: &BoundedMotion) -> Vec<Row> {
         let exponents = measured.spectrum.exponents.iter().take(4).enumerate();
         let values = exponents.clone().map(|(i, exponent)| {
-            let worth = match exponent {
+            let quality = match exponent {
                 Exponent::Finite { .. } => "ok",
                 Exponent::Annihilated => "annihilated",
             };
-            self.exponent(i, exponent.value(), worth)
+            self.exponent(i, exponent.value(), quality)
         });
         let errors = exponents.filter_map(|(i, exponent)| {
             let error = exponent.std_error()?;
@@ -97,18 +97,18 @@ impl Named {
         let comparisons = compare(spectrum, equations);
         let exponents = spectrum.exponents.iter().take(4).enumerate();
         let value = |(i, exponent): (usize, &DataExponent)| {
-            self.exponent(i, exponent.value, worth(spectrum, i, &comparisons))
+            self.exponent(i, exponent.value, quality(spectrum, i, &comparisons))
         };
         let mut rows: Vec<Row> = exponents.clone().map(value).collect();
         for (i, exponent) in exponents {
             let fixed = exponent.fixed_rank.unwrap_or((f64::NAN, f64::NAN));
-            let worth = [
+            let quality = [
                 ("std_error", exponent.stderr),
                 ("eps_sensitivity", exponent.eps_sensitivity),
                 ("fixed_rank_lambda", fixed.0),
                 ("fixed_rank_std_error", fixed.1),
             ];
-            let known = worth.into_iter().filter(|(_, value)| value.is_finite());
+            let known = quality.into_iter().filter(|(_, value)| value.is_finite());
             let row = |(what, value)| self.number(&format!("{what}.{}", i + 1), value, "1/t");
             rows.extend(known.map(row));
         }
@@ -130,7 +130,7 @@ impl Named {
         rows
     }
 
-    fn motion(&self, measured: &Measured) -> Vec<Row> {
+    fn motion(&self, measured: &BoundedMotion) -> Vec<Row> {
         let (evidence, spectrum) = (&measured.evidence, &measured.spectrum);
         vec![
             self.class(&measured.class.to_string()),
@@ -240,7 +240,11 @@ pub fn compare(data: &DataSpectrum, equations: &[Exponent]) -> Vec<Comparison> {
 
 /// The quality of an exponent from data, in a word: the estimator's status, or `biased` where the
 /// status is `ok` and the equations disagree.
-pub(super) fn worth(data: &DataSpectrum, place: usize, comparisons: &[Comparison]) -> &'static str {
+pub(super) fn quality(
+    data: &DataSpectrum,
+    place: usize,
+    comparisons: &[Comparison],
+) -> &'static str {
     let off = |one: &Comparison| one.place == place && !one.agrees();
     if comparisons.iter().any(off) {
         return "biased";
@@ -283,13 +287,13 @@ mod tests {
         let places: Vec<usize> = compared.iter().map(|one| one.place).collect();
         assert_eq!(places, [0]);
         assert!(compared[0].agrees(), "{compared:?}");
-        assert_eq!(worth(&data, 0, &compared), "ok");
-        assert_eq!(worth(&data, 1, &compared), "unidentified");
+        assert_eq!(quality(&data, 0, &compared), "ok");
+        assert_eq!(quality(&data, 1, &compared), "unidentified");
         let off = 2.0 * compared[0].allowed;
         let wrong = [finite(off), right[1], right[2], right[3]];
         let compared = compare(&data, &wrong);
         assert!(!compared[0].agrees(), "{compared:?}");
-        assert_eq!(worth(&data, 0, &compared), "biased");
+        assert_eq!(quality(&data, 0, &compared), "biased");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The orbits, the tangent points and the cycle.
 
 use crate::figures::{Failure, crossing, normals, phase_plane};
-use crate::numbers::{changes, missing};
+use crate::numbers::{change_points, not_found};
 use stickslip::analysis::{multipliers, periodic_orbit};
 use stickslip::models::{BeltOscillator, BeltTangency};
 use stickslip::scalar::Dual;
@@ -102,7 +102,7 @@ fn stationary(model: &BeltOscillator) -> Vec<f64> {
         (below * above).eps
     };
     let grid = (0..=300).rev().map(|k| 1.507 - 0.01 * f64::from(k));
-    let mut zeros = changes(grid, |x1| slope(x1) < 0.0);
+    let mut zeros = change_points(grid, |x1| slope(x1) < 0.0);
     zeros.reverse();
     zeros
 }
@@ -118,7 +118,7 @@ fn cycle(model: &BeltOscillator, options: &Options) -> Result<Cycle, Error> {
         .map(|at| at.t)
         .collect();
     let [.., before, last] = crossings[..] else {
-        return Err(missing("two upward crossings of Σ", 0.0, SETTLED));
+        return Err(not_found("two upward crossings of Σ", 0.0, SETTLED));
     };
     // Off Σ, a tenth of an oscillation before the crossing.
     let guess = settled.at(last - 0.1 * (last - before))?;

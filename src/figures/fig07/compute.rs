@@ -14,7 +14,7 @@ pub struct Data {
     /// Critical `μ₀` for the spring, Eq. (23), N.
     pub critical: f64,
     /// (a) `σ(z)` without friction.
-    pub without: Transition,
+    pub without_friction: Transition,
     /// (a) `σ(z)` with critical friction.
     pub with_critical: Transition,
     /// (b) The zones over time.
@@ -77,7 +77,7 @@ pub(super) fn compute() -> Result<Data, Failure> {
     Ok(Data {
         spring,
         critical,
-        without: transition(&spring, 0.0)?,
+        without_friction: transition(&spring, 0.0)?,
         with_critical: transition(&spring, critical)?,
         oscillation: oscillation(&spring)?,
         branches: branches(&spring, critical)?,

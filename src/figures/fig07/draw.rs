@@ -1,7 +1,7 @@
 //! The picture of Fig. 7.
 
 use super::compute::{Branches, Data, Oscillation, Transition, Z_MAX};
-use crate::figures::{FigureError, pair};
+use crate::figures::{FigureError, side_by_side};
 use plot::{
     Axis, BLACK, BLUE, Band, Color, Curve, Dash, Figure, GREY, Guide, LIGHT_GREY, Legend, MID_GREY,
     Markers, Note, Panel, Region, VERMILLION,
@@ -21,7 +21,7 @@ pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
         branches start in pairs at z = 1, 0 and −1, the inner four meet in pairs at μ0 = 2√3/9 and \
         ±1/√3, and two branches go on beyond it.";
     let figure = Figure::new("fig07", (680.0, 590.0), title, description);
-    let above = pair(transition(data), oscillation(&data.oscillation));
+    let above = side_by_side(transition(data), oscillation(&data.oscillation));
     let figure = figure.columns(1.0, above).row(1.08, branches(data));
     Ok(figure.render()?)
 }
@@ -41,11 +41,11 @@ fn transition(data: &Data) -> Panel {
     panel.add(Guide::horizontal(0.0).dash(Dash::Dotted));
     let graph = |of: &Transition| Curve::new(of.graph.iter().copied());
     let zeros = |of: &Transition| Markers::new(of.zeros.iter().map(|zero| (zero.z, 0.0)));
-    let without = graph(&data.without).color(BLUE).dash(Dash::Dashed);
-    panel.add(without.legend("*μ*_0 = 0"));
+    let without_friction = graph(&data.without_friction).color(BLUE).dash(Dash::Dashed);
+    panel.add(without_friction.legend("*μ*_0 = 0"));
     let critical = graph(&data.with_critical).color(VERMILLION);
     panel.add(critical.legend("*μ*_0 = 2√3/9"));
-    panel.add(zeros(&data.without).color(BLUE).open());
+    panel.add(zeros(&data.without_friction).color(BLUE).open());
     panel.add(zeros(&data.with_critical).color(VERMILLION).open());
     panel
 }

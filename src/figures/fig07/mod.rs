@@ -41,10 +41,13 @@ fn numbers(data: &Data) -> Vec<Row> {
 
 /// The statements of Sect. 2 on the two limits of `μ₀`.
 fn limits(data: &Data) -> Vec<Row> {
-    let none = data.without.zones.is_empty();
+    let none = data.without_friction.zones.is_empty();
     let degenerate = [
         ("there is no stick zone at mu0 = 0", none),
-        ("three tangent points remain", data.without.zeros.len() == 3),
+        (
+            "three tangent points remain",
+            data.without_friction.zeros.len() == 3,
+        ),
     ];
     let continuous = [(
         "there is one stick zone at mu0 = 2/(3√3)",
@@ -63,7 +66,7 @@ fn limits(data: &Data) -> Vec<Row> {
 
 /// Fig. 7a: the side from which `σ` touches the axis, decided by its sign beside each double zero.
 fn tangency(data: &Data) -> Vec<Row> {
-    let above = touching(data, &data.without, 1.0);
+    let above = touching(data, &data.without_friction, 1.0);
     let below = touching(data, &data.with_critical, -1.0);
     let parts = [
         (
@@ -83,9 +86,9 @@ fn tangency(data: &Data) -> Vec<Row> {
 fn touching(data: &Data, transition: &Transition, side: f64) -> usize {
     /// Distance (m) at which the sign is evaluated: far above rounding, far below the distance of
     /// zeros.
-    const BESIDE: f64 = 1e-3;
+    const SIGN_OFFSET: f64 = 1e-3;
     let beside = |z: f64| side * data.spring.sigma(z, transition.mu0, 1.0) > 0.0;
-    let touches = |z: f64| beside(z - BESIDE) && beside(z + BESIDE);
+    let touches = |z: f64| beside(z - SIGN_OFFSET) && beside(z + SIGN_OFFSET);
     let zeros = transition.zeros.iter();
     zeros.filter(|zero| touches(zero.z)).count()
 }

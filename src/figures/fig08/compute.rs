@@ -2,12 +2,12 @@
 
 use rayon::prelude::*;
 
-use crate::figures::{Failure, crossing, curve3};
-use crate::numbers::missing;
+use crate::figures::{Failure, crossing, time_curve};
+use crate::numbers::not_found;
 use crate::paper::bounded;
 use crate::paper::listing::{self, END, Sample, Setup};
 use crate::paper::pattern::{Pattern, two_periodic};
-use crate::paper::slip_times_three::{self, Injected};
+use crate::paper::slip_times_three::{self, InjectedDefects};
 use stickslip::analysis::{Destination, destination, multipliers, periodic_orbit_forced};
 use stickslip::models::ForcedOscillator;
 use stickslip::{Error, Mode, Options, Side, State, solve};
@@ -96,7 +96,7 @@ pub(super) fn compute() -> Result<Data, Failure> {
     Ok(Data {
         step: Setup::default().h,
         as_printed: as_printed(&model, &zones)?,
-        slip_times_three: slip_times_three::settled(Injected::BOTH)?,
+        slip_times_three: slip_times_three::settled(InjectedDefects::BOTH)?,
         exact: exact(&model, &options)?,
         shares: shares(&model)?,
         model,
@@ -131,7 +131,7 @@ fn as_printed(model: &ForcedOscillator, zones: &[(f64, f64)]) -> Result<AsPrinte
     };
     let run = listing::run_with(&Setup::default(), keep);
     let what = "a motion of the listing that repeats";
-    let pattern = Pattern::of_listing(&run).ok_or_else(|| missing(what, 0.0, END))?;
+    let pattern = Pattern::of_listing(&run).ok_or_else(|| not_found(what, 0.0, END))?;
     Ok(AsPrinted {
         pattern,
         stuck,
@@ -150,7 +150,7 @@ fn exact(model: &ForcedOscillator, options: &Options) -> Result<Exact, Error> {
     let many = solve(model, 0.0, &orbit.x, REPEATED * period, options)?;
     let pattern = Pattern::of_phases(&many.phases, many.t_end, period);
     let pattern =
-        pattern.ok_or_else(|| missing("a motion that repeats", 0.0, REPEATED * period))?;
+        pattern.ok_or_else(|| not_found("a motion that repeats", 0.0, REPEATED * period))?;
     let (up, down) = (
         crossing(&turns, Side::Above)?,
         crossing(&turns, Side::Below)?,
@@ -166,7 +166,7 @@ fn exact(model: &ForcedOscillator, options: &Options) -> Result<Exact, Error> {
         below: period - above,
         above,
         multipliers,
-        trajectory: curve3(&turns),
+        trajectory: time_curve(&turns),
     })
 }
 

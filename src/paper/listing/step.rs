@@ -140,12 +140,12 @@ impl<'a> Machine<'a> {
             self.move_to(moved);
             return None;
         }
-        let (end, rest) = if through_lower {
+        let (end, zone_end) = if through_lower {
             (End::Lower, lower)
         } else {
             (End::Upper, upper)
         };
-        self.move_to(self.stick_exit(start, moved, rest, xs));
+        self.move_to(self.stick_exit(start, moved, zone_end, xs));
         self.mode = if setup.defects.has(Defect::ReversedExitSide) {
             if self.zone == Some(Zone::Middle) {
                 Mode::Slip(Side::Above)
@@ -160,19 +160,19 @@ impl<'a> Machine<'a> {
 
     /// The state where a stick phase ends at the zone's end `end`, given without forcing (lines
     /// 37–38).
-    fn stick_exit(&self, start: [f64; 3], moved: [f64; 3], rest: f64, xs: f64) -> [f64; 3] {
+    fn stick_exit(&self, start: [f64; 3], moved: [f64; 3], zone_end: f64, xs: f64) -> [f64; 3] {
         let defects = &self.setup.defects;
         if defects.has(Defect::InPlaceStages) {
             // Line 37 has overwritten x[1] before it subtracts it. So line 38 adds nothing to the
             // clock.
-            return [moved[0], rest + xs, moved[2]];
+            return [moved[0], zone_end + xs, moved[2]];
         }
         if defects.has(Defect::FrozenForcing) {
-            let x1 = rest + xs;
+            let x1 = zone_end + xs;
             return [start[0] + (x1 - start[1]) / start[2], x1, start[2]];
         }
-        let gap_start = start[1] - rest - self.xs;
-        let gap_end = moved[1] - rest - xs;
+        let gap_start = start[1] - zone_end - self.xs;
+        let gap_end = moved[1] - zone_end - xs;
         // The gaps have the same sign only if the phase began outside its zone. Then it ends at
         // once.
         let fraction = if gap_start * gap_end < 0.0 {

@@ -1,7 +1,7 @@
 //! Arrival on Σ from slip, Eq. (14): the stated method, its parts, and the listing.
 
 use super::errors::{EventErrors, TOLERANCE};
-use crate::numbers::missing;
+use crate::numbers::not_found;
 use crate::paper::listing::{Defects, END, Run, Setup, run};
 use crate::report::ReportError;
 use stickslip::models::ForcedOscillator;
@@ -33,7 +33,7 @@ impl<'a> Arrival<'a> {
         let mut transitions = settled.transitions.iter();
         let crossing = transitions
             .rfind(|at| at.kind == TransitionKind::Crossing && at.from == Mode::Slip(from))
-            .ok_or_else(|| missing("a crossing of Σ", 0.0, END))?;
+            .ok_or_else(|| not_found("a crossing of Σ", 0.0, END))?;
         let t0 = crossing.t - LEAD;
         let x0 = settled.at(t0)?;
         // Restarted from that state, which alone determines the orbit.
@@ -92,7 +92,7 @@ impl<'a> Arrival<'a> {
                         break;
                     }
                     if next.t > self.t + LEAD {
-                        return Err(missing("a crossing of Σ", self.t0, 2.0 * LEAD).into());
+                        return Err(not_found("a crossing of Σ", self.t0, 2.0 * LEAD).into());
                     }
                     at = next;
                 }
@@ -131,7 +131,7 @@ impl<'a> Arrival<'a> {
             });
             let what = "a crossing of Σ by the listing";
             let first = first_on_belt(&outcome);
-            Ok(first.ok_or_else(|| missing(what, self.t0, 2.0 * LEAD))?)
+            Ok(first.ok_or_else(|| not_found(what, self.t0, 2.0 * LEAD))?)
         })
     }
 
@@ -159,7 +159,7 @@ impl<'a> Arrival<'a> {
 
 fn first_transition(orbit: &Orbit<2>, t: f64) -> Result<f64, ReportError> {
     let first = orbit.transitions.first().map(|at| at.t);
-    Ok(first.ok_or_else(|| missing("a crossing of Σ", t, 2.0 * LEAD))?)
+    Ok(first.ok_or_else(|| not_found("a crossing of Σ", t, 2.0 * LEAD))?)
 }
 
 /// Time at which the listing first reaches the belt's speed.

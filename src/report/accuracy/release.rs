@@ -1,7 +1,7 @@
 //! Release from stick, Eq. (15): the step as printed, corrected, and the listing's.
 
 use super::errors::{EventErrors, STEPS, TOLERANCE};
-use crate::numbers::missing;
+use crate::numbers::not_found;
 use crate::paper::listing::{Defect, Defects, Setup, run};
 use crate::report::{ReportError, stick_exits, until_escape};
 use stickslip::math;
@@ -170,7 +170,7 @@ fn listing(
         });
         let exit = outcome.phases.first().map(|phase| phase.stick.exit.t);
         let what = "the end of a stick phase of the listing";
-        Ok(exit.ok_or_else(|| missing(what, before.t, 4.0 * h))?)
+        Ok(exit.ok_or_else(|| not_found(what, before.t, 4.0 * h))?)
     })
 }
 
@@ -187,7 +187,7 @@ fn on_belt(model: &BeltOscillator) -> Result<Event, Error> {
     // Of equally late ones, the first.
     let later = |one: Event, other: Event| if other.t > one.t { other } else { one };
     let latest = releases.into_iter().flatten().reduce(later);
-    latest.ok_or_else(|| missing("a release from stick", 0.0, RIDE))
+    latest.ok_or_else(|| not_found("a release from stick", 0.0, RIDE))
 }
 
 /// The longest stick phase of model 2, over the starts, that ends at the upper end of its zone. The
@@ -211,7 +211,7 @@ fn on_forced(model: &ForcedOscillator) -> Result<Event, Error> {
             }
         }
     }
-    event.ok_or_else(|| missing("a long stick phase that ends at an upper end", 0.0, span))
+    event.ok_or_else(|| not_found("a long stick phase that ends at an upper end", 0.0, span))
 }
 
 impl Release {

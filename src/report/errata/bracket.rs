@@ -8,9 +8,9 @@ use rayon::prelude::*;
 use super::proof::{Proof, Shown};
 use crate::figures::block_and_bracket::{DIVERGED, START, TOLERANCE};
 use crate::figures::rows::Value;
+use crate::orbit_records::TurningPoints;
 use crate::report::ReportError;
 use crate::report::spread::mended_captions;
-use crate::turns::Turns;
 use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
 use stickslip::models::{BlockAndBracket, Caption, CaptionOrder, Reading, Rig, Unloading};
 use stickslip::{Error, Observer, Options, State, StepRecord, run, solve};
@@ -28,7 +28,7 @@ const FIGURES: [(&str, Caption); 3] = [
 /// Records the largest component of an orbit before the series begins, and its section after that.
 struct LargestThenSection<'a> {
     largest: f64,
-    turns: Turns<'a>,
+    turns: TurningPoints<'a>,
 }
 
 impl Observer<4> for LargestThenSection<'_> {
@@ -62,7 +62,7 @@ fn outcome(caption: &Caption, reading: &Reading, end: f64) -> Result<Outcome, Er
     let options = Options::tol(TOLERANCE).escape(DIVERGED);
     let mut observer = LargestThenSection {
         largest: 0.0,
-        turns: Turns::new(&model, &options),
+        turns: TurningPoints::new(&model, &options),
     };
     let start = State::from(caption.start);
     match run(&model, 0.0, start, end, &options, &mut observer).map_err(Error::from) {

@@ -24,8 +24,8 @@ const SHOWN: f64 = 4.0;
 
 /// How many of the four published numbers a run of the listing gives to all printed digits.
 fn published_digits(claims: &Claims, run: &Run) -> usize {
-    let numbers = run.four_numbers().into_iter().flatten();
-    let numbers = ClaimId::FOUR.into_iter().zip(numbers);
+    let numbers = run.stick_numbers().into_iter().flatten();
+    let numbers = ClaimId::STICK_NUMBERS.into_iter().zip(numbers);
     let agrees = |(id, value): &(ClaimId, f64)| claims.of(*id).agrees(*value);
     numbers.filter(agrees).count()
 }
@@ -74,7 +74,7 @@ pub(super) fn start(claims: &Claims) -> Result<(Vec<Finding>, Proof), Error> {
     let parts = [(what, captioned.model_two_periodic)];
     let what = "the program settles on the published trajectory with the third point put in the \
         place of its own start, the fourth";
-    let printed = [(what, captioned.digits == ClaimId::FOUR.len())];
+    let printed = [(what, captioned.digits == ClaimId::STICK_NUMBERS.len())];
     let [from_third, from_fourth] = [&captioned, &listed].map(|from| {
         let (x1, release, digits) = (number(from.x1, 4), from.first_release, from.digits);
         format!(
@@ -226,7 +226,10 @@ fn sides_of_listing() -> Sides {
 /// its defects is shown beside it.
 pub(super) fn found_by_appendix(claims: &Claims, defects: Defects) -> Vec<Finding> {
     let [printed, mended] = [defects, Defects::MENDED].map(|of| run(&Setup::with(of)));
-    let (digits, all) = (published_digits(claims, &printed), ClaimId::FOUR.len());
+    let (digits, all) = (
+        published_digits(claims, &printed),
+        ClaimId::STICK_NUMBERS.len(),
+    );
     let what = "the Appendix's program as printed gives the published trajectory";
     let parts = [(what, printed.motion == Motion::PUBLISHED && digits == all)];
     let (printed, mended) = (words(printed.motion), words(mended.motion));

@@ -19,7 +19,7 @@ use super::finding::Finding;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::listing::Defects;
 use crate::paper::published::Claims;
-use crate::paper::slip_times_three::{Injected, settled};
+use crate::paper::slip_times_three::{InjectedDefects, settled};
 use stick_phases::GridPhases;
 use stickslip::Error;
 use stickslip::models::ForcedOscillator;
@@ -54,7 +54,7 @@ impl Statements {
         let shapes = Shapes(computed.bracket.each_ref().map(Shape::of));
         let (arcs, regions) = fig08::arcs()?;
         let (start, start_erratum) = fig08::start(claims)?;
-        let (way, durations) = sticks::length_is_way(&grid, claims.four());
+        let (way, durations) = sticks::length_is_way(&grid, claims.published_stick_numbers());
         let drawn = &computed.fig07.oscillation;
         let by_appendix = fig08::found_by_appendix(claims, Defects::AS_PRINTED);
         let findings = vec![
@@ -99,5 +99,5 @@ impl Statements {
 
 /// Number of stick phases of the motion on which the stated model settles from the start of Fig. 8.
 fn settled_sticks() -> Result<usize, Error> {
-    Ok(settled(Injected::NONE)?.sticks_of_one().count())
+    Ok(settled(InjectedDefects::NONE)?.pattern_sticks().count())
 }

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use crate::figures::block_and_bracket::{Data, SETS, by_rk4_and_henon};
 use crate::paper::reading::Reading::{Corrected, CorrectedEquations};
-use crate::readings::Verdict;
+use crate::readings::OrbitVerdict;
 use crate::report::finding::{Finding, as_printed, statement};
 use crate::text::joined;
 use stickslip::Error;
@@ -55,8 +55,9 @@ impl ByProcedure {
             "Fig. 12: the captioned class",
         ];
         let parts = |classes: &[Option<Class>]| {
-            let captioned =
-                |i: usize| classes[i].is_some_and(|class| Verdict::Motion(class).is_published(i));
+            let captioned = |i: usize| {
+                classes[i].is_some_and(|class| OrbitVerdict::Motion(class).is_published(i))
+            };
             [0, 1, 2].map(|i| (whats[i], captioned(i)))
         };
         let names = |classes: &[Option<Class>]| {
@@ -201,7 +202,7 @@ impl Shapes {
             "Fig. 11: a quasi-periodic one",
             "Fig. 12: a chaotic one",
         ];
-        let holds = |i: usize| Verdict::Motion(self.0[i].class).is_of_kind(i);
+        let holds = |i: usize| OrbitVerdict::Motion(self.0[i].class).is_of_kind(i);
         let parts = [0, 1, 2].map(|i| (whats[i], holds(i)));
         vec![Finding::statement(Corrected, parts)]
     }

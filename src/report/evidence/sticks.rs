@@ -248,9 +248,14 @@ pub(super) fn until_tangent(grid: &GridPhases, sticks_of_fig08: usize) -> Vec<Fi
 /// follows.
 pub(super) fn length_is_way(grid: &GridPhases, published: [f64; 4]) -> (Vec<Finding>, Proof) {
     let belt = ForcedOscillator::default().belt_speed;
-    let excess = |four: [f64; 4]| [four[2] - four[0] / belt, four[3] - four[1] / belt];
+    let excess = |published_stick_numbers: [f64; 4]| {
+        [
+            published_stick_numbers[2] - published_stick_numbers[0] / belt,
+            published_stick_numbers[3] - published_stick_numbers[1] / belt,
+        ]
+    };
     let published = excess(published);
-    let listing = excess(grid.fig08.four_numbers().unwrap_or([f64::NAN; 4]));
+    let listing = excess(grid.fig08.stick_numbers().unwrap_or([f64::NAN; 4]));
     // Half a unit of the last printed digit in both numbers.
     let rounding = HALF_DIGIT + HALF_DIGIT / belt;
     let sticks = grid.model.iter().map(|phase| phase.stick);
@@ -463,7 +468,7 @@ mod tests {
     #[test]
     fn lengths_of_another_belt_would_be_its_way() {
         let grid = GridPhases::compute(claims()).unwrap();
-        let (found, misprint) = length_is_way(&grid, claims().four());
+        let (found, misprint) = length_is_way(&grid, claims().published_stick_numbers());
         assert!(!found[0].agrees && !found[1].agrees && misprint.holds);
         let belt = ForcedOscillator::default().belt_speed;
         let (found, misprint) = length_is_way(&grid, [0.4, 0.2, 0.4 / belt, 0.2 / belt]);

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::stick_phases::TangentSet;
 use crate::figures::fig07::Oscillation as Drawn;
 use crate::figures::rows::Value;
-use crate::numbers::{bisect, changes, extent, largest, missing};
+use crate::numbers::{bisect, change_points, extent, largest, not_found};
 use crate::paper::reading::Reading::Exact;
 use crate::report::digits::small;
 use crate::report::errata::Proof;
@@ -30,7 +30,7 @@ fn stick_ends(model: &ForcedOscillator, t: f64) -> Vec<f64> {
     // Off round numbers, at which zones end for round parameters.
     let place = |k: u32| REACH * (2.0 * f64::from(k) / f64::from(PLACES) - 1.0) + 1.3e-4;
     let offset = model.support(t);
-    changes((0..=PLACES).map(|k| offset + place(k)), sticks)
+    change_points((0..=PLACES).map(|k| offset + place(k)), sticks)
 }
 
 /// Factor by which [`location`] changes each parameter.
@@ -231,13 +231,13 @@ fn judged((attracting, least_pull): (usize, f64), sweeps: &[Sweep]) -> Vec<Findi
         ),
         (
             "they appear, vanish or change with mu0",
-            any(|sweep| sweep.births_and_deaths() + sweep.changes() > 0),
+            any(|sweep| sweep.births_and_deaths() + sweep.cycle_changes() > 0),
         ),
     ];
     let each = sweeps.iter().map(|sweep| {
         let (caption, starts, critical) = (sweep.caption, sweep.starts, sweep.at_critical.1);
         let (cycles, values) = (sweep.with_cycles(), sweep.points.len());
-        let (births, changes) = (sweep.births_and_deaths(), sweep.changes());
+        let (births, changes) = (sweep.births_and_deaths(), sweep.cycle_changes());
         format!(
             "with the parameters of {caption} stick–slip cycles at {cycles} of {values} values \
              below it ({starts} starts each), which between neighbours appear or vanish {births} \
@@ -306,7 +306,7 @@ impl Sweep {
         Ok(Sweep {
             caption,
             starts: starts(model)?.len(),
-            at_critical: at_critical.ok_or_else(|| missing("a value of friction", 0.0, 0.0))?,
+            at_critical: at_critical.ok_or_else(|| not_found("a value of friction", 0.0, 0.0))?,
             points,
         })
     }
@@ -330,7 +330,7 @@ impl Sweep {
 
     /// Number of neighbouring values, both with cycles, whose cycles differ in period or number of
     /// stick phases.
-    fn changes(&self) -> usize {
+    fn cycle_changes(&self) -> usize {
         self.neighbours(|one, other| !one.is_empty() && !other.is_empty() && one != other)
     }
 }
@@ -529,9 +529,13 @@ mod tests {
             at_critical: (Vec::new(), 0),
         };
         let same = sweep(&[&[(1, 1)], &[(1, 1)], &[]]);
-        let found = (same.with_cycles(), same.changes(), same.births_and_deaths());
+        let found = (
+            same.with_cycles(),
+            same.cycle_changes(),
+            same.births_and_deaths(),
+        );
         assert_eq!(found, (2, 0, 1));
-        assert_eq!(sweep(&[&[(1, 1)], &[(2, 2)]]).changes(), 1);
+        assert_eq!(sweep(&[&[(1, 1)], &[(2, 2)]]).cycle_changes(), 1);
     }
 
     fn sticks_and_slips(model: &ForcedOscillator, drawn: &Drawn) -> Vec<bool> {

@@ -10,7 +10,7 @@ use super::super::readme::shown;
 use super::super::sentences::PARTS;
 use super::super::verdict::{Correction, Verdict};
 use super::parts::{columns, heading};
-use crate::paper::published::Kind;
+use crate::paper::published::ClaimKind;
 use crate::paper::reading::{Reading, Role};
 use crate::text::joined;
 
@@ -166,7 +166,7 @@ fn labels(corrections: &[Correction]) -> String {
 fn published(entry: &Entry) -> String {
     let claim = &entry.claim;
     let mut parts: Vec<(&str, &f64)> = claim.published.split(';').zip(claim.values()).collect();
-    if claim.kind == Kind::Set {
+    if claim.kind == ClaimKind::Set {
         parts.sort_by(|one, other| other.1.total_cmp(one.1));
     }
     let texts = parts.into_iter().map(|(text, value)| match text.len() {

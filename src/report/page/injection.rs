@@ -86,7 +86,7 @@ fn matrix(ledger: &Ledger) -> Markup {
                 "The listing at its printed step with each defect alone, each mended alone, all, \
                 none. Of more than two stick phases the two longest are given. In brackets: digits \
                 that agree with "
-                @for (i, id) in ClaimId::FOUR.iter().enumerate() {
+                @for (i, id) in ClaimId::STICK_NUMBERS.iter().enumerate() {
                     @if i > 0 { ", " }
                     code { (id) }
                 }

@@ -65,7 +65,7 @@ const REMAKE: &str = include_str!("../../../assets/report/remake.html");
 
 /// Paragraphs, with their lines joined.
 pub(super) fn methods(ledger: &Ledger) -> Markup {
-    let text = METHODS.replace("{source}", &ledger.spread.search.cited());
+    let text = METHODS.replace("{source}", &ledger.spread.search.citation());
     let text = text.replace("\n\n", "\0").replace('\n', " ");
     prose("methods", &text.replace('\0', ""))
 }

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use crate::turns::{Samples, Turns};
+use crate::orbit_records::{Samples, TurningPoints};
 use stickslip::models::BlockAndBracket;
 use stickslip::{Observer, Options, State, StepRecord, Transition, TransitionKind};
 
@@ -24,14 +24,14 @@ const DRAWN: u32 = 10;
 
 /// The sampled series, the section, the minimum of the normal force, and the part of the orbit that
 /// is drawn.
-pub(super) struct Watch<'a> {
+pub(super) struct OrbitRecorder<'a> {
     model: &'a BlockAndBracket,
     /// Start of the drawn part.
     drawn_from: f64,
     /// States at `START + k·DT`.
     pub(super) samples: Samples,
     /// The block's turning points.
-    pub(super) turns: Turns<'a>,
+    pub(super) turning_points: TurningPoints<'a>,
     /// Minimum of the normal force, unclipped, in units of `mg`.
     pub(super) least_force: f64,
     /// Losses of contact.
@@ -40,13 +40,13 @@ pub(super) struct Watch<'a> {
     pub(super) curve: Vec<[f64; 4]>,
 }
 
-impl<'a> Watch<'a> {
+impl<'a> OrbitRecorder<'a> {
     pub(super) fn new(model: &'a BlockAndBracket, options: &Options, shown: f64) -> Self {
         Self {
             model,
             drawn_from: END - shown,
             samples: Samples::new(START, DT, usize::MAX),
-            turns: Turns::new(model, options),
+            turning_points: TurningPoints::new(model, options),
             least_force: f64::INFINITY,
             losses: 0,
             curve: Vec::new(),
@@ -103,10 +103,10 @@ impl<'a> Watch<'a> {
     }
 }
 
-impl Observer<4> for Watch<'_> {
+impl Observer<4> for OrbitRecorder<'_> {
     fn step(&mut self, step: &StepRecord<4>) -> ControlFlow<()> {
         self.samples.step(step);
-        self.turns.step(step);
+        self.turning_points.step(step);
         self.scan(step);
         if step.t_start >= self.drawn_from {
             self.draw(step);

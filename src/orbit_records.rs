@@ -5,9 +5,9 @@ use stickslip::models::BlockAndBracket;
 use stickslip::{Direction, EventFunctions, EventSearch, Options, Scalar, StepRecord};
 
 /// Event function: the block's velocity falls through zero.
-struct Turning;
+struct TurningPointEvent;
 
-impl EventFunctions<4, 1> for Turning {
+impl EventFunctions<4, 1> for TurningPointEvent {
     #[inline(always)]
     fn values<T: Scalar>(&self, _t: T, x: &[T; 4]) -> [T; 1] {
         [x[1]]
@@ -19,17 +19,17 @@ impl EventFunctions<4, 1> for Turning {
 }
 
 /// The returns of an orbit to the section.
-pub(crate) struct Turns<'a> {
-    search: EventSearch<'a, BlockAndBracket, Turning, 4, 1>,
+pub(crate) struct TurningPoints<'a> {
+    search: EventSearch<'a, BlockAndBracket, TurningPointEvent, 4, 1>,
     /// Times and states.
     pub(crate) points: Vec<(f64, [f64; 4])>,
 }
 
-impl<'a> Turns<'a> {
+impl<'a> TurningPoints<'a> {
     /// Empty, for a run with these options.
     pub(crate) fn new(model: &'a BlockAndBracket, options: &Options) -> Self {
-        Turns {
-            search: EventSearch::new(model, Turning, options),
+        TurningPoints {
+            search: EventSearch::new(model, TurningPointEvent, options),
             points: Vec::new(),
         }
     }
@@ -46,24 +46,24 @@ impl<'a> Turns<'a> {
 pub(crate) struct Samples {
     from: f64,
     dt: f64,
-    most: usize,
+    limit: usize,
     pub(crate) states: Vec<[f64; 4]>,
 }
 
 impl Samples {
-    /// Empty, for at most `most` states from time `from` on.
-    pub(crate) fn new(from: f64, dt: f64, most: usize) -> Self {
+    /// Empty, for at most `limit` states from time `from` on.
+    pub(crate) fn new(from: f64, dt: f64, limit: usize) -> Self {
         Samples {
             from,
             dt,
-            most,
+            limit,
             states: Vec::new(),
         }
     }
 
     /// Takes the samples that are due within the next step of the run.
     pub(crate) fn step(&mut self, step: &StepRecord<4>) {
-        while self.states.len() < self.most {
+        while self.states.len() < self.limit {
             let t = self.from + self.states.len() as f64 / (1.0 / self.dt);
             if t > step.t_end {
                 return;

@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 
 use super::plan::{CAP, Exponents, FLOOR, Group, SEARCH, ZERO};
-use super::table::{Row, Twelve, Verdict};
+use super::table::{ConfigurationRow, OrbitVerdict, Twelve};
 use crate::numbers::{extent, median};
 use stickslip_series::Status;
 
@@ -26,28 +26,29 @@ pub fn scores(values: &Twelve, wanted: &Twelve) -> [f64; 4] {
 }
 
 /// Rows of a search, by role.
-pub struct Rows<'a> {
+pub struct RowsByRole<'a> {
     /// Rows that compete.
-    pub search: Vec<&'a Row>,
+    pub search: Vec<&'a ConfigurationRow>,
     /// Among these, those whose reading keeps all three motions.
-    pub kept: Vec<&'a Row>,
+    pub kept: Vec<&'a ConfigurationRow>,
     /// Among these, those with all three kinds of motion. No others are ranked.
-    pub ranked: Vec<&'a Row>,
+    pub ranked: Vec<&'a ConfigurationRow>,
     /// One row for each pair of reading and integrator. Its motions do not depend on the estimator.
-    pub pairs: Vec<&'a Row>,
+    pub pairs: Vec<&'a ConfigurationRow>,
     /// The recommended reading under all settings.
-    pub recommended: Vec<&'a Row>,
+    pub recommended: Vec<&'a ConfigurationRow>,
 }
 
-impl<'a> Rows<'a> {
+impl<'a> RowsByRole<'a> {
     /// Sorts the rows of a table, in its order.
-    pub fn of(rows: &'a [Row]) -> Rows<'a> {
-        let of = |is: &dyn Fn(&Row) -> bool| rows.iter().filter(|row| is(row)).collect();
-        let competes = |row: &Row| row.key[0] == SEARCH;
-        let search: Vec<&Row> = of(&competes);
+    pub fn of(rows: &'a [ConfigurationRow]) -> RowsByRole<'a> {
+        let of =
+            |is: &dyn Fn(&ConfigurationRow) -> bool| rows.iter().filter(|row| is(row)).collect();
+        let competes = |row: &ConfigurationRow| row.key[0] == SEARCH;
+        let search: Vec<&ConfigurationRow> = of(&competes);
         let mut pairs = search.clone();
         pairs.dedup_by(|one, other| one.key[1..3] == other.key[1..3]);
-        Rows {
+        RowsByRole {
             kept: of(&|row| competes(row) && row.keeps_all()),
             ranked: of(&|row| competes(row) && row.is_ranked()),
             recommended: of(&|row| Group::recommended().has(row)),
@@ -58,7 +59,7 @@ impl<'a> Rows<'a> {
 }
 
 /// Numbers of distinct readings, integrators and settings among the rows.
-pub fn sources(rows: &[&Row]) -> [usize; 3] {
+pub fn sources(rows: &[&ConfigurationRow]) -> [usize; 3] {
     [1, 2, 3].map(|part| {
         let names: BTreeSet<&str> = rows.iter().map(|row| &*row.key[part]).collect();
         names.len()
@@ -79,7 +80,7 @@ pub fn sources_in_words([readings, integrators, settings]: [usize; 3]) -> String
 /// Number of settings, tried with the recommended reading, that confirm the statements of Sect. 5.2
 /// on exponents. An exponent of size up to [`ZERO`] counts as zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct BorneOut {
+pub struct ConfirmedStatements {
     /// Each figure has a zero exponent.
     pub zero: usize,
     /// The first two exponents of Fig. 11 are zero.
@@ -88,13 +89,13 @@ pub struct BorneOut {
     pub positive: usize,
 }
 
-impl BorneOut {
+impl ConfirmedStatements {
     /// Counts over some rows.
-    pub fn count(rows: &[&Row]) -> BorneOut {
+    pub fn count(rows: &[&ConfigurationRow]) -> ConfirmedStatements {
         let with =
             |is: &dyn Fn(&Twelve) -> bool| rows.iter().filter(|row| is(&row.exponents)).count();
         let zero = |value: &f64| value.abs() <= ZERO;
-        BorneOut {
+        ConfirmedStatements {
             zero: with(&|all| all.iter().all(|four| four.iter().any(zero))),
             two_zeros: with(&|all| all[1][..2].iter().all(zero)),
             positive: with(&|all| all[2][0] > ZERO),
@@ -123,27 +124,32 @@ pub struct Pairs {
 
 impl Pairs {
     /// Counts over one row for each pair.
-    pub fn count(pairs: &[&Row]) -> Pairs {
-        let with = |has: &dyn Fn(&Row) -> bool| pairs.iter().filter(|row| has(row)).count();
+    pub fn count(pairs: &[&ConfigurationRow]) -> Pairs {
+        let with =
+            |has: &dyn Fn(&ConfigurationRow) -> bool| pairs.iter().filter(|row| has(row)).count();
         Pairs {
             all: pairs.len(),
-            kept: with(&Row::keeps_all),
+            kept: with(&ConfigurationRow::keeps_all),
             class: [0, 1, 2].map(|f| with(&|row| row.classes[f].is_published(f))),
-            classes: with(&|row| row.right(Verdict::is_published) == 3),
+            classes: with(&|row| row.right(OrbitVerdict::is_published) == 3),
             kind: [0, 1, 2].map(|f| with(&|row| row.classes[f].is_of_kind(f))),
-            kinds: with(&Row::is_ranked),
+            kinds: with(&ConfigurationRow::is_ranked),
         }
     }
 }
 
 /// Number of rows that give the printed digits of exponent `k` of a figure, both from 0.
-pub fn meeting(rows: &[&Row], (figure, k): (usize, usize), published: &Exponents) -> usize {
-    let agrees = |row: &&&Row| published[figure][k].agrees(row.exponents[figure][k]);
+pub fn count_matching(
+    rows: &[&ConfigurationRow],
+    (figure, k): (usize, usize),
+    published: &Exponents,
+) -> usize {
+    let agrees = |row: &&&ConfigurationRow| published[figure][k].agrees(row.exponents[figure][k]);
     rows.iter().filter(agrees).count()
 }
 
 /// One value for each exponent of each figure.
-pub fn twelve<T>(of: impl Fn((usize, usize)) -> T) -> [[T; 4]; 3] {
+pub fn for_each_exponent<T>(of: impl Fn((usize, usize)) -> T) -> [[T; 4]; 3] {
     [0, 1, 2].map(|figure| [0, 1, 2, 3].map(|k| of((figure, k))))
 }
 
@@ -176,9 +182,15 @@ pub struct Values {
 
 impl ExponentSpread {
     /// For exponent `k` of a figure, both from 0.
-    pub fn of(rows: &[&Row], (figure, k): (usize, usize), published: &Exponents) -> ExponentSpread {
+    pub fn of(
+        rows: &[&ConfigurationRow],
+        (figure, k): (usize, usize),
+        published: &Exponents,
+    ) -> ExponentSpread {
         let having = |statuses: &[Status]| {
-            let has = |row: &&&Row| statuses.iter().any(|s| s.word() == row.statuses[figure][k]);
+            let has = |row: &&&ConfigurationRow| {
+                statuses.iter().any(|s| s.word() == row.statuses[figure][k])
+            };
             rows.iter().filter(has).count()
         };
         let unidentified = Status::Unidentified.word();
@@ -197,7 +209,7 @@ impl ExponentSpread {
             settings: rows.len(),
             unidentified: having(&[Status::Unidentified]),
             doubtful: having(&[Status::Starved, Status::Unpredictable]),
-            met: meeting(rows, (figure, k), published),
+            met: count_matching(rows, (figure, k), published),
         }
     }
 }
