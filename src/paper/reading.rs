@@ -48,7 +48,7 @@ described! {
         SlipTimesThree = (
             "slip-times-three",
             "the accurate solver with the two defects of the program that outlast a vanishing step",
-            Role::Beside,
+            Role::Supplementary,
         ),
         /// The nearest of the search's settings for the corrected equations, with radii in units of
         /// the spread.
@@ -56,7 +56,7 @@ described! {
             "best-of-readings",
             "the nearest of the search's estimator settings for the corrected equations, radii in \
                 units of the spread",
-            Role::Beside,
+            Role::Supplementary,
         ),
     }
 }
@@ -71,7 +71,7 @@ pub enum Role {
     /// The paper taken literally.
     AsPrinted,
     /// Shown beside the others; it decides nothing.
-    Beside,
+    Supplementary,
 }
 
 impl Reading {

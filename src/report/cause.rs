@@ -3,9 +3,9 @@
 //!
 //! Two defects of the listing remain as the step goes to zero. Injected into the event-exact
 //! solver, they must give the same motion, and the published numbers within the listing's step
-//! error ([`SameMotion`]). The listing must converge to those numbers at first order as its step
-//! goes to zero ([`Approach`]). The difference at the printed step must be the listing's own step
-//! error, which is measured without the injected solver ([`StepError`]).
+//! error ([`MotionComparison`]). The listing must converge to those numbers at first order as its
+//! step goes to zero ([`Approach`]). The difference at the printed step must be the listing's own
+//! step error, which is measured without the injected solver ([`StepError`]).
 
 use super::convergence::{Approach, Convergence, PRINTED_STEP};
 use crate::numbers::not_found;
@@ -16,7 +16,7 @@ use crate::text::joined;
 use stickslip::Error;
 
 /// Two stick lengths (m), then their durations (s).
-type Four = [f64; 4];
+type StickNumbers = [f64; 4];
 
 /// The settled motions with the defects injected.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,7 +24,7 @@ pub struct Injection {
     /// With both defects.
     pub both: Pattern,
     /// Its four numbers.
-    pub numbers: Four,
+    pub numbers: StickNumbers,
     /// With the faster slip alone, or the error that ends the run.
     pub slip_alone: Result<Pattern, Error>,
     /// With the one-sided exit alone, or the error that ends the run.
@@ -50,7 +50,7 @@ impl Injection {
     }
 
     /// The effect of either defect alone, in words.
-    pub fn alone(&self) -> String {
+    pub fn separate_effects(&self) -> String {
         let of = |run: &Result<Pattern, Error>| match run {
             Ok(pattern) => {
                 let (sticks, period) = (pattern.pattern_sticks().count(), pattern.period);
@@ -65,46 +65,46 @@ impl Injection {
     }
 }
 
-fn within(values: &Four, most: &Four) -> bool {
-    let mut pairs = values.iter().zip(most);
-    pairs.all(|(one, most)| one.abs() <= *most)
+fn within_bounds(values: &StickNumbers, allowed_differences: &StickNumbers) -> bool {
+    let mut pairs = values.iter().zip(allowed_differences);
+    pairs.all(|(one, allowed_differences)| one.abs() <= *allowed_differences)
 }
 
 /// (a) The event-exact solver with defects injected, compared with the listing and the published
 /// numbers.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SameMotion {
+pub struct MotionComparison {
     /// The listing at the printed step.
     pub listing: Pattern,
     /// The event-exact solver with the defects, or the error that ends its run.
     pub injected: Result<Pattern, Error>,
     /// Its four numbers minus the published ones.
-    pub differences: Option<Four>,
-    /// Allowed size of the differences, see [`SameMotion::most`].
-    pub most: Four,
+    pub differences: Option<StickNumbers>,
+    /// Allowed size of the differences, see [`MotionComparison::allowed_differences`].
+    pub allowed_differences: StickNumbers,
 }
 
-impl SameMotion {
+impl MotionComparison {
     /// Compares a motion with injected defects with the listing's and the published numbers.
     pub fn new(
         listing: &Pattern,
         injected: Result<Pattern, Error>,
-        published: Four,
-        most: Four,
-    ) -> SameMotion {
+        published: StickNumbers,
+        allowed_differences: StickNumbers,
+    ) -> MotionComparison {
         let numbers = injected.as_ref().ok().and_then(Pattern::stick_numbers);
-        SameMotion {
+        MotionComparison {
             differences: numbers.map(|four| std::array::from_fn(|i| four[i] - published[i])),
             listing: listing.clone(),
             injected,
-            most,
+            allowed_differences,
         }
     }
 
     /// Allowed difference between a solver without a step error and the published numbers. It is
     /// the step error of the listing at its step, measured without another solver, plus half a
     /// printed digit.
-    pub fn most(convergence: &Convergence) -> Four {
+    pub fn allowed_differences(convergence: &Convergence) -> StickNumbers {
         // The finest step represents the limit and has its own step error. That enters once in the
         // bound and once here.
         let finest = convergence.finest().map_or(f64::NAN, |finest| finest.h);
@@ -119,7 +119,7 @@ impl SameMotion {
         injected.is_ok_and(|injected| injected.same_motion(&self.listing))
             && self
                 .differences
-                .is_some_and(|four| within(&four, &self.most))
+                .is_some_and(|four| within_bounds(&four, &self.allowed_differences))
     }
 
     /// In words.
@@ -141,10 +141,10 @@ impl SameMotion {
             None => "no two stick phases to compare".to_owned(),
             Some(differences) => {
                 let [l1, l2, d1, d2] = differences.map(thousandths);
-                let most = joined(self.most.map(allowed), ", ");
+                let allowed_differences = joined(self.allowed_differences.map(allowed), ", ");
                 format!(
                     "off the published lengths by {l1} and {l2} mm, off the durations by {d1} and \
-                        {d2} ms, where {most} are allowed"
+                        {d2} ms, where {allowed_differences} are allowed"
                 )
             }
         };
@@ -163,15 +163,15 @@ pub struct StepError {
     pub finest: f64,
     /// The listing at the printed step minus the injected solver, and its bound C h from the other
     /// steps.
-    pub left: Four,
-    most_left: Four,
+    pub step_difference: StickNumbers,
+    step_bound: StickNumbers,
     /// The listing at the printed step minus the listing at the finest: its own step error. The
     /// bound on it is from the listing alone, at the other steps.
-    own: Four,
-    most_own: Four,
-    /// Allowed difference of `own` and `left`: the bound at the finest step, from the listing
-    /// alone.
-    most_apart: Four,
+    own_error: StickNumbers,
+    own_bound: StickNumbers,
+    /// Allowed difference of `own_error` and `step_difference`: the bound at the finest step, from
+    /// the listing alone.
+    allowed_gap: StickNumbers,
     /// Whether the listing at the printed step gives all printed digits of the four published
     /// numbers.
     published: bool,
@@ -185,31 +185,32 @@ impl StepError {
         let own = convergence.own_approach.each_ref().map(|one| one.bound);
         Some(StepError {
             finest: finest.h,
-            left: std::array::from_fn(|i| at[i] - convergence.limit[i]),
-            most_left: approach.map(|one| one.bound * PRINTED_STEP),
-            own: std::array::from_fn(|i| at[i] - limit[i]),
-            most_own: own.map(|bound| bound * (PRINTED_STEP + finest.h)),
-            most_apart: own.map(|bound| bound * finest.h),
+            step_difference: std::array::from_fn(|i| at[i] - convergence.limit[i]),
+            step_bound: approach.map(|one| one.bound * PRINTED_STEP),
+            own_error: std::array::from_fn(|i| at[i] - limit[i]),
+            own_bound: own.map(|bound| bound * (PRINTED_STEP + finest.h)),
+            allowed_gap: own.map(|bound| bound * finest.h),
             published: printed.gives_digits(),
         })
     }
 
     /// Whether both differences are within their bounds and equal within the allowed difference.
     pub fn holds(&self) -> bool {
-        let apart = std::array::from_fn(|i| self.own[i] - self.left[i]);
+        let apart = std::array::from_fn(|i| self.own_error[i] - self.step_difference[i]);
         self.published
-            && within(&self.left, &self.most_left)
-            && within(&self.own, &self.most_own)
-            && within(&apart, &self.most_apart)
+            && within_bounds(&self.step_difference, &self.step_bound)
+            && within_bounds(&self.own_error, &self.own_bound)
+            && within_bounds(&apart, &self.allowed_gap)
     }
 
     /// In words.
     pub fn sentence(&self) -> String {
-        let [left, own] = [self.left, self.own].map(|four| joined(four.map(thousandths), ", "));
-        let (most, finest) = (joined(self.most_left.map(allowed), ", "), self.finest);
+        let [left, own] =
+            [self.step_difference, self.own_error].map(|four| joined(four.map(thousandths), ", "));
+        let (bounds, finest) = (joined(self.step_bound.map(allowed), ", "), self.finest);
         format!(
             "at h = {PRINTED_STEP:e} s the listing is off the injected solver by {left} (mm, mm, \
-             ms, ms), where {most} are allowed, and off itself at h = {finest:e} s by {own}"
+             ms, ms), where {bounds} are allowed, and off itself at h = {finest:e} s by {own}"
         )
     }
 }
@@ -218,7 +219,7 @@ impl StepError {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cause {
     /// (a) The injected defects give the same motion and nearly the same numbers.
-    pub motion: SameMotion,
+    pub motion: MotionComparison,
     /// (b) Convergence of the listing's numbers to those of the injected solver.
     pub approach: [Approach; 4],
     /// (c) The difference at the printed step; `None` where the listing has no four numbers.
@@ -232,11 +233,11 @@ impl Cause {
         listing: &Pattern,
         injected: Pattern,
         convergence: &Convergence,
-        published: Four,
+        published: StickNumbers,
     ) -> Cause {
-        let most = SameMotion::most(convergence);
+        let allowed_differences = MotionComparison::allowed_differences(convergence);
         Cause {
-            motion: SameMotion::new(listing, Ok(injected), published, most),
+            motion: MotionComparison::new(listing, Ok(injected), published, allowed_differences),
             approach: convergence.approach,
             step: StepError::new(convergence),
         }

@@ -2,7 +2,7 @@
 
 use super::convergence::{Convergence, PRINTED_STEP, REACH, distances};
 use super::figures::Picture;
-use super::scan::{Class, Line, Point, Scan};
+use super::scan::{Class, ParameterScan, Point, Scan};
 use crate::figures::side_by_side;
 use crate::text::joined;
 use plot::*;
@@ -208,7 +208,7 @@ fn half_column(scan: &Scan) -> f64 {
 }
 
 /// The rectangles of one strip, each class listed in the legend once.
-fn strip(line: &Line, base: f64, half: f64, listed: &mut [bool; 5]) -> Vec<Band> {
+fn strip(line: &ParameterScan, base: f64, half: f64, listed: &mut [bool; 5]) -> Vec<Band> {
     let mut bands = Vec::new();
     for point in &line.points {
         let all = point.counts.iter().sum::<usize>().max(1) as f64;

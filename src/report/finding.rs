@@ -53,7 +53,7 @@ impl Finding {
 
     /// With a note.
     #[must_use]
-    pub fn noted(mut self, note: String) -> Self {
+    pub fn with_note(mut self, note: String) -> Self {
         self.note = Some(note);
         self
     }
@@ -180,7 +180,7 @@ pub(super) fn statement(
     parts: impl IntoIterator<Item = Part>,
     line: String,
 ) -> Finding {
-    Finding::statement(reading, parts).noted(line)
+    Finding::statement(reading, parts).with_note(line)
 }
 
 /// The statement tested on the listing as printed; it decides nothing about the model.

@@ -61,7 +61,7 @@ impl Entry {
 
     /// The agreeing digits of the best reading that counts in the verdict.
     pub fn digits(&self) -> Option<Agreement> {
-        let counted = |one: &&Finding| one.reading.role() != Role::Beside;
+        let counted = |one: &&Finding| one.reading.role() != Role::Supplementary;
         let digits = self.findings.iter().filter(counted);
         let digits = digits.filter_map(|one| one.digits);
         digits.max_by_key(|digits| digits.agreeing)
@@ -85,7 +85,7 @@ impl Entry {
     }
 
     /// Whether a cause is needed: only the paper's own program gives the claim.
-    pub fn asks_for_cause(&self) -> bool {
+    pub fn needs_cause(&self) -> bool {
         self.verdict == Verdict::AsPrintedOnly
     }
 }
@@ -149,7 +149,7 @@ impl Ledger {
             statements,
             computed,
         };
-        let judged = |claim: &Claim| ledger.judged_anew(claims, claim.id);
+        let judged = |claim: &Claim| ledger.rejudged(claims, claim.id);
         ledger.entries = claims.iter().map(judged).collect();
         Ok(ledger)
     }
@@ -179,7 +179,7 @@ impl Ledger {
     /// The entry of a claim, judged against `claims`. With the published table it is the claim's
     /// own entry. With a changed table, it is the entry that would result if the paper had printed
     /// that.
-    pub fn judged_anew(&self, claims: &Claims, id: ClaimId) -> Entry {
+    pub fn rejudged(&self, claims: &Claims, id: ClaimId) -> Entry {
         let claim = claims.of(id);
         let pictures = self.computed.pictures.iter();
         let rows = pictures.flat_map(|one| Finding::of_rows(claims, claim, one.figure, &one.rows));

@@ -94,7 +94,7 @@ fn stick_exits(orbit: &Orbit<2>) -> impl Iterator<Item = (&Transition<2>, Side, 
 }
 
 /// Equidistant places on the belt from `-outer` to `outer` (m), at the middles of equal parts.
-fn places(outer: f64, count: u32, belt_speed: f64) -> impl Iterator<Item = State<2>> {
+fn belt_positions(outer: f64, count: u32, belt_speed: f64) -> impl Iterator<Item = State<2>> {
     (0..count).map(move |k| {
         let part = 2.0 * (f64::from(k) + 0.5) / f64::from(count) - 1.0;
         State::from([outer * part, belt_speed])

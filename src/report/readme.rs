@@ -34,7 +34,7 @@ fn item(sentence: &str) -> String {
 }
 
 /// The values of a reading with as many decimals as are printed, or six for a closed form.
-pub(super) fn shown(entry: &Entry, finding: &Finding) -> String {
+pub(super) fn formatted_values(entry: &Entry, finding: &Finding) -> String {
     let decimals = match entry.claim.digits {
         Digits::Decimals(printed) => printed,
         Digits::Exact | Digits::None => 6,

@@ -50,7 +50,10 @@ pub(super) fn sentences(ledger: &Ledger) -> [String; 3] {
     let (motion, digits) = (least(Cell::gives_class), least(Cell::gives_digits));
     let printed = gives(&ClaimId::STICK_NUMBERS, &by(Reading::AsPrinted));
     let exact = gives(&ClaimId::STICK_NUMBERS, &by(Reading::Exact));
-    let (classes, unlike) = (gives(&classes, &by(Reading::Corrected)), unlike(ledger));
+    let (classes, differing_classes) = (
+        gives(&classes, &by(Reading::Corrected)),
+        differing_classes(ledger),
+    );
     let exponents = gives(exponents.as_flattened(), &open);
     [
         format!(
@@ -63,15 +66,15 @@ pub(super) fn sentences(ledger: &Ledger) -> [String; 3] {
              {exact}."
         ),
         format!(
-            "Of Figs. 10–12 the corrected equations give {classes} captioned classes{unlike}; \
-             {exponents} exponents are undeterminable, for the settings behind them are not \
-             stated."
+            "Of Figs. 10–12 the corrected equations give {classes} captioned \
+             classes{differing_classes}; {exponents} exponents are undeterminable, for the \
+             settings behind them are not stated."
         ),
     ]
 }
 
 /// The number of verdicts that depend on the corrected model of Figs. 10–12.
-pub(super) fn resting(ledger: &Ledger) -> String {
+pub(super) fn dependent_verdicts(ledger: &Ledger) -> String {
     let verdict = Verdict::WithCorrections;
     let model = |one: &&Entry| {
         one.verdict == verdict && one.corrections.contains(&Correction::BracketSigns)
@@ -84,7 +87,7 @@ pub(super) fn resting(ledger: &Ledger) -> String {
 }
 
 /// The captioned classes that the corrected equations do not give, in brackets.
-fn unlike(ledger: &Ledger) -> String {
+fn differing_classes(ledger: &Ledger) -> String {
     let of = |figure: SpectrumFigure| {
         let entry = ledger.entry(figure.class());
         let corrected = entry.reading(Reading::Corrected)?;
@@ -128,20 +131,20 @@ pub(super) fn figs_10_to_12(ledger: &Ledger) -> String {
     let diverging = printed.filter(|one| one.text() == DIVERGES).count();
     let (open, missed) = (Verdict::Undeterminable, Verdict::NotReproduced);
     let (of_open, of_missed) = (count(open), count(missed));
-    let (met, unlike) = (met.count(), unlike(ledger));
+    let (met, differing_classes) = (met.count(), differing_classes(ledger));
     let search = &ledger.spread.search;
     let (settings, configurations) = (search.spread[0][0].settings, search.configurations);
     let (citation, pairs) = (search.citation(), &search.pairs);
-    let (lead, together) = (lead(search), together(search));
+    let (nearest, joint) = (nearest_single_figure(search), joint_match(search));
     format!(
         "Figs. 10–12 publish {} classes of motion. The corrected equations give {met} of \
-         them{unlike}. With the signs as printed {diverging} of the three motions diverge. Of the \
-         {} published exponents {of_open} are {open}: settings of the estimator that the paper \
-         does not state decide their digits; {missed}: {of_missed}. {signs} have the computed \
-         sign, {within} lie inside what those of {settings} settings give that identify them. A \
-         search over {configurations} ways to read and evaluate the figures ({citation}) finds {} \
-         of its {} pairs of equations and integrator with all three captioned classes, and {} with \
-         the same kinds of motion, loops aside. {lead} {together}",
+         them{differing_classes}. With the signs as printed {diverging} of the three motions \
+         diverge. Of the {} published exponents {of_open} are {open}: settings of the estimator \
+         that the paper does not state decide their digits; {missed}: {of_missed}. {signs} have \
+         the computed sign, {within} lie inside what those of {settings} settings give that \
+         identify them. A search over {configurations} ways to read and evaluate the figures \
+         ({citation}) finds {} of its {} pairs of equations and integrator with all three \
+         captioned classes, and {} with the same kinds of motion, loops aside. {nearest} {joint}",
         classes.len(),
         exponents.len(),
         pairs.classes,
@@ -152,7 +155,7 @@ pub(super) fn figs_10_to_12(ledger: &Ledger) -> String {
 
 /// The significance of the configuration nearest to one figure, given that three figures were
 /// tried.
-fn lead(search: &Committed) -> String {
+fn nearest_single_figure(search: &Committed) -> String {
     let each = [0, 1, 2].map(|figure| {
         let level = &search.figure_levels[figure].0;
         let (random, readings) = (level.random.best_of_three(), level.readings.percent());
@@ -182,7 +185,7 @@ fn lead(search: &Committed) -> String {
 }
 
 /// The significance of the nearest configuration among those that count.
-fn together(search: &Committed) -> String {
+fn joint_match(search: &Committed) -> String {
     let [kept, ranked] = search.joint_levels.each_ref().map(|level| {
         let (random, readings) = (level.random.percent(), level.readings.percent());
         (random, readings, level.readings.of)

@@ -65,7 +65,7 @@ fn claim(ledger: &Ledger, entry: &Entry) -> Vec<(String, String)> {
     add("unidentified", &unidentified);
     let within = text(|one| one.within_range().to_string());
     add("within_unstated", &within);
-    let cause = entry.asks_for_cause().then(|| ledger.cause.status());
+    let cause = entry.needs_cause().then(|| ledger.cause.status());
     add("cause", &cause.unwrap_or_default());
     add("check", &claim.check);
     for reading in Reading::ALL {

@@ -5,7 +5,7 @@ use replication::paper::listing::{Setup, run};
 use replication::paper::pattern::Pattern;
 use replication::paper::published::Claims;
 use replication::paper::slip_times_three::{InjectedDefects, settled};
-use replication::report::cause::{Cause, SameMotion};
+use replication::report::cause::{Cause, MotionComparison};
 use replication::report::convergence::Convergence;
 
 #[test]
@@ -17,7 +17,10 @@ fn all_three_parts_hold() {
         // The difference at the printed step is not rounding: it is far larger than at the finest
         // step.
         let step = cause.step.as_ref().unwrap();
-        let largest = step.left.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        let largest = step
+            .step_difference
+            .iter()
+            .fold(0.0, |most: f64, v| most.max(v.abs()));
         assert!(largest > 1e-4, "{step:?}");
     });
 }
@@ -59,9 +62,10 @@ fn only_both_defects_make_the_motion_and_the_numbers() {
     let published = Claims::committed().unwrap().published_stick_numbers();
     let printed = Pattern::of_listing(&run(&Setup::default())).unwrap();
     with(|report| {
-        let most = SameMotion::most(&report.ledger.convergence);
-        let motion =
-            |injected, published| SameMotion::new(&printed, settled(injected), published, most);
+        let most = MotionComparison::allowed_differences(&report.ledger.convergence);
+        let motion = |injected, published| {
+            MotionComparison::new(&printed, settled(injected), published, most)
+        };
         let both = motion(InjectedDefects::BOTH, published);
         assert!(both.holds(), "{}", both.sentence());
         let twice = InjectedDefects {

@@ -136,10 +136,10 @@ fn a_changed_digit_in_the_table_of_claims_changes_its_row() {
             assert_eq!(text.matches(printed).count(), 1, "{printed}");
             let claims = Claims::parse(&text.replace(printed, instead)).unwrap();
             let entry = report.ledger.entry(id);
-            let again = report.ledger.judged_anew(&claims, id);
+            let again = report.ledger.rejudged(&claims, id);
             assert_ne!(again.verdict, entry.verdict, "{id}: {instead}");
             // With the unchanged table, nothing changes.
-            let same = report.ledger.judged_anew(Claims::committed().unwrap(), id);
+            let same = report.ledger.rejudged(Claims::committed().unwrap(), id);
             assert_eq!(same.verdict, entry.verdict, "{id}");
         }
     });

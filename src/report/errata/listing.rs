@@ -1,6 +1,6 @@
 //! The defects of the Appendix's listing, each mended alone, and the shifts in Eq. (25).
 
-use super::proof::{Proof, Shown};
+use super::proof::{Proof, ProofResult};
 use crate::paper::listing::{Defect, Defects, Setup, run};
 use crate::report::matrix::{Cell, Matrix};
 use stickslip::math;
@@ -15,17 +15,17 @@ pub(super) fn defect(matrix: &Matrix, defect: Defect) -> Proof {
         let printed = sticking_starts(Defects::AS_PRINTED);
         let mended = sticking_starts(Defects::AS_PRINTED.flipped(defect));
         let what = "starts in the middles of the three zones that stick at once, printed";
-        all.push(Shown::new(what, printed, "1"));
-        all.push(Shown::new("the same, mended", mended, "1"));
+        all.push(ProofResult::new(what, printed, "1"));
+        all.push(ProofResult::new("the same, mended", mended, "1"));
         holds = printed < mended;
     }
     Proof::new(defect.name(), all, holds)
 }
 
-fn changes(printed: &Cell, mended: &Cell) -> Vec<Shown> {
+fn changes(printed: &Cell, mended: &Cell) -> Vec<ProofResult> {
     let (Some(after), Some(before)) = (mended.numbers, printed.numbers) else {
         let motion = mended.motion.to_string();
-        return vec![Shown::new(
+        return vec![ProofResult::new(
             "mended alone, the listing's motion",
             &*motion,
             "",
@@ -33,8 +33,8 @@ fn changes(printed: &Cell, mended: &Cell) -> Vec<Shown> {
     };
     let what = "mended alone, first stick length changes by";
     vec![
-        Shown::new(what, after[0] - before[0], "m"),
-        Shown::new("second stick length by", after[1] - before[1], "m"),
+        ProofResult::new(what, after[0] - before[0], "m"),
+        ProofResult::new("second stick length by", after[1] - before[1], "m"),
     ]
 }
 

@@ -4,7 +4,7 @@ use crate::figures::rows::Value;
 
 /// One result of a computation that shows a misprint.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Shown {
+pub struct ProofResult {
     /// Description. If empty, the table of misprints has the description and the unit.
     pub what: String,
     /// A number, a count or a word.
@@ -13,10 +13,10 @@ pub struct Shown {
     pub unit: String,
 }
 
-impl Shown {
+impl ProofResult {
     /// With its own description.
-    pub(super) fn new(what: impl Into<String>, value: impl Into<Value>, unit: &str) -> Shown {
-        Shown {
+    pub(super) fn new(what: impl Into<String>, value: impl Into<Value>, unit: &str) -> ProofResult {
+        ProofResult {
             what: what.into(),
             value: value.into(),
             unit: unit.to_owned(),
@@ -24,9 +24,9 @@ impl Shown {
     }
 }
 
-impl<V: Into<Value>> From<V> for Shown {
-    fn from(value: V) -> Shown {
-        Shown::new("", value, "")
+impl<V: Into<Value>> From<V> for ProofResult {
+    fn from(value: V) -> ProofResult {
+        ProofResult::new("", value, "")
     }
 }
 
@@ -36,14 +36,14 @@ pub struct Proof {
     /// Name of the misprint in the table.
     pub misprint: &'static str,
     /// Results of the computation.
-    pub shown: Vec<Shown>,
+    pub shown: Vec<ProofResult>,
     /// Whether they confirm the misprint.
     pub holds: bool,
 }
 
 impl Proof {
     /// From results with their own descriptions, or from values that the table describes.
-    pub(in crate::report) fn new<S: Into<Shown>>(
+    pub(in crate::report) fn new<S: Into<ProofResult>>(
         misprint: &'static str,
         shown: impl IntoIterator<Item = S>,
         holds: bool,

@@ -10,14 +10,14 @@ use crate::numbers::{bisect, extent};
 use crate::paper::claim_id::ClaimId;
 use crate::paper::published::Claims;
 use crate::report::accuracy::{Accuracy, EventErrors};
-use crate::report::{places, tangent_at, until_escape};
+use crate::report::{belt_positions, tangent_at, until_escape};
 use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::system::Unchecked;
 use stickslip::{Ending, Error, Fate, Filippov, Options, Side, State, TransitionKind, fate, solve};
 
 /// Positions between the outer tangent points that are tested for sticking. The results are ratios
 /// over the same positions, so their number does not matter.
-const PLACES: u32 = 400;
+const POSITIONS_TESTED: u32 = 400;
 
 /// The smallest μ0 (N) for which a body on the belt of model 1 sticks at all positions between the
 /// outer tangent points, by bisection.
@@ -25,8 +25,8 @@ fn least_holding(model: &BeltOscillator) -> f64 {
     let reach = (model.k1 / model.k2).sqrt();
     let holds = |mu0: f64| {
         let model = BeltOscillator { mu0, ..*model };
-        (0..=PLACES).all(|k| {
-            let part = 2.0 * f64::from(k) / f64::from(PLACES) - 1.0;
+        (0..=POSITIONS_TESTED).all(|k| {
+            let part = 2.0 * f64::from(k) / f64::from(POSITIONS_TESTED) - 1.0;
             let x = State::from([reach * part, model.belt_speed]);
             fate(&model, 0.0, &x) == Fate::Stick
         })
@@ -84,14 +84,14 @@ pub(super) fn negative_friction(claims: &Claims) -> Proof {
             mu0,
             ..BeltOscillator::default()
         };
-        let places = places(2.0 / 3f64.sqrt(), PLACES, model.belt_speed);
+        let places = belt_positions(2.0 / 3f64.sqrt(), POSITIONS_TESTED, model.belt_speed);
         let fates: Vec<Fate> = places.map(|x| fate(&model, 0.0, &x)).collect();
         let of = |wanted| fates.iter().filter(|found| **found == wanted).count();
         (of(Fate::Stick), of(Fate::Repelling))
     };
     let (negative, positive) = extent(values.iter().copied());
     let (sticks, repels) = (along(positive), along(negative));
-    let holds = sticks.0 == PLACES as usize && repels == (0, PLACES as usize);
+    let holds = sticks.0 == POSITIONS_TESTED as usize && repels == (0, POSITIONS_TESTED as usize);
     let shown = [sticks.0, repels.0, repels.1];
     Proof::new("negative_friction", shown, holds)
 }

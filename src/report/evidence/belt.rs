@@ -15,7 +15,7 @@ const TOLERANCE: f64 = 1e-13;
 const START: f64 = -0.9;
 /// A release this near to the outer point is at it (m). The largest excess of friction moves that
 /// point by less.
-const AT: f64 = 1e-9;
+const RELEASE_TOLERANCE: f64 = 1e-9;
 /// Relative excess of friction over the critical value. At the critical value itself, rounding
 /// decides at the inner points.
 const EXCESSES: [f64; 4] = [0.0, 1e-15, 1e-12, 1e-9];
@@ -33,7 +33,8 @@ struct Ride {
 impl Ride {
     /// Whether the body passes both inner points and is released at the outer one.
     fn goes_through(&self) -> bool {
-        START + self.length > inner() && (self.released_at - 2.0 * inner()).abs() <= AT
+        START + self.length > inner()
+            && (self.released_at - 2.0 * inner()).abs() <= RELEASE_TOLERANCE
     }
 }
 
@@ -44,11 +45,11 @@ fn inner() -> f64 {
 
 pub(super) fn inner_points() -> Result<Vec<Finding>, Error> {
     let rides: Vec<Ride> = EXCESSES.into_iter().map(ride).collect::<Result<_, _>>()?;
-    Ok(judged(&rides, ride(-0.01)?))
+    Ok(statement_findings(&rides, ride(-0.01)?))
 }
 
 /// Judges the statement by rides at the critical friction and above, and by one below it.
-fn judged(rides: &[Ride], below: Ride) -> Vec<Finding> {
+fn statement_findings(rides: &[Ride], below: Ride) -> Vec<Finding> {
     let at_points = |excess| {
         let model = with_friction(excess);
         [-inner(), inner()].map(|x1| tangent_at(&model, x1))
@@ -120,6 +121,6 @@ mod tests {
         let below = ride(-0.01).unwrap();
         assert!(below.released_at < inner());
         // With such rides, the statement would fail.
-        assert!(!judged(&[below], below)[0].parts()[1]);
+        assert!(!statement_findings(&[below], below)[0].parts()[1]);
     }
 }

@@ -18,7 +18,7 @@ use stickslip::{Error, Filippov, Mode, Side, solve};
 
 /// Forcing periods over which a start of the stated model is integrated, and the distance of equal
 /// states, as in the scan over parameters.
-const SETTLING: (usize, f64) = (60, 1e-5);
+const SETTLING_LIMITS: (usize, f64) = (60, 1e-5);
 /// Forcing periods of the settled motion that are examined: two of the published pattern.
 const SHOWN: f64 = 4.0;
 
@@ -32,7 +32,7 @@ fn published_digits(claims: &Claims, run: &Run) -> usize {
 
 /// The program and the stated model from one start on Σ.
 #[derive(Debug, PartialEq)]
-struct FromPoint {
+struct StartResult {
     /// The start (m).
     x1: f64,
     /// Time of the listing's first release (s).
@@ -43,18 +43,18 @@ struct FromPoint {
     model_two_periodic: bool,
 }
 
-fn from(claims: &Claims, x1: f64) -> Result<FromPoint, Error> {
+fn from(claims: &Claims, x1: f64) -> Result<StartResult, Error> {
     let model = ForcedOscillator::default();
     let setup = Setup {
         start: [0.0, x1, model.belt_speed],
         ..Setup::default()
     };
     let (outcome, start) = (run(&setup), (0.0, setup.state()));
-    let (periods, same) = SETTLING;
+    let (periods, same) = SETTLING_LIMITS;
     let options = bounded(TOLERANCE);
     let end = destination(&model, start, model.period(), periods, same, &options)?;
     let first = outcome.phases.first();
-    Ok(FromPoint {
+    Ok(StartResult {
         x1,
         first_release: first.map_or(f64::NAN, |phase| phase.stick.exit.t),
         digits: published_digits(claims, &outcome),
@@ -96,7 +96,7 @@ pub(super) fn start(claims: &Claims) -> Result<(Vec<Finding>, Proof), Error> {
 }
 
 /// Slip phases of one motion.
-struct Sides {
+struct SlipSides {
     /// Sides of the slip phases in order of time.
     sides: Vec<Side>,
     /// Largest velocity in S1, and smallest in S2 (m/s).
@@ -104,8 +104,8 @@ struct Sides {
     lowest_in_s2: f64,
 }
 
-impl Sides {
-    const NONE: Sides = Sides {
+impl SlipSides {
+    const EMPTY: SlipSides = SlipSides {
         sides: Vec::new(),
         highest_in_s1: f64::NEG_INFINITY,
         lowest_in_s2: f64::INFINITY,
@@ -169,7 +169,7 @@ pub(super) fn arcs() -> Result<(Vec<Finding>, Proof), Error> {
 }
 
 /// For the attractor of the stated model, or of a similar one.
-fn sides_of_model<S: Filippov<2>>(system: &S) -> Result<Sides, Error> {
+fn sides_of_model<S: Filippov<2>>(system: &S) -> Result<SlipSides, Error> {
     let printed = ForcedOscillator::default();
     let end = END + SHOWN * printed.period();
     let orbit = solve(
@@ -180,9 +180,9 @@ fn sides_of_model<S: Filippov<2>>(system: &S) -> Result<Sides, Error> {
         &bounded(TOLERANCE),
     )?;
     let settled = orbit.phases.iter().filter(|phase| phase.t_start >= END);
-    let mut sides = Sides {
+    let mut sides = SlipSides {
         sides: settled.filter_map(|phase| side_of(phase.mode)).collect(),
-        ..Sides::NONE
+        ..SlipSides::EMPTY
     };
     for step in orbit.steps.iter().filter(|step| step.t_start >= END) {
         if let Some(side) = side_of(step.mode) {
@@ -201,13 +201,13 @@ fn side_of(mode: Mode) -> Option<Side> {
 }
 
 /// For the listing as printed, in the plotted window.
-fn sides_of_listing() -> Sides {
+fn sides_of_listing() -> SlipSides {
     let setup = Setup::default();
     let mut window: Vec<Sample> = Vec::new();
     run_with(&setup, |sample| {
         window.extend(Some(*sample).filter(|one| one.in_window))
     });
-    let mut sides = Sides::NONE;
+    let mut sides = SlipSides::EMPTY;
     for phase in window.chunk_by(|one, next| one.mode == next.mode) {
         let Some(side) = side_of(phase[0].mode) else {
             continue;
@@ -267,8 +267,8 @@ mod tests {
     }
 
     /// Model 2 with S1 above Σ and S2 below, as in Sect. 4.2.
-    struct Exchanged(ForcedOscillator);
-    impl Filippov<2> for Exchanged {
+    struct ExchangedRegions(ForcedOscillator);
+    impl Filippov<2> for ExchangedRegions {
         fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
             self.0.field(side.opposite(), t, x)
         }
@@ -279,7 +279,7 @@ mod tests {
 
     #[test]
     fn with_the_regions_exchanged_s1_would_hold_the_upper() {
-        let found = sides_of_model(&Exchanged(ForcedOscillator::default())).unwrap();
+        let found = sides_of_model(&ExchangedRegions(ForcedOscillator::default())).unwrap();
         assert_eq!(found.parts().map(|part| part.1), [true, true]);
     }
 

@@ -80,10 +80,10 @@ impl ByProcedure {
 
 /// A set with a smaller fraction of branching points lies on a curve. This is half the value of the
 /// Hénon attractor.
-const STRUNG: f64 = 0.05;
+const CURVE_BRANCHING: f64 = 0.05;
 /// Maximum number of distinct points of a section that closes, as in
 /// [`stickslip::analysis::motion`].
-const MOST: usize = 64;
+const MAX_CLOSED_POINTS: usize = 64;
 
 /// One figure by its exponents and by its section.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -106,7 +106,7 @@ pub struct Shape {
 impl Shape {
     pub(super) fn of(data: &Data) -> Shape {
         let evidence = &data.exact.evidence;
-        let closes = evidence.repeats && (1..=MOST).contains(&evidence.distinct);
+        let closes = evidence.repeats && (1..=MAX_CLOSED_POINTS).contains(&evidence.distinct);
         Shape {
             class: data.exact.class,
             points: data.section.len(),
@@ -140,7 +140,11 @@ impl Shape {
             (Some(points), _) => format!("closes (distinct points: {points})"),
             (None, Some(branching)) => {
                 let percent = 100.0 * branching;
-                let can = if branching < STRUNG { "can" } else { "cannot" };
+                let can = if branching < CURVE_BRANCHING {
+                    "can"
+                } else {
+                    "cannot"
+                };
                 format!(
                     "of {all} points does not close (it branches at {percent:.1} % of them and \
                         {can} be strung, which decides nothing)"
@@ -262,9 +266,9 @@ mod tests {
     fn the_limit_lies_between_curves_and_the_henon_attractor() {
         for points in [900, 1400] {
             let on_curve = branching(&curve(points));
-            assert!(on_curve < 0.5 * STRUNG, "{on_curve}");
+            assert!(on_curve < 0.5 * CURVE_BRANCHING, "{on_curve}");
             let on_attractor = branching(&henon(points as usize));
-            assert!(on_attractor > 1.5 * STRUNG, "{on_attractor}");
+            assert!(on_attractor > 1.5 * CURVE_BRANCHING, "{on_attractor}");
         }
     }
 

@@ -18,8 +18,8 @@ pub(super) fn of_belt() -> Vec<Finding> {
     belts().findings("Eqs. (9), (11)")
 }
 
-fn belts() -> Compared {
-    let mut compared = Compared::default();
+fn belts() -> SigmaComparison {
+    let mut compared = SigmaComparison::default();
     for mu0 in frictions(2.0 / (3.0 * 3f64.sqrt())) {
         let model = BeltOscillator {
             mu0,
@@ -36,8 +36,8 @@ pub(super) fn of_forced() -> Vec<Finding> {
     forced_ones().findings("Eqs. (19), (21)")
 }
 
-fn forced_ones() -> Compared {
-    let mut compared = Compared::default();
+fn forced_ones() -> SigmaComparison {
+    let mut compared = SigmaComparison::default();
     for (mass, k1, k2) in [(0.1, 1.0_f64, 1.0), (1.0, 1.0, 1.0), (0.4, 1.7, 0.6)] {
         let model = ForcedOscillator {
             mass,
@@ -60,7 +60,7 @@ fn forced_ones() -> Compared {
 
 /// σ from the library's own normal components, compared with the printed polynomial.
 #[derive(Default)]
-struct Compared {
+struct SigmaComparison {
     /// Number of points on Σ, over positions, friction and the other parameters, and number of sets
     /// of parameters.
     points: usize,
@@ -79,7 +79,7 @@ struct Compared {
 
 /// Printed values at a point: σ, the size of its terms, its derivative, and the size of the
 /// derivative's terms.
-struct Printed {
+struct PrintedSigma {
     sigma: f64,
     size: f64,
     slope: f64,
@@ -92,13 +92,13 @@ fn frictions(critical: f64) -> [f64; 5] {
     [0.0, 0.2, 0.5, 1.0, 1.5].map(|part| part * critical)
 }
 
-impl Compared {
+impl SigmaComparison {
     fn compare<S: Filippov<2>>(
         &mut self,
         system: &S,
         (t, belt_speed): (f64, f64),
         offset: f64,
-        printed: impl Fn(f64) -> Printed,
+        printed: impl Fn(f64) -> PrintedSigma,
     ) {
         // No position (m) along Σ is at a zero of any polynomial used here.
         for z in (0..=300).map(|k| 0.01 * (f64::from(k) - 150.0) + 0.0013) {
@@ -144,9 +144,9 @@ impl Compared {
 }
 
 /// Eqs. (9) and (11).
-fn belt(x1: f64, mu0: f64) -> Printed {
+fn belt(x1: f64, mu0: f64) -> PrintedSigma {
     let (square, factor) = (x1 * x1, x1 * x1 - 1.0);
-    Printed {
+    PrintedSigma {
         sigma: square * factor * factor - mu0 * mu0,
         size: square * (square + 1.0) * (square + 1.0) + mu0 * mu0,
         slope: 2.0 * x1 * factor * (3.0 * square - 1.0),
@@ -155,14 +155,14 @@ fn belt(x1: f64, mu0: f64) -> Printed {
 }
 
 /// Eqs. (19) and (21).
-fn forced(model: &ForcedOscillator, z: f64) -> Printed {
+fn forced(model: &ForcedOscillator, z: f64) -> PrintedSigma {
     let (k1, k2, mu0) = (model.k1, model.k2, model.mu0);
     let per_mass = 1.0 / (model.mass * model.mass);
     let force = k2 * z * z * z - k1 * z;
     let terms = k2 * z.abs() * z * z + k1 * z.abs();
     // A rounding error of the time moves the support, and z with it.
     let moved = k1 + 3.0 * k2 * z * z;
-    Printed {
+    PrintedSigma {
         sigma: per_mass * (force * force - mu0 * mu0),
         size: per_mass * ((terms + moved) * (terms + moved) + mu0 * mu0),
         slope: 2.0 * z * per_mass * (3.0 * k2 * z * z - k1) * (k2 * z * z - k1),
@@ -191,7 +191,7 @@ mod tests {
             mu0: -mu0,
             ..BeltOscillator::default()
         };
-        let mut found = Compared::default();
+        let mut found = SigmaComparison::default();
         found.compare(&driving, (0.0, driving.belt_speed), 0.0, |z| belt(z, mu0));
         assert!(found.points > 300 && found.off <= ROUNDING);
         assert_eq!(found.disagreements, found.negative);
@@ -201,7 +201,7 @@ mod tests {
     fn another_polynomial_is_not_the_product() {
         let model = ForcedOscillator::default();
         let other = ForcedOscillator { k2: 1.001, ..model };
-        let mut found = Compared::default();
+        let mut found = SigmaComparison::default();
         found.compare(&model, (0.3, model.belt_speed), model.support(0.3), |z| {
             forced(&other, z)
         });

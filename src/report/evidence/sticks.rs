@@ -17,7 +17,7 @@ use stickslip::models::ForcedOscillator;
 use stickslip::{Error, Mode, State, TransitionKind};
 
 /// Distances and times within this count as zero (m, s, m/s): the solver's tolerance with a margin.
-const NONE: f64 = 1e-9;
+const ROUNDING: f64 = 1e-9;
 
 /// Forcing periods within which a body on the belt always meets a tangent point.
 const SPAN: f64 = 3.0;
@@ -32,10 +32,10 @@ pub(super) fn exact_lengths(grid: &GridPhases) -> Vec<Finding> {
     let listing_error = largest(grid.of_fig08().map(off));
     let what = "given where and when it begins, the set gives length and duration of a stick phase \
         of the stated model";
-    let parts = [(what, !sticks.is_empty() && error <= NONE)];
+    let parts = [(what, !sticks.is_empty() && error <= ROUNDING)];
     let what = "given where and when it begins, the set gives length and duration of the listing's \
         stick phases, which are the published ones";
-    let printed = [(what, settled > 0 && listing_error <= NONE)];
+    let printed = [(what, settled > 0 && listing_error <= ROUNDING)];
     let (all, error) = (sticks.len(), small(error));
     let line = format!(
         "ends of {all} stick phases of the stated model by the scalar equation from the set and \
@@ -69,7 +69,7 @@ impl Exits {
         for phase in phases {
             let (number, distance) = set.nearest(model, phase.stick.exit);
             exits.largest_distance = exits.largest_distance.max(distance);
-            match distance <= NONE {
+            match distance <= ROUNDING {
                 true => exits.at[number] += 1,
                 false => exits.elsewhere += 1,
             }
@@ -95,12 +95,12 @@ impl Exits {
     }
 
     /// Ends at points 1, 3 and 5, which the caption of Fig. 4 calls visible.
-    fn at_visible(&self) -> usize {
+    fn count_at_visible(&self) -> usize {
         self.at.iter().step_by(2).sum()
     }
 
     /// Ends at points 2, 4 and 6, which it calls invisible.
-    fn at_invisible(&self) -> usize {
+    fn count_at_invisible(&self) -> usize {
         self.at.iter().skip(1).step_by(2).sum()
     }
 }
@@ -126,12 +126,16 @@ pub(super) fn exit_at_visible(grid: &GridPhases) -> Vec<Finding> {
     let what = "every loss of stick of the listing in a zone is at point 1, 3 or 5";
     let printed = [(
         what,
-        listing.at_visible() > 0 && listing.at_invisible() == 0,
+        listing.count_at_visible() > 0 && listing.count_at_invisible() == 0,
     )];
-    let (odd, even, at) = (model.at_visible(), model.at_invisible(), model.at);
+    let (odd, even, at) = (
+        model.count_at_visible(),
+        model.count_at_invisible(),
+        model.at,
+    );
     let distance = small(model.largest_distance);
-    let (of_listing, all_of_listing) = (listing.at_visible(), listing.all());
-    let (of_mended, all_of_mended) = (mended.at_visible(), mended.all());
+    let (of_listing, all_of_listing) = (listing.count_at_visible(), listing.all());
+    let (of_mended, all_of_mended) = (mended.count_at_visible(), mended.all());
     let [chatter, more] = [&grid.listing, &grid.both_ends_tested].map(|of| of.chatter);
     let line = format!(
         "stated model: {visible} of {all} ends of stick phases are visibly tangent, all within \
@@ -212,9 +216,9 @@ pub(super) fn until_tangent(grid: &GridPhases, sticks_of_fig08: usize) -> Vec<Fi
     let listing = met(&mut grid.listing.sticks());
     let speed_error = largest(sticks.map(|one| one.speed_error));
     let holds_in_the_model = model.phases > 0
-        && speed_error <= NONE
+        && speed_error <= ROUNDING
         && model.passing == 0
-        && model.largest_distance <= NONE;
+        && model.largest_distance <= ROUNDING;
     let what = "the body of Fig. 8 in the stated model sticks and moves at the belt's speed until \
         the next tangent point is met";
     let parts = [(what, sticks_of_fig08 > 0 && holds_in_the_model)];
@@ -278,7 +282,7 @@ pub(super) fn length_is_way(grid: &GridPhases, published: [f64; 4]) -> (Vec<Find
     let seconds = [first[0], first[1], second[0], second[1], rounding].map(Value::from);
     let shown = seconds.into_iter().chain([sticks.into(), of_model.into()]);
     let longer = published.iter().chain(&listing).all(|one| *one > rounding);
-    let holds = longer && sticks > 0 && of_model <= NONE;
+    let holds = longer && sticks > 0 && of_model <= ROUNDING;
     (
         vec![statement(Exact, parts, line), as_printed(printed)],
         Proof::new("durations", shown, holds),
@@ -297,7 +301,7 @@ pub(super) fn no_stick_at_zero() -> Result<Vec<Finding>, Error> {
     let with = ForcedOscillator::default();
     let without = ForcedOscillator { mu0: 0.0, ..with };
     let with = tally(&with)?;
-    let Tally {
+    let EventTally {
         orbits,
         sticks,
         crossings,
@@ -326,7 +330,7 @@ pub(super) fn no_stick_at_zero() -> Result<Vec<Finding>, Error> {
 }
 
 /// Events of orbits from starts off and on Σ.
-struct Tally {
+struct EventTally {
     orbits: usize,
     sticks: usize,
     crossings: usize,
@@ -336,7 +340,7 @@ struct Tally {
     least_sigma: f64,
 }
 
-fn tally(model: &ForcedOscillator) -> Result<Tally, Error> {
+fn tally(model: &ForcedOscillator) -> Result<EventTally, Error> {
     let off = starts().into_iter().map(|x| (0.0, x));
     let on = (0..TIMES).flat_map(|k| {
         let t = model.period() * f64::from(k) / f64::from(TIMES);
@@ -359,7 +363,7 @@ fn tally(model: &ForcedOscillator) -> Result<Tally, Error> {
         let [below, above] = normals(at);
         below * above
     });
-    Ok(Tally {
+    Ok(EventTally {
         orbits: orbits.len(),
         sticks: phases.filter(|phase| phase.mode == Mode::Stick).count(),
         crossings: crossings.len(),
@@ -401,7 +405,7 @@ mod tests {
         let sticks = of_model(&model).unwrap();
         let off = sticks.iter().map(|phase| phase.stick).filter(|stick| {
             let t = set.first_meeting(&slower, stick.entry, SPAN * model.period());
-            t.is_none_or(|t| (t - stick.exit.t).abs() > NONE)
+            t.is_none_or(|t| (t - stick.exit.t).abs() > ROUNDING)
         });
         assert!(off.count() > sticks.len() / 2);
     }
@@ -411,14 +415,14 @@ mod tests {
         let grid = GridPhases::compute(claims()).unwrap();
         let model = ForcedOscillator::default();
         let exits = Exits::of_model(&model, &grid.set, &grid.model);
-        assert_eq!((exits.all(), exits.at_invisible()), (72, 24));
+        assert_eq!((exits.all(), exits.count_at_invisible()), (72, 24));
         let found = exit_at_visible(&grid);
         assert!(found[0].agrees && found[1].agrees && !found[1].is_evidence());
         // This holds by construction, unless the other end is tested too.
         let listing = Exits::of_listing(&grid.listing.phases);
-        assert_eq!(listing.at_visible(), listing.all());
+        assert_eq!(listing.count_at_visible(), listing.all());
         let mended = Exits::of_listing(&grid.both_ends_tested.phases);
-        assert!(mended.at_visible() < mended.all());
+        assert!(mended.count_at_visible() < mended.all());
     }
 
     #[test]
@@ -441,7 +445,7 @@ mod tests {
         let sticks = of_model(&still).unwrap();
         let found = Exits::of_model(&still, &TangentSet::published(claims()), &sticks);
         assert!(found.all() > 0);
-        assert_eq!(found.at_visible(), found.all());
+        assert_eq!(found.count_at_visible(), found.all());
     }
 
     #[test]
@@ -462,7 +466,7 @@ mod tests {
         // A displaced point is not met.
         let displaced = TangentSet(set.0.map(|z| z + 1e-6));
         let sticks = grid.model.iter().map(|one| one.stick);
-        assert!(meetings(&model, &displaced, sticks).largest_distance > NONE);
+        assert!(meetings(&model, &displaced, sticks).largest_distance > ROUNDING);
     }
 
     #[test]

@@ -8,10 +8,10 @@ use crate::figures::fig07::Oscillation as Drawn;
 use crate::figures::rows::Value;
 use crate::numbers::{bisect, change_points, extent, largest, not_found};
 use crate::paper::reading::Reading::Exact;
+use crate::report::belt_positions;
 use crate::report::digits::small;
 use crate::report::errata::Proof;
 use crate::report::finding::{Finding, statement};
-use crate::report::places;
 use crate::report::scan::{Class, PARAMETERS, Point, StickSlip, starts};
 use crate::text::joined;
 use stickslip::models::ForcedOscillator;
@@ -20,17 +20,17 @@ use stickslip::{Error, Fate, Filippov, Mode, Options, Side, State, fate, solve};
 /// Range of positions relative to the support (m), half as far again as the outermost tangent
 /// point, and number of positions tested: a hundred in the narrowest zone.
 const REACH: f64 = 1.6;
-const PLACES: u32 = 1600;
+const POSITIONS_TESTED: u32 = 1600;
 /// Differences within this count as zero (m): the last digits of a bisected position.
-const NONE: f64 = 1e-12;
+const ROUNDING: f64 = 1e-12;
 
 /// Positions x1 (m), ascending, at which stick begins or ends along Σ at time `t` (s).
 fn stick_ends(model: &ForcedOscillator, t: f64) -> Vec<f64> {
     let sticks = |x1: f64| fate(model, t, &State::from([x1, model.belt_speed])) == Fate::Stick;
     // Off round numbers, at which zones end for round parameters.
-    let place = |k: u32| REACH * (2.0 * f64::from(k) / f64::from(PLACES) - 1.0) + 1.3e-4;
+    let place = |k: u32| REACH * (2.0 * f64::from(k) / f64::from(POSITIONS_TESTED) - 1.0) + 1.3e-4;
     let offset = model.support(t);
-    change_points((0..=PLACES).map(|k| offset + place(k)), sticks)
+    change_points((0..=POSITIONS_TESTED).map(|k| offset + place(k)), sticks)
 }
 
 /// Factor by which [`location`] changes each parameter.
@@ -60,7 +60,7 @@ fn shifts(model: &ForcedOscillator, of: [&'static str; 3]) -> [(&'static str, (f
 pub(super) fn location(model: &ForcedOscillator) -> Vec<Finding> {
     let ends = stick_ends(model, 0.0).len();
     let (named, others) = (shifts(model, NAMED), shifts(model, OTHERS));
-    let moves = named.iter().all(|(_, (least, _))| *least > NONE);
+    let moves = named.iter().all(|(_, (least, _))| *least > ROUNDING);
     let what = "the place of the stick zones depends on k1, k2 and mu0";
     let each = |(name, (_, most)): (&str, (f64, f64))| format!("{name} {}", small(most));
     let [named, others] = [named, others].map(|of| joined(of.map(each), ", "));
@@ -139,10 +139,10 @@ impl Oscillation {
             twice_amplitude,
             ..
         } = self;
-        let moves = self.six_ends && self.largest_difference <= NONE && self.along_x1();
+        let moves = self.six_ends && self.largest_difference <= ROUNDING && self.along_x1();
         let parts = [
             ("the tangent points move by A sin(ωt)", moves),
-            ("the zone oscillates along x2", *travel_x2 > NONE),
+            ("the zone oscillates along x2", *travel_x2 > ROUNDING),
         ];
         let difference = small(self.largest_difference);
         let line = format!(
@@ -154,7 +154,7 @@ impl Oscillation {
     }
 
     fn along_x1(&self) -> bool {
-        (self.travel_x1 - self.twice_amplitude).abs() <= NONE
+        (self.travel_x1 - self.twice_amplitude).abs() <= ROUNDING
     }
 
     /// `s6.oscillating_boundary`.
@@ -211,10 +211,10 @@ fn of_fig07() -> ForcedOscillator {
 pub(super) fn attracts() -> Result<Vec<Finding>, Error> {
     let (fig07, fig08) = (of_fig07(), ForcedOscillator::default());
     let sweeps = [Sweep::of("Fig. 7", &fig07)?, Sweep::of("Fig. 8", &fig08)?];
-    Ok(judged(zone(&fig07), &sweeps))
+    Ok(statement_findings(zone(&fig07), &sweeps))
 }
 
-fn judged((attracting, least_pull): (usize, f64), sweeps: &[Sweep]) -> Vec<Finding> {
+fn statement_findings((attracting, least_pull): (usize, f64), sweeps: &[Sweep]) -> Vec<Finding> {
     let any = |holds: fn(&Sweep) -> bool| sweeps.iter().any(holds);
     let parts = [
         (
@@ -268,7 +268,7 @@ fn zone(model: &ForcedOscillator) -> (usize, f64) {
     };
     let outer = 2.0 * (model.k1 / (3.0 * model.k2)).sqrt();
     let (mut attracting, mut least) = (0, f64::INFINITY);
-    for x in places(outer, OF_ZONE, model.belt_speed) {
+    for x in belt_positions(outer, OF_ZONE, model.belt_speed) {
         attracting += usize::from(fate(&model, 0.0, &x) == Fate::Stick);
         for side in [Side::Below, Side::Above] {
             least = least.min(-side.sign() * model.field(side, 0.0, x.as_ref())[1]);
@@ -346,7 +346,7 @@ const TOLERANCE: f64 = 1e-13;
 
 /// Bodies at one distance from the curves.
 #[derive(Default)]
-struct Beside {
+struct BodiesBesideCurves {
     /// The distance (m).
     distance: f64,
     /// Bodies placed inside a zone, and as many outside.
@@ -371,10 +371,10 @@ pub(super) fn beside_curves(
     let beside = DISTANCES
         .into_par_iter()
         .map(|distance| at_distance(model, drawn, &times, distance))
-        .collect::<Result<Vec<Beside>, Error>>()?;
+        .collect::<Result<Vec<BodiesBesideCurves>, Error>>()?;
     let curves = drawn.positions.len();
-    let all = |right: fn(&Beside) -> usize| {
-        let holds = |one: &Beside| one.pairs > 0 && right(one) == one.pairs;
+    let all = |right: fn(&BodiesBesideCurves) -> usize| {
+        let holds = |one: &BodiesBesideCurves| one.pairs > 0 && right(one) == one.pairs;
         curves == 6 && beside.iter().all(holds)
     };
     let sticks = all(|one| one.inside_sticks);
@@ -403,10 +403,10 @@ fn at_distance(
     drawn: &Drawn,
     times: &[usize],
     distance: f64,
-) -> Result<Beside, Error> {
-    let mut beside = Beside {
+) -> Result<BodiesBesideCurves, Error> {
+    let mut beside = BodiesBesideCurves {
         distance,
-        ..Beside::default()
+        ..BodiesBesideCurves::default()
     };
     for (number, positions) in drawn.positions.iter().enumerate() {
         // The curves are drawn from the largest down: upper end, lower end, upper end, …
@@ -453,7 +453,7 @@ mod tests {
         let model = ForcedOscillator::default();
         assert_eq!(location(&model)[0].parts(), [true]);
         let others = shifts(&model, OTHERS);
-        assert!(others.iter().all(|one| one.1.1 <= NONE), "{others:?}");
+        assert!(others.iter().all(|one| one.1.1 <= ROUNDING), "{others:?}");
         assert_eq!(stick_ends(&model, 0.0).len(), 6);
         assert_eq!(location(&driving())[0].parts(), [false]);
     }
@@ -514,9 +514,9 @@ mod tests {
         let of_fig07 = Sweep::of("Fig. 7", &fig07).unwrap();
         assert_eq!(of_fig07.with_cycles(), 0);
         // Without the parameters of Fig. 8 only the zone remains.
-        let alone = judged(zone(&fig07), &[of_fig07]);
+        let alone = statement_findings(zone(&fig07), &[of_fig07]);
         assert_eq!(alone[0].parts(), [true, false, false, false]);
-        let both = judged(zone(&fig07), &[of_fig08])[0].parts();
+        let both = statement_findings(zone(&fig07), &[of_fig08])[0].parts();
         assert!(both[1] && both.contains(&false), "{both:?}");
     }
 

@@ -6,7 +6,7 @@ use super::super::digits::minus;
 use super::super::exponent::ExponentCheck;
 use super::super::finding::Finding;
 use super::super::ledger::{Entry, Ledger};
-use super::super::readme::shown;
+use super::super::readme::formatted_values;
 use super::super::sentences::PARTS;
 use super::super::verdict::{Correction, Verdict};
 use super::parts::{columns, heading};
@@ -22,7 +22,7 @@ pub(super) fn counts(ledger: &Ledger) -> Markup {
             tbody {
                 @for (verdict, count) in ledger.counts() {
                     tr {
-                        th scope="row" { (mark(verdict)) }
+                        th scope="row" { (verdict_badge(verdict)) }
                         td.number { b { (count) } }
                         td.soft { (verdict.meaning()) }
                     }
@@ -110,7 +110,7 @@ pub(super) fn section(ledger: &Ledger) -> Markup {
 }
 
 /// A verdict as a word with a sign of its own shape and colour.
-pub(super) fn mark(verdict: Verdict) -> Markup {
+pub(super) fn verdict_badge(verdict: Verdict) -> Markup {
     html! { span class={ "mark " (verdict.key()) } { (verdict) } }
 }
 
@@ -124,7 +124,7 @@ fn row(ledger: &Ledger, place: usize, entry: &Entry) -> Markup {
                 details {
                     summary { "evidence" }
                     ul { @for line in entry.lines() { li { (line) } } }
-                    @if entry.asks_for_cause() {
+                    @if entry.needs_cause() {
                         p { "Cause: " a href="#cause" { (ledger.cause.status()) } "." }
                     }
                 }
@@ -135,10 +135,10 @@ fn row(ledger: &Ledger, place: usize, entry: &Entry) -> Markup {
                     @for one in entry
                         .distinct()
                         .into_iter()
-                        .filter(|one| one.reading.role() != Role::Beside)
+                        .filter(|one| one.reading.role() != Role::Supplementary)
                     {
                         li {
-                            (one.reading) ": " b { (worth(entry, one)) }
+                            (one.reading) ": " b { (value_quality(entry, one)) }
                             @if one.by_construction { " by construction: no evidence" }
                         }
                     }
@@ -146,7 +146,7 @@ fn row(ledger: &Ledger, place: usize, entry: &Entry) -> Markup {
                 @if let Some(exponent) = &entry.exponent { p.soft { (sign_and_spread(exponent)) } }
             }
             td data-column="Verdict" data-key=(entry.verdict as usize) {
-                (mark(entry.verdict))
+                (verdict_badge(entry.verdict))
                 @if !entry.corrections.is_empty()
                     && matches!(entry.verdict, Verdict::WithCorrections | Verdict::InKind)
                 {
@@ -195,8 +195,8 @@ fn sign_and_spread(exponent: &ExponentCheck) -> String {
 }
 
 /// The values of a reading and, in brackets, their quality.
-fn worth(entry: &Entry, finding: &Finding) -> String {
-    let values = shown(entry, finding);
+fn value_quality(entry: &Entry, finding: &Finding) -> String {
+    let values = formatted_values(entry, finding);
     match finding.note.as_deref() {
         None | Some("ok" | "annihilated") => values,
         Some(note) if finding.digits.is_some() => format!("{values} ({note})"),

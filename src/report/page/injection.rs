@@ -21,7 +21,7 @@ const NUMBERS: [&str; 4] = [
 ];
 
 /// Conditions for a cause to count as shown.
-fn asked() -> [String; 3] {
+fn conditions() -> [String; 3] {
     [
         "Put into the event-exact solver, the two defects that outlast a vanishing step make the \
          same motion, and its four numbers are off the published ones by no more than the \
@@ -48,7 +48,7 @@ pub(super) fn cause(report: &Report) -> Markup {
             table.cards {
                 (columns(&["What is asked for", "What was found", "Holds"]))
                 tbody {
-                    @for (asked, (found, holds)) in asked().iter().zip(ledger.cause.parts()) {
+                    @for (asked, (found, holds)) in conditions().iter().zip(ledger.cause.parts()) {
                         tr {
                             th scope="row" { (asked) }
                             td data-column="Found" { (found) }
@@ -57,7 +57,7 @@ pub(super) fn cause(report: &Report) -> Markup {
                     }
                 }
             }
-            p { (ledger.injection.alone()) }
+            p { (ledger.injection.separate_effects()) }
             (figure(&report.convergence, report.convergence.about))
             p { (ledger.convergence.sentence()) }
             h3 { "The program's defects" }

@@ -8,7 +8,7 @@ mod text;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::sentences::{figs_10_to_12, resting, sentences};
+use super::sentences::{dependent_verdicts, figs_10_to_12, sentences};
 pub use parts::Report;
 use parts::{SECTIONS, heading};
 
@@ -45,7 +45,7 @@ fn document(report: &Report) -> Markup {
                     @for sentence in sentences(report.ledger) { p.verdict { (sentence) } }
                     (figures::opening(report))
                     (claims::counts(report.ledger))
-                    p.soft { (resting(report.ledger)) }
+                    p.soft { (dependent_verdicts(report.ledger)) }
                     nav aria-label="Sections" {
                         ol {
                             @for (anchor, heading) in SECTIONS {

@@ -2,7 +2,7 @@
 
 use maud::{Markup, PreEscaped, html};
 
-use super::super::errata::Shown;
+use super::super::errata::ProofResult;
 use super::super::ledger::Ledger;
 use super::parts::{columns, heading};
 use crate::figures::rows::Value;
@@ -38,7 +38,7 @@ pub(super) fn errata(ledger: &Ledger) -> Markup {
 }
 
 /// A number with six significant digits and its unit; a count or a word as it is.
-fn value(shown: &Shown) -> String {
+fn value(shown: &ProofResult) -> String {
     let v = match &shown.value {
         Value::Number(v) => *v,
         Value::Count(_) | Value::Word(_) | Value::Statement(_) => return shown.value.to_string(),

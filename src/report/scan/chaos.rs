@@ -25,7 +25,7 @@ const ESCAPE: f64 = 1e3;
 const STANDARD_ERRORS: f64 = 4.0;
 /// Stick phases are near the published ones if their lengths differ by at most this fraction: one
 /// of the four printed digits.
-const NEAR: f64 = 0.1;
+const NEAR_FRACTION: f64 = 0.1;
 
 /// Results for one start.
 #[derive(Clone, Debug, PartialEq)]
@@ -97,7 +97,7 @@ impl Chaos {
 
     /// Whether any of them has two successive stick phases with lengths near the published ones.
     pub fn is_near(&self) -> bool {
-        self.distance() <= NEAR
+        self.distance() <= NEAR_FRACTION
     }
 
     /// The motions in words.

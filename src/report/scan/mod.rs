@@ -35,7 +35,7 @@ pub(super) const PARAMETERS: [Parameter; 8] = [
 
 /// One parameter over a factor of two either way.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Line {
+pub struct ParameterScan {
     /// Name.
     pub name: &'static str,
     /// Symbol in figures.
@@ -52,7 +52,7 @@ pub struct Scan {
     /// Published lengths of the two stick phases (m).
     pub published: [f64; 2],
     /// One line for each parameter.
-    pub lines: Vec<Line>,
+    pub lines: Vec<ParameterScan>,
     /// The printed parameters under other readings of the equations, by name.
     pub variants: Vec<(&'static str, Point)>,
     /// Motions from the starts with the spring of Eq. (4), for which none settles.
@@ -88,7 +88,7 @@ impl Scan {
         };
         let points = (0..POINTS).into_par_iter().map(at);
         let mut points = points.collect::<Result<Vec<Point>, Error>>()?.into_iter();
-        let lines = PARAMETERS.map(|(name, symbol, _)| Line {
+        let lines = PARAMETERS.map(|(name, symbol, _)| ParameterScan {
             name,
             symbol,
             points: points.by_ref().take(VALUES).collect(),

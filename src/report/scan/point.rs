@@ -92,7 +92,7 @@ impl StickSlip {
     }
 
     /// Whether two starts lead to the same motion.
-    pub(super) fn is(&self, other: &StickSlip) -> bool {
+    pub(super) fn is_same(&self, other: &StickSlip) -> bool {
         let near = |(a, b): (&f64, &f64)| (a - b).abs() <= SAME_LENGTH;
         self.period == other.period
             && self.lengths.len() == other.lengths.len()
@@ -150,7 +150,7 @@ impl Point {
                         period,
                         lengths: lengths(model, &x, period, &options)?,
                     };
-                    if !stick_slip.iter().any(|known| known.is(&motion)) {
+                    if !stick_slip.iter().any(|known| known.is_same(&motion)) {
                         stick_slip.push(motion);
                     }
                     if two_periodic(sticks, period) {
