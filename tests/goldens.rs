@@ -6,7 +6,7 @@
 
 use std::path::Path;
 
-use crate::common::{Numerically, assert_golden};
+use crate::common::{NumericComparison, assert_golden};
 use crate::report::with;
 use replication::figures::locator::LOCATOR;
 use replication::figures::rows;
@@ -52,7 +52,7 @@ fn locator() {
 
 #[test]
 fn the_comparison_lets_rounding_pass_and_nothing_else() {
-    let compare = Numerically {
+    let compare = NumericComparison {
         tolerance: TOLERANCE,
     };
     let same = |a: &str, b: &str| compare.same(a, b);

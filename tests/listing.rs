@@ -92,7 +92,7 @@ fn in_place_stages_do_not_converge_to_the_motion() {
 
 /// Largest |Δx1 − factor·h·x2| / h over the slip steps: the deviation from `factor` times the
 /// field's displacement.
-fn way_defect(defects: Defects, h: f64, factor: f64) -> f64 {
+fn displacement_error(defects: Defects, h: f64, factor: f64) -> f64 {
     samples(&slipping(defects, h))
         .windows(2)
         .map(|pair| {
@@ -106,15 +106,15 @@ fn a_step_in_place_goes_three_times_as_far() {
     // With the factor 3 the deviation is of first order in h: halving h halves it. With the factor
     // 1 it stays.
     let (coarse, fine) = (
-        way_defect(Defects::AS_PRINTED, 1e-3, 3.0),
-        way_defect(Defects::AS_PRINTED, 1e-4, 3.0),
+        displacement_error(Defects::AS_PRINTED, 1e-3, 3.0),
+        displacement_error(Defects::AS_PRINTED, 1e-4, 3.0),
     );
     assert!(
         fine < 2e-3 && (8.0..12.0).contains(&(coarse / fine)),
         "{coarse}, {fine}"
     );
-    assert!(way_defect(Defects::AS_PRINTED, 1e-4, 1.0) > 0.5);
-    assert!(way_defect(Defects::MENDED, 1e-4, 1.0) < 1e-6);
+    assert!(displacement_error(Defects::AS_PRINTED, 1e-4, 1.0) > 0.5);
+    assert!(displacement_error(Defects::MENDED, 1e-4, 1.0) < 1e-6);
 }
 
 #[test]

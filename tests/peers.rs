@@ -37,10 +37,10 @@ fn says_what_it_does() {
 #[test]
 fn measures_ours_alone_without_python() {
     let folder = tempfile::tempdir().unwrap();
-    let said = contains("no peers")
+    let message = contains("no peers")
         .and(contains("Whole processes"))
         .and(contains("wrote"));
-    short(folder.path(), "1").assert().success().stdout(said);
+    short(folder.path(), "1").assert().success().stdout(message);
     let mut reader = csv::Reader::from_path(folder.path().join("bench.csv")).unwrap();
     let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
     assert!(rows.len() >= 11);
@@ -104,7 +104,7 @@ fn one_problem_prints_its_events() {
 }
 
 #[test]
-fn a_wrong_command_line_is_told_apart() {
+fn a_wrong_command_line_is_distinguished() {
     let folder = tempfile::tempdir().unwrap();
     let unknown = contains("invalid value 'drift'").and(contains("belt_sensitive"));
     short(folder.path(), "1")
@@ -125,7 +125,7 @@ fn a_wrong_command_line_is_told_apart() {
 }
 
 #[test]
-fn a_folder_that_cannot_be_written_is_told_before_the_measurement() {
+fn a_folder_that_cannot_be_written_is_reported_before_the_measurement() {
     let file = tempfile::NamedTempFile::new().unwrap();
     let stderr = contains("cannot create folder")
         .and(contains("--report-dir"))
@@ -137,7 +137,7 @@ fn a_folder_that_cannot_be_written_is_told_before_the_measurement() {
 }
 
 #[test]
-fn a_python_that_is_none_is_told() {
+fn a_python_that_is_none_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let mut command = short(folder.path(), "1");
     command.arg("--python").arg(folder.path().join("python"));
@@ -164,7 +164,7 @@ mod impostor {
     }
 
     #[test]
-    fn a_malformed_row_is_told_with_its_line() {
+    fn a_malformed_row_is_reported_with_its_line() {
         let folder = tempfile::tempdir().unwrap();
         let script = "read command\n\
             echo version,scipy,1.0\n\
@@ -180,7 +180,7 @@ mod impostor {
     }
 
     #[test]
-    fn a_process_that_dies_is_told() {
+    fn a_process_that_dies_is_reported() {
         let folder = tempfile::tempdir().unwrap();
         let stderr = contains("ended while 'prepare decay' was under way");
         python(folder.path(), "read command")

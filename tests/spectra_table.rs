@@ -74,7 +74,7 @@ fn the_page_says_what_the_table_holds() {
     faster.sort_by(f64::total_cmp);
     let series = ours.len();
     let quicker = QUICK.map(|peer| count(&|name| by[peer][name].seconds < ours[name].seconds));
-    let said = format!(
+    let message = format!(
         "The error of the first exponent is smaller than that of nolds `lyap_e` on {} series and \
          of neurokit2 `eckmann1986` on {}, the two that give a spectrum, and than those of the \
          others on {} to {}; with the embedding that the packages are given, than those of all on \
@@ -98,5 +98,5 @@ fn the_page_says_what_the_table_holds() {
         count(&|name| ours[name].status == "starved"),
     );
     let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(words(PAGE).contains(&words(&said)), "{said}");
+    assert!(words(PAGE).contains(&words(&message)), "{message}");
 }

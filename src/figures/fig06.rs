@@ -5,7 +5,7 @@ use super::{Failure, FigureError, FigureSpec, side_by_side};
 use crate::paper::claim_id::ClaimId;
 use crate::paper::reading::Reading::Exact;
 use plot::{
-    Axis, BLACK, BLUE, Color, Curve, Dash, Figure, GREY, Guide, Legend, Note, Panel, Place,
+    Axis, BLACK, BLUE, Color, Curve, Dash, Figure, GREY, Guide, Legend, Note, Panel, Position,
     VERMILLION,
 };
 use stickslip::models::friction::{Force, Friction};
@@ -93,7 +93,7 @@ fn draw(data: &Data) -> Result<String, FigureError> {
         a.add(curve(graph, color, dash).legend(&format!("*μ*_0 = {}", graph.mu0)));
     }
     let [_, paper, _] = &data.by_mu0;
-    let sticking = Note::new(Place::Fraction(0.76, 0.2), "sticking: |*T*| ≤ *μ*_0");
+    let sticking = Note::new(Position::Fraction(0.76, 0.2), "sticking: |*T*| ≤ *μ*_0");
     a.add(sticking.arrow((0.0, -0.4 * paper.law.mu0())));
     let mut b = panel("(b)", &format!("*μ*_0 = {}", paper.mu0));
     for (graph, (color, dash)) in data.by_delta.iter().zip(LINES) {

@@ -7,12 +7,12 @@ use insta::internals::SnapshotContents;
 /// Compares line by line and word by word: numbers up to a relative difference, all other words
 /// exactly.
 #[derive(Clone, Copy, Debug)]
-pub struct Numerically {
+pub struct NumericComparison {
     /// Largest relative difference.
     pub tolerance: f64,
 }
 
-impl Numerically {
+impl NumericComparison {
     /// Whether two texts are equal in this sense.
     pub fn same(&self, golden: &str, found: &str) -> bool {
         let (golden, found) = (golden.trim_end(), found.trim_end());
@@ -42,7 +42,7 @@ impl Numerically {
     }
 }
 
-impl Comparator for Numerically {
+impl Comparator for NumericComparison {
     fn matches(&self, reference: &Snapshot, test: &Snapshot) -> bool {
         match (reference.contents(), test.contents()) {
             (SnapshotContents::Text(golden), SnapshotContents::Text(found)) => {
@@ -63,6 +63,6 @@ pub fn assert_golden(name: &str, text: String, tolerance: f64) {
     settings.set_snapshot_path(concat!(env!("CARGO_MANIFEST_DIR"), "/golden"));
     settings.set_prepend_module_to_snapshot(false);
     settings.set_omit_expression(true);
-    settings.set_comparator(Box::new(Numerically { tolerance }));
+    settings.set_comparator(Box::new(NumericComparison { tolerance }));
     settings.bind(|| insta::assert_snapshot!(name, text));
 }

@@ -153,15 +153,15 @@ fn verdicts_are_whole_words(browser: &mut Browser) {
 
 /// On a narrow screen a figure is wider than its frame, and a note above says that it scrolls.
 fn narrow_figures_say_that_they_scroll(browser: &mut Browser) {
-    let told = "[...document.querySelectorAll('figure')].map((one) => \
+    let reported = "[...document.querySelectorAll('figure')].map((one) => \
         [one.firstElementChild.scrollWidth > one.clientWidth, getComputedStyle(one, \
         '::before').content.includes('scroll')])";
     browser.look(375, "light");
-    for one in browser.evaluate(told).as_array().unwrap() {
+    for one in browser.evaluate(reported).as_array().unwrap() {
         assert_eq!(*one, json!([true, true]));
     }
     browser.look(1280, "light");
-    for one in browser.evaluate(told).as_array().unwrap() {
+    for one in browser.evaluate(reported).as_array().unwrap() {
         assert_eq!(*one, json!([false, false]));
     }
 }

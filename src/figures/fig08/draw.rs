@@ -66,7 +66,7 @@ pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
     }
     let outside = 100.0 * data.as_printed.outside_zones;
     let text = format!("{outside:.0} % of the stick time lies in no stick zone");
-    left_strip.add(Note::new(Place::Fraction(0.5, 0.0), &text).offset(0.0, 6.0));
+    left_strip.add(Note::new(Position::Fraction(0.5, 0.0), &text).offset(0.0, 6.0));
     let mut right = exact_side.plane("(b)", "stated model, exact");
     let belt = data.model.belt_speed;
     let crossings = data.exact.pattern.pattern_crossings();

@@ -104,9 +104,9 @@ fn the_known_exponents_follow_from_the_equations() {
             let mean = values.clone().sum::<f64>() / RUNS as f64;
             let squares: f64 = values.map(|value| (value - mean) * (value - mean)).sum();
             let error = (squares / (RUNS * (RUNS - 1)) as f64).sqrt();
-            let told = format!("{}: {mean} ± {error}, known {known}", case.name);
-            assert!(error < 0.02 * case.known[0], "{told}");
-            assert!((mean - known).abs() < 4.0 * error + ROUNDING, "{told}");
+            let reported = format!("{}: {mean} ± {error}, known {known}", case.name);
+            assert!(error < 0.02 * case.known[0], "{reported}");
+            assert!((mean - known).abs() < 4.0 * error + ROUNDING, "{reported}");
         }
     }
 }

@@ -195,7 +195,7 @@ fn henon_by_one_column() {
 /// 0.86, is one of those: as `ok` it would be twice the true exponent. Quadratic maps find the
 /// system's two exponents and no others.
 #[test]
-fn spurious_exponents_of_henon_in_four_dimensions_are_told() {
+fn spurious_exponents_of_henon_in_four_dimensions_are_reported() {
     let series = column(&henon(10_000), 0, 1.0);
     let embedding = Embedding {
         delay: 1,

@@ -59,7 +59,7 @@ fn with_the_divergence_the_exponent_that_the_data_do_not_tell_follows() {
 }
 
 #[test]
-fn a_wrong_divergence_is_told() {
+fn a_wrong_divergence_is_reported() {
     let found = spectrum(&henon(5000), 1.0, &DataSettings::default());
     let agrees = |divergence| match found.balance(divergence) {
         Balance::Whole { agrees, .. } => agrees,
@@ -110,7 +110,7 @@ fn short_series_get_linear_maps() {
 /// its scatter. Two sizes show less than half of that; quadratic maps reveal it. The first exponent
 /// is right and stays `ok`.
 #[test]
-fn linear_maps_that_hide_their_bias_are_told_by_quadratic_ones() {
+fn linear_maps_that_hide_their_bias_are_revealed_by_quadratic_ones() {
     let rows = henon(10_000);
     for points in [5000, 10_000] {
         let delayed = rows[..points]

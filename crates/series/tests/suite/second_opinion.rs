@@ -185,7 +185,7 @@ fn surrogates_of_chaos_are_predicted_worse() {
 /// to three errors are allowed: more have a probability of 1.6 %. A monotonic function of the
 /// values leaves the series linear noise.
 #[test]
-fn linear_noise_is_told_from_its_surrogates_no_more_often_than_the_level_says() {
+fn linear_noise_is_distinguished_from_its_surrogates_no_more_often_than_the_level_says() {
     const LENGTH: usize = 1000;
     let long: Vec<Vec<[f64; 1]>> = [0.0, 0.5, 0.9]
         .map(|phi| autoregression(7 * LENGTH, phi))

@@ -492,12 +492,12 @@ fn the_good_file_is_good() {
 }
 
 #[test]
-fn each_bad_file_is_told_what_is_wrong_where_and_what_to_do() {
+fn each_bad_file_is_reported_what_is_wrong_where_and_what_to_do() {
     let mut wrong = Vec::new();
     for case in CASES {
         let places = GOOD.matches(case.0).count();
         assert!(places > 0, "`{}` is not in the good file", case.0);
-        if let Err(why) = told(case) {
+        if let Err(why) = check_case(case) {
             wrong.push(format!("{} -> {}: {why}", case.0, case.1));
         }
     }
@@ -505,7 +505,7 @@ fn each_bad_file_is_told_what_is_wrong_where_and_what_to_do() {
 }
 
 /// Whether a case is reported as expected.
-fn told((from, to, message, token, help): Case) -> Result<(), String> {
+fn check_case((from, to, message, token, help): Case) -> Result<(), String> {
     let text = GOOD.replacen(from, to, 1);
     let (problem, shown) = problem_of(&text);
     let require = |good: bool, what: &str| {
@@ -542,7 +542,7 @@ fn told((from, to, message, token, help): Case) -> Result<(), String> {
 }
 
 #[test]
-fn what_needs_several_contacts_or_sides_is_told() {
+fn what_needs_several_contacts_or_sides_is_reported() {
     let two = GOOD
         .replace(
             "v = \"drive - x - friction(belt)\"",
@@ -563,7 +563,7 @@ fn what_needs_several_contacts_or_sides_is_told() {
 }
 
 #[test]
-fn more_states_or_contacts_than_the_solver_has_room_for_are_told() {
+fn more_states_or_contacts_than_the_solver_has_room_for_are_reported() {
     let contacts: String = (0..16)
         .map(|k| format!("[contacts.c{k}]\nboundary = \"x\"\n"))
         .collect();
@@ -628,7 +628,7 @@ fn greek_names_and_the_micro_sign_are_the_same_letter() {
 
 /// An é as one byte, as in Latin-1, in the second line.
 #[test]
-fn a_file_in_another_code_is_told_with_its_line() {
+fn a_file_in_another_code_is_reported_with_its_line() {
     let text = GOOD.replace("a block", "a bloc l\u{e9}ger");
     let bytes: Vec<u8> = text.chars().map(|letter| letter as u8).collect();
     let file = tempfile::NamedTempFile::new().unwrap();
@@ -674,7 +674,7 @@ set = { v = "-r*v", n = "n + 1" }
 "#;
 
 #[test]
-fn what_is_wrong_with_jumps_and_inputs_is_told_where_it_is() {
+fn what_is_wrong_with_jumps_and_inputs_is_reported_where_it_is() {
     assert!(
         SystemFile::parse(Source {
             name: String::new(),
@@ -1166,13 +1166,13 @@ fn what_is_wrong_with_jumps_and_inputs_is_told_where_it_is() {
         if !part.is_empty() {
             assert_eq!(&text[problem.place.clone()], part, "{shown}");
         }
-        let told = problem.help.unwrap_or_default();
-        assert!(told.contains(help), "{from} -> {to}: {told}");
+        let reported = problem.help.unwrap_or_default();
+        assert!(reported.contains(help), "{from} -> {to}: {reported}");
     }
 }
 
 #[test]
-fn a_table_whose_file_is_wrong_is_told() {
+fn a_table_whose_file_is_wrong_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("system.toml");
     let text = JUMPS.replace(
@@ -1180,12 +1180,12 @@ fn a_table_whose_file_is_wrong_is_told() {
         "file = \"force.csv\"",
     );
     std::fs::write(&path, text).unwrap();
-    let told = || {
+    let report = || {
         SystemFile::open(path.to_str().unwrap())
             .unwrap_err()
             .to_string()
     };
-    let absent = told();
+    let absent = report();
     assert!(
         absent.contains("cannot read") && absent.contains("begins in the folder of this file"),
         "{absent}"
@@ -1207,14 +1207,14 @@ fn a_table_whose_file_is_wrong_is_told() {
         ("t,f\n0,0\n", "a table of 1 points"),
     ] {
         std::fs::write(folder.path().join("force.csv"), content).unwrap();
-        assert!(told().contains(message), "{}", told());
+        assert!(report().contains(message), "{}", report());
     }
     std::fs::write(folder.path().join("force.csv"), "t,f\n0,0\n1,2\n").unwrap();
     assert!(SystemFile::open(path.to_str().unwrap()).is_ok());
 }
 
 #[test]
-fn a_boundary_that_does_not_move_is_told() {
+fn a_boundary_that_does_not_move_is_reported() {
     for boundary in ["drive", "n", "push*n"] {
         let text = JUMPS.replace("drive\"\n[jumps", "drive - friction(c)\"\n[jumps");
         let contact = format!("[contacts.c]\nboundary = \"{boundary}\"\nfriction = \"1\"\n[jumps");

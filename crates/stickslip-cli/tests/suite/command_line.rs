@@ -112,7 +112,7 @@ fn parameters_and_starts_can_be_set() {
 }
 
 #[test]
-fn wrong_arguments_are_told_with_a_remedy() {
+fn wrong_arguments_are_reported_with_a_remedy() {
     let top = folder();
     let bad: [(&[&str], &str); 30] = [
         (
@@ -295,7 +295,7 @@ fn json(folder: &Path, arguments: &[&str]) -> serde_json::Value {
 }
 
 #[test]
-fn what_was_understood_and_written_is_told_as_json_too() {
+fn what_was_understood_and_written_is_reported_as_json_too() {
     let top = folder();
     let written = json(top.path(), &["new", "mine.toml"]);
     assert_eq!(written, serde_json::json!({ "files": ["mine.toml"] }));
@@ -335,7 +335,7 @@ fn what_was_understood_and_written_is_told_as_json_too() {
 
 /// Files that integrate without errors but are probably not meant.
 #[test]
-fn a_period_that_is_none_is_doubted() {
+fn a_period_that_is_none_is_warned_of() {
     const DRIVEN: &str = r#"
 name = "driven"
 [states]
@@ -356,12 +356,12 @@ v = 0
 period = "2*pi/w"
 "#;
     let top = folder();
-    for (period, doubts) in [("2*pi/w", 0), ("4*pi/w", 0), ("2.2*pi/w", 1)] {
+    for (period, warnings) in [("2*pi/w", 0), ("4*pi/w", 0), ("2.2*pi/w", 1)] {
         let text = DRIVEN.replace("2*pi/w", period);
         std::fs::write(top.path().join("driven.toml"), text).unwrap();
         let found = json(top.path(), &["check", "driven.toml"]);
         let doubtful = found["doubtful"].as_array().unwrap();
-        assert_eq!(doubtful.len(), doubts, "{doubtful:?}");
+        assert_eq!(doubtful.len(), warnings, "{doubtful:?}");
         let wanted = "not the same after the file's period 3.45";
         assert!(
             doubtful
@@ -372,30 +372,30 @@ period = "2*pi/w"
 }
 
 #[test]
-fn friction_of_the_wrong_sign_or_less_at_rest_is_doubted() {
+fn friction_of_the_wrong_sign_or_less_at_rest_is_warned_of() {
     let top = folder();
     program(top.path())
         .args(["new", "mine.toml"])
         .assert()
         .success();
     let right = text(top.path().join("mine.toml"));
-    let doubts = |replaced: &str, by: &str| {
+    let warnings = |replaced: &str, by: &str| {
         assert!(right.contains(replaced));
         let name = top.path().join("other.toml");
         std::fs::write(&name, right.replace(replaced, by)).unwrap();
         let found = json(top.path(), &["check", "other.toml"]);
-        let doubts = found["doubtful"].as_array().unwrap().clone();
-        let told = program(top.path())
+        let warnings = found["doubtful"].as_array().unwrap().clone();
+        let reported = program(top.path())
             .args(["check", "other.toml"])
             .assert()
             .success();
-        let told = String::from_utf8(told.get_output().stdout.clone()).unwrap();
-        assert_eq!(told.contains("doubtful"), !doubts.is_empty());
-        doubts
+        let reported = String::from_utf8(reported.get_output().stdout.clone()).unwrap();
+        assert_eq!(reported.contains("doubtful"), !warnings.is_empty());
+        warnings
     };
     let law = "friction(belt))";
-    assert_eq!(doubts(law, law), [""; 0]);
-    let [driving] = &doubts("- friction(belt))", "+ friction(belt))")[..] else {
+    assert_eq!(warnings(law, law), [""; 0]);
+    let [driving] = &warnings("- friction(belt))", "+ friction(belt))")[..] else {
         panic!("one doubt is expected");
     };
     let driving = driving.as_str().unwrap();
@@ -405,8 +405,8 @@ fn friction_of_the_wrong_sign_or_less_at_rest_is_doubted() {
         "{driving}"
     );
     let commented = "# static = \"1.5*mu0\"";
-    assert_eq!(doubts(commented, "static = \"1.5*mu0\""), [""; 0]);
-    let [less] = &doubts(commented, "static = \"0.5*mu0\"")[..] else {
+    assert_eq!(warnings(commented, "static = \"1.5*mu0\""), [""; 0]);
+    let [less] = &warnings(commented, "static = \"0.5*mu0\"")[..] else {
         panic!("one doubt is expected");
     };
     let less = less.as_str().unwrap();
@@ -417,7 +417,7 @@ fn friction_of_the_wrong_sign_or_less_at_rest_is_doubted() {
     // Kinetic friction at zero velocity equals the static one up to rounding, also beside a large
     // force.
     let same = "static = \"mu0*(0.09*m)/(0.09*m)\"";
-    assert_eq!(doubts(commented, same), [""; 0]);
+    assert_eq!(warnings(commented, same), [""; 0]);
     let start = "[start]\nx = 0.5";
     assert!(right.contains(start));
     let far = right
@@ -429,7 +429,7 @@ fn friction_of_the_wrong_sign_or_less_at_rest_is_doubted() {
 }
 
 #[test]
-fn a_run_that_comes_to_rest_is_no_periodic_orbit_and_is_told_where() {
+fn a_run_that_comes_to_rest_is_no_periodic_orbit_and_is_reported_where() {
     let top = folder();
     // x = F(-vd) = (1 + e^(-2 vd))/2.
     let rest = 0.5 + 0.5 * stickslip::math::exp(-3.8);
@@ -451,7 +451,7 @@ fn a_run_that_comes_to_rest_is_no_periodic_orbit_and_is_told_where() {
 }
 
 #[test]
-fn an_orbit_that_takes_longer_than_asked_to_come_back_is_told_with_its_period() {
+fn an_orbit_that_takes_longer_than_asked_to_come_back_is_reported_with_its_period() {
     let top = folder();
     program(top.path())
         .args(["orbit", "belt", "--longest", "3"])
@@ -561,7 +561,7 @@ fn contacts_are_spoken_of_by_their_names() {
         .stderr(contains(
             "--at-repelling has no effect on a system of several contacts",
         ));
-    let said = "the static friction of the contact `lower`";
+    let message = "the static friction of the contact `lower`";
     let weak = ["two.toml", "--set", "hold=0.5"];
     for command in ["simulate", "orbit", "lyapunov"] {
         program(top.path())
@@ -569,7 +569,7 @@ fn contacts_are_spoken_of_by_their_names() {
             .args(weak)
             .assert()
             .code(1)
-            .stderr(contains(said))
+            .stderr(contains(message))
             .stderr(contains("contact 1").not());
     }
     program(top.path())
@@ -578,7 +578,7 @@ fn contacts_are_spoken_of_by_their_names() {
         .args(["--grid", "2x2", "--out", "b"])
         .assert()
         .success()
-        .stdout(contains("none  1.0000").and(contains(said)));
+        .stdout(contains("none  1.0000").and(contains(message)));
     let found = json(top.path(), &["simulate", "two.toml"]);
     let transitions = found["transitions"].as_array().unwrap();
     for name in ["upper", "lower"] {
@@ -625,7 +625,7 @@ fn an_orbit_that_escapes_is_written_as_far_as_it_went() {
 }
 
 #[test]
-fn an_output_folder_that_cannot_be_made_is_told() {
+fn an_output_folder_that_cannot_be_made_is_reported() {
     let top = folder();
     std::fs::write(top.path().join("taken"), "").unwrap();
     program(top.path())
@@ -669,12 +669,12 @@ fn a_contact_that_another_one_lets_go_has_a_transition_of_its_own() {
     std::fs::write(top.path().join("stacked.toml"), STACKED).unwrap();
     let found = json(top.path(), &["simulate", "stacked.toml"]);
     let transitions = found["transitions"].as_array().unwrap();
-    let told: Vec<(&str, &str)> = transitions
+    let reported: Vec<(&str, &str)> = transitions
         .iter()
         .map(|at| ["contact", "kind"].map(|name| at[name].as_str().unwrap()))
         .map(|[contact, kind]| (contact, kind))
         .collect();
-    assert_eq!(told, [("ground", "stick exit"), ("top", "stick exit")]);
+    assert_eq!(reported, [("ground", "stick exit"), ("top", "stick exit")]);
     for at in transitions {
         assert!((at["t"].as_f64().unwrap() - 2.0).abs() < 1e-12);
         assert_eq!((&at["from"], &at["to"]), (&"S|S".into(), &"+|-".into()));
@@ -711,9 +711,9 @@ fn the_times_of_a_run_are_expressions_of_parameters() {
 
 /// A run cannot continue where the boundaries of two contacts coincide.
 #[test]
-fn boundaries_that_depend_on_each_other_are_doubted() {
+fn boundaries_that_depend_on_each_other_are_warned_of() {
     let top = folder();
-    let doubts = |boundaries: [&str; 3]| {
+    let warnings = |boundaries: [&str; 3]| {
         let [a, b, c] = boundaries;
         let text = format!(
             r#"
@@ -743,10 +743,10 @@ w = 0.1
         );
         std::fs::write(top.path().join("three.toml"), text).unwrap();
         let found = json(top.path(), &["check", "three.toml"]);
-        let doubts = found["doubtful"].as_array().unwrap().iter();
-        let doubts = doubts.map(|doubt| doubt.as_str().unwrap().to_owned());
+        let warnings = found["doubtful"].as_array().unwrap().iter();
+        let warnings = warnings.map(|doubt| doubt.as_str().unwrap().to_owned());
         let depend = |doubt: &String| doubt.contains("depend on each other");
-        doubts.filter(depend).collect::<Vec<String>>()
+        warnings.filter(depend).collect::<Vec<String>>()
     };
     for boundaries in [
         ["v", "w", "x"],
@@ -755,7 +755,7 @@ w = 0.1
         ["v", "w*w + 1", "x"],
         ["x", "v", "w - x - v^2"],
     ] {
-        assert_eq!(doubts(boundaries), [""; 0], "{boundaries:?}");
+        assert_eq!(warnings(boundaries), [""; 0], "{boundaries:?}");
     }
     for (boundaries, names) in [
         (["v", "2*v", "x"], "`a`, `b`"),
@@ -765,7 +765,7 @@ w = 0.1
         // Any two are independent.
         (["v", "w", "v - w"], "`a`, `b`, `c`"),
     ] {
-        let found = doubts(boundaries);
+        let found = warnings(boundaries);
         assert_eq!(found.len(), 1, "{boundaries:?}");
         assert!(
             found[0].contains(&format!("contacts {names} have")),
@@ -804,11 +804,11 @@ end = 1
         &["simulate", "origin.toml", "--t-end", "1e-300"],
     ] {
         let run = program(top.path()).args(arguments).output().unwrap();
-        let told = [run.stdout, run.stderr].map(|text| String::from_utf8(text).unwrap());
-        let told = told.concat();
+        let reported = [run.stdout, run.stderr].map(|text| String::from_utf8(text).unwrap());
+        let reported = reported.concat();
         assert!(
-            !told.contains("0000000000") && !told.contains("= -0,"),
-            "{arguments:?}: {told}"
+            !reported.contains("0000000000") && !reported.contains("= -0,"),
+            "{arguments:?}: {reported}"
         );
     }
 }
@@ -1096,7 +1096,7 @@ fn figures_are_also_written_as_png() {
 
 /// Driving friction: both fields point away from the boundary.
 #[test]
-fn a_start_without_a_unique_future_is_told() {
+fn a_start_without_a_unique_future_is_reported() {
     let top = folder();
     let system = r#"
 name = "pushed on"

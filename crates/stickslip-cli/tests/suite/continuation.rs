@@ -339,7 +339,7 @@ fn a_change_at_which_the_multiplier_is_one_is_located_from_afar() {
 /// A graze is noticed only if it is some tolerances deep; its location is the zero of the event
 /// function. At S = 0.1, from Newton's iteration with 30 digits on the closed forms of the phases.
 #[test]
-fn where_phases_change_is_told_within_the_uncertainty_at_any_tolerance() {
+fn where_phases_change_is_reported_within_the_uncertainty_at_any_tolerance() {
     const PLACES: [(&str, f64); 2] = [
         ("grazing-sliding", 0.295_290_401_103_174_5),
         ("adding-sliding", 0.304_210_379_955_270_2),
@@ -382,7 +382,7 @@ fn a_branch_goes_back_only_where_it_folds() {
 }
 
 #[test]
-fn a_period_that_is_missing_or_wrong_is_told() {
+fn a_period_that_is_missing_or_wrong_is_reported() {
     let top = tempfile::tempdir().unwrap();
     let text = include_str!("../../../stickslip-kernels/systems/den-hartog.toml");
     let without = text.replace("period = \"2*pi/O\"", "");
@@ -390,7 +390,7 @@ fn a_period_that_is_missing_or_wrong_is_told() {
     assert!(without != text && wrong != text);
     std::fs::write(top.path().join("without.toml"), without).unwrap();
     std::fs::write(top.path().join("wrong.toml"), wrong).unwrap();
-    for (file, told) in [
+    for (file, reported) in [
         ("without.toml", "what is its period?"),
         ("wrong.toml", "is not the same after the file's period"),
     ] {
@@ -407,7 +407,7 @@ fn a_period_that_is_missing_or_wrong_is_told() {
                 .args(arguments)
                 .assert()
                 .code(2)
-                .stderr(contains(told));
+                .stderr(contains(reported));
         }
     }
 }
@@ -556,9 +556,9 @@ fn a_long_branch_comes_to_its_end() {
 }
 
 #[test]
-fn what_cannot_be_continued_is_told_with_a_remedy() {
+fn what_cannot_be_continued_is_reported_with_a_remedy() {
     let top = tempfile::tempdir().unwrap();
-    for (arguments, told) in [
+    for (arguments, reported) in [
         (
             vec!["basins", "--parameter", "vd=1.6:2"],
             "choose it with --set vd=",
@@ -583,7 +583,7 @@ fn what_cannot_be_continued_is_told_with_a_remedy() {
         program(top.path(), &arguments)
             .assert()
             .code(2)
-            .stderr(contains(told));
+            .stderr(contains(reported));
     }
 }
 
@@ -653,7 +653,7 @@ z = 0.3
 "#;
 
 #[test]
-fn an_end_in_an_equilibrium_on_the_boundary_is_told_everywhere() {
+fn an_end_in_an_equilibrium_on_the_boundary_is_reported_everywhere() {
     let top = tempfile::tempdir().unwrap();
     let path = top.path().join("lags.toml");
     std::fs::write(&path, LAGS).unwrap();
@@ -664,9 +664,9 @@ fn an_end_in_an_equilibrium_on_the_boundary_is_told_everywhere() {
     for ((end, row), exact) in ends.iter().zip(&table).zip([-1.0, 1.0]) {
         assert_eq!(end["stop"], "boundary equilibrium");
         assert_eq!(row["what"], "boundary equilibrium");
-        let told = end["boundary_equilibrium"].as_f64().unwrap();
-        assert_eq!(number(row, "b"), told);
-        assert!((told - exact).abs() < 1e-12, "{told}");
+        let reported = end["boundary_equilibrium"].as_f64().unwrap();
+        assert_eq!(number(row, "b"), reported);
+        assert!((reported - exact).abs() < 1e-12, "{reported}");
     }
     let mut sweep = Command::new(env!("CARGO_BIN_EXE_stickslip"));
     sweep
@@ -734,8 +734,8 @@ fn a_wide_orbit_that_ends_in_an_equilibrium_on_the_boundary_does_not_graze() {
     let (json, _, _) = with_special(&[file, "--parameter", "eps=-0.09:-0.005"]);
     let end = &json["ends"][0];
     assert_eq!(end["stop"], "boundary equilibrium");
-    let told = end["boundary_equilibrium"].as_f64().unwrap();
-    assert!((told + 1.0 / 15.0).abs() < 1e-12, "{told}");
+    let reported = end["boundary_equilibrium"].as_f64().unwrap();
+    assert!((reported + 1.0 / 15.0).abs() < 1e-12, "{reported}");
 }
 
 /// A block on a belt whose static friction decreases to the kinetic one.
@@ -977,11 +977,11 @@ fn a_change_is_followed_in_two_parameters_along_its_closed_form() {
         ("c=1:2", "--set c="),
         ("d=1:2", "`d`"),
     ];
-    for (also, told) in wrong {
+    for (also, reported) in wrong {
         let arguments = [file, "--parameter", "p=0.5:1.2", "--also", also];
         let output = program(top.path(), &arguments).assert().code(2);
         let error = String::from_utf8(output.get_output().stderr.clone()).unwrap();
-        assert!(error.contains(told), "{also}: {error}");
+        assert!(error.contains(reported), "{also}: {error}");
     }
 }
 

@@ -65,7 +65,7 @@ fn a_ball_bounces_at_times_in_geometric_progression() {
 }
 
 #[test]
-fn a_ball_that_bounces_without_end_is_told_where_that_is() {
+fn a_ball_that_bounces_without_end_is_reported_where_that_is() {
     // From the first impact on, 2 v/g r/(1 − r).
     let fall = (2.0_f64 / 9.81).sqrt();
     for method in METHODS {
@@ -85,9 +85,9 @@ fn a_ball_that_bounces_without_end_is_told_where_that_is() {
                 .assert()
                 .failure();
             let words = String::from_utf8(failed.get_output().stderr.clone()).unwrap();
-            let told = words.split("at the accumulation point, t = ").nth(1);
-            let told = told.unwrap_or_else(|| panic!("{method}: {words}"));
-            let mut words = told.split(' ');
+            let reported = words.split("at the accumulation point, t = ").nth(1);
+            let reported = reported.unwrap_or_else(|| panic!("{method}: {words}"));
+            let mut words = reported.split(' ');
             let t: f64 = words.next().unwrap().parse().unwrap();
             assert!((t - exact).abs() < 1e-10, "{method}, {r}: {t} and {exact}");
         }
@@ -915,8 +915,8 @@ fn a_function_that_is_no_number_is_named() {
             let (_top, mut command) = program(&text);
             command.args(["simulate", "system.toml", "--method", method]);
             let failed = command.assert().failure();
-            let told = String::from_utf8(failed.get_output().stderr.clone()).unwrap();
-            assert!(told.contains(words), "{method}: {told}");
+            let reported = String::from_utf8(failed.get_output().stderr.clone()).unwrap();
+            assert!(reported.contains(words), "{method}: {reported}");
         }
     }
 }
@@ -1072,10 +1072,10 @@ fn a_plane_of_starts_leaves_discrete_states_where_the_file_has_them() {
                heating = [0, 1]\n";
     let (_top, mut command) = program(one);
     let failed = command.args(["basin", "system.toml"]).assert().failure();
-    let told = String::from_utf8(failed.get_output().stderr.clone()).unwrap();
+    let reported = String::from_utf8(failed.get_output().stderr.clone()).unwrap();
     assert!(
-        told.contains("the system has 1") && told.contains("--y heating=LOW:HIGH"),
-        "{told}"
+        reported.contains("the system has 1") && reported.contains("--y heating=LOW:HIGH"),
+        "{reported}"
     );
     let two = one
         .replace("[discrete]", "w = \"\"\n[discrete]")

@@ -126,16 +126,16 @@ fn cases() -> Vec<(String, &'static [&'static str], f64, Option<f64>)> {
 }
 
 #[test]
-fn a_pile_up_is_told_with_its_contacts_and_the_point() {
+fn a_pile_up_is_reported_with_its_contacts_and_the_point() {
     for (text, contacts, t, ratio) in cases() {
         for method in METHODS {
             let words = failed(&text, &["--method", method]);
             let names: Vec<String> = contacts.iter().map(|name| format!("`{name}`")).collect();
             let names = format!("transitions at {} within", names.join(", "));
             assert!(words.contains(&names), "{method}: {words}");
-            let told = number(&words, "accumulation point, t = ");
+            let reported = number(&words, "accumulation point, t = ");
             let uncertainty = number(&words, " ± ");
-            assert!((told - t).abs() < 2e-11, "{method}: {t}: {words}");
+            assert!((reported - t).abs() < 2e-11, "{method}: {t}: {words}");
             assert!(uncertainty < 1e-10, "{method}: {words}");
             let x = words
                 .split("± ")
@@ -146,8 +146,11 @@ fn a_pile_up_is_told_with_its_contacts_and_the_point() {
                 assert!(x.parse::<f64>().unwrap().abs() < 1e-11, "{method}: {words}");
             }
             if let Some(ratio) = ratio {
-                let told = number(&words, "each phase ");
-                assert!((told - ratio).abs() < 1e-5, "{method}: {ratio}: {words}");
+                let reported = number(&words, "each phase ");
+                assert!(
+                    (reported - ratio).abs() < 1e-5,
+                    "{method}: {ratio}: {words}"
+                );
             }
             assert!(words.ends_with("by --at-pile-up rest they rest"), "{words}");
         }

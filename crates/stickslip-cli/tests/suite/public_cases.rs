@@ -378,16 +378,16 @@ fn a_system_without_contacts_is_smooth() {
     }
     let (_top, mut command) = program(&row_of_blocks(1, 0));
     let orbit = ["orbit", "system.toml"];
-    let told = contains("6.28318530");
-    command.args(orbit).assert().success().stdout(told);
+    let reported = contains("6.28318530");
+    command.args(orbit).assert().success().stdout(reported);
     // Without a boundary there is nothing to report.
     let (_top, mut command) = program(&row_of_blocks(1, 0));
-    let told = contains("has no contact");
+    let reported = contains("has no contact");
     command
         .args(["tangents", "system.toml"])
         .assert()
         .code(2)
-        .stderr(told);
+        .stderr(reported);
 }
 
 /// Crossing cycles about a two-fold (C24). Above the boundary the field is tangent to it where `p =
@@ -421,9 +421,9 @@ y = 0.05
         let found: Value = serde_json::from_slice(&output).unwrap();
         let end = &found["ends"][0];
         assert_eq!(end["stop"], "two-fold", "{found:#}");
-        let told = |key: &str| end["two_fold"][key].as_f64().unwrap();
-        let off = (told("parameter") - exact).abs();
-        let uncertainty = told("uncertainty");
+        let reported = |key: &str| end["two_fold"][key].as_f64().unwrap();
+        let off = (reported("parameter") - exact).abs();
+        let uncertainty = reported("uncertainty");
         assert!(
             off <= uncertainty && uncertainty < 1e-9,
             "{method}: {off:e} {uncertainty:e}"

@@ -12,10 +12,10 @@ use crate::hybrid::{options, system};
 use crate::public_cases::METHODS;
 
 /// Number of events compared: later, neighbouring orbits may have separated.
-const MOST: usize = 40;
+const MAX_COMPARED: usize = 40;
 
 /// Allowed difference of event times.
-const SAME: f64 = 1e-6;
+const TIME_TOLERANCE: f64 = 1e-6;
 
 /// The file of a random system.
 fn text(random: &mut SplitMix) -> String {
@@ -93,12 +93,12 @@ fn text(random: &mut SplitMix) -> String {
 
 /// Result of a run.
 #[derive(Debug)]
-struct Found {
+struct RunResult {
     events: Vec<(TransitionKind, usize, f64)>,
     ending: String,
 }
 
-fn found(system: &System, method: &str) -> Found {
+fn found(system: &System, method: &str) -> RunResult {
     let x = Vector::from_vec(system.built.start.clone().unwrap());
     let options = options(method).escape(1e3);
     let start = Moment { t: 0.0, x };
@@ -115,9 +115,9 @@ fn found(system: &System, method: &str) -> Found {
             // At a touch, a function comes to zero within rounding and turns back.
             Ok(Happening::Transition(at)) if at.kind != TransitionKind::Touch => {
                 events.push((at.kind, at.contact, at.t));
-                if events.len() == MOST {
+                if events.len() == MAX_COMPARED {
                     let ending = "enough".to_owned();
-                    return Found { events, ending };
+                    return RunResult { events, ending };
                 }
             }
             Ok(Happening::End(summary)) => {
@@ -125,7 +125,7 @@ fn found(system: &System, method: &str) -> Found {
                     Ending::EndTime => "end time".to_owned(),
                     other => format!("{other:?}"),
                 };
-                return Found { events, ending };
+                return RunResult { events, ending };
             }
             Ok(_) => {}
             Err(error) => return failed(events, &error),
@@ -133,16 +133,16 @@ fn found(system: &System, method: &str) -> Found {
     }
 }
 
-fn failed(events: Vec<(TransitionKind, usize, f64)>, error: &Error) -> Found {
+fn failed(events: Vec<(TransitionKind, usize, f64)>, error: &Error) -> RunResult {
     let name = format!("{error:?}");
     let ending = name.split(' ').next().unwrap().to_owned();
-    Found { events, ending }
+    RunResult { events, ending }
 }
 
 /// Whether both have the same events.
-fn are_alike([one, other]: &[Found; 2]) -> bool {
+fn are_alike([one, other]: &[RunResult; 2]) -> bool {
     let is_alike = |(a, b): (&(TransitionKind, usize, f64), &(TransitionKind, usize, f64))| {
-        (a.0, a.1) == (b.0, b.1) && (a.2 - b.2).abs() < SAME
+        (a.0, a.1) == (b.0, b.1) && (a.2 - b.2).abs() < TIME_TOLERANCE
     };
     // Where transitions accumulate, the last ones have fewer significant digits.
     let count = match one.ending.as_str() {
@@ -171,10 +171,10 @@ fn compared(seeds: std::ops::Range<u64>) -> (usize, BTreeMap<String, usize>, Vec
         events += both[0].events.len();
         *endings.entry(both[0].ending.clone()).or_insert(0) += 1;
         if !are_alike(&both) {
-            let first = (0..MOST).find(|&k| {
+            let first = (0..MAX_COMPARED).find(|&k| {
                 let [one, other] = [&both[0], &both[1]].map(|found| found.events.get(k));
                 !matches!((one, other), (Some(a), Some(b)) if (a.0, a.1) == (b.0, b.1)
-                    && (a.2 - b.2).abs() < SAME)
+                    && (a.2 - b.2).abs() < TIME_TOLERANCE)
             });
             let shown = [&both[0], &both[1]].map(|found| {
                 let from = first.unwrap_or(0).saturating_sub(1);

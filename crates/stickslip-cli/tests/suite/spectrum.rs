@@ -105,7 +105,7 @@ fn csv_and_json_hold_the_same_numbers() {
 
 /// A rotation has the exponent zero; Hénon's map has no exponent near zero (see above).
 #[test]
-fn an_exponent_that_is_ok_and_may_be_zero_is_told() {
+fn an_exponent_that_is_ok_and_may_be_zero_is_reported() {
     use stickslip::math::{cos, sin};
     let angle = |i: u32| f64::from(i) * 2.0_f64.sqrt();
     let text: String = (0..2000)
@@ -540,13 +540,14 @@ fn a_short_piece_of_an_orbit_and_a_series_that_repeats_itself_get_a_warning() {
     let thirty = ["--references", "30"];
     assert!(!warnings(torus(0.2), &thirty).contains(short));
     assert!(!warnings(torus(0.02), &[]).contains(short));
-    let told = warnings(torus(0.02), &thirty);
+    let reported = warnings(torus(0.02), &thirty);
     assert!(
-        told.contains("the 30 reference points reach over 30 points, ") && told.contains(short),
-        "{told}"
+        reported.contains("the 30 reference points reach over 30 points, ")
+            && reported.contains(short),
+        "{reported}"
     );
     // The number of points that it asks for is enough.
-    let wanted = told
+    let wanted = reported
         .split("give ")
         .last()
         .unwrap()
@@ -602,13 +603,13 @@ fn values_on_a_grid_and_states_that_stand_still_get_a_word() {
                 .success()
                 .get_output()
                 .clone();
-            let told = String::from_utf8(output.stderr).unwrap();
-            let case = format!("{digits} digits, {held} rows, columns {columns}: {told}");
-            assert_eq!(told.contains("different values"), is_on_grid, "{case}");
+            let reported = String::from_utf8(output.stderr).unwrap();
+            let case = format!("{digits} digits, {held} rows, columns {columns}: {reported}");
+            assert_eq!(reported.contains("different values"), is_on_grid, "{case}");
             let grid = "different values, on a grid of 0.01, as rounded ones";
-            assert_eq!(told.contains(grid), is_on_grid, "{case}");
+            assert_eq!(reported.contains(grid), is_on_grid, "{case}");
             assert_eq!(
-                told.contains("the same as those before them"),
+                reported.contains("the same as those before them"),
                 stands,
                 "{case}"
             );
@@ -648,21 +649,21 @@ fn a_rounded_series_that_hangs_has_a_finite_exponent_and_a_grid() {
     assert_eq!(rounded["grid"]["column"], "1");
     assert!(rounded["exponents"][0]["exponent"].is_f64());
     let warnings = rounded["warnings"].as_array().unwrap();
-    let told = |says: &str| {
+    let reported = |says: &str| {
         warnings
             .iter()
             .any(|one| one.as_str().unwrap().contains(says))
     };
-    assert!(told(
+    assert!(reported(
         "on a grid of 0.05, as rounded ones or those of few bits"
     ));
-    assert!(told("states are the same as those before them"));
+    assert!(reported("states are the same as those before them"));
     assert!(of(1e-9)["grid"].is_null());
 }
 
 /// Ten values five points apart need 45 points more than the neighbours of a state.
 #[test]
-fn a_file_that_is_too_short_is_told_how_many_rows_it_needs() {
+fn a_file_that_is_too_short_is_reported_how_many_rows_it_needs() {
     let column = |rows: usize| -> String {
         let rows = henon_of(rows);
         let first = rows.lines().map(|line| line.split(',').next().unwrap());
@@ -677,26 +678,26 @@ fn a_file_that_is_too_short_is_told_how_many_rows_it_needs() {
             String::from_utf8(output.stderr).unwrap(),
         )
     };
-    let needed = |told: &str| -> usize {
-        let before = told.split(" are needed").next().unwrap();
+    let needed = |reported: &str| -> usize {
+        let before = reported.split(" are needed").next().unwrap();
         before.rsplit(' ').next().unwrap().parse().unwrap()
     };
     let delayed = ["--delay", "5", "--dimension", "10"];
-    let (code, told) = run(45, &delayed);
-    assert_eq!(code, Some(2), "{told}");
-    let rows = needed(&told);
-    let (code, told) = run(rows - 1, &delayed);
-    assert_eq!((code, needed(&told)), (Some(1), rows), "{told}");
+    let (code, reported) = run(45, &delayed);
+    assert_eq!(code, Some(2), "{reported}");
+    let rows = needed(&reported);
+    let (code, reported) = run(rows - 1, &delayed);
+    assert_eq!((code, needed(&reported)), (Some(1), rows), "{reported}");
     assert!(
-        told.starts_with(&format!("error: {} points are too few", rows - 1)),
-        "{told}"
+        reported.starts_with(&format!("error: {} points are too few", rows - 1)),
+        "{reported}"
     );
-    let (code, told) = run(rows, &delayed);
-    assert_eq!(code, Some(0), "{told}");
+    let (code, reported) = run(rows, &delayed);
+    assert_eq!(code, Some(0), "{reported}");
     // Complete states need exactly those rows.
-    let (_, told) = run(10, &["--dimension", "1"]);
-    let rows = needed(&told);
-    assert_eq!(run(rows, &["--dimension", "1"]).0, Some(0), "{told}");
+    let (_, reported) = run(10, &["--dimension", "1"]);
+    let rows = needed(&reported);
+    assert_eq!(run(rows, &["--dimension", "1"]).0, Some(0), "{reported}");
 }
 
 #[test]

@@ -210,7 +210,7 @@ fn a_constant_column_is_left_out_with_a_word() {
 /// -0 and 05 are not whole numbers, so that the comma beside them is a decimal comma. With two
 /// commas in a line the separator is ambiguous.
 #[test]
-fn a_decimal_comma_without_another_separator_is_told_by_its_digits() {
+fn a_decimal_comma_without_another_separator_is_recognized_by_its_digits() {
     let read = table("0,25\n-0,5\n1,05\n", &[]).unwrap();
     assert_eq!(read.values, [0.25, -0.5, 1.05]);
     assert!(read.notes[0].contains("decimal commas") && read.notes[0].contains("semicolons"));
@@ -241,12 +241,12 @@ fn a_decimal_comma_without_another_separator_is_told_by_its_digits() {
 }
 
 #[test]
-fn a_blank_line_between_numbers_is_told_and_one_around_them_is_not() {
+fn a_blank_line_between_numbers_is_reported_and_one_around_them_is_not() {
     let notes = |text: &str| table(text, &[]).unwrap().notes;
-    let told = notes("1 2\n3 4\n\n\n5 6\n7 9\n\n8 9\n");
+    let reported = notes("1 2\n3 4\n\n\n5 6\n7 9\n\n8 9\n");
     assert!(
-        told.len() == 1 && told[0].starts_with("line 3 is blank"),
-        "{told:?}"
+        reported.len() == 1 && reported[0].starts_with("line 3 is blank"),
+        "{reported:?}"
     );
     assert_eq!(notes("\n# two\n\n1 2\n3 4\n5 7\n\n\n"), [""; 0]);
 }

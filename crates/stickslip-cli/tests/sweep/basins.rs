@@ -207,9 +207,9 @@ fn another_argument_or_system_is_refused_in_the_same_folder() {
 }
 
 #[test]
-fn wrong_planes_are_told() {
+fn wrong_planes_are_reported() {
     let top = folder();
-    for (arguments, said) in [
+    for (arguments, message) in [
         (&["--grid", "0x4"][..], "--grid 0x4"),
         (&["--grid", "ten"], "--grid ten"),
         (&["--random", "0"], "'0' for '--random"),
@@ -226,7 +226,7 @@ fn wrong_planes_are_told() {
             .args(arguments)
             .assert()
             .code(2)
-            .stderr(contains(said));
+            .stderr(contains(message));
     }
     // Nothing was computed from it.
     assert_eq!(std::fs::read_dir(top.path()).unwrap().count(), 0);

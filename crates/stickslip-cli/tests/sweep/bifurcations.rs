@@ -125,9 +125,9 @@ fn ways_computed_apart_are_merged_to_what_one_run_gives() {
 }
 
 #[test]
-fn wrong_diagrams_are_told() {
+fn wrong_diagrams_are_reported() {
     let top = folder();
-    for (parameter, further, said) in [
+    for (parameter, further, message) in [
         ("x=0:1", &[][..], "there is no parameter `x`"),
         ("vd=0:1", &["--values", "1"], "at least 2 values"),
         ("mud=-1:1", &[], "not allowed"),
@@ -138,7 +138,7 @@ fn wrong_diagrams_are_told() {
             .args(further)
             .assert()
             .code(2)
-            .stderr(contains(said));
+            .stderr(contains(message));
     }
     assert_eq!(std::fs::read_dir(top.path()).unwrap().count(), 0);
 }
@@ -171,7 +171,7 @@ y = -0.5
 
 /// The sine touches the boundary at p = 1.
 #[test]
-fn a_change_of_phases_is_told_at_the_contact_of_that_name() {
+fn a_change_of_phases_is_reported_at_the_contact_of_that_name() {
     let top = folder();
     std::fs::write(top.path().join("two.toml"), TWO).unwrap();
     let output = program(top.path())
@@ -234,7 +234,7 @@ fn a_change_of_phases_is_told_at_the_contact_of_that_name() {
 /// The block of `roof` leaves it where sin t + cos t falls through p, at 3π/4 - asin(p/√2). At q
 /// the other contact passes zero.
 #[test]
-fn contacts_that_change_places_are_told_together() {
+fn contacts_that_change_places_are_reported_together() {
     let top = folder();
     std::fs::write(top.path().join("two.toml"), TWO).unwrap();
     let output = program(top.path())
@@ -250,16 +250,16 @@ fn contacts_that_change_places_are_told_together() {
         .args(["--duration", "20", "--out", "o"])
         .assert()
         .success();
-    let said = String::from_utf8(output.get_output().stdout.clone()).unwrap();
+    let message = String::from_utf8(output.get_output().stdout.clone()).unwrap();
     let sine = 0.98 / 2.0_f64.sqrt();
     let exact =
         0.75 * std::f64::consts::PI - stickslip::math::atan(sine / (1.0 - sine * sine).sqrt());
-    let told: Vec<&str> = said
+    let reported: Vec<&str> = message
         .lines()
         .filter(|line| line.contains("coincidence"))
         .collect();
-    assert_eq!(told.len(), 2, "{said}");
-    for line in told {
+    assert_eq!(reported.len(), 2, "{message}");
+    for line in reported {
         let both = [" of clock and roof", " of roof and clock"];
         assert!(both.iter().any(|names| line.ends_with(names)), "{line}");
         let value = line

@@ -166,9 +166,9 @@ fn shares_without_an_escape_bound_are_merged() {
 }
 
 #[test]
-fn wrong_maps_are_told() {
+fn wrong_maps_are_reported() {
     let top = folder();
-    for (x, y, said) in [
+    for (x, y, message) in [
         ("x=0:1", "d=0:1", "there is no parameter `x`"),
         ("vd=0:1", "vd=0:1", "a map has two parameters"),
         ("vd=0:1", "mud=-1:1", "not allowed"),
@@ -178,7 +178,7 @@ fn wrong_maps_are_told() {
             .args(["map", "basins", "--x", x, "--y", y])
             .assert()
             .code(2)
-            .stderr(contains(said));
+            .stderr(contains(message));
     }
     assert_eq!(std::fs::read_dir(top.path()).unwrap().count(), 0);
 }

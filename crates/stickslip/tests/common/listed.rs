@@ -25,9 +25,9 @@ pub struct Traced<const N: usize> {
 }
 
 /// A system at rest.
-struct Still;
+struct AtRest;
 
-impl<const N: usize> Filippov<N> for Still {
+impl<const N: usize> Filippov<N> for AtRest {
     fn field<T: Scalar>(&self, _side: Side, _t: T, _x: &[T; N]) -> [T; N] {
         [T::zero(); N]
     }
@@ -42,7 +42,7 @@ impl<const N: usize> Traced<N> {
         let formulas = match allowed {
             Ok(()) => trace(system),
             // The values may be NaN; no run starts with them.
-            Err(_) => trace::<_, N>(&Still),
+            Err(_) => trace::<_, N>(&AtRest),
         };
         Traced {
             formulas: formulas.expect("a system that does not branch on values"),

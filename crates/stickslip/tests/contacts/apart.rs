@@ -22,11 +22,11 @@ pub fn three() -> Rig<3> {
 pub const START: [f64; 6] = [1.0, -0.5, 2.0, 0.0, 0.5, -0.3];
 
 /// One of them alone.
-pub struct Alone<'a>(pub &'a Rig<3>, pub usize);
+pub struct SingleOscillator<'a>(pub &'a Rig<3>, pub usize);
 
-impl Filippov<2> for Alone<'_> {
+impl Filippov<2> for SingleOscillator<'_> {
     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
-        let Alone(rig, i) = *self;
+        let SingleOscillator(rig, i) = *self;
         let shaking = (t * rig.omega).cos() * rig.forcing[i];
         [
             x[1],
@@ -43,7 +43,7 @@ fn each_goes_on_as_alone(options: &Options, allowed: f64) {
     let together = solve(&Several(&rig), 0.0, START, 40.0, options).unwrap();
     for i in 0..3 {
         let alone = solve(
-            &Alone(&rig, i),
+            &SingleOscillator(&rig, i),
             0.0,
             [START[i], START[3 + i]],
             40.0,
@@ -92,7 +92,7 @@ struct WithIdle<'a>(&'a Rig<3>);
 
 impl Contacts<2, 2> for WithIdle<'_> {
     fn field<T: Scalar>(&self, sides: &[Side; 2], t: T, x: &[T; 2]) -> [T; 2] {
-        Alone(self.0, 0).field(sides[0], t, x)
+        SingleOscillator(self.0, 0).field(sides[0], t, x)
     }
     fn boundaries<T: Scalar>(&self, _t: T, x: &[T; 2]) -> [T; 2] {
         [x[1], x[0] * x[0] + 1.0]
@@ -107,7 +107,7 @@ fn a_contact_that_never_acts_changes_nothing() {
         (Options::tol(1e-15).method(Method::Taylor), 1e-12),
     ] {
         let start = [START[0], START[3]];
-        let alone = solve(&Alone(&rig, 0), 0.0, start, 40.0, &options).unwrap();
+        let alone = solve(&SingleOscillator(&rig, 0), 0.0, start, 40.0, &options).unwrap();
         let beside = solve(&Several(WithIdle(&rig)), 0.0, start, 40.0, &options).unwrap();
         assert_eq!(alone.transitions.len(), beside.transitions.len());
         assert!(alone.transitions.len() > 8);
@@ -145,7 +145,7 @@ fn a_contact_at_the_limit_of_what_holds_it_does_as_by_the_rules_of_one_boundary(
             Options::tol(1e-12),
             Options::tol(1e-14).method(Method::Taylor),
         ] {
-            let alone = solve(&Alone(&rig, 0), 0.0, [x, 0.0], 1.0, &options).unwrap();
+            let alone = solve(&SingleOscillator(&rig, 0), 0.0, [x, 0.0], 1.0, &options).unwrap();
             let several = solve(&Several(WithIdle(&rig)), 0.0, [x, 0.0], 1.0, &options).unwrap();
             let first = alone.phases[0].mode;
             assert_eq!(first == Mode::Stick, sticks, "{rig:?}");

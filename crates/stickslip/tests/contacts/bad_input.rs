@@ -5,7 +5,7 @@ use stickslip::{Contacts, Ending, Error, Method, Options, Scalar, Several, Side,
 use super::references::stacked;
 
 /// Two bodies with contacts that depend on the case.
-struct Odd(Case);
+struct InvalidContacts(Case);
 
 #[derive(Clone, Copy)]
 enum Case {
@@ -25,7 +25,7 @@ enum Case {
     Refused,
 }
 
-impl Contacts<2, 2> for Odd {
+impl Contacts<2, 2> for InvalidContacts {
     fn field<T: Scalar>(&self, sides: &[Side; 2], _t: T, _x: &[T; 2]) -> [T; 2] {
         let second = match self.0 {
             Case::Repels => -1.0,
@@ -67,13 +67,20 @@ impl Contacts<2, 2> for Odd {
 }
 
 fn error(case: Case, start: [f64; 2]) -> Error {
-    let failure = solve(&Several(Odd(case)), 0.0, start, 2.0, &Options::default()).unwrap_err();
+    let failure = solve(
+        &Several(InvalidContacts(case)),
+        0.0,
+        start,
+        2.0,
+        &Options::default(),
+    )
+    .unwrap_err();
     assert_eq!(failure.reached.ending, Ending::Failed);
     failure.error
 }
 
 #[test]
-fn what_is_no_contact_is_told() {
+fn what_is_no_contact_is_reported() {
     let dependent = error(Case::Coincide, [1.0, 1.0]);
     assert!(
         matches!(&dependent, Error::DependentContacts { contacts, .. } if *contacts == [0, 1]),
@@ -105,7 +112,7 @@ fn a_boundary_that_ends_on_the_way_ends_the_run_there() {
         Options::tol(1e-10),
         Options::tol(1e-10).method(Method::Taylor),
     ] {
-        let system = Several(Odd(Case::Ends));
+        let system = Several(InvalidContacts(Case::Ends));
         let failure = solve(&system, 0.0, [1.5, 0.5], 1.0, &options).unwrap_err();
         let Error::StepCollapse { ref x, .. } = failure.error else {
             panic!("{}", failure.error);
@@ -115,7 +122,7 @@ fn a_boundary_that_ends_on_the_way_ends_the_run_there() {
 }
 
 #[test]
-fn a_future_that_is_not_unique_is_told_with_what_it_could_be() {
+fn a_future_that_is_not_unique_is_reported_with_what_it_could_be() {
     let repels = error(Case::Repels, [0.0, 0.0]);
     let Error::NoUniqueMode {
         contacts,
@@ -130,7 +137,7 @@ fn a_future_that_is_not_unique_is_told_with_what_it_could_be() {
 }
 
 #[test]
-fn static_friction_at_a_contact_that_slips_is_told() {
+fn static_friction_at_a_contact_that_slips_is_reported() {
     let elsewhere = error(Case::HoldsAll, [0.0, 1.0]);
     assert!(
         matches!(
@@ -146,7 +153,7 @@ fn static_friction_at_a_contact_that_slips_is_told() {
 }
 
 #[test]
-fn static_friction_below_the_kinetic_is_told_with_the_contact() {
+fn static_friction_below_the_kinetic_is_reported_with_the_contact() {
     let mut rig = stacked();
     rig.ratio = 0.5;
     let failure = solve(&Several(&rig), 0.0, [0.0; 6], 5.0, &Options::default()).unwrap_err();

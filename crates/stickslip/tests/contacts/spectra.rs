@@ -7,7 +7,7 @@ use stickslip::dynamics::Matrix;
 use stickslip::system::IntoState;
 use stickslip::{Error, Mode, Options, Several, State, solve};
 
-use super::apart::{Alone, START, three};
+use super::apart::{START, SingleOscillator, three};
 use super::references::stacked;
 use super::rig::Rig;
 
@@ -70,7 +70,8 @@ fn the_spectrum_of_oscillators_apart_is_the_union_of_each_ones() {
     let together = lyapunov_spectrum(&Several(&rig), (0.0, START), &settings).unwrap();
     let alone = (0..3).flat_map(|i| {
         let start = [START[i], START[3 + i]];
-        let spectrum = lyapunov_spectrum(&Alone(&rig, i), (0.0, start), &settings).unwrap();
+        let spectrum =
+            lyapunov_spectrum(&SingleOscillator(&rig, i), (0.0, start), &settings).unwrap();
         spectrum.exponents
     });
     let (found, expected) = (sorted(together.exponents.to_vec()), sorted(alone.collect()));

@@ -17,15 +17,15 @@ use crate::line::Line;
 use crate::listed::{Listed, traced};
 use crate::lyapunov_equations::{Fork, FromSupport, Linear, Pressed, Refracting, Rider, Roessler};
 use crate::pulses::{Overflowing, Pushed, Slippery, Spike};
-use crate::sections::Watches;
+use crate::sections::EventSet;
 use crate::smooth::{Lorenz, Smooth};
 use crate::solver::systems::{
     BlowUp, Breathing, Ceiling, Dip, Floor, Ledge, MovingLine, Parabola, Rest, Reversed, Spiral,
     StaticFriction, TurningLine, TwiceRound, TwoFold, Wall, Window, Zeno,
 };
 use crate::taylor::{
-    Bilinear, Brink, Cup, Dent, Gate, Kink, Knee, Nowhere, Pit, Push, Ramp, Rectified, SoftStop,
-    Steep, Steepening, Turn, Valley,
+    Bilinear, Brink, Cup, Dent, Gate, Kink, Knee, Pit, Push, Ramp, Rectified, SoftStop, Steep,
+    Steepening, Turn, UndefinedAfterOne, Valley,
 };
 use crate::two_folds::{Folds, Random};
 
@@ -71,8 +71,8 @@ macro_rules! typed {
 
 traced!(
     1:
-    BlowUp, Breathing, Cup, Dent, Fork, Knee, Line, MovingLine, Nowhere, Push, Rectified, Rider,
-    Spike, Square, Steep, Steepening, TurningLine, Wall, Window,
+    BlowUp, Breathing, Cup, Dent, Fork, Knee, Line, MovingLine, Push, Rectified, Rider, Spike,
+    Square, Steep, Steepening, TurningLine, UndefinedAfterOne, Wall, Window,
 );
 
 typed!(Any1, 1: Brink(Brink), Rest(Rest), Valley(Valley));
@@ -109,7 +109,7 @@ pub fn solve<S: Listed<N>, const N: usize>(
 
 pub fn solve_with_events<S: Listed<N>, const N: usize, const E: usize>(
     system: &S,
-    events: &Watches<E>,
+    events: &EventSet<E>,
     t0: f64,
     x0: impl IntoState<N>,
     t_end: f64,

@@ -110,8 +110,8 @@ fn the_bits_are_those_of_one_at_a_time_in_order() {
 }
 
 #[test]
-fn it_ends_when_told_and_asks_for_two_waves_at_most() {
-    let mut told = 0;
+fn it_ends_when_asked_and_asks_for_two_waves_at_most() {
+    let mut reported = 0;
     let asked = std::cell::Cell::new(0);
     let endless = (0..).inspect(|k| asked.set(*k + 1)).map(start);
     ensemble(
@@ -120,7 +120,7 @@ fn it_ends_when_told_and_asks_for_two_waves_at_most() {
         &Options::tol(1e-6),
         |_| (),
         |k, (), _| {
-            told += 1;
+            reported += 1;
             if k == 5000 {
                 ControlFlow::Break(())
             } else {
@@ -128,19 +128,19 @@ fn it_ends_when_told_and_asks_for_two_waves_at_most() {
             }
         },
     );
-    assert_eq!((told, asked.get()), (5001, 2 * 4096));
+    assert_eq!((reported, asked.get()), (5001, 2 * 4096));
 }
 
 /// Records the bits of every step and transition; stops the run at transition number `last`.
 #[derive(Clone, Default, PartialEq, Debug)]
-struct Everything {
+struct RunRecorder {
     bits: Vec<u64>,
     transitions: usize,
     last: usize,
     ignores_steps: bool,
 }
 
-impl<const N: usize> Observer<N> for Everything {
+impl<const N: usize> Observer<N> for RunRecorder {
     fn watches_steps(&self) -> bool {
         !self.ignores_steps
     }
@@ -183,10 +183,10 @@ fn assert_as_alone_if<S: Filippov<N> + PartialEq + Send + Sync, const N: usize>(
     t_end: f64,
     options: &Options,
 ) {
-    let observer = |k: usize| Everything {
+    let observer = |k: usize| RunRecorder {
         last: if k % 7 == 3 { 2 } else { 0 },
         ignores_steps,
-        ..Everything::default()
+        ..RunRecorder::default()
     };
     let outcome = |outcome: Result<Summary<N>, Failure<Summary<N>>>| {
         outcome
@@ -196,7 +196,7 @@ fn assert_as_alone_if<S: Filippov<N> + PartialEq + Send + Sync, const N: usize>(
             })
             .map_err(|failure| (failure.to_string(), failure.reached.t.to_bits()))
     };
-    let (mut told, mut events) = (0, 0);
+    let (mut reported, mut events) = (0, 0);
     ensemble(
         (0..number).map(start),
         t_end,
@@ -207,12 +207,12 @@ fn assert_as_alone_if<S: Filippov<N> + PartialEq + Send + Sync, const N: usize>(
             let end_alone = run(&one.system, one.t, one.x, t_end, options, &mut alone);
             assert_eq!(outcome(end), outcome(end_alone), "orbit {k}");
             assert!(found == alone, "orbit {k}: steps or transitions");
-            told += 1;
+            reported += 1;
             events += found.transitions;
             ControlFlow::Continue(())
         },
     );
-    assert_eq!(told, number);
+    assert_eq!(reported, number);
     assert!(events > number, "{events} events");
 }
 
@@ -360,7 +360,7 @@ fn assert_same_orbits<S: Filippov<N> + Copy, const N: usize>(
     let mut transitions = 0;
     for k in 0..number {
         let Start { system, t, x } = start(k);
-        let (mut of_calls, mut repeated) = (Everything::default(), Everything::default());
+        let (mut of_calls, mut repeated) = (RunRecorder::default(), RunRecorder::default());
         let wanted = run(&system, t, x, t_end, options, &mut of_calls);
         let found = run(&Interpreted(system), t, x, t_end, options, &mut repeated);
         assert_eq!(of_calls.transitions, repeated.transitions, "orbit {k}");

@@ -356,12 +356,12 @@ fn what_overflows_inside_a_field_that_does_not_is_no_stick_and_no_obstacle() {
 }
 
 /// Watches transitions, and optionally steps.
-struct Looks {
+struct TransitionWatcher {
     at_steps: bool,
     events: Vec<f64>,
 }
 
-impl<const N: usize> Observer<N> for Looks {
+impl<const N: usize> Observer<N> for TransitionWatcher {
     fn transition(&mut self, at: &Transition<N>) -> ControlFlow<()> {
         self.events.push(at.t);
         ControlFlow::Continue(())
@@ -387,7 +387,7 @@ fn an_orbit_is_the_same_whoever_looks_at_its_steps() {
         let start = State::from([part - 0.5, 0.4 - part]);
         for digits in [6, 7, 8, 9] {
             let [one, other] = [false, true].map(|at_steps| {
-                let mut looks = Looks {
+                let mut looks = TransitionWatcher {
                     at_steps,
                     events: Vec::new(),
                 };

@@ -28,13 +28,13 @@ pub enum Function {
 }
 
 /// Event functions, the directions searched for, and the terminal event.
-pub struct Watches<const E: usize> {
+pub struct EventSet<const E: usize> {
     functions: [Function; E],
     directions: [Direction; E],
     terminal: Option<usize>,
 }
 
-impl<const N: usize, const E: usize> EventFunctions<N, E> for Watches<E> {
+impl<const N: usize, const E: usize> EventFunctions<N, E> for EventSet<E> {
     fn values<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; E] {
         self.functions.map(|function| match function {
             Function::Level(i, level) => x[i] - level,
@@ -49,8 +49,8 @@ impl<const N: usize, const E: usize> EventFunctions<N, E> for Watches<E> {
     }
 }
 
-fn watch(function: Function, direction: Direction) -> Watches<1> {
-    Watches {
+fn watch(function: Function, direction: Direction) -> EventSet<1> {
+    EventSet {
         functions: [function],
         directions: [direction],
         terminal: None,
@@ -107,7 +107,7 @@ fn a_level_is_passed_when_the_circles_say() {
 }
 
 #[test]
-fn only_the_direction_asked_for_is_told() {
+fn only_the_direction_asked_for_is_reported() {
     for direction in [Rising, Falling] {
         let level = watch(Function::Level(0, 1.0), direction);
         let options = Options::default();
@@ -126,15 +126,15 @@ fn only_the_direction_asked_for_is_told() {
 #[test]
 fn a_terminal_event_ends_the_run_there() {
     for (options, allowed) in methods() {
-        let events = Watches {
+        let events = EventSet {
             functions: [Function::Wave(1.0), Function::Level(0, 1.0)],
             directions: [Both, Rising],
             terminal: Some(1),
         };
         let found = solve_with_events(&Floor, &events, 0.0, START, 20.0, &options).unwrap();
         // The sine vanishes where the first circle ends. Its zero at the start is not an event.
-        let told: Vec<_> = found.events.iter().map(|event| event.number).collect();
-        assert_eq!(told, [0, 1]);
+        let reported: Vec<_> = found.events.iter().map(|event| event.number).collect();
+        assert_eq!(reported, [0, 1]);
         let last = found.events[1];
         assert!((last.t - passes_one()[1].0).abs() < allowed);
         let orbit = &found.orbit;
@@ -151,8 +151,8 @@ fn a_terminal_event_ends_the_run_there() {
 }
 
 #[test]
-fn many_zeros_in_one_step_are_told_in_order_with_the_transitions() {
-    let events = Watches {
+fn many_zeros_in_one_step_are_reported_in_order_with_the_transitions() {
+    let events = EventSet {
         functions: [Function::Wave(40.0), Function::Wave(41.0)],
         directions: [Both, Both],
         terminal: None,
@@ -164,22 +164,22 @@ fn many_zeros_in_one_step_are_told_in_order_with_the_transitions() {
         let system = Floor.any();
         let integration = Integration::new(&system, 0.0, START, 10.0, &options).unwrap();
         let mut watched = Watched::new(integration, &events);
-        let (mut told, mut within) = (0.0, 0);
+        let (mut reported, mut within) = (0.0, 0);
         let (mut most, mut times) = (0, [Vec::new(), Vec::new()]);
         loop {
             match watched.step().unwrap() {
                 Happening::Progress(Progress::Step) => within = 0,
                 Happening::Progress(Progress::End(_)) => break,
                 Happening::Progress(Progress::Transition(at)) => {
-                    assert!(at.t >= told);
-                    told = at.t;
+                    assert!(at.t >= reported);
+                    reported = at.t;
                 }
                 Happening::Progress(Progress::PhaseEnd(_)) => {}
                 Happening::Event(event) => {
                     let step = watched.last_step();
                     assert!(step.t_start <= event.t && event.t <= step.t_end);
-                    assert!(event.t >= told);
-                    told = event.t;
+                    assert!(event.t >= reported);
+                    reported = event.t;
                     within += 1;
                     most = most.max(within);
                     times[event.number].push(event.t);
@@ -221,14 +221,14 @@ fn pairs_of_zeros_are_seen_and_misses_are_not() {
 fn a_block_that_sticks_passes_places_with_the_belt() {
     let belt = decaying_friction();
     for (options, allowed) in methods() {
-        let places = Watches {
+        let places = EventSet {
             functions: [Function::Level(0, 0.3), Function::Level(0, 0.7)],
             directions: [Both, Both],
             terminal: None,
         };
         let found = solve_with_events(&belt, &places, 0.0, [0.0, 0.2], 4.9, &options).unwrap();
-        let told: Vec<_> = found.events.iter().map(|e| (e.number, e.mode)).collect();
-        assert_eq!(told, [(0, Mode::Stick), (1, Mode::Stick)]);
+        let reported: Vec<_> = found.events.iter().map(|e| (e.number, e.mode)).collect();
+        assert_eq!(reported, [(0, Mode::Stick), (1, Mode::Stick)]);
         for (event, t) in found.events.iter().zip([1.5, 3.5]) {
             assert!((event.t - t).abs() < allowed, "{}", event.t);
             assert_eq!(event.x[1], 0.2);
@@ -237,16 +237,16 @@ fn a_block_that_sticks_passes_places_with_the_belt() {
 }
 
 #[test]
-fn a_zero_at_the_very_end_of_a_phase_is_told_once_before_it() {
+fn a_zero_at_the_very_end_of_a_phase_is_reported_once_before_it() {
     for (options, _) in methods() {
         // The boundary function itself: zero half a turn apart, until the block stays at rest.
         let turns = watch(Function::Level(1, 0.0), Both);
         let found = solve_with_events(&Floor, &turns, 0.0, START, 20.0, &options).unwrap();
-        let told: Vec<_> = found.events.iter().map(|e| (e.t, e.direction)).collect();
+        let reported: Vec<_> = found.events.iter().map(|e| (e.t, e.direction)).collect();
         let ends: Vec<_> = found.orbit.transitions.iter().map(|at| at.t).collect();
         assert_eq!(ends.len(), 4);
         let ways = [Rising, Falling, Rising, Falling];
-        assert_eq!(told, ends.into_iter().zip(ways).collect::<Vec<_>>());
+        assert_eq!(reported, ends.into_iter().zip(ways).collect::<Vec<_>>());
         for (event, phase) in found.events.iter().zip(&found.orbit.phases) {
             assert_eq!((event.mode, event.x), (phase.mode, phase.x_end));
         }
@@ -259,11 +259,17 @@ fn a_function_that_is_zero_during_stick_passes_at_its_ends() {
     for (options, _) in methods() {
         let on_belt = watch(Function::Level(1, 0.2), Both);
         let found = solve_with_events(&belt, &on_belt, 0.0, [0.04, -0.01], 30.0, &options).unwrap();
-        let told: Vec<_> = found.events.iter().map(|event| event.direction).collect();
-        assert!(told.len() >= 6);
-        assert!(told.iter().step_by(2).all(|direction| *direction == Rising));
+        let reported: Vec<_> = found.events.iter().map(|event| event.direction).collect();
+        assert!(reported.len() >= 6);
         assert!(
-            told.iter()
+            reported
+                .iter()
+                .step_by(2)
+                .all(|direction| *direction == Rising)
+        );
+        assert!(
+            reported
+                .iter()
                 .skip(1)
                 .step_by(2)
                 .all(|direction| *direction == Falling)
@@ -280,13 +286,13 @@ fn a_function_that_is_zero_during_stick_passes_at_its_ends() {
 }
 
 #[test]
-fn a_zero_at_the_end_of_the_run_is_told() {
+fn a_zero_at_the_end_of_the_run_is_reported() {
     let wave = watch(Function::Wave(PI), Both);
     let options = Options::default();
     let found = solve_with_events(&Floor, &wave, 0.0, START, 2.0, &options).unwrap();
-    let told: Vec<_> = found.events.iter().map(|event| event.t).collect();
-    assert_eq!(told.len(), 2);
-    assert!((told[0] - 1.0).abs() < 1e-15 && (told[1] - 2.0).abs() < 1e-15);
+    let reported: Vec<_> = found.events.iter().map(|event| event.t).collect();
+    assert_eq!(reported.len(), 2);
+    assert!((reported[0] - 1.0).abs() < 1e-15 && (reported[1] - 2.0).abs() < 1e-15);
 }
 
 #[test]
@@ -296,9 +302,9 @@ fn a_run_that_fails_keeps_the_events_before() {
     let options = Options::default().escape(1.0);
     let failure = solve_with_events(&belt, &place, 0.0, [0.5, 0.9], 50.0, &options).unwrap_err();
     assert!(matches!(failure.error, Error::Escaped { .. }), "{failure}");
-    let told: Vec<_> = failure.reached.events.iter().map(|event| event.t).collect();
-    assert_eq!(told.len(), 1);
-    assert!(told[0] < failure.reached.orbit.t_end);
+    let reported: Vec<_> = failure.reached.events.iter().map(|event| event.t).collect();
+    assert_eq!(reported.len(), 1);
+    assert!(reported[0] < failure.reached.orbit.t_end);
     let failure = solve_with_events(&belt, &place, 0.0, [0.5, 0.9], -1.0, &options).unwrap_err();
     assert!(matches!(failure.error, Error::Interval { .. }), "{failure}");
     assert_eq!(failure.reached.events, []);
@@ -454,7 +460,7 @@ fn a_strobe_is_a_section_of_time() {
     let period = 2.0 * PI / 0.7;
     let options = Options::tol(1e-13);
     // A map ignores that an event is terminal.
-    let strobe = Watches {
+    let strobe = EventSet {
         terminal: Some(0),
         ..watch(Function::Wave(0.7), Rising)
     };

@@ -217,8 +217,8 @@ fn the_forced_oscillator_is_the_same_by_series_and_by_slopes() {
 }
 
 /// A field that is undefined from t = 1 on.
-pub struct Nowhere;
-impl Filippov<1> for Nowhere {
+pub struct UndefinedAfterOne;
+impl Filippov<1> for UndefinedAfterOne {
     fn field<T: Scalar>(&self, _side: Side, t: T, x: &[T; 1]) -> [T; 1] {
         [Scalar::ln(-t + 1.0) * x[0] + 1.0]
     }
@@ -228,9 +228,15 @@ impl Filippov<1> for Nowhere {
 }
 
 #[test]
-fn a_field_that_is_not_a_number_is_told_so() {
-    let failure =
-        solve(&Nowhere, 0.0, State::from([0.5]), 2.0, &taylor(1e-12)).expect_err("ends at 1");
+fn a_field_that_is_not_a_number_is_reported_so() {
+    let failure = solve(
+        &UndefinedAfterOne,
+        0.0,
+        State::from([0.5]),
+        2.0,
+        &taylor(1e-12),
+    )
+    .expect_err("ends at 1");
     let (Error::StepCollapse { t, .. } | Error::NonFinite { t, .. }) = failure.error else {
         panic!("{}", failure.error);
     };
@@ -712,7 +718,7 @@ impl Filippov<1> for Valley {
 }
 
 #[test]
-fn a_boundary_that_the_field_hides_and_that_holds_the_orbit_is_told() {
+fn a_boundary_that_the_field_hides_and_that_holds_the_orbit_is_reported() {
     for (start, from) in [(0.5, 1.0), (-0.25, -30.0), (0.0, 1.0), (3.0, 0.0)] {
         let failure = solve(&Valley, from, [start], 10.0, &taylor(1e-10)).expect_err("slides");
         let Error::BranchPileUp {

@@ -177,7 +177,7 @@ const SLIDING: [(Visibility, Visibility, Folds); 4] = [
 ];
 
 #[test]
-fn sliding_orbits_end_at_a_two_fold_that_is_told_with_its_kind() {
+fn sliding_orbits_end_at_a_two_fold_that_is_reported_with_its_kind() {
     for options in methods() {
         for (below, above, folds) in SLIDING {
             // On the line y = z both decrease at the same rate, (V⁻ + s⁺)/2 = (V⁺ + s⁻)/2.

@@ -17,7 +17,7 @@ use crate::smooth::{Lorenz, Smooth};
 
 pub mod systems;
 use systems::{
-    Backwards, By, Detour, Driven, Leine, NearWells, Pushed, Rings, Shear, ToZero, Wells,
+    Backwards, Detour, Driven, Leine, Mechanism, NearWells, Pushed, Rings, Shear, ToZero, Wells,
 };
 
 const ABOVE: Mode = Mode::Slip(Side::Above);
@@ -151,7 +151,7 @@ fn a_basin_has_the_same_bits_on_any_number_of_threads() {
 }
 
 #[test]
-fn rest_is_told_apart_by_the_interval_that_holds_it() {
+fn rest_is_distinguished_by_the_interval_that_holds_it() {
     // |x - x³| ≤ 0.3 where friction holds: about -1, 0 and 1, but not between.
     let system = Wells { friction: 0.3 };
     let any = system.dynamics();
@@ -168,7 +168,7 @@ fn rest_is_told_apart_by_the_interval_that_holds_it() {
 
 #[test]
 fn an_equilibrium_at_zero_is_one_attractor_and_not_one_for_each_start() {
-    for by in [By::Spring, By::Relay, By::CurvedRelay] {
+    for by in [Mechanism::Spring, Mechanism::Relay, Mechanism::CurvedRelay] {
         let system = ToZero(by);
         let any = system.dynamics();
         let settings = within(200.0);

@@ -138,7 +138,7 @@ impl Filippov<1> for NearWells {
 
 /// Mechanism of a [`ToZero`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum By {
+pub enum Mechanism {
     /// `x'' = -x - 0.4 x'`, with a boundary that is never met.
     Spring,
     /// `x'' = -4 sgn(x + x')`: from stick at `x + x' = 0`, where `x' = -x`.
@@ -148,21 +148,21 @@ pub enum By {
 }
 
 /// A system with an equilibrium that is zero to the last bit.
-pub struct ToZero(pub By);
+pub struct ToZero(pub Mechanism);
 
 impl Filippov<2> for ToZero {
     fn field<T: Scalar>(&self, side: Side, _t: T, &[x, v]: &[T; 2]) -> [T; 2] {
         let pull = match self.0 {
-            By::Spring => -x - v * 0.4,
-            By::Relay | By::CurvedRelay => T::constant(-4.0 * side.sign()),
+            Mechanism::Spring => -x - v * 0.4,
+            Mechanism::Relay | Mechanism::CurvedRelay => T::constant(-4.0 * side.sign()),
         };
         [v, pull]
     }
     fn boundary<T: Scalar>(&self, _t: T, &[x, v]: &[T; 2]) -> T {
         match self.0 {
-            By::Spring => x - 5.0,
-            By::Relay => x + v,
-            By::CurvedRelay => x.sin() + v,
+            Mechanism::Spring => x - 5.0,
+            Mechanism::Relay => x + v,
+            Mechanism::CurvedRelay => x.sin() + v,
         }
     }
 }

@@ -8,7 +8,7 @@ use stickslip::analysis::{
 };
 use stickslip::{Fate, Filippov, Mode, Options, Scalar, Side, State, fate, math, solve};
 
-use super::sweeps::kept;
+use super::sweeps::leaked;
 use super::systems::{AtParameter, Focus, Lags, Persists};
 use crate::listed::Listed;
 
@@ -57,7 +57,7 @@ fn one_beyond_the_range_is_none() {
 #[test]
 fn a_sweep_finds_it_from_the_side_of_the_equilibrium_or_from_that_of_the_orbit() {
     for values in [[0.9, 1.1], [1.1, 0.9], [0.9, 1.0], [1.0, 1.2]] {
-        let family = |value| kept(AtParameter { system: ONE, value }).dynamics();
+        let family = |value| leaked(AtParameter { system: ONE, value }).dynamics();
         let start = [0.5, 0.1, 0.3];
         let settings = SweepSettings::within(300.0);
         let found = sweep(family, values, start, &settings, &Options::tol(1e-10)).unwrap();
@@ -80,7 +80,7 @@ fn a_sweep_finds_it_from_the_side_of_the_equilibrium_or_from_that_of_the_orbit()
 fn an_equilibrium_that_goes_over_into_sliding_is_located_there() {
     for values in [[-0.3, 0.5], [0.5, -0.3]] {
         let family = |value| {
-            kept(AtParameter {
+            leaked(AtParameter {
                 system: Persists,
                 value,
             })

@@ -217,8 +217,8 @@ fn a_change_is_within_its_uncertainty_at_any_tolerance() {
                 assert_eq!((found.stop, found.special.len()), (Stop::Range, 1));
                 (found.special[0].parameter, found.special[0].uncertainty)
             };
-            let ((told, uncertainty), (finer, _)) = (place(tolerance), place(0.1 * tolerance));
-            let off = [1.0, finer].map(|exact| (told - exact).abs());
+            let ((reported, uncertainty), (finer, _)) = (place(tolerance), place(0.1 * tolerance));
+            let off = [1.0, finer].map(|exact| (reported - exact).abs());
             assert!(
                 off[0].max(off[1]) <= uncertainty && uncertainty < 10.0 * tolerance + 1e-13,
                 "{method:?} {tolerance:e}: {off:?} of {uncertainty:e}"

@@ -316,7 +316,7 @@ fn curves_of_flips_and_of_tori_have_closed_forms_by_both_methods() {
 }
 
 #[test]
-fn what_has_no_change_is_told() {
+fn what_has_no_change_is_reported() {
     let settings = ContinuationSettings::over(1.05, 1.2).forced(2.0 * PI);
     let options = Options::tol(1e-10);
     let start = [place(0.5), 0.5, 1.1];

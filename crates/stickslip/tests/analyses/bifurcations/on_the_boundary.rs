@@ -9,10 +9,12 @@ use stickslip::analysis::{
 use stickslip::{Method, Mode, Options, Side, math};
 
 use super::branches::{is_hopf_at_zero, square_of_radius};
-use super::systems::{AtParameter, Lies, Pulse, Shaken, Sheet};
+use super::systems::{AtParameter, Pulse, Shaken, Sheet, SheetVariant};
 use crate::listed::Listed;
 
-const PULLED: Sheet = Sheet { lies: Lies::Pulled };
+const PULLED: Sheet = Sheet {
+    variant: SheetVariant::Pulled,
+};
 
 #[test]
 fn an_orbit_that_never_slips_is_found_with_its_multipliers() {
@@ -43,7 +45,7 @@ fn an_orbit_that_never_slips_is_found_with_its_multipliers() {
 fn a_strongly_attracting_orbit_is_not_found_with_several_times_its_period() {
     let system = AtParameter {
         system: Sheet {
-            lies: Lies::Growing,
+            variant: SheetVariant::Growing,
         },
         value: -0.1,
     };
@@ -59,7 +61,9 @@ fn a_strongly_attracting_orbit_is_not_found_with_several_times_its_period() {
 
 #[test]
 fn it_is_followed_round_a_fold_on_a_boundary_that_moves_with_the_parameter() {
-    let system = Sheet { lies: Lies::Folded };
+    let system = Sheet {
+        variant: SheetVariant::Folded,
+    };
     let settings = ContinuationSettings::over(-1.5, 0.5);
     let p: f64 = -0.5;
     let x = (1.0 + (1.0 + p).sqrt()).sqrt();
@@ -151,14 +155,14 @@ fn a_sweep_locates_it_and_tells_the_phases_on_both_sides() {
     let [below, above] = [Side::Below, Side::Above].map(Mode::Slip);
     let one = [above, Mode::Stick];
     let two = [above, Mode::Stick, below, Mode::Stick];
-    let cases: [(Lies, [f64; 2], f64, &[Mode]); 2] = [
-        (Lies::Pulled, [1.3, 1.0], 1.1, &one),
-        (Lies::Growing, [0.24, 0.26], 0.2541, &two),
+    let cases: [(SheetVariant, [f64; 2], f64, &[Mode]); 2] = [
+        (SheetVariant::Pulled, [1.3, 1.0], 1.1, &one),
+        (SheetVariant::Growing, [0.24, 0.26], 0.2541, &two),
     ];
-    for (lies, [stuck, slipping], exact, cycle) in cases {
+    for (variant, [stuck, slipping], exact, cycle) in cases {
         for ends in [[stuck, slipping], [slipping, stuck]] {
             let family = |value| {
-                let system = Sheet { lies };
+                let system = Sheet { variant };
                 Box::leak(Box::new(AtParameter { system, value })).dynamics()
             };
             let settings = SweepSettings::within(2000.0);

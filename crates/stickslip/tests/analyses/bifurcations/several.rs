@@ -37,7 +37,7 @@ fn changes(rhythms: [Rhythm; 2], other: f64, varied: usize, (from, to): (f64, f6
 }
 
 #[test]
-fn each_change_is_located_and_told_at_its_contact() {
+fn each_change_is_located_and_assigned_to_its_contact() {
     // As for one contact alone: y = sin t touches y = p, and the field above points down by 1 - p
     // cos t.
     let of_one = [

@@ -10,7 +10,7 @@ use stickslip::analysis::{
 use stickslip::dynamics::Modes;
 use stickslip::{Mode, Options, Side, math, solve};
 
-use super::sweeps::kept;
+use super::sweeps::leaked;
 use super::systems::{AtParameter, Dragged, Grip};
 use crate::listed::Listed;
 
@@ -187,7 +187,7 @@ fn a_sweep_locates_them_however_wide_its_steps() {
             system: Grip,
             value,
         };
-        let family = |value| kept(family(value)).dynamics();
+        let family = |value| leaked(family(value)).dynamics();
         let settings = SweepSettings::within(500.0);
         let found = sweep(
             family,
@@ -224,7 +224,7 @@ fn a_sweep_locates_them_however_wide_its_steps() {
 /// The orbit before it ends in a fold. The orbit that the run then reaches began in a graze further
 /// back. The two are unrelated.
 #[test]
-fn a_fold_is_told_beside_the_graze_in_which_another_orbit_begins() {
+fn a_fold_is_reported_beside_the_graze_in_which_another_orbit_begins() {
     let period = 2.0 * PI / Dragged::PACE;
     let options = Options::tol(1e-12);
     let settings = ContinuationSettings::over(0.2, 0.4).forced(period);
@@ -241,7 +241,7 @@ fn a_fold_is_told_beside_the_graze_in_which_another_orbit_begins() {
             system: Dragged,
             value,
         };
-        kept(system).dynamics()
+        leaked(system).dynamics()
     };
     let settings = SweepSettings::within(4000.0).forced(period);
     let found = sweep(

@@ -8,7 +8,7 @@ use stickslip::analysis::{
 };
 use stickslip::{Error, Mode, Options, Side, math, solve};
 
-use super::systems::{AtParameter, Beat, End, Ends, Held, Rhythm, Twisted};
+use super::systems::{AtParameter, Beat, End, Ends, FasterBelt, Rhythm, Twisted};
 use crate::attractors::systems::{Driven, Rings};
 use crate::den_hartog::DenHartog;
 use crate::listed::Listed;
@@ -17,7 +17,7 @@ const ABOVE: Mode = Mode::Slip(Side::Above);
 const BELOW: Mode = Mode::Slip(Side::Below);
 
 /// Leaks a system, since those of the list are borrowed.
-pub(super) fn kept<S>(system: S) -> &'static S {
+pub(super) fn leaked<S>(system: S) -> &'static S {
     Box::leak(Box::new(system))
 }
 
@@ -41,7 +41,7 @@ fn values(from: f64, to: f64, steps: u32) -> impl Iterator<Item = f64> {
 fn both_ways(rhythm: Rhythm, from: f64, to: f64) -> [SequenceChange; 2] {
     [(from, to), (to, from)].map(|(from, to)| {
         let settings = SweepSettings::within(400.0).forced(2.0 * PI);
-        let family = |p| kept(Beat { rhythm, p }).dynamics();
+        let family = |p| leaked(Beat { rhythm, p }).dynamics();
         let options = Options::tol(1e-11);
         let found = sweep(family, values(from, to, 3), [-0.5], &settings, &options).unwrap();
         only(&found).clone()
@@ -56,7 +56,7 @@ fn a_change_that_a_value_hits_is_located() {
         for end in [0.95, 1.05] {
             let settings = SweepSettings::within(400.0).forced(2.0 * PI);
             let rhythm = Rhythm::Touch;
-            let family = |p| kept(Beat { rhythm, p }).dynamics();
+            let family = |p| leaked(Beat { rhythm, p }).dynamics();
             let options = Options::tol(1e-11);
             let values = [1.05, 1.0 - beyond, 0.95];
             let values = if end > 1.0 {
@@ -106,7 +106,7 @@ fn a_flip_a_torus_and_a_fold_of_an_attractor_are_located_and_named() {
             value,
         };
         let settings = settings.forced(2.0 * PI);
-        let family = |value| kept(system(value)).dynamics();
+        let family = |value| leaked(system(value)).dynamics();
         let found = sweep(family, [-0.1, 0.12], [1.01, 0.0], &settings, &options).unwrap();
         let ([parameter, bound], what) = multiplier(&found);
         assert!(
@@ -125,7 +125,7 @@ fn a_flip_a_torus_and_a_fold_of_an_attractor_are_located_and_named() {
         system: Rings { place: 50.0 },
         value,
     };
-    let family = |value| kept(system(value)).dynamics();
+    let family = |value| leaked(system(value)).dynamics();
     let found = sweep(family, [-0.8, -1.1], [1.3, 0.0], &settings, &options).unwrap();
     let ([parameter, bound], what) = multiplier(&found);
     let off = (parameter + 1.0).abs();
@@ -223,7 +223,7 @@ fn den_hartog_s_orbits_have_stops_from_his_edge_on() {
         let u = math::sin(angle) / (frequency * (1.0 + math::cos(angle)));
         let edge = v.abs() / (u * u + 1.0 / (frequency * frequency * frequency * frequency)).sqrt();
         let family = |friction| {
-            kept(DenHartog {
+            leaked(DenHartog {
                 frequency,
                 friction,
             })
@@ -244,7 +244,7 @@ fn den_hartog_s_orbits_have_stops_from_his_edge_on() {
 #[test]
 fn a_loss_of_stability_that_a_value_of_the_sweep_hits_is_located() {
     let focus = 0.5 * LN_10;
-    let family = |vd| kept(Driven { vd }).dynamics();
+    let family = |vd| leaked(Driven { vd }).dynamics();
     for hit in [focus.next_down(), focus, focus.next_up()] {
         let (settings, options) = (SweepSettings::within(200.0), Options::tol(1e-10));
         let found = sweep(family, [1.3, hit], [0.55, 0.0], &settings, &options).unwrap();
@@ -262,7 +262,7 @@ fn a_loss_of_stability_that_a_value_of_the_sweep_hits_is_located() {
 fn the_ends_of_bistability_are_found_by_sweeps_up_and_down() {
     // At half the logarithm of ten the falling friction cancels all damping: 0.1 = e^(-2 vd).
     let focus = 0.5 * LN_10;
-    let family = |vd| kept(Driven { vd }).dynamics();
+    let family = |vd| leaked(Driven { vd }).dynamics();
     let settings = SweepSettings::within(3e4);
     let options = Options::tol(1e-10);
     let down = sweep(
@@ -317,7 +317,7 @@ fn the_ends_of_bistability_are_found_by_sweeps_up_and_down() {
 /// speed. With ω² = 1 - ζ² its velocity is R exp(-ζt) cos(ωt + φ), R cos φ = 1, R sin φ = (z +
 /// ζ)/ω, and z = `ratio` - 2ζ - 1. It is largest where ωt + φ = 2π - atan(ζ/ω).
 fn coming_back() -> f64 {
-    let damping = Held::DAMPING;
+    let damping = FasterBelt::DAMPING;
     let omega = (1.0 - damping * damping).sqrt();
     let highest = |ratio: f64| {
         let sine = (ratio - damping - 1.0) / omega;
@@ -343,7 +343,7 @@ fn with_static_friction_the_graze_that_ends_stick_and_slip_is_located_and_named(
     let settings = SweepSettings::within(3e3);
     let options = Options::tol(1e-11);
     for width in [0.02, 0.1] {
-        let family = |ratio| kept(Held { ratio }).dynamics();
+        let family = |ratio| leaked(FasterBelt { ratio }).dynamics();
         let ends = [exact + 0.6 * width, exact - 0.4 * width];
         let found = sweep(family, ends, [0.0, 1.0], &settings, &options).unwrap();
         let kinds = [0, 1].map(|k| found.points[k].reached.kind.clone());
@@ -360,7 +360,7 @@ fn with_static_friction_the_graze_that_ends_stick_and_slip_is_located_and_named(
         // At the belt's speed, where kinetic friction and spring balance: 1 = x + 2ζ.
         assert!((change.x[1] - 1.0).abs() < 1e-12);
         assert!(
-            (change.x[0] - (1.0 - 2.0 * Held::DAMPING)).abs() < 1e-4,
+            (change.x[0] - (1.0 - 2.0 * FasterBelt::DAMPING)).abs() < 1e-4,
             "{change:?}"
         );
         assert!(change.own[0].abs() < 1e-4 && (change.other[0] + 2.0).abs() < 1e-4);
@@ -368,11 +368,11 @@ fn with_static_friction_the_graze_that_ends_stick_and_slip_is_located_and_named(
 }
 
 #[test]
-fn an_orbit_that_ends_or_fails_is_told_and_the_next_one_begins_anew() {
+fn an_orbit_that_ends_or_fails_is_reported_and_the_next_one_begins_anew() {
     let options = Options::tol(1e-10).escape(20.0);
     let settings = SweepSettings::within(1e3);
     for end in [End::TwoFold, End::Pole] {
-        let family = |p| kept(Ends { end, p }).dynamics();
+        let family = |p| leaked(Ends { end, p }).dynamics();
         let start = [-1.0, if end == End::TwoFold { 0.0 } else { 1.0 }];
         let found = sweep(family, [1.0, -1.0], start, &settings, &options).unwrap();
         let [ended, escaped] = found.points.as_slice() else {
@@ -431,7 +431,7 @@ pub fn touching() -> f64 {
 
 #[test]
 fn exponents_are_measured_where_they_are_asked_for_and_nothing_is_located_where_not() {
-    let family = |vd| kept(Driven { vd }).dynamics();
+    let family = |vd| leaked(Driven { vd }).dynamics();
     let mut settings = SweepSettings::within(3e4);
     settings.spectrum = Some(SpectrumOptions::over(50.0, 500.0));
     settings.locating = None;

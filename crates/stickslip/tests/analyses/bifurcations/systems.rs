@@ -227,15 +227,15 @@ impl Filippov<4> for Pitchfork {
 
 /// `x'' = -x - 2ζ x' + F` on a belt of speed 1 that is faster than the block. The kinetic friction
 /// is F = 1, and `ratio` is the static friction in units of it.
-pub struct Held {
+pub struct FasterBelt {
     pub ratio: f64,
 }
 
-impl Held {
+impl FasterBelt {
     pub const DAMPING: f64 = 0.05;
 }
 
-impl Filippov<2> for Held {
+impl Filippov<2> for FasterBelt {
     fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
         [x[1], -x[0] - x[1] * (2.0 * Self::DAMPING) - side.sign()]
     }
@@ -338,7 +338,7 @@ impl Field<3> for Softening {
 
 /// Variant of a [`Sheet`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Lies {
+pub enum SheetVariant {
     /// `r' = r (p + 2 r² - r⁴)` on `z = x² + p`, with a contact force of 5: two cycles for -1 < p <
     /// 0.
     Folded,
@@ -353,23 +353,23 @@ pub enum Lies {
 /// A circle `θ' = 1` in x and y that sticks to a boundary in x and z. The boundary is curved except
 /// for the last variant. The fourth state is the parameter `p`.
 pub struct Sheet {
-    pub lies: Lies,
+    pub variant: SheetVariant,
 }
 
 impl Filippov<4> for Sheet {
     fn field<T: Scalar>(&self, side: Side, _t: T, &[x, y, _, p]: &[T; 4]) -> [T; 4] {
         let square = x * x + y * y;
-        let (grows, lifted) = match self.lies {
-            Lies::Folded => (
+        let (grows, lifted) = match self.variant {
+            SheetVariant::Folded => (
                 p + square * 2.0 - square * square,
                 T::constant(-5.0 * side.sign()),
             ),
-            Lies::Pulled => (-square + 1.0, x + 0.1 - p * side.sign()),
-            Lies::Growing => (p + square - square * square, x - 1.1 * side.sign()),
+            SheetVariant::Pulled => (-square + 1.0, x + 0.1 - p * side.sign()),
+            SheetVariant::Growing => (p + square - square * square, x - 1.1 * side.sign()),
         };
-        let (pace, bent) = match self.lies {
-            Lies::Folded | Lies::Pulled => (1.0, 2.0),
-            Lies::Growing => (2.0, 0.0),
+        let (pace, bent) = match self.variant {
+            SheetVariant::Folded | SheetVariant::Pulled => (1.0, 2.0),
+            SheetVariant::Growing => (2.0, 0.0),
         };
         let forward = x * grows - y * pace;
         let across = y * grows + x * pace;
@@ -381,10 +381,10 @@ impl Filippov<4> for Sheet {
         ]
     }
     fn boundary<T: Scalar>(&self, _t: T, &[x, _, z, p]: &[T; 4]) -> T {
-        match self.lies {
-            Lies::Folded => z - x * x - p,
-            Lies::Pulled => z - x * x,
-            Lies::Growing => z,
+        match self.variant {
+            SheetVariant::Folded => z - x * x - p,
+            SheetVariant::Pulled => z - x * x,
+            SheetVariant::Growing => z,
         }
     }
 }

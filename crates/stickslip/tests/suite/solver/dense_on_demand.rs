@@ -53,15 +53,15 @@ fn assert_same_for_all<S: Listed<2>>(system: &S, start: [f64; 2], t_end: f64, to
     assert!(calls < all, "{calls} calls, {all} for all");
     let unwatched = run(system, 0.0, start, t_end, &tol(tolerance), &mut ()).expect("runs");
     assert_eq!(unwatched, end);
-    let mut never_told = NeverTold;
-    let blind = run(system, 0.0, start, t_end, &tol(tolerance), &mut never_told).expect("runs");
+    let mut unwatched = NeverWatches;
+    let blind = run(system, 0.0, start, t_end, &tol(tolerance), &mut unwatched).expect("runs");
     assert_eq!(blind, end);
 }
 
 /// Declares that it does not watch steps, and so receives none.
-struct NeverTold;
+struct NeverWatches;
 
-impl Observer<2> for NeverTold {
+impl Observer<2> for NeverWatches {
     fn step(&mut self, _: &StepRecord<2>) -> ControlFlow<()> {
         panic!("it did not ask for steps");
     }

@@ -299,7 +299,7 @@ fn a_boundary_that_is_no_number_only_inside_a_step_ends_the_run_there_too() {
 }
 
 #[test]
-fn crossings_that_pile_up_are_told_with_their_number() {
+fn crossings_that_pile_up_are_reported_with_their_number() {
     // Twenty transitions in ten units of time exceed this limit, and no two-fold is near.
     let mut options = super::tol(1e-12);
     (options.pile_up_count, options.pile_up_span) = (20, 10.0);

@@ -150,9 +150,9 @@ fn a_step_whose_dense_output_is_not_finite_is_not_searched_for_ever() {
 }
 
 /// Ends a run that would not end.
-struct AtMost(usize);
+struct StopAfter(usize);
 
-impl Observer<2> for AtMost {
+impl Observer<2> for StopAfter {
     fn step(&mut self, step: &StepRecord<2>) -> ControlFlow<()> {
         assert!(step.t_start <= step.t_end);
         self.0 -= 1;
@@ -170,7 +170,7 @@ fn a_pile_up_too_fast_to_be_counted_ends_the_run_all_the_same() {
         0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9,
     ] {
         for tolerance in [1e-13, 1e-12, 1e-10, 1e-8] {
-            let mut at_most = AtMost(20_000);
+            let mut at_most = StopAfter(20_000);
             let start = State::from([0.0, 1.0]);
             let result = run(
                 &Zeno { brake },
@@ -182,7 +182,7 @@ fn a_pile_up_too_fast_to_be_counted_ends_the_run_all_the_same() {
             );
             // Both fields are tangent to Σ where the excursions end. At the loosest tolerance they
             // are not followed so far.
-            let told = match &result {
+            let reported = match &result {
                 Ok(summary) => matches!(summary.ending, Ending::TwoFold(_)),
                 Err(failure) => matches!(
                     failure.error,
@@ -191,7 +191,7 @@ fn a_pile_up_too_fast_to_be_counted_ends_the_run_all_the_same() {
                         | Error::NonFinite { .. }
                 ),
             };
-            assert!(told, "{brake} {tolerance}: {result:?}");
+            assert!(reported, "{brake} {tolerance}: {result:?}");
         }
     }
 }
@@ -325,12 +325,12 @@ fn an_orbit_that_starts_without_contact_first_gains_it() {
 }
 
 /// Records the ends of phases, and ends the run at a transition.
-struct Until {
+struct StopAtTransition {
     left: usize,
     phase_ends: Vec<f64>,
 }
 
-impl Observer<2> for Until {
+impl Observer<2> for StopAtTransition {
     fn transition(&mut self, _: &Transition<2>) -> ControlFlow<()> {
         self.left -= 1;
         if self.left > 0 {
@@ -346,11 +346,11 @@ impl Observer<2> for Until {
     }
 }
 
-fn assert_phases_are_told<S: Listed<2>>(system: &S, start: [f64; 2], kinds: &[TransitionKind]) {
+fn assert_phases_are_reported<S: Listed<2>>(system: &S, start: [f64; 2], kinds: &[TransitionKind]) {
     let orbit = solve(system, 0.0, start, 40.0, &super::tol(1e-12)).expect("runs");
     for (i, (at, kind)) in orbit.transitions.iter().zip(kinds).enumerate() {
         assert_eq!(at.kind, *kind);
-        let mut until = Until {
+        let mut until = StopAtTransition {
             left: i + 1,
             phase_ends: vec![],
         };
@@ -367,14 +367,14 @@ fn assert_phases_are_told<S: Listed<2>>(system: &S, start: [f64; 2], kinds: &[Tr
 }
 
 #[test]
-fn who_stops_at_a_transition_has_been_told_of_all_phases_up_to_it_and_of_none_twice() {
+fn a_run_stopped_at_a_transition_has_reported_each_phase_up_to_it_once() {
     let touching = Parabola { level: 0.0 };
-    assert_phases_are_told(&touching, [-1.0, 1.0 - 1e-12], &[Touch]);
-    assert_phases_are_told(
+    assert_phases_are_reported(&touching, [-1.0, 1.0 - 1e-12], &[Touch]);
+    assert_phases_are_reported(
         &Floor,
         [3.0, 0.0],
         &[Crossing, Crossing, Crossing, StickEntry],
     );
     let block = decaying_friction();
-    assert_phases_are_told(&block, [0.04, -0.01], &[StickEntry, StickExit, StickEntry]);
+    assert_phases_are_reported(&block, [0.04, -0.01], &[StickEntry, StickExit, StickEntry]);
 }

@@ -140,9 +140,9 @@ fn assert_invariants<S: Listed<2>>(system: &S, belt_speed: f64, orbit: &Orbit<2>
     );
 }
 
-struct Keep(Vec<Transition<2>>);
+struct TransitionRecorder(Vec<Transition<2>>);
 
-impl Observer<2> for Keep {
+impl Observer<2> for TransitionRecorder {
     fn transition(&mut self, transition: &Transition<2>) -> ControlFlow<()> {
         self.0.push(*transition);
         ControlFlow::Continue(())
@@ -150,7 +150,7 @@ impl Observer<2> for Keep {
 }
 
 fn assert_streams_alike<S: Listed<2>>(system: &S, x0: State<2>, orbit: &Orbit<2>) {
-    let mut keep = Keep(Vec::new());
+    let mut keep = TransitionRecorder(Vec::new());
     let options = super::tol(TOLERANCE).escape(20.0);
     let summary = run(system, 0.0, x0, orbit.t_end, &options, &mut keep).expect("runs");
     assert_eq!(keep.0, orbit.transitions);

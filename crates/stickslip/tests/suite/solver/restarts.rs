@@ -156,7 +156,7 @@ fn the_end_of_a_stick_is_a_start_like_any_other() {
 }
 
 #[test]
-fn where_the_boundary_repels_the_run_ends_or_goes_where_it_is_told() {
+fn where_the_boundary_repels_the_run_ends_or_goes_where_it_is_reported() {
     let system = Line {
         below: -1.0,
         above: 1.0,
