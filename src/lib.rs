@@ -1,8 +1,8 @@
-//! The replication of one paper with the library [`stickslip`]: its figures, its claims, its
-//! readings.
+//! The replication of one paper with the library [`stickslip`]: its figures, claims and readings.
 
 pub mod figures;
 mod numbers;
+mod orbit_records;
 pub mod paper;
 #[cfg(feature = "report")]
 pub mod peers;
@@ -12,4 +12,3 @@ pub mod readings;
 pub mod report;
 mod terminal;
 mod text;
-mod turns;

@@ -1,9 +1,9 @@
-//! Small numerical helpers of all parts of the replication.
+//! Numerical helpers shared by all parts of the replication.
 
 use stickslip::Error;
 
-/// The least number in `(low, high]` for which `is_after` holds, if it holds from some number on.
-/// To the last bit.
+/// The least number in `(low, high]` for which `is_after` holds, to the last bit. `is_after` must
+/// be monotone: once true, it stays true.
 pub(crate) fn bisect(mut low: f64, mut high: f64, is_after: impl Fn(f64) -> bool) -> f64 {
     loop {
         let middle = 0.5 * (low + high);
@@ -18,8 +18,11 @@ pub(crate) fn bisect(mut low: f64, mut high: f64, is_after: impl Fn(f64) -> bool
     }
 }
 
-/// Where a property begins or ends between neighbours of an ascending grid, to the last bit.
-pub(crate) fn changes(grid: impl IntoIterator<Item = f64>, has: impl Fn(f64) -> bool) -> Vec<f64> {
+/// Points where a property begins or ends between neighbours of an ascending grid, to the last bit.
+pub(crate) fn change_points(
+    grid: impl IntoIterator<Item = f64>,
+    has: impl Fn(f64) -> bool,
+) -> Vec<f64> {
     let grid = grid.into_iter().map(|at| (at, has(at)));
     let grid: Vec<(f64, bool)> = grid.collect();
     let pairs = grid.windows(2).map(|pair| (pair[0], pair[1]));
@@ -29,28 +32,28 @@ pub(crate) fn changes(grid: impl IntoIterator<Item = f64>, has: impl Fn(f64) -> 
         .collect()
 }
 
-/// Least and largest of some numbers; `(∞, −∞)` of none. NaN is skipped.
+/// Minimum and maximum of the values; `(∞, −∞)` for an empty sequence. NaN is skipped.
 pub(crate) fn extent(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
     let none = (f64::INFINITY, f64::NEG_INFINITY);
     let wider = |(low, high): (f64, f64), value: f64| (low.min(value), high.max(value));
     values.into_iter().fold(none, wider)
 }
 
-/// The largest of some numbers that are not negative; 0 of none.
+/// Maximum of nonnegative values; 0 for an empty sequence.
 #[cfg(feature = "report")]
 pub(crate) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, f64::max)
 }
 
-/// Median of some values: of an even count the mean of the middle two.
+/// Median; for an even count, the mean of the middle two.
 #[cfg(feature = "report")]
 pub(crate) fn median(values: &[f64]) -> Option<f64> {
     let middle = stickslip_series::statistics::middle_two(values.iter().copied());
     middle.map(|[lower, upper]| 0.5 * (lower + upper))
 }
 
-/// The error of a search that ended without `what`, from time `t` on over `span` (s).
-pub(crate) fn missing(what: &'static str, t: f64, span: f64) -> Error {
+/// The error of a search for `what` that started at time `t` and failed within `span` (s).
+pub(crate) fn not_found(what: &'static str, t: f64, span: f64) -> Error {
     Error::NotFound { what, t, span }
 }
 

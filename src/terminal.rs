@@ -9,15 +9,15 @@ use indicatif::ProgressBar;
 #[cfg(feature = "report")]
 use indicatif::ProgressStyle;
 
-/// Prints what a program has to say, named `what` if that fails, or its error.
+/// Prints a program's result or its error. `what` names the result if printing fails.
 ///
-/// Exit code 0 on success, 1 if something failed (`error: …` on standard error). Of a wrong command
-/// line clap has said so before, with exit code 2.
+/// Exit code 0 on success, 1 on failure (`error: …` on standard error). For a wrong command line,
+/// clap has already printed a message and exited with code 2.
 pub(crate) fn finish(what: &str, outcome: Result<String, impl Display>) -> ExitCode {
     match outcome {
         Ok(text) => end_of_print(what, print(&text)),
         Err(error) => {
-            note(&format!("error: {error}"));
+            print_note(&format!("error: {error}"));
             ExitCode::FAILURE
         }
     }
@@ -32,29 +32,28 @@ fn print(text: &str) -> io::Result<()> {
 fn end_of_print(what: &str, printed: io::Result<()>) -> ExitCode {
     match printed {
         Ok(()) => ExitCode::SUCCESS,
-        // Whoever reads may stop reading; files are written all the same.
+        // The reader may close the pipe early; files are written all the same.
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(error) => {
-            note(&format!("error: cannot print the {what}: {error}"));
+            print_note(&format!("error: cannot print the {what}: {error}"));
             ExitCode::FAILURE
         }
     }
 }
 
-/// A line on standard error; where nobody reads it any more, nothing is lost with it.
-pub(crate) fn note(line: &str) {
+/// Prints a line on standard error. Failure is ignored: nobody reads it then.
+pub(crate) fn print_note(line: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 
-/// A spinner, removed when it is cleared. Only a terminal shows it.
+/// A spinner, shown only in a terminal. Clearing it removes it.
 pub(crate) fn spinner(message: String) -> ProgressBar {
     let spinner = ProgressBar::new_spinner().with_message(message);
     spinner.enable_steady_tick(Duration::from_millis(120));
     spinner
 }
 
-/// A bar with the count of what is done, and `text` in indicatif's own words. Only a terminal shows
-/// it.
+/// A progress bar with a count, shown only in a terminal. `text` is an indicatif template.
 #[cfg(feature = "report")]
 pub(crate) fn bar(done: usize, total: usize, text: &str) -> ProgressBar {
     let bar = ProgressBar::new(total as u64).with_position(done as u64);
@@ -69,7 +68,7 @@ mod tests {
     use super::*;
 
     fn same(one: ExitCode, other: u8) {
-        // Exit codes can be shown, not compared.
+        // Exit codes can be formatted but not compared.
         assert_eq!(format!("{one:?}"), format!("{:?}", ExitCode::from(other)));
     }
 

@@ -2,8 +2,8 @@
 
 use std::fmt::Display;
 
-/// An enum with a row of a table for each variant: the variants in order are `ALL`, the method that
-/// is named gives the row.
+/// An enum with a table row for each variant. `ALL` lists the variants in order. The method named
+/// after `as` returns the row.
 macro_rules! described {
     ($(#[$of_enum:meta])* $name:ident: $row:ty as $vis:vis $method:ident {
         $($(#[$of_variant:meta])* $variant:ident = $described:expr,)*
@@ -15,10 +15,10 @@ macro_rules! described {
         }
 
         impl $name {
-            /// All of them, in order.
+            /// All variants, in order.
             pub const ALL: [$name; [$(stringify!($variant)),*].len()] = [$($name::$variant),*];
 
-            /// What stands in the table for it.
+            /// Its row of the table.
             $vis const fn $method(self) -> $row {
                 match self {
                     $($name::$variant => $described,)*
@@ -29,13 +29,13 @@ macro_rules! described {
 }
 pub(crate) use described;
 
-/// The items one after the other with `between` between them.
+/// The items joined by `between`.
 pub(crate) fn joined<T: Display>(items: impl IntoIterator<Item = T>, between: &str) -> String {
     let items = items.into_iter().map(|item| item.to_string());
     items.collect::<Vec<String>>().join(between)
 }
 
-/// Each of the items once, in the order of their first places.
+/// Each distinct item once, in order of first occurrence.
 #[cfg(feature = "report")]
 pub(crate) fn distinct<T: PartialEq>(items: impl IntoIterator<Item = T>) -> Vec<T> {
     let mut all = Vec::new();
@@ -57,30 +57,30 @@ where
         .flexible(true)
         .from_writer(Vec::new());
     for record in records {
-        // Memory takes all that is written.
+        // Writing to memory does not fail.
         let _ = writer.write_record(record);
     }
     let bytes = writer.into_inner().unwrap_or_default();
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// The lines that a generated part stands between in a file that is otherwise written by hand.
+/// The lines that delimit a generated part of a file that is otherwise written by hand.
 #[cfg(feature = "report")]
 #[derive(Clone, Copy, Debug)]
-pub struct Marks {
-    /// The line before it, with its end.
+pub struct SectionMarkers {
+    /// The line before it, with its newline.
     pub begin: &'static str,
-    /// The line after it, with its end.
+    /// The line after it, with its newline.
     pub end: &'static str,
 }
 
 #[cfg(feature = "report")]
-impl Marks {
-    /// `text` with `part` between the marks; nothing if it does not have them.
-    pub fn put(self, text: &str, part: &str) -> Option<String> {
+impl SectionMarkers {
+    /// `text` with `part` between the marks; `None` if it has no such marks.
+    pub fn replace_section(self, text: &str, part: &str) -> Option<String> {
         let (before, rest) = text.split_once(self.begin)?;
         let (_, after) = rest.split_once(self.end)?;
-        let Marks { begin, end } = self;
+        let SectionMarkers { begin, end } = self;
         Some(format!("{before}{begin}\n{part}\n{end}{after}"))
     }
 }
@@ -91,14 +91,17 @@ mod tests {
 
     #[test]
     fn only_what_is_between_the_marks_is_replaced() {
-        let marks = Marks {
+        let marks = SectionMarkers {
             begin: "<!-- b -->\n",
             end: "<!-- e -->\n",
         };
         let readme = "a\n<!-- b -->\nold\n<!-- e -->\nb\n";
-        let once = marks.put(readme, "| new |\n").unwrap();
+        let once = marks.replace_section(readme, "| new |\n").unwrap();
         assert_eq!(once, "a\n<!-- b -->\n\n| new |\n\n<!-- e -->\nb\n");
-        assert_eq!(marks.put(&once, "| new |\n"), Some(once.clone()));
-        assert_eq!(marks.put("no marks", "x"), None);
+        assert_eq!(
+            marks.replace_section(&once, "| new |\n"),
+            Some(once.clone())
+        );
+        assert_eq!(marks.replace_section("no marks", "x"), None);
     }
 }

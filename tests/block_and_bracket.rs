@@ -1,5 +1,5 @@
-//! Model 3: its derivation, its stick condition, its readings. What its figures compute is tested
-//! in `report/block_and_bracket.rs`, on one computation.
+//! Model 3: its derivation, stick condition and readings. Its figures are tested in
+//! `report/block_and_bracket.rs`, which computes them once.
 
 use std::fmt::Write;
 
@@ -49,14 +49,14 @@ proptest! {
             ..exact(&caption)
         };
         let x = State::from([x1, model.belt_speed, x3, x4]);
-        // T that makes x2' vanish, and the most that static friction gives.
+        // The T for which x2' vanishes, and the limit of static friction.
         let needed = -x1 / model.coupling - 0.2 * (x[1] + x4) - x3;
         let most = model.mu0 * model.normal_force(x.as_ref());
         prop_assume!((needed.abs() - most).abs() > 1e-9);
         let wanted = if needed.abs() < most {
             Fate::Stick
         } else if needed > 0.0 {
-            // More than friction can brake with: the springs pull it ahead of the belt.
+            // The springs exceed friction and pull the block ahead of the belt.
             Fate::Slip(Side::Above)
         } else {
             Fate::Slip(Side::Below)
@@ -79,14 +79,14 @@ fn both_forms_have_the_same_orbit() {
     for t in [5.0, 20.0, 40.0, 60.0] {
         let wanted = in_metres(&rig, &scaled.at(t).unwrap());
         let found = metres.at((t * rig.time_unit()).min(t_end)).unwrap();
-        // A damped system forgets errors: what is left is a few steps' worth.
+        // A damped system forgets errors; those of a few steps remain.
         assert!((found - wanted).amax() < 1e-11, "{t}: {found} {wanted}");
     }
 }
 
 #[test]
 fn the_unloading_follows_from_the_stiffness() {
-    // ξ6/μ0 and ξ4 - 1 are both k3/k2; ξ3/ξ1 is m r²/J in all three.
+    // ξ6/μ0 and ξ4 - 1 are both k3/k2. In all three captions ξ3/ξ1 is m r²/J.
     for (caption, digits) in [(Caption::FIG11, 1e-3), (Caption::FIG12, 1e-3)] {
         let model = exact(&caption);
         assert!((model.unloading - (model.bracket_stiffness - 1.0)).abs() < digits);
@@ -122,7 +122,7 @@ fn readings_are_data() {
     };
     let heading = BlockAndBracket::from_caption(&Caption::FIG12, &heading).unwrap();
     assert_eq!((heading.unloading, heading.unloading_rate), (5.8, 13.532));
-    // Clipping acts on friction, not on the contact that is reported.
+    // Clipping affects friction, not the contact that is reported.
     let x = State::from([0.0, 0.0, 1.0, 0.0]);
     let model = exact(&Caption::FIG12);
     assert!(model.unclipped_normal_force(x.as_ref()) < -1.0);
@@ -172,8 +172,8 @@ fn run_to_the_letter_the_first_two_sets_diverge() {
     }
 }
 
-/// The chaotic run to the last bit, for as long as a difference in one bit stays below the figures'
-/// tolerance; and those of the other two sets.
+/// The chaotic run must agree to the last bit, for as long as a difference of one bit stays below
+/// the figures' tolerance. So must the runs of the other two sets.
 #[test]
 fn short_runs_have_the_same_bits_everywhere() {
     let mut text = String::new();

@@ -1,4 +1,4 @@
-//! Every claim has a finding that can decide, and every row of a figure's table stands there once.
+//! Every claim has a finding that can decide it, and every row of a figure's table occurs once.
 
 use crate::report::with;
 use replication::figures::rows::Quantity;

@@ -6,7 +6,7 @@ use assert_cmd::Command;
 use assert_cmd::cargo::cargo_bin_cmd;
 use predicates::prelude::*;
 
-/// Largest SVG a reader should have to load.
+/// Largest acceptable size of an SVG.
 const LARGEST_SVG: u64 = 300_000;
 /// Figures whose table has a status for exponents.
 const WITH_STATUS: [&str; 3] = ["fig10", "fig11", "fig12"];
@@ -32,8 +32,8 @@ fn default_run_writes_a_named_picture_and_its_numbers(mut program: Command, name
     check_svg(&figures.join(format!("{name}.svg")), name);
 }
 
-/// Instead of a run that takes long: one function runs all these programs, and that the committed
-/// files are what is computed now is tested where the figures are computed, once.
+/// This replaces a long run. One function serves all these programs. Where the figures are
+/// computed, once, another test compares them with the committed files.
 fn the_committed_files_are_well_formed(name: &str) {
     let figures = Path::new(env!("CARGO_MANIFEST_DIR")).join("figures");
     check_csv(&figures.join(format!("{name}.csv")), name);
@@ -153,7 +153,8 @@ fn an_unwritable_folder_is_named_and_nothing_is_left(mut program: Command) {
     assert_eq!(std::fs::read_to_string(file).unwrap(), "kept");
 }
 
-/// With the feature a PNG appears; without it the error names the remedy, and no file is written.
+/// With the feature a PNG is written. Without it the error names the remedy, and no file is
+/// written.
 fn png_works_or_says_how_to_get_it(mut program: Command, name: &str) {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");

@@ -1,19 +1,19 @@
-//! The numbers of every figure against `golden/`, and the pictures against `figures/`; each figure
-//! is computed once, by the report.
+//! The numbers of every figure are compared with `golden/` and the pictures with `figures/`. The
+//! report computes each figure once.
 //!
-//! The snapshots are the golden. The tables in `figures/*.csv` hold the same rows for other
-//! programs; that they are current is checked by `make figures` leaving the tree clean.
+//! The snapshots are the golden files. The tables in `figures/*.csv` hold the same rows for other
+//! programs. They are current if `make figures` leaves the tree clean.
 
 use std::path::Path;
 
-use crate::common::{Numerically, assert_golden};
+use crate::common::{NumericComparison, assert_golden};
 use crate::report::with;
 use replication::figures::locator::LOCATOR;
 use replication::figures::rows;
 use replication::paper::published::Claims;
 use replication::report::figures::Picture;
 
-/// Relative difference up to which two numbers in a golden are the same.
+/// Relative difference up to which two numbers in a golden file are equal.
 const TOLERANCE: f64 = 1e-10;
 
 fn is_golden(table: &Picture) {
@@ -21,7 +21,7 @@ fn is_golden(table: &Picture) {
     assert_golden(table.figure, text, TOLERANCE);
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("figures/{}.svg", table.figure));
     let committed = std::fs::read_to_string(&path).unwrap();
-    // Not assert_eq, which would print two whole pictures.
+    // assert_eq would print both pictures.
     assert!(
         committed == table.svg,
         "{} is not what the program draws now; run `make figures` and look at the difference",
@@ -52,7 +52,7 @@ fn locator() {
 
 #[test]
 fn the_comparison_lets_rounding_pass_and_nothing_else() {
-    let compare = Numerically {
+    let compare = NumericComparison {
         tolerance: TOLERANCE,
     };
     let same = |a: &str, b: &str| compare.same(a, b);
@@ -66,7 +66,7 @@ fn the_comparison_lets_rounding_pass_and_nothing_else() {
     assert!(same(golden, &scaled(1.0 + 1e-11)));
     assert!(!same(golden, &scaled(1.0 + 1e-9)));
     assert!(!same(golden, &scaled(-1.0)));
-    // Everything that is not a number counts to the letter, but not the width of a column.
+    // Everything except numbers and the width of columns must agree exactly.
     assert!(!same(golden, &golden.replace("true", "false")));
     assert!(!same(golden, &golden.replace("eq22.1", "eq22.2")));
     assert!(!same(golden, &format!("{golden}\n{golden}")));

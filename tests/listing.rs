@@ -1,5 +1,4 @@
-//! The Appendix's program: what it computes, what each of its defects does, and that none of it
-//! changes.
+//! The Appendix's program: its results, the effect of each defect, and that none of it changes.
 
 use std::fmt::Write as _;
 
@@ -27,7 +26,8 @@ fn printed(h: f64) -> Run {
     })
 }
 
-/// A slip phase far from the belt's speed that lasts more than 0.1 s, in place a third of it.
+/// A slip phase far from the belt's speed that lasts more than 0.1 s; in place it lasts a third of
+/// that.
 fn slipping(defects: Defects, h: f64) -> Setup {
     Setup {
         start: [0.0, 0.0, -1.0],
@@ -39,7 +39,7 @@ fn slipping(defects: Defects, h: f64) -> Setup {
     }
 }
 
-/// The state after 0.1 s of it, reached by whole steps.
+/// The state after 0.1 s of it, which is a whole number of steps.
 fn after_a_tenth(defects: Defects, h: f64) -> [f64; 2] {
     let setup = slipping(defects, h);
     let steps = (0.1 / h).round() as usize;
@@ -59,7 +59,7 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).abs().max((a[1] - b[1]).abs())
 }
 
-/// Observed order of a scheme against the mended one at a tiny step.
+/// Observed order of a scheme, compared with the mended one at a tiny step.
 fn observed_order(defects: Defects) -> f64 {
     let reference = after_a_tenth(Defects::MENDED, 1e-5);
     let error = |h| distance(after_a_tenth(defects, h), reference);
@@ -90,9 +90,9 @@ fn in_place_stages_do_not_converge_to_the_motion() {
     );
 }
 
-/// Largest |Δx1 − factor·h·x2| / h over the slip steps: how far from `factor` times the field's
-/// way.
-fn way_defect(defects: Defects, h: f64, factor: f64) -> f64 {
+/// Largest |Δx1 − factor·h·x2| / h over the slip steps: the deviation from `factor` times the
+/// field's displacement.
+fn displacement_error(defects: Defects, h: f64, factor: f64) -> f64 {
     samples(&slipping(defects, h))
         .windows(2)
         .map(|pair| {
@@ -103,24 +103,24 @@ fn way_defect(defects: Defects, h: f64, factor: f64) -> f64 {
 
 #[test]
 fn a_step_in_place_goes_three_times_as_far() {
-    // First order in h with the factor 3: halving h halves what is left. With the factor 1 it
-    // stays.
+    // With the factor 3 the deviation is of first order in h: halving h halves it. With the factor
+    // 1 it stays.
     let (coarse, fine) = (
-        way_defect(Defects::AS_PRINTED, 1e-3, 3.0),
-        way_defect(Defects::AS_PRINTED, 1e-4, 3.0),
+        displacement_error(Defects::AS_PRINTED, 1e-3, 3.0),
+        displacement_error(Defects::AS_PRINTED, 1e-4, 3.0),
     );
     assert!(
         fine < 2e-3 && (8.0..12.0).contains(&(coarse / fine)),
         "{coarse}, {fine}"
     );
-    assert!(way_defect(Defects::AS_PRINTED, 1e-4, 1.0) > 0.5);
-    assert!(way_defect(Defects::MENDED, 1e-4, 1.0) < 1e-6);
+    assert!(displacement_error(Defects::AS_PRINTED, 1e-4, 1.0) > 0.5);
+    assert!(displacement_error(Defects::MENDED, 1e-4, 1.0) < 1e-6);
 }
 
 #[test]
 fn as_printed_it_gives_the_four_published_numbers() {
-    let numbers = printed(1e-4).four_numbers().unwrap();
-    for (value, id) in numbers.into_iter().zip(ClaimId::FOUR) {
+    let numbers = printed(1e-4).stick_numbers().unwrap();
+    for (value, id) in numbers.into_iter().zip(ClaimId::STICK_NUMBERS) {
         let claim = Claims::committed().unwrap().of(id);
         assert!(
             claim.agrees(value),
@@ -151,8 +151,8 @@ fn as_printed_it_has_the_published_class_and_deflections() {
             .iter()
             .all(|phase| phase.zone == Some(Zone::Middle) && phase.end == End::Upper)
     );
-    // Two deflections on the left in each pattern; the other crossings are the wrong exit side put
-    // right.
+    // Two deflections on the left in each pattern. The other crossings are corrections of the wrong
+    // exit side.
     let last = run.crossings.last().unwrap().at.t - 1.99 * run.forcing_period;
     let pattern = run.crossings.iter().filter(|crossing| crossing.at.t > last);
     let (repairs, deflections): (Vec<&Crossing>, Vec<&Crossing>) =
@@ -168,14 +168,14 @@ fn as_printed_it_has_the_published_class_and_deflections() {
 
 #[test]
 fn length_and_duration_disagree_by_the_zero_time_correction() {
-    // The exit is put on the zone's end but the clock keeps the whole step: less way than vp times
-    // the time.
+    // The exit is placed on the zone's end but the clock advances by the whole step: the
+    // displacement is less than vp times the time.
     for phase in printed(1e-4).settled_phases() {
         let excess = phase.stick.duration() - phase.stick.length() / 0.4;
         assert!(excess > 1e-4 && excess < 4e-4, "{excess}");
     }
-    // With that mended the two agree to rounding: on the way to its motion without stick it sticks
-    // a few times.
+    // With that mended the two agree to rounding. In its transient to a motion without stick it
+    // sticks a few times.
     let mended = Setup {
         defects: Defects::MENDED,
         ..Setup::default()
@@ -218,8 +218,7 @@ fn the_window_is_the_listings() {
 
 #[test]
 fn stick_slip_needs_the_stages_in_place() {
-    // Whatever else is wrong or right: of the single defects only this one makes the published
-    // class.
+    // Among the single defects only this one gives the published class, whatever the others are.
     for (defect, defects) in Defects::MENDED.one_flipped() {
         let motion = run(&Setup {
             defects,
@@ -293,7 +292,7 @@ fn a_body_beyond_the_spring_escapes() {
 
 #[test]
 fn a_henon_step_without_acceleration_breaks_down() {
-    // Without friction a zone is a point, and the body leaves it with no acceleration at all.
+    // Without friction a zone is a point, and the body leaves it with zero acceleration.
     let model = ForcedOscillator {
         mu0: 0.0,
         amplitude: 0.0,
@@ -331,8 +330,8 @@ proptest! {
         ..ProptestConfig::default()
     })]
 
-    /// Any start and any of the 128 sets of defects ends in a typed outcome, stuck bodies move with
-    /// the belt, and all that is handed out are numbers.
+    /// Any start with any of the 128 sets of defects ends in a typed outcome. Stuck bodies move
+    /// with the belt, and all results are finite.
     #[test]
     fn every_variant_ends(x1 in -1.3..1.3, x2 in -1.5..1.5, mended in 0u32..128) {
         let mut defects = Defects::AS_PRINTED;
@@ -364,10 +363,10 @@ proptest! {
     }
 }
 
-/// One line of the table: name, the four numbers in full, the class.
+/// One line of the table: name, the four numbers in full precision, the class.
 fn line(table: &mut String, name: &str, setup: &Setup) {
     let run = run(setup);
-    let numbers = match run.four_numbers() {
+    let numbers = match run.stick_numbers() {
         Some(numbers) => numbers.map(|value| format!("{value:<20?}")).join(" "),
         None => "-".to_owned(),
     };

@@ -7,7 +7,7 @@ use assert_cmd::cargo::cargo_bin_cmd;
 use predicates::prelude::*;
 use predicates::str::contains;
 
-/// A short measurement of one problem, its files in `folder`.
+/// A short measurement of one problem that writes its files into `folder`.
 fn short(folder: &Path, process_rounds: &str) -> Command {
     let mut command = cargo_bin_cmd!("peers");
     command.args(["--rounds", "1", "--problems", "decay"]);
@@ -37,18 +37,18 @@ fn says_what_it_does() {
 #[test]
 fn measures_ours_alone_without_python() {
     let folder = tempfile::tempdir().unwrap();
-    let said = contains("no peers")
+    let message = contains("no peers")
         .and(contains("Whole processes"))
         .and(contains("wrote"));
-    short(folder.path(), "1").assert().success().stdout(said);
+    short(folder.path(), "1").assert().success().stdout(message);
     let mut reader = csv::Reader::from_path(folder.path().join("bench.csv")).unwrap();
     let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
     assert!(rows.len() >= 11);
     let number = |row: &csv::StringRecord, cell: usize| row[cell].parse::<f64>().unwrap();
     for row in &rows {
-        // All nine events at every tolerance, and times that can be.
+        // All nine events at every tolerance, and plausible times.
         assert_eq!((&row[1], &row[5], &row[10]), ("decay", "9", ""));
-        // Loose tolerances have to find the events, tight ones to meet them.
+        // Loose tolerances must find the events; tight ones must be accurate.
         let bound = if number(row, 3) <= 1e-12 { 1e-11 } else { 1e-2 };
         assert!(number(row, 4) < bound, "{row:?}");
         assert!(number(row, 6) > 0.0 && number(row, 7) <= number(row, 6));
@@ -73,7 +73,7 @@ fn the_committed_picture_is_that_of_the_committed_table() {
     command.assert().success().stdout(contains("bench.svg"));
     let drawn = std::fs::read_to_string(folder.path().join("bench.svg")).unwrap();
     let committed = std::fs::read_to_string(top.join("figures/bench.svg")).unwrap();
-    // Not assert_eq, which would print two whole pictures.
+    // assert_eq would print both pictures.
     assert!(
         drawn == committed,
         "run `cargo run --release --bin peers -- redraw`"
@@ -104,7 +104,7 @@ fn one_problem_prints_its_events() {
 }
 
 #[test]
-fn a_wrong_command_line_is_told_apart() {
+fn a_wrong_command_line_is_distinguished() {
     let folder = tempfile::tempdir().unwrap();
     let unknown = contains("invalid value 'drift'").and(contains("belt_sensitive"));
     short(folder.path(), "1")
@@ -125,7 +125,7 @@ fn a_wrong_command_line_is_told_apart() {
 }
 
 #[test]
-fn a_folder_that_cannot_be_written_is_told_before_the_measurement() {
+fn a_folder_that_cannot_be_written_is_reported_before_the_measurement() {
     let file = tempfile::NamedTempFile::new().unwrap();
     let stderr = contains("cannot create folder")
         .and(contains("--report-dir"))
@@ -137,7 +137,7 @@ fn a_folder_that_cannot_be_written_is_told_before_the_measurement() {
 }
 
 #[test]
-fn a_python_that_is_none_is_told() {
+fn a_python_that_is_none_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let mut command = short(folder.path(), "1");
     command.arg("--python").arg(folder.path().join("python"));
@@ -148,7 +148,7 @@ fn a_python_that_is_none_is_told() {
     assert!(!folder.path().join("bench.csv").exists());
 }
 
-/// A program in place of Python, with arbitrary answers.
+/// A program that replaces Python and prints arbitrary answers.
 #[cfg(unix)]
 mod impostor {
     use super::*;
@@ -164,7 +164,7 @@ mod impostor {
     }
 
     #[test]
-    fn a_malformed_row_is_told_with_its_line() {
+    fn a_malformed_row_is_reported_with_its_line() {
         let folder = tempfile::tempdir().unwrap();
         let script = "read command\n\
             echo version,scipy,1.0\n\
@@ -180,7 +180,7 @@ mod impostor {
     }
 
     #[test]
-    fn a_process_that_dies_is_told() {
+    fn a_process_that_dies_is_reported() {
         let folder = tempfile::tempdir().unwrap();
         let stderr = contains("ended while 'prepare decay' was under way");
         python(folder.path(), "read command")

@@ -13,7 +13,7 @@ fn program(folder: &Path) -> Command {
     command
 }
 
-/// What a finished table holds is read again, not computed again: there is no time for that.
+/// The rows of a finished table are read, not computed again: there is no time for that.
 fn all_is_kept(folder: &Path, whole: &[Vec<u8>; 2]) {
     program(folder)
         .args(["--time-limit", "1e-9"])
@@ -44,8 +44,8 @@ fn the_same_bytes_whatever_the_threads_and_after_a_kill() {
     assert_eq!(whole, files(two.path()));
     all_is_kept(two.path(), &whole);
 
-    // Cut within a line, within the heading, and to nothing: whole groups stay, the rest is done
-    // again.
+    // Cut within a line, within the heading, and to nothing. Complete groups stay; the rest is
+    // computed again.
     let length = whole[0].len();
     for left in [length - 3, length / 2, 20, 0] {
         let table = two.path().join("readings.csv");
@@ -53,7 +53,7 @@ fn the_same_bytes_whatever_the_threads_and_after_a_kill() {
         program(two.path()).assert().success();
         assert_eq!(whole, files(two.path()), "{left} bytes left");
     }
-    // Damaged in the last line: bytes that are no text, a word that is none, a digit more.
+    // Damage in the last line: invalid UTF-8, an unknown word, an additional digit.
     let line = whole[0][..length - 1]
         .iter()
         .rposition(|&b| b == b'\n')
@@ -74,7 +74,8 @@ fn the_same_bytes_whatever_the_threads_and_after_a_kill() {
     assert_eq!(std::fs::read_dir(two.path()).unwrap().count(), 2);
 }
 
-/// A run without any time: it does one unit of work, here two configurations, if one is missing.
+/// A run with a time limit of zero does one unit of work, here two configurations, if one is
+/// missing.
 fn one_more(folder: &Path) {
     program(folder)
         .args(["--time-limit", "1e-9", "--threads", "1"])
@@ -82,7 +83,7 @@ fn one_more(folder: &Path) {
         .success();
 }
 
-/// Configurations in the table so far.
+/// Number of configurations in the table.
 fn rows(folder: &Path) -> usize {
     let table = std::fs::read_to_string(folder.join("readings.csv")).unwrap_or_default();
     table
@@ -95,7 +96,7 @@ fn rows(folder: &Path) -> usize {
 fn a_killed_run_is_continued_to_the_same_bytes() {
     let (whole, killed) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     program(whole.path()).assert().success();
-    // The run may be done before the kill comes; then another is tried.
+    // The run may end before the kill. Then another one is tried.
     let cut_short = (0..20).any(|_| {
         let _ = std::fs::remove_file(killed.path().join("readings.csv"));
         let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin!("readings"))
@@ -151,7 +152,7 @@ fn a_table_of_other_settings_is_refused_by_the_setting_that_differs() {
 #[test]
 fn a_limit_leaves_a_table_that_can_be_continued() {
     let folder = tempfile::tempdir().unwrap();
-    // However short the limit, every call gets on by one reading with one integrator.
+    // However short the limit, every call adds one reading with one integrator.
     for done in [2, 4, 6] {
         program(folder.path())
             .args(["--time-limit", "1e-9", "--threads", "1"])

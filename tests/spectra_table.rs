@@ -1,18 +1,17 @@
-//! What the page of speeds says of `spectrum` beside other packages is what the committed table
-//! holds.
+//! The page of speeds agrees with the committed table on `spectrum` and other packages.
 
 use std::collections::BTreeMap;
 
 const TABLE: &str = include_str!("../report/spectra.csv");
 const PAGE: &str = include_str!("../docs/speed.md");
 const OURS: &str = "spectrum";
-/// With the delay and the number of values that the packages are given, which otherwise it chooses
+/// With the delay and the dimension that the packages are given. Otherwise `spectrum` chooses them
 /// itself.
 const GIVEN: &str = "spectrum, embedding given";
-/// Those that give a spectrum.
+/// Packages that give a spectrum.
 const SPECTRA: [&str; 2] = ["nolds lyap_e", "neurokit2 eckmann1986"];
-/// Those that give one exponent and are the quickest, the second with a straight part that was
-/// sought before.
+/// The fastest packages that give one exponent. The second one gets a straight part chosen in
+/// advance.
 const QUICK: [&str; 2] = [
     "neurokit2 makowski",
     "neurokit2 rosenstein1993, straight part",
@@ -75,7 +74,7 @@ fn the_page_says_what_the_table_holds() {
     faster.sort_by(f64::total_cmp);
     let series = ours.len();
     let quicker = QUICK.map(|peer| count(&|name| by[peer][name].seconds < ours[name].seconds));
-    let said = format!(
+    let message = format!(
         "The error of the first exponent is smaller than that of nolds `lyap_e` on {} series and \
          of neurokit2 `eckmann1986` on {}, the two that give a spectrum, and than those of the \
          others on {} to {}; with the embedding that the packages are given, than those of all on \
@@ -99,5 +98,5 @@ fn the_page_says_what_the_table_holds() {
         count(&|name| ours[name].status == "starved"),
     );
     let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(words(PAGE).contains(&words(&said)), "{said}");
+    assert!(words(PAGE).contains(&words(&message)), "{message}");
 }

@@ -1,4 +1,4 @@
-//! The command line all figure programs share.
+//! The command line shared by all figure programs.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -28,11 +28,10 @@ pub struct Arguments {
     pub png: bool,
 }
 
-/// Everything a figure program does: parses the command line, computes, draws, writes, prints the
+/// A figure program: parses the command line, computes, draws, writes the files and prints the
 /// numbers.
 ///
-/// Exit code 0 on success, 1 if something failed (`error: …` on standard error), 2 for a wrong
-/// command line.
+/// Exit code 0 on success, 1 on failure (`error: …` on standard error), 2 for a wrong command line.
 pub fn main<D>(figure: &FigureSpec<D>) -> ExitCode {
     let matches = command(figure).get_matches();
     let arguments = match Arguments::from_arg_matches(&matches) {
@@ -70,8 +69,7 @@ fn command<D>(figure: &FigureSpec<D>) -> clap::Command {
 /// Computes, draws and writes a figure; returns the text for the terminal.
 ///
 /// # Errors
-/// Whatever computing, drawing and writing run into. Files are written last, so an error leaves
-/// none behind.
+/// The error of the step that fails. Files are written last, so an error leaves none behind.
 pub fn run<D>(figure: &FigureSpec<D>, arguments: &Arguments) -> Result<String, FigureError> {
     if arguments.png && !cfg!(feature = "png") {
         // Reported before the long computation.

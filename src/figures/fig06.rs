@@ -1,11 +1,11 @@
 //! Fig. 6: the friction law of Eq. (2).
 
 use super::rows::Row;
-use super::{Failure, FigureError, FigureSpec, pair};
+use super::{Failure, FigureError, FigureSpec, side_by_side};
 use crate::paper::claim_id::ClaimId;
 use crate::paper::reading::Reading::Exact;
 use plot::{
-    Axis, BLACK, BLUE, Color, Curve, Dash, Figure, GREY, Guide, Legend, Note, Panel, Place,
+    Axis, BLACK, BLUE, Color, Curve, Dash, Figure, GREY, Guide, Legend, Note, Panel, Position,
     VERMILLION,
 };
 use stickslip::models::friction::{Force, Friction};
@@ -15,7 +15,7 @@ use stickslip::models::friction::{Force, Friction};
 pub struct Graph {
     /// The law.
     pub law: Friction,
-    /// How `μ₀` is written, in markup.
+    /// `μ₀` in markup.
     pub mu0: &'static str,
     /// `(v, T)` in m/s and N, through the vertical part at `v = 0`.
     pub points: Vec<(f64, f64)>,
@@ -32,7 +32,7 @@ pub struct Data {
 
 /// Largest relative velocity shown, m/s.
 const V_MAX: f64 = 3.0;
-/// Points of a branch.
+/// Points per branch.
 const SAMPLES: u32 = 300;
 
 /// Fig. 6.
@@ -93,15 +93,15 @@ fn draw(data: &Data) -> Result<String, FigureError> {
         a.add(curve(graph, color, dash).legend(&format!("*μ*_0 = {}", graph.mu0)));
     }
     let [_, paper, _] = &data.by_mu0;
-    let sticking = Note::new(Place::Fraction(0.76, 0.2), "sticking: |*T*| ≤ *μ*_0");
+    let sticking = Note::new(Position::Fraction(0.76, 0.2), "sticking: |*T*| ≤ *μ*_0");
     a.add(sticking.arrow((0.0, -0.4 * paper.law.mu0())));
     let mut b = panel("(b)", &format!("*μ*_0 = {}", paper.mu0));
     for (graph, (color, dash)) in data.by_delta.iter().zip(LINES) {
         b.add(curve(graph, color, dash).legend(&format!("*δ* = {} s/m", graph.law.delta())));
     }
     for panel in [&mut a, &mut b] {
-        // Once more on top: all graphs share the vertical part, and dashes of others would show
-        // on it.
+        // Drawn again on top: all graphs share the vertical part, where dashes of the others would
+        // show.
         panel.add(curve(paper, LINES[1].0, LINES[1].1));
     }
     let title = "Friction force against relative velocity";
@@ -111,7 +111,7 @@ fn draw(data: &Data) -> Result<String, FigureError> {
         values of μ0; larger μ0 stretches the curve. Panel b: μ0 = √3/9 and δ = 0.5, 1, 3; larger \
         δ makes it fall faster. Bold: the paper's parameters.";
     let figure = Figure::new(FIG06.name, (680.0, 310.0), title, description);
-    Ok(figure.columns(1.0, pair(a, b)).render()?)
+    Ok(figure.columns(1.0, side_by_side(a, b)).render()?)
 }
 
 /// The paper's parameters are the bold solid line in the middle.
@@ -138,7 +138,7 @@ fn curve(graph: &Graph, color: Color, dash: Dash) -> Curve {
     curve.color(color).dash(dash).width(width)
 }
 
-/// The graph from left to right; at `v = 0` both ends of the vertical part.
+/// The graph from left to right, with both ends of the vertical part at `v = 0`.
 fn sample(law: &Friction) -> Vec<(f64, f64)> {
     let speed = |i: u32| V_MAX * f64::from(i) / f64::from(SAMPLES);
     let left = (1..=SAMPLES).rev().map(|i| -speed(i));

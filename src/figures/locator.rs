@@ -1,6 +1,6 @@
-//! How exactly an event is located, by five methods: error against step length.
+//! Accuracy of five methods to locate an event: error against step length.
 //!
-//! Not a figure of the paper: what its title promises, measured.
+//! This is not a figure of the paper. It measures what the paper's title promises.
 
 use crate::numbers::bisect;
 use std::f64::consts::PI;
@@ -31,19 +31,19 @@ pub struct LocatorMethod {
     pub order: f64,
 }
 
-/// The event is that part of the step away from its start. Its middle would favour methods whose
-/// errors are symmetrical.
+/// The event is at this fraction of the step. The middle would favour methods with symmetric
+/// errors.
 const PART: f64 = 0.6;
 /// Speed of the belt, m/s.
 const BELT_SPEED: f64 = 1.3;
 /// Steps are 10^(-k/8), k from 0.
 const FACTOR: f64 = 0.749_894_209_332_455_8;
 const STEPS: usize = 25;
-/// Places of the steps 0.1 and 0.01.
+/// Indices of the steps 0.1 and 0.01.
 const REPORTED: [(usize, &str); 2] = [(8, "error_at_0.1"), (16, "error_at_0.01")];
-/// Errors below are rounding.
+/// Errors below this are rounding.
 const FLOOR: f64 = 2e-15;
-/// Errors below say nothing of an order, those of steps above this length not yet.
+/// Errors below this are not used for the order, nor those of steps longer than the next constant.
 const ORDER_FLOOR: f64 = 3e-14;
 const ORDER_STEP: f64 = 0.5;
 
@@ -159,7 +159,7 @@ impl Step {
         self.model.field(Side::Below, 0.0, x.as_ref()).into()
     }
 
-    /// Where the dense output of one step of `M` meets Σ.
+    /// Intersection of the dense output of one step of `M` with Σ.
     fn on_dense<M: RungeKutta>(&self) -> f64 {
         let Timed { t, x } = self.from;
         let field = &mut |_: f64, x: &State<2>| self.field(x);
@@ -170,8 +170,8 @@ impl Step {
         t + self.h * bisect(0.0, 1.0, |s| dense.at(s)[1] >= BELT_SPEED)
     }
 
-    /// Where the straight line between the ends of one step of RK4 meets Σ. (Of order 8 it errs as
-    /// much.)
+    /// Intersection of the chord of one step of RK4 with Σ. (A method of order 8 has the same
+    /// error.)
     fn chord(&self) -> f64 {
         let Timed { t, x } = self.from;
         let field = &mut |_: f64, x: &State<2>| self.field(x);
@@ -192,12 +192,12 @@ impl Step {
     }
 }
 
-/// Error of the time at which the block is as fast as the belt, located in one step of length `h`
-/// from the exact state before it.
+/// Error of the time at which the block reaches the belt's speed. It is located in one step of
+/// length `h` from the exact state before it.
 fn error(model: &BeltOscillator, h: f64, locate: fn(&Step) -> f64) -> f64 {
-    // Slower than the belt the block is at angle t of a circle about μ₀, its velocity minus the
-    // radius times the sine. The belt has half the radius for its speed: they meet at 7π/6, and the
-    // velocity is curved there. Times count from it.
+    // Below the belt's speed the block moves on a circle about μ₀. At angle t its velocity is minus
+    // the radius times sin t. The belt's speed is half the radius: the event is at 7π/6, where the
+    // velocity is curved. Times are relative to the event.
     let lead = PART * h;
     let angle = 7.0 * PI / 6.0 - lead;
     let radius = 2.0 * BELT_SPEED;
@@ -235,8 +235,8 @@ mod tests {
     fn each_way_has_the_order_of_its_construction() {
         let ways = LOCATOR.compute().unwrap();
         let orders: Vec<f64> = ways.iter().map(|method| method.order).collect();
-        // Over one step an interpolant of degree p errs by h^(p+1), a step of order p by h^(p+1),
-        // too. Order 8 reaches rounding before it shows its last half.
+        // Over one step, an interpolant of degree p and a step of order p both have errors of
+        // h^(p+1). Order 8 reaches rounding early, so its measured order is lower.
         let wanted = [1.9..2.1, 3.8..4.4, 4.7..5.3, 7.3..8.3, 8.0..9.3];
         for (order, wanted) in orders.iter().zip(wanted) {
             assert!(wanted.contains(order), "{orders:?}");

@@ -9,7 +9,7 @@ pub mod fig08;
 pub mod locator;
 pub mod rows;
 
-use crate::numbers::missing;
+use crate::numbers::not_found;
 use crate::paper::published::PublishedError;
 use output::{PngError, WriteError};
 use plot::{Cell, Dash, GREY, Guide, Panel};
@@ -20,26 +20,26 @@ use stickslip::{Error, Filippov, Mode, Orbit, Scalar, Side, Transition, Transiti
 /// Error of a computation.
 pub(crate) type Failure = Box<dyn std::error::Error + Send + Sync>;
 
-/// A figure of the paper: computing, reporting and drawing apart from each other.
+/// A figure of the paper. Computing, reporting and drawing are separate.
 pub struct FigureSpec<D> {
     /// Name of the program and stem of its files, such as `fig06`.
     pub name: &'static str,
-    /// One line on what it shows.
+    /// A one-line title.
     pub title: &'static str,
-    /// The help text's account of what is drawn and which numbers are reported.
+    /// Help text: what is drawn and which numbers are reported.
     pub about: &'static str,
     compute: fn() -> Result<D, Failure>,
     /// The numbers behind the figure.
     pub numbers: fn(&D) -> Vec<Row>,
-    /// The picture as SVG. Never computes.
+    /// The picture as SVG. It never computes.
     pub draw: fn(&D) -> Result<String, FigureError>,
 }
 
 impl<D> FigureSpec<D> {
-    /// Computes the data. Never draws.
+    /// Computes the data. It never draws.
     ///
     /// # Errors
-    /// Whatever the computation can run into, as [`FigureError::Compute`].
+    /// The error of the computation, as [`FigureError::Compute`].
     pub fn compute(&self) -> Result<D, FigureError> {
         (self.compute)().map_err(|source| FigureError::Compute {
             figure: self.name,
@@ -57,7 +57,7 @@ pub enum FigureError {
     Compute {
         /// Name of the figure, such as `fig06`.
         figure: &'static str,
-        /// What the solver or the listing said.
+        /// Error of the solver or of the listing.
         source: Failure,
     },
     /// The table of published values is malformed.
@@ -80,12 +80,12 @@ pub enum FigureError {
     Png(#[from] PngError),
 }
 
-/// Points per integration step: an order-8 step is long, and a curve through its ends alone would
-/// be polygonal. What cannot be seen is thinned out when the curve is drawn.
+/// Points per integration step. A step of order 8 is long, and a curve through its ends alone would
+/// be polygonal. Drawing thins out invisible points.
 const PER_STEP: u32 = 24;
 
-/// Points along the orbit, each point made by `point` from time and state; every step's end is on
-/// it, and so is every transition.
+/// Points along the orbit, computed by `point` from time and state. They include every step's end
+/// and every transition.
 fn points<const N: usize, P>(orbit: &Orbit<N>, point: impl Fn(f64, &[f64]) -> P) -> Vec<P> {
     let mut points = vec![point(orbit.t_start, orbit.x_start.as_slice())];
     for step in &orbit.steps {
@@ -99,7 +99,7 @@ fn points<const N: usize, P>(orbit: &Orbit<N>, point: impl Fn(f64, &[f64]) -> P)
 }
 
 /// Time and the first two components.
-fn curve3<const N: usize>(orbit: &Orbit<N>) -> Vec<(f64, f64, f64)> {
+fn time_curve<const N: usize>(orbit: &Orbit<N>) -> Vec<(f64, f64, f64)> {
     points(orbit, |t, x| (t, x[0], x[1]))
 }
 
@@ -114,11 +114,11 @@ pub(crate) fn normals<S: Filippov<2>, T: Scalar>(system: &S, t: T, x: &[T; 2]) -
     [Side::Below, Side::Above].map(of)
 }
 
-/// The first crossing of Σ to a side in an orbit from time 0 on.
+/// The first crossing of Σ to a side, in an orbit that starts at time 0.
 fn crossing(orbit: &Orbit<2>, to: Side) -> Result<&Transition<2>, Error> {
     let is = |at: &&Transition<2>| at.kind == TransitionKind::Crossing && at.to == Mode::Slip(to);
     let first = orbit.transitions.iter().find(is);
-    first.ok_or_else(|| missing("a crossing of Σ", 0.0, orbit.t_end))
+    first.ok_or_else(|| not_found("a crossing of Σ", 0.0, orbit.t_end))
 }
 
 /// Σ in a phase plane: the belt's speed.
@@ -127,8 +127,8 @@ fn belt_line(speed: f64) -> Guide {
     line.dash(Dash::Dashed)
 }
 
-/// Two panels side by side, of one width.
-pub(crate) fn pair(left: Panel, right: Panel) -> Vec<(f64, Cell)> {
+/// Two panels side by side, of equal width.
+pub(crate) fn side_by_side(left: Panel, right: Panel) -> Vec<(f64, Cell)> {
     vec![(1.0, left.into()), (1.0, right.into())]
 }
 

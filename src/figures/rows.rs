@@ -1,4 +1,4 @@
-//! The numbers behind a figure: one row each, as CSV, as a table to read, as a golden.
+//! The numbers behind a figure. Each is a row, formatted as CSV, as a table, or as a golden file.
 
 use std::fmt;
 
@@ -7,16 +7,16 @@ use crate::paper::published::Claims;
 use crate::paper::reading::Reading;
 use crate::text::{self, joined};
 
-/// One part of a statement: what it says, and whether it holds.
+/// One part of a statement: its words, and whether it holds.
 pub type Part = (&'static str, bool);
 
-/// What a row states.
+/// The value of a row.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
-    /// A measured or computed quantity; minus infinity is allowed (a Lyapunov exponent of an
+    /// A measured or computed quantity. Minus infinity is allowed (the Lyapunov exponent of an
     /// annihilated direction).
     Number(f64),
-    /// How many of something.
+    /// A number of items.
     Count(usize),
     /// A class or kind in a word, such as `quasi-periodic`.
     Word(String),
@@ -64,14 +64,14 @@ impl fmt::Display for Value {
 /// The subject of a row.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Quantity {
-    /// What a claim publishes.
+    /// The value of a claim.
     Claim(ClaimId),
-    /// One of the numbers that a claim publishes together; counted from 1 in the order in which
-    /// they were computed.
+    /// One of several numbers that a claim publishes together. It is counted from 1 in the order of
+    /// computation.
     Member(ClaimId, usize),
-    /// Something else that belongs to a claim; the paper gives no value for it.
+    /// A further quantity of a claim, for which the paper gives no value.
     Detail(ClaimId, String),
-    /// Something outside all claims.
+    /// A quantity outside all claims.
     Other(String),
 }
 
@@ -98,13 +98,13 @@ impl<S: Into<String>> From<S> for Quantity {
     }
 }
 
-/// What the paper says where a row stands, and whether it is the row's value.
+/// The published value for a row, and whether it agrees with the computed one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
     /// In the paper's own digits or words.
     pub published: String,
-    /// A number, rounded to the published digits, is the published one; a count or a word is the
-    /// published one; a statement holds in all its parts.
+    /// A number agrees if rounding gives the published digits. A count or a word must be equal. A
+    /// statement must hold in all its parts.
     pub agrees: bool,
 }
 
@@ -113,14 +113,14 @@ pub struct Comparison {
 pub struct Row {
     /// Its subject.
     pub quantity: Quantity,
-    /// How the paper was understood.
+    /// Interpretation of the paper.
     pub reading: Reading,
     /// The computed value.
     pub value: Value,
     /// Unit of the value; empty for a word, `1` for a pure number.
     pub unit: &'static str,
-    /// What the value is worth, in a word such as `unidentified`; nothing where that goes without
-    /// saying.
+    /// Quality of the value in a word such as `unidentified`; `None` where nothing needs to be
+    /// said.
     pub status: Option<&'static str>,
 }
 
@@ -135,7 +135,7 @@ impl Row {
         Self::new(quantity, reading, Value::Number(value + 0.0), unit)
     }
 
-    /// A number of things.
+    /// A count.
     pub fn count(quantity: impl Into<Quantity>, reading: Reading, value: usize) -> Self {
         Self::new(quantity, reading, Value::Count(value), "1")
     }
@@ -155,7 +155,7 @@ impl Row {
         Self::new(claim, reading, Value::Statement(parts), "")
     }
 
-    /// The members of a set, each a row.
+    /// The members of a set, a row each.
     pub fn members<'a>(
         claim: ClaimId,
         reading: Reading,
@@ -183,14 +183,14 @@ impl Row {
         }
     }
 
-    /// With a word on what the value is worth.
+    /// Adds a word on the quality of the value.
     #[must_use]
     pub fn status(mut self, word: &'static str) -> Self {
         self.status = Some(word);
         self
     }
 
-    /// Against the paper; nothing where the paper gives no value.
+    /// Comparison with the paper; `None` where the paper gives no value.
     pub fn comparison(&self, claims: &Claims) -> Option<Comparison> {
         let (Quantity::Claim(id) | Quantity::Member(id, _)) = self.quantity else {
             return None;
@@ -219,9 +219,9 @@ impl Row {
 
 const HEADER: &str = "id,reading,value,published,unit,agrees,status";
 
-/// The rows' cells under the header; `agrees` are the words for yes, no and where there is nothing
-/// to agree with, of which the last also stands for a cell without content. A status is shown where
-/// a row has one.
+/// The rows' cells under the header. `agrees` has the words for yes, for no, and for rows without a
+/// published value. The last one also stands for empty cells. A status is shown where a row has
+/// one.
 fn lines(
     rows: &[Row],
     claims: &Claims,
@@ -264,7 +264,7 @@ pub fn table(rows: &[Row], claims: &Claims) -> String {
     aligned(&lines(rows, claims, value, ["yes", "NO", "–"]))
 }
 
-/// Rows as they are frozen: in full precision, without units.
+/// Rows in the format of golden files: in full precision, without units.
 pub fn golden(rows: &[Row], claims: &Claims) -> String {
     let mut lines = lines(rows, claims, Value::to_string, ["true", "false", "-"]);
     for line in &mut lines {
@@ -273,7 +273,7 @@ pub fn golden(rows: &[Row], claims: &Claims) -> String {
     aligned(&lines)
 }
 
-/// The first so many columns, two spaces apart, without blanks at the end of a line.
+/// The first columns, two spaces apart, without trailing blanks.
 fn aligned(lines: &[Vec<String>]) -> String {
     let columns = lines.first().map_or(0, Vec::len);
     let width = |k: usize| lines.iter().map(|line| line[k].chars().count()).max();

@@ -1,11 +1,10 @@
-//! The names of the published quantities and statements: one typed identifier for each row of
-//! `data/claims.csv`.
+//! Identifiers of the published quantities and statements: one for each row of `data/claims.csv`.
 
 use std::fmt;
 
 use crate::text::described;
 
-/// Writes the enum, the list of all and the names from one table.
+/// Generates the enum, the list of all variants and their names from one table.
 macro_rules! claim_ids {
     ($($variant:ident = $name:literal,)*) => {
         described! {
@@ -88,7 +87,7 @@ impl ClaimId {
     }
 
     /// The four numbers of Sect. 4.2: lengths of the stick phases (m), then their durations (s).
-    pub const FOUR: [ClaimId; 4] = [
+    pub const STICK_NUMBERS: [ClaimId; 4] = [
         ClaimId::Fig08StickLength1,
         ClaimId::Fig08StickLength2,
         ClaimId::Fig08StickDuration1,
@@ -111,8 +110,9 @@ impl fmt::Display for ClaimId {
 }
 
 described! {
-    /// A figure that publishes a spectrum of Lyapunov exponents, by the name of its program and the
-    /// first of its five rows in the table of claims: four exponents, then the class of its motion.
+    /// A figure that publishes a spectrum of Lyapunov exponents. It is described by the name of its
+    /// program and the first of its five rows in the table of claims. Those are four exponents and
+    /// the class of its motion.
     SpectrumFigure: (&'static str, ClaimId) as described {
         /// Fig. 10.
         Fig10 = ("fig10", ClaimId::Fig10Lambda1),

@@ -1,11 +1,11 @@
-//! The arithmetic of the Appendix's listing carried to systems of any dimension: the result for
-//! model 3 if it was run that way.
+//! The arithmetic of the Appendix's listing for systems of any dimension. It gives the result that
+//! model 3 would have if it was run that way.
 //!
-//! The paper prints a program for Model 2 only. This is the same scheme, defects and all, for a
-//! [`Filippov`] system whose boundary function is `x₂ − vp`: Runge–Kutta stages that overwrite
-//! their own start, so that a slip runs three times too fast; a Hénon step of the same kind onto Σ,
-//! taken from beyond it, away from it when coming from above, with 0.166666 for 1/6; a stick phase
-//! in which the rider moves with the belt at its own pace. See [`super::listing`] for the original.
+//! The paper prints a program for Model 2 only. This is the same scheme with its defects for a
+//! [`Filippov`] system whose boundary function is `x₂ − vp`. Runge–Kutta stages overwrite their own
+//! start, so a slip phase runs three times too fast. The Hénon step onto Σ has the same defect and
+//! starts beyond Σ. From above, it leads away from Σ; it takes 0.166666 for 1/6. In a stick phase
+//! the body moves with the belt at the correct speed. See [`super::listing`] for the original.
 
 use super::stages::{VELOCITY, in_time, in_velocity};
 use stickslip::system::components;
@@ -16,35 +16,36 @@ const SIXTH: f64 = 0.166666;
 
 /// Why the scheme cannot go on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Lost {
-    /// A component passed the bound.
+pub enum Breakdown {
+    /// A component exceeded the bound.
     Escaped {
-        /// Clock at the last state within it.
+        /// Time of the last state within the bound.
         t: f64,
     },
-    /// A component is no number.
+    /// A component is not a number.
     BrokenDown {
-        /// Clock at the last state that was one.
+        /// Time of the last finite state.
         t: f64,
     },
 }
 
-/// The scheme on its way.
+/// The state of a run of the scheme.
 #[derive(Clone, Debug)]
 pub struct InPlace<S, const N: usize> {
     system: S,
     h: f64,
     bound: f64,
-    /// The clock.
+    /// Time.
     pub t: f64,
-    /// The state.
+    /// State.
     pub x: State<N>,
     mode: Mode,
 }
 
 impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
-    /// From `(0, x)`, with step `h`, until a component exceeds `bound`. A start on Σ sticks if both
-    /// fields push towards it, and goes to the side above otherwise, as in the listing.
+    /// Starts at `(0, x)` with step `h`. The run fails when a component exceeds `bound`. A start on
+    /// Σ sticks if both fields push towards it. Otherwise it goes to the side above, as in the
+    /// listing.
     pub fn start(system: S, x: State<N>, h: f64, bound: f64) -> Self {
         let mut scheme = InPlace {
             system,
@@ -57,7 +58,7 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
         let gap = scheme.system.boundary(0.0, components(&x));
         scheme.mode = if gap < 0.0 {
             Mode::Slip(Side::Below)
-        } else if gap == 0.0 && scheme.released().is_none() {
+        } else if gap == 0.0 && scheme.release_side().is_none() {
             Mode::Stick
         } else {
             Mode::Slip(Side::Above)
@@ -68,18 +69,18 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
     /// One pass of the listing's loop.
     ///
     /// # Errors
-    /// [`Lost`] where the state is no longer a motion of the system.
-    pub fn advance(&mut self) -> Result<(), Lost> {
+    /// [`Breakdown`] where the state is no longer a motion of the system.
+    pub fn advance(&mut self) -> Result<(), Breakdown> {
         let t = self.t;
         match self.mode {
             Mode::Stick => self.stick(),
             Mode::Slip(side) => self.slip(side),
         }
         if !self.t.is_finite() || self.x.iter().any(|v| !v.is_finite()) {
-            return Err(Lost::BrokenDown { t });
+            return Err(Breakdown::BrokenDown { t });
         }
         if self.x.amax() > self.bound {
-            return Err(Lost::Escaped { t });
+            return Err(Breakdown::Escaped { t });
         }
         Ok(())
     }
@@ -95,7 +96,7 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
             self.x = moved;
             return;
         }
-        // Back onto Σ from below; from above the listing has the sign wrong.
+        // Back onto Σ from below. From above, the listing has the wrong sign.
         let to_go = gap * if side == Side::Below { -1.0 } else { 1.0 };
         let slope = |t: f64, x: &State<N>| {
             let f = State::from(system.field(side, t, components(x)));
@@ -105,7 +106,7 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
         let step = (to_go, to_go * SIXTH);
         (self.t, self.x) = in_velocity(true, step, (self.t, moved), slope);
         self.x[VELOCITY] = moved[VELOCITY] - gap;
-        self.mode = match self.released() {
+        self.mode = match self.release_side() {
             None => Mode::Stick,
             Some(_) => Mode::Slip(side.opposite()),
         };
@@ -123,13 +124,13 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
         moved[0] = self.x[0] + self.h * velocity;
         self.x = moved;
         self.t += self.h;
-        if let Some(side) = self.released() {
+        if let Some(side) = self.release_side() {
             self.mode = Mode::Slip(side);
         }
     }
 
     /// The side whose field does not push towards Σ, if there is one.
-    fn released(&self) -> Option<Side> {
+    fn release_side(&self) -> Option<Side> {
         let x = components(&self.x);
         if self.system.field(Side::Below, self.t, x)[VELOCITY] <= 0.0 {
             Some(Side::Below)
@@ -141,7 +142,7 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
     }
 }
 
-/// Filippov's combination of the fields that keeps the velocity.
+/// Filippov's convex combination of the fields, which keeps the velocity constant.
 fn sliding<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<N>) -> State<N> {
     let velocity = |side| State::from(system.field(side, t, components(x)));
     let (below, above) = (velocity(Side::Below), velocity(Side::Above));
@@ -196,6 +197,6 @@ mod tests {
     fn leaving_the_bound_is_an_outcome() {
         let mut scheme = fig11(0.3);
         let lost = (0..100_000).find_map(|_| scheme.advance().err());
-        assert!(matches!(lost, Some(Lost::Escaped { t }) if t > 0.0));
+        assert!(matches!(lost, Some(Breakdown::Escaped { t }) if t > 0.0));
     }
 }

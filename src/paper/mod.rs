@@ -1,11 +1,11 @@
-//! What the paper itself printed: the program of its Appendix, and the values it published.
+//! What the paper printed: the program of its Appendix, and the published values.
 //!
 //! P. Olejnik, J. Awrejcewicz, *Application of Hénon method in numerical estimation of the
 //! stick–slip transitions existing in Filippov-type discontinuous dynamical systems with dry
 //! friction*, Nonlinear Dynamics 73 (2013) 723–736, doi 10.1007/s11071-013-0826-7.
 //!
-//! Nothing here is a good way to integrate a friction oscillator; it serves to trace a published
-//! number to the arithmetic that produced it.
+//! These are not good ways to integrate a friction oscillator. They trace a published number to the
+//! arithmetic that produced it.
 
 pub mod claim_id;
 pub mod in_place;
@@ -18,8 +18,8 @@ mod stages;
 
 use stickslip::Options;
 
-/// Options of a run of model 2. Beyond 10 m or 10 m/s its softening spring drives the body away for
-/// good.
+/// Options for a run of model 2. Beyond 10 m or 10 m/s its softening spring drives the body away
+/// for good.
 pub(crate) fn bounded(tolerance: f64) -> Options {
     Options::tol(tolerance).escape(ESCAPE)
 }

@@ -1,50 +1,50 @@
-//! What is measured of Fig. 8's motion: one definition for the listing, for its limit and for the
-//! exact solution.
+//! Measurements of Fig. 8's motion, with one definition for the listing, its limit and the exact
+//! solution.
 
 use super::listing::{
     Crossing, Direction, Instant, LEAST_COMPARED, Motion, Run, Stick, pattern_begin,
 };
 use stickslip::{Mode, Phase, Side, State};
 
-/// Patterns longer than this many forcing periods are not looked for, as in [`Motion`].
-const LONGEST: usize = Motion::LONGEST_PATTERN;
-/// Events of an accurate solution a pattern apart that differ by no more are the same (m, s). That
-/// is far above the solver's tolerance and far below the digits that the paper prints.
-const SAME: f64 = 1e-6;
+/// Longest pattern searched for, in forcing periods, as in [`Motion`].
+const LONGEST_PATTERN: usize = Motion::LONGEST_PATTERN;
+/// Tolerance for two events of an accurate solution to be equal (m, s). It is far above the
+/// solver's tolerance and far below the printed digits.
+const EVENT_TOLERANCE: f64 = 1e-6;
 
-/// Whether a motion is what the caption of Fig. 8 says: it has stick phases and repeats after two
-/// forcing periods and not after one. `period` is the fewest forcing periods after which it
-/// repeats.
+/// Whether a motion is what the caption of Fig. 8 says. It must have stick phases and repeat after
+/// two forcing periods and not after one. `period` is the number of forcing periods after which it
+/// first repeats.
 pub fn two_periodic(sticks: usize, period: usize) -> bool {
     sticks > 0 && period == 2
 }
 
-/// A settled motion by what it does on Σ.
+/// A settled motion, described by its events on Σ.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pattern {
-    /// The fewest forcing periods after which the motion repeats.
+    /// Number of forcing periods after which the motion first repeats.
     pub period: usize,
     /// Forcing period (s).
     pub forcing_period: f64,
-    /// The stick phases that end within the last [`Pattern::period`] forcing periods, or within the
-    /// last two if that is one, in order of time.
+    /// The stick phases that end within the last [`Pattern::period`] forcing periods, but at least
+    /// two periods, in order of time.
     pub sticks: Vec<Stick>,
     /// The crossings without stick within the same time.
     pub crossings: Vec<Crossing>,
-    /// The time at which the pattern ends (s): the end of the last stick phase; without stick the
-    /// last crossing.
+    /// The time at which the pattern ends (s): the end of the last stick phase or, without stick,
+    /// the last crossing.
     pub end: f64,
 }
 
 impl Pattern {
-    /// Of a run of the listing: its period is that of [`Run::motion`]. The first step after a stick
-    /// phase is no crossing, but the wrong side of its release put right. `None` unless the motion
-    /// has settled and reaches Σ.
+    /// From a run of the listing. Its period is that of [`Run::motion`]. The first step after a
+    /// stick phase is not a crossing but the correction of a wrong side at its release. `None`
+    /// unless the motion has settled and reaches Σ.
     pub fn of_listing(run: &Run) -> Option<Pattern> {
         let (Motion::StickSlip { period, .. } | Motion::SlipOnly { period }) = run.motion else {
             return None;
         };
-        // A motion that has settled without stick may have stuck on its way.
+        // A motion that settles without stick may have stuck in its transient.
         let sticks = match run.motion {
             Motion::StickSlip { .. } => run.phases.iter().map(|phase| phase.stick).collect(),
             _ => Vec::new(),
@@ -54,11 +54,11 @@ impl Pattern {
         Events::new(sticks, crossings.collect(), run.forcing_period).pattern(period)
     }
 
-    /// Of an accurate solution, from its phases in order of time; a phase ends where the next
-    /// begins. Its period is the fewest forcing periods after which all that happens on Σ, entries,
-    /// ends and crossings, repeats within 1e-6 m and 1e-6 s, over the last six forcing periods at
-    /// least. `None` if nothing repeats within eight. The first phase, and one that the end of the
-    /// run at `t_end` cuts short, are no whole stick phases.
+    /// From the phases of an accurate solution, in order of time; a phase ends where the next
+    /// begins. The period is the smallest number of forcing periods after which all events on Σ
+    /// repeat. Events are entries, exits and crossings. They repeat if they agree within 1e-6 m and
+    /// 1e-6 s over at least the last six forcing periods. `None` if nothing repeats within eight.
+    /// The first phase and a phase cut off at `t_end` are not complete stick phases.
     pub fn of_phases(phases: &[Phase<2>], t_end: f64, forcing_period: f64) -> Option<Pattern> {
         let instant = |t: f64, x: &State<2>| Instant { t, x1: x[0] };
         let whole = |phase: &&Phase<2>| phase.mode == Mode::Stick && phase.t_end != t_end;
@@ -80,14 +80,14 @@ impl Pattern {
             })
         });
         let events = Events::new(sticks.collect(), crossings.collect(), forcing_period);
-        let period = (1..=LONGEST).find(|&period| events.repeat_after(period))?;
+        let period = (1..=LONGEST_PATTERN).find(|&period| events.repeat_after(period))?;
         events.pattern(period)
     }
 
-    /// The four numbers of Sect. 4.2: the lengths (m) of the two longest stick phases within two
-    /// forcing periods, or within the pattern if that is longer, the longer first, then their
-    /// durations (s). `None` if there are not two.
-    pub fn four_numbers(&self) -> Option<[f64; 4]> {
+    /// The four numbers of Sect. 4.2: the lengths (m) of the two longest stick phases, the longer
+    /// first, then their durations (s). They are taken within two forcing periods, or within the
+    /// pattern if that is longer. `None` if there are fewer than two phases.
+    pub fn stick_numbers(&self) -> Option<[f64; 4]> {
         let mut sticks = self.sticks.clone();
         sticks.sort_by(|one, other| other.length().total_cmp(&one.length()));
         match sticks.as_slice() {
@@ -107,34 +107,34 @@ impl Pattern {
     }
 
     /// The stick phases of one pattern.
-    pub fn sticks_of_one(&self) -> impl Iterator<Item = &Stick> {
-        let from = self.begin();
+    pub fn pattern_sticks(&self) -> impl Iterator<Item = &Stick> {
+        let from = self.start();
         self.sticks.iter().filter(move |stick| stick.exit.t > from)
     }
 
     /// The crossings of one pattern.
-    pub fn crossings_of_one(&self) -> impl Iterator<Item = &Crossing> {
-        let from = self.begin();
+    pub fn pattern_crossings(&self) -> impl Iterator<Item = &Crossing> {
+        let from = self.start();
         self.crossings
             .iter()
             .filter(move |crossing| crossing.at.t > from)
     }
 
-    /// The deflections of Sect. 4.2: the crossings of one pattern at `x1 < 0`. Spring and shaken
-    /// support have their middle at `x1 = 0`, so that this is the left half of the phase plane. A
-    /// pattern is the shortest part that repeats, so each is a point of the closed trajectory of
-    /// its own; where the trajectory releases the body from stick it is not crossing Σ.
+    /// The deflections of Sect. 4.2: the crossings of one pattern at `x1 < 0`. The spring and the
+    /// support are symmetric about `x1 = 0`, so this is the left half of the phase plane. A pattern
+    /// is the shortest part that repeats, so each deflection is a separate point of the closed
+    /// trajectory. The point where the body is released from stick is not a crossing of Σ.
     pub fn deflections(&self) -> Vec<Crossing> {
         let left = |crossing: &&Crossing| crossing.at.x1 < 0.0;
-        self.crossings_of_one().filter(left).copied().collect()
+        self.pattern_crossings().filter(left).copied().collect()
     }
 
-    /// Whether another motion is of the same kind: as many stick phases in a pattern of as many
-    /// forcing periods, and as many deflections.
+    /// Whether another motion is of the same kind. It has the same period and the same numbers of
+    /// stick phases and deflections in a pattern.
     pub fn same_motion(&self, other: &Pattern) -> bool {
         let kind = |one: &Pattern| {
             (
-                one.sticks_of_one().count(),
+                one.pattern_sticks().count(),
                 one.period,
                 one.deflections().len(),
             )
@@ -142,22 +142,22 @@ impl Pattern {
         kind(self) == kind(other)
     }
 
-    /// The time after which what happens belongs to the last pattern.
-    fn begin(&self) -> f64 {
+    /// The time at which the last pattern begins.
+    fn start(&self) -> f64 {
         pattern_begin(self.end, self.period, self.forcing_period)
     }
 }
 
-/// What may happen on Σ.
+/// An event on Σ.
 #[derive(Clone, Copy, PartialEq)]
-enum Kind {
+enum EventKind {
     Entry,
     Exit,
     Crossing(Direction),
 }
 
-/// All that happens on Σ up to the end of the last stick phase, or to the last crossing where there
-/// is no stick.
+/// All events on Σ up to the end of the last stick phase or, without stick, up to the last
+/// crossing.
 struct Events {
     sticks: Vec<Stick>,
     crossings: Vec<Crossing>,
@@ -169,8 +169,8 @@ impl Events {
     fn new(sticks: Vec<Stick>, crossings: Vec<Crossing>, forcing_period: f64) -> Events {
         let last_exit = sticks.last().map(|stick| stick.exit.t);
         let last_crossing = crossings.last().map(|crossing| crossing.at.t);
-        // A motion that has not stuck for longer than any pattern does not stick any more.
-        let span = LONGEST as f64 * forcing_period;
+        // A motion that has not stuck for longer than any pattern no longer sticks.
+        let span = LONGEST_PATTERN as f64 * forcing_period;
         let current = last_exit.filter(|exit| last_crossing.is_none_or(|last| last - exit <= span));
         Events {
             sticks: if current.is_some() {
@@ -184,20 +184,25 @@ impl Events {
         }
     }
 
-    /// In order of time.
-    fn ordered(&self) -> Vec<(Kind, Instant)> {
+    /// All events in order of time.
+    fn ordered(&self) -> Vec<(EventKind, Instant)> {
         let sticks = self.sticks.iter();
-        let mut all: Vec<(Kind, Instant)> = sticks
-            .flat_map(|stick| [(Kind::Entry, stick.entry), (Kind::Exit, stick.exit)])
+        let mut all: Vec<(EventKind, Instant)> = sticks
+            .flat_map(|stick| {
+                [
+                    (EventKind::Entry, stick.entry),
+                    (EventKind::Exit, stick.exit),
+                ]
+            })
             .collect();
         let crossings = self.crossings.iter();
-        all.extend(crossings.map(|one| (Kind::Crossing(one.direction), one.at)));
+        all.extend(crossings.map(|one| (EventKind::Crossing(one.direction), one.at)));
         all.retain(|(_, at)| self.end.is_some_and(|end| at.t <= end));
         all.sort_by(|one, other| one.1.t.total_cmp(&other.1.t));
         all
     }
 
-    /// Whether each of the last events has happened so many forcing periods before as well.
+    /// Whether each of the last events also happened so many forcing periods earlier.
     fn repeat_after(&self, period: usize) -> bool {
         let Some(end) = self.end else { return false };
         let all = self.ordered();
@@ -208,10 +213,10 @@ impl Events {
         let compared = since((2 * period).max(LEAST_COMPARED));
         let shift = period as f64 * self.forcing_period;
         let earlier = all.iter().rev().skip(since(period));
-        let same = |((kind, at), (was, before)): (&(Kind, Instant), &(Kind, Instant))| {
+        let same = |((kind, at), (was, before)): (&(EventKind, Instant), &(EventKind, Instant))| {
             kind == was
-                && (at.x1 - before.x1).abs() <= SAME
-                && (at.t - before.t - shift).abs() <= SAME
+                && (at.x1 - before.x1).abs() <= EVENT_TOLERANCE
+                && (at.t - before.t - shift).abs() <= EVENT_TOLERANCE
         };
         let mut pairs = all.iter().rev().zip(earlier).take(compared);
         let enough = pairs.len() == compared;
@@ -241,10 +246,10 @@ impl Events {
 }
 
 impl Run {
-    /// The four numbers of [`Pattern::four_numbers`]; none unless the motion is
-    /// [`Motion::StickSlip`] with two phases there.
-    pub fn four_numbers(&self) -> Option<[f64; 4]> {
-        Pattern::of_listing(self)?.four_numbers()
+    /// The numbers of [`Pattern::stick_numbers`]. `None` unless the motion is [`Motion::StickSlip`]
+    /// with two such phases.
+    pub fn stick_numbers(&self) -> Option<[f64; 4]> {
+        Pattern::of_listing(self)?.stick_numbers()
     }
 }
 
@@ -253,8 +258,8 @@ mod tests {
     use super::*;
     use stickslip::system::State;
 
-    /// Phases of a motion that repeats after so many periods of length one: each has a stick phase
-    /// of the given length and a crossing upwards at -0.2 and one downwards at 0.3 in between.
+    /// Phases of a motion that repeats after so many periods of length one. Each has a stick phase
+    /// of the given length, a crossing upwards at -0.2 and one downwards at 0.3.
     fn motion(lengths: &[f64], periods: usize) -> Vec<Phase<2>> {
         let mut phases: Vec<Phase<2>> = Vec::new();
         let mut add = |mode, t: f64, x1: f64| {
@@ -301,7 +306,7 @@ mod tests {
             let sticks = lengths.iter().any(|&l| l > 0.0);
             assert_eq!(pattern.two_periodic(), sticks && period == 2);
         }
-        // Nothing repeats in lengths that are all different, nor in a motion too short to tell.
+        // Nothing repeats in lengths that are all different, nor in too short a motion.
         let growing: Vec<f64> = (0..20).map(|k| 0.01 * f64::from(k + 1)).collect();
         assert_eq!(Pattern::of_phases(&motion(&growing, 20), 20.0, 1.0), None);
         assert_eq!(Pattern::of_phases(&motion(&[0.4, 0.1], 5), 5.0, 1.0), None);
@@ -311,17 +316,18 @@ mod tests {
     #[test]
     fn numbers_and_deflections_are_those_of_the_pattern() {
         let two = Pattern::of_phases(&motion(&[0.1, 0.4], 20), 20.0, 1.0).unwrap();
-        let numbers = two.four_numbers().unwrap();
+        let numbers = two.stick_numbers().unwrap();
         for (found, wanted) in numbers.into_iter().zip([0.4, 0.1, 0.4, 0.1]) {
             assert!((found - wanted).abs() < 1e-12, "{numbers:?}");
         }
         assert_eq!(two.deflections().len(), 2);
-        // One period long: its stick phase comes twice in two periods, its crossing is one point.
+        // With a period of one, the stick phase occurs twice in two periods; the crossing is one
+        // point.
         let one = Pattern::of_phases(&motion(&[0.4], 20), 20.0, 1.0).unwrap();
-        assert_eq!((one.sticks.len(), one.sticks_of_one().count()), (2, 1));
+        assert_eq!((one.sticks.len(), one.pattern_sticks().count()), (2, 1));
         assert_eq!(one.deflections().len(), 1);
-        assert!(one.four_numbers().is_some() && !one.same_motion(&two));
+        assert!(one.stick_numbers().is_some() && !one.same_motion(&two));
         let none = Pattern::of_phases(&motion(&[0.0], 20), 20.0, 1.0).unwrap();
-        assert_eq!((none.four_numbers(), none.deflections().len()), (None, 2));
+        assert_eq!((none.stick_numbers(), none.deflections().len()), (None, 2));
     }
 }

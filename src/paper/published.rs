@@ -1,7 +1,7 @@
 //! The quantities the paper publishes, as data.
 //!
 //! `data/claims.csv` has one row for each: values, sets of exact values, curves and statements.
-//! Only the first two can be compared with a number; the others are listed so that a report can
+//! Only the first two can be compared with a number. The others are listed so that a report can
 //! name them.
 
 use std::sync::LazyLock;
@@ -9,19 +9,19 @@ use std::sync::LazyLock;
 use super::claim_id::ClaimId;
 use crate::text::described;
 
-/// The table, as it is in the repository.
+/// The table in the repository.
 const CLAIMS: &str = include_str!("../../data/claims.csv");
-/// Half a unit of the last of the four decimals to which the paper prints lengths, durations and
-/// exponents.
+/// Half a unit of the fourth decimal. The paper prints lengths, durations and exponents to four
+/// decimals.
 #[cfg(feature = "report")]
 pub const HALF_DIGIT: f64 = 0.5e-4;
-/// Largest relative difference from an exact value: thousands of roundings, and far below any
+/// Largest relative difference from an exact value: thousands of rounding errors, and far below any
 /// printed digit.
 const EXACT_TOLERANCE: f64 = 1e-12;
 
 described! {
     /// What a row of the table claims.
-    Kind: &'static str as pub name {
+    ClaimKind: &'static str as pub name {
         /// One number.
         Value = "value",
         /// Several numbers, or a formula for them.
@@ -30,19 +30,19 @@ described! {
         Curve = "curve",
         /// A sentence.
         Statement = "statement",
-        /// An identity: it follows from other claims or from a definition. It is listed and not
+        /// An identity: it follows from other claims or from a definition. It is listed but not
         /// counted.
         Identity = "identity",
     }
 }
 
-impl Kind {
-    fn named(name: &str) -> Option<Kind> {
-        Kind::ALL.into_iter().find(|kind| kind.name() == name)
+impl ClaimKind {
+    fn named(name: &str) -> Option<ClaimKind> {
+        ClaimKind::ALL.into_iter().find(|kind| kind.name() == name)
     }
 }
 
-/// How far a published number can be trusted.
+/// Precision of a published number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Digits {
     /// Printed with so many decimals.
@@ -54,7 +54,7 @@ pub enum Digits {
 }
 
 impl Digits {
-    /// As the table has them.
+    /// Parses the word in the table.
     fn named(text: &str) -> Option<Digits> {
         match text {
             "" => Some(Digits::None),
@@ -70,23 +70,23 @@ impl Digits {
 /// One published quantity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Claim {
-    /// Its name here.
+    /// Its identifier.
     pub id: ClaimId,
-    /// Where the paper says it.
+    /// Where in the paper.
     pub place: String,
     /// What sort of claim it is.
-    pub kind: Kind,
-    /// What is published, as printed; a set has `;` between its members.
+    pub kind: ClaimKind,
+    /// What is published, as printed. Members of a set are separated by `;`.
     pub published: String,
-    /// How many decimals of it are printed.
+    /// How many decimals are printed.
     pub digits: Digits,
     /// Its unit, empty where there is none.
     pub unit: String,
-    /// What it says, in words.
+    /// The statement in words.
     pub what: String,
     /// The part of the paper in which it is counted.
     pub part: String,
-    /// Labels of the corrections that its corrected readings carry, with spaces between them.
+    /// Labels of the corrections that its corrected readings need, separated by spaces.
     pub corrections: String,
     /// How it is judged.
     pub check: String,
@@ -95,10 +95,10 @@ pub struct Claim {
 }
 
 impl Claim {
-    /// The claim that a row states.
+    /// Parses a row.
     ///
     /// # Errors
-    /// [`PublishedError`] with the column at fault.
+    /// [`PublishedError`] with the column that is wrong.
     pub(crate) fn of_record(record: &csv::StringRecord) -> Result<Claim, PublishedError> {
         if record.len() != 10 {
             let fields = record.len();
@@ -114,7 +114,7 @@ impl Claim {
             allowed,
         };
         let kinds = "value, set, curve, statement or identity";
-        let kind = Kind::named(&record[2]).ok_or_else(|| wrong("kind", &record[2], kinds))?;
+        let kind = ClaimKind::named(&record[2]).ok_or_else(|| wrong("kind", &record[2], kinds))?;
         let allowed = "a number of decimals up to 17, `exact` or empty";
         let digits = Digits::named(&record[4]);
         let digits = digits.ok_or_else(|| wrong("digits", &record[4], allowed))?;
@@ -123,7 +123,7 @@ impl Claim {
         let parsed = parsed.filter(|_| digits != Digits::None);
         let values = parsed.collect::<Result<Vec<f64>, _>>();
         let values = values.map_err(|_| wrong("published", published, numbers))?;
-        if kind == Kind::Value && values.len() != 1 {
+        if kind == ClaimKind::Value && values.len() != 1 {
             let allowed = "one number, with its digits, for a value";
             return Err(wrong("published", published, allowed));
         }
@@ -156,11 +156,11 @@ impl Claim {
         all.any(|published| self.agrees_with(*published, value))
     }
 
-    /// Whether `value` is `published`, one of the claim's numbers.
+    /// Whether `value` equals `published`, one of the claim's numbers.
     ///
-    /// Printed decimals: `value` rounded to as many is the printed number, nothing less. Exact:
-    /// equal up to a relative difference of 1e-12 (absolute where the exact value is 0). Never true
-    /// of a claim without numbers.
+    /// Printed decimals: `value` rounded to as many decimals is the printed number. Exact: equal up
+    /// to a relative difference of 1e-12 (absolute where the exact value is 0). Always false for a
+    /// claim without numbers.
     pub fn agrees_with(&self, published: f64, value: f64) -> bool {
         match self.digits {
             Digits::Decimals(decimals) => format!("{value:.decimals$}")
@@ -172,7 +172,7 @@ impl Claim {
     }
 }
 
-/// What differences from an exact number are measured in: its size, or 1 for zero.
+/// The unit of differences from an exact number: its size, or 1 for zero.
 pub(crate) fn scale(published: f64) -> f64 {
     match published {
         0.0 => 1.0,
@@ -201,8 +201,8 @@ impl Claims {
     /// Reads a table with the columns `id, where, kind, published, digits, unit, what it says`.
     ///
     /// # Errors
-    /// [`PublishedError`] with the row and the column at fault, with a name that is none of
-    /// [`ClaimId`], stands twice or is missing.
+    /// [`PublishedError`] with the row and the column that are wrong, or with a name that is
+    /// unknown, duplicated or missing.
     pub fn parse(table: &str) -> Result<Claims, PublishedError> {
         let mut reader = csv::Reader::from_reader(table.as_bytes());
         let rows = reader
@@ -225,13 +225,13 @@ impl Claims {
         Ok(Claims { all })
     }
 
-    /// The claim of a name.
+    /// The claim with this identifier.
     pub fn of(&self, id: ClaimId) -> &Claim {
-        // `parse` has put them in the order of the variants, all of them.
+        // `parse` has stored all claims in the order of the variants.
         &self.all[id as usize]
     }
 
-    /// The one number that a claim publishes; not a number where it publishes none or several.
+    /// The number that a claim publishes; NaN if it publishes none or several.
     pub fn value(&self, id: ClaimId) -> f64 {
         match self.of(id).values() {
             [value] => *value,
@@ -240,8 +240,8 @@ impl Claims {
     }
 
     /// The four numbers of Fig. 8: lengths of the two stick phases (m), then their durations (s).
-    pub fn four(&self) -> [f64; 4] {
-        ClaimId::FOUR.map(|id| self.value(id))
+    pub fn published_stick_numbers(&self) -> [f64; 4] {
+        ClaimId::STICK_NUMBERS.map(|id| self.value(id))
     }
 
     /// All of them, in the order of the table.
@@ -250,32 +250,32 @@ impl Claims {
     }
 }
 
-/// Why the table or a row of it cannot be used.
+/// Why the table or one of its rows cannot be used.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PublishedError {
-    /// The text is not CSV with as many fields in each row as in the first.
+    /// The text is not CSV with the same number of fields in each row.
     #[error(
         "the table of published values is malformed ({reason}); give every row the fields of the \
             first"
     )]
     Malformed {
-        /// What the reader says.
+        /// The parser's message.
         reason: String,
     },
-    /// A field has a value it must not have.
+    /// A field has a value that is not allowed.
     #[error("row {id:?}: {column} is {value:?}, but must be {allowed}; correct the row")]
     Field {
         /// Name of the row.
         id: String,
         /// The column.
         column: &'static str,
-        /// What it holds.
+        /// Its content.
         value: String,
-        /// What it may hold.
+        /// The allowed values.
         allowed: &'static str,
     },
-    /// A row has a name that nothing in the program asks for.
+    /// A row has an unknown name.
     #[error(
         "{name:?} is the name of no claim; correct it, or add it to ClaimId in \
             src/paper/claim_id.rs"
@@ -284,12 +284,12 @@ pub enum PublishedError {
         /// The name.
         name: String,
     },
-    /// There is no row for a claim, or more than one.
+    /// A claim has no row, or more than one.
     #[error("data/claims.csv has {rows} rows {id}; give it one")]
     NotOnce {
         /// The claim.
         id: ClaimId,
-        /// How many there are.
+        /// Number of rows.
         rows: usize,
     },
 }
@@ -304,7 +304,7 @@ fn malformed(error: csv::Error) -> PublishedError {
 mod tests {
     use super::*;
 
-    /// The claim of a row that has no name yet.
+    /// The claim of a row; the name is added here.
     fn one(rest: &str) -> Claim {
         row(&format!("eq12.critical_points,{rest}")).unwrap()
     }

@@ -1,4 +1,4 @@
-//! How the paper was understood: what a computed value speaks of.
+//! Readings: the interpretation of the paper that a computed value belongs to.
 
 use std::fmt;
 
@@ -19,59 +19,59 @@ described! {
             "the model with the corrections that are listed, solved accurately",
             Role::Corrected,
         ),
-        /// Of that, Lyapunov exponents from the equations.
+        /// The same: Lyapunov exponents from the equations.
         CorrectedEquations = (
             "corrected/equations",
             "of that, exponents from the equations",
             Role::Corrected,
         ),
-        /// Of that, Lyapunov exponents from the sampled motion, Eqs. (25) and (26).
+        /// The same: Lyapunov exponents from the sampled motion, Eqs. (25) and (26).
         CorrectedData = (
             "corrected/data",
             "of that, exponents from the sampled motion by Eqs. (25), (26)",
             Role::Corrected,
         ),
-        /// What the paper's program or equations say to the letter.
+        /// The paper's program or equations, taken literally.
         AsPrinted = (
             "as-printed",
             "the paper's program or equations to the letter",
             Role::AsPrinted,
         ),
-        /// Of the equations to the letter, Lyapunov exponents.
+        /// The equations taken literally: Lyapunov exponents.
         AsPrintedEquations = (
             "as-printed/equations",
             "exponents of the equations to the letter",
             Role::AsPrinted,
         ),
-        /// The event-exact solver with the two defects of the paper's program that outlast a
-        /// vanishing step.
+        /// The event-exact solver with the two defects of the paper's program that remain as the
+        /// step goes to zero.
         SlipTimesThree = (
             "slip-times-three",
             "the accurate solver with the two defects of the program that outlast a vanishing step",
-            Role::Beside,
+            Role::Supplementary,
         ),
-        /// The nearest of the search's settings for the corrected equations, radii in units of the
-        /// spread.
+        /// The nearest of the search's settings for the corrected equations, with radii in units of
+        /// the spread.
         BestOfReadings = (
             "best-of-readings",
             "the nearest of the search's estimator settings for the corrected equations, radii in \
                 units of the spread",
-            Role::Beside,
+            Role::Supplementary,
         ),
     }
 }
 
-/// What a reading stands for in a verdict.
+/// Role of a reading in a verdict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Role {
     /// The model as stated.
     Stated,
     /// The model with named corrections.
     Corrected,
-    /// The letter of the paper.
+    /// The paper taken literally.
     AsPrinted,
-    /// Shown beside the others; decides nothing.
-    Beside,
+    /// Shown beside the others; it decides nothing.
+    Supplementary,
 }
 
 impl Reading {
@@ -85,7 +85,7 @@ impl Reading {
         self.described().1
     }
 
-    /// What it stands for.
+    /// Its role.
     pub const fn role(self) -> Role {
         self.described().2
     }

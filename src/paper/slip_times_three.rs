@@ -1,16 +1,16 @@
-//! The listing's limit as its step goes to zero, solved accurately: the cause of Fig. 8's numbers
-//! by injection.
+//! The limit of the listing as its step goes to zero, solved accurately. Injecting its defects
+//! shows the cause of Fig. 8's numbers.
 //!
-//! Two defects of the Appendix survive the limit. Its in-place stages carry the state three steps
-//! along the field while the clock advances one, so that a slip runs three times too fast against
-//! the forcing; a stick phase keeps its own pace. And a stick phase ends only where the body meets
-//! the upper end of the zone it entered; the lower end, which may sweep past it, is never looked
-//! at. [`run`] puts these into the event-exact solver, both or either of them ([`Injected`]): what
-//! comes out owes nothing to the listing's arithmetic, nor to any published number.
+//! Two defects of the Appendix remain in the limit. Its in-place stages move the state by three
+//! steps along the field while the clock advances by one. So a slip phase runs three times too fast
+//! relative to the forcing; a stick phase does not. And a stick phase ends only at the upper end of
+//! the zone that it entered; the lower end, which may pass the body, is not tested. [`run`] injects
+//! both or either of them into the event-exact solver ([`InjectedDefects`]). The result does not
+//! depend on the listing's arithmetic, nor on any published number.
 
 use std::ops::ControlFlow;
 
-use crate::numbers::missing;
+use crate::numbers::not_found;
 use crate::paper::bounded;
 use crate::paper::listing::{END, Setup};
 use crate::paper::pattern::Pattern;
@@ -21,13 +21,13 @@ use stickslip::{
     TransitionKind, run as integrate,
 };
 
-/// The forced oscillator whose state moves `factor` times as fast as its clock says.
-struct Hastened<'a> {
+/// The forced oscillator with the state moving `factor` times too fast relative to the time.
+struct FasterSlip<'a> {
     model: &'a ForcedOscillator,
     factor: f64,
 }
 
-impl Filippov<2> for Hastened<'_> {
+impl Filippov<2> for FasterSlip<'_> {
     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
         self.model.field(side, t, x).map(|rate| rate * self.factor)
     }
@@ -36,76 +36,76 @@ impl Filippov<2> for Hastened<'_> {
     }
 }
 
-/// What is put into the event-exact solver.
+/// The defects injected into the event-exact solver.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Injected {
-    /// How many times too fast a slip runs against the clock.
+pub struct InjectedDefects {
+    /// Factor by which a slip phase is too fast.
     pub slip: f64,
-    /// Whether a stick phase ends only at the upper end of the zone it was entered in, as in the
-    /// listing; else at whichever end comes first, as in the model.
+    /// Whether a stick phase ends only at the upper end of the zone that it entered, as in the
+    /// listing. Otherwise it ends at whichever end comes first, as in the model.
     pub one_sided_exit: bool,
 }
 
-impl Injected {
+impl InjectedDefects {
     /// Both defects, as in the listing.
-    pub const BOTH: Injected = Injected {
+    pub const BOTH: InjectedDefects = InjectedDefects {
         slip: 3.0,
         one_sided_exit: true,
     };
-    /// The hastened slip alone.
-    pub const SLIP_ALONE: Injected = Injected {
+    /// The faster slip alone.
+    pub const SLIP_ALONE: InjectedDefects = InjectedDefects {
         one_sided_exit: false,
-        ..Injected::BOTH
+        ..InjectedDefects::BOTH
     };
     /// The one-sided exit alone.
-    pub const EXIT_ALONE: Injected = Injected {
+    pub const EXIT_ALONE: InjectedDefects = InjectedDefects {
         slip: 1.0,
-        ..Injected::BOTH
+        ..InjectedDefects::BOTH
     };
     /// The stated model.
-    pub const NONE: Injected = Injected {
+    pub const NONE: InjectedDefects = InjectedDefects {
         slip: 1.0,
-        ..Injected::SLIP_ALONE
+        ..InjectedDefects::SLIP_ALONE
     };
 }
 
 /// Tolerance of the runs of [`settled`].
 const TOLERANCE: f64 = 1e-13;
 
-/// What Fig. 8's oscillator settles on from the listing's start with what is `injected`, over the
-/// time that the listing runs.
+/// The motion that Fig. 8's oscillator settles on from the listing's start, with the defects
+/// `injected`, over the length of the listing's run.
 ///
 /// # Errors
-/// Those of [`run`]; [`Error::NotFound`] when nothing repeats.
-pub fn settled(injected: Injected) -> Result<Pattern, Error> {
+/// Those of [`run`]; [`Error::NotFound`] if nothing repeats.
+pub fn settled(injected: InjectedDefects) -> Result<Pattern, Error> {
     let model = ForcedOscillator::default();
     let zones = model.stick_zones()?;
     let start = Setup::default().state();
     let phases = run(injected, &model, &zones, start, END, &bounded(TOLERANCE))?;
     let pattern = Pattern::of_phases(&phases, END, model.period());
-    pattern.ok_or_else(|| missing("a motion that repeats", 0.0, END))
+    pattern.ok_or_else(|| not_found("a motion that repeats", 0.0, END))
 }
 
-/// Runs the forced oscillator with what is `injected`, from `(0, x0)` on Σ in a stick phase to
-/// `t_end`, and returns its phases in order of time. `zones` are the stick zones (lower end, upper
-/// end) in `z = x₁ − A sin(ωt)`, Eq. (24).
+/// Runs the forced oscillator with the defects `injected` from `(0, x0)`, on Σ in a stick phase, to
+/// `t_end`. Returns its phases in order of time. `zones` are the stick zones (lower end, upper end)
+/// in `z = x₁ − A sin(ωt)`, Eq. (24).
 ///
 /// # Errors
-/// Those of [`stickslip::run`]; [`Error::NotFound`] when a stick phase begins in no zone or finds
-/// no end.
+/// Those of [`stickslip::run`]; [`Error::NotFound`] if a stick phase begins in no zone or does not
+/// end.
 pub fn run(
-    injected: Injected,
+    injected: InjectedDefects,
     model: &ForcedOscillator,
     zones: &[(f64, f64)],
     x0: State<2>,
     t_end: f64,
     options: &Options,
 ) -> Result<Vec<Phase<2>>, Error> {
-    let hastened = Hastened {
+    let hastened = FasterSlip {
         model,
         factor: injected.slip,
     };
-    let mut collected = Until {
+    let mut collected = StopAtEvent {
         phases: Vec::new(),
         event: TransitionKind::StickEntry,
     };
@@ -136,13 +136,13 @@ pub fn run(
     Ok(collected.phases)
 }
 
-/// Keeps phases and stops at the first event of a kind.
-struct Until {
+/// Keeps phases and stops at the first event of one kind.
+struct StopAtEvent {
     phases: Vec<Phase<2>>,
     event: TransitionKind,
 }
 
-impl Observer<2> for Until {
+impl Observer<2> for StopAtEvent {
     fn phase(&mut self, phase: &Phase<2>) -> ControlFlow<()> {
         self.phases.push(*phase);
         ControlFlow::Continue(())
@@ -155,7 +155,8 @@ impl Observer<2> for Until {
     }
 }
 
-/// Where the stated model releases a body from `(t, x)` on Σ, at once if it does not stick there.
+/// The state where the stated model releases a body from `(t, x)` on Σ; the start itself if it does
+/// not stick there.
 fn either_exit(
     model: &ForcedOscillator,
     t: f64,
@@ -163,7 +164,7 @@ fn either_exit(
     t_end: f64,
     options: &Options,
 ) -> Result<(f64, State<2>), Error> {
-    let mut stick = Until {
+    let mut stick = StopAtEvent {
         phases: Vec::new(),
         event: TransitionKind::StickExit,
     };
@@ -173,7 +174,7 @@ fn either_exit(
     Ok(sticks.map_or((t, *x), |phase| (phase.t_end, phase.x_end)))
 }
 
-/// Where a body that rides the belt from `(t, x)` meets the upper end of its zone.
+/// The state where a body that rides the belt from `(t, x)` meets the upper end of its zone.
 fn upper_exit(
     model: &ForcedOscillator,
     zones: &[(f64, f64)],
@@ -181,15 +182,15 @@ fn upper_exit(
     x: &State<2>,
 ) -> Result<(f64, State<2>), Error> {
     let z = x[0] - model.support(t);
-    // The body may enter on the very end of a zone, a rounding beside it.
+    // The body may enter at the end of a zone, off by a rounding error.
     let slack = 1e-9;
     let holds = |(lower, upper): &&(f64, f64)| z >= lower - slack && z <= upper + slack;
     let Some(&(_, upper)) = zones.iter().find(holds) else {
-        return Err(missing("a stick zone that holds the body", t, 0.0));
+        return Err(not_found("a stick zone that holds the body", t, 0.0));
     };
     let room = |later: f64| upper + model.support(t + later) - x[0] - model.belt_speed * later;
-    // The zone's end returns with every forcing period, the belt goes on: half a period at a time
-    // the search is short.
+    // The zone's end is periodic while the belt moves on. A search over half a period at a time is
+    // short.
     let (window, most) = (0.5 * model.period(), 1000);
     let later = (0..most).find_map(|k| {
         let from = f64::from(k) * window;
@@ -197,7 +198,7 @@ fn upper_exit(
         Some(from + window * part)
     });
     let span = f64::from(most) * window;
-    let later = later.ok_or_else(|| missing("the upper end of the stick zone", t, span))?;
+    let later = later.ok_or_else(|| not_found("the upper end of the stick zone", t, span))?;
     let at = State::from([x[0] + model.belt_speed * later, model.belt_speed]);
     Ok((t + later, at))
 }

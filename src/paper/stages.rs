@@ -2,14 +2,14 @@
 //! (116–127).
 //!
 //! As printed, `xn = x` copies no state: every stage moves the state that the next one adds to, and
-//! so does the closing sum. As meant, each adds to the step's start.
+//! so does the closing sum. As intended, each adds to the step's start.
 
 use stickslip::State;
 
-/// Component that Σ fixes: the velocity.
+/// The component that Σ fixes: the velocity.
 pub(super) const VELOCITY: usize = 1;
 
-/// A step of `h` in time. In place the state moves by h/2 + h/2 + h + h.
+/// A step of `h` in time. In place, the state moves by h/2 + h/2 + h + h.
 pub(super) fn in_time<const N: usize>(
     in_place: bool,
     h: f64,
@@ -28,9 +28,9 @@ pub(super) fn in_time<const N: usize>(
     from(x) + (k1 + (k2 + k3) * 2.0 + k4) * (h / 6.0)
 }
 
-/// A step of `h` in velocity with `sixth` for h/6: the clock and the state after it. `slope` is
-/// `dt/dv` and `dx/dv`. In place the second stage does not move the velocity, and the clock moves
-/// at the end only.
+/// A step of `h` in velocity with `sixth` for h/6. Returns the time and state after it. `slope` is
+/// `dt/dv` and `dx/dv`. In place, the second stage does not move the velocity, and the clock moves
+/// only at the end.
 pub(super) fn in_velocity<const N: usize>(
     in_place: bool,
     (h, sixth): (f64, f64),

@@ -1,10 +1,10 @@
-//! The peers: a process that solves the same problems with other people's solvers and answers line
-//! by line, so that rounds of theirs and of ours alternate.
+//! A process that solves the same problems with other solvers. It answers line by line, so that
+//! rounds of both programs alternate.
 //!
-//! Commands, one a line: `prepare PROBLEM`, `time INDEX SECONDS`. Answers, any number of lines and
-//! then `done`: `version,PACKAGE,NUMBER` (to the first command),
-//! `curve,INDEX,SOLVER,SETTING,TOLERANCE,COMPILE_S,EVENTS`,
-//! `cannot,SOLVER,SETTING,TOLERANCE,REASON`, and to the second `seconds,INDEX,PER_CALL`.
+//! Commands, one per line: `prepare PROBLEM`, `time INDEX SECONDS`. An answer is any number of
+//! lines and then `done`. The first command is answered by `version,PACKAGE,NUMBER`,
+//! `curve,INDEX,SOLVER,SETTING,TOLERANCE,COMPILE_S,EVENTS` and
+//! `cannot,SOLVER,SETTING,TOLERANCE,REASON`; the second by `seconds,INDEX,PER_CALL`.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
@@ -12,28 +12,28 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use super::error::PeersError;
 use super::event::Event;
-use super::row::Row;
+use super::measurement::Measurement;
 
 /// A line of an answer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Answer {
-    /// A package in use, and its version.
+    /// A package in use and its version.
     Version(String, String),
-    /// A solver with a setting, run once: the number by which it is timed, its row as far as it is
-    /// known, the events it found.
-    Curve(usize, Row, Vec<Event>),
-    /// A solver that cannot solve the problem, or did not.
-    Cannot(Row),
-    /// Time of a call (s), and of which curve.
+    /// A solver with a setting, run once: the index by which it is timed, its row so far, and its
+    /// events.
+    Curve(usize, Measurement, Vec<Event>),
+    /// A solver that cannot solve the problem, or failed.
+    Cannot(Measurement),
+    /// Index of a curve and time of a call (s).
     Seconds(usize, f64),
     /// End of the answer.
     Done,
 }
 
-/// Reads a line.
+/// Parses a line.
 ///
 /// # Errors
-/// What is wrong with it, in words.
+/// A description of the fault.
 pub fn parse(line: &str) -> Result<Answer, String> {
     let count = match line.split(',').next() {
         Some("version" | "seconds") => 3,
@@ -45,7 +45,7 @@ pub fn parse(line: &str) -> Result<Answer, String> {
     match cells[..] {
         ["version", package, number] => Ok(Answer::Version(package.into(), number.into())),
         ["curve", place, solver, setting, tolerance, compile, events] => {
-            let row = Row {
+            let row = Measurement {
                 solver: solver.into(),
                 setting: setting.into(),
                 tolerance: Some(positive(tolerance)?),
@@ -54,7 +54,7 @@ pub fn parse(line: &str) -> Result<Answer, String> {
                     |s| s >= 0.0,
                     " s is a time before its start",
                 )?),
-                ..Row::default()
+                ..Measurement::default()
             };
             let events = events.split(';').filter(|event| !event.is_empty());
             let events = events.map(str::parse).collect::<Result<_, _>>()?;
@@ -62,12 +62,12 @@ pub fn parse(line: &str) -> Result<Answer, String> {
         }
         ["cannot", solver, setting, tolerance, reason] => {
             let tolerance = (!tolerance.is_empty()).then(|| positive(tolerance));
-            Ok(Answer::Cannot(Row {
+            Ok(Answer::Cannot(Measurement {
                 solver: solver.into(),
                 setting: setting.into(),
                 tolerance: tolerance.transpose()?,
                 note: reason.into(),
-                ..Row::default()
+                ..Measurement::default()
             }))
         }
         ["seconds", place, seconds] => Ok(Answer::Seconds(index(place)?, positive(seconds)?)),
@@ -88,7 +88,7 @@ fn positive(text: &str) -> Result<f64, String> {
     number(text, |value| value > 0.0, " is not greater than 0")
 }
 
-/// A finite number that is allowed, or what is wrong with it.
+/// A finite number that is allowed, or a description of the fault.
 fn number(text: &str, is_allowed: fn(f64) -> bool, fault: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && is_allowed(value) => Ok(value),
@@ -97,7 +97,7 @@ fn number(text: &str, is_allowed: fn(f64) -> bool, fault: &str) -> Result<f64, S
     }
 }
 
-/// The running process; it ends when this is dropped.
+/// The running process. It ends when this is dropped.
 #[derive(Debug)]
 pub struct Peers {
     child: Child,
@@ -107,7 +107,7 @@ pub struct Peers {
 }
 
 impl Peers {
-    /// Starts `python` with the script `peers.py` in `scripts`; the problems are read from
+    /// Starts `python` with the script `peers.py` in `scripts`. The problems are read from
     /// `problems`.
     ///
     /// # Errors
@@ -161,12 +161,12 @@ impl Peers {
             match parse(text) {
                 Ok(Answer::Done) => return Ok(answers),
                 Ok(answer) => answers.push(answer),
-                Err(cause) => return Err(self.wrong(text.into(), cause)),
+                Err(cause) => return Err(self.malformed_answer(text.into(), cause)),
             }
         }
     }
 
-    /// Time of a call of a curve (s), from as many calls as take about `batch` seconds.
+    /// Time of a call of a curve (s), averaged over as many calls as take about `batch` seconds.
     ///
     /// # Errors
     /// As [`Peers::ask`].
@@ -176,12 +176,12 @@ impl Peers {
             [Answer::Seconds(index, seconds)] if index == curve => Ok(seconds),
             ref other => {
                 let cause = format!("one line 'seconds,{curve},…' is due");
-                Err(self.wrong(format!("{other:?}"), cause))
+                Err(self.malformed_answer(format!("{other:?}"), cause))
             }
         }
     }
 
-    fn wrong(&self, text: String, cause: String) -> PeersError {
+    fn malformed_answer(&self, text: String, cause: String) -> PeersError {
         let line = self.line;
         PeersError::Answer { line, text, cause }
     }
@@ -191,7 +191,7 @@ impl Drop for Peers {
     fn drop(&mut self) {
         // The process exits at the end of its input.
         self.input = None;
-        // It may have exited already, in which case there is nothing to wait for.
+        // If it has already exited, the error does not matter.
         let _ = self.child.wait();
     }
 }

@@ -1,19 +1,19 @@
 //! Ratios of times at equal accuracy.
 
-use super::row::Row;
+use super::measurement::Measurement;
 use crate::numbers::median;
 use crate::text::distinct;
 use stickslip::math;
 
-/// Errors below this count as equal: rounding of the times themselves.
+/// Errors below this count as equal: the rounding of the times themselves.
 const LEAST_ERROR: f64 = 1e-16;
 /// The accuracy at which solvers are compared, if they reach it.
 pub const WANTED: f64 = 1e-12;
 
-/// The points of a solver on a problem from which neither error nor time can be bettered, as (time,
-/// error), by rising time and falling error.
-pub fn front<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<(f64, f64)> {
-    let point = |row: &Row| Some((median(&row.seconds)?, row.error?.max(LEAST_ERROR)));
+/// The Pareto front of a solver on a problem, as (time, error): points at which neither can be
+/// improved without the other. Time rises and the error falls.
+pub fn front<'a>(rows: impl Iterator<Item = &'a Measurement>) -> Vec<(f64, f64)> {
+    let point = |row: &Measurement| Some((median(&row.seconds)?, row.error?.max(LEAST_ERROR)));
     let mut points: Vec<(f64, f64)> = rows.filter_map(point).collect();
     points.sort_by(|one, other| one.0.total_cmp(&other.0));
     let mut front: Vec<(f64, f64)> = Vec::new();
@@ -25,8 +25,8 @@ pub fn front<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<(f64, f64)> {
     front
 }
 
-/// The time that a solver with this front takes for an error, by interpolation of logarithms; none
-/// if it never gets there.
+/// The time that a solver with this front needs for an error, by interpolation of logarithms.
+/// `None` if it does not reach the error.
 pub fn time_for(front: &[(f64, f64)], error: f64) -> Option<f64> {
     let above = front.iter().position(|point| point.1 <= error)?;
     let (slower, better) = front[above];
@@ -38,29 +38,30 @@ pub fn time_for(front: &[(f64, f64)], error: f64) -> Option<f64> {
     Some(faster * math::exp(part * math::ln(slower / faster)))
 }
 
-/// A peer beside one of our solvers.
+/// A peer compared with one of our solvers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ratio {
     /// Problem.
     pub problem: &'static str,
-    /// Peer.
+    /// Peer solver.
     pub peer: String,
-    /// Solver of ours.
+    /// Our solver.
     pub ours: String,
-    /// The error at which both are compared: [`WANTED`], or the peer's least if that is larger.
+    /// The error at which both are compared: [`WANTED`], or the peer's smallest error if that is
+    /// larger.
     pub error: f64,
     /// The peer's time (s).
     pub their_time: f64,
-    /// Ours (s); none if we do not get there.
+    /// Our time (s); `None` if we do not reach the error.
     pub our_time: Option<f64>,
 }
 
-/// All peers beside all our solvers, in the order of the rows.
-pub fn ratios(rows: &[Row], ours: &[&str]) -> Vec<Ratio> {
+/// All peers against all our solvers, in the order of the rows.
+pub fn ratios(rows: &[Measurement], ours: &[&str]) -> Vec<Ratio> {
     let mut ratios = Vec::new();
     for (problem, peer) in distinct(rows.iter().map(|row| (row.problem, row.solver.as_str()))) {
         let of = |solver: &str| {
-            let measured = |row: &&Row| row.problem == problem && row.solver == solver;
+            let measured = |row: &&Measurement| row.problem == problem && row.solver == solver;
             front(rows.iter().filter(measured))
         };
         let theirs = of(peer);
@@ -85,9 +86,10 @@ pub fn ratios(rows: &[Row], ours: &[&str]) -> Vec<Ratio> {
     ratios
 }
 
-/// Of each solver on each problem the row with the least error, in the order of their first rows.
-pub fn most_accurate(rows: &[Row]) -> Vec<usize> {
-    let order = |row: &Row| row.error.unwrap_or(f64::INFINITY);
+/// Index of the row with the smallest error for each solver and problem, in the order of their
+/// first rows.
+pub fn most_accurate(rows: &[Measurement]) -> Vec<usize> {
+    let order = |row: &Measurement| row.error.unwrap_or(f64::INFINITY);
     let pairs = distinct(rows.iter().map(|row| (row.problem, &row.solver)));
     let of_pair = |(problem, solver): (&str, &String)| {
         let same = |&i: &usize| rows[i].problem == problem && rows[i].solver == *solver;
@@ -101,13 +103,13 @@ pub fn most_accurate(rows: &[Row]) -> Vec<usize> {
 mod tests {
     use super::*;
 
-    fn row(solver: &str, seconds: f64, error: Option<f64>) -> Row {
-        Row {
+    fn row(solver: &str, seconds: f64, error: Option<f64>) -> Measurement {
+        Measurement {
             solver: solver.into(),
             problem: "decay",
             error,
             seconds: vec![seconds],
-            ..Row::default()
+            ..Measurement::default()
         }
     }
 

@@ -1,8 +1,8 @@
 //! The work–precision figure.
 
 use super::compare::front;
+use super::measurement::Measurement;
 use super::problem::Problem;
-use super::row::Row;
 use crate::numbers::extent;
 use crate::text::distinct;
 use plot::*;
@@ -19,17 +19,17 @@ const LOOKS: [(Color, Dash, Shape); 8] = [
     (GREY, Dash::Dashed, Shape::Up),
 ];
 const PANELS_IN_ROW: usize = 2;
-/// Height of a row, px: panels are a little wider than high.
+/// Height of a row, px. Panels are a little wider than high.
 const ROW: f64 = 290.0;
-/// Room for the legend under the last row, px.
+/// Height of the legend under the last row, px.
 const LEGEND: f64 = 60.0;
 
-/// The SVG: a panel for every problem, and one with the times of whole processes where they were
+/// The SVG: a panel for every problem, and one with the times of whole processes if they were
 /// measured.
 ///
 /// # Errors
 /// Those of [`Figure::render`].
-pub fn draw(rows: &[Row], problems: &[Problem]) -> Result<String, PlotError> {
+pub fn draw(rows: &[Measurement], problems: &[Problem]) -> Result<String, PlotError> {
     let names = distinct(rows.iter().map(|row| row.solver.as_str()));
     let mut panels: Vec<Panel> = Vec::new();
     for (i, problem) in problems.iter().enumerate() {
@@ -72,7 +72,7 @@ fn look(place: usize) -> (Color, Dash, Shape) {
     LOOKS[place % LOOKS.len()]
 }
 
-fn work_precision(rows: &[&Row], names: &[&str]) -> Panel {
+fn work_precision(rows: &[&Measurement], names: &[&str]) -> Panel {
     let log = |(time, error)| (math::log10(time), math::log10(error));
     let front = |name: &&str| -> Vec<(f64, f64)> {
         let own = rows.iter().copied().filter(|row| row.solver == *name);
@@ -84,7 +84,7 @@ fn work_precision(rows: &[&Row], names: &[&str]) -> Panel {
         Axis::decades("time of a run, s", range(all().map(|p| p.0))),
         Axis::decades("error of event times", range(all().map(|p| p.1))),
     );
-    // Ours last, on top.
+    // Our solvers last, on top.
     for (i, points) in fronts.into_iter().enumerate().rev() {
         let (color, dash, shape) = look(i);
         panel.add(Curve::new(points.clone()).color(color).dash(dash));
@@ -93,9 +93,9 @@ fn work_precision(rows: &[&Row], names: &[&str]) -> Panel {
     panel
 }
 
-/// A line for every solver; filled marks are of the first problem that was timed so, open ones of
+/// A line for every solver. Filled markers belong to the first problem timed this way, open ones to
 /// the others.
-fn processes(rows: &[Row], names: &[&str], problems: &[Problem]) -> Panel {
+fn processes(rows: &[Measurement], names: &[&str], problems: &[Problem]) -> Panel {
     let timed = |name: &str| {
         let mut rows = rows.iter();
         rows.any(|row| row.problem == name && row.process.is_some())
@@ -104,7 +104,7 @@ fn processes(rows: &[Row], names: &[&str], problems: &[Problem]) -> Panel {
         .iter()
         .enumerate()
         .filter(|(_, one)| timed(one.name));
-    // What the marks mean: the letters of the problems' own panels.
+    // The legend names the markers by the letters of the problems' panels.
     let letters: Vec<String> = of.clone().map(|(i, _)| letter(i)).collect();
     let title = match &letters[..] {
         [first, others @ ..] if !others.is_empty() => {
@@ -127,7 +127,7 @@ fn processes(rows: &[Row], names: &[&str], problems: &[Problem]) -> Panel {
     let shown = range(times.iter().flatten().map(|(_, time)| *time));
     let mut panel = Panel::new(
         Axis::decades("time to start, compile and run once, s", shown),
-        // The names say what they are; a label would lie over the longest.
+        // The solver names identify the lines. An axis label would overlap the longest.
         Axis::new("", 0.0, place(0) + 1.0).ticks(lines),
     )
     .title(&title);
@@ -143,7 +143,7 @@ fn processes(rows: &[Row], names: &[&str], problems: &[Problem]) -> Panel {
     panel
 }
 
-/// The legend, which serves all panels, under one.
+/// Adds the legend of all panels to one of them.
 fn with_legend(panel: Panel, names: &[&str]) -> Panel {
     let mut panel = panel.legend(Legend::Below);
     for (i, name) in names.iter().enumerate() {
@@ -153,7 +153,7 @@ fn with_legend(panel: Panel, names: &[&str]) -> Panel {
     panel
 }
 
-/// The range of logarithms, with a margin; some decade if there are none.
+/// The range of logarithms, with a margin; an arbitrary decade if there are no values.
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     const MARGIN: f64 = 0.25;
     let (low, high) = extent(values);

@@ -1,4 +1,4 @@
-//! What can go wrong between the problems and their figure.
+//! Errors of the program `peers`.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ use output::WriteError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PeersError {
-    /// A reference file that does not have the form that its generator writes.
+    /// A reference file does not have the format that its generator writes.
     #[error(
         "reference of {problem}, line {line}: {cause}; run data/references/generate.py {problem}"
     )]
@@ -17,13 +17,13 @@ pub enum PeersError {
         problem: &'static str,
         /// Line, counted from 1.
         line: usize,
-        /// What is wrong.
+        /// The fault.
         cause: String,
     },
     /// A model of a problem has a parameter that is not allowed.
     #[error(transparent)]
     Model(#[from] stickslip::Error),
-    /// The solver failed on a problem that it has to solve.
+    /// Our solver failed on a problem.
     #[error("{problem} at tolerance {tolerance:e}: {source}")]
     Solve {
         /// Problem.
@@ -41,7 +41,7 @@ pub enum PeersError {
     Start {
         /// The program.
         program: PathBuf,
-        /// What the operating system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// The peers' process ended or its pipe broke.
@@ -50,22 +50,22 @@ pub enum PeersError {
             stands above"
     )]
     Ended {
-        /// What it had been asked.
+        /// The command.
         command: String,
-        /// What was noticed.
+        /// How the end was noticed.
         cause: String,
     },
-    /// The peers' process said something that is no answer.
+    /// The peers' process printed a line that is not an answer.
     #[error("line {line} of the peers' process, '{text}': {cause}")]
     Answer {
         /// Line of its output, counted from 1.
         line: usize,
         /// The line.
         text: String,
-        /// What is wrong with it.
+        /// The fault.
         cause: String,
     },
-    /// A whole process that was timed failed.
+    /// A timed process failed.
     #[error("'{command}' failed with {status}; run it by hand to see why")]
     Process {
         /// The command line.
@@ -73,7 +73,7 @@ pub enum PeersError {
         /// Its exit status.
         status: std::process::ExitStatus,
     },
-    /// The figure cannot be made.
+    /// The figure cannot be drawn.
     #[error(transparent)]
     Plot(#[from] plot::PlotError),
     /// A file cannot be read.
@@ -81,15 +81,15 @@ pub enum PeersError {
     Input {
         /// The file.
         path: PathBuf,
-        /// What the operating system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// A table of measurements that does not have the form that this program writes.
+    /// A table of measurements does not have the format that this program writes.
     #[error("bench.csv, line {line}: {cause}; measure again with `peers`")]
     Table {
         /// Line, counted from 1.
         line: usize,
-        /// What is wrong.
+        /// The fault.
         cause: String,
     },
     /// A file or its folder cannot be written.

@@ -1,4 +1,4 @@
-//! Lists of events and how far one is from another.
+//! Lists of events and the differences between them.
 
 use std::str::FromStr;
 
@@ -7,8 +7,8 @@ use crate::numbers::largest;
 use crate::text::described;
 
 described! {
-    /// What happened.
-    Kind: &'static str as name {
+    /// Kind of an event.
+    EventKind: &'static str as name {
         /// From slip to slip through Σ.
         Crossing = "crossing",
         /// Stick begins.
@@ -18,11 +18,11 @@ described! {
     }
 }
 
-impl FromStr for Kind {
+impl FromStr for EventKind {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let mut all = Kind::ALL.into_iter();
+        let mut all = EventKind::ALL.into_iter();
         all.find(|kind| kind.name() == text).ok_or_else(|| {
             format!("'{text}' is no kind of event; there are crossing, entry and exit")
         })
@@ -32,16 +32,16 @@ impl FromStr for Kind {
 /// An event.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
-    /// What happened.
-    pub kind: Kind,
-    /// When.
+    /// Kind.
+    pub kind: EventKind,
+    /// Time.
     pub t: f64,
 }
 
 impl FromStr for Event {
     type Err = String;
 
-    /// As in `crossing@0.953`.
+    /// Format: `crossing@0.953`.
     fn from_str(text: &str) -> Result<Self, String> {
         let (kind, t) = text
             .split_once('@')
@@ -54,11 +54,11 @@ impl FromStr for Event {
     }
 }
 
-/// Largest error of an event time; why there is none if the lists are not of the same events.
+/// Largest error of an event time, or the reason why the lists do not have the same events.
 ///
 /// # Errors
-/// In words, for the column `note`.
-pub fn error(events: &[Event], reference: &[Event]) -> Result<f64, String> {
+/// A description for the column `note`.
+pub fn event_time_error(events: &[Event], reference: &[Event]) -> Result<f64, String> {
     let (found, wanted) = (events.len(), reference.len());
     if found != wanted {
         return Err(format!(
@@ -75,8 +75,8 @@ pub fn error(events: &[Event], reference: &[Event]) -> Result<f64, String> {
     Ok(largest(pairs.map(|(one, other)| (one.t - other.t).abs())))
 }
 
-/// Reads the file of a problem: `problem,event,kind,t,…`. Times have 30 decimals there; the nearest
-/// doubles are kept, so that an error below half a unit in the last place of a time cannot be told.
+/// Reads the file of a problem: `problem,event,kind,t,…`. It has times to 30 decimals. They are
+/// rounded to doubles, so that errors below half a unit in the last place are not seen.
 pub(super) fn parse(problem: &'static str, text: &str) -> Result<Vec<Event>, PeersError> {
     let wrong = |line: usize, cause: String| PeersError::Reference {
         problem,
@@ -110,7 +110,7 @@ mod tests {
     use crate::peers::problem::{Problem, System, problems};
     use stickslip::filippov::{Method, Options};
 
-    /// Our events and the reference's, of every problem in turn.
+    /// Our events and the reference's, for every problem.
     fn solved(options: &Options) -> Vec<(Problem, Vec<Event>, Vec<Event>)> {
         let problems = problems().unwrap();
         let solve = |problem: Problem| {
@@ -124,9 +124,9 @@ mod tests {
 
     #[test]
     fn slopes_meet_every_reference() {
-        // What is measured at a tolerance of 1e-12. The first problem enlarges errors of its start
-        // a thousandfold; with the moving boundary the solution is straight between events, and one
-        // rounding of a time is left.
+        // Errors measured at a tolerance of 1e-12. The first problem amplifies errors of its start
+        // a thousandfold. With the moving boundary the solution is linear between events, so that
+        // one rounding error of a time remains.
         let measured = [
             ("belt_sensitive", 6.9e-10),
             ("belt_periodic", 1.3e-12),
@@ -140,20 +140,21 @@ mod tests {
         assert_eq!(solved.len(), measured.len());
         for ((problem, events, reference), (name, measured)) in solved.iter().zip(measured) {
             assert_eq!(problem.name, name);
-            let found = error(events, reference).unwrap();
+            let found = event_time_error(events, reference).unwrap();
             assert!(found < 3.0 * measured, "{name}: {found:e}");
-            // Or the number above is stale, and three times it is no bound.
+            // Otherwise the number above is outdated, and three times it is not a bound.
             assert!(found > measured / 3.0, "{name}: only {found:e}");
         }
     }
 
     #[test]
     fn series_meet_every_reference_to_the_last_digits() {
-        // In units in the last place of each event's own time: one where both roundings, the
-        // reference's and ours, are all that is left. The first event of `decay`, at 0.24, is a sum
-        // whose terms have a larger unit than it has. The first problem enlarges roundings to what
-        // is chance: from the starts one unit away it was 1, 19 or 96 by one order of additions,
-        // 49, 69 or 101 by another. So the worst of all these starts is what is held here.
+        // In units in the last place of each event's own time. One unit means that only the
+        // rounding errors of the reference and of ours remain. The first event of `decay`, at 0.24,
+        // is a sum of terms with a larger unit than its own. The first problem amplifies rounding
+        // errors at random: for starts one unit apart the error was 1, 19 or 96 with one order of
+        // additions, and 49, 69 or 101 with another. So the maximum over all these starts is
+        // tested.
         let measured = [
             ("belt_sensitive", 101.0),
             ("belt_periodic", 1.0),
@@ -169,11 +170,11 @@ mod tests {
         for (problem, (name, measured)) in problems.into_iter().zip(measured) {
             assert_eq!(problem.name, name);
             let reference = problem.reference().unwrap();
-            let worst = nearby(&problem).into_iter().map(|problem| {
+            let worst = neighbouring_starts(&problem).into_iter().map(|problem| {
                 let mut events = Vec::new();
                 problem.solve(&options, &mut events).unwrap();
-                // That they are the same events.
-                error(&events, &reference).unwrap();
+                // The events are the same.
+                event_time_error(&events, &reference).unwrap();
                 let units = events.iter().zip(&reference).map(|(one, other)| {
                     let unit = other.t.next_up() - other.t;
                     (one.t - other.t).abs() / unit
@@ -186,8 +187,8 @@ mod tests {
         }
     }
 
-    /// The problem, and if it is model 1 those whose starts are one unit in the last place away.
-    fn nearby(problem: &Problem) -> Vec<Problem> {
+    /// The problem and, for model 1, the problems whose starts are one unit in the last place away.
+    fn neighbouring_starts(problem: &Problem) -> Vec<Problem> {
         let System::Belt(system, [x, v]) = problem.system else {
             return vec![*problem];
         };
@@ -205,14 +206,14 @@ mod tests {
         starts.into_iter().map(from).collect()
     }
 
-    /// Fields of a model by their names.
+    /// Fields of a model by name.
     macro_rules! fields {
         ($model:ident: $($field:ident),*) => {
             vec![$((stringify!($field), $model.$field)),*]
         };
     }
 
-    /// The numbers that the other programs read are those of our models, to the last bit.
+    /// The numbers that the other programs read equal those of our models to the last bit.
     #[test]
     fn the_problems_for_others_are_ours() {
         let text = include_str!("../../data/references/problems.json");
@@ -288,16 +289,16 @@ mod tests {
     fn the_error_is_that_of_the_worst_event() {
         let reference = list("entry@1;exit@2;crossing@3");
         assert_eq!(
-            error(&list("entry@1;exit@2.5;crossing@2.75"), &reference),
+            event_time_error(&list("entry@1;exit@2.5;crossing@2.75"), &reference),
             Ok(0.5)
         );
-        assert_eq!(error(&reference, &reference), Ok(0.0));
+        assert_eq!(event_time_error(&reference, &reference), Ok(0.0));
     }
 
     #[test]
     fn lists_of_other_events_have_no_error() {
         let reference = list("entry@1;exit@2");
-        let said = |text: &str| error(&list(text), &reference).unwrap_err();
+        let said = |text: &str| event_time_error(&list(text), &reference).unwrap_err();
         assert_eq!(said("entry@1"), "failed: 1 events, the reference has 2");
         assert!(said("entry@1;crossing@2").contains("kinds"));
         assert!(said("entry@1;exit@nan").contains("not a number"));

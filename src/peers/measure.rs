@@ -1,4 +1,4 @@
-//! Errors once, times in alternating rounds.
+//! Errors are measured once, times in alternating rounds.
 
 use std::hint::black_box;
 use std::process::{Command, Stdio};
@@ -7,37 +7,37 @@ use std::time::Instant;
 use super::child::{Answer, Peers};
 use super::compare::most_accurate;
 use super::error::PeersError;
-use super::event::{Event, error};
+use super::event::{Event, event_time_error};
+use super::measurement::Measurement;
 use super::problem::{Problem, SOLVERS, Solver};
-use super::row::Row;
 use crate::numbers::median;
 
-/// A sample is the mean over as many calls as take this long (s), thousands of times the clock's
-/// resolution.
+/// A sample is the mean over as many calls as take this long (s). That is thousands of times the
+/// clock's resolution.
 const BATCH: f64 = 5e-3;
-/// A row that has taken longer than this (s) gets no further rounds once it has `ENOUGH`: a median
-/// of three leaves an outlier out.
+/// A row that has taken longer than this (s) gets no further rounds once it has `ENOUGH`. A median
+/// of three excludes an outlier.
 const PATIENCE: f64 = 10.0;
 const ENOUGH: usize = 3;
 
-/// Who is timed for a row.
-enum Timed {
+/// The solver that is timed for a row.
+enum TimedSolver {
     Ours(&'static Solver, f64),
     Theirs(usize),
     Nobody,
 }
 
-/// Everything measured on one problem but whole processes, one after the other in every round.
+/// All measurements on one problem except whole processes. The solvers alternate in every round.
 ///
 /// # Errors
-/// A problem without reference, peers that do not answer. A solver that fails on a problem only
+/// A problem without reference; peers that do not answer. If a solver fails on a problem, its row
 /// gets a note.
 pub fn problem(
     problem: &Problem,
     rounds: u32,
     peers: Option<&mut Peers>,
     versions: &mut Vec<(String, String)>,
-) -> Result<Vec<Row>, PeersError> {
+) -> Result<Vec<Measurement>, PeersError> {
     let reference = problem.reference()?;
     let mut entries = ours(problem, &reference);
     let mut peers = peers;
@@ -46,10 +46,10 @@ pub fn problem(
             match answer {
                 Answer::Version(package, number) => versions.push((package, number)),
                 Answer::Curve(index, row, events) => {
-                    let row = judged(row, &events, &reference);
-                    entries.push((row, Timed::Theirs(index)));
+                    let row = with_error(row, &events, &reference);
+                    entries.push((row, TimedSolver::Theirs(index)));
                 }
-                Answer::Cannot(row) => entries.push((row, Timed::Nobody)),
+                Answer::Cannot(row) => entries.push((row, TimedSolver::Nobody)),
                 Answer::Seconds(..) | Answer::Done => {}
             }
         }
@@ -61,41 +61,41 @@ pub fn problem(
                 continue;
             }
             row.seconds.push(match (&timed, &mut peers) {
-                (Timed::Ours(solver, tolerance), _) => time(problem, solver, *tolerance)?,
-                (Timed::Theirs(index), Some(peers)) => peers.time(*index, BATCH)?,
+                (TimedSolver::Ours(solver, tolerance), _) => time(problem, solver, *tolerance)?,
+                (TimedSolver::Theirs(index), Some(peers)) => peers.time(*index, BATCH)?,
                 _ => continue,
             });
         }
     }
-    let named = |(row, _)| Row {
+    let named = |(row, _)| Measurement {
         problem: problem.name,
         ..row
     };
     Ok(entries.into_iter().map(named).collect())
 }
 
-fn ours(problem: &Problem, reference: &[Event]) -> Vec<(Row, Timed)> {
+fn ours(problem: &Problem, reference: &[Event]) -> Vec<(Measurement, TimedSolver)> {
     let mut entries = Vec::new();
     for solver in SOLVERS {
         for &tolerance in solver.tolerances {
-            let row = Row {
+            let row = Measurement {
                 solver: solver.name.into(),
                 setting: "rtol = atol".into(),
                 tolerance: Some(tolerance),
-                // Compiled before it ever started.
+                // Compiled in advance.
                 compile: Some(0.0),
-                ..Row::default()
+                ..Measurement::default()
             };
             let mut events = Vec::new();
             let solved = problem.solve(&solver.options(tolerance), &mut events);
             entries.push(match solved {
                 Ok(()) => {
-                    let timed = Timed::Ours(solver, tolerance);
-                    (judged(row, &events, reference), timed)
+                    let timed = TimedSolver::Ours(solver, tolerance);
+                    (with_error(row, &events, reference), timed)
                 }
                 Err(error) => {
                     let note = format!("failed: {error}");
-                    (Row { note, ..row }, Timed::Nobody)
+                    (Measurement { note, ..row }, TimedSolver::Nobody)
                 }
             });
         }
@@ -103,17 +103,17 @@ fn ours(problem: &Problem, reference: &[Event]) -> Vec<(Row, Timed)> {
     entries
 }
 
-/// The row with its events compared with those of the reference.
-fn judged(mut row: Row, events: &[Event], reference: &[Event]) -> Row {
+/// The row with the error of its events against those of the reference.
+fn with_error(mut row: Measurement, events: &[Event], reference: &[Event]) -> Measurement {
     row.events = Some(events.len());
-    match error(events, reference) {
+    match event_time_error(events, reference) {
         Ok(error) => row.error = Some(error),
         Err(note) => row.note = note,
     }
     row
 }
 
-/// Seconds per run of ours.
+/// Seconds per run of our solver.
 fn time(problem: &Problem, solver: &Solver, tolerance: f64) -> Result<f64, PeersError> {
     let options = solver.options(tolerance);
     let mut events = Vec::new();
@@ -130,16 +130,16 @@ fn time(problem: &Problem, solver: &Solver, tolerance: f64) -> Result<f64, Peers
     }
 }
 
-/// Times whole processes, each of which starts, compiles and solves once, for the most accurate row
-/// of every solver, in alternation.
+/// Times whole processes in alternation, for the most accurate row of every solver. Each process
+/// starts, compiles and solves once.
 ///
 /// # Errors
 /// [`PeersError::Start`], [`PeersError::Process`].
 pub fn processes(
-    rows: &mut [Row],
-    is_timed: impl Fn(&Row) -> bool,
+    rows: &mut [Measurement],
+    is_timed: impl Fn(&Measurement) -> bool,
     rounds: u32,
-    command: impl Fn(&Row) -> Option<Command>,
+    command: impl Fn(&Measurement) -> Option<Command>,
 ) -> Result<(), PeersError> {
     let mut best = most_accurate(rows);
     best.retain(|&i| is_timed(&rows[i]) && rows[i].error.is_some());

@@ -1,5 +1,5 @@
-//! The program `peers`: work and precision of our solvers beside other common ones, on problems
-//! with known event times.
+//! The program `peers`: work–precision measurements of our solvers and other common ones, on
+//! problems with known event times.
 
 mod child;
 mod compare;
@@ -7,9 +7,9 @@ mod draw;
 mod error;
 mod event;
 mod measure;
+mod measurement;
 mod problem;
 mod report;
-mod row;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
@@ -23,8 +23,8 @@ use output::Artifact;
 use child::Peers;
 use error::PeersError;
 use event::Event;
+use measurement::Measurement;
 use problem::{Problem, SOLVERS, Solver, problems};
-use row::Row;
 
 const ABOUT: &str = "Error of event times against run time, for our solvers and, given a Python \
     that has them, for SciPy, numba, heyoka and pydiffsol, all in one run on one machine.";
@@ -60,17 +60,17 @@ Examples:
 )]
 struct Arguments {
     #[command(subcommand)]
-    command: Option<Single>,
+    command: Option<PeersCommand>,
 
     #[command(flatten)]
-    all: All,
+    all: MeasureArguments,
 }
 
 /// What is done without measuring.
 #[derive(Debug, Subcommand)]
-enum Single {
+enum PeersCommand {
     /// Solve one problem once and print its events: what is timed as a whole process
-    One(One),
+    One(SolveArguments),
     /// Draw bench.svg anew from bench.csv, without measuring
     Redraw(Folders),
 }
@@ -88,7 +88,7 @@ struct Folders {
 }
 
 #[derive(Debug, Args)]
-struct One {
+struct SolveArguments {
     /// Problem
     #[arg(long, value_parser = Problem::named)]
     problem: Problem,
@@ -104,7 +104,7 @@ struct One {
 
 /// Measuring everything.
 #[derive(Debug, Args)]
-struct All {
+struct MeasureArguments {
     /// Rounds in which every solver is timed at every setting
     #[arg(
         long,
@@ -153,13 +153,12 @@ struct All {
     pub folders: Folders,
 }
 
-/// Everything the program does. Exit code 0 on success, 1 if something failed, 2 for a wrong
-/// command line.
+/// The program. Exit code 0 on success, 1 on failure, 2 for a wrong command line.
 pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let outcome = match &arguments.command {
-        Some(Single::One(one)) => solve_one(one),
-        Some(Single::Redraw(folders)) => redraw(folders),
+        Some(PeersCommand::One(one)) => solve_one(one),
+        Some(PeersCommand::Redraw(folders)) => redraw(folders),
         None => run(&arguments.all),
     };
     terminal::finish("report", outcome)
@@ -168,8 +167,8 @@ pub fn main() -> ExitCode {
 /// Measures, compares, draws and writes; returns the text to print.
 ///
 /// # Errors
-/// Whatever one of these runs into. Files are written last, so an error leaves none behind.
-fn run(all: &All) -> Result<String, PeersError> {
+/// The error of the step that fails. Files are written last, so an error leaves none behind.
+fn run(all: &MeasureArguments) -> Result<String, PeersError> {
     let chosen = match &all.problems[..] {
         [] => problems()?,
         chosen => chosen.to_vec(),
@@ -183,22 +182,22 @@ fn run(all: &All) -> Result<String, PeersError> {
     let mut versions = Vec::new();
     let mut rows = Vec::new();
     for problem in &chosen {
-        terminal::note(&format!("measuring {}", problem.name));
+        terminal::print_note(&format!("measuring {}", problem.name));
         let peers = peers.as_mut();
         rows.extend(measure::problem(problem, all.rounds, peers, &mut versions)?);
     }
     drop(peers);
     if all.process_rounds > 0 {
-        terminal::note("timing whole processes");
+        terminal::print_note("timing whole processes");
         let ours = std::env::current_exe().map_err(|source| PeersError::Start {
             program: "peers".into(),
             source,
         })?;
-        let is_timed = |row: &Row| {
+        let is_timed = |row: &Measurement| {
             let mut names = all.process_problems.iter().map(|one| one.name);
             names.any(|name| name == row.problem)
         };
-        let command = |row: &Row| once(all, &ours, row);
+        let command = |row: &Measurement| whole_process_command(all, &ours, row);
         measure::processes(&mut rows, is_timed, all.process_rounds, command)?;
     }
     let names: Vec<&str> = SOLVERS.iter().map(|solver| solver.name).collect();
@@ -207,8 +206,12 @@ fn run(all: &All) -> Result<String, PeersError> {
     Ok(text + &written)
 }
 
-/// The process that solves the problem of a row once by its solver, if there is one here.
-fn once(all: &All, ours: &Path, row: &Row) -> Option<Command> {
+/// The command that solves the problem of a row once with its solver, if there is one here.
+fn whole_process_command(
+    all: &MeasureArguments,
+    ours: &Path,
+    row: &Measurement,
+) -> Option<Command> {
     let mut command;
     if SOLVERS.iter().any(|solver| solver.name == row.solver) {
         command = Command::new(ours);
@@ -224,7 +227,7 @@ fn once(all: &All, ours: &Path, row: &Row) -> Option<Command> {
     Some(command)
 }
 
-fn head(all: &All, versions: &[(String, String)]) -> String {
+fn head(all: &MeasureArguments, versions: &[(String, String)]) -> String {
     let named = versions
         .iter()
         .map(|(package, number)| format!("{package} {number}"));
@@ -236,10 +239,15 @@ fn head(all: &All, versions: &[(String, String)]) -> String {
     format!("stickslip {version} {beside}; medians of {rounds} alternating rounds")
 }
 
-fn write(all: &All, rows: &[Row], text: &str, problems: &[Problem]) -> Result<String, PeersError> {
-    let table = row::csv(rows);
-    // From the digits that the table has, so that picture and README can be written from it again.
-    let rows = row::read(&table, problems)?;
+fn write(
+    all: &MeasureArguments,
+    rows: &[Measurement],
+    text: &str,
+    problems: &[Problem],
+) -> Result<String, PeersError> {
+    let table = measurement::csv(rows);
+    // The rows as the table has them, so that picture and README can be regenerated from it.
+    let rows = measurement::read(&table, problems)?;
     let svg = draw::draw(&rows, problems)?;
     let tables = [
         Artifact::text("bench.csv", table),
@@ -248,15 +256,14 @@ fn write(all: &All, rows: &[Row], text: &str, problems: &[Problem]) -> Result<St
     let mut paths = output::write_all(&all.folders.report_dir, &tables)?;
     let picture = Artifact::text("bench.svg", svg);
     paths.extend(output::write_all(&all.folders.figures_dir, &[picture])?);
-    // A part of the problems, or ours alone, says nothing of the table there.
+    // Some of the problems, or our solvers alone, do not make the whole table.
     if all.problems.is_empty() && all.python.is_some() {
         paths.extend(write_page(&all.folders, &rows)?);
     }
     Ok(output::listing(&paths))
 }
 
-/// The figure from the table of an earlier run: after a change of the drawing nothing need be
-/// measured again.
+/// Draws the figure from the table of an earlier run, without measuring again.
 fn redraw(folders: &Folders) -> Result<String, PeersError> {
     let path = folders.report_dir.join("bench.csv");
     let table = std::fs::read_to_string(&path).map_err(|source| PeersError::Input {
@@ -264,7 +271,7 @@ fn redraw(folders: &Folders) -> Result<String, PeersError> {
         source,
     })?;
     let all = problems()?;
-    let rows = row::read(&table, &all)?;
+    let rows = measurement::read(&table, &all)?;
     let is_measured = |problem: &Problem| rows.iter().any(|row| row.problem == problem.name);
     let measured: Vec<Problem> = all.into_iter().filter(is_measured).collect();
     let picture = Artifact::text("bench.svg", draw::draw(&rows, &measured)?);
@@ -273,12 +280,13 @@ fn redraw(folders: &Folders) -> Result<String, PeersError> {
     Ok(output::listing(&paths))
 }
 
-/// The page of speeds gets the measurements that are written into the project's own folder of
-/// tables.
-fn write_page(folders: &Folders, rows: &[Row]) -> Result<Vec<PathBuf>, PeersError> {
+/// Updates the page of speeds, if the tables are written into the project's own folder.
+fn write_page(folders: &Folders, rows: &[Measurement]) -> Result<Vec<PathBuf>, PeersError> {
     let top = Path::new("");
     let text = std::fs::read_to_string(top.join(SPEED_PAGE)).ok();
-    let new = text.and_then(|text| report::MARKS.put(&text, &report::block(rows, OURS)));
+    let new = text.and_then(|text| {
+        report::SECTION_MARKERS.replace_section(&text, &report::block(rows, OWN_SOLVER))
+    });
     match new.filter(|_| folders.report_dir == Path::new(TABLES)) {
         Some(new) => Ok(output::write_all(top, &[Artifact::text(SPEED_PAGE, new)])?),
         None => Ok(Vec::new()),
@@ -286,12 +294,12 @@ fn write_page(folders: &Folders, rows: &[Row]) -> Result<Vec<PathBuf>, PeersErro
 }
 
 const SPEED_PAGE: &str = "docs/speed.md";
-/// Where the project keeps its tables, and the default of `--report-dir`.
+/// The project's folder of tables, and the default of `--report-dir`.
 const TABLES: &str = "report";
-/// The solver of ours that the page of speeds compares with.
-const OURS: &str = "stickslip Taylor";
+/// Our solver in the page of speeds.
+const OWN_SOLVER: &str = "stickslip Taylor";
 
-fn solve_one(one: &One) -> Result<String, PeersError> {
+fn solve_one(one: &SolveArguments) -> Result<String, PeersError> {
     let mut events = Vec::new();
     let options = one.solver.options(one.tolerance);
     one.problem.solve(&options, &mut events)?;

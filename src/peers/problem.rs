@@ -1,18 +1,18 @@
-//! The problems that all solvers get. Their numbers also stand in data/references/problems.json,
-//! for the other programs; a test compares the two.
+//! The problems that all solvers get. data/references/problems.json has the same numbers for the
+//! other programs; a test compares them.
 
 use std::ops::ControlFlow;
 
 use super::error::PeersError;
-use super::event::{self, Event, Kind};
+use super::event::{self, Event, EventKind};
 use crate::text::joined;
 use stickslip::models::{BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading};
 use stickslip::{
     Filippov, Method, Observer, Options, Scalar, Side, State, Transition, TransitionKind, run,
 };
 
-/// Textbook problem with a moving boundary: `x' = a` below, `−a` above, boundary `x − sin t`.
-/// Between events everything is a closed form.
+/// Problem with a moving boundary: `x' = a` below, `−a` above, boundary `x − sin t`. Between events
+/// the solution has a closed form.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MovingBoundary {
     /// Speed a on either side (1/s), between 0 and 1.
@@ -44,7 +44,7 @@ pub enum System {
     Bracket(BlockAndBracket, [f64; 4]),
 }
 
-/// A problem: everything that a solver needs to know but its tolerance.
+/// A problem: everything that a solver needs except its tolerance.
 #[derive(Clone, Copy, Debug)]
 pub struct Problem {
     /// Name, also of its reference file.
@@ -142,28 +142,27 @@ pub fn problems() -> Result<Vec<Problem>, stickslip::Error> {
 }
 
 impl Problem {
-    /// The problem of this name.
+    /// The problem with this name.
     ///
     /// # Errors
-    /// In words, if there is none.
+    /// A message, if there is none.
     pub fn named(name: &str) -> Result<Problem, String> {
         let problems = problems().map_err(|error| error.to_string())?;
-        one_of(&problems, |one| one.name, name).copied()
+        find_by_name(&problems, |one| one.name, name).copied()
     }
 
-    /// The events of its reference, to thirty digits.
+    /// The events of its reference, which has thirty digits.
     ///
     /// # Errors
-    /// [`PeersError::Reference`] with the line that is not as it should be.
+    /// [`PeersError::Reference`] with the line that is wrong.
     pub fn reference(&self) -> Result<Vec<Event>, PeersError> {
         event::parse(self.name, self.reference)
     }
 
-    /// The events up to the end time, appended to `events`, which is cleared first and whose memory
-    /// is used again.
+    /// Computes the events up to the end time. `events` is cleared first, and its memory is reused.
     ///
     /// # Errors
-    /// [`PeersError::Solve`] with what the solver ran into.
+    /// [`PeersError::Solve`] with the solver's error.
     pub fn solve(&self, options: &Options, events: &mut Vec<Event>) -> Result<(), PeersError> {
         events.clear();
         let result = match self.system {
@@ -187,21 +186,21 @@ impl Problem {
         events: &mut Vec<Event>,
     ) -> Result<(), stickslip::Error> {
         let start = State::from(start);
-        let mut notes = Notes(events);
+        let mut notes = EventRecorder(events);
         run(system, self.t_start, start, self.t_end, options, &mut notes)?;
         Ok(())
     }
 }
 
-struct Notes<'a>(&'a mut Vec<Event>);
+struct EventRecorder<'a>(&'a mut Vec<Event>);
 
-impl<const N: usize> Observer<N> for Notes<'_> {
+impl<const N: usize> Observer<N> for EventRecorder<'_> {
     fn transition(&mut self, at: &Transition<N>) -> ControlFlow<()> {
         let kind = match at.kind {
-            TransitionKind::Crossing => Kind::Crossing,
-            TransitionKind::StickEntry => Kind::Entry,
-            TransitionKind::StickExit => Kind::Exit,
-            // They change no mode, and no peer is asked for them.
+            TransitionKind::Crossing => EventKind::Crossing,
+            TransitionKind::StickEntry => EventKind::Entry,
+            TransitionKind::StickExit => EventKind::Exit,
+            // Touches change no mode, and the peers do not report them.
             TransitionKind::Touch
             | TransitionKind::ContactLoss
             | TransitionKind::ContactGain
@@ -215,14 +214,14 @@ impl<const N: usize> Observer<N> for Notes<'_> {
     }
 }
 
-/// A solver of ours.
+/// One of our solvers.
 #[derive(Clone, Copy, Debug)]
 pub struct Solver {
     /// Name in the report and in the figure.
     pub name: &'static str,
     /// Its integrator.
     pub method: Method,
-    /// The tolerances it is run with.
+    /// The tolerances for which it is run.
     pub tolerances: &'static [f64],
 }
 
@@ -245,22 +244,22 @@ pub const SOLVERS: &[Solver] = &[
     },
 ];
 
-/// The one of this name.
-fn one_of<'a, T>(all: &'a [T], name_of: fn(&T) -> &str, name: &str) -> Result<&'a T, String> {
+/// The item with this name.
+fn find_by_name<'a, T>(all: &'a [T], name_of: fn(&T) -> &str, name: &str) -> Result<&'a T, String> {
     let named = all.iter().find(|one| name_of(one) == name);
     named.ok_or_else(|| format!("there are {}", joined(all.iter().map(name_of), ", ")))
 }
 
 impl Solver {
-    /// The solver of this name.
+    /// The solver with this name.
     ///
     /// # Errors
-    /// In words, if there is none.
+    /// A message, if there is none.
     pub fn named(name: &str) -> Result<&'static Solver, String> {
-        one_of(SOLVERS, |one| one.name, name)
+        find_by_name(SOLVERS, |one| one.name, name)
     }
 
-    /// Its settings for a tolerance.
+    /// Its options for a tolerance.
     pub fn options(&self, tolerance: f64) -> Options {
         Options::tol(tolerance).method(self.method)
     }

@@ -1,11 +1,11 @@
 //! The printed report, also written to report/bench.txt.
 
 use super::compare::{Ratio, WANTED, most_accurate, ratios};
-use super::row::Row;
+use super::measurement::Measurement;
 use crate::numbers::median;
-use crate::text::{Marks, distinct};
+use crate::text::{SectionMarkers, distinct};
 
-/// A time in the unit that suits it.
+/// A time in a suitable unit.
 pub fn duration(seconds: f64) -> String {
     let (value, unit) = match seconds {
         s if s < 1e-3 => (s * 1e6, "µs"),
@@ -21,7 +21,7 @@ pub fn duration(seconds: f64) -> String {
 }
 
 /// The tables.
-pub fn text(rows: &[Row], ours: &[&str], head: &str) -> String {
+pub fn text(rows: &[Measurement], ours: &[&str], head: &str) -> String {
     let mut text = format!("{head}\n");
     text += "\n\
         Most accurate setting of every solver: error of event times, time of a run (median), \
@@ -30,7 +30,7 @@ pub fn text(rows: &[Row], ours: &[&str], head: &str) -> String {
         let cell = |value: Option<f64>| value.map_or("-".into(), duration);
         let error = row.error.map_or("-".into(), |error| format!("{error:.1e}"));
         let (time, compile) = (cell(median(&row.seconds)), cell(row.compile));
-        let Row {
+        let Measurement {
             problem,
             solver,
             note,
@@ -70,14 +70,14 @@ pub fn text(rows: &[Row], ours: &[&str], head: &str) -> String {
     text + &processes(rows, ours)
 }
 
-fn processes(rows: &[Row], ours: &[&str]) -> String {
+fn processes(rows: &[Measurement], ours: &[&str]) -> String {
     let timed = || rows.iter().filter_map(|row| Some((row, row.process?)));
     let mut text = String::new();
     for (row, process) in timed() {
-        let Row {
+        let Measurement {
             problem, solver, ..
         } = row;
-        let own = |other: &Row| other.problem == *problem && ours.contains(&&*other.solver);
+        let own = |other: &Measurement| other.problem == *problem && ours.contains(&&*other.solver);
         let own = timed()
             .filter(|(other, _)| own(other))
             .map(|(_, process)| process);
@@ -92,18 +92,18 @@ fn processes(rows: &[Row], ours: &[&str]) -> String {
     format!("\nWhole processes: start, compile, run once with the most accurate setting\n{text}")
 }
 
-/// Where they stand in the page of speeds.
-pub const MARKS: Marks = Marks {
+/// Markers of the table in the page of speeds.
+pub const SECTION_MARKERS: SectionMarkers = SectionMarkers {
     begin: "<!-- speed: written by `make bench-peers` -->\n",
     end: "<!-- end of speed -->\n",
 };
 
-/// For each peer how many times our time it takes, least and most over the problems, against one of
-/// our solvers.
-pub fn block(rows: &[Row], ours: &str) -> String {
+/// A table with a line for each peer: the ratio of its time to that of our solver, smallest and
+/// largest over the problems.
+pub fn block(rows: &[Measurement], ours: &str) -> String {
     let all = ratios(rows, &[ours]);
     let peers = all.iter().map(|one| one.peer.as_str());
-    let peers = distinct(peers.filter(|peer| !peer.starts_with(OWN)));
+    let peers = distinct(peers.filter(|peer| !peer.starts_with(OWN_PREFIX)));
     let mut text = format!(
         "| time for an error of {WANTED:e} (or the peer's least), over that of `{ours}` | least | \
             most | on |\n\
@@ -128,13 +128,13 @@ pub fn block(rows: &[Row], ours: &str) -> String {
     text
 }
 
-/// How the names of our own solvers begin.
-const OWN: &str = "stickslip";
+/// Prefix of the names of our solvers.
+const OWN_PREFIX: &str = "stickslip";
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::peers::{OURS, problems, row};
+    use crate::peers::{OWN_SOLVER, measurement, problems};
 
     #[test]
     fn times_have_three_digits_and_a_unit() {
@@ -145,15 +145,17 @@ mod tests {
     #[test]
     fn the_page_has_the_committed_measurements() {
         let table = include_str!("../../report/bench.csv");
-        let rows = row::read(table, &problems().unwrap()).unwrap();
+        let rows = measurement::read(table, &problems().unwrap()).unwrap();
         let page = include_str!("../../docs/speed.md");
-        let written = MARKS.put(page, &block(&rows, OURS)).unwrap();
+        let written = SECTION_MARKERS
+            .replace_section(page, &block(&rows, OWN_SOLVER))
+            .unwrap();
         assert!(written == page, "run `peers redraw`");
-        // Another measurement is another table.
+        // Another measurement gives another table.
         let mut other = rows.clone();
         for row in other.iter_mut().filter(|row| row.solver == "heyoka") {
             row.seconds.iter_mut().for_each(|seconds| *seconds *= 2.0);
         }
-        assert_ne!(block(&other, OURS), block(&rows, OURS));
+        assert_ne!(block(&other, OWN_SOLVER), block(&rows, OWN_SOLVER));
     }
 }

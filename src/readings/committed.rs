@@ -1,18 +1,21 @@
-//! The committed search, `golden/readings.csv`: its results for the report, and the identity of the
+//! The committed search, `golden/readings.csv`: its results for the report, and the hash of the
 //! file.
 
 use sha2::{Digest, Sha256};
 
 use super::error::ReadingsError;
-use super::judge::{BorneOut, ExponentSpread, Pairs, Rows, meeting, sources, twelve};
 use super::plan::{self, Plan};
+use super::scoring::{
+    ConfirmedStatements, ExponentSpread, Pairs, RowsByRole, count_matching, for_each_exponent,
+    sources,
+};
 use super::search;
-use super::significance::{Level, Share, alone, digits};
-use super::table::Row;
+use super::significance::{MatchLevel, Share, alone, digits};
+use super::table::ConfigurationRow;
 
 /// The committed table of all readings.
 const TABLE: &str = include_str!("../../golden/readings.csv");
-/// Its place in the project.
+/// Its path in the project.
 const FILE: &str = "golden/readings.csv";
 
 /// The results of the committed search.
@@ -20,44 +23,44 @@ const FILE: &str = "golden/readings.csv";
 pub struct Committed {
     /// The file.
     pub file: &'static str,
-    /// SHA-256 of its content, in hexadecimal digits.
+    /// SHA-256 of its content, in hexadecimal.
     pub sha256: String,
     /// Configurations tried: readings × integrators × settings of the estimator.
     pub configurations: usize,
-    /// Of these the ones whose reading keeps all three motions.
+    /// Among these, those whose reading keeps all three motions.
     pub kept: usize,
-    /// Of these the ones with all three kinds of motion: no other is ranked.
+    /// Among these, those with all three kinds of motion. No others are ranked.
     pub ranked: usize,
-    /// From how many readings, integrators and settings of the estimator the ranked ones come.
+    /// Numbers of readings, integrators and settings of the estimator among the ranked
+    /// configurations.
     pub ranked_from: [usize; 3],
     /// Pairs of reading and integrator, by class.
     pub pairs: Pairs,
-    /// By how many configurations that keep all three motions each published exponent is met to
-    /// the printed digits.
+    /// Number of configurations that keep all three motions and match a published exponent to the
+    /// printed digits, for each exponent.
     pub digits: [[usize; 4]; 3],
-    /// How near the configurations that keep all three motions come to all twelve exponents
-    /// together, and how near the ranked ones.
-    pub together: [Level; 2],
-    /// How near the nearest of all configurations comes to each figure by itself, and which that
-    /// is.
-    pub alone: [(Level, Match); 3],
+    /// Distance of configurations from all twelve exponents together: those that keep all three
+    /// motions, and the ranked ones.
+    pub joint_levels: [MatchLevel; 2],
+    /// For each figure alone, the distance of the nearest configuration, and that configuration.
+    pub figure_levels: [(MatchLevel, Match); 3],
     /// A row of each pair of reading and integrator, for its motions.
-    pub motions: Vec<Row>,
-    /// How often targets drawn for an exponent are met by as many of these configurations as the
-    /// published one. Nothing where none meets it.
+    pub motions: Vec<ConfigurationRow>,
+    /// Fraction of random targets for an exponent that are matched by as many of these
+    /// configurations as the published one. `None` where none matches it.
     pub digits_by_random_targets: [[Option<Share>; 4]; 3],
-    /// What the settings that the paper does not state make of each exponent of each figure, for
+    /// Values of each exponent of each figure over the settings that the paper does not state, for
     /// the recommended reading.
     pub spread: [[ExponentSpread; 4]; 3],
-    /// How many of these settings bear out what Sect. 5.2 says.
-    pub borne_out: BorneOut,
+    /// Number of these settings that confirm the statements of Sect. 5.2.
+    pub confirmed_statements: ConfirmedStatements,
 }
 
-/// A row with its three motions in words, of an escape with its time.
+/// A row with its three motions in words, and with the time of an escape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Match {
     /// The row.
-    pub row: Row,
+    pub row: ConfigurationRow,
     /// Its motions.
     pub motions: [String; 3],
 }
@@ -66,8 +69,8 @@ impl Committed {
     /// Reads the table.
     ///
     /// # Errors
-    /// [`ReadingsError::Incomplete`] if a configuration of the full search is missing or was made
-    /// with other settings; [`ReadingsError::Published`].
+    /// [`ReadingsError::Incomplete`] if a configuration of the full search is missing or has other
+    /// settings; [`ReadingsError::Published`].
     pub fn read() -> Result<Committed, ReadingsError> {
         Committed::of(TABLE)
     }
@@ -75,7 +78,8 @@ impl Committed {
     fn of(table: &str) -> Result<Committed, ReadingsError> {
         let plan = Plan::full()?;
         let (published, target) = (&plan.published, &plan.target);
-        let rows: Vec<Row> = table.lines().filter_map(Row::parse).collect();
+        let rows: Vec<ConfigurationRow> =
+            table.lines().filter_map(ConfigurationRow::parse).collect();
         let groups = plan.groups.iter();
         let wanted: Vec<[String; 4]> = groups.flat_map(|one| plan::keys(&plan, one)).collect();
         let same = rows.iter().map(|row| &row.key).eq(&wanted);
@@ -87,22 +91,22 @@ impl Committed {
         if !(same && table.starts_with(&plan.heading())) {
             return Err(incomplete());
         }
-        let Rows {
+        let RowsByRole {
             search,
             kept,
             ranked,
             pairs,
             recommended,
-        } = Rows::of(&rows);
-        let met = twelve(|exponent| meeting(&kept, exponent, published));
+        } = RowsByRole::of(&rows);
+        let met = for_each_exponent(|exponent| count_matching(&kept, exponent, published));
         let alone = alone(&search, target, plan.draws).ok_or_else(incomplete)?;
         let digest = Sha256::digest(table.as_bytes());
         let by_random_targets = |(figure, k): (usize, usize)| {
             let met = met[figure][k];
             (met > 0).then(|| digits(&kept, (figure, k), met, plan.draws))
         };
-        let level = |rows| Level::of(rows, &kept, (target, &[0, 1, 2]), plan.draws);
-        let with_motions = |(level, row): (Level, &Row)| {
+        let level = |rows| MatchLevel::of(rows, &kept, (target, &[0, 1, 2]), plan.draws);
+        let with_motions = |(level, row): (MatchLevel, &ConfigurationRow)| {
             let (row, motions) = (row.clone(), search::motions(&plan, row));
             (level, Match { row, motions })
         };
@@ -114,18 +118,20 @@ impl Committed {
             ranked: ranked.len(),
             ranked_from: sources(&ranked),
             pairs: Pairs::count(&pairs),
-            together: [level(&kept), level(&ranked)],
-            alone: alone.map(with_motions),
+            joint_levels: [level(&kept), level(&ranked)],
+            figure_levels: alone.map(with_motions),
             motions: pairs.into_iter().cloned().collect(),
-            digits_by_random_targets: twelve(by_random_targets),
-            spread: twelve(|exponent| ExponentSpread::of(&recommended, exponent, published)),
-            borne_out: BorneOut::count(&recommended),
+            digits_by_random_targets: for_each_exponent(by_random_targets),
+            spread: for_each_exponent(|exponent| {
+                ExponentSpread::of(&recommended, exponent, published)
+            }),
+            confirmed_statements: ConfirmedStatements::count(&recommended),
             digits: met,
         })
     }
 
-    /// The file with the beginning of its hash, as it stands beside a number taken from it.
-    pub fn cited(&self) -> String {
+    /// The path and the first digits of the hash, for citation beside a number.
+    pub fn citation(&self) -> String {
         format!("{}, SHA-256 {}…", self.file, &self.sha256[..16])
     }
 }
@@ -135,7 +141,7 @@ mod tests {
     use super::*;
     use crate::readings::plan::{of_spread, spread_settings};
 
-    /// Of the settings of the spread one in so many is computed anew, from the first on.
+    /// Of the settings of the spread, one in so many is recomputed, starting with the first.
     const EVERY: usize = 15;
 
     #[test]

@@ -9,15 +9,16 @@ use output::WriteError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReadingsError {
-    /// A table is there but cannot be read.
+    /// An existing table cannot be read.
     #[error("cannot read {}: {source}; choose another folder with --out", path.display())]
     Read {
         /// The table.
         path: PathBuf,
-        /// What the operating system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// A table is there that this search cannot continue: of other settings, or none of readings.
+    /// An existing table cannot be continued by this search: it has other settings or another
+    /// format.
     #[error("{} is not of this search: its line {line} is '{found}' and should be '{wanted}'; move \
         it away or choose another folder with --out", path.display())]
     OtherSearch {
@@ -25,15 +26,15 @@ pub enum ReadingsError {
         path: PathBuf,
         /// The first line that differs, counted from 1.
         line: usize,
-        /// What it says; "nothing" if it is not there.
+        /// Its content; "nothing" if it is missing.
         found: String,
-        /// What it must say.
+        /// Required content.
         wanted: String,
     },
     /// The folder for the files, or a file in it, cannot be written.
     #[error("{0}; choose another folder with --out")]
     Write(#[from] WriteError),
-    /// The published exponents are not there.
+    /// The table of claims is malformed.
     #[error(transparent)]
     Published(#[from] PublishedError),
     /// The committed table is not that of the full search.
@@ -44,17 +45,17 @@ pub enum ReadingsError {
     Incomplete {
         /// The table.
         file: &'static str,
-        /// Rows that can be read.
+        /// Readable rows.
         found: usize,
-        /// Rows that it must have.
+        /// Required rows.
         wanted: usize,
     },
     /// The threads cannot be started.
     #[error("cannot start {threads} threads: {reason}; give fewer with --threads")]
     Threads {
-        /// How many.
+        /// Number of threads.
         threads: usize,
-        /// What the library said.
+        /// The library's message.
         reason: String,
     },
 }

@@ -1,17 +1,17 @@
-//! The program `readings`: a search over how Figs. 10–12 of the paper can be read.
+//! The program `readings`: a search over interpretations of Figs. 10–12 of the paper.
 //!
-//! The paper prints Eq. (27)–(28) with signs that Newton's law does not allow, nine numbers without
-//! saying which is which, no settings of its estimator, and a program for another model. Every
+//! The paper prints Eq. (27)–(28) with signs that contradict Newton's law. It gives nine numbers
+//! without their names, no settings of its estimator, and a program for another model. Every
 //! combination tried is a row of a table, with its distance from the twelve published exponents. A
-//! reading that loses one of the three motions or gives it another kind is no match and is not
-//! ranked. What matters is the last part of the summary: how near other targets are met by the same
-//! search, and how far the estimator's settings alone move an exponent.
+//! reading that loses one of the three motions or changes its kind is not ranked. The last part of
+//! the summary decides. It says how near the same search comes to other targets, and how far the
+//! estimator's settings alone move an exponent.
 
 mod committed;
 mod error;
-mod judge;
 mod orbit;
 mod plan;
+mod scoring;
 mod search;
 mod significance;
 mod store;
@@ -32,12 +32,12 @@ use output::{Artifact, write_all};
 
 pub use committed::{Committed, Match};
 pub use error::ReadingsError;
-pub use judge::{BorneOut, ExponentSpread, Pairs, Values, sources_in_words};
 use plan::Plan;
 pub use plan::{Integrator, ZERO};
-pub use significance::{Level, Share};
+pub use scoring::{ConfirmedStatements, ExponentSpread, Pairs, Values, sources_in_words};
+pub use significance::{MatchLevel, Share};
 use store::{Store, TABLE};
-pub use table::{Row, Verdict, others};
+pub use table::{ConfigurationRow, OrbitVerdict, other_motions};
 
 /// Name of the summary.
 const SUMMARY: &str = "readings.txt";
@@ -104,16 +104,15 @@ fn seconds(text: &str) -> Result<Duration, String> {
         .ok_or_else(|| "give a positive number of seconds, such as 300".into())
 }
 
-/// Everything the program does. Exit code 0 on success, 1 if something failed, 2 for a wrong
-/// command line.
+/// The program. Exit code 0 on success, 1 on failure, 2 for a wrong command line.
 pub fn main() -> ExitCode {
     terminal::finish("summary", run(&Arguments::parse()))
 }
 
-/// Searches, writes the table as it grows, then the summary, and returns that.
+/// Searches, writes the table as it grows, then the summary, and returns the summary.
 ///
 /// # Errors
-/// [`ReadingsError`] if a file cannot be read or written or threads cannot be started.
+/// [`ReadingsError`] if a file cannot be read or written, or threads cannot be started.
 pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
     let begin = Instant::now();
     let limit = arguments.time_limit;
@@ -123,7 +122,7 @@ pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
         false => Plan::full()?,
     };
     let store = Store::open(&plan, &arguments.out)?;
-    // A folder that cannot be written to is better known before the search.
+    // An unwritable folder is reported before the search.
     store.write()?;
     let pending = store.pending();
     let total = plan.groups.len();
@@ -133,14 +132,15 @@ pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
     let store = Mutex::new(store);
     let begun = AtomicBool::new(false);
     let work = || {
-        // One at a time, so that short and long ones spread evenly.
+        // One task at a time, so that short and long ones spread evenly.
         pending.par_iter().with_max_len(1).try_for_each(|&i| {
-            // One is begun whatever the limit, so that every call gets on.
+            // At least one task is done whatever the limit, so that repeated calls finish the
+            // search.
             if begun.swap(true, Ordering::Relaxed) && late() {
                 return Ok(());
             }
             let rows = search::group_rows(&plan.groups[i], &plan);
-            // A poisoned lock would mean a panic in between, which leaves rows whole all the same.
+            // After a panic elsewhere the lock is poisoned, but the rows are still complete.
             let added = store
                 .lock()
                 .unwrap_or_else(PoisonError::into_inner)
@@ -170,9 +170,9 @@ pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figures::block_and_bracket::best_common;
-    use judge::Rows;
+    use crate::figures::block_and_bracket::best_common_settings;
     use plan::{Group, Unit};
+    use scoring::RowsByRole;
     use stickslip::models::Reading;
 
     fn committed(name: &str) -> String {
@@ -199,11 +199,13 @@ mod tests {
     #[test]
     fn the_in_place_scheme_never_makes_the_torus_of_fig_11() {
         let table = committed("golden/readings.csv");
-        let rows: Vec<Row> = table.lines().filter_map(Row::parse).collect();
+        let rows: Vec<ConfigurationRow> =
+            table.lines().filter_map(ConfigurationRow::parse).collect();
         let of = |integrator: &str| {
             let recommended = plan::reading_name(&Reading::exact());
             let mut all = rows.iter();
-            let is = |row: &&Row| row.key[1] == recommended && row.key[2] == integrator;
+            let is =
+                |row: &&ConfigurationRow| row.key[1] == recommended && row.key[2] == integrator;
             all.find(is).unwrap_or_else(|| panic!("{integrator}"))
         };
         let torus = of("exact");
@@ -218,18 +220,19 @@ mod tests {
     #[test]
     fn the_figures_use_the_nearest_setting_of_the_recommended_reading() {
         let table = committed("golden/readings.csv");
-        let rows: Vec<Row> = table.lines().filter_map(Row::parse).collect();
-        let search: Vec<&Row> = Rows::of(&rows)
+        let rows: Vec<ConfigurationRow> =
+            table.lines().filter_map(ConfigurationRow::parse).collect();
+        let search: Vec<&ConfigurationRow> = RowsByRole::of(&rows)
             .search
             .into_iter()
             .filter(|row| Group::recommended().has(row))
-            // The figures measure radii in the spread alone.
+            // The figures measure radii in units of the spread only.
             .filter(|row| !row.key[3].contains("absolute") && !row.key[3].contains("of ranges"))
             .collect();
-        let best = summary::least(&search, Row::kinds_first).unwrap();
-        let setting = (Unit::Spread, best_common());
+        let best = summary::minimal_by(&search, ConfigurationRow::kinds_first).unwrap();
+        let setting = (Unit::Spread, best_common_settings());
         assert_eq!(best.key[3], plan::settings_name(&setting));
-        // The figures compute the same exponents anew, in the same order of size.
+        // The figures compute the same exponents, in the same order of size.
         for figure in 0..3 {
             let shown = committed(&format!("figures/fig{}.csv", figure + 10));
             let mut values: Vec<f64> = shown

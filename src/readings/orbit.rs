@@ -1,13 +1,13 @@
-//! Orbits of the three captions, followed by each integrator.
+//! Orbits of the three captions, computed by each integrator.
 
 use std::ops::ControlFlow;
 
 use super::plan::{CURVE, Group, Integrator, MOST_STEPS, Plan, SAME};
-use super::table::Verdict;
+use super::table::OrbitVerdict;
 use crate::figures::block_and_bracket::{DIVERGED, DT, TOLERANCE};
 use crate::numbers::extent;
-use crate::paper::in_place::{InPlace, Lost};
-use crate::turns::{Samples, Turns};
+use crate::orbit_records::{Samples, TurningPoints};
+use crate::paper::in_place::{Breakdown, InPlace};
 use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
 use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum_watched};
 use stickslip::math;
@@ -15,16 +15,16 @@ use stickslip::models::{BlockAndBracket, Caption};
 use stickslip::statistics::PowerLaw;
 use stickslip::{AtRepelling, Ending, Error, Method, Observer, Options, State, StepRecord, run};
 
-/// An orbit that stayed to the end.
+/// An orbit that stays bounded to the end.
 #[derive(Clone, Debug)]
 pub struct Bounded {
-    /// States 0.2 apart.
+    /// States at intervals of 0.2.
     pub series: Vec<[f64; 4]>,
     /// Class of the motion.
     pub class: Class,
     /// Half the extent of x₁.
     pub amplitude: f64,
-    /// Correlation dimension of the returns to `x₂ = 0` from above; NaN where they close.
+    /// Correlation dimension of the returns to `x₂ = 0` from above; NaN if the section closes.
     pub dimension: f64,
 }
 
@@ -49,26 +49,27 @@ impl Bounded {
 /// Outcome of an orbit.
 #[derive(Clone, Debug)]
 pub enum Outcome {
-    /// It stayed to the end.
+    /// It stays bounded to the end.
     Bounded(Bounded),
-    /// It diverged; the time when it was last within the bound.
+    /// It diverges; the last time within the bound.
     Escaped(f64),
-    /// It could not be followed: transitions pile up, the step collapses, or it takes too long.
+    /// It cannot be integrated: transitions accumulate, the step collapses, or too many steps are
+    /// needed.
     Failed,
 }
 
 impl Outcome {
-    /// As the table has it.
-    pub fn verdict(&self) -> Verdict {
+    /// The entry in the table.
+    pub fn verdict(&self) -> OrbitVerdict {
         match self {
-            Outcome::Bounded(motion) => Verdict::Motion(motion.class),
-            Outcome::Escaped(_) => Verdict::Escaped,
-            Outcome::Failed => Verdict::Failed,
+            Outcome::Bounded(motion) => OrbitVerdict::Motion(motion.class),
+            Outcome::Escaped(_) => OrbitVerdict::Escaped,
+            Outcome::Failed => OrbitVerdict::Failed,
         }
     }
 }
 
-/// Follows the orbit of a caption.
+/// Computes the orbit of a caption.
 pub fn follow(group: &Group, caption: &Caption, plan: &Plan) -> Outcome {
     let Ok(system) = BlockAndBracket::from_caption(caption, &group.reading) else {
         return Outcome::Failed;
@@ -81,17 +82,17 @@ pub fn follow(group: &Group, caption: &Caption, plan: &Plan) -> Outcome {
     }
 }
 
-/// By the library's solver, which locates Σ by Hénon's step.
+/// By the library's solver, which locates Σ with Hénon's step.
 fn solved(system: &BlockAndBracket, start: State<4>, plan: &Plan, method: Method) -> Outcome {
-    // Where friction drives the block away from the belt, either side is as good as the other.
+    // Where friction drives the block away from the belt, either side may be chosen.
     let options = Options::tol(TOLERANCE)
         .method(method)
         .escape(DIVERGED)
         .at_repelling(AtRepelling::GoBelow);
     let t_end = plan.from + plan.duration();
-    // The spectrum does not report its transient. A run without it decides whether the orbit can
-    // be followed at all.
-    let mut alone = Watch::new(system, &options, plan);
+    // The spectrum does not report its transient. A run without it decides whether the orbit can be
+    // integrated at all.
+    let mut alone = OrbitRecorder::new(system, &options, plan);
     let stayed = run(system, 0.0, start, t_end, &options, &mut alone);
     match stayed.map_err(Error::from) {
         Ok(summary) if summary.ending == Ending::EndTime => {}
@@ -99,25 +100,25 @@ fn solved(system: &BlockAndBracket, start: State<4>, plan: &Plan, method: Method
         _ => return Outcome::Failed,
     }
     let settings = SpectrumOptions::over(plan.from, plan.duration()).solver(options);
-    let mut watch = Watch::new(system, &options, plan);
+    let mut watch = OrbitRecorder::new(system, &options, plan);
     let spectrum = lyapunov_spectrum_watched(system, (0.0, start), &settings, &mut watch);
     match spectrum {
         Ok(spectrum) if spectrum.summary.ending == Ending::EndTime => {
             watch.bounded(&spectrum.exponents, spectrum.duration)
         }
-        // An orbit whose tangent vectors cannot be followed still has a series and a section.
+        // An orbit whose tangent vectors cannot be integrated still has a series and a section.
         _ => alone.bounded(&[], plan.duration()),
     }
 }
 
-struct Watch<'a> {
+struct OrbitRecorder<'a> {
     from: f64,
     steps: usize,
     samples: Samples,
-    turns: Turns<'a>,
+    turns: TurningPoints<'a>,
 }
 
-impl Observer<4> for Watch<'_> {
+impl Observer<4> for OrbitRecorder<'_> {
     fn step(&mut self, step: &StepRecord<4>) -> ControlFlow<()> {
         self.steps += 1;
         if self.steps > MOST_STEPS {
@@ -131,13 +132,13 @@ impl Observer<4> for Watch<'_> {
     }
 }
 
-impl<'a> Watch<'a> {
+impl<'a> OrbitRecorder<'a> {
     fn new(system: &'a BlockAndBracket, options: &Options, plan: &Plan) -> Self {
-        Watch {
+        OrbitRecorder {
             from: plan.from,
             steps: 0,
             samples: Samples::new(plan.from, DT, plan.points),
-            turns: Turns::new(system, options),
+            turns: TurningPoints::new(system, options),
         }
     }
 
@@ -148,13 +149,13 @@ impl<'a> Watch<'a> {
     }
 }
 
-/// A return to `x₂ = 0` from above between two states.
+/// A return to `x₂ = 0` from above between two states, by linear interpolation.
 fn crossing(before: &State<4>, after: &State<4>) -> Option<State<4>> {
     let falls = before[1] > 0.0 && after[1] <= 0.0;
     falls.then(|| before + (after - before) * (before[1] / (before[1] - after[1])))
 }
 
-/// Follows the scheme. Every so many passes are a point, as the listing counts its records.
+/// Runs the scheme. One of several passes is a point, as the listing counts its records.
 fn in_place(system: &BlockAndBracket, start: State<4>, h: f64, plan: &Plan) -> Outcome {
     let passes = |t: f64| (t / h).round() as usize;
     let (first, every) = (passes(plan.from), passes(DT).max(1));
@@ -168,8 +169,8 @@ fn in_place(system: &BlockAndBracket, start: State<4>, h: f64, plan: &Plan) -> O
         let before = scheme.x;
         match scheme.advance() {
             Ok(()) => {}
-            Err(Lost::Escaped { t }) => return Outcome::Escaped(t),
-            Err(Lost::BrokenDown { .. }) => return Outcome::Failed,
+            Err(Breakdown::Escaped { t }) => return Outcome::Escaped(t),
+            Err(Breakdown::BrokenDown { .. }) => return Outcome::Failed,
         }
         if let Some(at) = crossing(&before, &scheme.x).filter(|_| pass >= first) {
             section.push((scheme.t, at.into()));
@@ -189,14 +190,14 @@ fn in_place(system: &BlockAndBracket, start: State<4>, h: f64, plan: &Plan) -> O
     Outcome::Bounded(motion)
 }
 
-/// Shares of pairs between which the slope is taken: beyond the scatter of the few nearest pairs,
-/// and well within the set.
+/// Range of C(r) in which the slope is taken: beyond the scatter of the few nearest pairs, and well
+/// within the set.
 const SHARES: (f64, f64) = (2e-3, 2e-2);
-/// Radii at which it is measured: a dozen to the decade average the scatter out.
+/// Radii at which it is measured: a dozen per decade average out the scatter.
 const RADII: u32 = 12;
 
-/// The correlation dimension (Grassberger & Procaccia 1983): slope of ln C(r), C being the share of
-/// pairs of points nearer than r in every component.
+/// The correlation dimension (Grassberger & Procaccia 1983): the slope of ln C(r). C is the
+/// fraction of pairs of points nearer than r in every component.
 fn correlation_dimension<const N: usize>(points: &[[f64; N]]) -> f64 {
     let mut distances = Vec::with_capacity(points.len() * points.len().saturating_sub(1) / 2);
     for (i, one) in points.iter().enumerate() {

@@ -1,8 +1,8 @@
-//! What is tried: readings × integrators × settings of the estimator.
+//! The configurations: readings × integrators × settings of the estimator.
 
 use std::fmt::Display;
 
-use super::table::{Row, Twelve};
+use super::table::{ConfigurationRow, Twelve};
 use crate::figures::block_and_bracket::{DIVERGED, DT, START, TOLERANCE};
 use crate::paper::claim_id::SpectrumFigure;
 use crate::paper::published::{Claim, Claims, PublishedError};
@@ -11,12 +11,13 @@ use stickslip::analysis::motion::Criterion;
 use stickslip::models::{Amplitude, Caption, CaptionOrder, Reading, Unloading};
 use stickslip_series::{DataSettings, Neighbourhood};
 
-/// How the equations are integrated.
+/// Integrator of the equations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Integrator {
     /// The event-exact solver.
     Exact,
-    /// The classical method of order 4 with this step and Hénon's step onto Σ: the paper's Sect. 3.
+    /// The classical method of order 4 with this step, and Hénon's step onto Σ: the paper's Sect.
+    /// 3.
     FourthOrder(f64),
     /// [`crate::paper::in_place`] with this step.
     InPlace(f64),
@@ -35,28 +36,28 @@ impl Integrator {
 
 /// Part of the table whose rows compete.
 pub const SEARCH: &str = "search";
-/// Part that with the search's settings measures how far these alone move the estimate, for the
-/// recommended reading.
+/// Part that measures, together with the search's settings, how far the settings alone move the
+/// estimate for the recommended reading.
 pub const SPREAD: &str = "spread";
 
-/// What the radius of a ball of neighbours is measured in.
+/// Unit of the radius of a ball of neighbours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
     /// The signal's spread `√Σ var`.
     Spread,
     /// The variables' own unit.
     Absolute,
-    /// The ranges of the columns, each scaled by its own.
+    /// The range of each column, which is scaled by it.
     Ranges,
 }
 
-/// A way to estimate: everything but the radius of balls, and what that is measured in.
+/// Settings of the estimator, with the unit of the radius of balls.
 pub type Setting = (Unit, DataSettings);
 
-/// A reading and an integrator, whose three trajectories serve all settings.
+/// A reading and an integrator. Their three trajectories serve all settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Group {
-    /// Form of the equations and of the captions.
+    /// Interpretation of the equations and of the captions.
     pub reading: Reading,
     /// Integrator.
     pub integrator: Integrator,
@@ -72,62 +73,62 @@ impl Group {
     }
 
     /// Whether a row is of this reading and integrator.
-    pub fn has(&self, row: &Row) -> bool {
+    pub fn has(&self, row: &ConfigurationRow) -> bool {
         row.key[1] == reading_name(&self.reading) && row.key[2] == self.integrator.name()
     }
 }
 
-/// The whole search.
+/// The complete search.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// `full` or `quick`.
     pub name: &'static str,
-    /// Begin of the series.
+    /// Start of the series.
     pub from: f64,
-    /// Points of the series, 0.2 apart.
+    /// Points of the series, at intervals of 0.2.
     pub points: usize,
     /// Random targets for the chance level.
     pub draws: usize,
-    /// What is integrated.
+    /// Readings and integrators.
     pub groups: Vec<Group>,
-    /// The published exponents, each figure's largest first.
+    /// The published exponents, the largest of each figure first.
     pub published: Exponents,
     /// Their values.
     pub target: Twelve,
     /// Settings of the estimator that compete.
     pub search: Vec<Setting>,
-    /// Those that measure the estimator's own spread.
+    /// Settings that measure the estimator's own spread.
     pub spread: Vec<Setting>,
 }
 
 /// The captions of Figs. 10–12.
 pub const CAPTIONS: [Caption; 3] = [Caption::FIG10, Caption::FIG11, Caption::FIG12];
-/// Orbits that take more steps are given up: the shortest fixed steps, and one for each of some
+/// Limit on the number of steps of an orbit. It allows for the shortest fixed steps and for some
 /// hundred thousand events.
 pub const MOST_STEPS: usize = 3_000_000;
-/// Points of the section of the in-place scheme nearer than this, as a fraction of its extent,
-/// count as one: the passes do not hit it, and a motion that closes is met at another phase of the
-/// pass every time.
+/// Section points of the in-place scheme nearer than this, as a fraction of its extent, count as
+/// one. The passes do not end on the section, and a closed motion is sampled at different phases of
+/// the pass.
 pub const SAME: f64 = 1e-3;
-/// Added to a published exponent's size before a difference is divided by it, so that exponents
-/// near zero do not decide everything.
+/// Added to the size of a published exponent before a difference is divided by it. Otherwise
+/// exponents near zero would dominate.
 pub const FLOOR: f64 = 0.002;
-/// Differences count no more than this; nor does an exponent that is missing or minus infinity.
+/// Limit on a difference. A missing exponent or one of −∞ counts as much.
 pub const CAP: f64 = 3.0;
-/// A vanishing exponent may be printed as anything between minus this and this; drawn evenly.
+/// A zero exponent may be printed as any value from minus this to this; random targets are uniform.
 pub const ZERO: f64 = 0.002;
-/// A set of a smaller correlation dimension is a curve: of a torus up to 1.1 is estimated.
+/// A set of smaller correlation dimension is a curve: for a torus, up to 1.1 is estimated.
 pub const CURVE: f64 = 1.2;
-/// Raised whenever a row of the table comes out differently for the same settings: tables of other
+/// Version of the table. Increase it whenever the same settings give other rows: tables of other
 /// formats are refused.
 const FORMAT: u32 = 4;
 /// First line of every table.
 const MARKER: &str = "# stickslip readings";
-/// Most neighbours in a ball of a tenth of the spread.
+/// Maximum number of neighbours in a ball of a tenth of the spread.
 const MANY: usize = 400;
 
 impl Plan {
-    /// The window of the paper, all readings.
+    /// All readings, over the time window of the paper.
     ///
     /// # Errors
     /// [`PublishedError`] if the table of claims lacks an exponent.
@@ -177,7 +178,7 @@ impl Plan {
         })
     }
 
-    /// The settings of a group, with the part they belong to.
+    /// The settings of a group, with their part of the table.
     pub fn settings_of(&self, group: &Group) -> Vec<(&'static str, Setting)> {
         let recommended = *group == Group::recommended();
         let search = self.search.iter().map(|one| (SEARCH, one.clone()));
@@ -192,9 +193,9 @@ impl Plan {
         (self.points - 1) as f64 / (1.0 / DT)
     }
 
-    /// The lines before the table proper: the settings that determine all rows alike. A table that
-    /// begins otherwise is not continued. What differs from row to row is in the rows; changes of
-    /// the code are what `format` counts.
+    /// The lines before the table: the settings that all rows share. A table with other lines is
+    /// not continued. What differs between rows is in the rows; `format` counts changes of the
+    /// code.
     pub fn heading(&self) -> String {
         let numbers = |list: &[f64]| joined(list, " ");
         let captions = CAPTIONS.iter().map(|caption| {
@@ -250,8 +251,8 @@ fn groups(readings: &[Reading], integrators: &[Integrator]) -> Vec<Group> {
     readings.iter().flat_map(with).collect()
 }
 
-/// All signs, clipped or not, with the three ways in which amplitude and unloading make sense
-/// together; and the captions' numbers in the order of their heading, with μ0 = 1.
+/// All signs, clipped or not, with the three consistent pairs of amplitude and unloading; and the
+/// captions' numbers in the order of their heading, with μ0 = 1.
 fn readings() -> Vec<Reading> {
     let scalings = [
         (Amplitude::Mu0, Unloading::OverMu0),
@@ -304,7 +305,7 @@ pub fn reading_name(reading: &Reading) -> String {
     format!("{x3}x3 {friction}T; amplitude {amplitude}; unloading {unloading}; {contact}; {order}")
 }
 
-/// Reference points all over the series, so far apart that each map begins where the one before it
+/// Reference points from the whole series, so far apart that each map begins where the previous one
 /// ends. The search varies the neighbourhoods itself and needs no second estimate of each.
 pub(super) fn everywhere(step: usize) -> DataSettings {
     DataSettings {
@@ -340,7 +341,7 @@ fn search_settings() -> Vec<Setting> {
         settings(0.1, MANY, 1, false),
         settings(0.1, MANY, 3, true),
         ridge(1e-2, settings(0.1, MANY, 3, true)),
-        // A thousand reference points in all: λ2 of Fig. 10 looks like a transient of so many.
+        // A thousand reference points: λ2 of Fig. 10 looks like a transient of that length.
         settings(0.02, 40, 45, false),
         // Consecutive reference points: all of them, and the first thousand.
         DataSettings {
@@ -413,11 +414,11 @@ const fn ball(eps: f64, min: usize, max: usize) -> Neighbourhood {
 
 /// `d` of Eq. (25).
 const STEPS: [usize; 3] = [1, 3, 5];
-/// Regularisations of the inverse in Eq. (25).
+/// Regularization of the inverse in Eq. (25).
 const RIDGES: [f64; 2] = [0.0, 1e-3];
 
-/// What a reasonable reader of Eq. (25) could have chosen: all combinations of neighbourhoods,
-/// steps and regularisations, with affine maps and reference points all over the series.
+/// Reasonable choices of a reader of Eq. (25): all combinations of neighbourhoods, steps and
+/// regularization, with affine maps and reference points from the whole series.
 pub fn spread_settings() -> Vec<DataSettings> {
     let of = |neighbours: Neighbourhood, step, ridge| DataSettings {
         neighbours,

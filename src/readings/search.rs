@@ -1,9 +1,9 @@
-//! Integrates and estimates.
+//! Integration and estimation for each configuration.
 
-use super::judge::scores;
 use super::orbit::{Outcome, follow};
 use super::plan::{self, CAPTIONS, Group, Plan, Setting, Unit};
-use super::table::{self, Row, Verdict};
+use super::scoring::scores;
+use super::table::{self, ConfigurationRow, OrbitVerdict};
 use crate::figures::block_and_bracket::DT;
 use crate::numbers::extent;
 use stickslip_series::{Neighbourhood, Series, data_spectrum};
@@ -41,9 +41,9 @@ fn with_spread(rows: &[[f64; 4]]) -> Option<(Series, f64)> {
     ))
 }
 
-/// All rows of a group. A figure's exponents are estimated where they can count: the reading keeps
-/// all three motions, or this one is of the published kind.
-pub fn group_rows(group: &Group, plan: &Plan) -> Vec<Row> {
+/// All rows of a group. A figure's exponents are estimated only if they can count. Either the
+/// reading keeps all three motions, or this motion is of the published kind.
+pub fn group_rows(group: &Group, plan: &Plan) -> Vec<ConfigurationRow> {
     let outcomes = CAPTIONS.map(|caption| follow(group, &caption, plan));
     let classes = outcomes.each_ref().map(Outcome::verdict);
     let kept = classes.iter().all(|class| class.stays());
@@ -55,16 +55,16 @@ pub fn group_rows(group: &Group, plan: &Plan) -> Vec<Row> {
         sizes[figure] = [motion.amplitude, motion.dimension];
         series[figure] = match kept || classes[figure].is_of_kind(figure) {
             true => Scaled::of(&motion.series).ok_or(table::NO_ESTIMATE),
-            false => Err(table::LOST),
+            false => Err(table::READING_LOST),
         };
     }
     let keys = plan::keys(plan, group).into_iter();
     let configurations = keys.zip(plan.settings_of(group));
     let row = |(key, (_, settings)): ([String; 4], (&str, Setting))| {
-        let mut row = Row {
+        let mut row = ConfigurationRow {
             classes,
             sizes,
-            ..Row::empty(key)
+            ..ConfigurationRow::empty(key)
         };
         for (figure, series) in series.iter().enumerate() {
             (row.exponents[figure], row.statuses[figure]) = match series {
@@ -78,13 +78,13 @@ pub fn group_rows(group: &Group, plan: &Plan) -> Vec<Row> {
     configurations.map(row).collect()
 }
 
-/// The three motions of a row in words. When an escape comes the table does not say, and it is
-/// cheap to follow the orbit that far once more.
-pub fn motions(plan: &Plan, row: &Row) -> [String; 3] {
+/// The three motions of a row in words. The table does not have the time of an escape, so the orbit
+/// is recomputed up to it, which is cheap.
+pub fn motions(plan: &Plan, row: &ConfigurationRow) -> [String; 3] {
     let group = plan.groups.iter().find(|group| group.has(row));
     let mut motions = row.motions();
     for (figure, caption) in CAPTIONS.iter().enumerate() {
-        let again = group.filter(|_| row.classes[figure] == Verdict::Escaped);
+        let again = group.filter(|_| row.classes[figure] == OrbitVerdict::Escaped);
         if let Some(Outcome::Escaped(t)) = again.map(|group| follow(group, caption, plan)) {
             motions[figure] = format!("escaped at t = {t:.1}");
         }
@@ -92,14 +92,14 @@ pub fn motions(plan: &Plan, row: &Row) -> [String; 3] {
     motions
 }
 
-type Four = ([f64; 4], [&'static str; 4]);
+type FourExponents = ([f64; 4], [&'static str; 4]);
 
-fn none(why: &'static str) -> Four {
+fn none(why: &'static str) -> FourExponents {
     ([f64::NAN; 4], [why; 4])
 }
 
 /// Exponents in descending order, as the paper prints them, whatever their status.
-fn spectrum(scaled: &Scaled, (unit, settings): &Setting) -> Four {
+fn spectrum(scaled: &Scaled, (unit, settings): &Setting) -> FourExponents {
     let (series, unit) = match unit {
         Unit::Spread => (&scaled.plain.0, 1.0),
         Unit::Absolute => (&scaled.plain.0, scaled.plain.1),
@@ -114,7 +114,7 @@ fn spectrum(scaled: &Scaled, (unit, settings): &Setting) -> Four {
         return (values, statuses);
     };
     let mut exponents = spectrum.exponents;
-    // One that is no number comes last.
+    // NaN comes last.
     let rank = |value: f64| value.max(f64::NEG_INFINITY);
     exponents.sort_by(|one, other| rank(other.value).total_cmp(&rank(one.value)));
     for (k, exponent) in exponents.iter().take(4).enumerate() {
@@ -129,7 +129,7 @@ mod tests {
     use crate::readings::plan::everywhere;
     use stickslip::math;
 
-    /// Two incommensurate turns, one of them in columns of another scale.
+    /// A torus with two incommensurate frequencies, one of them in columns of another scale.
     fn torus(scale: f64) -> Vec<[f64; 4]> {
         (0..1500)
             .map(|k| {
@@ -147,7 +147,7 @@ mod tests {
             .collect()
     }
 
-    fn found(rows: &[[f64; 4]], unit: Unit, eps: f64) -> Four {
+    fn found(rows: &[[f64; 4]], unit: Unit, eps: f64) -> FourExponents {
         let data = stickslip_series::DataSettings {
             neighbours: Neighbourhood::Ball {
                 eps,
@@ -162,13 +162,13 @@ mod tests {
     #[test]
     fn a_radius_is_measured_in_its_unit() {
         let (plain, stretched) = (torus(1.0), torus(4.0));
-        // The spread of this torus is the root of two.
+        // The spread of this torus is √2.
         let root = std::f64::consts::SQRT_2;
         assert_eq!(
             found(&plain, Unit::Absolute, 0.3),
             found(&plain, Unit::Spread, 0.3 / root)
         );
-        // So it is in ranges, of the columns that these have scaled.
+        // The same in ranges, with columns scaled by them.
         let ranges = [0, 1, 2, 3].map(|c| {
             let (low, high) = extent(plain.iter().map(|x| x[c]));
             high - low
@@ -179,7 +179,8 @@ mod tests {
             found(&plain, Unit::Ranges, 0.2),
             found(&scaled, Unit::Absolute, 0.2)
         );
-        // A column of another scale is the same in its range and nowhere else.
+        // Rescaling a column changes nothing in units of its range, and changes the result in other
+        // units.
         for (unit, same) in [
             (Unit::Ranges, true),
             (Unit::Absolute, false),

@@ -1,25 +1,26 @@
-//! How near rows come to the published exponents, and how near to other targets.
+//! Distances of rows from the published exponents, compared with distances from other targets.
 
-use super::judge::distance;
 use super::plan::ZERO;
-use super::table::{Row, Twelve};
+use super::scoring::distance;
+use super::table::{ConfigurationRow, Twelve};
 use crate::paper::published::HALF_DIGIT;
 use stickslip::math;
 use stickslip::statistics::SplitMix;
 
-/// Least and largest size of a negative exponent, a little wider than what is published. Its
-/// logarithm is drawn evenly.
+/// Smallest and largest size of a random negative exponent, a little wider than the published
+/// range. Its logarithm is uniform.
 pub const NEGATIVE: (f64, f64) = (0.003, 1.0);
-/// Least and largest positive exponent, around the published one. Its logarithm is drawn evenly.
+/// Smallest and largest random positive exponent, around the published one. Its logarithm is
+/// uniform.
 pub const POSITIVE: (f64, f64) = (0.001, 0.05);
-/// A match is rare if no more than this share of either kind of targets is met as well (%): the
-/// usual level of significance.
+/// Significance level (%). A match is rare if at most this share of either kind of targets is
+/// matched as well.
 const RARE: f64 = 5.0;
 
-/// Every run draws the same targets: the paper's year, volume and pages.
+/// Seed of the random targets, the same in every run: the paper's year, volume and pages.
 const SEED: u64 = 0x2013_0073_0723_0736;
 
-/// Draws targets.
+/// Generator of random targets.
 struct Targets(SplitMix);
 
 impl Targets {
@@ -27,7 +28,7 @@ impl Targets {
         Targets(SplitMix::new(SEED))
     }
 
-    /// With evenly distributed logarithm.
+    /// A number with uniform logarithm.
     fn logarithmic(&mut self, least: f64, most: f64) -> f64 {
         math::exp(math::ln(least) + self.0.uniform() * math::ln(most / least))
     }
@@ -47,21 +48,21 @@ impl Targets {
     }
 }
 
-/// The nearest row to a target in some of the figures (0, 1, 2), and its distance.
+/// The row nearest to a target in some of the figures (0, 1, 2), and its distance.
 pub fn nearest<'a>(
-    rows: impl IntoIterator<Item = &'a Row>,
+    rows: impl IntoIterator<Item = &'a ConfigurationRow>,
     target: &Twelve,
     figures: &[usize],
-) -> Option<(&'a Row, f64)> {
+) -> Option<(&'a ConfigurationRow, f64)> {
     rows.into_iter()
         .map(|row| (row, distance(&row.exponents, target, figures)))
         .min_by(|one, other| one.1.total_cmp(&other.1))
 }
 
-/// How many targets are met as well as the published exponents, or better.
+/// Number of targets matched at least as well as the published exponents.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Share {
-    /// Targets met.
+    /// Targets matched.
     pub met: usize,
     /// Targets tried.
     pub of: usize,
@@ -79,61 +80,64 @@ impl Share {
         100.0 * self.met as f64 / self.of.max(1) as f64
     }
 
-    /// The chance, in per cent, that the best of three figures is met so well (Šidák 1967).
+    /// The probability, in per cent, that the best of three figures is matched so well (Šidák
+    /// 1967).
     pub fn best_of_three(&self) -> f64 {
         let missed = 1.0 - self.percent() / 100.0;
         100.0 * (1.0 - missed * missed * missed)
     }
 }
 
-/// How near the rows come to the published exponents of some figures, and how near they come to
-/// other targets.
+/// Distance of the rows from the published exponents of some figures, compared with their distances
+/// from other targets.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Level {
-    /// Distance of the nearest row to the published exponents.
+pub struct MatchLevel {
+    /// Distance of the nearest row from the published exponents.
     pub published: f64,
     /// Random targets of the published classes.
     pub random: Share,
-    /// Spectra with the published pattern of signs, each met by rows of other readings than its
-    /// own. A reading that gives the same spectrum to the last bit is its own by another name, and
-    /// a target that leaves no other reading is none.
+    /// Spectra of other readings as targets: those with the published pattern of signs, each
+    /// matched by rows of other readings. A reading that gives the same spectrum to the last bit
+    /// counts as the same reading. A target without rows of other readings is skipped.
     pub readings: Share,
 }
 
-impl Level {
-    /// Of some rows, in some of the figures; `spectra` are the rows that give targets.
+impl MatchLevel {
+    /// For some rows, in some of the figures. The rows `spectra` give the targets.
     pub fn of(
-        rows: &[&Row],
-        spectra: &[&Row],
+        rows: &[&ConfigurationRow],
+        spectra: &[&ConfigurationRow],
         (target, figures): (&Twelve, &[usize]),
         draws: usize,
-    ) -> Level {
-        let distance = |nearest: Option<(&Row, f64)>| nearest.map_or(f64::INFINITY, |one| one.1);
+    ) -> MatchLevel {
+        let distance =
+            |nearest: Option<(&ConfigurationRow, f64)>| nearest.map_or(f64::INFINITY, |one| one.1);
         let published = distance(nearest(rows.iter().copied(), target, figures));
         let mut targets = Targets::new();
         let near_random = |_| {
             let target = targets.target();
             distance(nearest(rows.iter().copied(), &target, figures)) <= published
         };
-        let near_reading = |one: &&Row| {
-            let same_in = |row: &Row, f: &usize| row.exponents[*f] == one.exponents[*f];
-            let same = |row: &&&Row| figures.iter().all(|f| same_in(row, f));
+        let near_reading = |one: &&ConfigurationRow| {
+            let same_in =
+                |row: &ConfigurationRow, f: &usize| row.exponents[*f] == one.exponents[*f];
+            let same = |row: &&&ConfigurationRow| figures.iter().all(|f| same_in(row, f));
             let twins = spectra.iter().filter(same).map(|row| row.reading());
             let twins: Vec<&str> = twins.collect();
             let others = rows.iter().copied();
             let others = others.filter(|row| !twins.contains(&row.reading()));
             nearest(others, &one.exponents, figures).map(|(_, near)| near <= published)
         };
-        let alike = |row: &&&Row| has_signs_of(row, target, figures);
-        Level {
+        let alike = |row: &&&ConfigurationRow| has_signs_of(row, target, figures);
+        MatchLevel {
             published,
             random: Share::count((0..draws).map(near_random)),
             readings: Share::count(spectra.iter().filter(alike).filter_map(near_reading)),
         }
     }
 
-    /// Whether the published exponents are met better than nearly all other targets, one or three
-    /// figures having been looked at.
+    /// Whether the published exponents are matched better than nearly all other targets, when one
+    /// or three figures were tried.
     pub fn is_rare(&self, looks: usize) -> bool {
         let random = match looks {
             3 => self.random.best_of_three(),
@@ -143,9 +147,9 @@ impl Level {
     }
 }
 
-/// Whether the exponents have the signs of the target's. One of a size up to [`ZERO`] counts as
-/// zero, and its sign means nothing.
-fn has_signs_of(row: &Row, target: &Twelve, figures: &[usize]) -> bool {
+/// Whether the exponents have the signs of the target's. One of size up to [`ZERO`] counts as zero
+/// and may have either sign.
+fn has_signs_of(row: &ConfigurationRow, target: &Twelve, figures: &[usize]) -> bool {
     figures.iter().all(|&f| {
         let mut pairs = row.exponents[f].iter().zip(&target[f]);
         pairs.all(|(found, wanted)| {
@@ -154,27 +158,35 @@ fn has_signs_of(row: &Row, target: &Twelve, figures: &[usize]) -> bool {
     })
 }
 
-/// Each figure by itself, exponents alone: its level among all rows, and the nearest of them.
-/// Nothing without rows.
+/// For each figure alone: its level among all rows, and the nearest row. `None` without rows.
 pub fn alone<'a>(
-    search: &[&'a Row],
+    search: &[&'a ConfigurationRow],
     target: &Twelve,
     draws: usize,
-) -> Option<[(Level, &'a Row); 3]> {
+) -> Option<[(MatchLevel, &'a ConfigurationRow); 3]> {
     let of = |figure: usize| {
         let (row, _) = nearest(search.iter().copied(), target, &[figure])?;
-        Some((Level::of(search, search, (target, &[figure]), draws), row))
+        Some((
+            MatchLevel::of(search, search, (target, &[figure]), draws),
+            row,
+        ))
     };
     Some([of(0)?, of(1)?, of(2)?])
 }
 
-/// Of the targets drawn for exponent `k` of a figure, how many are met to the printed digits by as
-/// many rows as `wanted`, or more.
-pub fn digits(rows: &[&Row], (figure, k): (usize, usize), wanted: usize, draws: usize) -> Share {
+/// Number of random targets for exponent `k` of a figure that at least `wanted` rows match to the
+/// printed digits.
+pub fn digits(
+    rows: &[&ConfigurationRow],
+    (figure, k): (usize, usize),
+    wanted: usize,
+    draws: usize,
+) -> Share {
     let mut targets = Targets::new();
     Share::count((0..draws).map(|_| {
         let target = targets.target()[figure][k];
-        let near = |row: &&&Row| (row.exponents[figure][k] - target).abs() <= HALF_DIGIT;
+        let near =
+            |row: &&&ConfigurationRow| (row.exponents[figure][k] - target).abs() <= HALF_DIGIT;
         rows.iter().filter(near).count() >= wanted
     }))
 }
@@ -201,21 +213,23 @@ mod tests {
     #[test]
     fn a_target_that_another_reading_gives_counts_and_one_that_its_own_gives_does_not() {
         let target = Plan::full().unwrap().target;
-        let row = |reading: &str, factor: f64| Row {
+        let row = |reading: &str, factor: f64| ConfigurationRow {
             exponents: target.map(|four| four.map(|v| factor * v)),
-            ..Row::empty(["search", reading, "exact", "s"].map(str::to_owned))
+            ..ConfigurationRow::empty(["search", reading, "exact", "s"].map(str::to_owned))
         };
-        // Nearer to each other than to the published, from which they are 10 % off.
+        // Nearer to each other than to the published exponents, from which they are 10 % off.
         let rows = [row("a", 0.9), row("b", 0.901), row("b", 0.901)];
-        let all: Vec<&Row> = rows.iter().collect();
-        let of = |rows: &[&Row]| Level::of(rows, rows, (&target, &[0, 1, 2]), 10).readings;
+        let all: Vec<&ConfigurationRow> = rows.iter().collect();
+        let of = |rows: &[&ConfigurationRow]| {
+            MatchLevel::of(rows, rows, (&target, &[0, 1, 2]), 10).readings
+        };
         assert_eq!(of(&all), Share { met: 3, of: 3 });
-        // The only reading has no other that could meet it, and is no target.
+        // A single reading has no other reading to match it, so it is not a target.
         assert_eq!(of(&all[1..]), Share { met: 0, of: 0 });
-        // Nor is the same spectrum under another name another reading.
+        // The same spectrum under another name is not another reading.
         let twin = row("c", 0.901);
         assert_eq!(of(&[&twin, all[1]]), Share { met: 0, of: 0 });
-        // Of another pattern of signs it is no target.
+        // A spectrum with another pattern of signs is not a target.
         let other = row("a", -0.9);
         assert_eq!(of(&[&other, all[1]]), Share { met: 0, of: 1 });
     }
@@ -224,7 +238,7 @@ mod tests {
     fn three_looks_count_as_three() {
         let share = Share { met: 1, of: 100 };
         assert!((share.best_of_three() - 2.9701).abs() < 1e-10);
-        let level = |random, readings| Level {
+        let level = |random, readings| MatchLevel {
             published: 0.1,
             random: Share {
                 met: random,
@@ -238,7 +252,7 @@ mod tests {
         assert!(level(1, 5).is_rare(3) && level(5, 5).is_rare(1));
         assert!(!level(2, 5).is_rare(3) && !level(1, 6).is_rare(1));
         let without = Share { met: 0, of: 0 };
-        let untested = Level {
+        let untested = MatchLevel {
             readings: without,
             ..level(1, 0)
         };

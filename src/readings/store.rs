@@ -1,47 +1,51 @@
-//! The table on disk: complete at any time, continued after a kill.
+//! The table on disk. It is complete at any time and is continued after a kill.
 
 use std::io::ErrorKind::{NotADirectory, NotFound};
 use std::path::{Path, PathBuf};
 
 use super::error::ReadingsError;
-use super::judge::scores;
 use super::plan::{self, Group, Plan};
-use super::table::Row;
+use super::scoring::scores;
+use super::table::ConfigurationRow;
 use output::{Artifact, write_all};
 
 /// Name of the table.
 pub const TABLE: &str = "readings.csv";
 
-/// The rows of every group, once it is done.
+/// The rows of every finished group.
 pub struct Store<'a> {
     plan: &'a Plan,
     folder: &'a Path,
-    done: Vec<Option<Vec<Row>>>,
+    done: Vec<Option<Vec<ConfigurationRow>>>,
 }
 
 impl<'a> Store<'a> {
-    /// What an earlier run has left in `folder`: whole groups only; a line that is cut short or
-    /// damaged counts for nothing.
+    /// Reads the results of an earlier run in `folder`. Only complete groups count; damaged lines
+    /// are ignored.
     ///
     /// # Errors
     /// [`ReadingsError::Read`], [`ReadingsError::OtherSearch`].
     pub fn open(plan: &'a Plan, folder: &'a Path) -> Result<Store<'a>, ReadingsError> {
         let path = folder.join(TABLE);
         let text = match std::fs::read(&path) {
-            // Bytes that are no text are damage, and the line they are in will not be understood.
+            // Invalid UTF-8 is damage: the line will not parse.
             Ok(bytes) => String::from_utf8_lossy(&bytes).into_owned(),
-            // Where it is no folder, making it will say so.
+            // If the path is not a folder, creating it will report that.
             Err(error) if matches!(error.kind(), NotFound | NotADirectory) => String::new(),
             Err(source) => return Err(ReadingsError::Read { path, source }),
         };
-        // Cut short within the heading: nothing is lost.
+        // Cut off within the heading: nothing is lost.
         if !plan.heading().starts_with(&text) {
             same_search(&text, plan, path)?;
         }
         let whole = text.rfind('\n').map_or("", |end| &text[..end]);
-        let sound = |row: &Row| row.scores == scores(&row.exponents, &plan.target);
-        let rows: Vec<Row> = whole.lines().filter_map(Row::parse).filter(sound).collect();
-        let of_group = |group: &Group| -> Option<Vec<Row>> {
+        let sound = |row: &ConfigurationRow| row.scores == scores(&row.exponents, &plan.target);
+        let rows: Vec<ConfigurationRow> = whole
+            .lines()
+            .filter_map(ConfigurationRow::parse)
+            .filter(sound)
+            .collect();
+        let of_group = |group: &Group| -> Option<Vec<ConfigurationRow>> {
             let find = |key: [String; 4]| rows.iter().find(|row| row.key == key).cloned();
             plan::keys(plan, group).into_iter().map(find).collect()
         };
@@ -49,22 +53,22 @@ impl<'a> Store<'a> {
         Ok(Store { plan, folder, done })
     }
 
-    /// Indices of the groups that are still to be done.
+    /// Indices of the groups that are not done.
     pub fn pending(&self) -> Vec<usize> {
         let missing = |&i: &usize| self.done[i].is_none();
         (0..self.done.len()).filter(missing).collect()
     }
 
-    /// All rows there are, in the order of the plan.
-    pub fn rows(&self) -> Vec<Row> {
+    /// All rows so far, in the order of the plan.
+    pub fn rows(&self) -> Vec<ConfigurationRow> {
         self.done.iter().flatten().flatten().cloned().collect()
     }
 
-    /// Takes in a group and writes the table anew.
+    /// Adds a group and rewrites the table.
     ///
     /// # Errors
     /// [`ReadingsError::Write`].
-    pub fn add(&mut self, group: usize, rows: Vec<Row>) -> Result<(), ReadingsError> {
+    pub fn add(&mut self, group: usize, rows: Vec<ConfigurationRow>) -> Result<(), ReadingsError> {
         self.done[group] = Some(rows);
         self.write()
     }
@@ -74,7 +78,7 @@ impl<'a> Store<'a> {
     /// # Errors
     /// [`ReadingsError::Write`].
     pub fn write(&self) -> Result<(), ReadingsError> {
-        let mut text = self.plan.heading() + &Row::header();
+        let mut text = self.plan.heading() + &ConfigurationRow::header();
         for row in self.done.iter().flatten().flatten() {
             text += &row.line();
         }

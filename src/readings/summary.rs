@@ -1,17 +1,19 @@
 //! The results of the search in words: `readings.txt`.
 
-use super::judge::{ExponentSpread, Pairs, Rows, meeting, sources, sources_in_words, twelve};
 use super::plan::{CAP, FLOOR, Plan, SEARCH, ZERO, described};
+use super::scoring::{
+    ExponentSpread, Pairs, RowsByRole, count_matching, for_each_exponent, sources, sources_in_words,
+};
 use super::search;
-use super::significance::{self, Level};
-use super::table::{Row, Twelve, Verdict};
+use super::significance::{self, MatchLevel};
+use super::table::{ConfigurationRow, OrbitVerdict, Twelve};
 use crate::figures::block_and_bracket::DT;
 use crate::numbers::{extent, median};
 use crate::text::distinct;
 
 /// The text of `readings.txt`.
-pub fn summary(plan: &Plan, rows: &[Row]) -> String {
-    let rows = Rows::of(rows);
+pub fn summary(plan: &Plan, rows: &[ConfigurationRow]) -> String {
+    let rows = RowsByRole::of(rows);
     let mut text = tried(plan, rows.search.len());
     if let Some(alone) = significance::alone(&rows.search, &plan.target, plan.draws) {
         text += &motions(&rows.pairs);
@@ -20,7 +22,7 @@ pub fn summary(plan: &Plan, rows: &[Row]) -> String {
     }
     if !rows.kept.is_empty() {
         text += &best(plan, &rows.kept);
-        text += &together(plan, &rows);
+        text += &joint_chance_levels(plan, &rows);
     }
     if !rows.recommended.is_empty() {
         text += &own_spread(plan, &rows.recommended);
@@ -45,8 +47,8 @@ fn tried(plan: &Plan, done: usize) -> String {
     text
 }
 
-/// What becomes of the three motions, and what each integrator makes of Fig. 11.
-fn motions(pairs: &[&Row]) -> String {
+/// The classes of the three motions, and Fig. 11 by each integrator.
+fn motions(pairs: &[&ConfigurationRow]) -> String {
     let Pairs {
         all,
         kept,
@@ -58,11 +60,12 @@ fn motions(pairs: &[&Row]) -> String {
     let integrators = distinct(pairs.iter().map(|row| row.integrator()));
     let by_integrator = integrators.into_iter().map(|integrator| {
         let of = pairs.iter().copied();
-        let of: Vec<&Row> = of.filter(|row| row.integrator() == integrator).collect();
+        let of: Vec<&ConfigurationRow> = of.filter(|row| row.integrator() == integrator).collect();
         let count = Pairs::count(&of);
         let (all, kept, kinds, quasi_periodic) =
             (count.all, count.kept, count.kinds, count.kind[1]);
-        let stays: Vec<&&Row> = of.iter().filter(|row| row.classes[1].stays()).collect();
+        let stays: Vec<&&ConfigurationRow> =
+            of.iter().filter(|row| row.classes[1].stays()).collect();
         let range = |size: usize| {
             let (least, most) = extent(stays.iter().map(|row| row.sizes[1][size]));
             format!("{least:.2} to {most:.2}")
@@ -91,8 +94,8 @@ fn motions(pairs: &[&Row]) -> String {
     )
 }
 
-/// The nearest of all rows to a figure, and whether it can count.
-fn nearest(plan: &Plan, figure: usize, (level, row): (Level, &Row)) -> String {
+/// The row nearest to a figure, and whether it can count.
+fn nearest(plan: &Plan, figure: usize, (level, row): (MatchLevel, &ConfigurationRow)) -> String {
     let (described, exponents) = (describe(row), exponents(row, &plan.target, figure));
     let percent = level.random.best_of_three();
     let motions = search::motions(plan, row).join(", ");
@@ -112,14 +115,14 @@ fn nearest(plan: &Plan, figure: usize, (level, row): (Level, &Row)) -> String {
     )
 }
 
-fn best(plan: &Plan, kept: &[&Row]) -> String {
-    let of = |(what, row): (&str, Option<&Row>)| {
+fn best(plan: &Plan, kept: &[&ConfigurationRow]) -> String {
+    let of = |(what, row): (&str, Option<&ConfigurationRow>)| {
         let row = row?;
         let (described, distance) = (describe(row), row.scores[3]);
         let exponents: String = (0..3).map(|f| exponents(row, &plan.target, f)).collect();
-        let kinds = row.right(Verdict::is_of_kind);
-        let classes = row.right(Verdict::is_published);
-        let met = twelve(|exponent| meeting(&[row], exponent, &plan.published));
+        let kinds = row.right(OrbitVerdict::is_of_kind);
+        let classes = row.right(OrbitVerdict::is_published);
+        let met = for_each_exponent(|exponent| count_matching(&[row], exponent, &plan.published));
         let met: usize = met.as_flattened().iter().sum();
         Some(format!(
             "{what}\n\
@@ -131,24 +134,27 @@ fn best(plan: &Plan, kept: &[&Row]) -> String {
     let by_exponents = "Nearest exponents of readings that keep all three motions, not ranked \
         without all three kinds:";
     let both = [
-        (by_kind, least(kept, Row::kinds_first)),
-        (by_exponents, least(kept, |row| ((), row.scores[3]))),
+        (by_kind, minimal_by(kept, ConfigurationRow::kinds_first)),
+        (by_exponents, minimal_by(kept, |row| ((), row.scores[3]))),
     ];
     both.into_iter().filter_map(of).collect()
 }
 
-/// The first of the rows with the least key.
-pub fn least<'a, K: PartialOrd>(rows: &[&'a Row], key: impl Fn(&Row) -> K) -> Option<&'a Row> {
-    let lesser = |one: &'a Row, other| if key(other) < key(one) { other } else { one };
+/// The first of the rows with the smallest key.
+pub fn minimal_by<'a, K: PartialOrd>(
+    rows: &[&'a ConfigurationRow],
+    key: impl Fn(&ConfigurationRow) -> K,
+) -> Option<&'a ConfigurationRow> {
+    let lesser = |one: &'a ConfigurationRow, other| if key(other) < key(one) { other } else { one };
     rows.iter().copied().reduce(lesser)
 }
 
-fn describe(row: &Row) -> String {
+fn describe(row: &ConfigurationRow) -> String {
     let [_, reading, integrator, settings] = &row.key;
     format!("  reading     {reading}\n  integrator  {integrator}\n  estimator   {settings}\n")
 }
 
-fn exponents(row: &Row, target: &Twelve, figure: usize) -> String {
+fn exponents(row: &ConfigurationRow, target: &Twelve, figure: usize) -> String {
     let values = row.exponents[figure].iter().zip(row.statuses[figure]);
     let values = values.map(|(value, status)| {
         let mark = match status {
@@ -165,7 +171,7 @@ fn exponents(row: &Row, target: &Twelve, figure: usize) -> String {
     format!("  Fig. {figure}  {values} published{published}  {class}\n")
 }
 
-fn together(plan: &Plan, rows: &Rows) -> String {
+fn joint_chance_levels(plan: &Plan, rows: &RowsByRole) -> String {
     let mut text = String::from("Chance level, all twelve exponents together:\n");
     let kept = "whose reading keeps all three motions";
     let ranked = "with all three kinds of motion, which are ranked";
@@ -173,7 +179,7 @@ fn together(plan: &Plan, rows: &Rows) -> String {
         let from = sources_in_words(sources(of));
         text += &format!("  {} configurations {which} ({from}):\n", of.len());
         let figures = (&plan.target, &[0, 1, 2][..]);
-        text += &level_of(&Level::of(of, &rows.kept, figures, plan.draws));
+        text += &level_of(&MatchLevel::of(of, &rows.kept, figures, plan.draws));
     }
     let (zero, negative, positive) = (ZERO, significance::NEGATIVE, significance::POSITIVE);
     text + &format!(
@@ -187,9 +193,9 @@ fn together(plan: &Plan, rows: &Rows) -> String {
     )
 }
 
-/// How well other targets are met.
-fn level_of(level: &Level) -> String {
-    let Level {
+/// The level of a match among other targets.
+fn level_of(level: &MatchLevel) -> String {
+    let MatchLevel {
         published,
         random,
         readings,
@@ -202,7 +208,7 @@ fn level_of(level: &Level) -> String {
     )
 }
 
-fn own_spread(plan: &Plan, spread: &[&Row]) -> String {
+fn own_spread(plan: &Plan, spread: &[&ConfigurationRow]) -> String {
     let (reading, integrator) = (spread[0].reading(), spread[0].integrator());
     let (count, described) = (spread.len(), described());
     let mut text = format!(
@@ -214,7 +220,7 @@ fn own_spread(plan: &Plan, spread: &[&Row]) -> String {
          unpredictable   published digits\n"
     );
     let mut widths = Vec::new();
-    for (figure, k) in twelve(|exponent| exponent).into_iter().flatten() {
+    for (figure, k) in for_each_exponent(|exponent| exponent).into_iter().flatten() {
         let of = ExponentSpread::of(spread, (figure, k), &plan.published);
         let published = plan.target[figure][k];
         let values = match of.values {

@@ -1,5 +1,5 @@
-//! The table of the search: one row for each configuration, with the classes and exponents that it
-//! gives the three figures.
+//! The table of the search: one row for each configuration, with the classes and exponents of the
+//! three figures.
 
 use std::fmt;
 use std::str::FromStr;
@@ -14,76 +14,76 @@ pub type Twelve = [[f64; 4]; 3];
 /// The captioned classes of Figs. 10–12.
 const PUBLISHED: [Class; 3] = [Class::Periodic(2), Class::QuasiPeriodic, Class::Chaotic];
 
-/// The verdict on an orbit.
+/// The outcome of an orbit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    /// It stayed; this is the class of its motion.
+pub enum OrbitVerdict {
+    /// It stays bounded; the class of its motion.
     Motion(Class),
-    /// It diverged.
+    /// It diverges.
     Escaped,
-    /// It could not be followed.
+    /// It cannot be integrated.
     Failed,
 }
 
-impl Verdict {
-    /// Whether it is the class that the caption of figure 10, 11 or 12 (0, 1, 2) names, loops and
-    /// all.
+impl OrbitVerdict {
+    /// Whether it is the class that the caption of figure 10, 11 or 12 (0, 1, 2) names, including
+    /// the number of loops.
     pub fn is_published(self, figure: usize) -> bool {
-        self == Verdict::Motion(PUBLISHED[figure])
+        self == OrbitVerdict::Motion(PUBLISHED[figure])
     }
 
-    /// Whether it is of that kind: periodic with any number of loops passes for Fig. 10's
-    /// "two-periodic". The search ranks by kind.
+    /// Whether it is of that kind: for Fig. 10's "two-periodic", periodic with any number of loops.
+    /// The search ranks by kind.
     pub fn is_of_kind(self, figure: usize) -> bool {
         match (self, PUBLISHED[figure]) {
-            (Verdict::Motion(Class::Periodic(_)), Class::Periodic(_)) => true,
+            (OrbitVerdict::Motion(Class::Periodic(_)), Class::Periodic(_)) => true,
             _ => self.is_published(figure),
         }
     }
 
-    /// Whether the orbit stayed.
+    /// Whether the orbit stays bounded.
     pub fn stays(self) -> bool {
-        matches!(self, Verdict::Motion(_))
+        matches!(self, OrbitVerdict::Motion(_))
     }
 }
 
-impl fmt::Display for Verdict {
+impl fmt::Display for OrbitVerdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Verdict::Motion(class) => class.fmt(f),
-            Verdict::Escaped => f.write_str("escaped"),
-            Verdict::Failed => f.write_str("failed"),
+            OrbitVerdict::Motion(class) => class.fmt(f),
+            OrbitVerdict::Escaped => f.write_str("escaped"),
+            OrbitVerdict::Failed => f.write_str("failed"),
         }
     }
 }
 
-impl FromStr for Verdict {
+impl FromStr for OrbitVerdict {
     type Err = UnknownClass;
 
     fn from_str(text: &str) -> Result<Self, UnknownClass> {
         match text {
-            "escaped" => Ok(Verdict::Escaped),
-            "failed" => Ok(Verdict::Failed),
-            _ => text.parse().map(Verdict::Motion),
+            "escaped" => Ok(OrbitVerdict::Escaped),
+            "failed" => Ok(OrbitVerdict::Failed),
+            _ => text.parse().map(OrbitVerdict::Motion),
         }
     }
 }
 
 /// A line of `readings.csv`.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
+pub struct ConfigurationRow {
     /// Part, reading, integrator, settings: the key of the row.
     pub key: [String; 4],
     /// Class of each figure's orbit.
-    pub classes: [Verdict; 3],
+    pub classes: [OrbitVerdict; 3],
     /// Half the extent of each figure's x₁, and the correlation dimension of its section; NaN where
-    /// there is none.
+    /// undefined.
     pub sizes: [[f64; 2]; 3],
-    /// Exponents, descending; NaN where there is none.
+    /// Exponents, descending; NaN where missing.
     pub exponents: Twelve,
-    /// Status of each.
+    /// Status of each exponent.
     pub statuses: [[&'static str; 4]; 3],
-    /// Distance from the published exponents: of each figure, and of all.
+    /// Distance from the published exponents, for each figure and for all.
     pub scores: [f64; 4],
 }
 
@@ -91,19 +91,19 @@ pub struct Row {
 pub const NO_SERIES: &str = "no series";
 /// Why a figure has no exponents: its reading loses another figure, and its motion is not of the
 /// published kind.
-pub const LOST: &str = "reading lost";
-/// Why an exponent is not there: the estimator gives none.
+pub const READING_LOST: &str = "reading lost";
+/// Why an exponent is missing: the estimator gives none.
 pub const NO_ESTIMATE: &str = "no estimate";
 const FIELDS: usize = 4 + 3 * 11 + 6;
 
-/// What becomes of the figures other than one (0, 1, 2), by their three motions in words.
-pub fn others(motions: &[String; 3], figure: usize) -> String {
+/// The motions of the other two figures in words; `figure` is 0, 1 or 2.
+pub fn other_motions(motions: &[String; 3], figure: usize) -> String {
     let others = (0..3).filter(|f| *f != figure);
     let others = others.map(|f| format!("Fig. {} {}", f + 10, motions[f]));
     joined(others, ", ")
 }
 
-/// Nothing for NaN; other numbers read back to the same bits.
+/// Empty for NaN. Other numbers read back to the same bits.
 fn text(value: f64) -> String {
     match value.is_nan() {
         true => String::new(),
@@ -119,18 +119,18 @@ fn number(text: &str) -> Option<f64> {
 }
 
 /// A status by its name.
-fn known(status: &str) -> Option<&'static str> {
+fn parse_status(status: &str) -> Option<&'static str> {
     let all = Status::ALL.iter().map(|one| one.word());
-    all.chain([NO_SERIES, LOST, NO_ESTIMATE])
+    all.chain([NO_SERIES, READING_LOST, NO_ESTIMATE])
         .find(|one| *one == status)
 }
 
-impl Row {
+impl ConfigurationRow {
     /// A row without results.
-    pub fn empty(key: [String; 4]) -> Row {
-        Row {
+    pub fn empty(key: [String; 4]) -> ConfigurationRow {
+        ConfigurationRow {
             key,
-            classes: [Verdict::Failed; 3],
+            classes: [OrbitVerdict::Failed; 3],
             sizes: [[f64::NAN; 2]; 3],
             exponents: [[f64::NAN; 4]; 3],
             statuses: Default::default(),
@@ -138,7 +138,7 @@ impl Row {
         }
     }
 
-    /// The table's second line.
+    /// The table's header.
     pub fn header() -> String {
         let mut text = String::from("part,reading,integrator,settings");
         for figure in 10..=12 {
@@ -167,7 +167,7 @@ impl Row {
 
     /// Whether it can match the figures: all three motions are of the published kind.
     pub fn is_ranked(&self) -> bool {
-        self.right(Verdict::is_of_kind) == 3
+        self.right(OrbitVerdict::is_of_kind) == 3
     }
 
     /// Whether all three motions stay.
@@ -175,16 +175,16 @@ impl Row {
         self.classes.iter().all(|class| class.stays())
     }
 
-    /// How many motions are of the published class ([`Verdict::is_published`]) or kind
-    /// ([`Verdict::is_of_kind`]).
-    pub fn right(&self, is: fn(Verdict, usize) -> bool) -> usize {
+    /// Number of motions of the published class ([`OrbitVerdict::is_published`]) or kind
+    /// ([`OrbitVerdict::is_of_kind`]).
+    pub fn right(&self, is: fn(OrbitVerdict, usize) -> bool) -> usize {
         (0..3).filter(|&f| is(self.classes[f], f)).count()
     }
 
-    /// What the recommended row has least of: kinds of motion wrong, then distance of all
+    /// The key that the recommended row minimizes: wrong kinds of motion, then the distance of all
     /// exponents.
     pub fn kinds_first(&self) -> (usize, f64) {
-        (3 - self.right(Verdict::is_of_kind), self.scores[3])
+        (3 - self.right(OrbitVerdict::is_of_kind), self.scores[3])
     }
 
     /// The line. Numbers read back to the same bits.
@@ -203,20 +203,20 @@ impl Row {
         fields.join(",") + "\n"
     }
 
-    /// Classes and kinds that are right, as they stand in the table.
+    /// Numbers of right classes and kinds, as in the table.
     fn rights(&self) -> [String; 2] {
-        [Verdict::is_published, Verdict::is_of_kind].map(|is| self.right(is).to_string())
+        [OrbitVerdict::is_published, OrbitVerdict::is_of_kind].map(|is| self.right(is).to_string())
     }
 
-    /// Reads a line; `None` if it is damaged.
-    pub fn parse(line: &str) -> Option<Row> {
+    /// Parses a line; `None` if it is damaged.
+    pub fn parse(line: &str) -> Option<ConfigurationRow> {
         let fields: Vec<&str> = line.split(',').collect();
         if fields.len() != FIELDS {
             return None;
         }
         let mut rest = fields.iter().copied();
         let mut next = || rest.next();
-        let mut row = Row::empty(Default::default());
+        let mut row = ConfigurationRow::empty(Default::default());
         for part in &mut row.key {
             *part = next()?.to_owned();
         }
@@ -227,7 +227,7 @@ impl Row {
             }
             for k in 0..4 {
                 row.exponents[figure][k] = number(next()?)?;
-                row.statuses[figure][k] = known(next()?)?;
+                row.statuses[figure][k] = parse_status(next()?)?;
             }
         }
         for right in row.rights() {
@@ -258,10 +258,10 @@ mod tests {
 
     #[test]
     fn loops_count_for_the_class_and_not_for_the_kind() {
-        let one_loop: Verdict = "periodic".parse().unwrap();
+        let one_loop: OrbitVerdict = "periodic".parse().unwrap();
         assert!(one_loop.is_of_kind(0) && !one_loop.is_published(0));
         assert!(!one_loop.is_of_kind(1) && one_loop.stays());
-        assert!(!Verdict::Escaped.stays());
+        assert!(!OrbitVerdict::Escaped.stays());
     }
 
     #[test]
@@ -270,17 +270,17 @@ mod tests {
             Status::ALL
                 .map(Status::word)
                 .into_iter()
-                .chain([NO_SERIES, LOST, NO_ESTIMATE])
+                .chain([NO_SERIES, READING_LOST, NO_ESTIMATE])
         {
-            let row = Row {
+            let row = ConfigurationRow {
                 sizes: [[1.5, f64::NAN]; 3],
                 exponents: [[0.25, -1e-17, f64::NEG_INFINITY, -0.1]; 3],
                 statuses: [[(); 4]; 3].map(|four| four.map(|()| status)),
                 scores: [3.0; 4],
-                ..Row::empty(["search", "r", "i", "s"].map(str::to_owned))
+                ..ConfigurationRow::empty(["search", "r", "i", "s"].map(str::to_owned))
             };
             let line = row.line();
-            let back = Row::parse(line.trim_end());
+            let back = ConfigurationRow::parse(line.trim_end());
             assert_eq!(back.map(|row| row.line()), Some(line), "{status}");
         }
     }

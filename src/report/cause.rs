@@ -1,33 +1,33 @@
-//! What makes the four numbers of Fig. 8, shown by injection: three parts, none of which was chosen
+//! The cause of the four numbers of Fig. 8, shown by injection in three parts. No part was chosen
 //! because it agrees.
 //!
-//! The two defects of the listing that outlast a vanishing step are put into the event-exact
-//! solver, and must make the same motion and the published numbers as far as the listing's step
-//! lets tell ([`SameMotion`]). The listing must come to those numbers as its step goes to zero, at
-//! first order ([`Approach`]). And what is left at the printed step must be the listing's own error
-//! of the step, found without the injected solver ([`StepError`]).
+//! Two defects of the listing remain as the step goes to zero. Injected into the event-exact
+//! solver, they must give the same motion, and the published numbers within the listing's step
+//! error ([`MotionComparison`]). The listing must converge to those numbers at first order as its
+//! step goes to zero ([`Approach`]). The difference at the printed step must be the listing's own
+//! step error, which is measured without the injected solver ([`StepError`]).
 
 use super::convergence::{Approach, Convergence, PRINTED_STEP};
-use crate::numbers::missing;
+use crate::numbers::not_found;
 use crate::paper::pattern::Pattern;
 use crate::paper::published::HALF_DIGIT;
-use crate::paper::slip_times_three::{Injected, settled};
+use crate::paper::slip_times_three::{InjectedDefects, settled};
 use crate::text::joined;
 use stickslip::Error;
 
 /// Two stick lengths (m), then their durations (s).
-type Four = [f64; 4];
+type StickNumbers = [f64; 4];
 
 /// The settled motions with the defects injected.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Injection {
-    /// With both.
+    /// With both defects.
     pub both: Pattern,
     /// Its four numbers.
-    pub numbers: Four,
-    /// With the hastened slip alone, or the error that the run ends with.
+    pub numbers: StickNumbers,
+    /// With the faster slip alone, or the error that ends the run.
     pub slip_alone: Result<Pattern, Error>,
-    /// With the one-sided exit alone.
+    /// With the one-sided exit alone, or the error that ends the run.
     pub exit_alone: Result<Pattern, Error>,
 }
 
@@ -35,24 +35,25 @@ impl Injection {
     /// Runs all three.
     ///
     /// # Errors
-    /// Those of [`settled`] with both defects; [`Error::NotFound`] if no two stick phases are left.
+    /// Those of [`settled`] with both defects; [`Error::NotFound`] if fewer than two stick phases
+    /// remain.
     pub fn compute() -> Result<Injection, Error> {
-        let both = settled(Injected::BOTH)?;
-        let numbers = both.four_numbers();
-        let numbers = numbers.ok_or_else(|| missing("a pair of stick phases", 0.0, both.end))?;
+        let both = settled(InjectedDefects::BOTH)?;
+        let numbers = both.stick_numbers();
+        let numbers = numbers.ok_or_else(|| not_found("a pair of stick phases", 0.0, both.end))?;
         Ok(Injection {
             both,
             numbers,
-            slip_alone: settled(Injected::SLIP_ALONE),
-            exit_alone: settled(Injected::EXIT_ALONE),
+            slip_alone: settled(InjectedDefects::SLIP_ALONE),
+            exit_alone: settled(InjectedDefects::EXIT_ALONE),
         })
     }
 
-    /// What either defect does alone, in words.
-    pub fn alone(&self) -> String {
+    /// The effect of either defect alone, in words.
+    pub fn separate_effects(&self) -> String {
         let of = |run: &Result<Pattern, Error>| match run {
             Ok(pattern) => {
-                let (sticks, period) = (pattern.sticks_of_one().count(), pattern.period);
+                let (sticks, period) = (pattern.pattern_sticks().count(), pattern.period);
                 format!("stick phases: {sticks}, period {period}")
             }
             Err(error) => format!("no settled motion: {error}"),
@@ -64,67 +65,67 @@ impl Injection {
     }
 }
 
-fn within(values: &Four, most: &Four) -> bool {
-    let mut pairs = values.iter().zip(most);
-    pairs.all(|(one, most)| one.abs() <= *most)
+fn within_bounds(values: &StickNumbers, allowed_differences: &StickNumbers) -> bool {
+    let mut pairs = values.iter().zip(allowed_differences);
+    pairs.all(|(one, allowed_differences)| one.abs() <= *allowed_differences)
 }
 
-/// (a) What the event-exact solver does with defects injected, beside the listing and the published
+/// (a) The event-exact solver with defects injected, compared with the listing and the published
 /// numbers.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SameMotion {
+pub struct MotionComparison {
     /// The listing at the printed step.
     pub listing: Pattern,
-    /// The event-exact solver with the defects, or the error that it ends with.
+    /// The event-exact solver with the defects, or the error that ends its run.
     pub injected: Result<Pattern, Error>,
-    /// Its four numbers less the published ones.
-    pub differences: Option<Four>,
-    /// How far they may be off, see [`SameMotion::most`].
-    pub most: Four,
+    /// Its four numbers minus the published ones.
+    pub differences: Option<StickNumbers>,
+    /// Allowed size of the differences, see [`MotionComparison::allowed_differences`].
+    pub allowed_differences: StickNumbers,
 }
 
-impl SameMotion {
-    /// Sets a motion with injected defects beside the listing's and the published numbers.
+impl MotionComparison {
+    /// Compares a motion with injected defects with the listing's and the published numbers.
     pub fn new(
         listing: &Pattern,
         injected: Result<Pattern, Error>,
-        published: Four,
-        most: Four,
-    ) -> SameMotion {
-        let numbers = injected.as_ref().ok().and_then(Pattern::four_numbers);
-        SameMotion {
+        published: StickNumbers,
+        allowed_differences: StickNumbers,
+    ) -> MotionComparison {
+        let numbers = injected.as_ref().ok().and_then(Pattern::stick_numbers);
+        MotionComparison {
             differences: numbers.map(|four| std::array::from_fn(|i| four[i] - published[i])),
             listing: listing.clone(),
             injected,
-            most,
+            allowed_differences,
         }
     }
 
-    /// How far the numbers of a solver without a step may be off those that the listing prints at
-    /// its step: what the listing's own numbers move by from there to a vanishing step, found
-    /// without any solver, and half a printed digit.
-    pub fn most(convergence: &Convergence) -> Four {
-        // The finest step stands for none and errs by its own part of the bound, once in the bound
-        // and once here.
+    /// Allowed difference between a solver without a step error and the published numbers. It is
+    /// the step error of the listing at its step, measured without another solver, plus half a
+    /// printed digit.
+    pub fn allowed_differences(convergence: &Convergence) -> StickNumbers {
+        // The finest step represents the limit and has its own step error. That enters once in the
+        // bound and once here.
         let finest = convergence.finest().map_or(f64::NAN, |finest| finest.h);
         let own = convergence.own_approach.each_ref();
         own.map(|one| one.bound * (PRINTED_STEP + 2.0 * finest) + HALF_DIGIT)
     }
 
-    /// Whether both motions are of the same kind, [`Pattern::same_motion`], and the four numbers
-    /// are the published ones as far as can be told.
+    /// Whether both motions are of the same kind ([`Pattern::same_motion`]) and the four numbers
+    /// equal the published ones within the allowed differences.
     pub fn holds(&self) -> bool {
         let injected = self.injected.as_ref();
         injected.is_ok_and(|injected| injected.same_motion(&self.listing))
             && self
                 .differences
-                .is_some_and(|four| within(&four, &self.most))
+                .is_some_and(|four| within_bounds(&four, &self.allowed_differences))
     }
 
     /// In words.
     pub fn sentence(&self) -> String {
         let kind = |pattern: &Pattern| {
-            let (sticks, period) = (pattern.sticks_of_one().count(), pattern.period);
+            let (sticks, period) = (pattern.pattern_sticks().count(), pattern.period);
             let deflections = pattern.deflections().len();
             format!("{sticks} stick phases in {period} forcing periods, {deflections} deflections")
         };
@@ -140,10 +141,10 @@ impl SameMotion {
             None => "no two stick phases to compare".to_owned(),
             Some(differences) => {
                 let [l1, l2, d1, d2] = differences.map(thousandths);
-                let most = joined(self.most.map(allowed), ", ");
+                let allowed_differences = joined(self.allowed_differences.map(allowed), ", ");
                 format!(
                     "off the published lengths by {l1} and {l2} mm, off the durations by {d1} and \
-                        {d2} ms, where {most} are allowed"
+                        {d2} ms, where {allowed_differences} are allowed"
                 )
             }
         };
@@ -155,23 +156,24 @@ impl SameMotion {
     }
 }
 
-/// (c) What is left at the printed step, by the injected solver and by the listing alone.
+/// (c) The difference at the printed step, by the injected solver and by the listing alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepError {
-    /// The finest step (s), which stands for the listing's own limit.
+    /// The finest step (s), which represents the listing's own limit.
     pub finest: f64,
-    /// The listing at the printed step less the injected solver, and the bound C h on that from the
-    /// other steps.
-    pub left: Four,
-    most_left: Four,
-    /// The listing at the printed step less the listing at the finest: its own error of the step,
-    /// by itself alone; and the bound on that from the listing alone, from the other steps.
-    own: Four,
-    most_own: Four,
-    /// How far `own` and `left` may be apart: the bound at the finest step, from the listing alone.
-    most_apart: Four,
-    /// Whether the listing at the printed step gives all four published numbers to all printed
-    /// digits.
+    /// The listing at the printed step minus the injected solver, and its bound C h from the other
+    /// steps.
+    pub step_difference: StickNumbers,
+    step_bound: StickNumbers,
+    /// The listing at the printed step minus the listing at the finest: its own step error. The
+    /// bound on it is from the listing alone, at the other steps.
+    own_error: StickNumbers,
+    own_bound: StickNumbers,
+    /// Allowed difference of `own_error` and `step_difference`: the bound at the finest step, from
+    /// the listing alone.
+    allowed_gap: StickNumbers,
+    /// Whether the listing at the printed step gives all printed digits of the four published
+    /// numbers.
     published: bool,
 }
 
@@ -183,70 +185,70 @@ impl StepError {
         let own = convergence.own_approach.each_ref().map(|one| one.bound);
         Some(StepError {
             finest: finest.h,
-            left: std::array::from_fn(|i| at[i] - convergence.limit[i]),
-            most_left: approach.map(|one| one.bound * PRINTED_STEP),
-            own: std::array::from_fn(|i| at[i] - limit[i]),
-            most_own: own.map(|bound| bound * (PRINTED_STEP + finest.h)),
-            most_apart: own.map(|bound| bound * finest.h),
+            step_difference: std::array::from_fn(|i| at[i] - convergence.limit[i]),
+            step_bound: approach.map(|one| one.bound * PRINTED_STEP),
+            own_error: std::array::from_fn(|i| at[i] - limit[i]),
+            own_bound: own.map(|bound| bound * (PRINTED_STEP + finest.h)),
+            allowed_gap: own.map(|bound| bound * finest.h),
             published: printed.gives_digits(),
         })
     }
 
-    /// Whether what is left is within its bound, the listing's own error within its own, and both
-    /// the same.
+    /// Whether both differences are within their bounds and equal within the allowed difference.
     pub fn holds(&self) -> bool {
-        let apart = std::array::from_fn(|i| self.own[i] - self.left[i]);
+        let apart = std::array::from_fn(|i| self.own_error[i] - self.step_difference[i]);
         self.published
-            && within(&self.left, &self.most_left)
-            && within(&self.own, &self.most_own)
-            && within(&apart, &self.most_apart)
+            && within_bounds(&self.step_difference, &self.step_bound)
+            && within_bounds(&self.own_error, &self.own_bound)
+            && within_bounds(&apart, &self.allowed_gap)
     }
 
     /// In words.
     pub fn sentence(&self) -> String {
-        let [left, own] = [self.left, self.own].map(|four| joined(four.map(thousandths), ", "));
-        let (most, finest) = (joined(self.most_left.map(allowed), ", "), self.finest);
+        let [left, own] =
+            [self.step_difference, self.own_error].map(|four| joined(four.map(thousandths), ", "));
+        let (bounds, finest) = (joined(self.step_bound.map(allowed), ", "), self.finest);
         format!(
             "at h = {PRINTED_STEP:e} s the listing is off the injected solver by {left} (mm, mm, \
-             ms, ms), where {most} are allowed, and off itself at h = {finest:e} s by {own}"
+             ms, ms), where {bounds} are allowed, and off itself at h = {finest:e} s by {own}"
         )
     }
 }
 
-/// What makes Fig. 8's numbers.
+/// The cause of Fig. 8's numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cause {
-    /// (a) The injected defects make the same motion and nearly the same numbers.
-    pub motion: SameMotion,
-    /// (b) How the listing's numbers approach those of the injected solver.
+    /// (a) The injected defects give the same motion and nearly the same numbers.
+    pub motion: MotionComparison,
+    /// (b) Convergence of the listing's numbers to those of the injected solver.
     pub approach: [Approach; 4],
-    /// (c) What is left at the printed step; nothing where the listing has no four numbers.
+    /// (c) The difference at the printed step; `None` where the listing has no four numbers.
     pub step: Option<StepError>,
 }
 
 impl Cause {
-    /// From the listing at the printed step, the event-exact solver with the defects, the listing's
-    /// convergence and the published numbers.
+    /// Compares the listing at the printed step, the event-exact solver with the defects, the
+    /// listing's convergence and the published numbers.
     pub fn new(
         listing: &Pattern,
         injected: Pattern,
         convergence: &Convergence,
-        published: Four,
+        published: StickNumbers,
     ) -> Cause {
-        let most = SameMotion::most(convergence);
+        let allowed_differences = MotionComparison::allowed_differences(convergence);
         Cause {
-            motion: SameMotion::new(listing, Ok(injected), published, most),
+            motion: MotionComparison::new(listing, Ok(injected), published, allowed_differences),
             approach: convergence.approach,
             step: StepError::new(convergence),
         }
     }
 
-    /// Whether the numbers go to those of the injected solver at first order.
+    /// Whether the numbers converge to those of the injected solver at first order.
     pub fn first_order(&self) -> bool {
         self.approach.iter().all(Approach::first_order)
     }
 
-    /// Whether what is left at the printed step is the listing's own error of the step.
+    /// Whether the difference at the printed step is the listing's own step error.
     pub fn is_step_error(&self) -> bool {
         self.step.as_ref().is_some_and(StepError::holds)
     }
@@ -256,7 +258,7 @@ impl Cause {
         self.motion.holds() && self.first_order() && self.is_step_error()
     }
 
-    /// The same in words.
+    /// The result in words.
     pub fn status(&self) -> &'static str {
         if self.is_shown() {
             "shown"
@@ -289,7 +291,7 @@ fn thousandths(value: f64) -> String {
     format!("{:+.3}", 1e3 * value)
 }
 
-/// The same without one.
+/// The same without the sign.
 fn allowed(value: f64) -> String {
     format!("{:.3}", 1e3 * value)
 }

@@ -41,8 +41,7 @@ pub struct Arguments {
     pub out_dir: PathBuf,
 }
 
-/// Everything the program does. Exit code 0 on success, 1 if something failed, 2 for a wrong
-/// command line.
+/// The program. Exit code 0 on success, 1 on failure, 2 for a wrong command line.
 pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let bar = terminal::bar(0, TICKS, " {elapsed}");
@@ -51,11 +50,11 @@ pub fn main() -> ExitCode {
     terminal::finish("summary", outcome.map(|(_, text)| text))
 }
 
-/// Computes, writes the files and returns the ledger with the text for the terminal.
+/// Computes, writes the files, and returns the ledger and the text for the terminal.
 ///
 /// # Errors
-/// [`ReportError`]. Folders are made first, so that one that cannot be written to is reported
-/// before the work. Files are written last.
+/// [`ReportError`]. Folders are created first, so that an unwritable one is reported before the
+/// computation. Files are written last.
 pub fn run(
     arguments: &Arguments,
     tick: &(dyn Fn() + Sync),
@@ -70,9 +69,9 @@ pub fn run(
     Ok((ledger, text))
 }
 
-/// Draws and writes everything, and says what was written.
+/// Draws and writes everything, and lists the files written.
 fn write(ledger: &Ledger, folder: &Path) -> Result<String, FigureError> {
-    let published = Claims::committed()?.four();
+    let published = Claims::committed()?.published_stick_numbers();
     let convergence = draw::convergence(&ledger.convergence, published)?;
     let scan = draw::scan(&ledger.scan)?;
     let figures = [
@@ -102,10 +101,10 @@ fn write(ledger: &Ledger, folder: &Path) -> Result<String, FigureError> {
 const FOLDERS: [&str; 2] = ["report", "figures"];
 const README: &str = "README.md";
 
-/// The README with the present table, if there is one with marks for it.
+/// The README with the present table; `None` if there is no README or it lacks the marks.
 fn new_readme(folder: &Path, ledger: &Ledger) -> Option<String> {
     let readme = std::fs::read_to_string(folder.join(README)).ok()?;
-    readme::MARKS.put(&readme, &readme::block(ledger))
+    readme::SECTION_MARKERS.replace_section(&readme, &readme::block(ledger))
 }
 
 fn summary(ledger: &Ledger) -> String {

@@ -1,5 +1,4 @@
-//! The listing as printed for smaller and smaller steps, against its limit in the event-exact
-//! solver.
+//! The listing as printed for decreasing steps, compared with its limit in the event-exact solver.
 
 use rayon::prelude::*;
 use stickslip::statistics::PowerLaw;
@@ -11,8 +10,8 @@ use crate::paper::listing::Defects;
 use crate::paper::published::Claims;
 use crate::text::joined;
 
-/// Steps (s), from ten times the printed one to a hundredth of it. The finest come first, since
-/// they take longest.
+/// Steps (s), from ten times the printed one to a hundredth of it. The finest take longest and come
+/// first.
 const STEPS: [f64; 16] = [
     1e-6,
     2.5e-6,
@@ -31,43 +30,44 @@ const STEPS: [f64; 16] = [
     7e-4,
     1e-3,
 ];
-/// Steps below this are fine ones (s), finer than a tenth of the printed one: the bound found on
-/// the others is tried on them.
+/// Steps below this are fine (s), finer than a tenth of the printed one. They test the bound
+/// obtained from the others.
 pub const FINE: f64 = 0.99e-5;
-/// A fitted slope that is no further from one means first order. The error scatters between nothing
-/// and its bound, so that a slope over three decades is not known much better.
+/// Allowed deviation of a fitted slope from one for first order. The error scatters between zero
+/// and its bound, so that a slope over three decades is not more accurate.
 pub const SLOPE_OFF: f64 = 0.25;
-/// Steps around the printed one, the printed one in the middle, half a per cent apart.
+/// Number of steps around the printed one, half a per cent apart, with the printed one in the
+/// middle.
 const AROUND: usize = 21;
-/// They reach this far to either side of it, as a fraction: far enough that the grid of steps meets
-/// Σ anywhere.
+/// Largest relative difference from the printed step. It is large enough for the grid of steps to
+/// meet Σ at any phase.
 pub const REACH: f64 = 0.05;
 /// The printed step (s).
 pub const PRINTED_STEP: f64 = 1e-4;
 
-/// Runs made.
+/// Number of runs.
 pub const RUNS: usize = STEPS.len() + AROUND;
 
-/// How one of the four numbers approaches a limit as the step goes to zero.
+/// Convergence of one of the four numbers as the step goes to zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Approach {
-    /// The bound C of |error| ≤ C h: the largest |error|/h over all steps but the printed one,
-    /// those around it too (m/s for a length, 1 for a duration).
+    /// The bound C of |error| ≤ C h: the largest |error|/h over all steps except the printed one,
+    /// including those around it (m/s for a length, 1 for a duration).
     pub bound: f64,
-    /// The same over the steps from 1e-5 s on.
+    /// The same over the steps of at least 1e-5 s.
     pub coarse: f64,
     /// The same over the finer steps.
     pub fine: f64,
-    /// Slope of log|error| against log h over the steps that span three decades, the printed one
-    /// left out, by least squares.
+    /// Slope of log|error| against log h by least squares, over the steps that span three decades,
+    /// without the printed one.
     pub slope: f64,
     /// Standard error of that slope.
     pub slope_error: f64,
 }
 
 impl Approach {
-    /// Fits errors (with their signs) at steps, `(h, error)`: `decades` are those that span three
-    /// decades, `around` those around the printed one; the printed one is left out.
+    /// Fits signed errors at steps, `(h, error)`. `decades` span three decades, `around` surround
+    /// the printed step, which is left out.
     pub fn fit(decades: &[(f64, f64)], around: &[(f64, f64)]) -> Approach {
         let others = |errors: &[(f64, f64)]| -> Vec<(f64, f64)> {
             let not_printed = |at: &&(f64, f64)| at.0 != PRINTED_STEP;
@@ -90,30 +90,30 @@ impl Approach {
         }
     }
 
-    /// Whether the errors vanish at first order: their slope is one within a quarter, and the finer
-    /// steps keep within the bound that was found without them.
+    /// Whether the errors vanish at first order. The slope must be near one, and the errors of fine
+    /// steps must be within the bound of the others.
     pub fn first_order(&self) -> bool {
         (self.slope - 1.0).abs() <= SLOPE_OFF && self.fine <= self.coarse
     }
 }
 
-/// How the listing's numbers approach their limit.
+/// Convergence of the listing's numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Convergence {
-    /// The limit: what the event-exact solver gives with slips three times too fast and the exit
+    /// The limit: the result of the event-exact solver with slips three times too fast and the exit
     /// tested at one end.
     pub limit: [f64; 4],
-    /// How far the limit agrees with the published numbers: these digits come from the continuous
-    /// cause, the others from the step.
+    /// Agreement of the limit with the published numbers. These digits are due to the continuous
+    /// cause, the others to the step.
     pub limit_digits: [Agreement; 4],
     /// Over three decades of steps, in ascending order.
     pub steps: Vec<Cell>,
-    /// Around the printed step.
+    /// Around the printed step, in ascending order.
     pub around: Vec<Cell>,
-    /// How each number approaches the limit.
+    /// Convergence of each number to the limit.
     pub approach: [Approach; 4],
-    /// How each number approaches what the listing itself gives at the finest step, over the other
-    /// steps; nothing of the injected solver is in it.
+    /// Convergence of each number to the listing's own value at the finest step, over the other
+    /// steps. It does not depend on the injected solver.
     pub own_approach: [Approach; 4],
 }
 
@@ -135,7 +135,7 @@ impl Convergence {
         Convergence::new(limit, four_digits(claims, &limit), steps, around)
     }
 
-    /// Sets runs of the listing, in ascending order of their steps, against a limit.
+    /// Compares runs of the listing, in ascending order of their steps, with a limit.
     pub fn new(
         limit: [f64; 4],
         limit_digits: [Agreement; 4],
@@ -146,8 +146,8 @@ impl Convergence {
         let finest = steps.first().map_or(0.0, |finest| finest.h);
         let own_errors = |steps: &[Cell], i: usize| -> Vec<(f64, f64)> {
             let limit = own.unwrap_or([f64::NAN; 4]);
-            // The finest step errs by its own part of the bound, so that a difference is held
-            // against both steps.
+            // The finest step has its own step error, so that a difference is compared with the sum
+            // of both steps.
             let errors = errors(steps, &limit, i).into_iter();
             errors.map(|(h, e)| (h, e * h / (h + finest))).collect()
         };
@@ -180,19 +180,19 @@ impl Convergence {
         largest(self.approach.iter().map(|one| one.bound))
     }
 
-    /// How many of the steps around the printed one give all four numbers.
+    /// Number of steps around the printed one that give the printed digits of all four numbers.
     pub fn steps_that_give_digits(&self) -> usize {
         self.around.iter().filter(|at| at.gives_digits()).count()
     }
 
-    /// By how much the steps around the printed one move number `i`, from 0.
+    /// Range of number `i`, from 0, over the steps around the printed one.
     pub fn moved_around(&self, i: usize) -> f64 {
         let numbers = self.around.iter().filter_map(|at| Some(at.numbers?[i]));
         let (low, high) = extent(numbers);
         high - low
     }
 
-    /// How the numbers approach the limit, and what the alignment of the grid of steps does.
+    /// The convergence of the numbers, and the effect of the alignment of the grid of steps.
     pub fn sentence(&self) -> String {
         let each = |of: fn(&Approach) -> String| joined(self.approach.iter().map(of), ", ");
         let [coarsest, finest] =
@@ -221,7 +221,7 @@ pub(super) fn distances(steps: &[Cell], limit: &[f64; 4], i: usize) -> Vec<(f64,
     signed.map(|(h, e)| (h, e.abs())).collect()
 }
 
-/// Steps (s) and errors of number `i`, with their signs.
+/// Steps (s) and signed errors of number `i`.
 fn errors(steps: &[Cell], limit: &[f64; 4], i: usize) -> Vec<(f64, f64)> {
     let of = |at: &Cell| Some((at.h, at.numbers?[i] - limit[i]));
     steps.iter().filter_map(of).collect()

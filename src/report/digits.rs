@@ -1,19 +1,18 @@
-//! How many of the printed digits a value has.
+//! Number of printed digits that a value matches.
 
 use std::fmt;
 
 use crate::paper::published::{Claim, Digits, scale};
 
-/// Digits that count of values that are published in closed form: those that [`Claim::agrees`] asks
-/// for.
+/// Digits of values that are published in closed form, as required by [`Claim::agrees`].
 const EXACT_DIGITS: u32 = 12;
 
-/// How far a value agrees with a published one.
+/// Agreement of a value with a published one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Agreement {
     /// Leading significant digits that agree: the value is within half a unit of the last of them.
     pub agreeing: u32,
-    /// Significant digits that are printed; a printed zero counts as one, a closed form as 12.
+    /// Significant digits printed. A printed zero counts as one, a closed form as 12.
     pub printed: u32,
 }
 
@@ -23,7 +22,7 @@ impl Agreement {
         self.agreeing == self.printed
     }
 
-    /// Of two the lesser.
+    /// The lesser of two agreements.
     #[must_use]
     pub fn and(self, other: Agreement) -> Agreement {
         std::cmp::min_by_key(self, other, |one| one.agreeing)
@@ -36,8 +35,8 @@ impl fmt::Display for Agreement {
     }
 }
 
-/// How far `value` agrees with the number that `claim` publishes, or with the nearest of a set;
-/// nothing for a claim without numbers.
+/// Agreement of `value` with the number that `claim` publishes, or with the nearest of a set.
+/// `None` for a claim without numbers.
 pub fn agreement(claim: &Claim, value: f64) -> Option<Agreement> {
     let distance = |published: &f64| (value - published).abs();
     let published = claim.values().iter().copied();
@@ -54,7 +53,7 @@ pub fn agreement(claim: &Claim, value: f64) -> Option<Agreement> {
         Digits::Decimals(decimals) => {
             let printed = significant(published, decimals);
             let near = |lost: &u32| off <= 0.5 * ten_to(f64::from(*lost) - decimals as f64);
-            // The last digit agrees when rounding gives it, which is what the claim asks.
+            // The last digit agrees if rounding gives it, as the claim requires.
             let lost = match claim.agrees(value) {
                 true => 0,
                 false => (1..printed).find(near).unwrap_or(printed),
@@ -77,7 +76,7 @@ pub(super) fn ten_to(power: f64) -> f64 {
     stickslip::math::pow(10.0, power)
 }
 
-/// A true minus for the hyphen before a number; words keep theirs.
+/// Replaces the hyphen before a number by a minus sign; hyphens in words remain.
 pub(super) fn minus(text: &str) -> String {
     match text.strip_prefix('-') {
         Some(rest) if rest.starts_with(|c: char| c.is_ascii_digit()) => format!("−{rest}"),
@@ -85,7 +84,7 @@ pub(super) fn minus(text: &str) -> String {
     }
 }
 
-/// A small number for a line: its size, or that it is none.
+/// A small number: its magnitude, or the word for none.
 pub(super) fn small(value: f64) -> String {
     if value == 0.0 {
         "0".to_owned()

@@ -1,14 +1,14 @@
-//! The pictures of the listing's approach to its limit and of the scan over parameters.
+//! The pictures of the listing's convergence and of the scan over parameters.
 
 use super::convergence::{Convergence, PRINTED_STEP, REACH, distances};
 use super::figures::Picture;
-use super::scan::{Class, Line, Point, Scan};
-use crate::figures::pair;
+use super::scan::{Class, ParameterScan, Point, Scan};
+use crate::figures::side_by_side;
 use crate::text::joined;
 use plot::*;
 use stickslip::math;
 
-/// What the picture shows, for readers who cannot see it.
+/// Description of the picture for screen readers.
 fn about_convergence(data: &Convergence) -> String {
     let bounds = data.approach.iter().map(|one| format!("{:.1}", one.bound));
     let (all, good) = (data.around.len(), data.steps_that_give_digits());
@@ -25,7 +25,7 @@ fn about_convergence(data: &Convergence) -> String {
     )
 }
 
-/// What the four numbers are called, and how they are drawn.
+/// Names, colours and markers of the four numbers.
 const NAMES: [(&str, Color, Shape); 4] = [
     ("first stick length, m", BLUE, Shape::Circle),
     ("second stick length, m", VERMILLION, Shape::Square),
@@ -33,7 +33,7 @@ const NAMES: [(&str, Color, Shape); 4] = [
     ("second stick duration, s", PURPLE, Shape::Down),
 ];
 
-/// Draws the listing's approach to its limit.
+/// Draws the listing's convergence to its limit.
 ///
 /// # Errors
 /// As [`Figure::render`].
@@ -43,7 +43,7 @@ pub fn convergence(data: &Convergence, published: [f64; 4]) -> Result<Picture, P
         "The listing as printed for smaller and smaller steps",
     );
     let figure = Figure::new(name, (760.0, 430.0), title, &about_convergence(data));
-    let panels = pair(approach(data), around(data, published));
+    let panels = side_by_side(approach(data), around(data, published));
     Ok(Picture {
         figure: name,
         title,
@@ -55,7 +55,7 @@ pub fn convergence(data: &Convergence, published: [f64; 4]) -> Result<Picture, P
     })
 }
 
-/// Logarithm for an axis.
+/// Logarithms for the axes.
 fn log((h, error): (f64, f64)) -> (f64, f64) {
     (math::log10(h), math::log10(error))
 }
@@ -114,7 +114,7 @@ fn around(data: &Convergence, published: [f64; 4]) -> Panel {
     panel
 }
 
-/// What the picture shows, for readers who cannot see it.
+/// Description of the picture for screen readers.
 fn about_scan(scan: &Scan) -> String {
     let sticking = scan.printed().map_or(0, |point| {
         point.counts[Class::StickSlip as usize] + point.counts[Class::StickSlipTwo as usize]
@@ -130,10 +130,10 @@ fn about_scan(scan: &Scan) -> String {
     )
 }
 
-/// Height of a strip; the rest is space between strips.
+/// Height of a strip, the rest being space between strips.
 const HEIGHT: f64 = 0.8;
 
-/// How a class is drawn and called.
+/// Colour and name of a class.
 fn look(class: Class) -> (Color, &'static str) {
     match class {
         Class::Escape => (LIGHT_GREY, "escapes"),
@@ -195,7 +195,7 @@ pub fn scan(scan: &Scan) -> Result<Picture, PlotError> {
     })
 }
 
-/// Abscissa of a factor: logarithm to the base of two.
+/// Abscissa of a factor: logarithm to base two.
 fn position(factor: f64) -> f64 {
     math::ln(factor) / math::ln(2.0)
 }
@@ -208,7 +208,7 @@ fn half_column(scan: &Scan) -> f64 {
 }
 
 /// The rectangles of one strip, each class listed in the legend once.
-fn strip(line: &Line, base: f64, half: f64, listed: &mut [bool; 5]) -> Vec<Band> {
+fn strip(line: &ParameterScan, base: f64, half: f64, listed: &mut [bool; 5]) -> Vec<Band> {
     let mut bands = Vec::new();
     for point in &line.points {
         let all = point.counts.iter().sum::<usize>().max(1) as f64;

@@ -1,5 +1,5 @@
-//! What is said of a published exponent besides the verdict: its sign, and how far the estimator's
-//! unstated settings move it.
+//! Additions to the verdict on a published exponent: its sign, and how far the estimator's unstated
+//! settings move it.
 
 use std::fmt;
 
@@ -9,7 +9,7 @@ use crate::readings::{ExponentSpread, Values};
 use crate::text::described;
 
 described! {
-    /// Sign of a Lyapunov exponent, zero within its error.
+    /// Sign of a Lyapunov exponent; zero within its error.
     Sign: &'static str as name {
         /// Nearby orbits separate.
         Positive = "positive",
@@ -21,7 +21,7 @@ described! {
 }
 
 impl Sign {
-    /// Of a printed number, whose zero is a zero.
+    /// Sign of a printed number; only 0 counts as zero.
     pub fn printed(value: f64) -> Sign {
         if value > 0.0 {
             Sign::Positive
@@ -39,31 +39,30 @@ impl fmt::Display for Sign {
     }
 }
 
-/// A published exponent beside the equations' sign and the estimator's spread.
+/// A published exponent, compared with the equations' sign and the estimator's spread.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExponentCheck {
     /// The published number.
     pub published: f64,
-    /// Sign of the exponent from the corrected equations, zero within its error.
+    /// Sign of the exponent from the corrected equations; zero within its error.
     pub sign: Sign,
-    /// What the estimator's settings give.
+    /// Values from the estimator's settings.
     pub spread: ExponentSpread,
 }
 
 impl ExponentCheck {
-    /// Whether the published number has the computed sign; a small number that is not zero has a
-    /// sign.
+    /// Whether the published number has the computed sign. A small nonzero number has a sign.
     pub fn sign_agrees(&self) -> bool {
         Sign::printed(self.published) == self.sign
     }
 
-    /// Whether the published number lies within what the settings give that identify the exponent.
+    /// Whether the published number is within the range of the settings that identify the exponent.
     pub fn within_range(&self) -> bool {
         let within = |of: Values| (of.least..=of.largest).contains(&self.published);
         self.spread.values.is_some_and(within)
     }
 
-    /// Whether the settings decide it: some leave it unidentified, or the others move it by more
+    /// Whether the settings decide it. Some leave it unidentified, or the others move it by more
     /// than a unit of the last printed digit.
     pub fn is_undetermined(&self, claim: &Claim) -> bool {
         let Digits::Decimals(decimals) = claim.digits else {
@@ -73,7 +72,7 @@ impl ExponentCheck {
         self.spread.unidentified > 0 || self.spread.values.is_none_or(wide)
     }
 
-    /// What the settings give, in words.
+    /// The values from the settings, in words.
     pub fn sentence(&self) -> String {
         let ExponentSpread {
             values,
@@ -104,7 +103,7 @@ impl ExponentCheck {
     }
 }
 
-/// Four decimals as the paper prints, two digits of what these would show as zero.
+/// Four decimals as the paper prints; two significant digits where these would be zero.
 fn rounded(value: f64) -> String {
     if value != 0.0 && value.abs() < 1e-3 {
         minus(&format!("{value:.1e}"))

@@ -1,4 +1,4 @@
-//! The figures as the ledger needs them: computed once, each with its table and its picture.
+//! The figures for the ledger: computed once, each with its table and its picture.
 
 use super::exponent::Sign;
 use crate::figures::block_and_bracket::{self, FIG10, FIG11, FIG12};
@@ -16,15 +16,15 @@ pub struct Picture {
     pub figure: &'static str,
     /// One line on what it shows.
     pub title: &'static str,
-    /// What is drawn and which numbers are reported.
+    /// Description of the drawing and the reported numbers.
     pub about: &'static str,
     /// The picture.
     pub svg: String,
-    /// Its rows; none of the report's own pictures, whose numbers are in the ledger.
+    /// Its rows. Empty for the report's own pictures, whose numbers are in the ledger.
     pub rows: Vec<Row>,
 }
 
-/// What the ledger needs of the figures.
+/// The figures' data for the ledger.
 pub struct Computed {
     /// The paper's figures.
     pub pictures: Vec<Picture>,
@@ -38,14 +38,14 @@ pub struct Computed {
     pub bracket: [block_and_bracket::Data; 3],
 }
 
-/// Figures computed.
+/// Number of figures computed.
 pub const FIGURES: usize = 7;
 
 impl Picture {
-    /// A figure's.
+    /// The picture of a figure.
     ///
     /// # Errors
-    /// [`FigureError`] where it cannot be drawn.
+    /// [`FigureError`] if it cannot be drawn.
     pub fn of<D>(figure: &FigureSpec<D>, data: &D) -> Result<Picture, FigureError> {
         Ok(Picture {
             figure: figure.name,
@@ -68,7 +68,7 @@ impl Computed {
     /// Computes all figures and calls `tick` after each.
     ///
     /// # Errors
-    /// [`FigureError`] of the first that fails.
+    /// [`FigureError`] of the first figure that fails.
     pub fn compute(tick: &(dyn Fn() + Sync)) -> Result<Computed, FigureError> {
         let ((fig04, fig06), (fig07, fig08)) = rayon::join(
             || (made(&FIG04, tick), made(&FIG06, tick)),
@@ -92,8 +92,7 @@ impl Computed {
     }
 }
 
-/// Signs of a spectrum's exponents from the equations, the largest first: what grows, what stays,
-/// what shrinks.
+/// Signs of a spectrum's exponents from the equations, the largest first.
 pub fn signs(data: &block_and_bracket::Data) -> [Sign; 4] {
     let evidence = &data.exact.evidence;
     let grow = usize::from(evidence.positive);

@@ -1,29 +1,29 @@
-//! What one reading gives for a claim.
+//! The result of one reading for a claim.
 
 use super::digits::{Agreement, agreement};
 use crate::figures::rows::{Part, Quantity, Row, Value};
-use crate::paper::published::{Claim, Claims, Kind};
+use crate::paper::published::{Claim, ClaimKind, Claims};
 use crate::paper::reading::Reading;
 use crate::text::joined;
 
-/// What one reading gives for a claim.
+/// The result of one reading for a claim.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// The reading.
     pub reading: Reading,
     /// The figure whose table has it, or `report`.
     pub source: &'static str,
-    /// Value, members of a set, or a statement with its parts.
+    /// A value, members of a set, or a statement with its parts.
     pub values: Vec<Value>,
-    /// Digits in agreement, where there are digits.
+    /// Agreeing digits, for a number.
     pub digits: Option<Agreement>,
-    /// Whether it agrees with what is published.
+    /// Whether it agrees with the published value.
     pub agrees: bool,
-    /// Whether it could not have come out otherwise, so that it is no evidence.
+    /// Whether it holds by construction, so that it is not evidence.
     pub by_construction: bool,
-    /// Whether settings that the paper does not state decide it.
+    /// Whether it depends on settings that the paper does not state.
     pub undetermined: bool,
-    /// A remark on it.
+    /// A note.
     pub note: Option<String>,
 }
 
@@ -53,20 +53,20 @@ impl Finding {
 
     /// With a note.
     #[must_use]
-    pub fn noted(mut self, note: String) -> Self {
+    pub fn with_note(mut self, note: String) -> Self {
         self.note = Some(note);
         self
     }
 
-    /// Marked as one that could not have come out otherwise.
+    /// Marks it as holding by construction.
     #[must_use]
     pub fn by_construction(mut self) -> Self {
         self.by_construction = true;
         self
     }
 
-    /// Whether it says anything: it could have come out otherwise, and is no annihilated exponent,
-    /// which no estimate can give.
+    /// Whether it is evidence. It does not hold by construction, and is not an annihilated
+    /// exponent, which no estimate can give.
     pub fn is_evidence(&self) -> bool {
         !self.by_construction
             && !matches!(self.values[..], [Value::Number(v)] if v == f64::NEG_INFINITY)
@@ -111,7 +111,7 @@ impl Finding {
                 ..Finding::new(row.reading)
             });
         }
-        if claim.kind == Kind::Set {
+        if claim.kind == ClaimKind::Set {
             for found in &mut findings {
                 found.agrees &= found.has_every_member(claim);
             }
@@ -128,7 +128,7 @@ impl Finding {
         })
     }
 
-    /// Which parts of a statement hold; of anything else, whether it agrees.
+    /// Whether each part of a statement holds; for other values, whether it agrees.
     pub fn parts(&self) -> Vec<bool> {
         match &self.values[..] {
             [Value::Statement(parts)] => parts.iter().map(|(_, holds)| *holds).collect(),
@@ -141,7 +141,7 @@ impl Finding {
         joined(&self.values, ";")
     }
 
-    /// In words, numbers to so many decimals.
+    /// In words, with numbers to so many decimals.
     pub fn line(&self, places: usize) -> String {
         let part = |(what, holds): &Part| {
             let word = if *holds { "holds" } else { "fails" };
@@ -180,10 +180,10 @@ pub(super) fn statement(
     parts: impl IntoIterator<Item = Part>,
     line: String,
 ) -> Finding {
-    Finding::statement(reading, parts).noted(line)
+    Finding::statement(reading, parts).with_note(line)
 }
 
-/// What the listing as printed makes of the statement; decides nothing of the model.
+/// The statement tested on the listing as printed; it decides nothing about the model.
 pub(super) fn as_printed(parts: impl IntoIterator<Item = Part>) -> Finding {
     Finding::statement(Reading::AsPrinted, parts)
 }

@@ -1,4 +1,4 @@
-//! The ledger: every claim of the paper, what the readings give for it, and what that comes to.
+//! The ledger: every claim of the paper, the findings of all readings, and the verdict.
 
 use super::ReportError;
 use super::accuracy::Accuracy;
@@ -23,25 +23,25 @@ use crate::paper::reading::{Reading, Role};
 use crate::readings::ZERO;
 use stickslip_series::Status;
 
-/// One claim, what the readings give for it, and what that comes to.
+/// One claim, the findings of all readings, and the verdict.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
     /// The claim.
     pub claim: Claim,
     /// Findings in the order of the figures, then the evidence.
     pub findings: Vec<Finding>,
-    /// What they come to.
+    /// The verdict.
     pub verdict: Verdict,
-    /// What the corrected readings correct; empty where there is none.
+    /// Corrections of the corrected readings; empty if there are none.
     pub corrections: Vec<Correction>,
-    /// What is said besides of a published exponent.
+    /// Checks of a published exponent.
     pub exponent: Option<ExponentCheck>,
     /// Further lines of evidence.
     pub further: Vec<String>,
 }
 
 impl Entry {
-    /// The findings, each different value of a reading once.
+    /// The findings, without repeated values of one reading.
     pub fn distinct(&self) -> Vec<&Finding> {
         let mut kept: Vec<&Finding> = Vec::new();
         for one in &self.findings {
@@ -54,14 +54,14 @@ impl Entry {
         kept
     }
 
-    /// What a reading gives.
+    /// The finding of a reading.
     pub fn reading(&self, reading: Reading) -> Option<&Finding> {
         self.findings.iter().find(|one| one.reading == reading)
     }
 
-    /// The digits in agreement of the best reading that is more than shown beside.
+    /// The agreeing digits of the best reading that counts in the verdict.
     pub fn digits(&self) -> Option<Agreement> {
-        let counted = |one: &&Finding| one.reading.role() != Role::Beside;
+        let counted = |one: &&Finding| one.reading.role() != Role::Supplementary;
         let digits = self.findings.iter().filter(counted);
         let digits = digits.filter_map(|one| one.digits);
         digits.max_by_key(|digits| digits.agreeing)
@@ -75,7 +75,7 @@ impl Entry {
         })
     }
 
-    /// All evidence in lines.
+    /// All evidence, a line each.
     pub fn lines(&self) -> Vec<String> {
         let mut lines = vec![format!("check: {}", self.claim.check)];
         let findings = self.findings.iter();
@@ -84,29 +84,29 @@ impl Entry {
         lines
     }
 
-    /// Whether a cause is owed: only the paper's own program gives the claim.
-    pub fn asks_for_cause(&self) -> bool {
+    /// Whether a cause is needed: only the paper's own program gives the claim.
+    pub fn needs_cause(&self) -> bool {
         self.verdict == Verdict::AsPrintedOnly
     }
 }
 
-/// Everything the report says.
+/// All results of the report.
 pub struct Ledger {
     /// One entry for each claim, in the order of the table of claims.
     pub entries: Vec<Entry>,
-    /// Which defects of the listing make the numbers of Fig. 8.
+    /// The defects of the listing that cause the numbers of Fig. 8.
     pub matrix: Matrix,
-    /// The listing's approach to its limit.
+    /// The listing's convergence to its limit.
     pub convergence: Convergence,
     /// The two defects in the event-exact solver, together and alone.
     pub injection: Injection,
-    /// What makes Fig. 8.
+    /// The cause of Fig. 8's numbers.
     pub cause: Cause,
     /// Whether the stated model has a stick–slip attractor near the printed parameters.
     pub scan: Scan,
-    /// The Hénon step's order and error.
+    /// The order and error of the Hénon step.
     pub accuracy: Accuracy,
-    /// The estimator's spread in Figs. 10–12, and what the search over their readings found.
+    /// The estimator's spread in Figs. 10–12, and the results of the search over their readings.
     pub spread: Spread,
     /// Evidence for statements.
     pub statements: Statements,
@@ -116,18 +116,18 @@ pub struct Ledger {
     pub computed: Computed,
 }
 
-/// Times that [`Ledger::compute`] calls `tick`.
+/// Number of calls of `tick` by [`Ledger::compute`].
 pub const TICKS: usize =
     figures::FIGURES + SUBSETS + convergence::RUNS + scan::POINTS + spread::JOBS;
 
 impl Ledger {
-    /// Computes everything; `tick` is called [`TICKS`] times on the way, from any thread.
+    /// Computes everything; `tick` is called [`TICKS`] times, from any thread.
     ///
     /// # Errors
     /// [`ReportError`] of the first part that fails.
     pub fn compute(tick: &(dyn Fn() + Sync)) -> Result<Ledger, ReportError> {
         let claims = Claims::committed()?;
-        let published = claims.four();
+        let published = claims.published_stick_numbers();
         let computed = Computed::compute(tick)?;
         let matrix = Matrix::compute(claims, tick);
         let injection = Injection::compute()?;
@@ -149,22 +149,22 @@ impl Ledger {
             statements,
             computed,
         };
-        let judged = |claim: &Claim| ledger.judged_anew(claims, claim.id);
+        let judged = |claim: &Claim| ledger.rejudged(claims, claim.id);
         ledger.entries = claims.iter().map(judged).collect();
         Ok(ledger)
     }
 
-    /// How many claims are counted: all but identities.
+    /// Number of claims counted: all but identities.
     pub fn counted(&self) -> usize {
         self.counts().iter().map(|(_, count)| count).sum()
     }
 
-    /// How many claims have each verdict.
+    /// Number of claims with each verdict.
     pub fn counts(&self) -> [(Verdict, usize); 6] {
         Verdict::COUNTED.map(|verdict| (verdict, self.with(verdict)))
     }
 
-    /// How many claims have a verdict.
+    /// Number of claims with a verdict.
     pub fn with(&self, verdict: Verdict) -> usize {
         let with = self.entries.iter().filter(|entry| entry.verdict == verdict);
         with.count()
@@ -172,13 +172,14 @@ impl Ledger {
 
     /// The entry of a claim.
     pub fn entry(&self, id: ClaimId) -> &Entry {
-        // `compute` has made one for each, in the order of the variants.
+        // `compute` stores one entry per claim, in the order of the variants.
         &self.entries[id as usize]
     }
 
-    /// What the same computations come to for a claim as `claims` has it: with the published table
-    /// its entry, with a changed one what would be said if the paper had printed that.
-    pub fn judged_anew(&self, claims: &Claims, id: ClaimId) -> Entry {
+    /// The entry of a claim, judged against `claims`. With the published table it is the claim's
+    /// own entry. With a changed table, it is the entry that would result if the paper had printed
+    /// that.
+    pub fn rejudged(&self, claims: &Claims, id: ClaimId) -> Entry {
         let claim = claims.of(id);
         let pictures = self.computed.pictures.iter();
         let rows = pictures.flat_map(|one| Finding::of_rows(claims, claim, one.figure, &one.rows));
@@ -214,8 +215,8 @@ impl Ledger {
         }
     }
 
-    /// The corrections that a claim's corrected readings carry. An orbit that never leaves the belt
-    /// knows nothing of the clipped force.
+    /// The corrections of a claim's corrected readings. The clipped force has no effect on an orbit
+    /// that never leaves the belt.
     fn corrections(&self, claim: &Claim) -> impl Iterator<Item = Correction> {
         let of_claim =
             |one: &SpectrumFigure| one.class() == claim.id || one.exponents().contains(&claim.id);
@@ -225,7 +226,7 @@ impl Ledger {
         all.filter(move |one| lifts_off || *one != Correction::ClippedNormalForce)
     }
 
-    /// Another reading of "close to zero": of the estimate from data.
+    /// Another reading of "close to zero": that of the estimate from data.
     fn nearest_to_zero(&self) -> String {
         let nearest = self.computed.bracket.each_ref().map(|data| {
             let exponents = data.from_data.exponents.iter();
@@ -247,14 +248,14 @@ impl Ledger {
         exponent: Option<ExponentCheck>,
     ) -> Vec<String> {
         let Spread { search, .. } = &self.spread;
-        let borne_out = |met: usize, what: &str| {
+        let confirmed_statements = |met: usize, what: &str| {
             let all = search.spread[0][0].settings;
             format!(
                 "{met} of {all} settings of the estimator {what} (sizes up to {ZERO} pass for \
                     zero)"
             )
         };
-        let counts = &search.borne_out;
+        let counts = &search.confirmed_statements;
         match claim.id {
             ClaimId::Fig10Class => vec![
                 self.spread.mended_sentence(),
@@ -293,15 +294,15 @@ impl Ledger {
             },
             ClaimId::S5ZeroExponent => vec![
                 self.nearest_to_zero(),
-                borne_out(counts.zero, "give each figure an exponent that is zero"),
+                confirmed_statements(counts.zero, "give each figure an exponent that is zero"),
             ],
             ClaimId::S5TwoZeroExponents => {
                 let what = "make the first two of Fig. 11 zero";
-                vec![borne_out(counts.two_zeros, what)]
+                vec![confirmed_statements(counts.two_zeros, what)]
             }
             ClaimId::S5PositiveExponent => {
                 let what = "make the first of Fig. 12 positive";
-                vec![borne_out(counts.positive, what)]
+                vec![confirmed_statements(counts.positive, what)]
             }
             ClaimId::S3ArrivalAccuracy => self.accuracy.lines_of_arrival(),
             ClaimId::S3ReleaseAccuracy => self.accuracy.lines_of_release(),
@@ -326,7 +327,7 @@ impl Ledger {
     }
 }
 
-/// Where the starts of Fig. 8's grid end up in the stated model.
+/// Attractors of the starts of Fig. 8's grid in the stated model.
 fn shares_sentence(shares: &Shares) -> String {
     let percent = |part: f64| format!("{:.0} %", 100.0 * part);
     let (slip, escape) = (

@@ -1,4 +1,4 @@
-//! Which of the listing's defects make the four numbers of Fig. 8: all subsets, run.
+//! The listing's defects that cause the four numbers of Fig. 8, by runs of all subsets.
 
 use rayon::prelude::*;
 
@@ -8,7 +8,7 @@ use crate::paper::listing::{Defect, Defects, Motion, Setup, run};
 use crate::paper::published::Claims;
 use crate::text::joined;
 
-/// Subsets of the defects.
+/// Number of subsets of the defects.
 pub const SUBSETS: usize = 1 << Defect::ALL.len();
 
 /// One run of the listing, compared with the four published numbers.
@@ -22,7 +22,7 @@ pub struct Cell {
     pub numbers: Option<[f64; 4]>,
     /// Class of the settled motion.
     pub motion: Motion,
-    /// How far the numbers agree with the published ones.
+    /// Agreement of the numbers with the published ones.
     pub digits: Option<[Agreement; 4]>,
 }
 
@@ -33,7 +33,7 @@ impl Cell {
             h,
             ..Setup::with(present)
         });
-        let numbers = outcome.four_numbers();
+        let numbers = outcome.stick_numbers();
         Cell {
             h,
             present,
@@ -62,7 +62,7 @@ pub struct Matrix {
     pub cells: Vec<Cell>,
 }
 
-/// What a run may have.
+/// A property of a run.
 pub type Property = fn(&Cell) -> bool;
 
 impl Matrix {
@@ -89,7 +89,7 @@ impl Matrix {
         self.with(Defects::AS_PRINTED.flipped(defect))
     }
 
-    /// The runs that are shown: all, none, each alone, each mended.
+    /// The runs that are shown: with all defects, with none, with each alone, and with each mended.
     pub fn named(&self) -> Vec<(String, &Cell)> {
         let (printed, mended) = (Defects::AS_PRINTED, Defects::MENDED);
         let mut named = vec![
@@ -111,7 +111,7 @@ impl Matrix {
         self.cells.iter().filter(move |cell| property(cell))
     }
 
-    /// Defects without which no run has the property; none if no run has it at all.
+    /// Defects without which no run has the property; empty if no run has it at all.
     pub fn necessary(&self, property: Property) -> Vec<Defect> {
         let nowhere = self.having(property).next().is_none();
         let everywhere = |defect: &Defect| {
@@ -122,7 +122,7 @@ impl Matrix {
         candidates.filter(everywhere).collect()
     }
 
-    /// Runs that have the property and of whose defects no proper subset has it, the smallest
+    /// Runs with the property such that no proper subset of their defects has it, the smallest
     /// first.
     pub fn minimal(&self, property: Property) -> Vec<&Cell> {
         let is_least = |cell: &&Cell| {
@@ -134,7 +134,7 @@ impl Matrix {
         minimal
     }
 
-    /// Defects that change nothing about the property, whatever else is present.
+    /// Defects that have no effect on the property, whatever others are present.
     pub fn irrelevant(&self, property: Property) -> Vec<Defect> {
         let idle = |defect: &Defect| {
             let mut having = self.having(property);
@@ -143,7 +143,7 @@ impl Matrix {
         Defect::ALL.into_iter().filter(idle).collect()
     }
 
-    /// In words.
+    /// The results in words.
     pub fn sentence(&self) -> String {
         let what = "the four published numbers to all printed digits";
         let digits = self.about(what, Cell::gives_digits);
@@ -202,12 +202,12 @@ fn list(defects: impl IntoIterator<Item = Defect>) -> String {
     joined(defects.into_iter().map(Defect::name), ", ")
 }
 
-/// How far four numbers agree with the published ones of Fig. 8.
+/// Agreement of four numbers with the published ones of Fig. 8.
 pub fn four_digits(claims: &Claims, numbers: &[f64; 4]) -> [Agreement; 4] {
     let nothing = Agreement {
         agreeing: 0,
         printed: 1,
     };
-    let of = |i| agreement(claims.of(ClaimId::FOUR[i]), numbers[i]).unwrap_or(nothing);
+    let of = |i| agreement(claims.of(ClaimId::STICK_NUMBERS[i]), numbers[i]).unwrap_or(nothing);
     std::array::from_fn(of)
 }

@@ -1,11 +1,11 @@
 //! The report: the verdict on every claim of the paper, by computation, with its reasons.
 //!
-//! [`ledger::Ledger::compute`] makes all of it; everything else here is a part of that: what
-//! readings give for a claim ([`finding`]) and what that comes to ([`verdict`]), evidence for
-//! statements ([`evidence`], [`accuracy`]), the cause of Fig. 8's numbers ([`cause`], [`matrix`],
-//! [`convergence`]), the search for what Fig. 8 shows in the stated model ([`scan`]), the
-//! estimator's spread in Figs. 10–12 ([`spread`]) and the misprints ([`errata`]). [`page`] and
-//! [`readme`] show it.
+//! [`ledger::Ledger::compute`] computes all of it. Its parts are the findings of the readings for a
+//! claim ([`finding`]) and their verdict ([`verdict`]); evidence for statements ([`evidence`],
+//! [`accuracy`]); and the cause of Fig. 8's numbers ([`cause`], [`matrix`], [`convergence`]).
+//! Further parts are the search for Fig. 8's motion in the stated model ([`scan`]), the estimator's
+//! spread in Figs. 10–12 ([`spread`]) and the misprints ([`errata`]). [`page`] and [`readme`] show
+//! the results.
 
 pub mod accuracy;
 pub mod cause;
@@ -38,19 +38,19 @@ use stickslip::{
     Error, Failure, Filippov, Mode, Orbit, Phase, Side, State, Transition, TransitionKind, solve,
 };
 
-/// What failed on the way to the report.
+/// Why the report failed.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
-    /// A figure, or a file that could not be written.
+    /// Error of a figure, or of writing a file.
     #[error(transparent)]
     Figure(#[from] FigureError),
-    /// The solver.
+    /// Error of the solver.
     #[error("cannot make the ledger: {0}")]
     Solver(#[from] Error),
-    /// The table of claims is not sound.
+    /// The table of claims is malformed.
     #[error("cannot make the ledger: {0}")]
     Published(#[from] PublishedError),
-    /// The committed search over readings is not whole.
+    /// The committed search over readings is incomplete.
     #[error("cannot make the ledger: {0}")]
     Readings(#[from] ReadingsError),
 }
@@ -61,8 +61,8 @@ impl<R> From<Failure<R>> for ReportError {
     }
 }
 
-/// The orbit of model 2 or another from a time and a state over a span, as far as it goes before it
-/// escapes, and whether it does.
+/// The orbit of model 2 or another from a time and a state over a span, or until it escapes, and
+/// whether it does.
 fn until_escape<S: Filippov<2>>(
     system: &S,
     (t0, x): (f64, State<2>),
@@ -78,7 +78,8 @@ fn until_escape<S: Filippov<2>>(
     }
 }
 
-/// The releases from stick in an orbit, each with the side that takes over and the phase it ends.
+/// The releases from stick in an orbit, each with the side that applies next and the phase that it
+/// ends.
 fn stick_exits(orbit: &Orbit<2>) -> impl Iterator<Item = (&Transition<2>, Side, &Phase<2>)> {
     orbit
         .transitions
@@ -92,15 +93,15 @@ fn stick_exits(orbit: &Orbit<2>) -> impl Iterator<Item = (&Transition<2>, Side, 
         })
 }
 
-/// So many places on the belt, evenly from `-outer` to `outer` (m), amid equal parts.
-fn places(outer: f64, count: u32, belt_speed: f64) -> impl Iterator<Item = State<2>> {
+/// Equidistant places on the belt from `-outer` to `outer` (m), at the middles of equal parts.
+fn belt_positions(outer: f64, count: u32, belt_speed: f64) -> impl Iterator<Item = State<2>> {
     (0..count).map(move |k| {
         let part = 2.0 * (f64::from(k) + 0.5) / f64::from(count) - 1.0;
         State::from([outer * part, belt_speed])
     })
 }
 
-/// How a field of model 1 is tangent to Σ at a position (m), if one is.
+/// The visibility of a tangency of model 1 at a position (m), if there is one.
 fn tangent_at(model: &BeltOscillator, x1: f64) -> Option<Visibility> {
     let x = State::from([x1, model.belt_speed]);
     let mut sides = [Side::Below, Side::Above].into_iter();

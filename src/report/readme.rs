@@ -1,19 +1,19 @@
-//! The part of the README that says what holds.
+//! The generated part of the README: the verdict.
 
 use super::finding::Finding;
 use super::ledger::{Entry, Ledger};
 use super::sentences::sentences;
 use crate::figures::rows::Value;
-use crate::paper::published::{Digits, Kind};
-use crate::text::{Marks, joined};
+use crate::paper::published::{ClaimKind, Digits};
+use crate::text::{SectionMarkers, joined};
 
-/// Where it stands in the README.
-pub const MARKS: Marks = Marks {
+/// Markers of the part in the README.
+pub const SECTION_MARKERS: SectionMarkers = SectionMarkers {
     begin: "<!-- verdicts: written by `make report` -->\n",
     end: "<!-- end of verdicts -->\n",
 };
 
-/// What stands between the marks: the verdict in three sentences.
+/// The text between the marks: the verdict in three sentences.
 pub fn block(ledger: &Ledger) -> String {
     joined(sentences(ledger).map(|sentence| item(&sentence) + "\n"), "")
 }
@@ -33,14 +33,14 @@ fn item(sentence: &str) -> String {
     lines.join("\n")
 }
 
-/// A reading's values with as many decimals as are printed; six of what is known in closed form.
-pub(super) fn shown(entry: &Entry, finding: &Finding) -> String {
+/// The values of a reading with as many decimals as are printed, or six for a closed form.
+pub(super) fn formatted_values(entry: &Entry, finding: &Finding) -> String {
     let decimals = match entry.claim.digits {
         Digits::Decimals(printed) => printed,
         Digits::Exact | Digits::None => 6,
     };
     let mut values: Vec<&Value> = finding.values.iter().collect();
-    if entry.claim.kind == Kind::Set {
+    if entry.claim.kind == ClaimKind::Set {
         values.sort_by(|one, other| number(other).total_cmp(&number(one)));
     }
     let texts = values.into_iter().map(|value| match value {

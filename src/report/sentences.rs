@@ -1,5 +1,5 @@
-//! The verdict in a few sentences, every number of them formatted from the run: the page and the
-//! README open with these.
+//! The verdict in a few sentences, with every number formatted from the run. They open the page and
+//! the README.
 
 use super::exponent::ExponentCheck;
 use super::ledger::{Entry, Ledger};
@@ -9,11 +9,10 @@ use crate::figures::block_and_bracket::DIVERGES;
 use crate::paper::claim_id::{ClaimId, SpectrumFigure};
 use crate::paper::published::Claim;
 use crate::paper::reading::Reading;
-use crate::readings::{Committed, Match, others, sources_in_words};
+use crate::readings::{Committed, Match, other_motions, sources_in_words};
 use stickslip::analysis::motion::Class;
 
-/// The parts of the paper in which claims are counted: as `data/claims.csv` has them, and their
-/// names.
+/// The parts of the paper in which claims are counted: keys in `data/claims.csv` and names.
 pub(super) const PARTS: [(&str, &str); 9] = [
     ("sect2", "Sect. 2, Eqs. (8)–(16)"),
     ("fig4", "Fig. 4"),
@@ -26,14 +25,13 @@ pub(super) const PARTS: [(&str, &str); 9] = [
     ("sect5", "Sects. 5.2, 6"),
 ];
 
-/// The name of the part that a claim belongs to.
+/// The name of the part to which a claim belongs.
 fn part_of(claim: &Claim) -> &'static str {
     let known = PARTS.iter().find(|(part, _)| *part == claim.part);
     known.map_or("", |(_, name)| name)
 }
 
-/// The verdict in three sentences: of all claims, of Fig. 8, of Figs. 10–12. What else there is
-/// stands with the claims.
+/// The verdict in three sentences: all claims, Fig. 8, and Figs. 10–12.
 pub(super) fn sentences(ledger: &Ledger) -> [String; 3] {
     let gives = |ids: &[ClaimId], met: &dyn Fn(&Entry) -> bool| {
         let count = ids.iter().filter(|id| met(ledger.entry(**id))).count();
@@ -50,9 +48,12 @@ pub(super) fn sentences(ledger: &Ledger) -> [String; 3] {
     let (stated, counted) = (ledger.with(Verdict::Reproduced), ledger.counted());
     let corrected = ledger.with(Verdict::WithCorrections);
     let (motion, digits) = (least(Cell::gives_class), least(Cell::gives_digits));
-    let printed = gives(&ClaimId::FOUR, &by(Reading::AsPrinted));
-    let exact = gives(&ClaimId::FOUR, &by(Reading::Exact));
-    let (classes, unlike) = (gives(&classes, &by(Reading::Corrected)), unlike(ledger));
+    let printed = gives(&ClaimId::STICK_NUMBERS, &by(Reading::AsPrinted));
+    let exact = gives(&ClaimId::STICK_NUMBERS, &by(Reading::Exact));
+    let (classes, differing_classes) = (
+        gives(&classes, &by(Reading::Corrected)),
+        differing_classes(ledger),
+    );
     let exponents = gives(exponents.as_flattened(), &open);
     [
         format!(
@@ -65,15 +66,15 @@ pub(super) fn sentences(ledger: &Ledger) -> [String; 3] {
              {exact}."
         ),
         format!(
-            "Of Figs. 10–12 the corrected equations give {classes} captioned classes{unlike}; \
-             {exponents} exponents are undeterminable, for the settings behind them are not \
-             stated."
+            "Of Figs. 10–12 the corrected equations give {classes} captioned \
+             classes{differing_classes}; {exponents} exponents are undeterminable, for the \
+             settings behind them are not stated."
         ),
     ]
 }
 
-/// How many verdicts stand or fall with the one corrected model of Figs. 10–12.
-pub(super) fn resting(ledger: &Ledger) -> String {
+/// The number of verdicts that depend on the corrected model of Figs. 10–12.
+pub(super) fn dependent_verdicts(ledger: &Ledger) -> String {
     let verdict = Verdict::WithCorrections;
     let model = |one: &&Entry| {
         one.verdict == verdict && one.corrections.contains(&Correction::BracketSigns)
@@ -86,7 +87,7 @@ pub(super) fn resting(ledger: &Ledger) -> String {
 }
 
 /// The captioned classes that the corrected equations do not give, in brackets.
-fn unlike(ledger: &Ledger) -> String {
+fn differing_classes(ledger: &Ledger) -> String {
     let of = |figure: SpectrumFigure| {
         let entry = ledger.entry(figure.class());
         let corrected = entry.reading(Reading::Corrected)?;
@@ -130,20 +131,20 @@ pub(super) fn figs_10_to_12(ledger: &Ledger) -> String {
     let diverging = printed.filter(|one| one.text() == DIVERGES).count();
     let (open, missed) = (Verdict::Undeterminable, Verdict::NotReproduced);
     let (of_open, of_missed) = (count(open), count(missed));
-    let (met, unlike) = (met.count(), unlike(ledger));
+    let (met, differing_classes) = (met.count(), differing_classes(ledger));
     let search = &ledger.spread.search;
     let (settings, configurations) = (search.spread[0][0].settings, search.configurations);
-    let (cited, pairs) = (search.cited(), &search.pairs);
-    let (lead, together) = (lead(search), together(search));
+    let (citation, pairs) = (search.citation(), &search.pairs);
+    let (nearest, joint) = (nearest_single_figure(search), joint_match(search));
     format!(
         "Figs. 10–12 publish {} classes of motion. The corrected equations give {met} of \
-         them{unlike}. With the signs as printed {diverging} of the three motions diverge. Of the \
-         {} published exponents {of_open} are {open}: settings of the estimator that the paper \
-         does not state decide their digits; {missed}: {of_missed}. {signs} have the computed \
-         sign, {within} lie inside what those of {settings} settings give that identify them. A \
-         search over {configurations} ways to read and evaluate the figures ({cited}) finds {} of \
-         its {} pairs of equations and integrator with all three captioned classes, and {} with \
-         the same kinds of motion, loops aside. {lead} {together}",
+         them{differing_classes}. With the signs as printed {diverging} of the three motions \
+         diverge. Of the {} published exponents {of_open} are {open}: settings of the estimator \
+         that the paper does not state decide their digits; {missed}: {of_missed}. {signs} have \
+         the computed sign, {within} lie inside what those of {settings} settings give that \
+         identify them. A search over {configurations} ways to read and evaluate the figures \
+         ({citation}) finds {} of its {} pairs of equations and integrator with all three \
+         captioned classes, and {} with the same kinds of motion, loops aside. {nearest} {joint}",
         classes.len(),
         exponents.len(),
         pairs.classes,
@@ -152,18 +153,18 @@ pub(super) fn figs_10_to_12(ledger: &Ledger) -> String {
     )
 }
 
-/// What becomes of the figure that one configuration comes nearest to, in view of the three that
-/// were looked at.
-fn lead(search: &Committed) -> String {
+/// The significance of the configuration nearest to one figure, given that three figures were
+/// tried.
+fn nearest_single_figure(search: &Committed) -> String {
     let each = [0, 1, 2].map(|figure| {
-        let level = &search.alone[figure].0;
+        let level = &search.figure_levels[figure].0;
         let (random, readings) = (level.random.best_of_three(), level.readings.percent());
         format!("{random:.1} % and {readings:.1} % for Fig. {}", figure + 10)
     });
-    let percent = |figure: &usize| search.alone[*figure].0.random.percent();
+    let percent = |figure: &usize| search.figure_levels[*figure].0.random.percent();
     let nearest = (0..3).min_by(|a, b| percent(a).total_cmp(&percent(b)));
     let figure = nearest.unwrap_or(0);
-    let (level, Match { row, motions }) = &search.alone[figure];
+    let (level, Match { row, motions }) = &search.figure_levels[figure];
     let rare = if level.is_rare(3) {
         "a rare"
     } else {
@@ -171,7 +172,7 @@ fn lead(search: &Committed) -> String {
     };
     let leaves = match row.is_ranked() {
         true => "has all three kinds of motion".to_owned(),
-        false => format!("is no match: it leaves {}", others(motions, figure)),
+        false => format!("is no match: it leaves {}", other_motions(motions, figure)),
     };
     let (reading, integrator) = (row.reading(), row.integrator());
     format!(
@@ -183,13 +184,13 @@ fn lead(search: &Committed) -> String {
     )
 }
 
-/// What the nearest configuration of those that can count is worth.
-fn together(search: &Committed) -> String {
-    let [kept, ranked] = search.together.each_ref().map(|level| {
+/// The significance of the nearest configuration among those that count.
+fn joint_match(search: &Committed) -> String {
+    let [kept, ranked] = search.joint_levels.each_ref().map(|level| {
         let (random, readings) = (level.random.percent(), level.readings.percent());
         (random, readings, level.readings.of)
     });
-    let is_rare = search.together[1].is_rare(1);
+    let is_rare = search.joint_levels[1].is_rare(1);
     let single = if is_rare { "a" } else { "no" };
     let sources = sources_in_words(search.ranked_from);
     format!(

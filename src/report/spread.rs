@@ -1,31 +1,32 @@
-//! How far an exponent of Figs. 10–12 moves over settings of the estimator that the paper does not
-//! state, from the committed search; and the class of Fig. 10 with its caption mended, computed.
+//! The range of an exponent of Figs. 10–12 over settings of the estimator that the paper does not
+//! state, from the committed search. Also the class of Fig. 10 with its caption corrected,
+//! computed.
 
 use rayon::prelude::*;
 
 use super::ReportError;
 use crate::figures::block_and_bracket::{SETS, Set, TOLERANCE, class};
-use crate::readings::{Committed, Integrator, Row, others};
+use crate::readings::{Committed, ConfigurationRow, Integrator, other_motions};
 use crate::text::joined;
 use stickslip::analysis::motion::Class;
 use stickslip::models::{Caption, Reading};
 use stickslip::{Error, Options};
 
-/// Estimates of all three figures, and the loops of Fig. 10.
+/// Estimates for all three figures, and the loops of Fig. 10.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spread {
     /// The committed search, which has the estimates.
     pub search: Committed,
-    /// Class of the motion of Fig. 10 with its caption mended, each of the three entries that can
-    /// be at fault in turn.
+    /// Class of the motion of Fig. 10 with its caption corrected, in turn for each of the three
+    /// entries that may be wrong.
     pub mended: Vec<(String, Class)>,
 }
 
-/// Figures computed.
+/// Number of figures computed.
 pub const JOBS: usize = 3;
 
 impl Spread {
-    /// Reads the search and computes the mended captions, and calls `tick` after each of these.
+    /// Reads the search and computes the corrected captions, and calls `tick` after each of these.
     ///
     /// # Errors
     /// [`ReportError`].
@@ -42,22 +43,22 @@ impl Spread {
         Ok(Spread { search, mended })
     }
 
-    /// What becomes of Fig. 10's class when its caption is mended.
+    /// The class of Fig. 10 with its caption corrected.
     pub fn mended_sentence(&self) -> String {
         let each = self.mended.iter();
         let each = joined(each.map(|(entry, class)| format!("{entry}: {class}")), ", ");
         format!("the caption's entries contradict each other; mended one at a time, {each}")
     }
 
-    /// The readings that make Fig. 10 as captioned, loops and all, and what becomes of the other
-    /// figures there.
+    /// The readings that give Fig. 10 as captioned, including its loops, and the motions of the
+    /// other figures there.
     pub fn two_periodic_sentence(&self) -> String {
-        let captioned = |one: &&Row| one.classes[0].is_published(0);
+        let captioned = |one: &&ConfigurationRow| one.classes[0].is_published(0);
         let all = self.search.motions.iter().filter(captioned);
         let each = all.map(|one| {
             let (reading, integrator, [amplitude, _]) =
                 (one.reading(), one.integrator(), one.sizes[0]);
-            let others = others(&one.motions(), 0);
+            let others = other_motions(&one.motions(), 0);
             format!("{reading}; {integrator} (x1 within {amplitude:.3} of its middle; {others})")
         });
         match joined(each, " | ") {
@@ -66,16 +67,18 @@ impl Spread {
         }
     }
 
-    /// What Fig. 12 is in every reading with the corrected signs, solved exactly.
+    /// The class of Fig. 12 in every reading with the corrected signs, solved exactly.
     pub fn chaos_sentence(&self) -> String {
-        let corrected = |one: &&Row| {
+        let corrected = |one: &&ConfigurationRow| {
             one.integrator() == Integrator::Exact.name() && one.reading().starts_with("+x3 +T;")
         };
-        let all: Vec<&Row> = self.search.motions.iter().filter(corrected).collect();
-        let chaotic = |one: &&&Row| one.classes[2].is_of_kind(2);
-        let chaotic: Vec<&&Row> = all.iter().filter(chaotic).collect();
-        let has = |one: &Row, choice: &str| one.reading().split("; ").any(|part| part == choice);
-        // What the readings that give the class have in common and others have not.
+        let all: Vec<&ConfigurationRow> = self.search.motions.iter().filter(corrected).collect();
+        let chaotic = |one: &&&ConfigurationRow| one.classes[2].is_of_kind(2);
+        let chaotic: Vec<&&ConfigurationRow> = all.iter().filter(chaotic).collect();
+        let has = |one: &ConfigurationRow, choice: &str| {
+            one.reading().split("; ").any(|part| part == choice)
+        };
+        // The choices that all readings with the class share and no others have.
         let choices = chaotic.first().map_or("", |one| one.reading()).split("; ");
         let needed = choices.filter(|choice| {
             chaotic.iter().all(|one| has(one, choice)) && !all.iter().all(|one| has(one, choice))
@@ -93,8 +96,8 @@ impl Spread {
         )
     }
 
-    /// How often the search meets an exponent to its printed digits, and what that is worth;
-    /// `figure` and `k` from 0.
+    /// How often the search matches an exponent to its printed digits, and the significance of
+    /// that; `figure` and `k` from 0.
     pub fn digits_sentence(&self, figure: usize, k: usize) -> String {
         let (met, kept) = (self.search.digits[figure][k], self.search.kept);
         let of = format!(
@@ -110,8 +113,8 @@ impl Spread {
     }
 }
 
-/// Fig. 10's caption with ξ6/μ0 = ξ4 − 1 restored, as it holds in the two other captions, by
-/// changing one of the three.
+/// Fig. 10's caption with ξ6/μ0 = ξ4 − 1 restored by changing one of the three. The relation holds
+/// in the two other captions.
 pub(super) fn mended_captions() -> [(String, Caption); JOBS] {
     let [_, _, _, xi4, _, mu0, xi6, _, _] = Caption::FIG10.numbers;
     [

@@ -1,4 +1,4 @@
-//! The report as tables: every claim, the convergence, the scan.
+//! The report as tables: every claim, the convergence, and the scan.
 
 use std::fmt::Display;
 
@@ -24,7 +24,7 @@ pub fn claims(ledger: &Ledger) -> String {
     csv(table)
 }
 
-/// The names of the columns and what stands there.
+/// Names and contents of the columns.
 fn claim(ledger: &Ledger, entry: &Entry) -> Vec<(String, String)> {
     let claim = &entry.claim;
     let digits = match claim.digits {
@@ -51,7 +51,7 @@ fn claim(ledger: &Ledger, entry: &Entry) -> Vec<(String, String)> {
     add("digits_in_agreement", &digits.unwrap_or_default());
     add("verdict", &entry.verdict);
     add("corrections", &joined(corrections, " | "));
-    // Each is empty but for a published exponent.
+    // Both are empty except for a published exponent.
     let exponent = entry.exponent.as_ref();
     let range = exponent.and_then(|one| one.spread.values);
     let number = |of: fn(Values) -> f64| range.map_or_else(String::new, |v| format!("{:?}", of(v)));
@@ -65,7 +65,7 @@ fn claim(ledger: &Ledger, entry: &Entry) -> Vec<(String, String)> {
     add("unidentified", &unidentified);
     let within = text(|one| one.within_range().to_string());
     add("within_unstated", &within);
-    let cause = entry.asks_for_cause().then(|| ledger.cause.status());
+    let cause = entry.needs_cause().then(|| ledger.cause.status());
     add("cause", &cause.unwrap_or_default());
     add("check", &claim.check);
     for reading in Reading::ALL {
@@ -77,13 +77,14 @@ fn claim(ledger: &Ledger, entry: &Entry) -> Vec<(String, String)> {
     row
 }
 
-/// The listing's numbers at all steps, and their distances from the limit, which stands at step 0.
+/// The listing's numbers at all steps and their distances from the limit, which is listed as step
+/// 0.
 pub fn convergence(ledger: &Ledger) -> String {
     let convergence = &ledger.convergence;
     let limit = convergence.limit;
     let mut header = vec!["h".to_owned(), "all_digits".to_owned()];
-    header.extend(ClaimId::FOUR.map(|id| id.to_string()));
-    header.extend(ClaimId::FOUR.map(|id| format!("{id}.error")));
+    header.extend(ClaimId::STICK_NUMBERS.map(|id| id.to_string()));
+    header.extend(ClaimId::STICK_NUMBERS.map(|id| format!("{id}.error")));
     let row = |h: String, complete: bool, numbers: Option<[f64; 4]>| {
         let errors = numbers.map(|four| std::array::from_fn(|i| four[i] - limit[i]));
         let cells = |four: Option<[f64; 4]>| match four {
@@ -101,7 +102,7 @@ pub fn convergence(ledger: &Ledger) -> String {
     csv(rows)
 }
 
-/// What starts lead to at each set of parameters.
+/// The attractors of the starts at each set of parameters.
 pub fn scan(ledger: &Ledger) -> String {
     let scan = &ledger.scan;
     let mut header = vec!["parameter", "factor", "value"];

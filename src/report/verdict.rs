@@ -1,10 +1,10 @@
-//! What a comparison comes to: the words of the verdicts, each of which means one thing, and what
-//! was corrected of the paper's equations where a verdict rests on a corrected reading.
+//! The verdicts, and the corrections of the paper's equations on which a verdict with corrections
+//! rests.
 
 use std::fmt;
 
 use super::finding::Finding;
-use crate::paper::published::{Claim, Kind};
+use crate::paper::published::{Claim, ClaimKind};
 use crate::paper::reading::Role;
 use crate::text::described;
 
@@ -25,14 +25,14 @@ described! {
             "the model with the corrections that are listed, solved accurately, gives it to every \
             printed digit or in all its parts; as stated it does not",
         ],
-        /// Only the paper's program or equations to the letter give it.
+        /// Only the paper's program or equations, taken literally, give it.
         AsPrintedOnly = [
             "reproduced as printed only",
             "printed",
             "the paper's own program or equations, to the letter, give it to every printed digit \
             or in all its parts; neither the model as stated nor a corrected one does",
         ],
-        /// Of a statement: a part holds.
+        /// For a statement: a part holds.
         InKind = [
             "in kind only",
             "kind",
@@ -45,7 +45,7 @@ described! {
             "missed",
             "neither the model as stated, nor a corrected one, nor the program gives it",
         ],
-        /// The value depends on what the paper does not state.
+        /// The value depends on quantities that the paper does not state.
         Undeterminable = [
             "undeterminable",
             "open",
@@ -53,7 +53,7 @@ described! {
             listed, move it by more than its printed digits or leave it unidentified; one setting \
             that agrees or disagrees is no evidence",
         ],
-        /// It could not be otherwise; not counted.
+        /// It holds by definition; not counted.
         Identity = [
             "identity",
             "identity",
@@ -64,13 +64,13 @@ described! {
 }
 
 impl Verdict {
-    /// Those that are counted, in the order of the tables: all but an identity.
+    /// The verdicts that are counted, in the order of the tables: all but an identity.
     pub const COUNTED: [Verdict; 6] = {
         let [a, b, c, d, e, f, _] = Verdict::ALL;
         [a, b, c, d, e, f]
     };
 
-    /// What the word means.
+    /// The meaning of the word.
     pub fn meaning(self) -> &'static str {
         self.described()[2]
     }
@@ -80,10 +80,9 @@ impl Verdict {
         self.described()[1]
     }
 
-    /// The verdict that findings on a claim of this kind come to. Where several findings have one
-    /// role, all of them must agree; where unstated settings decide one of them, nothing is
-    /// decided.
-    pub fn of(kind: Kind, findings: &[Finding]) -> Verdict {
+    /// The verdict from findings on a claim of this kind. If several findings have one role, all
+    /// must agree. If unstated settings decide one of them, nothing is decided.
+    pub fn of(kind: ClaimKind, findings: &[Finding]) -> Verdict {
         let with = |role: Role| {
             let evidence = move |one: &&Finding| one.reading.role() == role && one.is_evidence();
             findings.iter().filter(evidence)
@@ -93,7 +92,7 @@ impl Verdict {
             let accurate = with(Role::Stated).chain(with(Role::Corrected));
             accurate.flat_map(Finding::parts).any(|holds| holds)
         };
-        if kind == Kind::Identity {
+        if kind == ClaimKind::Identity {
             Verdict::Identity
         } else if findings.iter().any(|one| one.undetermined) {
             Verdict::Undeterminable
@@ -103,7 +102,7 @@ impl Verdict {
             Verdict::WithCorrections
         } else if all_agree(Role::AsPrinted) {
             Verdict::AsPrintedOnly
-        } else if matches!(kind, Kind::Statement | Kind::Curve) && a_part_holds() {
+        } else if matches!(kind, ClaimKind::Statement | ClaimKind::Curve) && a_part_holds() {
             Verdict::InKind
         } else {
             Verdict::NotReproduced
@@ -125,10 +124,10 @@ described! {
         /// μ0 counted once in Eq. (28).
         FrictionAmplitude = "Eq. (28): friction is mu0 − xi6 x3 − xi7 x4 (printed mu0 times that \
             with 1 for mu0)",
-        /// What the nine numbers of the captions are.
+        /// Meaning of the nine numbers of the captions.
         CaptionOrder = "captions: the numbers are xi1 … xi5, mu0, xi6, delta, vp and xi7 = 0 \
             (printed xi1 … xi7, delta, vp)",
-        /// Contact that cannot pull.
+        /// The contact cannot pull.
         ClippedNormalForce = "the normal force is never negative (not said in the paper: contact \
             can only push)",
         /// Sign of the Hénon step from x2 > vp.
@@ -145,7 +144,7 @@ impl Correction {
         format!("C{}", self as usize + 1)
     }
 
-    /// Those that the corrected readings of a claim carry.
+    /// The corrections of a claim's corrected readings.
     pub fn of(claim: &Claim) -> impl Iterator<Item = Correction> {
         let carries = |one: &Correction| claim.corrections.split(' ').any(|it| it == one.label());
         Correction::ALL.into_iter().filter(carries)
@@ -166,14 +165,14 @@ mod tests {
 
     const LENGTH: ClaimId = ClaimId::Fig08StickLength1;
 
-    /// What a reading gives for the first stick length, 0.4697 m.
+    /// The finding of a reading for the first stick length, 0.4697 m.
     fn number(reading: Reading, value: f64) -> Finding {
         let claims = Claims::committed().unwrap();
         let row = Row::number(LENGTH, reading, value, "m");
         Finding::of_rows(claims, claims.of(LENGTH), "test", &[row]).remove(0)
     }
 
-    /// One that settings move, beside one that they do not.
+    /// A value that depends on settings, beside one that does not.
     fn undetermined(value: f64) -> Verdict {
         let moved = Finding {
             undetermined: true,
@@ -246,7 +245,7 @@ mod tests {
             Verdict::NotReproduced
         );
         assert_eq!(numbers(&[]), Verdict::NotReproduced);
-        // What is shown beside decides nothing.
+        // A reading shown beside decides nothing.
         assert_eq!(
             numbers(&[(SlipTimesThree, 0.4697), (BestOfReadings, 0.4697)]),
             Verdict::NotReproduced

@@ -1,19 +1,19 @@
-//! How goldens are compared.
+//! Comparison with golden files.
 
 use insta::Comparator;
 use insta::Snapshot;
 use insta::internals::SnapshotContents;
 
-/// Line by line and word by word: numbers up to a relative difference, everything else to the
-/// letter.
+/// Compares line by line and word by word: numbers up to a relative difference, all other words
+/// exactly.
 #[derive(Clone, Copy, Debug)]
-pub struct Numerically {
+pub struct NumericComparison {
     /// Largest relative difference.
     pub tolerance: f64,
 }
 
-impl Numerically {
-    /// Whether two texts state the same.
+impl NumericComparison {
+    /// Whether two texts are equal in this sense.
     pub fn same(&self, golden: &str, found: &str) -> bool {
         let (golden, found) = (golden.trim_end(), found.trim_end());
         golden.lines().count() == found.lines().count()
@@ -33,7 +33,7 @@ impl Numerically {
         }
         match (golden.parse::<f64>(), found.parse::<f64>()) {
             (Ok(golden), Ok(found)) => {
-                // Infinities would be within any share of themselves.
+                // The relative difference of infinities would always be allowed.
                 let size = golden.abs().max(found.abs());
                 size.is_finite() && (golden - found).abs() <= self.tolerance * size
             }
@@ -42,7 +42,7 @@ impl Numerically {
     }
 }
 
-impl Comparator for Numerically {
+impl Comparator for NumericComparison {
     fn matches(&self, reference: &Snapshot, test: &Snapshot) -> bool {
         match (reference.contents(), test.contents()) {
             (SnapshotContents::Text(golden), SnapshotContents::Text(found)) => {
@@ -63,6 +63,6 @@ pub fn assert_golden(name: &str, text: String, tolerance: f64) {
     settings.set_snapshot_path(concat!(env!("CARGO_MANIFEST_DIR"), "/golden"));
     settings.set_prepend_module_to_snapshot(false);
     settings.set_omit_expression(true);
-    settings.set_comparator(Box::new(Numerically { tolerance }));
+    settings.set_comparator(Box::new(NumericComparison { tolerance }));
     settings.bind(|| insta::assert_snapshot!(name, text));
 }

@@ -1,5 +1,5 @@
-//! What Figs. 10, 11 and 12 compute: the published classes, the spectra against closed statements,
-//! and exponents from data against those from the equations.
+//! Figs. 10, 11 and 12: the published classes, the spectra compared with closed statements, and
+//! exponents from data compared with those from the equations.
 //!
 //! Every check takes the figure's data, so that they are computed once.
 
@@ -32,8 +32,8 @@ fn exponents_from_data_are_those_of_the_equations_where_the_data_tell_them() {
     });
 }
 
-/// End effects of 9000 time units: a vector's growth over a broken period, and the turning of a
-/// pair's plane, are both factors of less than 30.
+/// End effects over 9000 time units. A vector's growth over an incomplete period and the rotation
+/// of a pair's plane are both factors below 30.
 fn end_effects() -> f64 {
     math::ln(30.0) / 9000.0
 }
@@ -47,31 +47,31 @@ fn close(found: f64, wanted: f64, tolerance: f64) {
     );
 }
 
-/// What holds of all three: stick annihilates one direction, and the exponents add up to the mean
+/// Common to all three: stick annihilates one direction, and the exponents add up to the mean
 /// divergence.
 fn spectrum_holds(data: &Data) {
     let spectrum = &data.exact.spectrum;
     assert_eq!(spectrum.exponents[3], Exponent::Annihilated);
-    // The clip at N = 0 is a kink in the field that steps run over at their tolerance of 1e-10.
+    // The clip at N = 0 is a kink in the field. Steps cross it with their tolerance of 1e-10.
     assert!(spectrum.defect().abs() < 1e-7, "{}", spectrum.defect());
 }
 
-/// Fig. 10: one loop, its exponents those of its Floquet multipliers.
+/// Fig. 10: one loop, with the exponents of its Floquet multipliers.
 pub fn periodic(data: &Data) {
     spectrum_holds(data);
     let (spectrum, evidence) = (&data.exact.spectrum, &data.exact.evidence);
     let period = evidence.return_time;
     close(period, 8.51, 5e-3);
-    // One stick per period, and all turning points at the same state.
+    // One stick phase per period, and all turning points at the same state.
     assert_eq!(spectrum.stick_entries as u64, (9000.0 / period) as u64);
     assert_eq!(evidence.distinct, 1);
-    let turn = State::from(data.turns[0]);
-    assert!(data.turns.len() > 10);
-    for other in &data.turns {
+    let turn = State::from(data.turning_points[0]);
+    assert!(data.turning_points.len() > 10);
+    for other in &data.turning_points {
         assert!((State::from(*other) - turn).amax() < 1e-7);
     }
     assert!((0.0015..0.0025).contains(&spectrum.stick_fraction));
-    // Floquet: from the turning point, which is off Σ.
+    // Floquet multipliers from the turning point, which is off Σ.
     let cycle = periodic_orbit(&data.model, turn, period, &Options::tol(1e-12)).unwrap();
     let mut multipliers: Vec<f64> =
         stickslip::nalgebra::DMatrix::from_column_slice(4, 4, cycle.monodromy.as_slice())
@@ -81,7 +81,7 @@ pub fn periodic(data: &Data) {
             .collect();
     multipliers.sort_by(|a, b| b.total_cmp(a));
     close(multipliers[0], 1.0, 1e-8);
-    // A pair of one size (complex), and the direction that stick annihilates.
+    // A pair of equal moduli (complex), and the direction that stick annihilates.
     close(multipliers[1], multipliers[2], 1e-8);
     assert!(multipliers[3] < 1e-8);
     let pair = math::ln(multipliers[1]) / cycle.period;
@@ -91,13 +91,13 @@ pub fn periodic(data: &Data) {
     close(spectrum.exponents[2].value(), pair, end_effects());
 }
 
-/// Fig. 11: a torus, in contact all the time.
+/// Fig. 11: a torus that never loses contact.
 pub fn quasi_periodic(data: &Data) {
     spectrum_holds(data);
     let (spectrum, evidence) = (&data.exact.spectrum, &data.exact.evidence);
     assert!(data.exact.least_force > 0.2, "{}", data.exact.least_force);
     assert!((0.05..0.065).contains(&spectrum.stick_fraction));
-    // Turning points fill a curve: hardly two of them are one.
+    // Turning points fill a curve: hardly two of them coincide.
     assert!(evidence.distinct > evidence.returns / 2, "{evidence:?}");
     close(spectrum.exponents[0].value(), 0.0, end_effects());
     close(spectrum.exponents[1].value(), 0.0, end_effects());
@@ -111,7 +111,7 @@ pub fn chaotic(data: &Data) {
     let [first, second, third, _] = data.exact.spectrum.exponents[..] else {
         panic!("four exponents");
     };
-    // Twenty standard errors from zero; eight are asked for.
+    // Twenty standard errors from zero; eight are required.
     let error = first.std_error().unwrap();
     assert!(first.value() > 8.0 * error);
     close(first.value(), 0.015, 4.0 * error);
@@ -119,10 +119,10 @@ pub fn chaotic(data: &Data) {
     close(third.value(), -0.038, 4.0 * third.std_error().unwrap());
 }
 
-/// What the estimator calls `ok` agrees with the equations within errors that are known without
-/// them. The second exponent of Fig. 12, which is zero, takes up nearly all of what is allowed: the
-/// data give 0.004, which doubling the neighbourhoods hardly moves, and another chaotic orbit may
-/// be beyond it. Its row says so then.
+/// An exponent with the status `ok` agrees with the equations within errors known independently.
+/// The second exponent of Fig. 12, which is zero, uses nearly all of the allowed difference. The
+/// data give 0.004, which doubling the neighbourhoods hardly changes. Another chaotic orbit may
+/// exceed the allowed difference; its row then reports that.
 pub fn data_against_equations(figures: &[(&str, &Data)]) {
     let mut off = Vec::new();
     let mut compared = 0;
@@ -149,8 +149,8 @@ pub fn data_against_equations(figures: &[(&str, &Data)]) {
             }
         }
     }
-    // One of a cycle, two of a torus, three of a chaotic motion with stick, each by two settings;
-    // but the second settings call the first of the torus unstable.
+    // One exponent of a cycle, two of a torus, three of a chaotic motion with stick, each by two
+    // settings. The second settings call the first of the torus unstable.
     assert_eq!(compared, 2 * (1 + 2 + 3) - 1);
     assert_eq!(off, Vec::<String>::new());
 }
@@ -171,7 +171,7 @@ fn another_figures_exponents_do_not_confirm_a_section() {
 fn the_procedure_of_sect_3_gives_two_captioned_classes_with_the_signs_corrected_alone() {
     with(|report| {
         let found = &report.ledger.statements.by_procedure;
-        // Fig. 10 closes after one loop and is captioned with two.
+        // Fig. 10 closes after one loop; its caption says two.
         let classes = [Class::Periodic(1), Class::QuasiPeriodic, Class::Chaotic];
         assert_eq!(found.corrected, classes.map(Some));
         assert_eq!(found.as_printed, [None; 3]);

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use tungstenite::stream::MaybeTlsStream;
 use tungstenite::{Message, WebSocket};
 
-/// Programs that are a Chromium, in the order in which they are tried.
+/// Names of Chromium programs, in the order in which they are tried.
 const NAMES: [&str; 4] = [
     "chromium",
     "chromium-browser",
@@ -18,7 +18,7 @@ const NAMES: [&str; 4] = [
     "google-chrome-stable",
 ];
 
-/// The browser installed here, if there is one; `CHROMIUM` names another.
+/// The browser installed here, if any. `CHROMIUM` overrides it.
 pub fn installed() -> Option<PathBuf> {
     if let Some(named) = std::env::var_os("CHROMIUM") {
         return Some(named.into());
@@ -31,7 +31,7 @@ pub fn installed() -> Option<PathBuf> {
     candidates.into_iter().find(|file| file.is_file())
 }
 
-/// One browser with one page. Ends with the value.
+/// One browser with one page. Dropping it ends the process.
 pub struct Browser {
     process: Child,
     socket: WebSocket<MaybeTlsStream<TcpStream>>,
@@ -83,7 +83,7 @@ impl Browser {
                     .map(str::to_owned)
             })
             .expect("the browser opens its port");
-        // The pipe is emptied to the end, or the browser would block on it.
+        // The pipe is read to the end; otherwise the browser would block on it.
         std::thread::spawn(move || lines.for_each(drop));
         let (socket, _) = tungstenite::connect(address.trim()).unwrap();
         if let MaybeTlsStream::Plain(stream) = socket.get_ref() {
@@ -110,14 +110,14 @@ impl Browser {
         browser
     }
 
-    /// Opens `file` anew.
+    /// Opens `file` in the same page.
     pub fn navigate(&mut self, file: &Path) {
         let url = format!("file://{}", file.canonicalize().unwrap().display());
         self.call("Page.navigate", json!({ "url": url }));
         self.wait_for("Page.loadEventFired");
     }
 
-    /// Sets the size of the window and whether the reader prefers dark colours.
+    /// Sets the width of the window and the colour scheme.
     pub fn look(&mut self, width: u32, scheme: &str) {
         let size =
             json!({ "width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500 });
@@ -141,7 +141,7 @@ impl Browser {
         answer["result"]["value"].clone()
     }
 
-    /// Presses a key, as a reader at a keyboard would.
+    /// Presses a key, as a user at a keyboard would.
     pub fn press(&mut self, key: &str, code: u32) {
         for kind in ["rawKeyDown", "keyUp"] {
             let event =
@@ -174,7 +174,7 @@ impl Browser {
         while self.next_message()["method"] != json!(event) {}
     }
 
-    /// The next message; what the page complains of is kept.
+    /// The next message. Errors that the page reports are kept.
     fn next_message(&mut self) -> Value {
         loop {
             let Message::Text(text) = self.socket.read().expect("the browser answers") else {
@@ -193,7 +193,7 @@ impl Browser {
                 {
                     self.complaints.push(message["params"].to_string());
                 }
-                // A page that needs nothing asks for nothing but itself.
+                // A self-contained page requests nothing but itself.
                 Some("Network.requestWillBeSent") => {
                     let url = message["params"]["request"]["url"]
                         .as_str()

@@ -1,11 +1,11 @@
-//! The cause of Fig. 8's numbers is shown, and would not be with another limit.
+//! The cause of Fig. 8's numbers is shown, and would not be shown with another limit.
 
 use super::with;
 use replication::paper::listing::{Setup, run};
 use replication::paper::pattern::Pattern;
 use replication::paper::published::Claims;
-use replication::paper::slip_times_three::{Injected, settled};
-use replication::report::cause::{Cause, SameMotion};
+use replication::paper::slip_times_three::{InjectedDefects, settled};
+use replication::report::cause::{Cause, MotionComparison};
 use replication::report::convergence::Convergence;
 
 #[test]
@@ -14,21 +14,24 @@ fn all_three_parts_hold() {
         let cause = &report.ledger.cause;
         assert!(cause.is_shown(), "{:?}", cause.parts());
         assert!(cause.motion.holds() && cause.first_order() && cause.is_step_error());
-        // What is left at the printed step is no rounding: it is far more than the finest step
-        // leaves.
+        // The difference at the printed step is not rounding: it is far larger than at the finest
+        // step.
         let step = cause.step.as_ref().unwrap();
-        let largest = step.left.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        let largest = step
+            .step_difference
+            .iter()
+            .fold(0.0, |most: f64, v| most.max(v.abs()));
         assert!(largest > 1e-4, "{step:?}");
     });
 }
 
 #[test]
 fn a_wrong_limit_is_not_approached_and_leaves_no_step_error() {
-    let published = Claims::committed().unwrap().four();
+    let published = Claims::committed().unwrap().published_stick_numbers();
     let printed = Pattern::of_listing(&run(&Setup::default())).unwrap();
     with(|report| {
         let right = &report.ledger.convergence;
-        // The published numbers themselves, and each number wrong by itself by a fifth of its last
+        // The published numbers themselves, and each number alone changed by a fifth of its last
         // printed digit.
         let mut wrong = vec![published];
         for i in 0..4 {
@@ -56,31 +59,31 @@ fn a_wrong_limit_is_not_approached_and_leaves_no_step_error() {
 
 #[test]
 fn only_both_defects_make_the_motion_and_the_numbers() {
-    let published = Claims::committed().unwrap().four();
+    let published = Claims::committed().unwrap().published_stick_numbers();
     let printed = Pattern::of_listing(&run(&Setup::default())).unwrap();
     with(|report| {
-        let most = SameMotion::most(&report.ledger.convergence);
-        let motion =
-            |injected, published| SameMotion::new(&printed, settled(injected), published, most);
-        let both = motion(Injected::BOTH, published);
+        let most = MotionComparison::allowed_differences(&report.ledger.convergence);
+        let motion = |injected, published| {
+            MotionComparison::new(&printed, settled(injected), published, most)
+        };
+        let both = motion(InjectedDefects::BOTH, published);
         assert!(both.holds(), "{}", both.sentence());
-        let twice = Injected {
+        let twice = InjectedDefects {
             slip: 2.0,
-            ..Injected::BOTH
+            ..InjectedDefects::BOTH
         };
         for injected in [
-            Injected::SLIP_ALONE,
-            Injected::EXIT_ALONE,
-            Injected::NONE,
+            InjectedDefects::SLIP_ALONE,
+            InjectedDefects::EXIT_ALONE,
+            InjectedDefects::NONE,
             twice,
         ] {
             let without = motion(injected, published);
             assert!(!without.holds(), "{injected:?}: {}", without.sentence());
         }
-        // With another digit in the third decimal in print, the numbers are not the ones that come
-        // out.
+        // If the third printed decimal were another, the numbers would not agree.
         let mut other = published;
         other[1] += 1e-3;
-        assert!(!motion(Injected::BOTH, other).holds());
+        assert!(!motion(InjectedDefects::BOTH, other).holds());
     });
 }

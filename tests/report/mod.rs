@@ -1,4 +1,4 @@
-//! The ledger of claims: complete, resting on evidence, frozen; and the report's files are the
+//! The ledger of claims is complete, rests on evidence and is frozen; the report's files are the
 //! committed ones.
 
 mod block_and_bracket;
@@ -23,7 +23,7 @@ use replication::report::matrix::Cell;
 use replication::report::readme;
 use replication::report::verdict::Verdict;
 
-/// What the program `report` computes and writes.
+/// Results and files of the program `report`.
 pub struct Report {
     folder: tempfile::TempDir,
     /// The ledger with all figures' tables.
@@ -32,7 +32,7 @@ pub struct Report {
     ticks: usize,
 }
 
-/// Computed once for all tests: it takes some seconds.
+/// Computed once for all tests, in some seconds.
 static REPORT: LazyLock<Mutex<Report>> = LazyLock::new(|| {
     let folder = tempfile::tempdir().unwrap();
     let ticks = AtomicUsize::new(0);
@@ -51,7 +51,7 @@ static REPORT: LazyLock<Mutex<Report>> = LazyLock::new(|| {
     })
 });
 
-/// Lets a test look at the report.
+/// Gives a test access to the report.
 pub fn with<T>(look: impl FnOnce(&Report) -> T) -> T {
     look(
         &REPORT
@@ -95,7 +95,7 @@ fn every_claim_has_a_verdict_that_follows_from_its_findings() {
     });
 }
 
-/// What the ledger would say if the paper had printed something else.
+/// The entry that the ledger would have if the paper had printed something else.
 #[test]
 fn a_changed_digit_in_the_table_of_claims_changes_its_row() {
     let text = include_str!("../../data/claims.csv");
@@ -136,10 +136,10 @@ fn a_changed_digit_in_the_table_of_claims_changes_its_row() {
             assert_eq!(text.matches(printed).count(), 1, "{printed}");
             let claims = Claims::parse(&text.replace(printed, instead)).unwrap();
             let entry = report.ledger.entry(id);
-            let again = report.ledger.judged_anew(&claims, id);
+            let again = report.ledger.rejudged(&claims, id);
             assert_ne!(again.verdict, entry.verdict, "{id}: {instead}");
-            // With the table as it is, nothing changes.
-            let same = report.ledger.judged_anew(Claims::committed().unwrap(), id);
+            // With the unchanged table, nothing changes.
+            let same = report.ledger.rejudged(Claims::committed().unwrap(), id);
             assert_eq!(same.verdict, entry.verdict, "{id}");
         }
     });
@@ -152,7 +152,7 @@ fn the_cause_of_fig_8_is_in_the_matrix() {
         assert_eq!(matrix.cells.len(), 128);
         assert!(matrix.with(Defects::AS_PRINTED).gives_digits());
         assert!(!matrix.with(Defects::MENDED).gives_class());
-        // Of the least set nothing can be mended.
+        // Nothing in the smallest set can be mended.
         let least = matrix.minimal(Cell::gives_digits);
         assert!(!least.is_empty());
         for cell in least {
@@ -218,14 +218,14 @@ fn the_readme_says_what_the_ledger_does() {
     let readme = include_str!("../../README.md");
     with(|report| {
         let block = readme::block(&report.ledger);
-        let written = readme::MARKS
-            .put(readme, &block)
+        let written = readme::SECTION_MARKERS
+            .replace_section(readme, &block)
             .expect("the README has marks for its verdicts");
         assert!(written == readme, "run `make report`");
     });
 }
 
-/// What must not change unnoticed.
+/// The contents that must not change unnoticed.
 fn golden(ledger: &Ledger) -> String {
     let mut text = String::new();
     for entry in &ledger.entries {
@@ -285,7 +285,7 @@ fn the_committed_files_are_the_computed_ones() {
         ] {
             let computed = std::fs::read_to_string(report.folder.path().join(name)).unwrap();
             let committed = std::fs::read_to_string(top.join(name)).unwrap();
-            // Not assert_eq, which would print two whole files.
+            // assert_eq would print both files.
             assert!(
                 committed == computed,
                 "{name} is not what the program computes now; run `make report` and look at the \

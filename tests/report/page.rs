@@ -8,8 +8,8 @@ use serde_json::{Value, json};
 use super::browser::{Browser, installed};
 use super::with;
 
-/// Contrast of every piece of text against what is behind it, where it is below 4.5 (WCAG 2, AA;
-/// large text asks for 3).
+/// Lists every piece of text whose contrast with its background is below 4.5 (WCAG 2, AA; large
+/// text requires 3).
 const FAINT: &str = r#"(() => {
   const parse = (color) => (color.match(/[\d.]+/g) ?? []).map(Number);
   const channel = (v) => (v /= 255) <= 0.03928 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4;
@@ -37,7 +37,7 @@ const FAINT: &str = r#"(() => {
   return faint;
 })()"#;
 
-/// The width that the content takes beyond the window.
+/// The width of the content beyond the window.
 const OVERHANG: &str =
     "document.documentElement.scrollWidth - document.documentElement.clientWidth";
 
@@ -51,7 +51,7 @@ fn count(value: &Value) -> usize {
 #[test]
 fn the_page_works_in_a_browser() {
     let Some(program) = installed() else {
-        // Past the capture of what tests print: nobody sees that of one that passes.
+        // Bypasses the capture of test output, which is not shown for tests that pass.
         let _ = writeln!(
             std::io::stderr(),
             "skipped: no Chromium is installed; the report's page was not looked at"
@@ -68,7 +68,7 @@ fn the_page_works_in_a_browser() {
                 let what = format!("{scheme}, {width} px");
                 assert_eq!(browser.evaluate(OVERHANG), json!(0), "{what}");
                 assert_eq!(browser.evaluate(FAINT), json!([]), "{what}");
-                // Open what is folded: it must fit, too.
+                // Opens what is folded: it must fit, too.
                 browser.evaluate(
                     "document.querySelectorAll('details').forEach((one) => (one.open = true))",
                 );
@@ -90,7 +90,7 @@ fn the_page_works_in_a_browser() {
     });
 }
 
-/// What is folded stays folded; what the reader opens is printed.
+/// What is folded stays folded in print; what the reader opened is printed.
 fn paper_folds_as_the_reader_does(browser: &mut Browser) {
     let folded = "[...document.querySelectorAll('details li, details td')].filter((one) => \
         !one.checkVisibility()).length";
@@ -107,7 +107,7 @@ fn paper_folds_as_the_reader_does(browser: &mut Browser) {
     browser.look(1280, "light");
 }
 
-/// Pages of a PDF that comes in base 64: its page objects are not compressed.
+/// Number of pages of a PDF in base 64, whose page objects are not compressed.
 fn pages(base64: &str) -> usize {
     let mut bytes = Vec::new();
     let (mut bits, mut held) = (0_u32, 0);
@@ -131,8 +131,8 @@ fn pages(base64: &str) -> usize {
     text.matches("/Type /Page").count() - text.matches("/Type /Pages").count()
 }
 
-/// No word of a verdict is broken, on no width and not on paper: the text of a mark takes as many
-/// lines as it has words at most.
+/// No word of a verdict is broken, at any width or on paper. The text of a mark has at most as many
+/// lines as words.
 fn verdicts_are_whole_words(browser: &mut Browser) {
     let broken = "[...document.querySelectorAll('.mark')].filter((mark) => { const range = \
         document.createRange(); range.selectNodeContents(mark); const tops = \
@@ -144,7 +144,7 @@ fn verdicts_are_whole_words(browser: &mut Browser) {
         browser.look(width, "light");
         assert_eq!(browser.evaluate(broken), json!([]), "{width} px");
     }
-    // As wide as a page of paper between its margins.
+    // The width of a printed page between its margins.
     browser.look(700, "light");
     browser.call("Emulation.setEmulatedMedia", json!({ "media": "print" }));
     assert_eq!(browser.evaluate(broken), json!([]), "paper");
@@ -153,15 +153,15 @@ fn verdicts_are_whole_words(browser: &mut Browser) {
 
 /// On a narrow screen a figure is wider than its frame, and a note above says that it scrolls.
 fn narrow_figures_say_that_they_scroll(browser: &mut Browser) {
-    let told = "[...document.querySelectorAll('figure')].map((one) => \
+    let reported = "[...document.querySelectorAll('figure')].map((one) => \
         [one.firstElementChild.scrollWidth > one.clientWidth, getComputedStyle(one, \
         '::before').content.includes('scroll')])";
     browser.look(375, "light");
-    for one in browser.evaluate(told).as_array().unwrap() {
+    for one in browser.evaluate(reported).as_array().unwrap() {
         assert_eq!(*one, json!([true, true]));
     }
     browser.look(1280, "light");
-    for one in browser.evaluate(told).as_array().unwrap() {
+    for one in browser.evaluate(reported).as_array().unwrap() {
         assert_eq!(*one, json!([false, false]));
     }
 }
@@ -174,7 +174,7 @@ fn every_figure_shows(browser: &mut Browser) {
          svg.querySelector('desc').textContent.length]; })",
     );
     let sizes = sizes.as_array().unwrap();
-    // Seven of the paper, the convergence and the scan.
+    // Seven figures of the paper, the convergence and the scan.
     assert_eq!(sizes.len(), 9);
     for of_one in sizes {
         let [width, height, shapes, title, description] = &of_one.as_array().unwrap()[..] else {
@@ -191,7 +191,7 @@ fn every_figure_shows(browser: &mut Browser) {
     }
 }
 
-/// By keyboard: the first button has the focus, arrows go on to the next.
+/// By keyboard: the first button has the focus, and arrow keys move to the next.
 fn the_filter_works(browser: &mut Browser, counts: &[usize]) {
     let all: usize = counts.iter().sum();
     assert_eq!(count(&browser.evaluate(SHOWN)), all);
@@ -232,7 +232,8 @@ fn columns_sort(browser: &mut Browser) {
     assert_eq!(browser.evaluate(order), before);
 }
 
-/// Links within the page have a target, and there are no others: the page can be moved anywhere.
+/// Links within the page have a target, and there are no others, so that the page can be moved
+/// anywhere.
 fn links_lead_somewhere(browser: &mut Browser, page: &Path) {
     let dangling = browser.evaluate(
         "[...document.querySelectorAll('a')].filter((a) => !a.hash || \

@@ -57,13 +57,13 @@ pub struct Figure {
 }
 
 /// Where a cell of the page lies and which margins it keeps.
-struct Placed<'f> {
+struct PlacedCell<'f> {
     frame: Frame,
     margins: Margins,
     cell: &'f Cell,
 }
 
-impl Placed<'_> {
+impl PlacedCell<'_> {
     fn is_panel(&self) -> bool {
         matches!(self.cell, Cell::Panel(_))
     }
@@ -117,10 +117,10 @@ impl Figure {
 
     /// Divides the page. Panels under one another get the same margins, so that their frames line
     /// up.
-    fn layout(&self) -> Result<Vec<Placed<'_>>, PlotError> {
+    fn layout(&self) -> Result<Vec<PlacedCell<'_>>, PlotError> {
         let (width, height) = self.size;
         let mut placed = Vec::new();
-        for (row, ends) in divided(&self.rows, height) {
+        for (row, ends) in subdivide(&self.rows, height) {
             placed.append(&mut place_row(row, width, ends)?);
         }
         line_up(&mut placed);
@@ -140,7 +140,7 @@ impl Figure {
 }
 
 /// Where each of the things begins and ends along an edge of the page.
-fn divided<T>(shares: &[(f64, T)], edge: f64) -> impl Iterator<Item = (&T, (f64, f64))> {
+fn subdivide<T>(shares: &[(f64, T)], edge: f64) -> impl Iterator<Item = (&T, (f64, f64))> {
     let weights: f64 = shares.iter().map(|(weight, _)| weight).sum();
     let room = edge - 2.0 * BORDER - GAP * shares.len().saturating_sub(1) as f64;
     let mut next = BORDER;
@@ -155,10 +155,10 @@ fn place_row(
     cells: &[(f64, Cell)],
     width: f64,
     (top, bottom): (f64, f64),
-) -> Result<Vec<Placed<'_>>, PlotError> {
+) -> Result<Vec<PlacedCell<'_>>, PlotError> {
     let mut placed = Vec::new();
-    for (cell, (left, right)) in divided(cells, width) {
-        placed.push(Placed {
+    for (cell, (left, right)) in subdivide(cells, width) {
+        placed.push(PlacedCell {
             frame: Frame::between((left, top), (right, bottom)),
             margins: cell.margins(right - left)?,
             cell,
@@ -175,8 +175,8 @@ fn place_row(
 }
 
 /// Gives panels whose cells begin (or end) at the same abscissa the same left (or right) margin.
-fn line_up(placed: &mut [Placed<'_>]) {
-    let mut panels: Vec<&mut Placed<'_>> = placed.iter_mut().filter(|p| p.is_panel()).collect();
+fn line_up(placed: &mut [PlacedCell<'_>]) {
+    let mut panels: Vec<&mut PlacedCell<'_>> = placed.iter_mut().filter(|p| p.is_panel()).collect();
     let cells: Vec<(Frame, Margins)> = panels.iter().map(|p| (p.frame, p.margins)).collect();
     for place in &mut panels {
         for (frame, margins) in &cells {
@@ -222,7 +222,7 @@ mod tests {
         let region = Region::between(line, [(0.1, 0.0), (0.9, 0.0)]).fill(SKY);
         let cells = Cells::new((0.0, 0.5), (0.0, 0.5), 2, [true, false, false, true]);
         let markers = Markers::new(line).shape(Shape::Up).color(GREEN);
-        let note = Note::new(Place::Fraction(0.5, 0.5), "there").leader((0.9, 0.9));
+        let note = Note::new(Position::Fraction(0.5, 0.5), "there").leader((0.9, 0.9));
         let dimension = Dimension::new((0.2, 0.2), (0.8, 0.2), "0.6 m").shift(9.0);
         let inset = Inset::new((0.5, 0.5), (0.9, 0.9), unit().title("detail"));
         let panels: Vec<(Panel, &str)> = vec![

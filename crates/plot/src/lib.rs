@@ -72,7 +72,7 @@ pub use color::{
 pub use elements::Shape;
 pub use error::PlotError;
 pub use figure::{Cell, Figure};
-pub use layers::{Band, Cells, Curve, Dimension, Guide, Inset, Markers, Note, Place, Region};
+pub use layers::{Band, Cells, Curve, Dimension, Guide, Inset, Markers, Note, Position, Region};
 pub use legend::Legend;
 pub use metrics::FACES;
 pub use panel::Panel;

@@ -164,7 +164,7 @@ impl<'p, 'a> Plot<'p, 'a> {
     /// A polyline in data units, cut at the frame.
     pub(super) fn stroke(&self, points: &[Point], pen: &Pen) -> Drawn {
         for piece in polyline::clip_line(points, &self.bounds) {
-            let points = polyline::thin(&piece, self.scale(), TOLERANCE);
+            let points = polyline::simplify(&piece, self.scale(), TOLERANCE);
             let ink = Ink::Line(*pen);
             self.data.draw(&Element { points, ink })?;
         }
@@ -175,7 +175,7 @@ impl<'p, 'a> Plot<'p, 'a> {
     pub(super) fn fill(&self, points: &[Point], color: Color) -> Drawn {
         let cut = polyline::clip_area(points, &self.bounds);
         let (points, ink) = (
-            polyline::thin(&cut, self.scale(), TOLERANCE),
+            polyline::simplify(&cut, self.scale(), TOLERANCE),
             Ink::Polygon(color),
         );
         Ok(self.data.draw(&Element { points, ink })?)

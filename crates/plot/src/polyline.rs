@@ -118,7 +118,7 @@ const PIECE: usize = 1 << 16;
 /// those of the tolerance. The ends of pieces of a long line are kept: where every split leaves
 /// nearly all points on one side, as of a spiral, the time grows with the square of a piece and not
 /// of the line.
-pub(super) fn thin(points: &[Point], scale: Point, tolerance: f64) -> Vec<Point> {
+pub(super) fn simplify(points: &[Point], scale: Point, tolerance: f64) -> Vec<Point> {
     if points.len() < 3 {
         return points.to_vec();
     }
@@ -215,7 +215,7 @@ mod tests {
             .map(|i| (f64::from(i), 2.0 * f64::from(i)))
             .collect();
         assert_eq!(
-            thin(&line, (1.0, 1.0), 0.01),
+            simplify(&line, (1.0, 1.0), 0.01),
             vec![(0.0, 0.0), (99.0, 198.0)]
         );
     }
@@ -225,13 +225,13 @@ mod tests {
         let length = 2 * PIECE + 2;
         let line: Vec<Point> = (0..length).map(|i| (i as f64, 0.0)).collect();
         let ends = [0, PIECE, 2 * PIECE, length - 1].map(|i| line[i]);
-        assert_eq!(thin(&line, (1.0, 1.0), 0.01), ends);
+        assert_eq!(simplify(&line, (1.0, 1.0), 0.01), ends);
     }
 
     #[test]
     fn a_closed_loop_is_not_collapsed() {
         let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0)];
-        assert_eq!(thin(&square, (1.0, 1.0), 0.01).len(), 5);
+        assert_eq!(simplify(&square, (1.0, 1.0), 0.01).len(), 5);
     }
 
     proptest! {
@@ -250,7 +250,7 @@ mod tests {
         fn thinning_keeps_every_point_within_tolerance(
             points in prop::collection::vec((-3.0..3.0, -3.0..3.0), 2..60)
         ) {
-            let kept = thin(&points, (1.0, 1.0), 0.5);
+            let kept = simplify(&points, (1.0, 1.0), 0.5);
             for p in &points {
                 let nearest = kept
                     .windows(2)

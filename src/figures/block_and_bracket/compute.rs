@@ -1,6 +1,6 @@
-//! The orbit, its spectra and the outcome of the equations as printed.
+//! The orbit, its spectra, and the outcome of the equations as printed.
 
-use super::watch::{DT, END, START, Watch};
+use super::recorder::{DT, END, OrbitRecorder, START};
 use crate::figures::Failure;
 use crate::paper::claim_id::SpectrumFigure;
 use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
@@ -9,14 +9,14 @@ use stickslip::models::{BlockAndBracket, Caption, Reading};
 use stickslip::{Error, Locator, Method, Options, State, run};
 use stickslip_series::{DataSettings, DataSpectrum, Neighbourhood, Series, data_spectrum};
 
-/// What distinguishes each of the three figures.
+/// The parameters and texts of one of the three figures.
 #[derive(Clone, Copy, Debug)]
 pub struct Set {
     /// Which of the three.
     pub figure: SpectrumFigure,
     /// Its parameters.
     pub caption: Caption,
-    /// Length of the orbit drawn, at the end of the run.
+    /// Length of the orbit drawn, up to the end of the run.
     pub shown: f64,
     /// Title of the picture for screen readers.
     pub title: &'static str,
@@ -53,21 +53,21 @@ pub const SETS: [Set; 3] = [
     },
 ];
 
-/// Tolerance of the solver, far below the distance of points of a section that count as equal.
+/// Tolerance of the solver, far below the distance at which section points count as equal.
 pub const TOLERANCE: f64 = 1e-10;
-/// A component beyond this has diverged: it is far beyond the bounded motions.
+/// A component beyond this has diverged; bounded motions are far smaller.
 pub(crate) const DIVERGED: f64 = 1e3;
 
-/// A bounded motion, from `START` to `END`.
+/// Results for a bounded motion from `START` to `END`.
 #[derive(Clone, Debug)]
-pub struct Measured {
+pub struct BoundedMotion {
     /// Exponents from the equations.
     pub spectrum: Spectrum,
     /// Evidence for the class of the motion.
     pub evidence: Evidence,
     /// The class.
     pub class: Class,
-    /// Least normal force, unclipped, in units of `mg`.
+    /// Minimum of the normal force, unclipped, in units of `mg`.
     pub least_force: f64,
     /// Losses of contact.
     pub contact_losses: u64,
@@ -75,11 +75,11 @@ pub struct Measured {
 
 /// The equations as printed.
 #[derive(Clone, Debug)]
-pub enum Literal {
+pub enum AsPrintedOutcome {
     /// A component exceeds 1000 at this time.
     Diverges(f64),
-    /// It does not until the end of the series.
-    Bounded(Box<Measured>),
+    /// The orbit stays bounded until the end of the series.
+    Bounded(Box<BoundedMotion>),
 }
 
 /// What the figure shows.
@@ -87,72 +87,72 @@ pub enum Literal {
 pub struct Data {
     /// Which of the three figures.
     pub set: &'static Set,
-    /// The model with the corrected equations.
+    /// The model by the corrected equations.
     pub model: BlockAndBracket,
     /// Its motion.
-    pub exact: Measured,
+    pub exact: BoundedMotion,
     /// Exponents from the sampled states.
     pub from_data: DataSpectrum,
-    /// The same by the nearest of the search's settings for the three figures together.
+    /// The same with the nearest of the search's settings for the three figures together.
     pub best_of_readings: DataSpectrum,
-    /// States sampled.
+    /// Number of sampled states.
     pub samples: usize,
     /// The part of the orbit that is drawn.
     pub curve: Vec<[f64; 4]>,
-    /// Its section points, the first few.
-    pub turns: Vec<[f64; 4]>,
-    /// All section points: where the block turns back.
+    /// The first few of its section points.
+    pub turning_points: Vec<[f64; 4]>,
+    /// All section points: the block's turning points.
     pub section: Vec<[f64; 4]>,
     /// The reading `as-printed`.
-    pub literal: Literal,
+    pub literal: AsPrintedOutcome,
 }
 
 /// Computes one of the three figures.
 pub(super) fn compute(set: &'static Set) -> Result<Data, Failure> {
     let model = BlockAndBracket::from_caption(&set.caption, &Reading::exact())?;
-    // Two independent runs, each of them sequential: the same bits on any number of threads.
+    // Two independent sequential runs: the result does not depend on the number of threads.
     let exact = || measure(&model, set, Options::tol(TOLERANCE));
     let (exact, literal) = rayon::join(exact, || literal(set));
     let (
         exact,
-        Watch {
+        OrbitRecorder {
             samples,
-            turns,
+            turning_points,
             curve,
             ..
         },
     ) = exact?;
     let series = Series::from_rows(samples.states.iter().copied(), DT)?;
-    let section: Vec<[f64; 4]> = turns.points.iter().map(|(_, x)| *x).collect();
+    let section: Vec<[f64; 4]> = turning_points.points.iter().map(|(_, x)| *x).collect();
     Ok(Data {
         set,
         exact,
         from_data: data_spectrum(&series, &DataSettings::sano_sawada())?,
-        best_of_readings: data_spectrum(&series, &best_common())?,
+        best_of_readings: data_spectrum(&series, &best_common_settings())?,
         samples: samples.states.len(),
         curve,
-        turns: section.iter().take(16).copied().collect(),
+        turning_points: section.iter().take(16).copied().collect(),
         section,
         literal: literal?,
         model,
     })
 }
 
-fn literal(set: &Set) -> Result<Literal, Error> {
+fn literal(set: &Set) -> Result<AsPrintedOutcome, Error> {
     let model = BlockAndBracket::from_caption(&set.caption, &Reading::as_printed())?;
     let options = Options::tol(TOLERANCE).escape(DIVERGED);
     let start = State::from(set.caption.start);
     match run(&model, 0.0, start, END, &options, &mut ()).map_err(Error::from) {
-        Err(Error::Escaped { t, .. }) => Ok(Literal::Diverges(t)),
+        Err(Error::Escaped { t, .. }) => Ok(AsPrintedOutcome::Diverges(t)),
         Err(other) => Err(other),
         Ok(_) => {
             let (measured, _) = measure(&model, set, options)?;
-            Ok(Literal::Bounded(Box::new(measured)))
+            Ok(AsPrintedOutcome::Bounded(Box::new(measured)))
         }
     }
 }
 
-/// Class of the motion of a set, read in one way.
+/// Class of the motion of a set under one reading.
 ///
 /// # Errors
 /// Those of [`lyapunov_spectrum_watched`].
@@ -161,8 +161,8 @@ pub fn class(set: &Set, reading: &Reading, solver: Options) -> Result<Class, Err
     Ok(measure(&model, set, solver)?.0.class)
 }
 
-/// The same by the procedure of Sect. 3: classical Runge–Kutta steps of one length, and Hénon's
-/// step onto Σ. Nothing if the orbit escapes.
+/// The same by the procedure of Sect. 3: classical Runge–Kutta steps of fixed length, and Hénon's
+/// step onto Σ. `None` if the orbit escapes.
 ///
 /// # Errors
 /// Those of [`class`] except an escape.
@@ -181,14 +181,14 @@ fn measure<'a>(
     model: &'a BlockAndBracket,
     set: &Set,
     solver: Options,
-) -> Result<(Measured, Watch<'a>), Error> {
+) -> Result<(BoundedMotion, OrbitRecorder<'a>), Error> {
     let settings = SpectrumOptions::over(START, END - START).solver(solver);
-    let mut watch = Watch::new(model, &settings.solver, set.shown);
+    let mut watch = OrbitRecorder::new(model, &settings.solver, set.shown);
     let start = (0.0, State::from(set.caption.start));
     let spectrum = lyapunov_spectrum_watched(model, start, &settings, &mut watch)?;
     let of = (Of::Flow, &spectrum.exponents[..], spectrum.duration);
-    let evidence = Evidence::gather(&watch.turns.points, of, &Criterion::default());
-    let measured = Measured {
+    let evidence = Evidence::gather(&watch.turning_points.points, of, &Criterion::default());
+    let measured = BoundedMotion {
         class: evidence.class(),
         evidence,
         least_force: watch.least_force,
@@ -198,12 +198,12 @@ fn measure<'a>(
     Ok((measured, watch))
 }
 
-/// The estimator's settings that come nearest to all three figures together, of the settings of the
-/// program `readings` with a radius in units of the spread, for
-/// [`stickslip::models::Reading::exact`] solved exactly. The figures show what it gives. The first
-/// few are as good as each other within the scatter of Fig. 12's chaotic orbit: a change of the
-/// solver's last bits can exchange them, and a test of the search then says so.
-pub(crate) fn best_common() -> DataSettings {
+/// The estimator's settings that come nearest to all three figures together, and the settings of
+/// the figures. They are chosen from the program `readings`, among those with a radius in units of
+/// the spread, for [`stickslip::models::Reading::exact`] solved exactly. The first few differ by
+/// less than the scatter of Fig. 12's chaotic orbit. A change of the solver's last bits can reorder
+/// them; a test of the search then fails.
+pub(crate) fn best_common_settings() -> DataSettings {
     DataSettings {
         neighbours: Neighbourhood::Ball {
             eps: 0.1,
@@ -211,7 +211,7 @@ pub(crate) fn best_common() -> DataSettings {
             max: 400,
         },
         step: 1,
-        // Reference points all over the series.
+        // Reference points from the whole series.
         stride: 1,
         references: None,
         affine: false,

@@ -1,9 +1,9 @@
 //! The picture of Figs. 10, 11 and 12.
 
-use super::compute::{Data, Literal};
-use super::numbers::{compare, worth};
-use super::watch::{END, START};
-use crate::figures::{FigureError, belt_line, pair};
+use super::compute::{AsPrintedOutcome, Data};
+use super::numbers::{compare, quality};
+use super::recorder::{END, START};
+use crate::figures::{FigureError, belt_line, side_by_side};
 use crate::numbers::extent;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::published::{Claims, PublishedError};
@@ -18,21 +18,21 @@ use stickslip_series::Status;
 const COLOURS: [Color; 4] = [BLUE, VERMILLION, GREEN, PURPLE];
 /// Margin around a curve, as a fraction of its extent.
 const MARGIN: f64 = 0.06;
-/// Running exponents before this part of the time still swing; they may leave the panel.
+/// Running exponents before this fraction of the time still oscillate; they may leave the panel.
 const SETTLED: f64 = 0.12;
-/// Widths of the curves from data, px: broad under the equations' curves, and each narrower than
-/// the one it may cover.
+/// Widths of the curves from data, px. They are broad under the curves from the equations, and each
+/// is narrower than the one it may cover.
 const BROAD: [f64; 4] = [6.0, 4.0, 3.0, 2.0];
-/// Neighbours in size may coincide; one of two is dashed and on top.
+/// Neighbouring exponents may coincide; one of two is dashed and on top.
 const DASHES: [Dash; 4] = [Dash::Solid, Dash::Dashed, Dash::Solid, Dash::Dashed];
-/// Where the axis of exponents turns from linear to logarithmic.
+/// The axis of exponents is linear below this and logarithmic above.
 const LINEAR: f64 = 1e-3;
 
 /// Description of the picture for screen readers.
 fn description(data: &Data) -> String {
     let exact = &data.exact;
     let exponents = exact.spectrum.exponents.iter();
-    let exponents = exponents.map(|exponent| four(exponent.value()));
+    let exponents = exponents.map(|exponent| four_decimals(exponent.value()));
     format!(
         "{} From the equations these come to {}; section points: {}; the motion is {}.",
         data.set.description,
@@ -46,7 +46,7 @@ pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
     let (set, size) = (data.set, (770.0, 800.0));
     let below = vec![(0.9, running(data)?.into()), (1.1, table(data)?.into())];
     let figure = Figure::new(set.figure.name(), size, set.title, &description(data));
-    let figure = figure.columns(0.47, pair(block(data), bracket(data)));
+    let figure = figure.columns(0.47, side_by_side(block(data), bracket(data)));
     let figure = figure.columns(0.43, below).row(0.1, caption(&set.caption));
     Ok(figure.render()?)
 }
@@ -86,8 +86,8 @@ fn block(data: &Data) -> Panel {
     let points = curve().map(|x| (x[0], x[1]));
     panel.add(Curve::new(points).color(BLUE).width(width(data)));
     if matches!(data.exact.class, Class::Periodic(_)) {
-        let turns = data.turns.iter().map(|x| (x[0], x[1]));
-        panel.add(Markers::new(turns).open().legend("section point"));
+        let turning_points = data.turning_points.iter().map(|x| (x[0], x[1]));
+        panel.add(Markers::new(turning_points).open().legend("section point"));
     }
     panel
 }
@@ -100,7 +100,7 @@ fn bracket(data: &Data) -> Panel {
         ("*x*_4", range(curve().map(|x| x[3]))),
     ];
     let mut panel = plane("(b)", "bracket", axes, data);
-    // Only where the bracket's velocity does not act on the contact is the border upright.
+    // The border is vertical only if the bracket's velocity does not act on the contact.
     let lift = 1.0 / data.model.unloading;
     if data.model.unloading_rate == 0.0 && lift > low && lift < high {
         let lifted = Band::x(lift, high).fill(LIGHT_GREY);
@@ -111,7 +111,7 @@ fn bracket(data: &Data) -> Panel {
     panel
 }
 
-/// The numbers of the caption under its heading, and what they are taken for.
+/// The numbers of the caption under its heading, and their interpretation.
 fn caption(caption: &Caption) -> Table {
     let first = ["*ξ*_1", "*ξ*_2", "*ξ*_3", "*ξ*_4", "*ξ*_5"];
     let named = |last: [&str; 4]| first.into_iter().chain(last).map(str::to_owned).collect();
@@ -128,7 +128,7 @@ fn caption(caption: &Caption) -> Table {
         .row(row("taken for", taken, states))
 }
 
-/// An exponent on an axis that is linear near zero and logarithmic away from it.
+/// An exponent on an axis that is linear near zero and logarithmic elsewhere.
 fn scaled(exponent: f64) -> f64 {
     math::log10(1.0 + exponent.abs() / LINEAR).copysign(exponent)
 }
@@ -163,7 +163,7 @@ fn running(data: &Data) -> Result<Panel, PublishedError> {
     .title(&format!("exponents{}", annihilated(data)))
     .legend(Legend::Below);
     panel.add(Guide::horizontal(0.0).color(GREY).width(0.6));
-    // Broad and pale, under the equations' curves: where both agree, both are seen.
+    // Broad and pale, under the equations' curves: where both agree, both remain visible.
     for &i in &reliable {
         let points = by_data().map(|at| (at.t, scaled(at.exponents[i])));
         let broad = Curve::new(points).color(COLOURS[i].pale()).width(BROAD[i]);
@@ -174,7 +174,7 @@ fn running(data: &Data) -> Result<Panel, PublishedError> {
         let line = Curve::new(ends).color(COLOURS[i]).dash(Dash::Dotted);
         panel.add(line.width(1.2).legend(&format!("*λ*_{}, published", i + 1)));
     }
-    // The dashed ones last, on top.
+    // The dashed curves last, on top.
     for i in [0, 2, 1, 3] {
         if data.exact.spectrum.exponents[i] == Exponent::Annihilated {
             continue;
@@ -186,7 +186,7 @@ fn running(data: &Data) -> Result<Panel, PublishedError> {
     Ok(panel)
 }
 
-/// What the running means cannot show: the exponents that the equations give as −∞.
+/// Exponents of −∞ by the equations, which the running means cannot show.
 fn annihilated(data: &Data) -> String {
     let exponents = data.exact.spectrum.exponents.iter().enumerate();
     exponents
@@ -196,7 +196,7 @@ fn annihilated(data: &Data) -> String {
 }
 
 /// Four decimals, as published.
-fn four(value: f64) -> String {
+fn four_decimals(value: f64) -> String {
     if value == f64::NEG_INFINITY {
         "−∞".into()
     } else if value.is_nan() {
@@ -206,8 +206,7 @@ fn four(value: f64) -> String {
     }
 }
 
-/// The places of the exponents from data as the table has them: by size, those that the data do not
-/// identify after the others.
+/// The indices of the exponents from data, by size; unidentified ones come last.
 fn by_size(data: &Data) -> Vec<usize> {
     let exponents = &data.from_data.exponents;
     let is_unidentified = |i: usize| exponents[i].status == Status::Unidentified;
@@ -220,7 +219,7 @@ fn by_size(data: &Data) -> Vec<usize> {
     order
 }
 
-/// How many section points differ, in words.
+/// The number of distinct section points, in words.
 fn section_points(distinct: usize, returns: usize) -> String {
     match distinct {
         1 => format!("one, met {returns} times"),
@@ -240,15 +239,19 @@ fn table(data: &Data) -> Result<Table, PublishedError> {
         let printed = published(data.set.figure.exponents()[i]).replace('-', "−");
         let exponent = &data.exact.spectrum.exponents[i];
         let equations = match exponent.std_error() {
-            Some(error) => format!("{} ± {}", four(exponent.value()), four(error)),
-            None => four(exponent.value()),
+            Some(error) => format!(
+                "{} ± {}",
+                four_decimals(exponent.value()),
+                four_decimals(error)
+            ),
+            None => four_decimals(exponent.value()),
         };
         let by_data = order.get(i).map_or_else(String::new, |&i| {
             let e = &data.from_data.exponents[i];
-            let value = four(e.value);
+            let value = four_decimals(e.value);
             match e.status {
                 Status::Unidentified => format!("({value})"),
-                _ => match worth(&data.from_data, i, &comparisons) {
+                _ => match quality(&data.from_data, i, &comparisons) {
                     "ok" | "annihilated" => value,
                     word => format!("{value} {word}"),
                 },
@@ -258,8 +261,8 @@ fn table(data: &Data) -> Result<Table, PublishedError> {
     }
     let exact = &data.exact;
     let literal = match &data.literal {
-        Literal::Diverges(t) => format!("beyond 1000 at *t* = {}", number(*t, 1)),
-        Literal::Bounded(measured) => measured.class.to_string(),
+        AsPrintedOutcome::Diverges(t) => format!("beyond 1000 at *t* = {}", number(*t, 1)),
+        AsPrintedOutcome::Bounded(measured) => measured.class.to_string(),
     };
     let points = section_points(exact.evidence.distinct, exact.evidence.returns);
     let stick = number(100.0 * exact.spectrum.stick_fraction, 2);

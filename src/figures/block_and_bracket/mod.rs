@@ -1,16 +1,18 @@
-//! What Figs. 10, 11 and 12 share: the block and the bracket with the parameters of one caption,
-//! its exponents from the equations and from data, and the class of its motion.
+//! Shared by Figs. 10, 11 and 12: the block and the bracket with the parameters of one caption. The
+//! figures show its exponents from the equations and from data, and the class of its motion.
 
 mod compute;
 mod draw;
 mod numbers;
-mod watch;
+mod recorder;
 
 #[cfg(feature = "report")]
 pub(crate) use compute::DIVERGED;
 #[cfg(all(test, feature = "report"))]
-pub(crate) use compute::best_common;
-pub use compute::{Data, Literal, Measured, SETS, Set, TOLERANCE, by_rk4_and_henon, class};
+pub(crate) use compute::best_common_settings;
+pub use compute::{
+    AsPrintedOutcome, BoundedMotion, Data, SETS, Set, TOLERANCE, by_rk4_and_henon, class,
+};
 
 use super::FigureSpec;
 use compute::compute;
@@ -18,10 +20,9 @@ use draw::draw;
 use numbers::numbers;
 pub use numbers::{Comparison, DIVERGES, compare};
 #[cfg(feature = "report")]
-pub(crate) use watch::{DT, START};
+pub(crate) use recorder::{DT, START};
 
-/// A figure with what is computed in words: which set of parameters, and what the paper publishes
-/// it as.
+/// A figure with its description: the set of parameters, and the class that the paper publishes.
 macro_rules! figure {
     ($place:literal, $title:literal, $set:literal, $published:literal) => {
         FigureSpec {

@@ -1,18 +1,18 @@
 //! The rows of Figs. 10, 11 and 12. Exponents from data stand beside those from the equations,
 //! wherever the estimator reports that the data determine them.
 
-use super::compute::{Data, Literal, Measured};
+use super::compute::{AsPrintedOutcome, BoundedMotion, Data};
 use crate::figures::rows::Row;
 use crate::paper::claim_id::{ClaimId, SpectrumFigure};
 use crate::paper::reading::Reading;
 use stickslip::analysis::Exponent;
 use stickslip_series::{DataExponent, DataSpectrum, Status};
 
-/// Reported in place of a class for an orbit that leaves every bound.
+/// Reported instead of a class for an orbit that diverges.
 pub const DIVERGES: &str = "diverges";
 
 pub(super) fn numbers(data: &Data) -> Vec<Row> {
-    let by = |reading| Named {
+    let by = |reading| FigureReading {
         figure: data.set.figure,
         reading,
     };
@@ -22,17 +22,17 @@ pub(super) fn numbers(data: &Data) -> Vec<Row> {
     rows.extend(from_data.data_exponents(&data.from_data, equations));
     rows.push(from_data.count("samples", data.samples));
     rows.extend(by(Reading::BestOfReadings).data_exponents(&data.best_of_readings, equations));
-    if let Literal::Bounded(measured) = &data.literal {
+    if let AsPrintedOutcome::Bounded(measured) = &data.literal {
         rows.extend(by(Reading::AsPrintedEquations).exponents(measured));
     }
     rows.extend(by(Reading::Corrected).motion(&data.exact));
     let as_printed = by(Reading::AsPrinted);
     match &data.literal {
-        Literal::Diverges(t) => {
+        AsPrintedOutcome::Diverges(t) => {
             rows.push(as_printed.number("diverges_at", *t, "t"));
             rows.push(as_printed.class(DIVERGES));
         }
-        Literal::Bounded(measured) => {
+        AsPrintedOutcome::Bounded(measured) => {
             let when = as_printed.name("diverges_at");
             rows.push(Row::word(when, Reading::AsPrinted, "never"));
             rows.extend(as_printed.motion(measured));
@@ -46,12 +46,12 @@ pub(super) fn numbers(data: &Data) -> Vec<Row> {
 }
 
 /// The rows of a figure under one reading.
-struct Named {
+struct FigureReading {
     figure: SpectrumFigure,
     reading: Reading,
 }
 
-impl Named {
+impl FigureReading {
     fn name(&self, quantity: &str) -> String {
         format!("{}.{quantity}", self.figure.name())
     }
@@ -68,19 +68,19 @@ impl Named {
         Row::word(self.figure.class(), self.reading, class)
     }
 
-    fn exponent(&self, place: usize, value: f64, worth: &'static str) -> Row {
+    fn exponent(&self, place: usize, value: f64, quality: &'static str) -> Row {
         let id = self.figure.exponents()[place];
-        Row::number(id, self.reading, value, "1/t").status(worth)
+        Row::number(id, self.reading, value, "1/t").status(quality)
     }
 
-    fn exponents(&self, measured: &Measured) -> Vec<Row> {
+    fn exponents(&self, measured: &BoundedMotion) -> Vec<Row> {
         let exponents = measured.spectrum.exponents.iter().take(4).enumerate();
         let values = exponents.clone().map(|(i, exponent)| {
-            let worth = match exponent {
+            let quality = match exponent {
                 Exponent::Finite { .. } => "ok",
                 Exponent::Annihilated => "annihilated",
             };
-            self.exponent(i, exponent.value(), worth)
+            self.exponent(i, exponent.value(), quality)
         });
         let errors = exponents.filter_map(|(i, exponent)| {
             let error = exponent.std_error()?;
@@ -89,25 +89,26 @@ impl Named {
         values.chain(errors).collect()
     }
 
-    /// The exponents, then what they are worth: standard error (statistical only), change with
-    /// neighbourhoods of twice the size, the fit of fixed rank, how far those that the data tell
-    /// are off the equations' and how far they may be, and the neighbourhoods.
+    /// The exponents, then their quality. It includes the standard error (statistical only), the
+    /// change with neighbourhoods of twice the size, and the fit of fixed rank. It also includes
+    /// the differences from the equations' exponents with the allowed differences, and the
+    /// neighbourhoods.
     fn data_exponents(&self, spectrum: &DataSpectrum, equations: &[Exponent]) -> Vec<Row> {
         let comparisons = compare(spectrum, equations);
         let exponents = spectrum.exponents.iter().take(4).enumerate();
         let value = |(i, exponent): (usize, &DataExponent)| {
-            self.exponent(i, exponent.value, worth(spectrum, i, &comparisons))
+            self.exponent(i, exponent.value, quality(spectrum, i, &comparisons))
         };
         let mut rows: Vec<Row> = exponents.clone().map(value).collect();
         for (i, exponent) in exponents {
             let fixed = exponent.fixed_rank.unwrap_or((f64::NAN, f64::NAN));
-            let worth = [
+            let quality = [
                 ("std_error", exponent.stderr),
                 ("eps_sensitivity", exponent.eps_sensitivity),
                 ("fixed_rank_lambda", fixed.0),
                 ("fixed_rank_std_error", fixed.1),
             ];
-            let known = worth.into_iter().filter(|(_, value)| value.is_finite());
+            let known = quality.into_iter().filter(|(_, value)| value.is_finite());
             let row = |(what, value)| self.number(&format!("{what}.{}", i + 1), value, "1/t");
             rows.extend(known.map(row));
         }
@@ -129,7 +130,7 @@ impl Named {
         rows
     }
 
-    fn motion(&self, measured: &Measured) -> Vec<Row> {
+    fn motion(&self, measured: &BoundedMotion) -> Vec<Row> {
         let (evidence, spectrum) = (&measured.evidence, &measured.spectrum);
         vec![
             self.class(&measured.class.to_string()),
@@ -144,10 +145,11 @@ impl Named {
         ]
     }
 
-    /// What Sect. 5.2 says of the spectra.
+    /// The statements of Sect. 5.2 on the spectra.
     fn statements(&self, zeros: usize, positive: bool) -> Vec<Row> {
         let mut parts = Vec::new();
-        // How near to zero an estimate from data comes is the estimator's doing, not the motion's.
+        // The distance from zero of an estimate from data depends on the estimator, not on the
+        // motion.
         if self.reading != Reading::CorrectedData {
             let what = "an exponent is zero within its error";
             parts.push((ClaimId::S5ZeroExponent, what, zeros >= 1));
@@ -168,7 +170,7 @@ impl Named {
     }
 }
 
-/// How many exponents are zero, and whether the first is positive, by the estimate from data.
+/// By the estimate from data: the number of zero exponents, and whether the first is positive.
 fn signs_in_data(spectrum: &DataSpectrum) -> (usize, bool) {
     let is_determined = |one: &&DataExponent| one.status == Status::Ok;
     let error = |one: &DataExponent| STANDARD_ERRORS * one.stderr + one.eps_sensitivity.abs();
@@ -179,44 +181,43 @@ fn signs_in_data(spectrum: &DataSpectrum) -> (usize, bool) {
     (zeros.count(), positive)
 }
 
-/// Standard errors that two estimates of one number may differ by: by chance they differ by more in
-/// 0.3 % of the comparisons.
+/// Allowed difference of two estimates of one number, in standard errors. By chance, 0.3 % of the
+/// comparisons exceed it.
 const STANDARD_ERRORS: f64 = 3.0;
 
-/// An exponent that both ways give.
+/// An exponent that both methods give.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Comparison {
-    /// Place in the spectrum, counted from 0.
+    /// Index in the spectrum, from 0.
     pub place: usize,
     /// From data, per unit of `t`.
     pub from_data: f64,
     /// From the equations, per unit of `t`.
     pub from_equations: f64,
-    /// Largest difference that errors known beforehand explain, per unit of `t`; see [`compare`].
+    /// Largest difference explained by the known errors, per unit of `t`; see [`compare`].
     pub allowed: f64,
 }
 
 impl Comparison {
-    /// By how much the data are above the equations, per unit of `t`.
+    /// Estimate from data minus that from the equations, per unit of `t`.
     pub fn difference(&self) -> f64 {
         self.from_data - self.from_equations
     }
 
-    /// Whether known errors explain the difference.
+    /// Whether the known errors explain the difference.
     pub fn agrees(&self) -> bool {
         self.difference().abs() <= self.allowed
     }
 }
 
-/// Compares every exponent that is [`Status::Ok`] and finite by both.
+/// Compares every exponent that is [`Status::Ok`] in the data and finite by both methods.
 ///
-/// Two errors are known without the equations' answer. Statistical: three standard errors of the
-/// difference, both estimates' own in quadrature; where both come from one orbit they rise and fall
-/// together, and that is more than enough. Bias of the data: a linear map fitted to a ball of
-/// radius ε leaves out terms of second order in the distance, so that its slopes are off by `c εᵖ`
-/// with p ≥ 1, and so is an exponent. With twice the radius it is off by `2ᵖ c εᵖ`: the change is
-/// `(2ᵖ − 1) c εᵖ`, at least the bias itself. The estimator also runs with twice the radius and
-/// reports that change.
+/// Two errors are known without the equations' exponents. Statistical: three standard errors of the
+/// difference, combined in quadrature. Both estimates from one orbit are correlated, so this is an
+/// upper bound. Bias of the data: a linear map fitted to a ball of radius ε neglects terms of
+/// second order in the distance. So its slopes, and an exponent, are off by `c εᵖ` with p ≥ 1. With
+/// twice the radius the error is `2ᵖ c εᵖ`; the change, `(2ᵖ − 1) c εᵖ`, is at least the bias. The
+/// estimator also runs with twice the radius and reports that change.
 ///
 /// A larger difference is a bias that doubling the neighbourhoods does not show. This may happen
 /// where no power of ε dominates yet.
@@ -237,9 +238,13 @@ pub fn compare(data: &DataSpectrum, equations: &[Exponent]) -> Vec<Comparison> {
         .collect()
 }
 
-/// What an exponent from data is worth, in a word: the estimator's, or `biased` where it says `ok`
-/// and the equations say otherwise.
-pub(super) fn worth(data: &DataSpectrum, place: usize, comparisons: &[Comparison]) -> &'static str {
+/// The quality of an exponent from data, in a word: the estimator's status, or `biased` where the
+/// status is `ok` and the equations disagree.
+pub(super) fn quality(
+    data: &DataSpectrum,
+    place: usize,
+    comparisons: &[Comparison],
+) -> &'static str {
     let off = |one: &Comparison| one.place == place && !one.agrees();
     if comparisons.iter().any(off) {
         return "biased";
@@ -254,7 +259,7 @@ mod tests {
     use stickslip::math;
     use stickslip_series::{DataSettings, Series, data_spectrum};
 
-    /// A circle run through at a golden number of radians per sample: one exponent, zero.
+    /// A circle sampled at a golden number of radians: one exponent, zero.
     fn circle() -> DataSpectrum {
         let rows = (0..4000).map(|k| {
             let angle = 0.618_034 * f64::from(k);
@@ -282,13 +287,13 @@ mod tests {
         let places: Vec<usize> = compared.iter().map(|one| one.place).collect();
         assert_eq!(places, [0]);
         assert!(compared[0].agrees(), "{compared:?}");
-        assert_eq!(worth(&data, 0, &compared), "ok");
-        assert_eq!(worth(&data, 1, &compared), "unidentified");
+        assert_eq!(quality(&data, 0, &compared), "ok");
+        assert_eq!(quality(&data, 1, &compared), "unidentified");
         let off = 2.0 * compared[0].allowed;
         let wrong = [finite(off), right[1], right[2], right[3]];
         let compared = compare(&data, &wrong);
         assert!(!compared[0].agrees(), "{compared:?}");
-        assert_eq!(worth(&data, 0, &compared), "biased");
+        assert_eq!(quality(&data, 0, &compared), "biased");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The orbits, the tangent points and the cycle.
 
 use crate::figures::{Failure, crossing, normals, phase_plane};
-use crate::numbers::{changes, missing};
+use crate::numbers::{change_points, not_found};
 use stickslip::analysis::{multipliers, periodic_orbit};
 use stickslip::models::{BeltOscillator, BeltTangency};
 use stickslip::scalar::Dual;
@@ -31,34 +31,34 @@ pub struct Cycle {
 pub struct Data {
     /// The model.
     pub model: BeltOscillator,
-    /// Where σ, the product of the two fields' normal components on Σ, is stationary (m), largest
-    /// first.
+    /// Positions (m) where σ, the product of the two fields' normal components on Σ, is stationary.
+    /// The largest comes first.
     pub stationary: Vec<f64>,
-    /// The friction amplitudes at which σ vanishes there (N): the accelerations of the spring.
+    /// The friction amplitudes at which σ vanishes there (N).
     pub critical_mu0: Vec<f64>,
     /// Six tangent points, largest first.
     pub tangents: Vec<BeltTangency>,
     /// Stick zones as intervals of x1.
     pub zones: Vec<(f64, f64)>,
-    /// Starts of the orbits: the tangent points, then the further ones.
+    /// Starts of the orbits: the tangent points, then the other starts.
     pub starts: Vec<(f64, f64)>,
     /// Their orbits as curves.
     pub orbits: Vec<Vec<(f64, f64)>>,
-    /// How many of them stick.
+    /// Number of orbits with a stick phase.
     pub sticking: usize,
     /// The cycle.
     pub cycle: Cycle,
 }
 
-/// Errors of a run stay far below the differences that decide here.
+/// Tolerance: errors of a run stay far below the differences that decide here.
 const TOLERANCE: f64 = 1e-13;
-/// Length of the drawn orbits (s): about two turns, after which they are indistinguishable from the
-/// cycle.
+/// Length of the drawn orbits (s): about two oscillations. After that they cannot be distinguished
+/// from the cycle.
 const DRAWN: f64 = 16.0;
 /// Time after which an orbit is near enough to the cycle for Newton's iteration (s).
 const SETTLED: f64 = 60.0;
-/// Starts besides the tangent points: inside the cycle below the belt's speed, and outside it
-/// above.
+/// Starts besides the tangent points: inside the cycle below the belt's speed, and outside the
+/// cycle above it.
 const FURTHER: [(f64, f64); 2] = [(-0.4, 0.4), (-0.6, 1.5)];
 
 pub(super) fn compute() -> Result<Data, Failure> {
@@ -74,8 +74,8 @@ pub(super) fn compute() -> Result<Data, Failure> {
         orbits.push(phase_plane(&orbit));
     }
     let stationary = stationary(&model);
-    // At rest friction adds the same to either side, so the mean of the two normal components is
-    // the spring's.
+    // For a body at rest on the belt, friction has opposite signs on the two sides. So the mean of
+    // the two normal components is the spring's acceleration.
     let spring = |x1: f64| {
         let [below, above] = normals(&model, 0.0, &[x1, model.belt_speed]);
         0.5 * (below + above)
@@ -93,7 +93,7 @@ pub(super) fn compute() -> Result<Data, Failure> {
     })
 }
 
-/// The zeros of ∂σ/∂x₁ (Eq. 11) on Σ: bracketed on a grid that holds none of them, then bisected to
+/// The zeros of ∂σ/∂x₁ (Eq. 11) on Σ. They are bracketed on a grid without zeros and bisected to
 /// the last bit.
 fn stationary(model: &BeltOscillator) -> Vec<f64> {
     let slope = |x1: f64| {
@@ -102,7 +102,7 @@ fn stationary(model: &BeltOscillator) -> Vec<f64> {
         (below * above).eps
     };
     let grid = (0..=300).rev().map(|k| 1.507 - 0.01 * f64::from(k));
-    let mut zeros = changes(grid, |x1| slope(x1) < 0.0);
+    let mut zeros = change_points(grid, |x1| slope(x1) < 0.0);
     zeros.reverse();
     zeros
 }
@@ -118,9 +118,9 @@ fn cycle(model: &BeltOscillator, options: &Options) -> Result<Cycle, Error> {
         .map(|at| at.t)
         .collect();
     let [.., before, last] = crossings[..] else {
-        return Err(missing("two upward crossings of Σ", 0.0, SETTLED));
+        return Err(not_found("two upward crossings of Σ", 0.0, SETTLED));
     };
-    // Off Σ, a tenth of a turn before the crossing.
+    // Off Σ, a tenth of an oscillation before the crossing.
     let guess = settled.at(last - 0.1 * (last - before))?;
     let found = periodic_orbit(model, guess, last - before, options)?;
     let turn = solve(model, 0.0, &found.x, found.period, options)?;

@@ -25,20 +25,22 @@ fn description(data: &Data) -> String {
 pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
     let title = "Fig. 4: orbits of the belt oscillator and its limit cycle";
     let figure = Figure::new("fig04", (658.0, 640.0), title, &description(data));
-    let figure = figure.row(0.64, whole(data)).row(0.36, kink(data));
+    let figure = figure
+        .row(0.64, orbits_panel(data))
+        .row(0.36, kink_panel(data));
     Ok(figure.render()?)
 }
 
 const ZONE_THICKNESS: f64 = 9.0;
 
-/// The limit cycle, broad and pale under the orbits, so that those on it are seen.
+/// The limit cycle, broad and pale under the orbits, so that orbits on it are visible.
 fn cycle(data: &Data) -> Curve {
     Curve::new(data.cycle.curve.iter().copied())
         .color(VERMILLION.pale())
         .width(6.0)
 }
 
-/// Stick zones as grey bars, tangent points on them.
+/// Stick zones as grey bars, with tangent points on them.
 fn boundary(panel: &mut Panel, data: &Data) {
     let belt = data.model.belt_speed;
     panel.add(belt_line(belt));
@@ -62,19 +64,19 @@ fn boundary(panel: &mut Panel, data: &Data) {
             markers = markers.open();
         }
         for (index, (number, _)) in chosen.iter().enumerate() {
-            markers = markers.label(index, &number.to_string(), beside(*number));
+            markers = markers.label(index, &number.to_string(), label_offset(*number));
         }
         panel.add(markers);
     }
 }
 
-/// Where a tangent point's number stands, clear of the cycle: it runs above the line at 1 and 2,
-/// below it elsewhere.
-fn beside(number: usize) -> (f64, f64) {
+/// Offset of a tangent point's number, clear of the cycle. The cycle runs above the line at 1 and 2
+/// and below it elsewhere.
+fn label_offset(number: usize) -> (f64, f64) {
     (0.0, if number <= 2 { -9.0 } else { 9.0 })
 }
 
-fn whole(data: &Data) -> Panel {
+fn orbits_panel(data: &Data) -> Panel {
     let mut panel = Panel::new(
         Axis::new("*x*_1, m", -2.0, 2.0).step(0.5).minor(5),
         Axis::new("*x*_2, m/s", -1.6, 1.8).step(0.5).minor(5),
@@ -105,7 +107,7 @@ fn whole(data: &Data) -> Panel {
     panel
 }
 
-fn kink(data: &Data) -> Panel {
+fn kink_panel(data: &Data) -> Panel {
     let belt = data.model.belt_speed;
     let cycle = &data.cycle;
     let mut panel = Panel::new(
@@ -120,7 +122,7 @@ fn kink(data: &Data) -> Panel {
     for orbit in &data.orbits[..data.tangents.len()] {
         panel.add(Curve::new(orbit.iter().copied()).color(BLUE).width(0.9));
     }
-    // On Σ the slope in the plane is the acceleration over the belt's speed.
+    // On Σ the slope in the phase plane is the acceleration over the belt's speed.
     let [before, after] = cycle.kink.map(|acceleration| acceleration / belt);
     let at = (cycle.left, belt);
     let text = format!("kink: slope {before:.3} below Σ, {after:.3} above");

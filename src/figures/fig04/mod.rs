@@ -1,4 +1,4 @@
-//! Fig. 4: orbits of model 1 and the limit cycle they settle on.
+//! Fig. 4: orbits of model 1 and the limit cycle that they settle on.
 
 mod compute;
 mod draw;
@@ -49,7 +49,7 @@ fn numbers(data: &Data) -> Vec<Row> {
     rows
 }
 
-/// The name of a kind, as the caption has it.
+/// The name of a kind in the caption.
 pub(crate) fn kind(visibility: Visibility) -> &'static str {
     match visibility {
         Visibility::Visible => "visible",
@@ -77,7 +77,7 @@ fn limit_cycle(data: &Data) -> Vec<Row> {
 }
 
 impl Data {
-    /// Which of the numbered tangent points are of which kind, as the caption has it.
+    /// The numbers of the tangent points of each kind, as in the caption.
     pub(super) fn kinds(&self) -> String {
         let listed = |wanted| {
             let numbered = (1..).zip(&self.tangents);
@@ -90,7 +90,7 @@ impl Data {
     }
 }
 
-/// The captions' statements, decided from the numbers.
+/// The statements of the caption, decided by the numbers.
 fn statements(data: &Data) -> Vec<Row> {
     let distance = |k: usize| (data.tangents[k].position - data.cycle.left).abs();
     let nearest = (0..data.tangents.len()).min_by(|&a, &b| distance(a).total_cmp(&distance(b)));

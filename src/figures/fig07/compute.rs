@@ -6,7 +6,7 @@ use stickslip::Error;
 use stickslip::models::ForcedOscillator;
 use stickslip::models::cubic::{Cubic, TangentPoint};
 
-/// Everything in the figure. What is drawn is for `k₁ = 1 N/m`, `k₂ = 1 N/m³`, as in the paper.
+/// The data of the figure. The drawn curves are for `k₁ = 1 N/m`, `k₂ = 1 N/m³`, as in the paper.
 #[derive(Clone, Debug)]
 pub struct Data {
     /// The spring.
@@ -14,18 +14,17 @@ pub struct Data {
     /// Critical `μ₀` for the spring, Eq. (23), N.
     pub critical: f64,
     /// (a) `σ(z)` without friction.
-    pub without: Transition,
+    pub without_friction: Transition,
     /// (a) `σ(z)` with critical friction.
     pub with_critical: Transition,
     /// (b) The zones over time.
     pub oscillation: Oscillation,
     /// (c) Tangent points against `μ₀`.
     pub branches: Branches,
-    /// Another spring, whose `k₁` is not its `k₂`: with the paper's own, Eqs. (22) and (23) are
-    /// Eqs. (12) and (13).
+    /// Another spring, with `k₁ ≠ k₂`. For the paper's own, Eqs. (22) and (23) coincide with Eqs.
+    /// (12) and (13).
     pub unequal: Cubic,
-    /// Zeros of its `∂σ/∂z` located by a scan and bisection, m, ascending, for comparison with Eq.
-    /// (22).
+    /// Zeros of its `∂σ/∂z` by scan and bisection, m, ascending, for comparison with Eq. (22).
     pub stationary: Vec<f64>,
 }
 
@@ -42,12 +41,12 @@ pub struct Transition {
     pub zones: Vec<(f64, f64)>,
 }
 
-/// The tangent points as they move with the end of the spring.
+/// The tangent points as they move with the support of the spring.
 #[derive(Clone, Debug)]
 pub struct Oscillation {
     /// The oscillator of Fig. 8.
     pub model: ForcedOscillator,
-    /// The six tangent points at rest, m.
+    /// The six tangent points without forcing, m.
     pub points: Vec<f64>,
     /// Times, s.
     pub times: Vec<f64>,
@@ -60,7 +59,7 @@ pub struct Oscillation {
 pub struct Branches {
     /// The six branches up to the critical friction, `(μ₀, z)`, in the paper's numbering.
     pub below: Vec<Vec<(f64, f64)>>,
-    /// The two branches from there on.
+    /// The two branches above it.
     pub above: Vec<Vec<(f64, f64)>>,
     /// Number of tangent points at `μ₀ = 0`, below, at, and above the critical value.
     pub counts: [usize; 4],
@@ -78,7 +77,7 @@ pub(super) fn compute() -> Result<Data, Failure> {
     Ok(Data {
         spring,
         critical,
-        without: transition(&spring, 0.0)?,
+        without_friction: transition(&spring, 0.0)?,
         with_critical: transition(&spring, critical)?,
         oscillation: oscillation(&spring)?,
         branches: branches(&spring, critical)?,
@@ -114,7 +113,7 @@ fn oscillation(spring: &Cubic) -> Result<Oscillation, Error> {
 
 fn branches(spring: &Cubic, critical: f64) -> Result<Branches, Error> {
     let mut below = vec![Vec::new(); 6];
-    // Two branches meet at the critical value like a square root; equal steps of that root sample
+    // Two branches meet at the critical value like a square root. Equal steps of that root sample
     // them evenly.
     for s in grid(0.0, 1.0, 400) {
         let mu0 = critical * s * (2.0 - s);
@@ -143,7 +142,7 @@ fn branches(spring: &Cubic, critical: f64) -> Result<Branches, Error> {
 }
 
 /// Zeros of `∂σ/∂z` in `[-2, 2]`: grid points where it vanishes, and sign changes between grid
-/// points refined to neighbouring numbers.
+/// points, bisected to neighbouring numbers.
 fn stationary(spring: &Cubic) -> Vec<f64> {
     let slope = |z| spring.sigma_slope(z, 1.0);
     let points: Vec<f64> = grid(-2.0, 2.0, 400).collect();

@@ -1,13 +1,13 @@
 //! The picture of Fig. 7.
 
 use super::compute::{Branches, Data, Oscillation, Transition, Z_MAX};
-use crate::figures::{FigureError, pair};
+use crate::figures::{FigureError, side_by_side};
 use plot::{
     Axis, BLACK, BLUE, Band, Color, Curve, Dash, Figure, GREY, Guide, LIGHT_GREY, Legend, MID_GREY,
     Markers, Note, Panel, Region, VERMILLION,
 };
 
-/// A tangent point of an odd number ends its zone from above, one of an even number from below.
+/// Tangent points with odd numbers bound their zone from above, those with even numbers from below.
 const EDGES: [(Color, Dash); 2] = [(BLUE, Dash::Solid), (VERMILLION, Dash::Dashed)];
 
 /// The SVG.
@@ -21,7 +21,7 @@ pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
         branches start in pairs at z = 1, 0 and −1, the inner four meet in pairs at μ0 = 2√3/9 and \
         ±1/√3, and two branches go on beyond it.";
     let figure = Figure::new("fig07", (680.0, 590.0), title, description);
-    let above = pair(transition(data), oscillation(&data.oscillation));
+    let above = side_by_side(transition(data), oscillation(&data.oscillation));
     let figure = figure.columns(1.0, above).row(1.08, branches(data));
     Ok(figure.render()?)
 }
@@ -41,11 +41,11 @@ fn transition(data: &Data) -> Panel {
     panel.add(Guide::horizontal(0.0).dash(Dash::Dotted));
     let graph = |of: &Transition| Curve::new(of.graph.iter().copied());
     let zeros = |of: &Transition| Markers::new(of.zeros.iter().map(|zero| (zero.z, 0.0)));
-    let without = graph(&data.without).color(BLUE).dash(Dash::Dashed);
-    panel.add(without.legend("*μ*_0 = 0"));
+    let without_friction = graph(&data.without_friction).color(BLUE).dash(Dash::Dashed);
+    panel.add(without_friction.legend("*μ*_0 = 0"));
     let critical = graph(&data.with_critical).color(VERMILLION);
     panel.add(critical.legend("*μ*_0 = 2√3/9"));
-    panel.add(zeros(&data.without).color(BLUE).open());
+    panel.add(zeros(&data.without_friction).color(BLUE).open());
     panel.add(zeros(&data.with_critical).color(VERMILLION).open());
     panel
 }
@@ -70,7 +70,7 @@ fn oscillation(data: &Oscillation) -> Panel {
     for (k, positions) in data.positions.iter().enumerate() {
         let (color, dash) = EDGES[k % 2];
         panel.add(Curve::new(curve(positions)).color(color).dash(dash));
-        // Beside the crest of the second period, outside the zone.
+        // Beside the maximum of the second period, outside the zone.
         let crest = (1.25 * period, data.points[k] + amplitude);
         let up = if k % 2 == 0 { 5.0 } else { -5.0 };
         panel.add(Note::new(crest, &format!("{}", k + 1)).offset(0.0, up));
@@ -97,7 +97,7 @@ fn branches(data: &Data) -> Panel {
         panel.add(Region::between(upper, lower).fill(LIGHT_GREY));
     }
     panel.add(Guide::vertical(data.critical).color(GREY));
-    // Both lists begin with an upper end and have an even length, so the colours alternate across
+    // Both lists begin with an upper end and have even length, so that the colours alternate across
     // them.
     for (k, branch) in below.iter().chain(above).enumerate() {
         let (color, dash) = EDGES[k % 2];

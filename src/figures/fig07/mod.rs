@@ -27,7 +27,7 @@ pub const FIG07: FigureSpec<Data> = FigureSpec {
 
 /// All rows.
 fn numbers(data: &Data) -> Vec<Row> {
-    // Eq. (23): the friction that makes σ zero where its slope was found to vanish.
+    // Eq. (23): the friction that makes σ zero at each stationary point.
     let stationary = data.stationary.iter();
     let forces: Vec<f64> = stationary.map(|z| data.unequal.force(*z)).collect();
     let mut rows = Row::members(ClaimId::Eq22CriticalPoints, Exact, &data.stationary, "m");
@@ -39,12 +39,15 @@ fn numbers(data: &Data) -> Vec<Row> {
     rows
 }
 
-/// Sect. 2 on the two limits of `μ₀`.
+/// The statements of Sect. 2 on the two limits of `μ₀`.
 fn limits(data: &Data) -> Vec<Row> {
-    let none = data.without.zones.is_empty();
+    let none = data.without_friction.zones.is_empty();
     let degenerate = [
         ("there is no stick zone at mu0 = 0", none),
-        ("three tangent points remain", data.without.zeros.len() == 3),
+        (
+            "three tangent points remain",
+            data.without_friction.zeros.len() == 3,
+        ),
     ];
     let continuous = [(
         "there is one stick zone at mu0 = 2/(3√3)",
@@ -61,9 +64,9 @@ fn limits(data: &Data) -> Vec<Row> {
     rows
 }
 
-/// Fig. 7a: from which side `σ` touches the axis, looked up beside each double zero.
+/// Fig. 7a: the side from which `σ` touches the axis, decided by its sign beside each double zero.
 fn tangency(data: &Data) -> Vec<Row> {
-    let above = touching(data, &data.without, 1.0);
+    let above = touching(data, &data.without_friction, 1.0);
     let below = touching(data, &data.with_critical, -1.0);
     let parts = [
         (
@@ -81,16 +84,16 @@ fn tangency(data: &Data) -> Vec<Row> {
 }
 
 fn touching(data: &Data, transition: &Transition, side: f64) -> usize {
-    /// Distance (m) at which the sign is looked up: far above rounding, far below that of zeros.
-    const BESIDE: f64 = 1e-3;
+    /// Distance (m) at which the sign is evaluated: far above rounding, far below the distance of
+    /// zeros.
+    const SIGN_OFFSET: f64 = 1e-3;
     let beside = |z: f64| side * data.spring.sigma(z, transition.mu0, 1.0) > 0.0;
-    let touches = |z: f64| beside(z - BESIDE) && beside(z + BESIDE);
+    let touches = |z: f64| beside(z - SIGN_OFFSET) && beside(z + SIGN_OFFSET);
     let zeros = transition.zeros.iter();
     zeros.filter(|zero| touches(zero.z)).count()
 }
 
-/// Fig. 7b: what the curves are drawn with. Whether they bound the stick zones is computed by the
-/// report.
+/// Fig. 7b: the data of the curves. The report computes whether they bound the stick zones.
 fn oscillation(data: &Data) -> Vec<Row> {
     let Oscillation { model, points, .. } = &data.oscillation;
     let mut rows = vec![
@@ -104,7 +107,7 @@ fn oscillation(data: &Data) -> Vec<Row> {
     rows
 }
 
-/// Fig. 7c: the number of tangent points in each regime.
+/// Fig. 7c: the number of tangent points in each range.
 fn branches(data: &Data) -> Vec<Row> {
     let outer = data.branches.above.first().and_then(|branch| branch.last());
     let end = outer.map_or(f64::NAN, |point| point.1);

@@ -1,13 +1,13 @@
-//! The listing's run, its limit, the exact orbit and the fate of a grid of starts.
+//! The listing's run, its limit, the exact orbit, and the attractors of a grid of starts.
 
 use rayon::prelude::*;
 
-use crate::figures::{Failure, crossing, curve3};
-use crate::numbers::missing;
+use crate::figures::{Failure, crossing, time_curve};
+use crate::numbers::not_found;
 use crate::paper::bounded;
 use crate::paper::listing::{self, END, Sample, Setup};
 use crate::paper::pattern::{Pattern, two_periodic};
-use crate::paper::slip_times_three::{self, Injected};
+use crate::paper::slip_times_three::{self, InjectedDefects};
 use stickslip::analysis::{Destination, destination, multipliers, periodic_orbit_forced};
 use stickslip::models::ForcedOscillator;
 use stickslip::{Error, Mode, Options, Side, State, solve};
@@ -15,13 +15,11 @@ use stickslip::{Error, Mode, Options, Side, State, solve};
 /// The listing's settled motion.
 #[derive(Clone, Debug)]
 pub struct AsPrinted {
-    /// What it settles on.
+    /// Its pattern.
     pub pattern: Pattern,
-    /// Where the body sticks in the plotted window: time and position at the start and at the end
-    /// of each stretch.
+    /// Stick phases in the plotted window: time and position at the start and at the end of each.
     pub stuck: Vec<[(f64, f64); 2]>,
-    /// Part of the time in stick phases, in the plotted window, in which the body is in no stick
-    /// zone.
+    /// Fraction of the stick time in the plotted window during which the body is in no stick zone.
     pub outside_zones: f64,
     /// The plotted window: time, position, velocity.
     pub trajectory: Vec<(f64, f64, f64)>,
@@ -30,7 +28,7 @@ pub struct AsPrinted {
 /// The stated model's attractor.
 #[derive(Clone, Debug)]
 pub struct Exact {
-    /// What it settles on.
+    /// Its pattern.
     pub pattern: Pattern,
     /// Position of the upward crossing (m).
     pub left: f64,
@@ -46,7 +44,7 @@ pub struct Exact {
     pub trajectory: Vec<(f64, f64, f64)>,
 }
 
-/// Where a grid of starts ends up, in parts of all.
+/// Fractions of a grid of starts by attractor.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Shares {
     /// Starts in the grid.
@@ -55,13 +53,13 @@ pub struct Shares {
     pub slip_only: f64,
     /// Any periodic motion with stick.
     pub stick_slip: f64,
-    /// Of these the motions of the caption's kind, [`two_periodic`].
+    /// Among these, the motions of the caption's kind, [`two_periodic`].
     pub stick_slip_two: f64,
     /// Any other periodic motion without stick.
     pub other: f64,
-    /// Escape.
+    /// Orbits that escape.
     pub escapes: f64,
-    /// No periodic motion found.
+    /// Orbits without a periodic motion.
     pub unsettled: f64,
 }
 
@@ -80,13 +78,13 @@ pub struct Data {
     pub slip_times_three: Pattern,
     /// The stated model.
     pub exact: Exact,
-    /// Where its starts end up.
+    /// Attractors of its starts.
     pub shares: Shares,
 }
 
-/// Errors of a run stay far below the differences that decide here.
+/// Tolerance: errors of a run stay far below the differences that decide here.
 const TOLERANCE: f64 = 1e-13;
-/// Forcing periods in the picture: the published pattern.
+/// Forcing periods drawn: the published pattern.
 const SHOWN: f64 = 2.0;
 /// Forcing periods in which a pattern of any length repeats: three times the longest.
 const REPEATED: f64 = 24.0;
@@ -98,7 +96,7 @@ pub(super) fn compute() -> Result<Data, Failure> {
     Ok(Data {
         step: Setup::default().h,
         as_printed: as_printed(&model, &zones)?,
-        slip_times_three: slip_times_three::settled(Injected::BOTH)?,
+        slip_times_three: slip_times_three::settled(InjectedDefects::BOTH)?,
         exact: exact(&model, &options)?,
         shares: shares(&model)?,
         model,
@@ -133,7 +131,7 @@ fn as_printed(model: &ForcedOscillator, zones: &[(f64, f64)]) -> Result<AsPrinte
     };
     let run = listing::run_with(&Setup::default(), keep);
     let what = "a motion of the listing that repeats";
-    let pattern = Pattern::of_listing(&run).ok_or_else(|| missing(what, 0.0, END))?;
+    let pattern = Pattern::of_listing(&run).ok_or_else(|| not_found(what, 0.0, END))?;
     Ok(AsPrinted {
         pattern,
         stuck,
@@ -152,7 +150,7 @@ fn exact(model: &ForcedOscillator, options: &Options) -> Result<Exact, Error> {
     let many = solve(model, 0.0, &orbit.x, REPEATED * period, options)?;
     let pattern = Pattern::of_phases(&many.phases, many.t_end, period);
     let pattern =
-        pattern.ok_or_else(|| missing("a motion that repeats", 0.0, REPEATED * period))?;
+        pattern.ok_or_else(|| not_found("a motion that repeats", 0.0, REPEATED * period))?;
     let (up, down) = (
         crossing(&turns, Side::Above)?,
         crossing(&turns, Side::Below)?,
@@ -168,17 +166,17 @@ fn exact(model: &ForcedOscillator, options: &Options) -> Result<Exact, Error> {
         below: period - above,
         above,
         multipliers,
-        trajectory: curve3(&turns),
+        trajectory: time_curve(&turns),
     })
 }
 
-/// Starts in position and in velocity.
+/// Number of positions and velocities of the starts.
 const GRID: (u32, u32) = (61, 41);
-/// Outermost of them on either side (m, m/s).
+/// Largest position and velocity of a start (m, m/s).
 pub const REACH: [f64; 2] = [1.2, 2.0];
-/// Forcing periods that a start is followed over.
+/// Forcing periods over which a start is integrated.
 pub const FOLLOWED: usize = 40;
-/// States a pattern apart that are this near count as equal: the paper's last digit.
+/// Tolerance for states one pattern apart to be equal: the paper's last digit.
 const CLOSENESS: f64 = 1e-4;
 
 /// A grid of starts with its corners at [`REACH`].

@@ -1,7 +1,7 @@
 //! The picture of Fig. 8.
 
 use super::compute::Data;
-use crate::figures::{FigureError, belt_line, pair};
+use crate::figures::{FigureError, belt_line, side_by_side};
 use crate::numbers::extent;
 use crate::paper::listing::Crossing;
 use plot::*;
@@ -12,11 +12,11 @@ fn description(data: &Data) -> String {
     let printed = &data.as_printed.pattern;
     let exact = &data.exact.pattern;
     let list = |positions: Vec<String>| (times(positions.len()), positions.join(" and "));
-    let rides = printed.sticks_of_one();
+    let rides = printed.pattern_sticks();
     let rides = rides.map(|stick| format!("{:.4}", stick.length()));
     let (ridden, rides) = list(rides.collect());
     let (deflected, left) = list(printed.deflections().iter().map(position).collect());
-    let (crossed, there) = list(exact.crossings_of_one().map(position).collect());
+    let (crossed, there) = list(exact.pattern_crossings().map(position).collect());
     format!(
         "Left: the listing as printed. In the phase plane a closed trajectory of {} rides the line \
          of belt speed {ridden}, over {rides} metres, and crosses it without sticking {deflected} \
@@ -26,7 +26,7 @@ fn description(data: &Data) -> String {
          and {} sticks.",
         periods(printed.period),
         periods(exact.period),
-        times(exact.sticks_of_one().count()),
+        times(exact.pattern_sticks().count()),
     )
 }
 
@@ -51,8 +51,8 @@ fn periods(count: usize) -> String {
 }
 
 pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
-    let printed_side = Side::of(data, &data.as_printed.trajectory, BLUE);
-    let exact_side = Side::of(data, &data.exact.trajectory, VERMILLION);
+    let printed_side = HalfFigure::of(data, &data.as_printed.trajectory, BLUE);
+    let exact_side = HalfFigure::of(data, &data.exact.trajectory, VERMILLION);
     let power = number(math::log10(data.step), 0);
     let title = format!("listing as printed, *h* = 10^{{{power}}} s");
     let mut left = printed_side.plane("(a)", &title);
@@ -66,13 +66,13 @@ pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
     }
     let outside = 100.0 * data.as_printed.outside_zones;
     let text = format!("{outside:.0} % of the stick time lies in no stick zone");
-    left_strip.add(Note::new(Place::Fraction(0.5, 0.0), &text).offset(0.0, 6.0));
+    left_strip.add(Note::new(Position::Fraction(0.5, 0.0), &text).offset(0.0, 6.0));
     let mut right = exact_side.plane("(b)", "stated model, exact");
     let belt = data.model.belt_speed;
-    let crossings = data.exact.pattern.crossings_of_one();
+    let crossings = data.exact.pattern.pattern_crossings();
     let crossings = crossings.map(|crossing| (crossing.at.x1, belt));
     right.add(Markers::new(crossings).open().legend("crossing"));
-    let sticks = match data.exact.pattern.sticks_of_one().count() {
+    let sticks = match data.exact.pattern.pattern_sticks().count() {
         0 => "no stick phase".to_owned(),
         1 => "1 stick phase".to_owned(),
         more => format!("{more} stick phases"),
@@ -81,15 +81,17 @@ pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
     let right_strip = exact_side.strip("(d)");
     let title = "Fig. 8: stick–slip as printed, and the stated model solved exactly";
     let figure = Figure::new("fig08", (770.0, 680.0), title, &description(data));
-    let strips = pair(left_strip, right_strip);
-    let figure = figure.columns(0.6, pair(left, right)).columns(0.4, strips);
+    let strips = side_by_side(left_strip, right_strip);
+    let figure = figure
+        .columns(0.6, side_by_side(left, right))
+        .columns(0.4, strips);
     Ok(figure.render()?)
 }
 
 /// The stick phases on the line of belt speed, with their lengths.
 fn add_stick_phases(panel: &mut Panel, data: &Data) {
     let belt = data.model.belt_speed;
-    for (i, stick) in data.as_printed.pattern.sticks_of_one().enumerate() {
+    for (i, stick) in data.as_printed.pattern.pattern_sticks().enumerate() {
         let ends = [(stick.entry.x1, belt), (stick.exit.x1, belt)];
         let thick = Curve::new(ends).color(ORANGE).width(3.4);
         panel.add(match i {
@@ -101,9 +103,9 @@ fn add_stick_phases(panel: &mut Panel, data: &Data) {
     }
 }
 
-/// The deflections, which lie too near each other for the panel's scale: small, and enlarged in a
-/// corner.
-fn add_deflections(panel: &mut Panel, side: &Side<'_>) {
+/// The deflections, which are too close together for the panel's scale. They are drawn small, and
+/// enlarged in a corner.
+fn add_deflections(panel: &mut Panel, side: &HalfFigure<'_>) {
     let belt = side.data.model.belt_speed;
     let deflections = side.data.as_printed.pattern.deflections();
     let points = || deflections.iter().map(|crossing| (crossing.at.x1, belt));
@@ -125,23 +127,23 @@ fn add_deflections(panel: &mut Panel, side: &Side<'_>) {
     detail.add(Curve::new(curve).color(side.colour).width(1.4));
     detail.add(Markers::new(points()).open());
     panel.add(Inset::new((0.03, 0.72), (0.42, 0.98), detail));
-    // The legend has the symbol once; it is the large one.
+    // The legend shows the symbol once, in the large size.
     let symbol = Markers::new([]).open();
     panel.add(symbol.legend("deflection, enlarged in the corner"));
 }
 
 /// One half of the figure.
-struct Side<'a> {
+struct HalfFigure<'a> {
     data: &'a Data,
     trajectory: &'a [(f64, f64, f64)],
-    /// Time that the lower panel counts from.
+    /// Origin of the lower panel's time axis.
     origin: f64,
     colour: Color,
 }
 
-impl<'a> Side<'a> {
+impl<'a> HalfFigure<'a> {
     fn of(data: &'a Data, trajectory: &'a [(f64, f64, f64)], colour: Color) -> Self {
-        Side {
+        HalfFigure {
             data,
             trajectory,
             origin: trajectory.first().map_or(0.0, |p| p.0),
@@ -160,7 +162,7 @@ impl<'a> Side<'a> {
         .legend(Legend::Below);
         panel.add(belt_line(belt).legend("Σ: *x*_2 = *v*_p"));
         let reach = self.data.model.amplitude;
-        // The outer zones' sweeps overlap this one's and would hide it.
+        // The sweeps of the outer zones overlap this one and would hide it.
         if let Some(&(lower, upper)) = self.data.zones.get(1) {
             let swept = Band::bar((lower - reach, upper + reach), belt, 9.0).fill(LIGHT_GREY);
             panel.add(swept.legend("sweep of the middle stick zone"));

@@ -1,4 +1,4 @@
-//! Fig. 8: the stick–slip trajectory as the listing prints it, and what the stated model does.
+//! Fig. 8: the stick–slip trajectory of the listing as printed, and the motion of the stated model.
 
 mod compute;
 mod draw;
@@ -36,7 +36,7 @@ fn numbers(data: &Data) -> Vec<Row> {
         (Reading::SlipTimesThree, &data.slip_times_three),
         (Reading::Exact, &data.exact.pattern),
     ] {
-        rows.extend(four(reading, pattern));
+        rows.extend(stick_numbers(reading, pattern));
         let deflections = pattern.deflections().len();
         rows.push(Row::count(ClaimId::Fig08Deflections, reading, deflections));
     }
@@ -47,14 +47,18 @@ fn numbers(data: &Data) -> Vec<Row> {
     rows
 }
 
-/// Lengths and durations, or how many stick phases there are instead of two.
-fn four(reading: Reading, pattern: &Pattern) -> Vec<Row> {
-    let numbers = pattern.four_numbers();
+/// Lengths and durations of two stick phases; the number of stick phases if there are not two.
+fn stick_numbers(reading: Reading, pattern: &Pattern) -> Vec<Row> {
+    let numbers = pattern.stick_numbers();
     let row = |(i, unit): (usize, &'static str)| match numbers {
-        Some(values) => Row::number(ClaimId::FOUR[i], reading, values[i], unit),
+        Some(values) => Row::number(ClaimId::STICK_NUMBERS[i], reading, values[i], unit),
         None => {
-            let count = pattern.sticks_of_one().count();
-            Row::word(ClaimId::FOUR[i], reading, &format!("{count} stick phases"))
+            let count = pattern.pattern_sticks().count();
+            Row::word(
+                ClaimId::STICK_NUMBERS[i],
+                reading,
+                &format!("{count} stick phases"),
+            )
         }
     };
     ["m", "m", "s", "s"]
@@ -67,7 +71,7 @@ fn four(reading: Reading, pattern: &Pattern) -> Vec<Row> {
 fn two_periodic(data: &Data) -> Vec<Row> {
     let of_motion =
         "the settled motion sticks and repeats after two forcing periods and not after one";
-    // Any attractor that the grid of starts finds may be the caption's.
+    // Any attractor of the grid of starts may be the caption's.
     let of_grid = "a start of the grid leads to a motion that sticks and repeats after two forcing \
         periods and not after one";
     let printed = data.as_printed.pattern.two_periodic();
@@ -85,7 +89,7 @@ fn two_periodic(data: &Data) -> Vec<Row> {
 
 fn as_printed(data: &Data) -> Vec<Row> {
     let listing = &data.as_printed;
-    let sticks = listing.pattern.sticks_of_one().count();
+    let sticks = listing.pattern.pattern_sticks().count();
     let outside = "fig08.stick_time_outside_zones";
     vec![
         Row::count("fig08.sticks_per_pattern", Reading::AsPrinted, sticks),
@@ -95,7 +99,7 @@ fn as_printed(data: &Data) -> Vec<Row> {
 
 fn exact(data: &Data) -> Vec<Row> {
     let exact = &data.exact;
-    let sticks = exact.pattern.sticks_of_one().count();
+    let sticks = exact.pattern.pattern_sticks().count();
     let number =
         |name: &str, value, unit| Row::number(format!("fig08.{name}"), Reading::Exact, value, unit);
     vec![

@@ -7,22 +7,20 @@
 //! x2' = (1/m)·(k2 z³ − k1 z − T(x2 − vp)),   z = x1 − A sin(ωt),   T(v) = μ0 sign(v)/(1 + |v|)
 //! ```
 //!
-//! and meant to do so with classical Runge–Kutta steps, ending each slip phase by a Hénon step
-//! (velocity as the independent variable) onto the line `x2 = vp`. What it does is something else,
-//! mostly because a Python list is a reference: after `xn = x` both names mean the same list, and
-//! every write to `xn` is a write to `x`. [`Defects`] lists what follows from that and from six
-//! other slips of the pen. With [`Defects::AS_PRINTED`] the operations here are the listing's, in
-//! its order; any one can be mended alone. A mended run is still the listing's method, not an
-//! event-exact one.
+//! It is meant to use classical Runge–Kutta steps. A Hénon step (velocity as the independent
+//! variable) is meant to end each slip phase on the line `x2 = vp`. What it computes differs,
+//! mostly because a Python list is a reference. After `xn = x` both names denote the same list, and
+//! every write to `xn` is a write to `x`. [`Defects`] lists the consequences and six other errors.
+//! With [`Defects::AS_PRINTED`] the operations here are the listing's, in its order. Each defect
+//! can be mended alone. A mended run is still the listing's method, not an event-exact one.
 //!
-//! Two things of the listing have no counterpart here because nothing depends on them: `hs`, a
-//! second record of the step that is assigned in every branch and never read, and the unused `r =
-//! 4`. The lines that save a state and count `i` up are missing in print; both are taken to happen
-//! once per pass.
+//! Two parts of the listing have no counterpart here because no result depends on them. `hs` is a
+//! second record of the step, assigned in every branch and never read; `r = 4` is unused. The lines
+//! that save a state and increment `i` are missing in print. Both are assumed to run once per pass.
 //!
-//! A literal transcription into Python agrees with this module in every bit of all 633 001 steps if
-//! both take sine, cosine and power from the same library; with those of [`stickslip::math`] the
-//! states differ by less than 1e-15, and the four settled numbers not at all.
+//! A literal transcription into Python agrees with this module in every bit of all 633 001 steps.
+//! That holds if both use the same sine, cosine and power. With those of [`stickslip::math`] the
+//! states differ by less than 1e-15, and the four numbers of the settled motion are equal.
 //!
 //! ```
 //! use replication::paper::listing::{run, Setup};
@@ -47,17 +45,16 @@ use regime::Strobe;
 use step::{Event, Machine};
 use stickslip::Mode;
 
-/// Runs the listing and keeps phases, crossings and the class of motion, but no trajectory.
-/// A motion that escapes or breaks down is a result, too: see [`Motion`].
+/// Runs the listing and keeps phases, crossings and the class of motion, but no trajectory. A
+/// motion that escapes or breaks down is also a result: see [`Motion`].
 pub fn run(setup: &Setup) -> Run {
     run_with(setup, |_| {})
 }
 
-/// Runs the listing and hands every step's [`Sample`] to `observe`, in order, from the first pass
-/// on.
+/// Runs the listing and calls `observe` with every step's [`Sample`], in order, from the first
+/// pass.
 ///
-/// Nothing is stored on the observer's behalf: a picture keeps the samples whose `in_window` is
-/// set, and of those as many as it can draw.
+/// Samples are not stored. A plot keeps those whose `in_window` is set, thinned as needed.
 pub fn run_with(setup: &Setup, mut observe: impl FnMut(&Sample)) -> Run {
     let last = setup.last_step();
     let first_in_window = setup.first_window_step();
@@ -76,7 +73,7 @@ pub fn run_with(setup: &Setup, mut observe: impl FnMut(&Sample)) -> Run {
     recorder.finish(None)
 }
 
-/// Builds a [`Run`] from the passes of the loop, keeping events and one sample per forcing period.
+/// Builds a [`Run`] from the passes of the loop. It keeps events and one sample per forcing period.
 struct Recorder {
     run: Run,
     strobe: Strobe,
@@ -124,7 +121,7 @@ impl Recorder {
         self.strobe.take(sample);
     }
 
-    /// The outcome; `end` is how the run broke off, if it did.
+    /// The outcome. `end` says how the run broke off, if it did.
     fn finish(mut self, end: Option<Motion>) -> Run {
         let motion = end.unwrap_or_else(|| regime::classify(&self.run, &self.strobe));
         self.run.motion = motion;

@@ -4,14 +4,14 @@ use std::fmt;
 
 use stickslip::Mode;
 
-/// How much a pattern is shortened, in forcing periods. What happens exactly a pattern before its
-/// end begins the pattern before, and a clock may jitter around that.
+/// Amount by which a pattern is shortened, in forcing periods. An event exactly one pattern before
+/// the end belongs to the previous pattern, and its time may jitter.
 const PATTERN_MARGIN: f64 = 0.01;
-/// Forcing periods compared at least before a pattern counts as repeating: three of the shortest
-/// pattern that is published.
+/// Minimum number of forcing periods compared before a pattern counts as repeating. It is three
+/// times the shortest published pattern.
 pub(in crate::paper) const LEAST_COMPARED: usize = 6;
 
-/// The time (s) after which what happens belongs to the last `periods` forcing periods.
+/// The time (s) at which the last `periods` forcing periods begin.
 pub(in crate::paper) fn pattern_begin(end: f64, periods: usize, forcing_period: f64) -> f64 {
     end - (periods as f64 - PATTERN_MARGIN) * forcing_period
 }
@@ -38,10 +38,10 @@ pub enum End {
 }
 
 impl Zone {
-    /// The zone that holds `x1` when the forcing stands at `xs`, both in metres (lines 90–101).
+    /// The zone that contains `x1` at the forcing `xs`, both in metres (lines 90–101).
     pub(super) fn holding(x1: f64, tangent_points: &[f64; 6], xs: f64) -> Option<Zone> {
         let [t1, t2, t3, t4, t5, t6] = tangent_points.map(|z| z + xs);
-        // In the order of the listing, which matters where zones meet.
+        // In the order of the listing. The order matters where zones meet.
         let zones = [
             (Zone::Lower, t6..=t5),
             (Zone::Middle, t4..=t3),
@@ -52,12 +52,11 @@ impl Zone {
     }
 }
 
-/// The resting positions of both ends, in metres.
+/// Positions of both ends without forcing, in metres.
 ///
-/// A stick phase can start with no zone: the transition function and the comparison of
-/// [`Zone::holding`] round differently at a zone's end. The listing's `k` is then −1, and `T[-1]`
-/// is the last tangent point (its neighbour `T[k+1]`, read only with the mended exit test, the
-/// first).
+/// A stick phase can start in no zone: at a zone's end, the transition function and
+/// [`Zone::holding`] may round differently. The listing's `k` is then −1, and `T[-1]` is the last
+/// tangent point. Its neighbour `T[k+1]`, read only with the mended exit test, is the first.
 pub(super) fn ends(zone: Option<Zone>, tangent_points: &[f64; 6]) -> (f64, f64) {
     let [t1, t2, t3, t4, t5, t6] = *tangent_points;
     match zone {
@@ -68,7 +67,7 @@ pub(super) fn ends(zone: Option<Zone>, tangent_points: &[f64; 6]) -> (f64, f64) 
     }
 }
 
-/// The way through the belt's speed.
+/// Direction of a passage through the belt's speed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Direction {
     /// From slower than the belt to faster.
@@ -89,13 +88,13 @@ pub struct Sample {
     pub x1: f64,
     /// Velocity in metres per second.
     pub x2: f64,
-    /// What the body does from here on.
+    /// Mode from here on.
     pub mode: Mode,
     /// Whether the step is in the window the paper plots.
     pub in_window: bool,
 }
 
-/// A moment on the line `x2 = vp`.
+/// A time and a position on the line `x2 = vp`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Instant {
     /// Time in seconds.
@@ -128,32 +127,33 @@ impl Stick {
 /// A stick phase of the listing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StickPhase {
-    /// From where to where.
+    /// Entry and exit.
     pub stick: Stick,
-    /// The stick zone, or none where rounding put the entry just outside.
+    /// The stick zone; `None` where rounding put the entry just outside.
     pub zone: Option<Zone>,
-    /// The end of the zone it left through.
+    /// The end of the zone at which the phase ended.
     pub end: End,
 }
 
 /// A passage through the belt's speed without sticking (the paper's Σc).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Crossing {
-    /// Where.
+    /// Time and position.
     pub at: Instant,
-    /// Which way.
+    /// Direction.
     pub direction: Direction,
-    /// Whether it is the first step after a stick phase: no crossing of the motion, but the wrong
-    /// side of [`Defect::ReversedExitSide`](super::Defect::ReversedExitSide) put right.
+    /// Whether it is the first step after a stick phase. Then it is not a crossing of the motion
+    /// but the correction of a wrong side from
+    /// [`Defect::ReversedExitSide`](super::Defect::ReversedExitSide).
     pub after_exit: bool,
 }
 
-/// The motion a run settled on, decided from the run itself.
+/// The motion that a run settled on, decided from the run itself.
 ///
-/// The states at whole multiples of the forcing period are compared: a pattern of `p` periods has
-/// repeated when, over the last `max(2p, 6)` of them, each is within twenty steps' way (`20·h`, in
-/// metres and metres per second) of the one `p` periods earlier. The steps do not fit the forcing
-/// period, so a periodic motion is met with an error of some steps' way and no closer.
+/// The states at whole multiples of the forcing period are compared. A pattern of `p` periods
+/// repeats if each of the last `max(2p, 6)` states is near the one `p` periods earlier. Near means
+/// within twenty steps' travel (`20·h`, in metres and metres per second). The steps do not divide
+/// the forcing period, so a periodic motion repeats only to within the travel of some steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Motion {
@@ -161,29 +161,28 @@ pub enum Motion {
     StickSlip {
         /// Stick phases in one pattern.
         sticks: usize,
-        /// Length of the pattern in forcing periods, the smallest that repeats.
+        /// Length of the pattern in forcing periods: the smallest that repeats.
         period: usize,
     },
     /// Periodic, without stick.
     SlipOnly {
-        /// Length of the pattern in forcing periods, the smallest that repeats.
+        /// Length of the pattern in forcing periods: the smallest that repeats.
         period: usize,
     },
-    /// The clock stands: over the second half of the passes it gained less than a tenth of what its
-    /// steps give, because the corrections at the ends of stick and slip phases take back what the
-    /// steps add.
+    /// The clock stalls. Over the second half of the passes it advanced by less than a tenth of its
+    /// steps. The corrections at the ends of stick and slip phases cancel the steps.
     Stalled {
-        /// Where it stands, in seconds.
+        /// Time at which it stalls, in seconds.
         t: f64,
     },
-    /// The body went so far out that the softening spring drives it away for good.
+    /// The body moved so far out that the softening spring drives it away for good.
     Escaped {
-        /// When, in seconds.
+        /// Time, in seconds.
         t: f64,
     },
-    /// The state stopped being a number: a Hénon step divided by an acceleration of zero.
+    /// The state is no longer finite: a Hénon step divided by an acceleration of zero.
     BrokenDown {
-        /// The last time with a state, in seconds.
+        /// Time of the last finite state, in seconds.
         t: f64,
     },
     /// No pattern of up to [`Motion::LONGEST_PATTERN`] forcing periods repeats at the end of the
@@ -211,11 +210,10 @@ impl fmt::Display for Motion {
 }
 
 impl Motion {
-    /// Patterns longer than this many forcing periods are not looked for: the paper's run has 38
-    /// periods.
+    /// Longest pattern searched for, in forcing periods. The paper's run has 38 periods.
     pub const LONGEST_PATTERN: usize = 8;
 
-    /// What Sect. 4.2 says of Fig. 8: two stick phases in two forcing periods.
+    /// The motion of Fig. 8 by Sect. 4.2: two stick phases in two forcing periods.
     pub const PUBLISHED: Motion = Motion::StickSlip {
         sticks: 2,
         period: 2,
@@ -227,18 +225,18 @@ impl Motion {
 pub struct Run {
     /// The complete stick phases, in order.
     pub phases: Vec<StickPhase>,
-    /// The stick phase the run ended in, if it did: entry and zone.
+    /// The stick phase in which the run ended, if any: entry and zone.
     pub unfinished: Option<(Instant, Option<Zone>)>,
     /// The crossings without stick, in order.
     pub crossings: Vec<Crossing>,
-    /// The motion the run settled on.
+    /// The motion that the run settled on.
     pub motion: Motion,
     /// Forcing period in seconds.
     pub forcing_period: f64,
 }
 
 impl Run {
-    /// The stick phases of the last complete pattern, in order of time; none unless the motion is
+    /// The stick phases of the last complete pattern, in order of time. Empty unless the motion is
     /// [`Motion::StickSlip`].
     pub fn settled_phases(&self) -> &[StickPhase] {
         let Motion::StickSlip { period, .. } = self.motion else {
@@ -247,7 +245,8 @@ impl Run {
         self.phases_in_last(period)
     }
 
-    /// The complete phases that ended within so many forcing periods before the last one's end.
+    /// The complete phases that ended within so many forcing periods before the end of the last
+    /// one.
     pub(super) fn phases_in_last(&self, periods: usize) -> &[StickPhase] {
         let end = self.phases.last().map_or(0.0, |last| last.stick.exit.t);
         let from = pattern_begin(end, periods, self.forcing_period);

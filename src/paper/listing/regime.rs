@@ -1,15 +1,16 @@
-//! The class of the motion a run settled on.
+//! Classification of the motion that a run settled on.
 
 use super::record::{LEAST_COMPARED, Motion, Run, Sample};
 use super::setup::Setup;
 
-/// How closely a pattern has to repeat, in steps. The steps do not fit the forcing period, so that
-/// a periodic motion is met with an error of some steps' way.
+/// Tolerance for a repeating pattern, in steps. The steps do not divide the forcing period, so a
+/// periodic motion repeats only to within the travel of some steps.
 const TOLERANCE_STEPS: f64 = 20.0;
-/// A clock that gains less than this part of its steps stands. A moving one gains most.
+/// A clock that advances by less than this fraction of its steps is stalled. A running clock
+/// advances by most of them.
 const STALLED_RATE: f64 = 0.1;
 
-/// The states at whole multiples of the forcing period, and how the clock fares.
+/// The states at whole multiples of the forcing period, and the progress of the clock.
 pub(super) struct Strobe {
     h: f64,
     period: f64,
@@ -78,7 +79,7 @@ impl Strobe {
     }
 }
 
-/// The class of a run that came to its end.
+/// The class of a complete run.
 pub(super) fn classify(run: &Run, strobe: &Strobe) -> Motion {
     if let Some(t) = strobe.stalled() {
         return Motion::Stalled { t };
@@ -86,8 +87,8 @@ pub(super) fn classify(run: &Run, strobe: &Strobe) -> Motion {
     let (Some(period), Some(end)) = (strobe.pattern(), strobe.last) else {
         return Motion::NotSettled;
     };
-    // A pattern with stick ends a phase in every `period` forcing periods; half a one is for the
-    // jitter.
+    // A pattern with stick ends a phase in every `period` forcing periods. Half a period more
+    // allows for jitter.
     let oldest = end.t - (period as f64 + 0.5) * strobe.period;
     match run.phases.last() {
         Some(last) if last.stick.exit.t > oldest => Motion::StickSlip {

@@ -1,4 +1,4 @@
-//! What a run of the listing starts from, and how far it goes.
+//! Start, parameters and length of a run of the listing.
 
 use std::f64::consts::PI;
 
@@ -6,24 +6,24 @@ use super::defects::Defects;
 use stickslip::models::ForcedOscillator;
 use stickslip::{State, math};
 
-/// Length of the listing's run (s), line 3: N·h. Its motion has settled then.
+/// Length of the listing's run (s), line 3: N·h. By then its motion has settled.
 pub const END: f64 = 63.3;
 
-/// One run: which oscillator, from where, with which defects, at which step, for how long.
+/// One run: oscillator, start, defects, step and length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Setup {
     /// The oscillator (lines 2–9). The listing's friction has 1 s/m for `delta`.
     pub model: ForcedOscillator,
     /// The six tangent points of Eq. (24) in metres, largest first (the listing's `T`).
     ///
-    /// They follow from `mu0`, `k1` and `k2`. The listing has them as constants, so they are given.
+    /// They follow from `mu0`, `k1` and `k2`, but the listing has them as constants.
     pub tangent_points: [f64; 6],
     /// The start: time (s), displacement (m) and velocity (m/s), the listing's `x`.
     pub start: [f64; 3],
     /// Which defects are present.
     pub defects: Defects,
-    /// Step `h` in seconds (line 3: 1e-4). A twentieth of the forcing period is the longest with
-    /// which periods can be told apart.
+    /// Step `h` in seconds (line 3: 1e-4). Longer steps than a twentieth of the forcing period
+    /// cannot distinguish periods.
     pub h: f64,
     /// Start of the plotted window in seconds after the start (line 3: N0·h = 60).
     pub window_start: f64,
@@ -32,7 +32,7 @@ pub struct Setup {
 }
 
 impl Default for Setup {
-    /// The listing as printed, each tangent point by the operations of lines 4–9.
+    /// The listing as printed. Each tangent point is computed by the operations of lines 4–9.
     fn default() -> Self {
         let model = ForcedOscillator::default();
         let c = 2.0 * 3f64.sqrt() / 3.0;
@@ -55,7 +55,7 @@ impl Default for Setup {
 }
 
 impl Setup {
-    /// The listing from its own start with some of its defects.
+    /// The listing from its own start with these defects.
     pub fn with(defects: Defects) -> Setup {
         Setup {
             defects,
@@ -69,7 +69,7 @@ impl Setup {
         State::from([x1, x2])
     }
 
-    /// `N`: the last pass of the loop `while i <= N`, the same time span whatever the step.
+    /// `N`: the last pass of the loop `while i <= N`. The time span does not depend on the step.
     pub(super) fn last_step(&self) -> u64 {
         (self.end / self.h).round() as u64
     }

@@ -6,18 +6,18 @@ use super::setup::Setup;
 use crate::paper::stages::{in_time, in_velocity};
 use stickslip::{Mode, Side, State, math};
 
-/// A body further out than this many times the outermost tangent point has left for good: the
-/// spring pushes outward there with a thousand times the force it has at that point.
+/// A body beyond this many times the outermost tangent point has escaped. There the spring pushes
+/// outward with a thousand times its force at that point.
 const ESCAPE_FACTOR: f64 = 10.0;
 
-/// What a pass did besides moving the state.
+/// Event of a pass, besides the motion of the state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Event {
-    /// The body came to stick.
+    /// The body began to stick.
     Entry(Option<Zone>),
     /// It left the stick zone through an end.
     Exit(End),
-    /// It went through the belt's speed without sticking.
+    /// It passed the belt's speed without sticking.
     Crossing(Direction),
 }
 
@@ -28,9 +28,9 @@ pub(super) struct Machine<'a> {
     x: [f64; 3],
     /// `xso`: the forcing at the clock of `x`.
     xs: f64,
-    /// `slip` and `aft` in one: `slip == 1` is sticking, else `aft` has the side.
+    /// `slip` and `aft` in one: `slip == 1` is stick; otherwise `aft` is the side.
     pub(super) mode: Mode,
-    /// `k`: the zone last entered.
+    /// `k`: the zone entered last.
     pub(super) zone: Option<Zone>,
 }
 
@@ -72,7 +72,7 @@ impl<'a> Machine<'a> {
         }
     }
 
-    /// The side both fields point to outside a zone, and the tangent one at its end.
+    /// The side to which both fields point outside a zone, and the tangent one at a zone's end.
     fn side_of_spring(&self, x1: f64, xs: f64) -> Mode {
         if self.spring(x1 - xs) > 0.0 {
             Mode::Slip(Side::Above)
@@ -100,7 +100,7 @@ impl<'a> Machine<'a> {
         }
     }
 
-    /// How the run ended, if the state can no longer be a motion of the oscillator; `t` is the time
+    /// How the run ended, if the state is no longer a motion of the oscillator. `t` is the time
     /// before the last pass.
     pub(super) fn breakdown(&self, t: f64) -> Option<Motion> {
         let outermost = self.setup.tangent_points[0];
@@ -113,7 +113,7 @@ impl<'a> Machine<'a> {
         }
     }
 
-    /// One pass: moves the state and says what happened.
+    /// One pass: moves the state and returns the event.
     pub(super) fn advance(&mut self) -> Option<Event> {
         match self.mode {
             Mode::Stick => self.stick(),
@@ -134,18 +134,18 @@ impl<'a> Machine<'a> {
         let xs = setup.model.support(moved[0]);
         let (upper, lower) = ends(self.zone, &setup.tangent_points);
         let through_lower = !setup.defects.has(Defect::OneSidedExit) && moved[1] <= lower + xs;
-        // Tested so that a state that is no number leaves, as in the listing.
+        // The comparison is false for NaN, so such a state leaves, as in the listing.
         let stays = moved[1] < upper + xs && !through_lower;
         if stays {
             self.move_to(moved);
             return None;
         }
-        let (end, rest) = if through_lower {
+        let (end, zone_end) = if through_lower {
             (End::Lower, lower)
         } else {
             (End::Upper, upper)
         };
-        self.move_to(self.stick_exit(start, moved, rest, xs));
+        self.move_to(self.stick_exit(start, moved, zone_end, xs));
         self.mode = if setup.defects.has(Defect::ReversedExitSide) {
             if self.zone == Some(Zone::Middle) {
                 Mode::Slip(Side::Above)
@@ -158,22 +158,22 @@ impl<'a> Machine<'a> {
         Some(Event::Exit(end))
     }
 
-    /// The state where a stick phase ends at the zone's end with resting position `rest` (lines
+    /// The state where a stick phase ends at the zone's end `end`, given without forcing (lines
     /// 37–38).
-    fn stick_exit(&self, start: [f64; 3], moved: [f64; 3], rest: f64, xs: f64) -> [f64; 3] {
+    fn stick_exit(&self, start: [f64; 3], moved: [f64; 3], zone_end: f64, xs: f64) -> [f64; 3] {
         let defects = &self.setup.defects;
         if defects.has(Defect::InPlaceStages) {
-            // Line 37 has overwritten x[1] before it subtracts it, so line 38 adds nothing to the
+            // Line 37 has overwritten x[1] before it subtracts it. So line 38 adds nothing to the
             // clock.
-            return [moved[0], rest + xs, moved[2]];
+            return [moved[0], zone_end + xs, moved[2]];
         }
         if defects.has(Defect::FrozenForcing) {
-            let x1 = rest + xs;
+            let x1 = zone_end + xs;
             return [start[0] + (x1 - start[1]) / start[2], x1, start[2]];
         }
-        let gap_start = start[1] - rest - self.xs;
-        let gap_end = moved[1] - rest - xs;
-        // The gaps have the same sign only if the phase began outside its zone: then it ends at
+        let gap_start = start[1] - zone_end - self.xs;
+        let gap_end = moved[1] - zone_end - xs;
+        // The gaps have the same sign only if the phase began outside its zone. Then it ends at
         // once.
         let fraction = if gap_start * gap_end < 0.0 {
             gap_start / (gap_start - gap_end)
@@ -198,7 +198,7 @@ impl<'a> Machine<'a> {
             self.move_to([start[0] + setup.h, moved[1], moved[2]]);
             return None;
         }
-        // As printed the state before the step is gone.
+        // As printed, the state before the step is overwritten.
         let origin = if setup.defects.has(Defect::InPlaceStages) {
             moved
         } else {
@@ -209,8 +209,8 @@ impl<'a> Machine<'a> {
         Some(self.arrive())
     }
 
-    /// `x2'` in metres per second squared (lines 83–84). The friction is `μ0/(pole − x2)`, with the
-    /// pole at `vp + 1` below the belt's speed and at `vp − 1` above (line 25).
+    /// `x2'` in metres per second squared (lines 83–84). The friction is `μ0/(pole − x2)`. The pole
+    /// is `vp + 1` below the belt's speed and `vp − 1` above it (line 25).
     fn acceleration(&self, t: f64, x: &State<2>) -> f64 {
         let model = &self.setup.model;
         let xs = match self.setup.defects.has(Defect::FrozenForcing) {
@@ -226,13 +226,13 @@ impl<'a> Machine<'a> {
 
     /// Spring force `s = k2 z³ − k1 z` in newtons at the stretch `z` in metres (lines 53, 69).
     ///
-    /// The cube goes through a power as in the listing: a product rounds differently.
+    /// The cube is a power, as in the listing: a product rounds differently.
     fn spring(&self, z: f64) -> f64 {
         let model = &self.setup.model;
         -model.k1 * z + model.k2 * math::pow(z, 3.0)
     }
 
-    /// The loop sets the clock (lines 60 and 76).
+    /// The caller's loop sets the clock (lines 60 and 76).
     fn slip_step(&self, [t, x1, x2]: [f64; 3]) -> [f64; 3] {
         let in_place = self.setup.defects.has(Defect::InPlaceStages);
         let field = |t, x: &State<2>| State::from([x[1], self.acceleration(t, x)]);

@@ -1,7 +1,7 @@
-//! Arrival on Σ from slip, Eq. (14): the stated method, its parts and the listing.
+//! Arrival on Σ from slip, Eq. (14): the stated method, its parts, and the listing.
 
 use super::errors::{EventErrors, TOLERANCE};
-use crate::numbers::missing;
+use crate::numbers::not_found;
 use crate::paper::listing::{Defects, END, Run, Setup, run};
 use crate::report::ReportError;
 use stickslip::models::ForcedOscillator;
@@ -10,10 +10,10 @@ use stickslip::{
     Filippov, Locator, Method, Mode, Options, Orbit, Side, State, TransitionKind, solve,
 };
 
-/// How long before the event a run starts (s), not a multiple of any step.
+/// Time of a run before the event (s), not a multiple of any step.
 const LEAD: f64 = 0.2003;
 
-/// A crossing on the settled orbit, and a state some time before it.
+/// A crossing on the settled orbit, and a state before it.
 pub(super) struct Arrival<'a> {
     model: &'a ForcedOscillator,
     from: Side,
@@ -21,7 +21,7 @@ pub(super) struct Arrival<'a> {
     x0: State<2>,
     /// The event's time, exact to rounding.
     t: f64,
-    /// The orbit between.
+    /// The orbit between them.
     orbit: Orbit<2>,
 }
 
@@ -33,10 +33,10 @@ impl<'a> Arrival<'a> {
         let mut transitions = settled.transitions.iter();
         let crossing = transitions
             .rfind(|at| at.kind == TransitionKind::Crossing && at.from == Mode::Slip(from))
-            .ok_or_else(|| missing("a crossing of Σ", 0.0, END))?;
+            .ok_or_else(|| not_found("a crossing of Σ", 0.0, END))?;
         let t0 = crossing.t - LEAD;
         let x0 = settled.at(t0)?;
-        // Afresh from that state, so that it alone decides.
+        // Restarted from that state, which alone determines the orbit.
         let orbit = solve(model, t0, x0, crossing.t + LEAD, &options)?;
         Ok(Arrival {
             model,
@@ -48,8 +48,8 @@ impl<'a> Arrival<'a> {
         })
     }
 
-    /// The step near `h` of which the event comes after so many and a part, so that the last cut
-    /// falls alike for all of them.
+    /// The step near `h` for which the event comes after a whole number of steps and `part` of
+    /// another. So the last step is cut at the same fraction for all of them.
     fn step(&self, h: f64, part: f64) -> f64 {
         let lead = self.t - self.t0;
         lead / ((lead / h).round() + part)
@@ -75,8 +75,7 @@ impl<'a> Arrival<'a> {
         })
     }
 
-    /// The same with the step that Sect. 3 prints for it: `vp − x2` from below, `x2 − vp` from
-    /// above.
+    /// The same with the step printed in Sect. 3: `vp − x2` from below, `x2 − vp` from above.
     pub(super) fn as_in_the_text(&self) -> Result<EventErrors, ReportError> {
         let gap = |at: &Timed<2>| self.model.boundary(at.t, at.x.as_ref());
         self.measure(
@@ -93,18 +92,18 @@ impl<'a> Arrival<'a> {
                         break;
                     }
                     if next.t > self.t + LEAD {
-                        return Err(missing("a crossing of Σ", self.t0, 2.0 * LEAD).into());
+                        return Err(not_found("a crossing of Σ", self.t0, 2.0 * LEAD).into());
                     }
                     at = next;
                 }
-                // Both are positive: from above it leads away from Σ.
+                // Both are positive: from above the step leads away from Σ.
                 let change = gap(&at).abs();
                 Ok(henon_step::<Rk4, 2>(&mut |at| self.in_velocity(at), &at, change).t)
             },
         )
     }
 
-    /// One Hénon step alone from an exact state: a step errs by one order more.
+    /// One Hénon step alone from an exact state. Its error is of one order higher.
     pub(super) fn single(&self) -> Result<EventErrors, ReportError> {
         self.measure("arrival by one Hénon step of RK4 alone from", |h, part| {
             let t = self.t - part * h;
@@ -132,7 +131,7 @@ impl<'a> Arrival<'a> {
             });
             let what = "a crossing of Σ by the listing";
             let first = first_on_belt(&outcome);
-            Ok(first.ok_or_else(|| missing(what, self.t0, 2.0 * LEAD))?)
+            Ok(first.ok_or_else(|| not_found(what, self.t0, 2.0 * LEAD))?)
         })
     }
 
@@ -140,7 +139,7 @@ impl<'a> Arrival<'a> {
         self.model.field(self.from, at.t, at.x.as_ref()).into()
     }
 
-    /// Slope with the time as independent variable.
+    /// Slope with time as the independent variable.
     fn in_time(&self, at: &Timed<2>) -> Timed<2> {
         Timed {
             t: 1.0,
@@ -148,7 +147,7 @@ impl<'a> Arrival<'a> {
         }
     }
 
-    /// Eq. (14): slope with the velocity as independent variable.
+    /// Eq. (14): slope with velocity as the independent variable.
     fn in_velocity(&self, at: &Timed<2>) -> Timed<2> {
         let f = self.field(at);
         Timed {
@@ -160,10 +159,10 @@ impl<'a> Arrival<'a> {
 
 fn first_transition(orbit: &Orbit<2>, t: f64) -> Result<f64, ReportError> {
     let first = orbit.transitions.first().map(|at| at.t);
-    Ok(first.ok_or_else(|| missing("a crossing of Σ", t, 2.0 * LEAD))?)
+    Ok(first.ok_or_else(|| not_found("a crossing of Σ", t, 2.0 * LEAD))?)
 }
 
-/// When the listing first reaches the belt's speed.
+/// Time at which the listing first reaches the belt's speed.
 fn first_on_belt(run: &Run) -> Option<f64> {
     let crossing = run.crossings.first().map(|crossing| crossing.at.t);
     let entry = run.phases.first().map(|phase| phase.stick.entry.t);

@@ -1,4 +1,4 @@
-//! Errors of the time of one event over the step, and what they come to.
+//! Errors of the time of one event over the step, and their order.
 
 use crate::paper::published::HALF_DIGIT;
 use crate::report::ReportError;
@@ -6,24 +6,23 @@ use crate::report::convergence::PRINTED_STEP;
 use stickslip::Side;
 use stickslip::statistics::PowerLaw;
 
-/// Errors of a run stay far below the differences that decide here.
+/// Tolerance: errors of a run stay far below the differences that decide here.
 pub(super) const TOLERANCE: f64 = 1e-14;
 /// Steps (s) at which orders are measured: their errors are well above rounding.
 pub(super) const STEPS: [f64; 5] = [1.6e-2, 1.13e-2, 8e-3, 5.7e-3, 4e-3];
-/// Parts of a step after which the event comes; the worst of them counts.
+/// Fractions of a step at which the event comes. The largest error counts.
 const PARTS: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
-/// Errors within this are rounding of the times (s), with room for it to grow; there is then no
-/// order.
+/// Errors below this are accumulated rounding of the times (s) and have no order.
 const ROUNDING: f64 = 1e-12;
 
 /// Errors of the time of one event.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EventErrors {
-    /// How the event was found.
+    /// Method that located the event.
     pub method: &'static str,
-    /// The side the orbit comes from, or that it is released to.
+    /// The side from which the orbit comes, or to which it is released.
     pub side: Side,
-    /// Steps and errors (s), the worst over the part of the step after which the event comes.
+    /// Steps and errors (s), the largest over the fractions of the step.
     pub errors: Vec<(f64, f64)>,
     /// Slope of log error against log step.
     pub order: f64,
@@ -32,15 +31,14 @@ pub struct EventErrors {
 }
 
 impl EventErrors {
-    /// Measures times against the event's own. `locate` gives one by a step and the part of it
-    /// after which the event comes. The orbit comes to the event from a side, or is released to
-    /// one.
+    /// Measures errors of times that `locate` returns for a step and the fraction of it at which
+    /// the event comes. The orbit comes to the event from a side or is released to one.
     pub(super) fn measure(
         method: &'static str,
         (side, t): (Side, f64),
         locate: impl Fn(f64, f64) -> Result<f64, ReportError>,
     ) -> Result<EventErrors, ReportError> {
-        // An event that is not found is worse than any error.
+        // A missing event counts as an infinite error.
         let error = |h: f64| {
             PARTS.into_iter().try_fold(0.0, |worst: f64, part| {
                 let off = (locate(h, part)? - t).abs();
@@ -64,8 +62,8 @@ impl EventErrors {
         self.at_printed_step <= ROUNDING && self.errors.iter().all(|(_, error)| *error <= ROUNDING)
     }
 
-    /// "High accuracy": at the printed step the error is less than half a unit of the last digit
-    /// the paper prints.
+    /// "High accuracy": at the printed step the error is less than half a unit of the last printed
+    /// digit.
     pub fn is_accurate(&self) -> bool {
         self.at_printed_step < HALF_DIGIT
     }
@@ -101,7 +99,7 @@ mod tests {
         assert!(of(|h, _| 0.4 * h).is_accurate() && !of(|h, _| 0.6 * h).is_accurate());
         assert!(!of(|_, _| f64::NAN).is_accurate());
         assert!(of(|_, _| 0.0).is_accurate() && of(|_, _| 1e-16).is_exact());
-        // The worst part of the step counts.
+        // The largest error over the fractions counts.
         assert!(!of(|h, part| h * (1.0 - part)).is_accurate());
         let lost = |_, part| if part > 0.8 { f64::NAN } else { 0.0 };
         assert!(!of(lost).is_accurate());

@@ -1,6 +1,5 @@
-//! "Estimated with high accuracy": the errors of the times of arrival on Σ (Eq. 14) and of release
-//! from stick (Eq. 15) against exact ones, by the method as the text states it, with corrections,
-//! and by the listing.
+//! "Estimated with high accuracy": errors of the times of arrival on Σ (Eq. 14) and of release from
+//! stick (Eq. 15). The methods are the one stated in the text, the corrected one, and the listing.
 
 mod arrival;
 mod errors;
@@ -21,14 +20,15 @@ use stickslip::models::ForcedOscillator;
 /// Errors of event times on the stated models' own orbits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Accuracy {
-    /// Arrival by RK4 with fixed step, then one Hénon step onto Σ with the step in velocity `vp −
+    /// Arrival by RK4 with fixed step, then one Hénon step onto Σ. The step in velocity is `vp −
     /// x2`, from below and from above.
     pub stated: [EventErrors; 2],
-    /// The same with the step in velocity that Sect. 3 prints: from above it is `x2 − vp`.
+    /// The same with the step in velocity printed in Sect. 3, which is `x2 − vp` from above.
     pub text: [EventErrors; 2],
-    /// One Hénon step alone from an exact state, from either side: a step errs by one order more.
+    /// One Hénon step alone from an exact state, from either side. Its error is of one order
+    /// higher.
     pub single: [EventErrors; 2],
-    /// The listing with the sign of its step from above as printed and all else mended.
+    /// The listing with its sign of the step from above as printed and all other defects mended.
     pub printed_sign: EventErrors,
     /// Arrival by the listing as printed, from either side.
     pub as_printed: [EventErrors; 2],
@@ -72,8 +72,8 @@ impl Accuracy {
         ]
     }
 
-    /// `s3.release_accuracy`: release by a step of Eq. (15), of the system that Sect. 3 is about,
-    /// whose tangent points stand still.
+    /// `s3.release_accuracy`: release by a step of Eq. (15), in the system of Sect. 3, whose
+    /// tangent points are at rest.
     pub fn release_findings(&self) -> Vec<Finding> {
         use Reading::{AsPrinted, Corrected, Exact};
         let Releases { belt, listing, .. } = &self.release;
@@ -87,15 +87,15 @@ impl Accuracy {
         .to_vec()
     }
 
-    /// Every measurement of arrival in a line.
+    /// A line for every measurement of arrival.
     pub fn lines_of_arrival(&self) -> Vec<String> {
         let stated = self.text.iter().chain(&self.stated).chain(&self.single);
         let all = stated.chain([&self.printed_sign]).chain(&self.as_printed);
         all.map(EventErrors::line).collect()
     }
 
-    /// Every measurement of release in a line; of a tangent point that moves, which is another
-    /// reading of the sentence, too.
+    /// A line for every measurement of release. It includes a moving tangent point, which is
+    /// another reading of the sentence.
     pub fn lines_of_release(&self) -> Vec<String> {
         let release = &self.release;
         let others = [&release.moving, &release.listing, &release.listing_mended];
@@ -118,7 +118,7 @@ mod tests {
             |findings: Vec<Finding>| findings.iter().map(|one| one.agrees).collect::<Vec<_>>();
         assert!(found.text[0].is_accurate(), "{}", found.text[0].line());
         assert_eq!(agrees(found.arrival_findings()), [false, true, false]);
-        // That the listing's release is nearer than half a digit is as its step happens to lie.
+        // The listing's release happens to be nearer than half a digit at this step.
         assert_eq!(agrees(found.release_findings())[..2], [false, true]);
     }
 }

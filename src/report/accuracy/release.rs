@@ -1,7 +1,7 @@
 //! Release from stick, Eq. (15): the step as printed, corrected, and the listing's.
 
 use super::errors::{EventErrors, STEPS, TOLERANCE};
-use crate::numbers::missing;
+use crate::numbers::not_found;
 use crate::paper::listing::{Defect, Defects, Setup, run};
 use crate::report::{ReportError, stick_exits, until_escape};
 use stickslip::math;
@@ -11,18 +11,18 @@ use stickslip::{Error, Filippov, Options, Side, State, Transition, solve};
 
 /// Starts of model 1 on the belt (m), one in each of its stick zones.
 const ON_BELT: [f64; 3] = [-1.0, 0.0, 1.0];
-/// Time within which a body on the belt of model 1 is released (s): it rides past all zones.
+/// Time within which a body on the belt of model 1 is released (s): by then it has passed all
+/// zones.
 const RIDE: f64 = 2.0;
-/// Starts of model 2, and the forcing periods they are followed over, among whose stick phases long
-/// ones are sought.
+/// Starts of model 2. The longest of their stick phases are used.
 const STARTS: [f64; 9] = [-1.0, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0];
 const FOLLOWED: f64 = 4.0;
 
 /// Errors of one release, of a body that rides the belt until a tangent point is met.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Release {
-    /// Eq. (15) literally, `dt/dx1 = 1/f2` over `h2 = x_k − x1`, with the field below and with the
-    /// one above.
+    /// Eq. (15) taken literally, `dt/dx1 = 1/f2` over `h2 = x_k − x1`, with the field below and
+    /// with the field above.
     pub literal: [EventErrors; 2],
     /// With `dt/dx1 = 1/x2` over the same step.
     pub corrected: EventErrors,
@@ -31,20 +31,20 @@ pub struct Release {
 /// Errors of the release times of both models.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Releases {
-    /// Model 1, which Sect. 3 is about: its tangent points stand still.
+    /// Model 1, the subject of Sect. 3: its tangent points are at rest.
     pub belt: Release,
-    /// Model 2: the tangent point is taken where it is at the step's end, as in the listing.
+    /// Model 2: the tangent point is taken at the step's end, as in the listing.
     pub forced: Release,
-    /// Model 2 with the distance to the moving tangent point as independent variable: what its
-    /// release needs besides.
+    /// Model 2 with the distance to the moving tangent point as the independent variable, which its
+    /// release also needs.
     pub moving: EventErrors,
-    /// The listing as printed: the time gets no correction, for `xn` and `x` are one list.
+    /// The listing as printed: the time gets no correction, because `xn` and `x` are one list.
     pub listing: EventErrors,
-    /// The listing with every defect mended.
+    /// The listing with all defects mended.
     pub listing_mended: EventErrors,
 }
 
-/// A release to be found: the last moments on the belt.
+/// A release on the exact orbit.
 struct Event {
     /// Time (s) and position (m) of the release.
     t: f64,
@@ -62,7 +62,7 @@ impl Event {
         }
     }
 
-    /// The body in stick so long before.
+    /// The state in stick, `span` before the release.
     fn before(&self, span: f64, belt_speed: f64) -> Timed<2> {
         Timed {
             t: self.t - span,
@@ -72,7 +72,7 @@ impl Event {
 }
 
 impl Releases {
-    /// Measures all.
+    /// Measures all releases.
     ///
     /// # Errors
     /// [`ReportError`].
@@ -96,14 +96,14 @@ impl Releases {
     }
 }
 
-/// `shift` is by how much the tangent point moves between two times (m).
+/// `shift` is the displacement of the tangent point between two times (m).
 fn release<S: Filippov<2>>(
     system: &S,
     belt_speed: f64,
     event: &Event,
     shift: impl Fn(f64, f64) -> f64,
 ) -> Result<Release, ReportError> {
-    // By the step h2 from the state of the stick phase before the step that passes the point.
+    // The step h2 from the state of the stick phase before the step that passes the point.
     let with = |method, side, slope: &dyn Fn(&Timed<2>) -> f64| {
         EventErrors::measure(method, (side, event.t), |h, part| {
             let at = event.before(part * h, belt_speed);
@@ -127,7 +127,7 @@ fn release<S: Filippov<2>>(
     })
 }
 
-/// The distance to the moving tangent point as independent variable.
+/// The release with the distance to the moving tangent point as the independent variable.
 fn moving(model: &ForcedOscillator, event: &Event) -> Result<EventErrors, ReportError> {
     let rest = event.x1 - model.support(event.t);
     let swapped = |at: &Timed<2>| {
@@ -146,8 +146,8 @@ fn moving(model: &ForcedOscillator, event: &Event) -> Result<EventErrors, Report
     })
 }
 
-/// The listing from the same state on the belt. The test of its start, which is not meant here, is
-/// mended.
+/// The listing from the same state on the belt. The defect in the test of its start is mended,
+/// since it is not the subject here.
 fn listing(
     method: &'static str,
     defects: Defects,
@@ -170,7 +170,7 @@ fn listing(
         });
         let exit = outcome.phases.first().map(|phase| phase.stick.exit.t);
         let what = "the end of a stick phase of the listing";
-        Ok(exit.ok_or_else(|| missing(what, before.t, 4.0 * h))?)
+        Ok(exit.ok_or_else(|| not_found(what, before.t, 4.0 * h))?)
     })
 }
 
@@ -184,14 +184,14 @@ fn on_belt(model: &BeltOscillator) -> Result<Event, Error> {
     };
     let releases = ON_BELT.into_iter().map(first_release);
     let releases = releases.collect::<Result<Vec<Option<Event>>, Error>>()?;
-    // Of equally late ones the first.
+    // Of equally late ones, the first.
     let later = |one: Event, other: Event| if other.t > one.t { other } else { one };
     let latest = releases.into_iter().flatten().reduce(later);
-    latest.ok_or_else(|| missing("a release from stick", 0.0, RIDE))
+    latest.ok_or_else(|| not_found("a release from stick", 0.0, RIDE))
 }
 
-/// The end, at the upper end of its zone, of the longest stick phase of model 2 from a row of
-/// starts: at a lower end the listing as printed does not look.
+/// The longest stick phase of model 2, over the starts, that ends at the upper end of its zone. The
+/// listing as printed does not test lower ends.
 fn on_forced(model: &ForcedOscillator) -> Result<Event, Error> {
     let points = model.tangent_points(0.0)?;
     let is_upper = |z: f64| {
@@ -211,11 +211,11 @@ fn on_forced(model: &ForcedOscillator) -> Result<Event, Error> {
             }
         }
     }
-    event.ok_or_else(|| missing("a long stick phase that ends at an upper end", 0.0, span))
+    event.ok_or_else(|| not_found("a long stick phase that ends at an upper end", 0.0, span))
 }
 
 impl Release {
-    /// Eq. (15) as printed with that of the two fields that errs less.
+    /// Eq. (15) as printed, with the field that has the smaller error.
     pub fn literal_better(&self) -> &EventErrors {
         let [below, above] = &self.literal;
         match above.at_printed_step < below.at_printed_step {

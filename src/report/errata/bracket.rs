@@ -1,21 +1,22 @@
-//! Misprints on model 3: Eqs. (27) and (28), the time's unit, the abstract, and the captions of
-//! Figs. 10–12, with what of the motion depends on them.
+//! Misprints on model 3: Eqs. (27) and (28), the unit of time, the abstract, and the captions of
+//! Figs. 10–12, with their effect on the motion.
 
 use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
-use super::proof::{Proof, Shown};
+use super::proof::{Proof, ProofResult};
 use crate::figures::block_and_bracket::{DIVERGED, START, TOLERANCE};
 use crate::figures::rows::Value;
+use crate::orbit_records::TurningPoints;
 use crate::report::ReportError;
 use crate::report::spread::mended_captions;
-use crate::turns::Turns;
 use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
 use stickslip::models::{BlockAndBracket, Caption, CaptionOrder, Reading, Rig, Unloading};
 use stickslip::{Error, Observer, Options, State, StepRecord, run, solve};
 
-/// The section is kept from the begin of the published series to here: over a hundred turns.
+/// The section is recorded from the start of the published series to here: over a hundred
+/// oscillations.
 const SECTION_END: f64 = 4500.0;
 /// The figures and their captions.
 const FIGURES: [(&str, Caption); 3] = [
@@ -24,13 +25,13 @@ const FIGURES: [(&str, Caption); 3] = [
     ("Fig. 12", Caption::FIG12),
 ];
 
-/// The largest component of an orbit before the series begins, and its section after that.
-struct LargestThenSection<'a> {
+/// Records the largest component of an orbit before the series begins, and its section after that.
+struct TransientAndSection<'a> {
     largest: f64,
-    turns: Turns<'a>,
+    turns: TurningPoints<'a>,
 }
 
-impl Observer<4> for LargestThenSection<'_> {
+impl Observer<4> for TransientAndSection<'_> {
     fn step(&mut self, step: &StepRecord<4>) -> ControlFlow<()> {
         if step.t_start >= START {
             self.turns.step(step);
@@ -40,80 +41,80 @@ impl Observer<4> for LargestThenSection<'_> {
     }
 }
 
-/// What becomes of the equations in one reading.
+/// The motion of the equations in one reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Outcome {
-    /// A component passes the bound at this time.
+enum MotionOutcome {
+    /// A component exceeds the bound at this time.
     Diverges(f64),
-    /// None does; the largest component until [`START`].
+    /// No component does; the largest component until [`START`].
     Bounded(f64),
-    /// The block turns nowhere: it rests or sticks for good.
+    /// The block has no turning points: it rests or sticks for good.
     Rests,
-    /// Closes after so many turns; time of one round.
+    /// The section closes after so many points; time of one round.
     Closes(usize, f64),
-    /// Does not close within the window; points of the section.
+    /// The section does not close within the window; its points.
     Open(usize),
 }
 
-/// Follows the equations until `end`. Up to [`SECTION_END`] the section decides what the motion is.
-fn outcome(caption: &Caption, reading: &Reading, end: f64) -> Result<Outcome, Error> {
+/// Integrates the equations until `end`. The section up to [`SECTION_END`] decides the class.
+fn outcome(caption: &Caption, reading: &Reading, end: f64) -> Result<MotionOutcome, Error> {
     let model = BlockAndBracket::from_caption(caption, reading)?;
     let options = Options::tol(TOLERANCE).escape(DIVERGED);
-    let mut observer = LargestThenSection {
+    let mut observer = TransientAndSection {
         largest: 0.0,
-        turns: Turns::new(&model, &options),
+        turns: TurningPoints::new(&model, &options),
     };
     let start = State::from(caption.start);
     match run(&model, 0.0, start, end, &options, &mut observer).map_err(Error::from) {
-        Err(Error::Escaped { t, .. }) => return Ok(Outcome::Diverges(t)),
+        Err(Error::Escaped { t, .. }) => return Ok(MotionOutcome::Diverges(t)),
         other => other?,
     };
     let section = observer.turns.points;
     let window = (Of::Flow, &[][..], SECTION_END - START);
     let evidence = Evidence::gather(&section, window, &Criterion::default());
     Ok(match evidence.class() {
-        _ if end <= START => Outcome::Bounded(observer.largest),
-        _ if section.is_empty() => Outcome::Rests,
-        Class::Periodic(turns) => Outcome::Closes(turns, turns as f64 * evidence.return_time),
-        _ => Outcome::Open(section.len()),
+        _ if end <= START => MotionOutcome::Bounded(observer.largest),
+        _ if section.is_empty() => MotionOutcome::Rests,
+        Class::Periodic(turns) => MotionOutcome::Closes(turns, turns as f64 * evidence.return_time),
+        _ => MotionOutcome::Open(section.len()),
     })
 }
 
-/// The same with the section's verdict.
-fn by_section(caption: &Caption, reading: &Reading) -> Result<Outcome, Error> {
+/// The same, decided by the section.
+fn by_section(caption: &Caption, reading: &Reading) -> Result<MotionOutcome, Error> {
     outcome(caption, reading, SECTION_END)
 }
 
-impl Outcome {
-    fn shown(self, what: &str) -> Shown {
+impl MotionOutcome {
+    fn proof_result(self, what: &str) -> ProofResult {
         let (more, value, unit): (_, Value, _) = match self {
-            Outcome::Diverges(t) => (
+            MotionOutcome::Diverges(t) => (
                 format!(": a component passes {DIVERGED} at t"),
                 t.into(),
                 "t",
             ),
-            Outcome::Bounded(size) => (
+            MotionOutcome::Bounded(size) => (
                 format!(": largest component until t = {START}"),
                 size.into(),
                 "1",
             ),
-            Outcome::Rests => (String::new(), "comes to rest".into(), ""),
-            Outcome::Closes(turns, round) => (
+            MotionOutcome::Rests => (String::new(), "comes to rest".into(), ""),
+            MotionOutcome::Closes(turns, round) => (
                 format!(": closes (turns: {turns}) after"),
                 round.into(),
                 "t",
             ),
-            Outcome::Open(points) => {
+            MotionOutcome::Open(points) => {
                 let open = format!("does not close in {points} turns");
                 (String::new(), open.as_str().into(), "")
             }
         };
-        Shown::new(format!("{what}{more}"), value, unit)
+        ProofResult::new(format!("{what}{more}"), value, unit)
     }
 
-    /// Whether it is what a caption calls quasi-periodic or chaotic: bounded and open.
+    /// Whether it may be quasi-periodic or chaotic: bounded, with an open section.
     fn is_open(self) -> bool {
-        matches!(self, Outcome::Open(_))
+        matches!(self, MotionOutcome::Open(_))
     }
 }
 
@@ -126,10 +127,10 @@ pub(super) fn signs() -> Result<Proof, Error> {
             || outcome(&caption, &Reading::exact(), START),
         );
         let (printed, corrected) = (printed?, corrected?);
-        holds &= matches!(printed, Outcome::Diverges(_));
-        holds &= matches!(corrected, Outcome::Bounded(_));
-        all.push(printed.shown(&format!("{name}, as printed")));
-        all.push(corrected.shown(&format!("{name}, corrected")));
+        holds &= matches!(printed, MotionOutcome::Diverges(_));
+        holds &= matches!(corrected, MotionOutcome::Bounded(_));
+        all.push(printed.proof_result(&format!("{name}, as printed")));
+        all.push(corrected.proof_result(&format!("{name}, corrected")));
     }
     Ok(Proof::new("signs", all, holds))
 }
@@ -152,11 +153,11 @@ fn rig(gravity: f64, stiffness: f64) -> Rig {
     }
 }
 
-/// Time over which the rig is followed, in units of 1/ω: several turns.
+/// Time over which the rig is integrated, in units of 1/ω: several oscillations.
 const RIG_SPAN: f64 = 40.0;
 
 /// The state of a rig after [`RIG_SPAN`], in the units of Eq. (27).
-fn of_rig(rig: &Rig, start: &State<4>) -> Result<State<4>, Error> {
+fn rig_state(rig: &Rig, start: &State<4>) -> Result<State<4>, Error> {
     let (length, time) = (rig.length_unit(), rig.time_unit());
     let units = State::from([length, length / time, length, length / time]);
     let x = start.component_mul(&units);
@@ -164,11 +165,11 @@ fn of_rig(rig: &Rig, start: &State<4>) -> Result<State<4>, Error> {
     Ok(end.x_end.component_div(&units))
 }
 
-/// Newton's law in SI units against the two ways to write the normal force with ξ6.
+/// Newton's law in SI units, compared with two ways to write the normal force with ξ6.
 pub(super) fn friction_counted_twice() -> Result<Proof, ReportError> {
     let rig = rig(9.81, 1.0);
     let start = State::from([0.0, 0.01, 0.0, -0.05]);
-    let newton = of_rig(&rig, &start)?;
+    let newton = rig_state(&rig, &start)?;
     let plain = rig.nondimensional();
     // The captions' sixth and seventh numbers for this rig.
     let (sixth, seventh) = (rig.mu0, rig.mu0 * rig.k3 / rig.k2);
@@ -199,28 +200,27 @@ pub(super) fn friction_counted_twice() -> Result<Proof, ReportError> {
     ))
 }
 
-/// Two rigs of other time units have the same Eq. (27).
+/// Two rigs with different units of time have the same Eq. (27).
 pub(super) fn unit_of_time() -> Result<Proof, ReportError> {
     let slow = rig(9.81, 1.0);
-    // Four times the stiffness and, so that the length unit stays, four times gravity; speeds
-    // double.
+    // Four times the stiffness and, to keep the unit of length, four times gravity. Speeds double.
     let fast = Rig {
         belt_speed: 2.0 * slow.belt_speed,
         delta: 0.5 * slow.delta,
         ..rig(4.0 * 9.81, 4.0)
     };
     let start = State::from([0.0, 0.01, 0.0, -0.05]);
-    let apart = (of_rig(&slow, &start)? - of_rig(&fast, &start)?).amax();
+    let apart = (rig_state(&slow, &start)? - rig_state(&fast, &start)?).amax();
     let (slow, fast) = (slow.time_unit(), fast.time_unit());
     let holds = (slow / fast - 2.0).abs() < 1e-12 && apart < 1e-6;
     Ok(Proof::new("unit_of_time", [slow, fast, apart], holds))
 }
 
-/// Time over which the states of model 3 are sampled, a hundred turns, and how often.
+/// Time over which the states of model 3 are sampled: a hundred oscillations.
 const SAMPLED: f64 = 1000.0;
 const SAMPLES: u32 = 4000;
-/// A direction is there when the states spread along it by more than this part of their largest
-/// spread: what a phase plane shows as more than a line.
+/// A direction counts if the spread of the states along it exceeds this fraction of their largest
+/// spread. Less would show as a line in a phase plane.
 const PART: f64 = 1e-2;
 
 /// Spreads (standard deviations) of the sampled states along their principal directions, the
@@ -254,7 +254,7 @@ pub(super) fn four_states() -> Result<Proof, ReportError> {
     Ok(Proof::new("four_states", shown, holds))
 }
 
-/// Static friction (mg) tried where the heading's order leaves none.
+/// Values of static friction (mg), for the heading's order, which gives none.
 const FRICTIONS: [f64; 4] = [0.3, 0.7, 1.0, 2.0];
 
 pub(super) fn order_of_captions() -> Result<Proof, ReportError> {
@@ -264,8 +264,8 @@ pub(super) fn order_of_captions() -> Result<Proof, ReportError> {
         let [_, xi2, _, xi4, xi5, sixth, seventh, ..] = caption.numbers;
         let (ratio, stiffness) = (seventh / sixth, xi4 - 1.0);
         let what = format!("{figure}: seventh number over sixth");
-        all.push(Shown::new(what, ratio, "1"));
-        all.push(Shown::new(
+        all.push(ProofResult::new(what, ratio, "1"));
+        all.push(ProofResult::new(
             format!("{figure}: xi4 - 1 = k3/k2"),
             stiffness,
             "1",
@@ -273,7 +273,7 @@ pub(super) fn order_of_captions() -> Result<Proof, ReportError> {
         holds &= (ratio - stiffness).abs() < 1e-3 && xi2 == 0.0 && xi5 == 0.0;
         let corrected = by_section(caption, &Reading::exact())?;
         holds &= corrected.is_open();
-        all.push(corrected.shown(&format!("{figure}, corrected order")));
+        all.push(corrected.proof_result(&format!("{figure}, corrected order")));
         let headed = FRICTIONS.par_iter().map(|&mu0| {
             let reading = Reading {
                 order: CaptionOrder::Heading { mu0 },
@@ -281,10 +281,10 @@ pub(super) fn order_of_captions() -> Result<Proof, ReportError> {
             };
             by_section(caption, &reading)
         });
-        let headed = headed.collect::<Result<Vec<Outcome>, Error>>()?;
+        let headed = headed.collect::<Result<Vec<MotionOutcome>, Error>>()?;
         for (mu0, outcome) in FRICTIONS.into_iter().zip(headed) {
             holds &= !outcome.is_open();
-            all.push(outcome.shown(&format!("{figure}, order of the heading, mu0 = {mu0}")));
+            all.push(outcome.proof_result(&format!("{figure}, order of the heading, mu0 = {mu0}")));
         }
     }
     Ok(Proof::new("order_of_captions", all, holds))
@@ -294,18 +294,18 @@ pub(super) fn caption_of_fig10() -> Result<Proof, ReportError> {
     let [_, _, _, xi4, _, mu0, xi6, ..] = Caption::FIG10.numbers;
     let (ratio, stiffness) = (xi6 / mu0, xi4 - 1.0);
     let mut all = vec![
-        Shown::new("seventh number over sixth", ratio, "1"),
-        Shown::new("xi4 - 1", stiffness, "1"),
+        ProofResult::new("seventh number over sixth", ratio, "1"),
+        ProofResult::new("xi4 - 1", stiffness, "1"),
     ];
     let printed = by_section(&Caption::FIG10, &Reading::exact())?;
-    all.push(printed.shown("as printed"));
+    all.push(printed.proof_result("as printed"));
     let mended = mended_captions();
     let outcomes = mended.par_iter();
     let outcomes = outcomes.map(|(_, caption)| by_section(caption, &Reading::exact()));
-    let outcomes = outcomes.collect::<Result<Vec<Outcome>, Error>>()?;
+    let outcomes = outcomes.collect::<Result<Vec<MotionOutcome>, Error>>()?;
     let holds = (ratio - stiffness).abs() > 1e-2 && !outcomes.contains(&printed);
     let with = mended.iter().zip(outcomes);
-    all.extend(with.map(|((entry, _), one)| one.shown(&format!("with {entry}"))));
+    all.extend(with.map(|((entry, _), one)| one.proof_result(&format!("with {entry}"))));
     Ok(Proof::new("caption_of_fig10", all, holds))
 }
 
@@ -315,11 +315,11 @@ mod tests {
 
     #[test]
     fn the_same_equations_run_at_two_paces() {
-        // With the belt of the slow rig the fast one is another system.
+        // With the belt of the slow rig, the fast one is another system.
         let slow = rig(9.81, 1.0);
         let other = rig(4.0 * 9.81, 4.0);
         let start = State::from([0.0, 0.01, 0.0, -0.05]);
-        let apart = of_rig(&slow, &start).unwrap() - of_rig(&other, &start).unwrap();
+        let apart = rig_state(&slow, &start).unwrap() - rig_state(&other, &start).unwrap();
         assert!(apart.amax() > 1e-3);
     }
 }

@@ -1,13 +1,12 @@
-//! The defects of the Appendix's listing, each mended alone, and the shifts of Eq. (25), by which
-//! it is to be evaluated.
+//! The defects of the Appendix's listing, each mended alone, and the shifts in Eq. (25).
 
-use super::proof::{Proof, Shown};
+use super::proof::{Proof, ProofResult};
 use crate::paper::listing::{Defect, Defects, Setup, run};
 use crate::report::matrix::{Cell, Matrix};
 use stickslip::math;
 
-/// What changes when a defect alone is mended; the test of the start changes something for another
-/// start only.
+/// The effect of mending one defect alone. The test of the start has an effect for another start
+/// only.
 pub(super) fn defect(matrix: &Matrix, defect: Defect) -> Proof {
     let (printed, mended) = (matrix.with(Defects::AS_PRINTED), matrix.mended(defect));
     let mut all = changes(printed, mended);
@@ -16,17 +15,17 @@ pub(super) fn defect(matrix: &Matrix, defect: Defect) -> Proof {
         let printed = sticking_starts(Defects::AS_PRINTED);
         let mended = sticking_starts(Defects::AS_PRINTED.flipped(defect));
         let what = "starts in the middles of the three zones that stick at once, printed";
-        all.push(Shown::new(what, printed, "1"));
-        all.push(Shown::new("the same, mended", mended, "1"));
+        all.push(ProofResult::new(what, printed, "1"));
+        all.push(ProofResult::new("the same, mended", mended, "1"));
         holds = printed < mended;
     }
     Proof::new(defect.name(), all, holds)
 }
 
-fn changes(printed: &Cell, mended: &Cell) -> Vec<Shown> {
+fn changes(printed: &Cell, mended: &Cell) -> Vec<ProofResult> {
     let (Some(after), Some(before)) = (mended.numbers, printed.numbers) else {
         let motion = mended.motion.to_string();
-        return vec![Shown::new(
+        return vec![ProofResult::new(
             "mended alone, the listing's motion",
             &*motion,
             "",
@@ -34,12 +33,12 @@ fn changes(printed: &Cell, mended: &Cell) -> Vec<Shown> {
     };
     let what = "mended alone, first stick length changes by";
     vec![
-        Shown::new(what, after[0] - before[0], "m"),
-        Shown::new("second stick length by", after[1] - before[1], "m"),
+        ProofResult::new(what, after[0] - before[0], "m"),
+        ProofResult::new("second stick length by", after[1] - before[1], "m"),
     ]
 }
 
-/// How many bodies on the belt in the middles of the three stick zones stick at once.
+/// Number of bodies, placed in the middles of the three stick zones, that stick at once.
 fn sticking_starts(defects: Defects) -> usize {
     let printed = Setup::with(defects);
     let sticks_at_once = |zone: &&[f64]| {
@@ -58,13 +57,13 @@ fn sticking_starts(defects: Defects) -> usize {
     zones.filter(sticks_at_once).count()
 }
 
-/// States of the logistic map: some ten in each neighbourhood.
+/// States of the logistic map: about ten in each neighbourhood.
 const STATES: usize = 4000;
-/// Radius of the neighbourhoods, within which the slope of the map changes by 0.016.
+/// Radius of the neighbourhoods. Within it the slope of the map changes by 0.016.
 const RADIUS: f64 = 2e-3;
 
-/// Eqs. (25) and (26) to the letter, for a series of one component: the neighbours' differences `y`
-/// after `neighbours` steps, `τ` of `points` steps.
+/// Eqs. (25) and (26) taken literally, for a series of one component. The neighbours' differences
+/// `y` are taken after `neighbours` steps; `τ` is `points` steps.
 fn exponent(series: &[f64], neighbours: usize, points: usize) -> f64 {
     let usable = series.len() - neighbours.max(points);
     let (mut sum, mut count) = (0.0, 0_u32);
@@ -85,7 +84,7 @@ fn exponent(series: &[f64], neighbours: usize, points: usize) -> f64 {
     sum / (f64::from(count) * points as f64)
 }
 
-/// On the logistic map, whose exponent is ln 2.
+/// The shifts of Eq. (25) on the logistic map, whose exponent is ln 2.
 pub(super) fn shifts() -> Proof {
     let mut x = 0.3;
     let mut next = || {
@@ -106,7 +105,7 @@ mod tests {
 
     #[test]
     fn of_a_map_that_doubles_the_estimate_is_ln_two() {
-        // x -> 2x mod 1 loses a bit a step, so it is followed in integers.
+        // x -> 2x mod 1 loses a bit per step, so it is iterated in integers.
         let mut x = 123_456_789_u64;
         let series: Vec<f64> = (0..2000)
             .map(|_| {

@@ -1,5 +1,5 @@
-//! The paper's misprints, each with the computation that shows it: a run of the solver or of the
-//! listing that could have come out otherwise.
+//! The paper's misprints. A computation shows each: a run of the solver or of the listing that
+//! could have contradicted it.
 
 mod bracket;
 mod listing;
@@ -13,28 +13,28 @@ use super::accuracy::Accuracy;
 use super::matrix::Matrix;
 use crate::paper::listing::Defect;
 use crate::paper::published::{Claims, PublishedError};
-pub use proof::{Proof, Shown};
+pub use proof::{Proof, ProofResult};
 
 /// A misprint or defect.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Erratum {
-    /// Its name; of a defect, that of [`Defect::name`].
+    /// Its name; for a defect, [`Defect::name`].
     pub name: String,
-    /// Where.
+    /// Where in the paper.
     pub place: String,
-    /// What stands there, in our words.
+    /// What is printed, in our words.
     pub printed: String,
-    /// What should.
+    /// What is correct.
     pub correct: String,
-    /// The computation's results.
-    pub shown: Vec<Shown>,
-    /// Whether they bear it out.
+    /// Results of the computation.
+    pub shown: Vec<ProofResult>,
+    /// Whether they confirm the misprint.
     pub holds: bool,
 }
 
 const MISPRINTS: &str = include_str!("../../../data/errata.csv");
 
-/// All of them, in the order of the paper, some by what has been computed already.
+/// All misprints, in the order of the paper, some from results computed elsewhere.
 ///
 /// # Errors
 /// [`ReportError`].
@@ -63,12 +63,12 @@ pub fn errata(
     ];
     proofs.extend_from_slice(of_statements);
     proofs.extend(Defect::ALL.map(|defect| listing::defect(matrix, defect)));
-    Ok(proven(MISPRINTS, proofs)?)
+    Ok(misprints_with_proofs(MISPRINTS, proofs)?)
 }
 
-/// The misprints of a table, each with its proof. What is shown has its words from the table
-/// where that has them.
-fn proven(table: &str, proofs: Vec<Proof>) -> Result<Vec<Erratum>, PublishedError> {
+/// The misprints of a table, each with its proof. Results take their descriptions from the table if
+/// it has them.
+fn misprints_with_proofs(table: &str, proofs: Vec<Proof>) -> Result<Vec<Erratum>, PublishedError> {
     let malformed = |reason: String| PublishedError::Malformed { reason };
     let named = proofs.into_iter().map(|proof| (proof.misprint, proof));
     let mut proofs: BTreeMap<&str, Proof> = named.collect();
@@ -118,16 +118,16 @@ mod tests {
         let table = "name,place,printed,correct,shown\none,Eq. (1),a,b,c [m]\n";
         let of = |names: &[&'static str]| {
             let proofs = names.iter().map(|name| Proof::new(name, [1.0], true));
-            proven(table, proofs.collect())
+            misprints_with_proofs(table, proofs.collect())
         };
         let proven_one = of(&["one"]).unwrap().remove(0);
         assert_eq!(
             (&*proven_one.place, proven_one.shown),
-            ("Eq. (1)", vec![Shown::new("c", 1.0, "m")])
+            ("Eq. (1)", vec![ProofResult::new("c", 1.0, "m")])
         );
         assert!(of(&[]).is_err() && of(&["one", "two"]).is_err());
         for values in [vec![], vec![1.0, 2.0]] {
-            assert!(proven(table, vec![Proof::new("one", values, true)]).is_err());
+            assert!(misprints_with_proofs(table, vec![Proof::new("one", values, true)]).is_err());
         }
     }
 }

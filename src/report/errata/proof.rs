@@ -1,11 +1,11 @@
-//! What a computation shows of a misprint.
+//! Results of a computation that shows a misprint.
 
 use crate::figures::rows::Value;
 
 /// One result of a computation that shows a misprint.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Shown {
-    /// What it is. Where this is empty, the table of misprints has the words and the unit.
+pub struct ProofResult {
+    /// Description. If empty, the table of misprints has the description and the unit.
     pub what: String,
     /// A number, a count or a word.
     pub value: Value,
@@ -13,10 +13,10 @@ pub struct Shown {
     pub unit: String,
 }
 
-impl Shown {
-    /// With words of its own.
-    pub(super) fn new(what: impl Into<String>, value: impl Into<Value>, unit: &str) -> Shown {
-        Shown {
+impl ProofResult {
+    /// With its own description.
+    pub(super) fn new(what: impl Into<String>, value: impl Into<Value>, unit: &str) -> ProofResult {
+        ProofResult {
             what: what.into(),
             value: value.into(),
             unit: unit.to_owned(),
@@ -24,26 +24,26 @@ impl Shown {
     }
 }
 
-impl<V: Into<Value>> From<V> for Shown {
-    fn from(value: V) -> Shown {
-        Shown::new("", value, "")
+impl<V: Into<Value>> From<V> for ProofResult {
+    fn from(value: V) -> ProofResult {
+        ProofResult::new("", value, "")
     }
 }
 
-/// What a computation shows of a misprint in `data/errata.csv`.
+/// Results of a computation that shows a misprint in `data/errata.csv`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Proof {
-    /// Its name there.
+    /// Name of the misprint in the table.
     pub misprint: &'static str,
-    /// The computation's results.
-    pub shown: Vec<Shown>,
-    /// Whether they bear it out.
+    /// Results of the computation.
+    pub shown: Vec<ProofResult>,
+    /// Whether they confirm the misprint.
     pub holds: bool,
 }
 
 impl Proof {
-    /// By results with words of their own, or by values with words in the table.
-    pub(in crate::report) fn new<S: Into<Shown>>(
+    /// From results with their own descriptions, or from values that the table describes.
+    pub(in crate::report) fn new<S: Into<ProofResult>>(
         misprint: &'static str,
         shown: impl IntoIterator<Item = S>,
         holds: bool,

@@ -10,23 +10,23 @@ use crate::numbers::{bisect, extent};
 use crate::paper::claim_id::ClaimId;
 use crate::paper::published::Claims;
 use crate::report::accuracy::{Accuracy, EventErrors};
-use crate::report::{places, tangent_at, until_escape};
+use crate::report::{belt_positions, tangent_at, until_escape};
 use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::system::Unchecked;
 use stickslip::{Ending, Error, Fate, Filippov, Options, Side, State, TransitionKind, fate, solve};
 
-/// Places between the outer tangent points at which it is tested whether a body sticks. The results
-/// are ratios of what the same places give, so that their number does not matter.
-const PLACES: u32 = 400;
+/// Positions between the outer tangent points that are tested for sticking. The results are ratios
+/// over the same positions, so their number does not matter.
+const POSITIONS_TESTED: u32 = 400;
 
-/// The least μ0 (N) at which a body on the belt of model 1 sticks wherever it is put between the
-/// outer tangent points, by halving.
+/// The smallest μ0 (N) for which a body on the belt of model 1 sticks at all positions between the
+/// outer tangent points, by bisection.
 fn least_holding(model: &BeltOscillator) -> f64 {
     let reach = (model.k1 / model.k2).sqrt();
     let holds = |mu0: f64| {
         let model = BeltOscillator { mu0, ..*model };
-        (0..=PLACES).all(|k| {
-            let part = 2.0 * f64::from(k) / f64::from(PLACES) - 1.0;
+        (0..=POSITIONS_TESTED).all(|k| {
+            let part = 2.0 * f64::from(k) / f64::from(POSITIONS_TESTED) - 1.0;
             let x = State::from([reach * part, model.belt_speed]);
             fate(&model, 0.0, &x) == Fate::Stick
         })
@@ -34,7 +34,7 @@ fn least_holding(model: &BeltOscillator) -> f64 {
     bisect(0.0, 10.0, holds)
 }
 
-/// A coefficient would not scale with the spring, and would with the mass.
+/// A coefficient would scale with the mass and not with the spring.
 pub(super) fn unit_of_mu0() -> Proof {
     let printed = BeltOscillator::default();
     let plain = least_holding(&printed);
@@ -52,7 +52,7 @@ pub(super) fn unit_of_mu0() -> Proof {
     Proof::new("unit_of_mu0", [plain, stiffer, heavier], holds)
 }
 
-/// Eq. (12) finds where σ is stationary, and calls that tangent points.
+/// Eq. (12) gives the points where σ is stationary, and calls them tangent points.
 pub(super) fn critical_points(claims: &Claims) -> Proof {
     let model = BeltOscillator::default();
     let points = claims.of(ClaimId::Eq12CriticalPoints).values();
@@ -75,7 +75,7 @@ pub(super) fn critical_points(claims: &Claims) -> Proof {
     Proof::new("critical_points", shown, holds)
 }
 
-/// Eq. (13) has a negative value of μ0 too, at which the continuous stick zone is said to exist as
+/// Eq. (13) also has a negative value of μ0, at which the continuous stick zone is said to exist as
 /// well.
 pub(super) fn negative_friction(claims: &Claims) -> Proof {
     let values = claims.of(ClaimId::Eq13CriticalMu0).values();
@@ -84,22 +84,22 @@ pub(super) fn negative_friction(claims: &Claims) -> Proof {
             mu0,
             ..BeltOscillator::default()
         };
-        let places = places(2.0 / 3f64.sqrt(), PLACES, model.belt_speed);
+        let places = belt_positions(2.0 / 3f64.sqrt(), POSITIONS_TESTED, model.belt_speed);
         let fates: Vec<Fate> = places.map(|x| fate(&model, 0.0, &x)).collect();
         let of = |wanted| fates.iter().filter(|found| **found == wanted).count();
         (of(Fate::Stick), of(Fate::Repelling))
     };
     let (negative, positive) = extent(values.iter().copied());
     let (sticks, repels) = (along(positive), along(negative));
-    let holds = sticks.0 == PLACES as usize && repels == (0, PLACES as usize);
+    let holds = sticks.0 == POSITIONS_TESTED as usize && repels == (0, POSITIONS_TESTED as usize);
     let shown = [sticks.0, repels.0, repels.1];
     Proof::new("negative_friction", shown, holds)
 }
 
-/// Sect. 3 names Eq. (12) for the system that is to be solved.
+/// Sect. 3 cites Eq. (12) as the system to be solved.
 pub(super) fn wrong_reference(claims: &Claims) -> Result<Proof, Error> {
-    // What has a solution: the orbit of Eq. (5) through each member of Eq. (12), off the belt's
-    // speed.
+    // The system that has a solution: the orbit of Eq. (5) through each member of Eq. (12), off the
+    // belt's speed.
     const SPAN: f64 = 30.0;
     let points = claims.of(ClaimId::Eq12CriticalPoints).values();
     let crossings = |belt_speed: f64| -> Result<usize, Error> {
@@ -130,7 +130,7 @@ pub(super) fn step_from_above(accuracy: &Accuracy) -> Proof {
     Proof::new("step_from_above", shown, holds)
 }
 
-/// Eq. (15) takes an acceleration for a velocity: on the belt it is one that vanishes where the
+/// Eq. (15) takes an acceleration for a velocity. On the belt that acceleration vanishes where the
 /// step ends.
 pub(super) fn time_in_stick(accuracy: &Accuracy) -> Proof {
     let release = &accuracy.release;
@@ -152,9 +152,9 @@ pub(super) fn time_in_stick(accuracy: &Accuracy) -> Proof {
     Proof::new("time_in_stick", shown, holds)
 }
 
-/// Errors of a run stay far below the differences that decide here.
+/// Tolerance: errors of a run stay far below the differences that decide here.
 const TOLERANCE: f64 = 1e-12;
-/// Forcing periods that starts are followed over: long enough for stick and for escape.
+/// Forcing periods over which starts are integrated: long enough for stick and for escape.
 const FOLLOWED: f64 = 6.0;
 
 /// Starts of both models: positions (m) and velocities (m/s).
@@ -165,11 +165,11 @@ fn starts() -> Vec<State<2>> {
         .collect()
 }
 
-/// Stick phases of model 2 from all starts, and orbits that end where Σ repels.
+/// Number of stick phases of model 2 from all starts, and of orbits that end where Σ repels.
 fn sticks_and_ends(model: &ForcedOscillator) -> Result<(usize, usize), Error> {
     let span = FOLLOWED * model.period();
     let counts = starts().into_par_iter().map(|x| {
-        // Friction of the other sign is what is asked about.
+        // Friction of the other sign is the subject.
         let (orbit, _) = until_escape(&Unchecked(model), (0.0, x), span, TOLERANCE)?;
         let ends = usize::from(orbit.ending == Ending::Repelling);
         Ok((orbit.sticks().count(), ends))
@@ -192,7 +192,7 @@ pub(super) fn sign_of_friction() -> Result<Proof, Error> {
 
 pub(super) fn spring_signs() -> Result<Proof, Error> {
     let first = BeltOscillator::default();
-    // The same mass, belt and friction, and no forcing: what differs is the spring.
+    // The same mass, belt and friction without forcing: only the spring differs.
     let second = ForcedOscillator {
         mass: first.mass,
         belt_speed: first.belt_speed,
@@ -224,7 +224,7 @@ mod tests {
 
     #[test]
     fn critical_points_are_tangent_at_the_critical_friction() {
-        // Then the erratum would not hold.
+        // Otherwise the erratum would not hold.
         let model = BeltOscillator {
             mu0: 2.0 / (3.0 * 3f64.sqrt()),
             ..BeltOscillator::default()

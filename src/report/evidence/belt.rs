@@ -1,4 +1,4 @@
-//! `s2.inner_points`: at the critical friction ±1/√3 are tangent points inside the stick zone of
+//! `s2.inner_points`: at the critical friction, ±1/√3 are tangent points inside the stick zone of
 //! model 1.
 
 use crate::figures::fig04::kind;
@@ -9,52 +9,53 @@ use crate::report::tangent_at;
 use stickslip::models::BeltOscillator;
 use stickslip::{Error, Mode, Options, State, solve};
 
-/// Errors of a run stay far below the differences that decide here.
+/// Tolerance: errors of a run stay far below the differences that decide here.
 const TOLERANCE: f64 = 1e-13;
-/// Where the body is put on the belt (m): left of both inner points, inside the zone.
+/// Start on the belt (m): left of both inner points, inside the zone.
 const START: f64 = -0.9;
 /// A release this near to the outer point is at it (m). The largest excess of friction moves that
 /// point by less.
-const AT: f64 = 1e-9;
-/// Friction above the critical one by these parts of it: at the critical value itself rounding
+const RELEASE_TOLERANCE: f64 = 1e-9;
+/// Relative excess of friction over the critical value. At the critical value itself, rounding
 /// decides at the inner points.
 const EXCESSES: [f64; 4] = [0.0, 1e-15, 1e-12, 1e-9];
 
 /// A ride on the belt until the body slips.
 #[derive(Clone, Copy)]
 struct Ride {
-    /// Part by which friction exceeds the critical one.
+    /// Relative excess of friction over the critical value.
     excess: f64,
-    /// Where the body is released (m), and the way until there (m).
+    /// Position of the release (m), and distance travelled until then (m).
     released_at: f64,
     length: f64,
 }
 
 impl Ride {
-    /// Through both inner points to the outer one.
+    /// Whether the body passes both inner points and is released at the outer one.
     fn goes_through(&self) -> bool {
-        START + self.length > inner() && (self.released_at - 2.0 * inner()).abs() <= AT
+        START + self.length > inner()
+            && (self.released_at - 2.0 * inner()).abs() <= RELEASE_TOLERANCE
     }
 }
 
-/// The upper of the inner points (m); the outer ones are twice as far out.
+/// The upper of the inner points (m). The outer ones are at twice its distance.
 fn inner() -> f64 {
     1.0 / 3f64.sqrt()
 }
 
 pub(super) fn inner_points() -> Result<Vec<Finding>, Error> {
     let rides: Vec<Ride> = EXCESSES.into_iter().map(ride).collect::<Result<_, _>>()?;
-    Ok(judged(&rides, ride(-0.01)?))
+    Ok(statement_findings(&rides, ride(-0.01)?))
 }
 
-/// The statement by rides at the critical friction and above, and by one below it.
-fn judged(rides: &[Ride], below: Ride) -> Vec<Finding> {
+/// Judges the statement by rides at the critical friction and above, and by one below it.
+fn statement_findings(rides: &[Ride], below: Ride) -> Vec<Finding> {
     let at_points = |excess| {
         let model = with_friction(excess);
         [-inner(), inner()].map(|x1| tangent_at(&model, x1))
     };
     let (tangent, at_half) = (at_points(0.0), at_points(-0.5));
-    // The least excess from which on every body rides through.
+    // The smallest excess above which every body passes both points.
     let through = rides.iter().rev().take_while(|ride| ride.goes_through());
     let least = through.last();
     let parts = [
@@ -119,7 +120,7 @@ mod tests {
     fn below_the_critical_friction_it_is_released_before() {
         let below = ride(-0.01).unwrap();
         assert!(below.released_at < inner());
-        // Were the rides so, the statement would fail.
-        assert!(!judged(&[below], below)[0].parts()[1]);
+        // With such rides, the statement would fail.
+        assert!(!statement_findings(&[below], below)[0].parts()[1]);
     }
 }

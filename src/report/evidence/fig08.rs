@@ -1,5 +1,5 @@
-//! What the paper says of Fig. 8's motion: its start, its arcs, and that the Appendix's program
-//! finds it.
+//! The paper's statements on Fig. 8's motion: its start, its arcs, and that the Appendix's program
+//! computes it.
 
 use super::stick_phases::TOLERANCE;
 use crate::figures::rows::Value;
@@ -16,45 +16,45 @@ use stickslip::analysis::{Destination, destination};
 use stickslip::models::ForcedOscillator;
 use stickslip::{Error, Filippov, Mode, Side, solve};
 
-/// Forcing periods that a start of the stated model is followed over, and the distance of states
-/// that count as equal: as in the scan over parameters.
-const SETTLING: (usize, f64) = (60, 1e-5);
-/// Forcing periods of the settled motion that are looked at: two of the published pattern.
+/// Forcing periods over which a start of the stated model is integrated, and the distance of equal
+/// states, as in the scan over parameters.
+const SETTLING_LIMITS: (usize, f64) = (60, 1e-5);
+/// Forcing periods of the settled motion that are examined: two of the published pattern.
 const SHOWN: f64 = 4.0;
 
 /// How many of the four published numbers a run of the listing gives to all printed digits.
 fn published_digits(claims: &Claims, run: &Run) -> usize {
-    let numbers = run.four_numbers().into_iter().flatten();
-    let numbers = ClaimId::FOUR.into_iter().zip(numbers);
+    let numbers = run.stick_numbers().into_iter().flatten();
+    let numbers = ClaimId::STICK_NUMBERS.into_iter().zip(numbers);
     let agrees = |(id, value): &(ClaimId, f64)| claims.of(*id).agrees(*value);
     numbers.filter(agrees).count()
 }
 
 /// The program and the stated model from one start on Σ.
 #[derive(Debug, PartialEq)]
-struct FromPoint {
-    /// Where it is (m).
+struct StartResult {
+    /// The start (m).
     x1: f64,
-    /// When the listing first releases the body (s).
+    /// Time of the listing's first release (s).
     first_release: f64,
-    /// Of the four published numbers, those that the listing settles on to all printed digits.
+    /// How many of the four published numbers the listing settles on to all printed digits.
     digits: usize,
     /// Whether the stated model settles on stick–slip of period two.
     model_two_periodic: bool,
 }
 
-fn from(claims: &Claims, x1: f64) -> Result<FromPoint, Error> {
+fn from(claims: &Claims, x1: f64) -> Result<StartResult, Error> {
     let model = ForcedOscillator::default();
     let setup = Setup {
         start: [0.0, x1, model.belt_speed],
         ..Setup::default()
     };
     let (outcome, start) = (run(&setup), (0.0, setup.state()));
-    let (periods, same) = SETTLING;
+    let (periods, same) = SETTLING_LIMITS;
     let options = bounded(TOLERANCE);
     let end = destination(&model, start, model.period(), periods, same, &options)?;
     let first = outcome.phases.first();
-    Ok(FromPoint {
+    Ok(StartResult {
         x1,
         first_release: first.map_or(f64::NAN, |phase| phase.stick.exit.t),
         digits: published_digits(claims, &outcome),
@@ -74,7 +74,7 @@ pub(super) fn start(claims: &Claims) -> Result<(Vec<Finding>, Proof), Error> {
     let parts = [(what, captioned.model_two_periodic)];
     let what = "the program settles on the published trajectory with the third point put in the \
         place of its own start, the fourth";
-    let printed = [(what, captioned.digits == ClaimId::FOUR.len())];
+    let printed = [(what, captioned.digits == ClaimId::STICK_NUMBERS.len())];
     let [from_third, from_fourth] = [&captioned, &listed].map(|from| {
         let (x1, release, digits) = (number(from.x1, 4), from.first_release, from.digits);
         format!(
@@ -96,22 +96,22 @@ pub(super) fn start(claims: &Claims) -> Result<(Vec<Finding>, Proof), Error> {
 }
 
 /// Slip phases of one motion.
-struct Sides {
+struct SlipSides {
     /// Sides of the slip phases in order of time.
     sides: Vec<Side>,
-    /// Largest velocity reached in S1, and least in S2 (m/s).
+    /// Largest velocity in S1, and smallest in S2 (m/s).
     highest_in_s1: f64,
     lowest_in_s2: f64,
 }
 
-impl Sides {
-    const NONE: Sides = Sides {
+impl SlipSides {
+    const EMPTY: SlipSides = SlipSides {
         sides: Vec::new(),
         highest_in_s1: f64::NEG_INFINITY,
         lowest_in_s2: f64::INFINITY,
     };
 
-    /// Pairs of slip phases, one after the other, that lie on the same side.
+    /// Number of pairs of successive slip phases on the same side.
     fn repeats(&self) -> usize {
         let pairs = self.sides.windows(2);
         pairs.filter(|pair| pair[0] == pair[1]).count()
@@ -148,7 +148,7 @@ impl Sides {
     }
 }
 
-/// `s4.arcs`: on which sides of Σ the slip phases lie, and which of them are the upper ones.
+/// `s4.arcs`: the sides of Σ of the slip phases, and which of them are the upper ones.
 pub(super) fn arcs() -> Result<(Vec<Finding>, Proof), Error> {
     let model = ForcedOscillator::default();
     let (exact, listing) = (sides_of_model(&model)?, sides_of_listing());
@@ -168,8 +168,8 @@ pub(super) fn arcs() -> Result<(Vec<Finding>, Proof), Error> {
     ))
 }
 
-/// Of the attractor of the stated model, or of one like it.
-fn sides_of_model<S: Filippov<2>>(system: &S) -> Result<Sides, Error> {
+/// For the attractor of the stated model, or of a similar one.
+fn sides_of_model<S: Filippov<2>>(system: &S) -> Result<SlipSides, Error> {
     let printed = ForcedOscillator::default();
     let end = END + SHOWN * printed.period();
     let orbit = solve(
@@ -180,9 +180,9 @@ fn sides_of_model<S: Filippov<2>>(system: &S) -> Result<Sides, Error> {
         &bounded(TOLERANCE),
     )?;
     let settled = orbit.phases.iter().filter(|phase| phase.t_start >= END);
-    let mut sides = Sides {
+    let mut sides = SlipSides {
         sides: settled.filter_map(|phase| side_of(phase.mode)).collect(),
-        ..Sides::NONE
+        ..SlipSides::EMPTY
     };
     for step in orbit.steps.iter().filter(|step| step.t_start >= END) {
         if let Some(side) = side_of(step.mode) {
@@ -200,19 +200,19 @@ fn side_of(mode: Mode) -> Option<Side> {
     }
 }
 
-/// Of the listing as printed, in the plotted window.
-fn sides_of_listing() -> Sides {
+/// For the listing as printed, in the plotted window.
+fn sides_of_listing() -> SlipSides {
     let setup = Setup::default();
     let mut window: Vec<Sample> = Vec::new();
     run_with(&setup, |sample| {
         window.extend(Some(*sample).filter(|one| one.in_window))
     });
-    let mut sides = Sides::NONE;
+    let mut sides = SlipSides::EMPTY;
     for phase in window.chunk_by(|one, next| one.mode == next.mode) {
         let Some(side) = side_of(phase[0].mode) else {
             continue;
         };
-        // A single pass only mends the side after a stick phase.
+        // A single pass only corrects the side after a stick phase.
         if phase.len() > 1 {
             sides.sides.push(side);
         }
@@ -222,11 +222,14 @@ fn sides_of_listing() -> Sides {
     sides
 }
 
-/// `s4.found_by_appendix`: what the Appendix's program finds. The claim is that; what the program
-/// without its defects finds stands beside it.
+/// `s4.found_by_appendix`: what the Appendix's program computes. The result of the program without
+/// its defects is shown beside it.
 pub(super) fn found_by_appendix(claims: &Claims, defects: Defects) -> Vec<Finding> {
     let [printed, mended] = [defects, Defects::MENDED].map(|of| run(&Setup::with(of)));
-    let (digits, all) = (published_digits(claims, &printed), ClaimId::FOUR.len());
+    let (digits, all) = (
+        published_digits(claims, &printed),
+        ClaimId::STICK_NUMBERS.len(),
+    );
     let what = "the Appendix's program as printed gives the published trajectory";
     let parts = [(what, printed.motion == Motion::PUBLISHED && digits == all)];
     let (printed, mended) = (words(printed.motion), words(mended.motion));
@@ -263,9 +266,9 @@ mod tests {
         assert!(model.highest_in_s1 < belt.belt_speed && belt.belt_speed < model.lowest_in_s2);
     }
 
-    /// Model 2 with S1 above Σ and S2 below, as Sect. 4.2 has it.
-    struct Exchanged(ForcedOscillator);
-    impl Filippov<2> for Exchanged {
+    /// Model 2 with S1 above Σ and S2 below, as in Sect. 4.2.
+    struct ExchangedRegions(ForcedOscillator);
+    impl Filippov<2> for ExchangedRegions {
         fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
             self.0.field(side.opposite(), t, x)
         }
@@ -276,7 +279,7 @@ mod tests {
 
     #[test]
     fn with_the_regions_exchanged_s1_would_hold_the_upper() {
-        let found = sides_of_model(&Exchanged(ForcedOscillator::default())).unwrap();
+        let found = sides_of_model(&ExchangedRegions(ForcedOscillator::default())).unwrap();
         assert_eq!(found.parts().map(|part| part.1), [true, true]);
     }
 
@@ -295,7 +298,7 @@ mod tests {
         let [captioned, listed] = [points[2], points[3]].map(|x1| from(claims, x1).unwrap());
         assert_eq!(listed.digits, 4);
         assert!((captioned.first_release - listed.first_release).abs() > 1e-3);
-        // Between the zones nothing sticks, and the program has no zone to release the body from.
+        // Between the zones no body sticks, and the program has no zone to release it from.
         assert_ne!(from(claims, 0.5).unwrap(), captioned);
         assert!(start(claims).unwrap().1.holds);
     }

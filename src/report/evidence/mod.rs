@@ -1,7 +1,7 @@
-//! Evidence for the statements that no figure's table answers.
+//! Evidence for the statements that no table of a figure decides.
 //!
-//! One function for each claim computes, judges the statement's parts by the measured numbers and
-//! puts these into a sentence. Where the same numbers show a misprint, it returns that too.
+//! For each claim, one function computes, judges the statement's parts by the results, and puts
+//! these into a sentence. If the same results show a misprint, it returns that too.
 
 mod belt;
 mod fig08;
@@ -19,7 +19,7 @@ use super::finding::Finding;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::listing::Defects;
 use crate::paper::published::Claims;
-use crate::paper::slip_times_three::{Injected, settled};
+use crate::paper::slip_times_three::{InjectedDefects, settled};
 use stick_phases::GridPhases;
 use stickslip::Error;
 use stickslip::models::ForcedOscillator;
@@ -29,7 +29,7 @@ pub struct Statements {
     findings: Vec<(ClaimId, Vec<Finding>)>,
     /// The ends of model 2's stick zones at rest (m), ascending: Eq. (24).
     pub at_rest: Vec<f64>,
-    /// What the procedure of Sect. 3 makes of Figs. 10–12.
+    /// Results of the procedure of Sect. 3 for Figs. 10–12.
     pub by_procedure: ByProcedure,
     /// Kinds of motion of Figs. 10, 11 and 12.
     pub shapes: Shapes,
@@ -38,10 +38,10 @@ pub struct Statements {
 }
 
 impl Statements {
-    /// Computes all of it.
+    /// Computes all evidence.
     ///
     /// # Errors
-    /// The solver's of what fails.
+    /// The solver's.
     pub fn compute(claims: &Claims, computed: &Computed) -> Result<Statements, Error> {
         use ClaimId::*;
         let ((zone_attracts, grid), by_procedure) = rayon::join(
@@ -54,7 +54,7 @@ impl Statements {
         let shapes = Shapes(computed.bracket.each_ref().map(Shape::of));
         let (arcs, regions) = fig08::arcs()?;
         let (start, start_erratum) = fig08::start(claims)?;
-        let (way, durations) = sticks::length_is_way(&grid, claims.four());
+        let (way, durations) = sticks::length_is_way(&grid, claims.published_stick_numbers());
         let drawn = &computed.fig07.oscillation;
         let by_appendix = fig08::found_by_appendix(claims, Defects::AS_PRINTED);
         let findings = vec![
@@ -90,14 +90,14 @@ impl Statements {
         })
     }
 
-    /// Findings on a claim; none on one that a figure's table answers.
+    /// Findings on a claim; empty if a table of a figure decides it.
     pub fn of(&self, id: ClaimId) -> &[Finding] {
         let known = self.findings.iter().find(|(known, _)| *known == id);
         known.map_or(&[], |(_, findings)| findings)
     }
 }
 
-/// Stick phases of the motion on which the stated model settles from the start of Fig. 8.
+/// Number of stick phases of the motion on which the stated model settles from the start of Fig. 8.
 fn settled_sticks() -> Result<usize, Error> {
-    Ok(settled(Injected::NONE)?.sticks_of_one().count())
+    Ok(settled(InjectedDefects::NONE)?.pattern_sticks().count())
 }

@@ -1,29 +1,30 @@
-//! The motions of Figs. 10–12: by the procedure of Sect. 3, and whether exponents and sections tell
+//! The motions of Figs. 10–12: by the procedure of Sect. 3, and whether exponents and sections show
 //! the same kind of motion.
 //!
-//! Exponents: a positive one means chaos, two zeros a torus, one a closed orbit. A section closes
-//! when the figures' own test finds at most 64 distinct points that follow one another in the same
-//! order again and again ([`stickslip::analysis::motion::Evidence`]). A thousand points hardly tell
-//! an uneven curve from a chaotic set, so that whether a section that does not close is a curve
-//! decides nothing. It is shown beside: whether the points can be strung, that is whether in the
+//! A positive exponent means chaos; two zero exponents a torus; one a closed orbit. A section
+//! closes if the test of the figures finds at most 64 distinct points that repeat in the same order
+//! ([`stickslip::analysis::motion::Evidence`]). A thousand points hardly distinguish an uneven
+//! curve from a chaotic set. So whether an open section is a curve decides nothing. It is only
+//! shown: the points lie on a curve if hardly any has more than two neighbours in their minimum
+//! spanning tree.
 //! tree of least length that joins them hardly any has more than two neighbours.
 
 use rayon::prelude::*;
 
 use crate::figures::block_and_bracket::{Data, SETS, by_rk4_and_henon};
 use crate::paper::reading::Reading::{Corrected, CorrectedEquations};
-use crate::readings::Verdict;
+use crate::readings::OrbitVerdict;
 use crate::report::finding::{Finding, as_printed, statement};
 use crate::text::joined;
 use stickslip::Error;
 use stickslip::analysis::motion::Class;
 use stickslip::models::Reading;
 
-/// Step of the classical Runge–Kutta method; the paper states none for Figs. 10–12.
+/// Step of the classical Runge–Kutta method. The paper states none for Figs. 10–12.
 const STEP: f64 = 0.01;
 
-/// `s5.by_procedure`: what the procedure of Sect. 3 makes of Eq. (27), steps of RK4 with Hénon's
-/// step onto Σ. Classes of the motions of Figs. 10, 11 and 12; nothing where the orbit escapes.
+/// `s5.by_procedure`: Eq. (27) by the procedure of Sect. 3, steps of RK4 with Hénon's step onto Σ.
+/// Classes of the motions of Figs. 10, 11 and 12; `None` where the orbit escapes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ByProcedure {
     /// With the corrected equations.
@@ -33,7 +34,7 @@ pub struct ByProcedure {
 }
 
 impl ByProcedure {
-    /// Follows all six orbits.
+    /// Integrates all six orbits.
     pub(super) fn compute() -> Result<ByProcedure, Error> {
         let readings = [Reading::exact(), Reading::as_printed()];
         let runs = readings.map(|reading| SETS.map(|set| (reading, set)));
@@ -54,8 +55,9 @@ impl ByProcedure {
             "Fig. 12: the captioned class",
         ];
         let parts = |classes: &[Option<Class>]| {
-            let captioned =
-                |i: usize| classes[i].is_some_and(|class| Verdict::Motion(class).is_published(i));
+            let captioned = |i: usize| {
+                classes[i].is_some_and(|class| OrbitVerdict::Motion(class).is_published(i))
+            };
             [0, 1, 2].map(|i| (whats[i], captioned(i)))
         };
         let names = |classes: &[Option<Class>]| {
@@ -76,34 +78,35 @@ impl ByProcedure {
     }
 }
 
-/// A set with a smaller share of branching points can be strung: half of what the Hénon attractor
-/// has.
-const STRUNG: f64 = 0.05;
-/// Most distinct points of a section that closes: as in [`stickslip::analysis::motion`].
-const MOST: usize = 64;
+/// A set with a smaller fraction of branching points lies on a curve. This is half the value of the
+/// Hénon attractor.
+const CURVE_BRANCHING: f64 = 0.05;
+/// Maximum number of distinct points of a section that closes, as in
+/// [`stickslip::analysis::motion`].
+const MAX_CLOSED_POINTS: usize = 64;
 
-/// One figure, looked at in two ways.
+/// One figure by its exponents and by its section.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shape {
     /// The motion by section and exponents together, as in the figure.
     pub class: Class,
     /// Points of the section.
     pub points: usize,
-    /// Distinct ones among them if it closes.
+    /// Distinct points, if the section closes.
     pub closes_after: Option<usize>,
-    /// Share of the points at which the tree of least length branches, if the section does not
+    /// Fraction of points at which the minimum spanning tree branches, if the section does not
     /// close.
     pub branching: Option<f64>,
     /// Exponents that are zero within their errors.
     pub zeros: usize,
-    /// Whether the first is positive.
+    /// Whether the first exponent is positive.
     pub positive: bool,
 }
 
 impl Shape {
     pub(super) fn of(data: &Data) -> Shape {
         let evidence = &data.exact.evidence;
-        let closes = evidence.repeats && (1..=MOST).contains(&evidence.distinct);
+        let closes = evidence.repeats && (1..=MAX_CLOSED_POINTS).contains(&evidence.distinct);
         Shape {
             class: data.exact.class,
             points: data.section.len(),
@@ -114,7 +117,7 @@ impl Shape {
         }
     }
 
-    /// The motion by the exponents alone, which know nothing of loops.
+    /// The class by the exponents alone, which do not give the number of loops.
     fn by_exponents(&self) -> Class {
         match (self.positive, self.zeros) {
             (true, _) => Class::Chaotic,
@@ -124,7 +127,7 @@ impl Shape {
         }
     }
 
-    /// Whether the section closes if the exponents say so, and only then.
+    /// Whether the section closes if and only if the exponents show a closed orbit.
     pub fn confirmed(&self) -> bool {
         let class = self.by_exponents();
         let closed = matches!(class, Class::Periodic(_));
@@ -137,7 +140,11 @@ impl Shape {
             (Some(points), _) => format!("closes (distinct points: {points})"),
             (None, Some(branching)) => {
                 let percent = 100.0 * branching;
-                let can = if branching < STRUNG { "can" } else { "cannot" };
+                let can = if branching < CURVE_BRANCHING {
+                    "can"
+                } else {
+                    "cannot"
+                };
                 format!(
                     "of {all} points does not close (it branches at {percent:.1} % of them and \
                         {can} be strung, which decides nothing)"
@@ -158,8 +165,7 @@ impl Shape {
     }
 }
 
-/// Share of the points with more than two neighbours in the tree of least length through all of
-/// them (Prim 1957).
+/// Fraction of points with more than two neighbours in the minimum spanning tree (Prim 1957).
 fn branching<const N: usize>(points: &[[f64; N]]) -> f64 {
     if points.is_empty() {
         return f64::NAN;
@@ -168,7 +174,8 @@ fn branching<const N: usize>(points: &[[f64; N]]) -> f64 {
         one.iter().zip(other).map(|(a, b)| (a - b) * (a - b)).sum()
     };
     let mut degrees = vec![0_u32; points.len()];
-    // For each point outside the tree its square distance from it, and the member it is nearest to.
+    // For each point outside the tree: its index, its squared distance from the tree, and the
+    // nearest member.
     let mut outside: Vec<(usize, f64, usize)> = (1..points.len())
         .map(|i| (i, square(&points[0], &points[i]), 0))
         .collect();
@@ -187,24 +194,24 @@ fn branching<const N: usize>(points: &[[f64; N]]) -> f64 {
     branches as f64 / points.len() as f64
 }
 
-/// Figs. 10, 11 and 12.
+/// Shapes of Figs. 10, 11 and 12.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shapes(pub [Shape; 3]);
 
 impl Shapes {
-    /// `s5.kinds`: the kinds of motion, loops left out.
+    /// `s5.kinds`: the kinds of motion, without the number of loops.
     pub(super) fn kinds(&self) -> Vec<Finding> {
         let whats = [
             "Fig. 10: a periodic motion",
             "Fig. 11: a quasi-periodic one",
             "Fig. 12: a chaotic one",
         ];
-        let holds = |i: usize| Verdict::Motion(self.0[i].class).is_of_kind(i);
+        let holds = |i: usize| OrbitVerdict::Motion(self.0[i].class).is_of_kind(i);
         let parts = [0, 1, 2].map(|i| (whats[i], holds(i)));
         vec![Finding::statement(Corrected, parts)]
     }
 
-    /// `s5.shapes`: whether exponents and sections tell the same kind of motion.
+    /// `s5.shapes`: whether exponents and sections show the same kind of motion.
     pub(super) fn findings(&self) -> Vec<Finding> {
         let whats = [
             "Fig. 10: the section closes as the exponents say",
@@ -215,7 +222,7 @@ impl Shapes {
         vec![statement(CorrectedEquations, parts, self.line())]
     }
 
-    /// What was found, in words.
+    /// The results in words.
     pub fn line(&self) -> String {
         let each = self.0.iter().enumerate();
         let each = joined(each.map(|(figure, one)| one.line(figure)), ". ");
@@ -228,7 +235,7 @@ mod tests {
     use super::*;
     use stickslip::math;
 
-    /// A closed curve in space, visited like a section of a torus and unevenly.
+    /// A closed curve in space, sampled unevenly like a section of a torus.
     fn curve(points: u32) -> Vec<[f64; 3]> {
         (0..points)
             .map(|k| {
@@ -259,9 +266,9 @@ mod tests {
     fn the_limit_lies_between_curves_and_the_henon_attractor() {
         for points in [900, 1400] {
             let on_curve = branching(&curve(points));
-            assert!(on_curve < 0.5 * STRUNG, "{on_curve}");
+            assert!(on_curve < 0.5 * CURVE_BRANCHING, "{on_curve}");
             let on_attractor = branching(&henon(points as usize));
-            assert!(on_attractor > 1.5 * STRUNG, "{on_attractor}");
+            assert!(on_attractor > 1.5 * CURVE_BRANCHING, "{on_attractor}");
         }
     }
 

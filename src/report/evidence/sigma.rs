@@ -1,5 +1,5 @@
-//! The product of the two normal components on Σ, its derivative, and where friction holds the
-//! body.
+//! The product of the two normal components on Σ, its derivative, and the region where friction
+//! holds the body.
 
 use super::zones::critical;
 use crate::figures::normals;
@@ -18,8 +18,8 @@ pub(super) fn of_belt() -> Vec<Finding> {
     belts().findings("Eqs. (9), (11)")
 }
 
-fn belts() -> Compared {
-    let mut compared = Compared::default();
+fn belts() -> SigmaComparison {
+    let mut compared = SigmaComparison::default();
     for mu0 in frictions(2.0 / (3.0 * 3f64.sqrt())) {
         let model = BeltOscillator {
             mu0,
@@ -36,8 +36,8 @@ pub(super) fn of_forced() -> Vec<Finding> {
     forced_ones().findings("Eqs. (19), (21)")
 }
 
-fn forced_ones() -> Compared {
-    let mut compared = Compared::default();
+fn forced_ones() -> SigmaComparison {
+    let mut compared = SigmaComparison::default();
     for (mass, k1, k2) in [(0.1, 1.0_f64, 1.0), (1.0, 1.0, 1.0), (0.4, 1.7, 0.6)] {
         let model = ForcedOscillator {
             mass,
@@ -58,11 +58,11 @@ fn forced_ones() -> Compared {
     compared
 }
 
-/// σ by the library's own normal components against the printed polynomial.
+/// σ from the library's own normal components, compared with the printed polynomial.
 #[derive(Default)]
-struct Compared {
-    /// Points of Σ, over positions, friction and the other parameters, and sets of parameters among
-    /// them.
+struct SigmaComparison {
+    /// Number of points on Σ, over positions, friction and the other parameters, and number of sets
+    /// of parameters.
     points: usize,
     parameters: usize,
     /// Largest difference of the product from the polynomial, relative to its two terms.
@@ -72,39 +72,42 @@ struct Compared {
     slope_off: f64,
     /// Points where the polynomial is negative.
     negative: usize,
-    /// Points where the body sticks though it is not negative, or does not though it is.
+    /// Points where the body sticks although the polynomial is not negative, or slips although it
+    /// is.
     disagreements: usize,
 }
 
-/// Printed values at a point: σ, the size of its terms, its derivative, and the size of that one's
-/// terms.
-struct Printed {
+/// Printed values at a point: σ, the size of its terms, its derivative, and the size of the
+/// derivative's terms.
+struct PrintedSigma {
     sigma: f64,
     size: f64,
     slope: f64,
     slope_size: f64,
 }
 
-/// Friction amplitudes (N): none, parts of the critical one, the critical one and beyond.
+/// Friction amplitudes (N): zero, fractions of the critical one, the critical one, and a larger
+/// one.
 fn frictions(critical: f64) -> [f64; 5] {
     [0.0, 0.2, 0.5, 1.0, 1.5].map(|part| part * critical)
 }
 
-impl Compared {
+impl SigmaComparison {
     fn compare<S: Filippov<2>>(
         &mut self,
         system: &S,
         (t, belt_speed): (f64, f64),
         offset: f64,
-        printed: impl Fn(f64) -> Printed,
+        printed: impl Fn(f64) -> PrintedSigma,
     ) {
-        // None of the positions (m) along Σ is at a zero of any of the polynomials used here.
+        // No position (m) along Σ is at a zero of any polynomial used here.
         for z in (0..=300).map(|k| 0.01 * (f64::from(k) - 150.0) + 0.0013) {
             let position = z + offset;
             let seeded = [Dual::new(position, 1.0), Dual::new(belt_speed, 0.0)];
             let [below, above] = normals(system, Dual::new(t, 0.0), &seeded);
             let product = below * above;
-            // What the support adds is lost in the sum: the polynomial is taken where the body is.
+            // The sum rounds the displacement of the support, so the polynomial is evaluated at the
+            // rounded position.
             let expected = printed(position - offset);
             let relative = |off: f64, size: f64| off.abs() / size.max(f64::MIN_POSITIVE);
             let off = relative(product.re - expected.sigma, expected.size);
@@ -141,9 +144,9 @@ impl Compared {
 }
 
 /// Eqs. (9) and (11).
-fn belt(x1: f64, mu0: f64) -> Printed {
+fn belt(x1: f64, mu0: f64) -> PrintedSigma {
     let (square, factor) = (x1 * x1, x1 * x1 - 1.0);
-    Printed {
+    PrintedSigma {
         sigma: square * factor * factor - mu0 * mu0,
         size: square * (square + 1.0) * (square + 1.0) + mu0 * mu0,
         slope: 2.0 * x1 * factor * (3.0 * square - 1.0),
@@ -152,14 +155,14 @@ fn belt(x1: f64, mu0: f64) -> Printed {
 }
 
 /// Eqs. (19) and (21).
-fn forced(model: &ForcedOscillator, z: f64) -> Printed {
+fn forced(model: &ForcedOscillator, z: f64) -> PrintedSigma {
     let (k1, k2, mu0) = (model.k1, model.k2, model.mu0);
     let per_mass = 1.0 / (model.mass * model.mass);
     let force = k2 * z * z * z - k1 * z;
     let terms = k2 * z.abs() * z * z + k1 * z.abs();
-    // A rounding of the time moves the support, and with it z.
+    // A rounding error of the time moves the support, and z with it.
     let moved = k1 + 3.0 * k2 * z * z;
-    Printed {
+    PrintedSigma {
         sigma: per_mass * (force * force - mu0 * mu0),
         size: per_mass * ((terms + moved) * (terms + moved) + mu0 * mu0),
         slope: 2.0 * z * per_mass * (3.0 * k2 * z * z - k1) * (k2 * z * z - k1),
@@ -182,13 +185,13 @@ mod tests {
 
     #[test]
     fn friction_that_drives_holds_nothing() {
-        // The product cannot tell, where the body goes can.
+        // The product does not show it; the direction of the motion does.
         let mu0 = 0.2;
         let driving = BeltOscillator {
             mu0: -mu0,
             ..BeltOscillator::default()
         };
-        let mut found = Compared::default();
+        let mut found = SigmaComparison::default();
         found.compare(&driving, (0.0, driving.belt_speed), 0.0, |z| belt(z, mu0));
         assert!(found.points > 300 && found.off <= ROUNDING);
         assert_eq!(found.disagreements, found.negative);
@@ -198,7 +201,7 @@ mod tests {
     fn another_polynomial_is_not_the_product() {
         let model = ForcedOscillator::default();
         let other = ForcedOscillator { k2: 1.001, ..model };
-        let mut found = Compared::default();
+        let mut found = SigmaComparison::default();
         found.compare(&model, (0.3, model.belt_speed), model.support(0.3), |z| {
             forced(&other, z)
         });

@@ -1,5 +1,5 @@
-//! The stick phases that a grid of starts goes through, in the stated model and in the listing, and
-//! the set (24) of tangent points.
+//! The stick phases from a grid of starts, in the stated model and in the listing, and the set (24)
+//! of tangent points.
 
 use rayon::prelude::*;
 
@@ -13,14 +13,14 @@ use stickslip::analysis::{Visibility, visibility};
 use stickslip::models::ForcedOscillator;
 use stickslip::{Error, Orbit, State};
 
-/// Starts in position and in velocity, of which no row has the belt's speed.
+/// Number of positions and velocities of the starts. No row has the belt's speed.
 const STARTS: (u32, u32) = (13, 9);
-/// Forcing periods that each is followed over: stick phases occur on the way only.
+/// Forcing periods over which each start is integrated. Stick phases occur only in the transient.
 const FOLLOWED: f64 = 10.0;
-/// Errors of a run stay far below the differences that decide here.
+/// Tolerance: errors of a run stay far below the differences that decide here.
 pub(super) const TOLERANCE: f64 = 1e-13;
-/// A stick phase of the listing no longer than ten of its steps (s) is chatter: it leaves a zone's
-/// end on the wrong side, is thrown back and sticks again, thousands of times.
+/// A stick phase of the listing no longer than ten of its steps (s) is chatter. The body leaves a
+/// zone's end on the wrong side, returns and sticks again, thousands of times.
 const CHATTER: f64 = 1e-3;
 
 /// The starts, none of them at the belt's speed.
@@ -28,7 +28,7 @@ pub(super) fn starts() -> Vec<State<2>> {
     fig08::starts(STARTS.0, STARTS.1)
 }
 
-/// The orbit from `(t0, x)` over [`FOLLOWED`] forcing periods, as far as it goes before it escapes.
+/// The orbit from `(t0, x)` over [`FOLLOWED`] forcing periods, or until it escapes.
 pub(super) fn follow(model: &ForcedOscillator, t0: f64, x: State<2>) -> Result<Orbit<2>, Error> {
     Ok(until_escape(model, (t0, x), FOLLOWED * model.period(), TOLERANCE)?.0)
 }
@@ -40,13 +40,13 @@ pub(super) struct ModelPhase {
     /// Largest difference of the velocity from the belt's (m/s), at both ends and in the middle of
     /// every step.
     pub(super) speed_error: f64,
-    /// Whether the field that takes over is visibly tangent where it ends. The derivative counts
-    /// the time.
+    /// Whether the field that applies after the phase is visibly tangent at its end. The derivative
+    /// includes the time.
     pub(super) visible: bool,
 }
 
-/// Stick phases of the listing: those that last longer than [`CHATTER`], in the order of the
-/// starts, and how many others there are.
+/// Stick phases of the listing that last longer than [`CHATTER`], in the order of the starts, and
+/// the number of others.
 pub(super) struct ListingPhases {
     pub(super) phases: Vec<StickPhase>,
     pub(super) chatter: usize,
@@ -58,7 +58,7 @@ impl ListingPhases {
     }
 }
 
-/// The stick phases that a grid of starts goes through: shared by the statements on them.
+/// The stick phases from a grid of starts, shared by the statements on them.
 pub(super) struct GridPhases {
     pub(super) model: Vec<ModelPhase>,
     /// The listing as printed, and with both ends of the zone tested.
@@ -70,7 +70,7 @@ pub(super) struct GridPhases {
 }
 
 impl GridPhases {
-    /// Follows all starts; an escape is no error.
+    /// Integrates all starts. An escape is not an error.
     pub(super) fn compute(claims: &Claims) -> Result<GridPhases, Error> {
         let model = ForcedOscillator::default();
         let both = Defects::AS_PRINTED.flipped(Defect::OneSidedExit);
@@ -135,13 +135,13 @@ fn of_listing(model: &ForcedOscillator, defects: Defects) -> ListingPhases {
     ListingPhases { phases, chatter }
 }
 
-/// The six tangent points of Eq. (24) at rest (m), numbered from the largest down as the paper
-/// does.
+/// The six tangent points of Eq. (24) without forcing (m), numbered from the largest as in the
+/// paper.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TangentSet(pub(super) [f64; 6]);
 
 impl TangentSet {
-    /// As published.
+    /// The published set.
     pub(super) fn published(claims: &Claims) -> TangentSet {
         let mut values = claims.of(ClaimId::Eq24TangentPoints).values().to_vec();
         values.sort_by(|one, other| other.total_cmp(one));
@@ -149,28 +149,28 @@ impl TangentSet {
         TangentSet(std::array::from_fn(value))
     }
 
-    /// Distances (m) of a body from the points as the support has moved them.
+    /// Distances (m) of a body from the points displaced by the support.
     pub(super) fn gaps(&self, model: &ForcedOscillator, at: Instant) -> [f64; 6] {
         let offset = model.support(at.t);
         self.0.map(|z| at.x1 - (z + offset))
     }
 
-    /// Number, counted from 0, of the moved point nearest to a body, and its distance (m).
+    /// Index of the displaced point nearest to a body, from 0, and its distance (m).
     pub(super) fn nearest(&self, model: &ForcedOscillator, at: Instant) -> (usize, f64) {
         let gaps = self.gaps(model, at).map(f64::abs).into_iter().enumerate();
         let nearest = gaps.min_by(|one, other| one.1.total_cmp(&other.1));
         nearest.unwrap_or((0, f64::INFINITY))
     }
 
-    /// When (s) a body that rides the belt from `begin` on first meets one of the moved points, by
-    /// that equation alone; nothing within `span`.
+    /// Time (s) at which a body that rides the belt from `begin` first meets a displaced point, by
+    /// that equation alone. `None` if not within `span`.
     pub(super) fn first_meeting(
         &self,
         model: &ForcedOscillator,
         begin: Instant,
         span: f64,
     ) -> Option<f64> {
-        // A gap changes by less than its own size over such a part of the forcing period.
+        // A gap changes by less than its own size over this fraction of the forcing period.
         let part = model.period() / 2000.0;
         let ahead = |later: f64| {
             let at = Instant {

@@ -1,5 +1,5 @@
-//! What the paper says of stick phases, by those of a grid of starts against the set (24) of
-//! tangent points; and that there are none without friction.
+//! The paper's statements on stick phases, tested on a grid of starts against the set (24) of
+//! tangent points. Also: without friction there are none.
 
 use rayon::prelude::*;
 
@@ -16,15 +16,14 @@ use crate::report::finding::{Finding, as_printed, statement};
 use stickslip::models::ForcedOscillator;
 use stickslip::{Error, Mode, State, TransitionKind};
 
-/// Distances and times within this are none (m, s, m/s): the solver's tolerance, with room for it
-/// to grow.
-const NONE: f64 = 1e-9;
+/// Distances and times within this count as zero (m, s, m/s): the solver's tolerance with a margin.
+const ROUNDING: f64 = 1e-9;
 
-/// Forcing periods within which a body on the belt is certain to meet a tangent point.
+/// Forcing periods within which a body on the belt always meets a tangent point.
 const SPAN: f64 = 3.0;
 
-/// `s4.exact_lengths`: whether the set gives lengths and durations of the stick phases, by
-/// `x1 + vp (t − t_entry) = z_k + A sin(ωt)` from the entry alone.
+/// `s4.exact_lengths`: whether the set gives lengths and durations of the stick phases from the
+/// entry alone. Each exit is the root of `x1 + vp (t − t_entry) = z_k + A sin(ωt)`.
 pub(super) fn exact_lengths(grid: &GridPhases) -> Vec<Finding> {
     let off = |stick: Stick| off_prediction(&grid.set, stick);
     let sticks = &grid.model;
@@ -33,10 +32,10 @@ pub(super) fn exact_lengths(grid: &GridPhases) -> Vec<Finding> {
     let listing_error = largest(grid.of_fig08().map(off));
     let what = "given where and when it begins, the set gives length and duration of a stick phase \
         of the stated model";
-    let parts = [(what, !sticks.is_empty() && error <= NONE)];
+    let parts = [(what, !sticks.is_empty() && error <= ROUNDING)];
     let what = "given where and when it begins, the set gives length and duration of the listing's \
         stick phases, which are the published ones";
-    let printed = [(what, settled > 0 && listing_error <= NONE)];
+    let printed = [(what, settled > 0 && listing_error <= ROUNDING)];
     let (all, error) = (sticks.len(), small(error));
     let line = format!(
         "ends of {all} stick phases of the stated model by the scalar equation from the set and \
@@ -47,14 +46,15 @@ pub(super) fn exact_lengths(grid: &GridPhases) -> Vec<Finding> {
     vec![statement(Exact, parts, line), as_printed(printed)]
 }
 
-/// By how much (s) the end of a stick phase is off the one that the set gives for its begin.
+/// Difference (s) between the end of a stick phase and the end that the set predicts from its
+/// start.
 fn off_prediction(set: &TangentSet, stick: Stick) -> f64 {
     let model = ForcedOscillator::default();
     let predicted = set.first_meeting(&model, stick.entry, SPAN * model.period());
     predicted.map_or(f64::INFINITY, |t| (t - stick.exit.t).abs())
 }
 
-/// Where stick phases end: how many at each of the points, and how many elsewhere.
+/// Where stick phases end: how many at each point, and how many elsewhere.
 #[derive(Default)]
 struct Exits {
     at: [usize; 6],
@@ -69,7 +69,7 @@ impl Exits {
         for phase in phases {
             let (number, distance) = set.nearest(model, phase.stick.exit);
             exits.largest_distance = exits.largest_distance.max(distance);
-            match distance <= NONE {
+            match distance <= ROUNDING {
                 true => exits.at[number] += 1,
                 false => exits.elsewhere += 1,
             }
@@ -77,7 +77,7 @@ impl Exits {
         exits
     }
 
-    /// The listing names the zone and the end that it has tested.
+    /// By the zone and the end that the listing reports.
     fn of_listing(phases: &[StickPhase]) -> Exits {
         let mut exits = Exits::default();
         for phase in phases {
@@ -94,18 +94,18 @@ impl Exits {
         self.at.iter().sum::<usize>() + self.elsewhere
     }
 
-    /// Those at points 1, 3 and 5, which the caption of Fig. 4 calls visible.
-    fn at_visible(&self) -> usize {
+    /// Ends at points 1, 3 and 5, which the caption of Fig. 4 calls visible.
+    fn count_at_visible(&self) -> usize {
         self.at.iter().step_by(2).sum()
     }
 
-    /// Those at points 2, 4 and 6, which it calls invisible.
-    fn at_invisible(&self) -> usize {
+    /// Ends at points 2, 4 and 6, which it calls invisible.
+    fn count_at_invisible(&self) -> usize {
         self.at.iter().skip(1).step_by(2).sum()
     }
 }
 
-/// `fig08.exit_at_visible`: at which of the numbered tangent points stick phases end.
+/// `fig08.exit_at_visible`: the tangent points at which stick phases end.
 pub(super) fn exit_at_visible(grid: &GridPhases) -> Vec<Finding> {
     let sticks = &grid.model;
     let model = Exits::of_model(&ForcedOscillator::default(), &grid.set, sticks);
@@ -126,12 +126,16 @@ pub(super) fn exit_at_visible(grid: &GridPhases) -> Vec<Finding> {
     let what = "every loss of stick of the listing in a zone is at point 1, 3 or 5";
     let printed = [(
         what,
-        listing.at_visible() > 0 && listing.at_invisible() == 0,
+        listing.count_at_visible() > 0 && listing.count_at_invisible() == 0,
     )];
-    let (odd, even, at) = (model.at_visible(), model.at_invisible(), model.at);
+    let (odd, even, at) = (
+        model.count_at_visible(),
+        model.count_at_invisible(),
+        model.at,
+    );
     let distance = small(model.largest_distance);
-    let (of_listing, all_of_listing) = (listing.at_visible(), listing.all());
-    let (of_mended, all_of_mended) = (mended.at_visible(), mended.all());
+    let (of_listing, all_of_listing) = (listing.count_at_visible(), listing.all());
+    let (of_mended, all_of_mended) = (mended.count_at_visible(), mended.all());
     let [chatter, more] = [&grid.listing, &grid.both_ends_tested].map(|of| of.chatter);
     let line = format!(
         "stated model: {visible} of {all} ends of stick phases are visibly tangent, all within \
@@ -141,30 +145,30 @@ pub(super) fn exit_at_visible(grid: &GridPhases) -> Vec<Finding> {
          5 whatever the motion; with both ends tested {of_mended} of {all_of_mended} ({chatter} \
          and {more} of no more than ten steps left out)"
     );
-    // The listing tests the points 1, 3 and 5 and no others.
+    // The listing tests only the points 1, 3 and 5.
     vec![
         statement(Exact, parts, line),
         as_printed(printed).by_construction(),
     ]
 }
 
-/// Moments in a forcing period at which the tangent points that have been passed are counted: in
-/// between a point moves by less than a hundredth of a zone.
+/// Sampling times per forcing period at which passed tangent points are counted. In between, a
+/// point moves by less than a hundredth of a zone.
 const MOMENTS: f64 = 2000.0;
 
-/// Stick phases against the tangent points that move past them.
+/// Stick phases and the tangent points that move past them.
 #[derive(Debug, Default)]
 struct Meetings {
     phases: usize,
-    /// Those in which a tangent point is met and passed before the release.
+    /// Phases in which a tangent point is met and passed before the release.
     passing: usize,
-    /// Largest distance of a release from the nearest moved tangent point (m).
+    /// Largest distance of a release from the nearest displaced tangent point (m).
     largest_distance: f64,
-    /// Part of the time in stick in which the body lies in no zone between tangent points.
+    /// Fraction of the stick time in which the body lies in no zone between tangent points.
     outside_zones: f64,
 }
 
-/// In between begin and end the body is taken to move evenly.
+/// Between start and end the body moves uniformly.
 fn meetings(
     model: &ForcedOscillator,
     set: &TangentSet,
@@ -180,8 +184,7 @@ fn meetings(
         let places = (duration / model.period() * MOMENTS).ceil().max(2.0);
         let (mut first, mut passes, mut places_outside) = (None, false, 0.0);
         for k in 0..places as u32 {
-            // Amid each part, so that neither begin nor end, which lie on tangent points, is looked
-            // at.
+            // At the middle of each part: start and end themselves lie on tangent points.
             let part = (f64::from(k) + 0.5) / places;
             let at = Instant {
                 t: stick.entry.t + part * duration,
@@ -200,9 +203,9 @@ fn meetings(
     meetings
 }
 
-/// `s4.until_tangent`: whether a body in stick moves at the belt's speed until the next tangent
-/// point is met. `sticks_of_fig08` are the stick phases of the motion on which the stated model
-/// settles from the start of Fig. 8.
+/// `s4.until_tangent`: whether a body in stick moves at the belt's speed until it meets the next
+/// tangent point. `sticks_of_fig08` is the number of stick phases of the motion on which the stated
+/// model settles from the start of Fig. 8.
 pub(super) fn until_tangent(grid: &GridPhases, sticks_of_fig08: usize) -> Vec<Finding> {
     let met = |sticks: &mut dyn Iterator<Item = Stick>| {
         meetings(&ForcedOscillator::default(), &grid.set, sticks)
@@ -213,9 +216,9 @@ pub(super) fn until_tangent(grid: &GridPhases, sticks_of_fig08: usize) -> Vec<Fi
     let listing = met(&mut grid.listing.sticks());
     let speed_error = largest(sticks.map(|one| one.speed_error));
     let holds_in_the_model = model.phases > 0
-        && speed_error <= NONE
+        && speed_error <= ROUNDING
         && model.passing == 0
-        && model.largest_distance <= NONE;
+        && model.largest_distance <= ROUNDING;
     let what = "the body of Fig. 8 in the stated model sticks and moves at the belt's speed until \
         the next tangent point is met";
     let parts = [(what, sticks_of_fig08 > 0 && holds_in_the_model)];
@@ -245,13 +248,18 @@ pub(super) fn until_tangent(grid: &GridPhases, sticks_of_fig08: usize) -> Vec<Fi
     vec![statement(Exact, parts, line), as_printed(printed)]
 }
 
-/// `s4.length_is_way`: durations less lengths over the belt's speed (s), and the misprint that
+/// `s4.length_is_way`: durations minus lengths over the belt's speed (s), and the misprint that
 /// follows.
 pub(super) fn length_is_way(grid: &GridPhases, published: [f64; 4]) -> (Vec<Finding>, Proof) {
     let belt = ForcedOscillator::default().belt_speed;
-    let excess = |four: [f64; 4]| [four[2] - four[0] / belt, four[3] - four[1] / belt];
+    let excess = |published_stick_numbers: [f64; 4]| {
+        [
+            published_stick_numbers[2] - published_stick_numbers[0] / belt,
+            published_stick_numbers[3] - published_stick_numbers[1] / belt,
+        ]
+    };
     let published = excess(published);
-    let listing = excess(grid.fig08.four_numbers().unwrap_or([f64::NAN; 4]));
+    let listing = excess(grid.fig08.stick_numbers().unwrap_or([f64::NAN; 4]));
     // Half a unit of the last printed digit in both numbers.
     let rounding = HALF_DIGIT + HALF_DIGIT / belt;
     let sticks = grid.model.iter().map(|phase| phase.stick);
@@ -274,18 +282,18 @@ pub(super) fn length_is_way(grid: &GridPhases, published: [f64; 4]) -> (Vec<Find
     let seconds = [first[0], first[1], second[0], second[1], rounding].map(Value::from);
     let shown = seconds.into_iter().chain([sticks.into(), of_model.into()]);
     let longer = published.iter().chain(&listing).all(|one| *one > rounding);
-    let holds = longer && sticks > 0 && of_model <= NONE;
+    let holds = longer && sticks > 0 && of_model <= ROUNDING;
     (
         vec![statement(Exact, parts, line), as_printed(printed)],
         Proof::new("durations", shown, holds),
     )
 }
 
-/// Starts on Σ, relative to the support (m): where σ vanishes without friction, and between.
+/// Starts on Σ relative to the support (m): where σ vanishes without friction, and between.
 const ON_BOUNDARY: [f64; 7] = [-1.0, -0.7, -0.3, 0.0, 0.3, 0.7, 1.0];
-/// Times of the period at which they start, its quarters among them.
+/// Times of the forcing period at which they start, including its quarters.
 const TIMES: u32 = 8;
-/// A kink below this is none (m/s²): accelerations are near 10 m/s², so that it is rounding.
+/// A kink below this is rounding (m/s²): accelerations are near 10 m/s².
 const NO_KINK: f64 = 1e-12;
 
 /// `s4.no_stick_at_zero`: model 2 without friction.
@@ -293,7 +301,7 @@ pub(super) fn no_stick_at_zero() -> Result<Vec<Finding>, Error> {
     let with = ForcedOscillator::default();
     let without = ForcedOscillator { mu0: 0.0, ..with };
     let with = tally(&with)?;
-    let Tally {
+    let EventTally {
         orbits,
         sticks,
         crossings,
@@ -321,18 +329,18 @@ pub(super) fn no_stick_at_zero() -> Result<Vec<Finding>, Error> {
     Ok(vec![statement(Exact, parts, line)])
 }
 
-/// What orbits from off and on Σ go through.
-struct Tally {
+/// Events of orbits from starts off and on Σ.
+struct EventTally {
     orbits: usize,
     sticks: usize,
     crossings: usize,
     /// Largest jump of the acceleration at a crossing (m/s²).
     largest_kink: f64,
-    /// Least σ at a crossing or a start on Σ (m²/s⁴).
+    /// Smallest σ at a crossing or a start on Σ (m²/s⁴).
     least_sigma: f64,
 }
 
-fn tally(model: &ForcedOscillator) -> Result<Tally, Error> {
+fn tally(model: &ForcedOscillator) -> Result<EventTally, Error> {
     let off = starts().into_iter().map(|x| (0.0, x));
     let on = (0..TIMES).flat_map(|k| {
         let t = model.period() * f64::from(k) / f64::from(TIMES);
@@ -355,7 +363,7 @@ fn tally(model: &ForcedOscillator) -> Result<Tally, Error> {
         let [below, above] = normals(at);
         below * above
     });
-    Ok(Tally {
+    Ok(EventTally {
         orbits: orbits.len(),
         sticks: phases.filter(|phase| phase.mode == Mode::Stick).count(),
         crossings: crossings.len(),
@@ -397,7 +405,7 @@ mod tests {
         let sticks = of_model(&model).unwrap();
         let off = sticks.iter().map(|phase| phase.stick).filter(|stick| {
             let t = set.first_meeting(&slower, stick.entry, SPAN * model.period());
-            t.is_none_or(|t| (t - stick.exit.t).abs() > NONE)
+            t.is_none_or(|t| (t - stick.exit.t).abs() > ROUNDING)
         });
         assert!(off.count() > sticks.len() / 2);
     }
@@ -407,14 +415,14 @@ mod tests {
         let grid = GridPhases::compute(claims()).unwrap();
         let model = ForcedOscillator::default();
         let exits = Exits::of_model(&model, &grid.set, &grid.model);
-        assert_eq!((exits.all(), exits.at_invisible()), (72, 24));
+        assert_eq!((exits.all(), exits.count_at_invisible()), (72, 24));
         let found = exit_at_visible(&grid);
         assert!(found[0].agrees && found[1].agrees && !found[1].is_evidence());
-        // By construction, until the other end is tested too.
+        // This holds by construction, unless the other end is tested too.
         let listing = Exits::of_listing(&grid.listing.phases);
-        assert_eq!(listing.at_visible(), listing.all());
+        assert_eq!(listing.count_at_visible(), listing.all());
         let mended = Exits::of_listing(&grid.both_ends_tested.phases);
-        assert!(mended.at_visible() < mended.all());
+        assert!(mended.count_at_visible() < mended.all());
     }
 
     #[test]
@@ -429,7 +437,7 @@ mod tests {
 
     #[test]
     fn without_forcing_only_upper_ends_release() {
-        // A body that the belt carries up reaches upper ends only, if these stand still.
+        // A body that the belt carries up reaches only upper ends if these are at rest.
         let still = ForcedOscillator {
             amplitude: 0.0,
             ..ForcedOscillator::default()
@@ -437,7 +445,7 @@ mod tests {
         let sticks = of_model(&still).unwrap();
         let found = Exits::of_model(&still, &TangentSet::published(claims()), &sticks);
         assert!(found.all() > 0);
-        assert_eq!(found.at_visible(), found.all());
+        assert_eq!(found.count_at_visible(), found.all());
     }
 
     #[test]
@@ -446,7 +454,7 @@ mod tests {
         let found = until_tangent(&grid, settled_sticks().unwrap());
         assert!(!found[0].agrees && !found[1].agrees);
         assert!(until_tangent(&grid, 1)[0].agrees);
-        // With both ends tested the listing comes nearer to that.
+        // With both ends tested, the listing comes nearer to that.
         let (model, set) = (ForcedOscillator::default(), grid.set);
         let listing = meetings(&model, &set, grid.listing.sticks());
         let mended = meetings(&model, &set, grid.both_ends_tested.sticks());
@@ -458,13 +466,13 @@ mod tests {
         // A displaced point is not met.
         let displaced = TangentSet(set.0.map(|z| z + 1e-6));
         let sticks = grid.model.iter().map(|one| one.stick);
-        assert!(meetings(&model, &displaced, sticks).largest_distance > NONE);
+        assert!(meetings(&model, &displaced, sticks).largest_distance > ROUNDING);
     }
 
     #[test]
     fn lengths_of_another_belt_would_be_its_way() {
         let grid = GridPhases::compute(claims()).unwrap();
-        let (found, misprint) = length_is_way(&grid, claims().four());
+        let (found, misprint) = length_is_way(&grid, claims().published_stick_numbers());
         assert!(!found[0].agrees && !found[1].agrees && misprint.holds);
         let belt = ForcedOscillator::default().belt_speed;
         let (found, misprint) = length_is_way(&grid, [0.4, 0.2, 0.4 / belt, 0.2 / belt]);

@@ -1,36 +1,36 @@
-//! The stick zones of model 2: where they are, how they move, what they attract, and what bodies do
-//! beside the curves that Fig. 7 draws of their ends.
+//! The stick zones of model 2: their location, their motion, what they attract, and the motion of
+//! bodies beside the curves of Fig. 7.
 
 use rayon::prelude::*;
 
 use super::stick_phases::TangentSet;
 use crate::figures::fig07::Oscillation as Drawn;
 use crate::figures::rows::Value;
-use crate::numbers::{bisect, changes, extent, largest, missing};
+use crate::numbers::{bisect, change_points, extent, largest, not_found};
 use crate::paper::reading::Reading::Exact;
+use crate::report::belt_positions;
 use crate::report::digits::small;
 use crate::report::errata::Proof;
 use crate::report::finding::{Finding, statement};
-use crate::report::places;
 use crate::report::scan::{Class, PARAMETERS, Point, StickSlip, starts};
 use crate::text::joined;
 use stickslip::models::ForcedOscillator;
 use stickslip::{Error, Fate, Filippov, Mode, Options, Side, State, fate, solve};
 
-/// Positions relative to the support (m) within which zones are sought, half as far again as the
-/// outermost tangent point, and the number of places looked at: a hundred in the narrowest zone.
+/// Range of positions relative to the support (m), half as far again as the outermost tangent
+/// point, and number of positions tested: a hundred in the narrowest zone.
 const REACH: f64 = 1.6;
-const PLACES: u32 = 1600;
-/// Differences within this are none (m): the last digits of a bisected position.
-const NONE: f64 = 1e-12;
+const POSITIONS_TESTED: u32 = 1600;
+/// Differences within this count as zero (m): the last digits of a bisected position.
+const ROUNDING: f64 = 1e-12;
 
 /// Positions x1 (m), ascending, at which stick begins or ends along Σ at time `t` (s).
 fn stick_ends(model: &ForcedOscillator, t: f64) -> Vec<f64> {
     let sticks = |x1: f64| fate(model, t, &State::from([x1, model.belt_speed])) == Fate::Stick;
-    // Off the round numbers at which zones end for round parameters.
-    let place = |k: u32| REACH * (2.0 * f64::from(k) / f64::from(PLACES) - 1.0) + 1.3e-4;
+    // Off round numbers, at which zones end for round parameters.
+    let place = |k: u32| REACH * (2.0 * f64::from(k) / f64::from(POSITIONS_TESTED) - 1.0) + 1.3e-4;
     let offset = model.support(t);
-    changes((0..=PLACES).map(|k| offset + place(k)), sticks)
+    change_points((0..=POSITIONS_TESTED).map(|k| offset + place(k)), sticks)
 }
 
 /// Factor by which [`location`] changes each parameter.
@@ -38,8 +38,8 @@ const FACTOR: f64 = 1.05;
 const NAMED: [&str; 3] = ["k1", "k2", "mu0"];
 const OTHERS: [&str; 3] = ["m", "vp", "delta"];
 
-/// Least and largest shift (m) among the ends when each parameter is changed; zones that appear or
-/// vanish have moved all the more.
+/// Smallest and largest displacement (m) of the ends when each parameter is changed. It is infinite
+/// if the number of zones changes.
 fn shifts(model: &ForcedOscillator, of: [&'static str; 3]) -> [(&'static str, (f64, f64)); 3] {
     let ends = stick_ends(model, 0.0);
     of.map(|name| {
@@ -56,11 +56,11 @@ fn shifts(model: &ForcedOscillator, of: [&'static str; 3]) -> [(&'static str, (f
     })
 }
 
-/// `s4.zone_location`: on which parameters the place of the stick zones depends.
+/// `s4.zone_location`: the parameters on which the location of the stick zones depends.
 pub(super) fn location(model: &ForcedOscillator) -> Vec<Finding> {
     let ends = stick_ends(model, 0.0).len();
     let (named, others) = (shifts(model, NAMED), shifts(model, OTHERS));
-    let moves = named.iter().all(|(_, (least, _))| *least > NONE);
+    let moves = named.iter().all(|(_, (least, _))| *least > ROUNDING);
     let what = "the place of the stick zones depends on k1, k2 and mu0";
     let each = |(name, (_, most)): (&str, (f64, f64))| format!("{name} {}", small(most));
     let [named, others] = [named, others].map(|of| joined(of.map(each), ", "));
@@ -72,24 +72,24 @@ pub(super) fn location(model: &ForcedOscillator) -> Vec<Finding> {
     vec![statement(Exact, [(what, ends > 0 && moves)], line)]
 }
 
-/// Times in one forcing period; a quarter and three quarters of it are among them.
+/// Times in one forcing period, including a quarter and three quarters of it.
 const TIMES: u32 = 48;
 
-/// How the stick zone moves over a forcing period.
+/// Motion of the stick zone over a forcing period.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Oscillation {
     /// Whether the zone has six ends at all times.
     six_ends: bool,
-    /// Largest difference of an end, bisected along Σ by where the body sticks, from `z_k + A
+    /// Largest difference of an end, bisected along Σ by the test for sticking, from `z_k + A
     /// sin(ωt)` (m).
     largest_difference: f64,
-    /// The ends at time 0, when the support is where it would rest (m), ascending.
+    /// The ends at time 0 (m), ascending. The support then has no displacement.
     pub at_rest: Vec<f64>,
     /// Travel of the uppermost end along x1 (m), and twice the amplitude A of the support (m).
     travel_x1: f64,
     twice_amplitude: f64,
-    /// Travel of Σ, and of the zone in it, along x2 (m/s): where the boundary function vanishes at
-    /// the zone's ends.
+    /// Travel of Σ, and of the zone in it, along x2 (m/s): the velocity at which the boundary
+    /// function vanishes at the zone's ends.
     travel_x2: f64,
 }
 
@@ -103,7 +103,7 @@ impl Oscillation {
                 (t, stick_ends(model, t))
             })
             .collect();
-        // Time, end and tangent point.
+        // Time, end, and tangent point.
         let mut ends = Vec::new();
         for (t, of_time) in &over_time {
             let numbered = of_time.iter().rev().zip(set.0);
@@ -113,7 +113,7 @@ impl Oscillation {
         let last = over_time
             .iter()
             .filter_map(|(_, ends)| ends.last().copied());
-        // The velocity (m/s) at which the boundary function vanishes above a position.
+        // The velocity (m/s) at which the boundary function vanishes for a position.
         let speed = |&(t, x1, _): &(f64, f64, f64)| {
             bisect(-10.0, 10.0, |x2| model.boundary(t, &[x1, x2]) >= 0.0)
         };
@@ -139,10 +139,10 @@ impl Oscillation {
             twice_amplitude,
             ..
         } = self;
-        let moves = self.six_ends && self.largest_difference <= NONE && self.along_x1();
+        let moves = self.six_ends && self.largest_difference <= ROUNDING && self.along_x1();
         let parts = [
             ("the tangent points move by A sin(ωt)", moves),
-            ("the zone oscillates along x2", *travel_x2 > NONE),
+            ("the zone oscillates along x2", *travel_x2 > ROUNDING),
         ];
         let difference = small(self.largest_difference);
         let line = format!(
@@ -154,7 +154,7 @@ impl Oscillation {
     }
 
     fn along_x1(&self) -> bool {
-        (self.travel_x1 - self.twice_amplitude).abs() <= NONE
+        (self.travel_x1 - self.twice_amplitude).abs() <= ROUNDING
     }
 
     /// `s6.oscillating_boundary`.
@@ -187,14 +187,14 @@ impl Oscillation {
     }
 }
 
-/// Places of the wide zone looked at, and values of friction up to the critical one, at equal
-/// distances.
+/// Number of positions in the wide zone, and of values of friction up to the critical one, both
+/// equidistant.
 const OF_ZONE: u32 = 400;
 const VALUES: u32 = 25;
 
 /// Forcing periods and stick phases of a stick–slip cycle.
 type Cycle = (usize, usize);
-/// The cycles at one friction, each once, and the starts that lead to them.
+/// The distinct cycles at one friction, and the number of starts that lead to them.
 type Cycles = (Vec<Cycle>, usize);
 
 /// Model 2 with the mass and the belt's speed of Fig. 7.
@@ -211,10 +211,10 @@ fn of_fig07() -> ForcedOscillator {
 pub(super) fn attracts() -> Result<Vec<Finding>, Error> {
     let (fig07, fig08) = (of_fig07(), ForcedOscillator::default());
     let sweeps = [Sweep::of("Fig. 7", &fig07)?, Sweep::of("Fig. 8", &fig08)?];
-    Ok(judged(zone(&fig07), &sweeps))
+    Ok(statement_findings(zone(&fig07), &sweeps))
 }
 
-fn judged((attracting, least_pull): (usize, f64), sweeps: &[Sweep]) -> Vec<Finding> {
+fn statement_findings((attracting, least_pull): (usize, f64), sweeps: &[Sweep]) -> Vec<Finding> {
     let any = |holds: fn(&Sweep) -> bool| sweeps.iter().any(holds);
     let parts = [
         (
@@ -231,13 +231,13 @@ fn judged((attracting, least_pull): (usize, f64), sweeps: &[Sweep]) -> Vec<Findi
         ),
         (
             "they appear, vanish or change with mu0",
-            any(|sweep| sweep.births_and_deaths() + sweep.changes() > 0),
+            any(|sweep| sweep.births_and_deaths() + sweep.cycle_changes() > 0),
         ),
     ];
     let each = sweeps.iter().map(|sweep| {
         let (caption, starts, critical) = (sweep.caption, sweep.starts, sweep.at_critical.1);
         let (cycles, values) = (sweep.with_cycles(), sweep.points.len());
-        let (births, changes) = (sweep.births_and_deaths(), sweep.changes());
+        let (births, changes) = (sweep.births_and_deaths(), sweep.cycle_changes());
         format!(
             "with the parameters of {caption} stick–slip cycles at {cycles} of {values} values \
              below it ({starts} starts each), which between neighbours appear or vanish {births} \
@@ -259,7 +259,8 @@ pub(super) fn critical(model: &ForcedOscillator) -> f64 {
     2.0 * model.k1 / 3.0 * (model.k1 / (3.0 * model.k2)).sqrt()
 }
 
-/// Attracting places and the least pull (m/s²) along the zone at the critical friction.
+/// Number of attracting positions, and the smallest attraction (m/s²) along the zone, at the
+/// critical friction.
 fn zone(model: &ForcedOscillator) -> (usize, f64) {
     let model = ForcedOscillator {
         mu0: critical(model),
@@ -267,7 +268,7 @@ fn zone(model: &ForcedOscillator) -> (usize, f64) {
     };
     let outer = 2.0 * (model.k1 / (3.0 * model.k2)).sqrt();
     let (mut attracting, mut least) = (0, f64::INFINITY);
-    for x in places(outer, OF_ZONE, model.belt_speed) {
+    for x in belt_positions(outer, OF_ZONE, model.belt_speed) {
         attracting += usize::from(fate(&model, 0.0, &x) == Fate::Stick);
         for side in [Side::Below, Side::Above] {
             least = least.min(-side.sign() * model.field(side, 0.0, x.as_ref())[1]);
@@ -281,7 +282,7 @@ struct Sweep {
     caption: &'static str,
     /// Starts at each value.
     starts: usize,
-    /// Cycles at each value, ascending, and at the critical friction itself.
+    /// Cycles at each value, ascending, including the critical friction.
     points: Vec<Cycles>,
     at_critical: Cycles,
 }
@@ -305,12 +306,12 @@ impl Sweep {
         Ok(Sweep {
             caption,
             starts: starts(model)?.len(),
-            at_critical: at_critical.ok_or_else(|| missing("a value of friction", 0.0, 0.0))?,
+            at_critical: at_critical.ok_or_else(|| not_found("a value of friction", 0.0, 0.0))?,
             points,
         })
     }
 
-    /// Values at which there is a stick–slip cycle.
+    /// Number of values with a stick–slip cycle.
     fn with_cycles(&self) -> usize {
         let with = self.points.iter().filter(|(cycles, _)| !cycles.is_empty());
         with.count()
@@ -321,42 +322,42 @@ impl Sweep {
         pairs.filter(|pair| are(&pair[0].0, &pair[1].0)).count()
     }
 
-    /// Neighbouring values of which one has cycles and the other none: there cycles appear or
-    /// vanish.
+    /// Number of neighbouring values of which one has cycles and the other has none: there cycles
+    /// appear or vanish.
     fn births_and_deaths(&self) -> usize {
         self.neighbours(|one, other| one.is_empty() != other.is_empty())
     }
 
-    /// Neighbouring values, both with cycles, whose cycles differ in period or number of stick
-    /// phases.
-    fn changes(&self) -> usize {
+    /// Number of neighbouring values, both with cycles, whose cycles differ in period or number of
+    /// stick phases.
+    fn cycle_changes(&self) -> usize {
         self.neighbours(|one, other| !one.is_empty() && !other.is_empty() && one != other)
     }
 }
 
 /// Distances from the curves (m).
 const DISTANCES: [f64; 3] = [1e-3, 1e-6, 1e-9];
-/// Times of the drawn curve, at equal distances, first and last left out.
+/// Equidistant times of the drawn curve, without the first and the last.
 const BESIDE_TIMES: usize = 24;
-/// Length of the runs (s), of which the first phase alone matters.
+/// Length of the runs (s). Only the first phase matters.
 const SPAN: f64 = 1e-2;
-/// Errors of a run stay far below the differences that decide here.
+/// Tolerance: errors of a run stay far below the differences that decide here.
 const TOLERANCE: f64 = 1e-13;
 
 /// Bodies at one distance from the curves.
 #[derive(Default)]
-struct Beside {
+struct BodiesBesideCurves {
     /// The distance (m).
     distance: f64,
-    /// Bodies put inside a zone, and as many outside.
+    /// Bodies placed inside a zone, and as many outside.
     pairs: usize,
-    /// Of those inside the ones that stick, of those outside the ones that slip.
+    /// Bodies inside that stick, and bodies outside that slip.
     inside_sticks: usize,
     outside_slips: usize,
 }
 
-/// `fig07b.oscillation`: bodies put on Σ just beside the drawn curves stick on one side of them and
-/// slip on the other.
+/// `fig07b.oscillation`: bodies placed on Σ just beside the drawn curves stick on one side of them
+/// and slip on the other.
 pub(super) fn beside_curves(
     model: &ForcedOscillator,
     drawn: &Drawn,
@@ -370,10 +371,10 @@ pub(super) fn beside_curves(
     let beside = DISTANCES
         .into_par_iter()
         .map(|distance| at_distance(model, drawn, &times, distance))
-        .collect::<Result<Vec<Beside>, Error>>()?;
+        .collect::<Result<Vec<BodiesBesideCurves>, Error>>()?;
     let curves = drawn.positions.len();
-    let all = |right: fn(&Beside) -> usize| {
-        let holds = |one: &Beside| one.pairs > 0 && right(one) == one.pairs;
+    let all = |right: fn(&BodiesBesideCurves) -> usize| {
+        let holds = |one: &BodiesBesideCurves| one.pairs > 0 && right(one) == one.pairs;
         curves == 6 && beside.iter().all(holds)
     };
     let sticks = all(|one| one.inside_sticks);
@@ -402,10 +403,10 @@ fn at_distance(
     drawn: &Drawn,
     times: &[usize],
     distance: f64,
-) -> Result<Beside, Error> {
-    let mut beside = Beside {
+) -> Result<BodiesBesideCurves, Error> {
+    let mut beside = BodiesBesideCurves {
         distance,
-        ..Beside::default()
+        ..BodiesBesideCurves::default()
     };
     for (number, positions) in drawn.positions.iter().enumerate() {
         // The curves are drawn from the largest down: upper end, lower end, upper end, …
@@ -420,7 +421,7 @@ fn at_distance(
     Ok(beside)
 }
 
-/// Whether a body put on the belt there sticks to it at first.
+/// Whether a body placed on the belt there sticks at first.
 fn sticks(model: &ForcedOscillator, t: f64, x1: f64) -> Result<bool, Error> {
     let x = State::from([x1, model.belt_speed]);
     let orbit = solve(model, t, x, t + SPAN, &Options::tol(TOLERANCE))?;
@@ -452,7 +453,7 @@ mod tests {
         let model = ForcedOscillator::default();
         assert_eq!(location(&model)[0].parts(), [true]);
         let others = shifts(&model, OTHERS);
-        assert!(others.iter().all(|one| one.1.1 <= NONE), "{others:?}");
+        assert!(others.iter().all(|one| one.1.1 <= ROUNDING), "{others:?}");
         assert_eq!(stick_ends(&model, 0.0).len(), 6);
         assert_eq!(location(&driving())[0].parts(), [false]);
     }
@@ -512,10 +513,10 @@ mod tests {
         assert!(of_fig08.with_cycles() > 0 && of_fig08.at_critical.0.is_empty());
         let of_fig07 = Sweep::of("Fig. 7", &fig07).unwrap();
         assert_eq!(of_fig07.with_cycles(), 0);
-        // Without the parameters of Fig. 8 nothing is left but the zone.
-        let alone = judged(zone(&fig07), &[of_fig07]);
+        // Without the parameters of Fig. 8 only the zone remains.
+        let alone = statement_findings(zone(&fig07), &[of_fig07]);
         assert_eq!(alone[0].parts(), [true, false, false, false]);
-        let both = judged(zone(&fig07), &[of_fig08])[0].parts();
+        let both = statement_findings(zone(&fig07), &[of_fig08])[0].parts();
         assert!(both[1] && both.contains(&false), "{both:?}");
     }
 
@@ -528,9 +529,13 @@ mod tests {
             at_critical: (Vec::new(), 0),
         };
         let same = sweep(&[&[(1, 1)], &[(1, 1)], &[]]);
-        let found = (same.with_cycles(), same.changes(), same.births_and_deaths());
+        let found = (
+            same.with_cycles(),
+            same.cycle_changes(),
+            same.births_and_deaths(),
+        );
         assert_eq!(found, (2, 0, 1));
-        assert_eq!(sweep(&[&[(1, 1)], &[(2, 2)]]).changes(), 1);
+        assert_eq!(sweep(&[&[(1, 1)], &[(2, 2)]]).cycle_changes(), 1);
     }
 
     fn sticks_and_slips(model: &ForcedOscillator, drawn: &Drawn) -> Vec<bool> {

@@ -6,15 +6,15 @@ use super::super::digits::minus;
 use super::super::exponent::ExponentCheck;
 use super::super::finding::Finding;
 use super::super::ledger::{Entry, Ledger};
-use super::super::readme::shown;
+use super::super::readme::formatted_values;
 use super::super::sentences::PARTS;
 use super::super::verdict::{Correction, Verdict};
 use super::parts::{columns, heading};
-use crate::paper::published::Kind;
+use crate::paper::published::ClaimKind;
 use crate::paper::reading::{Reading, Role};
 use crate::text::joined;
 
-/// How many claims have each verdict, and what the word means.
+/// The number of claims with each verdict, and the meaning of each verdict.
 pub(super) fn counts(ledger: &Ledger) -> Markup {
     html! {
         table.counts {
@@ -22,7 +22,7 @@ pub(super) fn counts(ledger: &Ledger) -> Markup {
             tbody {
                 @for (verdict, count) in ledger.counts() {
                     tr {
-                        th scope="row" { (mark(verdict)) }
+                        th scope="row" { (verdict_badge(verdict)) }
                         td.number { b { (count) } }
                         td.soft { (verdict.meaning()) }
                     }
@@ -32,7 +32,7 @@ pub(super) fn counts(ledger: &Ledger) -> Markup {
     }
 }
 
-/// How many claims of each part of the paper have each verdict.
+/// The number of claims with each verdict, for each part of the paper.
 fn by_part(ledger: &Ledger) -> Markup {
     let counted = |part: &str, verdict: Verdict| {
         let of = |entry: &&Entry| entry.claim.part == part && entry.verdict == verdict;
@@ -110,7 +110,7 @@ pub(super) fn section(ledger: &Ledger) -> Markup {
 }
 
 /// A verdict as a word with a sign of its own shape and colour.
-pub(super) fn mark(verdict: Verdict) -> Markup {
+pub(super) fn verdict_badge(verdict: Verdict) -> Markup {
     html! { span class={ "mark " (verdict.key()) } { (verdict) } }
 }
 
@@ -124,7 +124,7 @@ fn row(ledger: &Ledger, place: usize, entry: &Entry) -> Markup {
                 details {
                     summary { "evidence" }
                     ul { @for line in entry.lines() { li { (line) } } }
-                    @if entry.asks_for_cause() {
+                    @if entry.needs_cause() {
                         p { "Cause: " a href="#cause" { (ledger.cause.status()) } "." }
                     }
                 }
@@ -135,10 +135,10 @@ fn row(ledger: &Ledger, place: usize, entry: &Entry) -> Markup {
                     @for one in entry
                         .distinct()
                         .into_iter()
-                        .filter(|one| one.reading.role() != Role::Beside)
+                        .filter(|one| one.reading.role() != Role::Supplementary)
                     {
                         li {
-                            (one.reading) ": " b { (worth(entry, one)) }
+                            (one.reading) ": " b { (value_quality(entry, one)) }
                             @if one.by_construction { " by construction: no evidence" }
                         }
                     }
@@ -146,7 +146,7 @@ fn row(ledger: &Ledger, place: usize, entry: &Entry) -> Markup {
                 @if let Some(exponent) = &entry.exponent { p.soft { (sign_and_spread(exponent)) } }
             }
             td data-column="Verdict" data-key=(entry.verdict as usize) {
-                (mark(entry.verdict))
+                (verdict_badge(entry.verdict))
                 @if !entry.corrections.is_empty()
                     && matches!(entry.verdict, Verdict::WithCorrections | Verdict::InKind)
                 {
@@ -162,11 +162,11 @@ fn labels(corrections: &[Correction]) -> String {
     joined(corrections.iter().map(|one| one.label()), ", ")
 }
 
-/// What the paper says, with its unit; long closed-form numbers to six decimals.
+/// The published value with its unit; long closed-form numbers to six decimals.
 fn published(entry: &Entry) -> String {
     let claim = &entry.claim;
     let mut parts: Vec<(&str, &f64)> = claim.published.split(';').zip(claim.values()).collect();
-    if claim.kind == Kind::Set {
+    if claim.kind == ClaimKind::Set {
         parts.sort_by(|one, other| other.1.total_cmp(one.1));
     }
     let texts = parts.into_iter().map(|(text, value)| match text.len() {
@@ -184,20 +184,19 @@ fn published(entry: &Entry) -> String {
     }
 }
 
-/// A number with more characters is a closed form in full precision; of these a reader wants the
-/// first digits.
+/// A number with more characters is a closed form in full precision; it is shortened.
 const SHORT: usize = 8;
 
-/// What is said of an exponent beside the verdict.
+/// The sign and the spread of an exponent.
 fn sign_and_spread(exponent: &ExponentCheck) -> String {
     let not = if exponent.sign_agrees() { "" } else { "not " };
     let (sign, sentence) = (exponent.sign, exponent.sentence());
     format!("sign: {sign}, {not}as published; {sentence}")
 }
 
-/// A reading's values and, in brackets, what they are worth.
-fn worth(entry: &Entry, finding: &Finding) -> String {
-    let values = shown(entry, finding);
+/// The values of a reading and, in brackets, their quality.
+fn value_quality(entry: &Entry, finding: &Finding) -> String {
+    let values = formatted_values(entry, finding);
     match finding.note.as_deref() {
         None | Some("ok" | "annihilated") => values,
         Some(note) if finding.digits.is_some() => format!("{values} ({note})"),

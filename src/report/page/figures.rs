@@ -1,14 +1,14 @@
-//! The figures, each with published against computed.
+//! The figures, with published and computed values.
 
 use maud::{Markup, PreEscaped, html};
 
 use super::super::figures::Picture;
 use super::parts::{Report, heading};
 
-/// Figures that hold nothing to compute, and why.
+/// Figures without computed content, and why.
 const DRAWINGS: &str = include_str!("../../../assets/report/drawings.html");
 
-/// The figure that the page opens with.
+/// The first figure of the page.
 const OPENING: &str = "fig08";
 
 /// Fig. 8.
@@ -45,7 +45,7 @@ pub(super) fn section(report: &Report) -> Markup {
     }
 }
 
-/// A drawing with its caption. The drawing names and describes itself.
+/// A drawing with its caption. The drawing has its own title and description.
 pub(super) fn figure(picture: &Picture, about: &str) -> Markup {
     html! {
         figure {

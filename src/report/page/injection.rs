@@ -1,4 +1,5 @@
-//! Which defects make the published numbers, and whether the stated model sticks and slips at all.
+//! The defects that cause the published numbers, and whether the stated model has stick–slip at
+//! all.
 
 use maud::{Markup, html};
 
@@ -19,8 +20,8 @@ const NUMBERS: [&str; 4] = [
     "duration 2 (s)",
 ];
 
-/// What is asked for before a cause counts as shown.
-fn asked() -> [String; 3] {
+/// Conditions for a cause to count as shown.
+fn conditions() -> [String; 3] {
     [
         "Put into the event-exact solver, the two defects that outlast a vanishing step make the \
          same motion, and its four numbers are off the published ones by no more than the \
@@ -47,7 +48,7 @@ pub(super) fn cause(report: &Report) -> Markup {
             table.cards {
                 (columns(&["What is asked for", "What was found", "Holds"]))
                 tbody {
-                    @for (asked, (found, holds)) in asked().iter().zip(ledger.cause.parts()) {
+                    @for (asked, (found, holds)) in conditions().iter().zip(ledger.cause.parts()) {
                         tr {
                             th scope="row" { (asked) }
                             td data-column="Found" { (found) }
@@ -56,7 +57,7 @@ pub(super) fn cause(report: &Report) -> Markup {
                     }
                 }
             }
-            p { (ledger.injection.alone()) }
+            p { (ledger.injection.separate_effects()) }
             (figure(&report.convergence, report.convergence.about))
             p { (ledger.convergence.sentence()) }
             h3 { "The program's defects" }
@@ -85,7 +86,7 @@ fn matrix(ledger: &Ledger) -> Markup {
                 "The listing at its printed step with each defect alone, each mended alone, all, \
                 none. Of more than two stick phases the two longest are given. In brackets: digits \
                 that agree with "
-                @for (i, id) in ClaimId::FOUR.iter().enumerate() {
+                @for (i, id) in ClaimId::STICK_NUMBERS.iter().enumerate() {
                     @if i > 0 { ", " }
                     code { (id) }
                 }
@@ -135,7 +136,7 @@ pub(super) fn existence(report: &Report) -> Markup {
     }
 }
 
-/// How many starts lead where.
+/// The number of starts in each class.
 fn counts(point: &Point) -> String {
     let counts = Class::ALL.iter().zip(point.counts);
     let some = counts.filter(|(_, count)| *count > 0);

@@ -1,5 +1,4 @@
-//! The report as one HTML page that needs nothing else: style, figures and the little script are in
-//! it.
+//! The report as one self-contained HTML page, including style, figures and a short script.
 
 mod claims;
 mod figures;
@@ -9,14 +8,14 @@ mod text;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::sentences::{figs_10_to_12, resting, sentences};
+use super::sentences::{dependent_verdicts, figs_10_to_12, sentences};
 pub use parts::Report;
 use parts::{SECTIONS, heading};
 
 const STYLE: &str = include_str!("../../../assets/report/style.css");
 const SORT: &str = include_str!("../../../assets/report/sort.js");
 
-/// The page. Everything that is text is escaped; drawings, style and script are the project's own.
+/// The page. All text is escaped; drawings, style and script are the project's own.
 pub fn page(report: &Report) -> String {
     document(report).into_string()
 }
@@ -46,7 +45,7 @@ fn document(report: &Report) -> Markup {
                     @for sentence in sentences(report.ledger) { p.verdict { (sentence) } }
                     (figures::opening(report))
                     (claims::counts(report.ledger))
-                    p.soft { (resting(report.ledger)) }
+                    p.soft { (dependent_verdicts(report.ledger)) }
                     nav aria-label="Sections" {
                         ol {
                             @for (anchor, heading) in SECTIONS {

@@ -1,17 +1,17 @@
-//! What the sections of the page share.
+//! Elements shared by the sections of the page.
 
 use maud::{Markup, html};
 
 use super::super::figures::Picture;
 use super::super::ledger::Ledger;
 
-/// Everything on the page.
+/// Contents of the page.
 pub struct Report<'a> {
     /// Claims, figures, matrix, convergence, scan, errata.
     pub ledger: &'a Ledger,
     /// The convergence of the listing for small steps.
     pub convergence: Picture,
-    /// What becomes of the stated model as each parameter changes.
+    /// Attractors of the stated model as each parameter changes.
     pub scan: Picture,
 }
 

@@ -2,7 +2,7 @@
 
 use maud::{Markup, PreEscaped, html};
 
-use super::super::errata::Shown;
+use super::super::errata::ProofResult;
 use super::super::ledger::Ledger;
 use super::parts::{columns, heading};
 use crate::figures::rows::Value;
@@ -37,8 +37,8 @@ pub(super) fn errata(ledger: &Ledger) -> Markup {
     }
 }
 
-/// A number with six significant digits and its unit, a count or a word as it is.
-fn value(shown: &Shown) -> String {
+/// A number with six significant digits and its unit; a count or a word as it is.
+fn value(shown: &ProofResult) -> String {
     let v = match &shown.value {
         Value::Number(v) => *v,
         Value::Count(_) | Value::Word(_) | Value::Statement(_) => return shown.value.to_string(),
@@ -63,9 +63,9 @@ const METHODS: &str = include_str!("../../../assets/report/methods.html");
 const CITE: &str = include_str!("../../../assets/report/cite.html");
 const REMAKE: &str = include_str!("../../../assets/report/remake.html");
 
-/// Paragraphs, their lines joined.
+/// Paragraphs, with their lines joined.
 pub(super) fn methods(ledger: &Ledger) -> Markup {
-    let text = METHODS.replace("{source}", &ledger.spread.search.cited());
+    let text = METHODS.replace("{source}", &ledger.spread.search.citation());
     let text = text.replace("\n\n", "\0").replace('\n', " ");
     prose("methods", &text.replace('\0', ""))
 }

@@ -1,4 +1,4 @@
-//! With the spring of Eq. (4) no start settles: what these motions are instead.
+//! With the spring of Eq. (4) no start settles: exponents and stick phases of these motions.
 
 use std::ops::ControlFlow;
 
@@ -8,30 +8,30 @@ use stickslip::analysis::{SpectrumOptions, lyapunov_spectrum_watched};
 use stickslip::models::ForcedOscillator;
 use stickslip::{Error, Mode, Observer, Options, Phase, State};
 
-/// Of the scan's starts one in so many is followed: all of them lead to motions of one kind.
+/// One of so many of the scan's starts is integrated: all lead to motions of one kind.
 const EVERY: usize = 10;
-/// Forcing periods that go by before measuring.
+/// Forcing periods before measuring.
 const TRANSIENT: f64 = 100.0;
 /// Forcing periods measured.
 const MEASURED: u32 = 2000;
-/// Forcing periods that stick phases are counted in.
+/// Forcing periods in which stick phases are counted.
 const COUNTED: u32 = 200;
-/// As in the figures' spectra.
+/// Tolerance, as in the figures' spectra.
 const TOLERANCE: f64 = 1e-10;
-/// A spring that pulls back for large stretches keeps a body far inside this (m, m/s).
+/// Bound of a bounded motion (m, m/s): this spring pulls back for large stretches.
 const ESCAPE: f64 = 1e3;
-/// Standard errors that a positive exponent has to be above zero. A zero one is estimated as large
-/// once in 30 000.
+/// Standard errors by which a positive exponent must exceed zero. An estimate of a zero exponent
+/// exceeds this once in 30 000.
 const STANDARD_ERRORS: f64 = 4.0;
-/// Stick phases whose lengths differ from the published ones by no more than this part are near:
-/// one digit of the four that are printed.
-const NEAR: f64 = 0.1;
+/// Stick phases are near the published ones if their lengths differ by at most this fraction: one
+/// of the four printed digits.
+const NEAR_FRACTION: f64 = 0.1;
 
-/// One start, followed.
+/// Results for one start.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredStart {
-    /// First Lyapunov exponent (1/s), from the equations; −∞ if stick takes even that direction
-    /// away.
+    /// First Lyapunov exponent (1/s), from the equations; −∞ if stick annihilates even that
+    /// direction.
     pub lambda: f64,
     /// Its standard error (1/s), from the means of blocks of a hundred forcing periods.
     pub std_error: f64,
@@ -40,7 +40,7 @@ pub struct MeasuredStart {
 }
 
 impl MeasuredStart {
-    /// Stick phases in [`COUNTED`] forcing periods, on the average over all that were measured.
+    /// Stick phases per [`COUNTED`] forcing periods, averaged over all that were measured.
     pub fn sticks(&self) -> f64 {
         self.lengths.len() as f64 * f64::from(COUNTED) / f64::from(MEASURED)
     }
@@ -50,9 +50,9 @@ impl MeasuredStart {
         self.lambda > STANDARD_ERRORS * self.std_error
     }
 
-    /// How far the stick phases are from the published lengths: of two that follow each other the
-    /// larger of the relative differences from the published pair, in either order, where that is
-    /// least; infinite with fewer than two.
+    /// Distance of the stick phases from the published lengths. For two successive phases, it is
+    /// the larger of the relative differences from the published pair, in either order. The minimum
+    /// over all pairs is returned; it is infinite with fewer than two.
     pub fn distance(&self, published: [f64; 2]) -> f64 {
         let off = |found: f64, wanted: f64| (found / wanted - 1.0).abs();
         let [first, second] = published;
@@ -65,17 +65,17 @@ impl MeasuredStart {
     }
 }
 
-/// Some of the starts with the spring of Eq. (4).
+/// Some of the starts, with the spring of Eq. (4).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chaos {
-    /// Of the scan's starts every tenth, from the first on.
+    /// Every tenth of the scan's starts, from the first on.
     pub followed: Vec<MeasuredStart>,
     /// The published lengths (m).
     pub published: [f64; 2],
 }
 
 impl Chaos {
-    /// Follows every tenth of the scan's starts.
+    /// Integrates every tenth of the scan's starts.
     ///
     /// # Errors
     /// Those of [`stickslip::analysis::lyapunov_spectrum`].
@@ -89,18 +89,18 @@ impl Chaos {
         })
     }
 
-    /// The least distance of any of them from the published lengths.
+    /// The smallest distance of any of them from the published lengths.
     pub fn distance(&self) -> f64 {
         let followed = self.followed.iter();
         extent(followed.map(|one| one.distance(self.published))).0
     }
 
-    /// Whether any of them has two stick phases in succession with lengths near the published ones.
+    /// Whether any of them has two successive stick phases with lengths near the published ones.
     pub fn is_near(&self) -> bool {
-        self.distance() <= NEAR
+        self.distance() <= NEAR_FRACTION
     }
 
-    /// What these motions are, in words.
+    /// The motions in words.
     pub fn sentence(&self) -> String {
         let (followed, all) = (&self.followed, self.followed.len());
         let some = |is: fn(&MeasuredStart) -> bool, verb: &str, none: &str| {
@@ -143,7 +143,7 @@ impl Chaos {
     }
 }
 
-/// Follows one start.
+/// Integrates one start.
 fn follow(model: &ForcedOscillator, x: State<2>) -> Result<MeasuredStart, Error> {
     let period = model.period();
     let (transient, measured) = (TRANSIENT * period, f64::from(MEASURED) * period);
@@ -162,7 +162,7 @@ fn follow(model: &ForcedOscillator, x: State<2>) -> Result<MeasuredStart, Error>
     })
 }
 
-/// Keeps the lengths of the stick phases that begin after some time.
+/// Records the lengths of the stick phases that begin after some time.
 struct Sticks {
     from: f64,
     lengths: Vec<f64>,
@@ -205,7 +205,7 @@ mod tests {
             sentence.contains("block sticks, chaotically, and nowhere near the published lengths"),
             "{sentence}"
         );
-        // Each part turns with what it speaks of.
+        // Each part of the sentence changes with its number.
         let regular = of(vec![short(), followed(0.05, &[0.01])]).sentence();
         assert!(
             regular.contains("sticks, chaotically from 1 of 2 starts, and nowhere near"),

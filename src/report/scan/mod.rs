@@ -1,4 +1,4 @@
-//! Whether the stated model of Fig. 8 has a stick–slip attractor near the printed parameters.
+//! Search for a stick–slip attractor of the stated model of Fig. 8 near the printed parameters.
 
 mod chaos;
 mod point;
@@ -16,7 +16,7 @@ use stickslip::Error;
 use stickslip::math;
 use stickslip::models::ForcedOscillator;
 
-/// The parameters of the stated model: name in tables, symbol in figures, place in the model.
+/// A parameter of the stated model: name in tables, symbol in figures, field of the model.
 pub(super) type Parameter = (
     &'static str,
     &'static str,
@@ -35,10 +35,10 @@ pub(super) const PARAMETERS: [Parameter; 8] = [
 
 /// One parameter over a factor of two either way.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Line {
-    /// Its name, and its symbol in figures.
+pub struct ParameterScan {
+    /// Name.
     pub name: &'static str,
-    /// See `name`.
+    /// Symbol in figures.
     pub symbol: &'static str,
     /// In ascending order.
     pub points: Vec<Point>,
@@ -52,20 +52,20 @@ pub struct Scan {
     /// Published lengths of the two stick phases (m).
     pub published: [f64; 2],
     /// One line for each parameter.
-    pub lines: Vec<Line>,
+    pub lines: Vec<ParameterScan>,
     /// The printed parameters under other readings of the equations, by name.
     pub variants: Vec<(&'static str, Point)>,
-    /// What starts do with the spring of Eq. (4), where none settles.
+    /// Motions from the starts with the spring of Eq. (4), for which none settles.
     pub chaos: Chaos,
 }
 
-/// A stick–slip motion at a point: name of the parameter that was changed, the point, the motion,
-/// and the larger relative difference of its two lengths from the published ones.
+/// A stick–slip motion at a point: name of the changed parameter, the point, the motion, and the
+/// larger relative difference of its two lengths from the published ones.
 type NearestMotion<'a> = (&'static str, &'a Point, &'a StickSlip, f64);
 
 /// Values of a parameter, the printed one in the middle.
 const VALUES: usize = 33;
-/// Sets of parameters looked at.
+/// Number of sets of parameters.
 pub const POINTS: usize = VALUES * PARAMETERS.len();
 
 impl Scan {
@@ -88,7 +88,7 @@ impl Scan {
         };
         let points = (0..POINTS).into_par_iter().map(at);
         let mut points = points.collect::<Result<Vec<Point>, Error>>()?.into_iter();
-        let lines = PARAMETERS.map(|(name, symbol, _)| Line {
+        let lines = PARAMETERS.map(|(name, symbol, _)| ParameterScan {
             name,
             symbol,
             points: points.by_ref().take(VALUES).collect(),
@@ -107,7 +107,7 @@ impl Scan {
         self.lines.first()?.points.get(VALUES / 2)
     }
 
-    /// The stick–slip motion nearest to the published lengths among those that `allowed` lets pass.
+    /// The stick–slip motion nearest to the published lengths among those that `allowed` accepts.
     fn nearest(&self, allowed: impl Fn(&StickSlip) -> bool) -> Option<NearestMotion<'_>> {
         let motions = self.points().filter_map(|(name, point)| {
             let (motion, distance) = point.nearest(self.published, &allowed)?;
@@ -116,13 +116,13 @@ impl Scan {
         motions.min_by(|one, other| one.3.total_cmp(&other.3))
     }
 
-    /// All points, each with the name of the parameter that is changed there.
+    /// All points, each with the name of the changed parameter.
     pub fn points(&self) -> impl Iterator<Item = (&'static str, &Point)> {
         let lines = self.lines.iter();
         lines.flat_map(|line| line.points.iter().map(|point| (line.name, point)))
     }
 
-    /// The answer in words.
+    /// The result in words.
     pub fn sentence(&self) -> String {
         let Some(printed) = self.printed() else {
             return "Nothing was scanned.".into();
@@ -181,9 +181,9 @@ impl Scan {
     }
 }
 
-/// The model as Eq. (17) prints it, with friction that drives slip on (it has the sign of a
-/// negative `mu0` here; where a start could go either way it goes up), and with the spring of Eq.
-/// (4), the opposite of Eq. (17)'s.
+/// The model as Eq. (17) prints it, with friction that drives the slip, and the model with the
+/// spring of Eq. (4), the opposite of Eq. (17)'s. Driving friction is a negative `mu0` here; where
+/// a start could go to either side, it goes up.
 fn variants() -> Result<Vec<(&'static str, Point)>, Error> {
     let printed = ForcedOscillator::default();
     let starts = starts(&printed)?;

@@ -1,4 +1,4 @@
-//! What becomes of all starts at one set of parameters.
+//! The attractors of all starts at one set of parameters.
 
 use crate::numbers::largest;
 use crate::paper::ESCAPE;
@@ -12,9 +12,9 @@ use stickslip::system::Unchecked;
 use stickslip::{AtRepelling, Error, Options, State, solve};
 
 described! {
-    /// What a start leads to.
+    /// Class of the motion from a start.
     Class: &'static str as pub name {
-        /// Out of the spring's reach.
+        /// Beyond the spring's reach.
         Escape = "escapes",
         /// Periodic without stick.
         SlipOnly = "slip_only",
@@ -28,15 +28,15 @@ described! {
     }
 }
 
-/// Positions of the starts, in units of √(k1/k2), beyond which the spring drives bodies away;
-/// symmetrical.
+/// Number of positions of the starts, symmetric about 0. The unit is √(k1/k2), beyond which the
+/// spring drives bodies away.
 const POSITIONS: usize = 9;
-/// Their outermost.
+/// The outermost position.
 const REACH: f64 = 1.2;
-/// Velocities of the starts (m/s); the belt's speed comes on top.
+/// Velocities of the starts (m/s), besides the belt's speed.
 const VELOCITIES: [f64; 4] = [-1.6, -0.8, 0.0, 1.2];
 
-/// Starts: a grid, points on the belt, and the ends of the stick zones, of which one is the paper's
+/// Starts: a grid, points on the belt, and the ends of the stick zones, one of which is the paper's
 /// start.
 pub(in crate::report) fn starts(model: &ForcedOscillator) -> Result<Vec<State<2>>, Error> {
     let unit = (model.k1 / model.k2).sqrt();
@@ -62,21 +62,21 @@ pub(super) fn double_well() -> ForcedOscillator {
     }
 }
 
-/// Stick phases whose lengths differ by no more are the same (m): they agree in the printed digits.
+/// Stick phases whose lengths differ by no more are equal (m): they agree in the printed digits.
 const SAME_LENGTH: f64 = 1e-4;
 
 /// A periodic motion with stick.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StickSlip {
-    /// Forcing periods after which it repeats.
+    /// Number of forcing periods after which it repeats.
     pub period: usize,
     /// Lengths of its stick phases in one pattern (m), the longest first.
     pub lengths: Vec<f64>,
 }
 
 impl StickSlip {
-    /// Larger of the relative differences of the two longest stick phases of two forcing periods
-    /// from `published`; infinite where there are not two.
+    /// The larger of the relative differences of the two longest stick phases of two forcing
+    /// periods from `published`; infinite if there are fewer than two.
     pub fn distance(&self, published: [f64; 2]) -> f64 {
         // A motion of period one has each of its stick phases twice in two periods.
         let twice = if self.period == 1 { 2 } else { 1 };
@@ -91,8 +91,8 @@ impl StickSlip {
         }
     }
 
-    /// Whether two starts have found the same motion.
-    pub(super) fn is(&self, other: &StickSlip) -> bool {
+    /// Whether two starts lead to the same motion.
+    pub(super) fn is_same(&self, other: &StickSlip) -> bool {
         let near = |(a, b): (&f64, &f64)| (a - b).abs() <= SAME_LENGTH;
         self.period == other.period
             && self.lengths.len() == other.lengths.len()
@@ -100,29 +100,29 @@ impl StickSlip {
     }
 }
 
-/// Forcing periods that a start is followed over: half as many again as the listing runs.
+/// Forcing periods over which a start is integrated: 1.5 times the length of the listing's run.
 const FOLLOWED: usize = 60;
-/// States a pattern apart that are this near count as equal: a tenth of a printed digit.
+/// Tolerance for states one pattern apart to be equal: a tenth of a printed digit.
 const CLOSENESS: f64 = 1e-5;
-/// Errors of a run stay a hundred times below [`CLOSENESS`].
+/// Tolerance of the solver, a hundred times below [`CLOSENESS`] with its accumulated errors.
 const TOLERANCE: f64 = 1e-9;
 
-/// What becomes of all starts at one set of parameters.
+/// The attractors of all starts at one set of parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point {
-    /// Factor that the printed value is multiplied by.
+    /// Factor by which the printed value is multiplied.
     pub factor: f64,
     /// The value.
     pub value: f64,
-    /// How many starts lead to each class, in the order of [`Class::ALL`].
+    /// Number of starts in each class, in the order of [`Class::ALL`].
     pub counts: [usize; 5],
-    /// The stick–slip motions found, each once.
+    /// The distinct stick–slip motions.
     pub stick_slip: Vec<StickSlip>,
 }
 
 impl Point {
-    /// Follows all starts in a model that has `value` in the place of one parameter, `factor` times
-    /// the printed one.
+    /// Integrates all starts in a model with `value` for one parameter, `factor` times the printed
+    /// one.
     ///
     /// # Errors
     /// Those of [`solve`] except an escape.
@@ -132,7 +132,7 @@ impl Point {
         factor: f64,
         value: f64,
     ) -> Result<Point, Error> {
-        // A spring that pulls back for large stretches lets no body escape, however fast.
+        // A spring that pulls back for large stretches lets no body escape at any speed.
         let pushes_out = model.k2 > 0.0;
         let options = Options::tol(TOLERANCE)
             .escape(if pushes_out { ESCAPE } else { 100.0 * ESCAPE })
@@ -150,7 +150,7 @@ impl Point {
                         period,
                         lengths: lengths(model, &x, period, &options)?,
                     };
-                    if !stick_slip.iter().any(|known| known.is(&motion)) {
+                    if !stick_slip.iter().any(|known| known.is_same(&motion)) {
                         stick_slip.push(motion);
                     }
                     if two_periodic(sticks, period) {
@@ -170,7 +170,7 @@ impl Point {
         })
     }
 
-    /// Of the stick–slip motions the one nearest to the published lengths that `allowed` lets pass,
+    /// The stick–slip motion nearest to the published lengths among those that `allowed` accepts,
     /// and its distance.
     pub fn nearest(
         &self,
@@ -183,8 +183,8 @@ impl Point {
     }
 }
 
-/// Where a start ends up. A motion with stick is followed on, for one that comes near its neighbour
-/// of half the period slowly is easily taken for one of twice the period.
+/// The attractor of a start. A motion with stick is integrated further: slow convergence to a
+/// motion of half the period can look like twice the period.
 fn settled(model: &ForcedOscillator, x: State<2>, options: &Options) -> Result<Destination, Error> {
     // Friction of the other sign is among the variants.
     let (system, period) = (Unchecked(model), model.period());
@@ -208,7 +208,7 @@ fn lengths(
     options: &Options,
 ) -> Result<Vec<f64>, Error> {
     let pattern = period as f64 * model.period();
-    // A phase that has begun when the first pattern begins is whole in the second.
+    // A phase in progress when the first pattern begins is complete in the second.
     let orbit = solve(&Unchecked(model), 0.0, x, 2.0 * pattern, options)?;
     let exits = stick_exits(&orbit).filter(|(at, ..)| at.t > pattern);
     let mut lengths: Vec<f64> = exits.map(|(.., phase)| phase.displacement()[0]).collect();

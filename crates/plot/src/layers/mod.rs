@@ -46,7 +46,7 @@ pub trait Layer {
 
 /// A place in a panel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Place {
+pub enum Position {
     /// In data units.
     Data(f64, f64),
     /// In fractions of the plot rectangle: (0, 0) is its lower left corner, (1, 1) its upper right
@@ -54,17 +54,17 @@ pub enum Place {
     Fraction(f64, f64),
 }
 
-impl From<(f64, f64)> for Place {
+impl From<(f64, f64)> for Position {
     fn from((x, y): (f64, f64)) -> Self {
-        Place::Data(x, y)
+        Position::Data(x, y)
     }
 }
 
-impl Place {
+impl Position {
     fn px(self, plot: &Plot<'_, '_>) -> Point {
         match self {
-            Place::Data(x, y) => plot.px((x, y)),
-            Place::Fraction(fx, fy) => plot.frame.at(fx, fy),
+            Position::Data(x, y) => plot.px((x, y)),
+            Position::Fraction(fx, fy) => plot.frame.at(fx, fy),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use plotters_backend::text_anchor::{HPos, VPos};
 
-use super::{Layer, Place, TEXT};
+use super::{Layer, Position, TEXT};
 use crate::arrow;
 use crate::color::{BLACK, GREY};
 use crate::elements::Words;
@@ -18,16 +18,16 @@ const CLEARANCE: f64 = 3.0;
 /// A text in markup at a place.
 #[derive(Clone, Debug)]
 pub struct Note {
-    at: Place,
+    at: Position,
     text: String,
     offset: (f64, f64),
-    target: Option<Place>,
+    target: Option<Position>,
     head: bool,
 }
 
 impl Note {
     /// A text centred at `at`.
-    pub fn new(at: impl Into<Place>, text: &str) -> Self {
+    pub fn new(at: impl Into<Position>, text: &str) -> Self {
         Self {
             at: at.into(),
             text: text.to_owned(),
@@ -46,13 +46,13 @@ impl Note {
     }
 
     /// Adds an arrow from the text to a place.
-    pub fn arrow(mut self, target: impl Into<Place>) -> Self {
+    pub fn arrow(mut self, target: impl Into<Position>) -> Self {
         self.target = Some(target.into());
         self
     }
 
     /// Adds a thin line without a head from the text to a place.
-    pub fn leader(mut self, target: impl Into<Place>) -> Self {
+    pub fn leader(mut self, target: impl Into<Position>) -> Self {
         self.head = false;
         self.arrow(target)
     }

@@ -1,5 +1,6 @@
-//! The true exponent is within two error bars, at least nine times in ten where the status is `ok`:
-//! a part of the example `spectrum_coverage`, and its committed results.
+//! Coverage of the error bars: the true exponent is within two of them at least nine times in ten
+//! if the status is `ok`. The tests run a part of the example `spectrum_coverage` and read its
+//! committed results.
 
 #[path = "../../examples/spectrum_coverage/systems.rs"]
 mod systems;
@@ -30,14 +31,14 @@ fn short_series_hold_what_ok_promises() {
     assert_eq!(found.series, 16);
     assert!(10 * found.found.holds >= 9 * found.found.ok, "{found:?}");
     assert!(10 * found.found.ok >= 6 * found.exponents, "{found:?}");
-    // It is the estimator that makes it so, not the size of what is asked.
+    // The estimator causes the difference, not the size of the request.
     let linear = &found.sano_sawada;
     assert!(10 * linear.holds < 9 * linear.ok, "{found:?}");
 }
 
 #[test]
 fn the_table_is_that_of_the_csv_and_holds_what_ok_promises() {
-    // Without any `ok` the promise would be empty: most exponents of whole states are called so, a
+    // Without any `ok` the promise would be empty. Most exponents of complete states are `ok`, a
     // third of those with noise, and nearly half of embedded columns.
     for (observed, least) in Observed::ALL.into_iter().zip([7, 3, 4]) {
         assert!(PAGE.contains(&table::table(CSV, observed)));
@@ -46,7 +47,7 @@ fn the_table_is_that_of_the_csv_and_holds_what_ok_promises() {
         assert!(10 * all.found.holds >= 9 * all.found.ok, "{all:?}");
         assert!(10 * all.found.ok >= least * all.exponents, "{all:?}");
     }
-    // Nothing without noise is called noisy, and of what is some are off: a quarter.
+    // No series without noise is called noisy. Among the noisy ones a quarter is off.
     let noisy = |cells: &[&str]| cells[8] == Status::Noisy.word();
     let rows: Vec<Vec<&str>> = CSV.lines().map(|line| line.split(',').collect()).collect();
     let these: Vec<&Vec<&str>> = rows.iter().filter(|cells| noisy(cells)).collect();
@@ -59,7 +60,7 @@ fn the_table_is_that_of_the_csv_and_holds_what_ok_promises() {
     );
 }
 
-/// Some lines of the file made again, to the last digit.
+/// Some lines of the file are computed again and must agree to the last digit.
 #[test]
 fn the_csv_is_what_the_estimators_give() {
     let cases = systems::cases();
@@ -77,14 +78,14 @@ fn the_csv_is_what_the_estimators_give() {
     }
 }
 
-/// The known exponents are those of the equations: the mean of sixteen shorter runs is within four
-/// of its own errors, which are small beside the system's first exponent. Of each run the first
-/// part counts for nothing: in it the tangent vectors turn. No two runs begin and end alike, since
-/// on Rössler's attractor all are in phase for long.
+/// The reference exponents are those of the equations. The mean of sixteen shorter runs is within
+/// four of its standard errors, which are small beside the system's first exponent. The first part
+/// of each run is discarded, since the tangent vectors still turn. No two runs start and end alike,
+/// since all orbits on Rössler's attractor stay in phase for long.
 #[test]
 fn the_known_exponents_follow_from_the_equations() {
     const RUNS: u64 = 16;
-    // What is known has four decimals.
+    // The reference values have four decimals.
     const ROUNDING: f64 = 5e-5;
     for case in systems::cases() {
         let of_run = |run: u64| -> Vec<f64> {
@@ -103,22 +104,22 @@ fn the_known_exponents_follow_from_the_equations() {
             let mean = values.clone().sum::<f64>() / RUNS as f64;
             let squares: f64 = values.map(|value| (value - mean) * (value - mean)).sum();
             let error = (squares / (RUNS * (RUNS - 1)) as f64).sqrt();
-            let told = format!("{}: {mean} ± {error}, known {known}", case.name);
-            assert!(error < 0.02 * case.known[0], "{told}");
-            assert!((mean - known).abs() < 4.0 * error + ROUNDING, "{told}");
+            let reported = format!("{}: {mean} ± {error}, known {known}", case.name);
+            assert!(error < 0.02 * case.known[0], "{reported}");
+            assert!((mean - known).abs() < 4.0 * error + ROUNDING, "{reported}");
         }
     }
 }
 
-/// With 30 reference points there are three blocks to tell an error from.
+/// With 30 reference points an error is estimated from three blocks.
 #[test]
 fn few_references_hold_what_ok_promises() {
     let settings = DataSettings {
         references: Some(30),
         ..DataSettings::sano_sawada()
     };
-    // How often the plain scatter of three blocks, Student's 4.5266 in place of 2.0840 taken back,
-    // would hold.
+    // Coverage by the plain scatter of three blocks, with Student's factor 4.5266 instead of 2.0840
+    // removed.
     let plain = 2.0840 / 4.5266;
     let (mut ok, mut holds, mut narrow) = (0, 0, 0);
     for case in systems::cases().iter().filter(|case| case.dt == 1.0) {
@@ -138,9 +139,9 @@ fn few_references_hold_what_ok_promises() {
     assert!(10 * narrow < 9 * ok, "{narrow} of {ok}");
 }
 
-/// Of whole states `ok` is worth as much from 30 reference points, though they lie on one short
-/// piece of an orbit; where that is shorter than two Theiler windows, as 20 of the pendulum are, it
-/// is not, which `stickslip spectrum` says.
+/// For complete states `ok` keeps its coverage with 30 reference points, although they lie on a
+/// short piece of an orbit. It loses it if the piece is shorter than two Theiler windows, as 20
+/// points of the pendulum are. `stickslip spectrum` reports that.
 #[test]
 fn a_short_piece_holds_what_ok_promises_from_two_theiler_windows_on() {
     let held = |(points, references), case: &systems::Case, seeds: std::ops::Range<u64>| {
@@ -157,7 +158,7 @@ fn a_short_piece_holds_what_ok_promises_from_two_theiler_windows_on() {
                 .theiler
                 .map(|theiler| 2 * theiler <= references);
             for (exponent, known) in found.exponents.iter().zip(case.known) {
-                // Only pieces of the length asked for count.
+                // Only pieces of the requested length count.
                 if exponent.status == Status::Ok && reach == Some(references > 20) {
                     ok += 1;
                     holds += usize::from((exponent.value - known).abs() <= 2.0 * exponent.stderr);
@@ -173,7 +174,7 @@ fn a_short_piece_holds_what_ok_promises_from_two_theiler_windows_on() {
     assert!(ok > 200, "{ok}");
     assert!(10 * holds >= 9 * ok, "{holds} of {ok}");
     let pendulum = cases.iter().find(|case| case.name == "driven pendulum");
-    // Of 5000 points most are starved.
+    // Most of 5000 points are starved.
     let (ok, holds) = held((20_000, 20), pendulum.unwrap(), 201..241);
     assert!(ok > 20 && 10 * holds < 9 * ok, "{holds} of {ok}");
 }

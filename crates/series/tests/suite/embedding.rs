@@ -1,5 +1,5 @@
-//! Delay, dimension and the system's own exponents from one column, against systems whose dimension
-//! and spectrum are known.
+//! Delay, dimension and the system's own exponents from one column, for systems with known
+//! dimension and spectrum.
 
 use super::{henon, lorenz, near, noise, roessler};
 use stickslip::math;
@@ -39,8 +39,8 @@ fn embedded_by(
     (spectrum, reversal)
 }
 
-/// The dimensions of the state spaces; Lorenz' and Rössler's attractors have fewer than 2.1, so
-/// that 3 values suffice.
+/// The expected values are the dimensions of the state spaces. Lorenz' and Rössler's attractors
+/// have dimensions below 2.1, so that 3 values suffice.
 #[test]
 fn false_neighbours_vanish_at_the_dimension_of_the_state_space() {
     let logistic: Vec<[f64; 1]> = std::iter::successors(Some(0.3), |x| Some(4.0 * x * (1.0 - x)))
@@ -57,7 +57,7 @@ fn false_neighbours_vanish_at_the_dimension_of_the_state_space() {
         assert_eq!(found.embedding.dimension, dimension);
         assert_eq!(found.dimension_reason, DimensionReason::FalseNeighbours);
         assert!(!found.is_noise);
-        // Cao's rule looks for no change, which it sees at the dimension or one above it.
+        // Cao's rule detects the end of the change, at the dimension or one above it.
         let cao = found.cao.unwrap();
         assert!((dimension..=dimension + 1).contains(&cao), "{cao}");
         let before = &found.dimensions[..dimension - 1];
@@ -65,8 +65,8 @@ fn false_neighbours_vanish_at_the_dimension_of_the_state_space() {
     }
 }
 
-/// White noise has false neighbours at every dimension, and its next value depends on none before:
-/// Cao's E2 is 1.
+/// White noise has false neighbours at every dimension, and its values are independent of earlier
+/// ones: Cao's E2 is 1.
 #[test]
 fn noise_has_no_dimension() {
     let rows: Vec<[f64; 1]> = noise().take(10_000).map(|v| [v]).collect();
@@ -83,9 +83,9 @@ fn noise_has_no_dimension() {
     );
 }
 
-/// The information of a map's values is of the next one; that of Lorenz' x has its first minimum at
+/// A value of a map carries the information of the next one. For Lorenz' x the first minimum is at
 /// 0.16 to 0.18 (Fraser and Swinney's method as in Abarbanel, Analysis of Observed Chaotic Data,
-/// 1996), that of Rössler's at a quarter of its period of 5.86.
+/// 1996). For Rössler's x it is at a quarter of its period of 5.86.
 #[test]
 fn delays_are_those_of_the_literature() {
     let map = choice(&column(&henon(5000), 0, 1.0));
@@ -101,14 +101,14 @@ fn delays_are_those_of_the_literature() {
         assert_eq!(found.delay_reason, DelayReason::FirstMinimum);
         let delay = found.embedding.delay as f64 * series.dt();
         assert!((from - 1e-9..=to + 1e-9).contains(&delay), "{delay}");
-        // The curve is a decrease to there.
+        // The information decreases up to that delay.
         let curve = &found.information[1..=found.embedding.delay];
         assert!(curve.windows(2).all(|pair| pair[1].1 < pair[0].1));
     }
 }
 
-/// Of a sine without noise the classes' borders alone make minima, for these periods at 2 to 4
-/// points. The autocorrelation, cos(2π lag / period), is negative behind a quarter of a period.
+/// For a sine without noise the borders of the classes alone cause minima, for these periods at 2
+/// to 4 points. The autocorrelation, cos(2π lag / period), is negative after a quarter of a period.
 #[test]
 fn a_clean_sine_has_the_delay_of_its_autocorrelation() {
     for (period, points) in [
@@ -117,7 +117,7 @@ fn a_clean_sine_has_the_delay_of_its_autocorrelation() {
         (100.0, 5000),
         (57.3, 20_000),
         (199.9, 20_000),
-        // Lags of half a period and more are not looked at.
+        // Lags of half a period and more are not considered.
         (900.0, 5000),
     ] {
         let angle = |i: usize| std::f64::consts::TAU * i as f64 / period;
@@ -133,15 +133,15 @@ fn a_clean_sine_has_the_delay_of_its_autocorrelation() {
     }
 }
 
-/// Sampled so densely that at first neighbours in time are as good as on a curve, a series has the
-/// minimum that it has at other steps.
+/// A densely sampled series has the same minimum as at other steps, although at first neighbours in
+/// time are as close as on a curve.
 #[test]
 fn a_dense_series_keeps_its_minimum() {
     let mut at = [1.0, 1.0, 20.0];
     let field = |[x, y, z]: [f64; 3]| [10.0 * (y - x), x * (28.0 - z) - y, x * y - 8.0 / 3.0 * z];
     let rows: Vec<[f64; 1]> = (0..40_000)
         .map(|_| {
-            // Heun's steps of 0.001.
+            // Heun's method with steps of 0.001.
             let k = field(at);
             let l = field([
                 at[0] + 1e-3 * k[0],
@@ -178,24 +178,24 @@ fn a_correlation_that_only_decays_ends_at_independence() {
     assert!((10..=40).contains(&found.embedding.delay));
 }
 
-/// λ1 = 0.4192, block error over 10⁴ points 0.004, of which four are allowed.
+/// λ1 = 0.4192. The block error over 10⁴ points is 0.004; four of these errors are allowed.
 #[test]
 fn henon_by_one_column() {
     let series = column(&henon(10_000), 0, 1.0);
     let (spectrum, reversal) = embedded(&series, choice(&series).embedding);
     near(spectrum.exponents[0].value, 0.4192, 0.016);
-    // The sum is ln 0.3 at every point, so that the second has the error of the first.
+    // The sum is ln 0.3 at every point, so that the second exponent has the error of the first.
     near(spectrum.exponents[1].value, -1.6232, 0.016);
     assert_eq!(spectrum.exponents[1].status, Status::Ok);
     assert!(reversal.is_conclusive);
     assert_eq!(reversal.origins, [Origin::System; 2]);
 }
 
-/// Four values of Hénon's x make four exponents, two of them the embedding's. The first of all,
-/// 0.86, is: it would be called `ok` and twice the true one. Quadratic maps have the system's two
-/// and none of these.
+/// Four values of Hénon's x give four exponents, two of them due to the embedding. The largest,
+/// 0.86, is one of those: as `ok` it would be twice the true exponent. Quadratic maps find the
+/// system's two exponents and no others.
 #[test]
-fn spurious_exponents_of_henon_in_four_dimensions_are_told() {
+fn spurious_exponents_of_henon_in_four_dimensions_are_reported() {
     let series = column(&henon(10_000), 0, 1.0);
     let embedding = Embedding {
         delay: 1,
@@ -207,7 +207,7 @@ fn spurious_exponents_of_henon_in_four_dimensions_are_told() {
     assert_eq!(reversal.origins, [Spurious, System, Spurious, System]);
     near(spectrum.exponents[1].value, 0.4192, 0.03);
     near(spectrum.exponents[3].value, -1.6227, 0.03);
-    // With the time reversed the expansion is the contraction.
+    // With time reversed, the contraction becomes the expansion.
     near(reversal.reversed[0].0, 1.6227, 0.25);
     near(reversal.reversed[1].0, -0.4192, 0.016);
     let (spectrum, reversal) = embedded(&series, embedding);
@@ -216,8 +216,8 @@ fn spurious_exponents_of_henon_in_four_dimensions_are_told() {
     assert_eq!(reversal.origins, [System, System, Spurious, Spurious]);
 }
 
-/// The logistic map cannot be inverted: the reversed series is unpredictable and is not asked. Of
-/// two values one exponent is 2 ln 2 by linear maps.
+/// The logistic map cannot be inverted: the reversed series is unpredictable and is not used. With
+/// two values, linear maps give one exponent of 2 ln 2.
 #[test]
 fn a_map_without_inverse_is_judged_by_the_fit_of_fixed_rank() {
     let rows: Vec<[f64; 1]> = std::iter::successors(Some(0.3), |x| Some(4.0 * x * (1.0 - x)))
@@ -240,9 +240,9 @@ fn a_map_without_inverse_is_judged_by_the_fit_of_fixed_rank() {
     assert_eq!(reversal.origins, [Origin::System, Origin::Spurious]);
 }
 
-/// Two coupled logistic maps by x of one: 0.4146 and 0.3082, which two values hold and linear maps
-/// of full rank have not. They cannot be inverted, so nothing tells that the second is the
-/// embedding's, and it is not.
+/// Two coupled logistic maps, observed by x of one: 0.4146 and 0.3082. Two values determine them;
+/// linear maps of full rank do not give them. The maps cannot be inverted, so no test shows that
+/// the second is due to the embedding, and it is not.
 #[test]
 fn a_fit_of_full_rank_alone_calls_no_exponent_spurious() {
     let logistic = |r: f64, x: f64| r * x * (1.0 - x);
@@ -266,8 +266,8 @@ fn a_fit_of_full_rank_alone_calls_no_exponent_spurious() {
     assert_eq!(reversal.origins, [Origin::System, Origin::Unknown]);
 }
 
-/// λ1 = 0.9056 and 0.0714; the block errors are 0.03 and 0.003, the bias of finite neighbourhoods
-/// up to 5 %.
+/// λ1 = 0.9056 and 0.0714. The block errors are 0.03 and 0.003; the bias of finite neighbourhoods
+/// is up to 5 %.
 #[test]
 fn flows_by_one_column() {
     for (series, first, tolerance) in [
@@ -282,8 +282,8 @@ fn flows_by_one_column() {
     }
 }
 
-/// A sine with noise of a twentieth of its amplitude: the true exponent is 0. In bits of the period
-/// nothing is left of the 47 per unit of time that one column as a state gives.
+/// A sine with noise of a twentieth of its amplitude: the true exponent is 0. One column as a state
+/// gives 47 per unit of time. In bits per period nothing of that remains.
 #[test]
 fn a_noisy_sine_by_one_column_has_no_positive_exponent() {
     let mut noise = noise();
@@ -299,8 +299,8 @@ fn a_noisy_sine_by_one_column_has_no_positive_exponent() {
     assert_ne!(first.status, Status::Ok);
 }
 
-/// All exponents of two frequencies are 0: what the fits differ by is not a matter of whose they
-/// are. Of eight pairs the program called one or both of the system's the embedding's.
+/// All exponents of two frequencies are 0, so differences between the fits do not identify spurious
+/// ones. For eight pairs, one or both exponents were wrongly called spurious.
 #[test]
 fn both_exponents_of_two_frequencies_are_the_system_s() {
     for ratio in [2.0, 3.0, 5.0, 7.0] {
@@ -315,8 +315,8 @@ fn both_exponents_of_two_frequencies_are_the_system_s() {
     }
 }
 
-/// The whole state has no false neighbours; Lorenz' x and y alone have, and so have Rössler's x and
-/// z.
+/// The complete state has no false neighbours. Lorenz' x and y alone have some, and so do Rössler's
+/// x and z.
 #[test]
 fn missing_columns_are_noticed() {
     let (lorenz, roessler) = (lorenz(10_000), roessler(10_000));
@@ -354,7 +354,7 @@ fn what_is_given_is_kept_and_what_cannot_be_is_refused() {
         (Some(0), None, "delay"),
         (None, Some(0), "dimension"),
         (None, Some(11), "dimension"),
-        // A tenth of the points, without a dimension.
+        // A tenth of the points do not determine a dimension.
         (Some(201), None, "delay"),
         (Some(usize::MAX), None, "delay"),
     ] {
@@ -371,7 +371,7 @@ fn what_is_given_is_kept_and_what_cannot_be_is_refused() {
         matches!(error, DataError::Span { rows: 2000, .. }),
         "{error}"
     );
-    // Windows and series that leave nothing to compare end in no dimension, not in a failure.
+    // If windows and series leave nothing to compare, the result is no dimension and not an error.
     let wide = EmbeddingSettings {
         theiler: Some(usize::MAX),
         ..EmbeddingSettings::default()

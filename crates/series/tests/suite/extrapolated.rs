@@ -1,11 +1,11 @@
-//! The extrapolated estimator: its bias, and what `ok` is worth.
+//! The extrapolated estimator: its bias, and the coverage of `ok`.
 
 use super::{henon, lorenz, near, noise, spectrum, statuses, values};
 use stickslip::math;
 use stickslip_series::{Balance, DataSettings, Degree, Estimator, Neighbourhood, Status};
 
-/// Hénon's map is a polynomial of second degree: the maps are exact whatever the size, the sum of
-/// the exponents is ln 0.3 at every point, and the second is no longer 0.02 off.
+/// Hénon's map is a polynomial of second degree, so the fitted maps are exact for any size. The sum
+/// of the exponents is ln 0.3 at every point, and the bias of the second, 0.02, disappears.
 #[test]
 fn a_quadratic_map_has_no_bias() {
     let found = spectrum(&henon(10_000), 1.0, &DataSettings::default());
@@ -20,7 +20,7 @@ fn a_quadratic_map_has_no_bias() {
     assert_eq!(found.sizes.unwrap().degree, Degree::Quadratic);
 }
 
-/// The uncorrected exponents that come along are those of the other estimator, to the bit.
+/// The uncorrected exponents in the result equal those of the other estimator to the last bit.
 #[test]
 fn the_other_estimator_comes_along() {
     let rows = lorenz(6000);
@@ -35,8 +35,8 @@ fn the_other_estimator_comes_along() {
     }
 }
 
-/// Lorenz' divergence is −41/3 everywhere, and the third exponent −14.572, which the data do not
-/// tell, follows from it.
+/// Lorenz' divergence is −41/3 everywhere. The third exponent, −14.572, which the data do not
+/// determine, follows from it.
 #[test]
 fn with_the_divergence_the_exponent_that_the_data_do_not_tell_follows() {
     let found = spectrum(&lorenz(20_000), 0.02, &DataSettings::default());
@@ -59,7 +59,7 @@ fn with_the_divergence_the_exponent_that_the_data_do_not_tell_follows() {
 }
 
 #[test]
-fn a_wrong_divergence_is_told() {
+fn a_wrong_divergence_is_reported() {
     let found = spectrum(&henon(5000), 1.0, &DataSettings::default());
     let agrees = |divergence| match found.balance(divergence) {
         Balance::Whole { agrees, .. } => agrees,
@@ -67,7 +67,7 @@ fn a_wrong_divergence_is_told() {
     };
     assert!(agrees(math::ln(0.3)));
     assert!(!agrees(math::ln(0.301)));
-    // A circle run through seven times: nothing but repeats, and no exponent.
+    // A circle traversed seven times: all points repeat, and there is no exponent.
     let rows: Vec<[f64; 2]> = (0..3000)
         .map(|i| [f64::from(i % 7), f64::from(i * 3 % 7)])
         .collect();
@@ -76,7 +76,7 @@ fn a_wrong_divergence_is_told() {
     assert!(statuses(&none).iter().all(|&status| status != Status::Ok));
 }
 
-/// Linear maps, too, are extrapolated where they are asked for or the series is short.
+/// Linear maps are also extrapolated if requested or if the series is short.
 #[test]
 fn short_series_get_linear_maps() {
     let degree = |degree| DataSettings {
@@ -101,16 +101,16 @@ fn short_series_get_linear_maps() {
     };
     assert_eq!(of(5000, many).neighbours, [40, 80]);
     // Extrapolated linear maps have less bias than those at the smaller size, and an error that
-    // says how little is known.
+    // reflects the uncertainty.
     let found = spectrum(&henon(5000), 1.0, &degree(Some(Degree::Linear)));
     assert!(found.exponents[1].stderr > 2.0 * found.exponents[1].sano_sawada.1);
 }
 
-/// Of one column of Hénon's map linear maps have a second exponent that is 0.1 off, many times its
-/// scatter, and of which two sizes show less than half: quadratic maps tell. The first is right,
-/// and stays ok.
+/// For one column of Hénon's map, linear maps give a second exponent that is 0.1 off, many times
+/// its scatter. Two sizes show less than half of that; quadratic maps reveal it. The first exponent
+/// is right and stays `ok`.
 #[test]
-fn linear_maps_that_hide_their_bias_are_told_by_quadratic_ones() {
+fn linear_maps_that_hide_their_bias_are_revealed_by_quadratic_ones() {
     let rows = henon(10_000);
     for points in [5000, 10_000] {
         let delayed = rows[..points]
@@ -135,18 +135,18 @@ fn linear_maps_that_hide_their_bias_are_told_by_quadratic_ones() {
         assert_eq!(first.status, Status::Ok);
         assert!(first.stderr < 0.03, "{first:?}");
         near(first.value, 0.4192, 2.0 * first.stderr);
-        // The bias is there, the sizes show little of it, and the error holds it.
+        // The bias exists, the sizes show little of it, and the error covers it.
         let bias = (second.value + 1.6232).abs();
         assert!(bias > 0.05 && second.eps_sensitivity.abs() < 0.4 * bias);
         assert!(bias <= 2.0 * second.stderr, "{second:?}");
         assert!((linear.sum.0 - math::ln(0.3)).abs() <= 2.0 * linear.sum.1);
-        // Quadratic maps need no judge.
+        // Quadratic maps need no comparison.
         assert_eq!(statuses(&quadratic), [Status::Ok; 2]);
         assert!(quadratic.exponents[1].stderr < 0.02);
     }
 }
 
-/// The second exponent is of a direction in which neighbours are less far apart: it is covered
+/// The second exponent belongs to a direction in which neighbours are closer, so noise covers it
 /// first.
 #[test]
 fn noise_takes_the_ok_from_what_it_covers() {

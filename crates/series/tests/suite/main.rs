@@ -1,5 +1,5 @@
-//! The spectrum from a series against closed forms, against known spectra, and where the data
-//! determine nothing.
+//! The spectrum from a series, compared with closed forms and known spectra, and for data that do
+//! not determine it.
 
 mod coverage;
 mod embedding;
@@ -47,8 +47,8 @@ fn henon(points: usize) -> Vec<[f64; 2]> {
     all.skip(100).take(points).collect()
 }
 
-/// Quadratic maps are fitted to 27 points and 54 whether 12 neighbours are asked for or 8: as many
-/// points are starved. The ball of Eq. (25) holds 8 sooner.
+/// Quadratic maps are fitted to 27 points and 54, whether 12 or 8 neighbours are requested, so that
+/// the same number of points is starved. The ball of Eq. (25) has 8 neighbours sooner.
 #[test]
 fn fewer_neighbours_than_the_maps_need_starve_no_fewer_points() {
     let of = |min: usize, estimator: Estimator| {
@@ -72,9 +72,9 @@ fn fewer_neighbours_than_the_maps_need_starve_no_fewer_points() {
     assert!(eight.starved < twelve.starved);
 }
 
-/// Chains begin with the directions of a neighbourhood. Those of a large ball are others than those
-/// of a small one, and what the chains then take to turn is left out: the estimates differ by a
-/// part of their error.
+/// Chains begin with the directions of a neighbourhood, which depend on the size of the ball. The
+/// time that the chains take to converge is discarded, so that the estimates differ by a fraction
+/// of their error.
 #[test]
 fn where_chains_begin_makes_no_difference() {
     let series = henon(3020);
@@ -97,7 +97,7 @@ fn where_chains_begin_makes_no_difference() {
     }
 }
 
-/// A flow by the library's Runge–Kutta step, four steps to a sample, after a transient.
+/// A flow by the library's Runge–Kutta step, four steps per sample, after a transient.
 fn flow<const N: usize>(
     field: impl Fn(&State<N>) -> [f64; N],
     start: [f64; N],
@@ -161,10 +161,10 @@ fn noise() -> impl Iterator<Item = f64> {
     })
 }
 
-/// λ1 = 0.4192 and λ1 + λ2 = ln 0.3 are the map's. The mean over 45001 points has a standard error
-/// of 0.0012: 0.4187 is the mean over this start's points, and four of these errors are allowed.
-/// The second is biased upwards by curvature, to between −1.58 and −1.61 for 10 to 40 neighbours:
-/// the tolerance excludes both −1.6227 and what a fit with twice the radius gives.
+/// λ1 = 0.4192 and λ1 + λ2 = ln 0.3 for the map. The mean over this start's 45001 points is 0.4187,
+/// with a standard error of 0.0012; four of these are allowed. Curvature biases the second exponent
+/// upwards, to between −1.58 and −1.61 for 10 to 40 neighbours. The tolerance excludes both −1.6227
+/// and the result of a fit with twice the radius.
 #[test]
 fn henon_has_its_first_exponent_and_a_biased_second() {
     let found = spectrum(&henon(POINTS), 1.0, &DataSettings::sano_sawada());
@@ -175,17 +175,17 @@ fn henon_has_its_first_exponent_and_a_biased_second() {
     assert_eq!(found.settings.theiler, Some(1));
     assert_eq!(found.references, POINTS - 1);
     assert_eq!(found.convergence.last().unwrap().exponents, values(&found));
-    // The fit of fixed rank is the same fit where the rank is full.
+    // If the rank is full, the fit of fixed rank is the same fit.
     assert_eq!(
         found.exponents[1].fixed_rank.unwrap().0,
         found.exponents[1].value
     );
 }
 
-/// Points on the torus (cos a, sin a, cos b, sin b) with its area 4π² and its spread √2: a ball of
-/// radius r = 0.02 √2 holds 45001 π r² / 4π² = 2.87 of them on average, whose number scatters
-/// little as the angles are a lattice. All reference points are starved, rightly, and the same
-/// count by looking at every point says so. At 0.1 they are 72, and none is.
+/// Points on the torus (cos a, sin a, cos b, sin b) with the area 4π² and the spread √2. A ball of
+/// radius r = 0.02 √2 contains 45001 π r² / 4π² = 2.87 of them on average. The number scatters
+/// little since the angles form a lattice. All reference points are starved, as a count over all
+/// points confirms. At 0.1 there are 72 neighbours, and no point is starved.
 #[test]
 fn starvation_is_counted_as_brute_force_counts_it_and_is_no_ok() {
     let rows: Vec<[f64; 4]> = (0..POINTS)
@@ -228,12 +228,12 @@ fn starvation_is_counted_as_brute_force_counts_it_and_is_no_ok() {
     let large = spectrum(&rows, 0.2, &ball(0.1));
     assert_eq!((large.starved, large.neighbours.min), (0, 40));
     assert_eq!(statuses(&large)[..2], [Status::Ok; 2]);
-    // A ball that holds nothing.
+    // A ball without points.
     let none = spectrum(&henon(3000), 1.0, &ball(1e-9));
     assert_eq!(statuses(&none), [Status::Starved; 2]);
 }
 
-/// What `eps_sensitivity` says is what an estimate with doubled radius and counts gives.
+/// `eps_sensitivity` is the difference from an estimate with doubled radius and counts.
 #[test]
 fn sensitivity_is_the_difference_to_doubled_neighbourhoods() {
     let rows = henon(5000);
@@ -279,8 +279,8 @@ fn without_the_second_estimate_the_first_is_the_same() {
     );
 }
 
-/// Over four steps Hénon's second direction shrinks to 0.0015, below the neighbourhoods: what is
-/// found is −0.95 to −1.06, depending on their size, and not −1.62.
+/// Over four steps Hénon's second direction contracts to 0.0015, below the size of the
+/// neighbourhoods. The estimate is −0.95 to −1.06, depending on their size, instead of −1.62.
 #[test]
 fn a_contraction_hidden_by_a_long_step_is_unstable() {
     let settings = DataSettings {
@@ -293,9 +293,9 @@ fn a_contraction_hidden_by_a_long_step_is_unstable() {
     assert_eq!(statuses(&found), [Status::Ok, Status::Unstable]);
 }
 
-/// One column of Hénon (no state), white noise, and Hénon with noise as large as the
-/// neighbourhoods: exponents come out, and mean nothing. Hénon itself leaves less than 1 %
-/// unpredicted.
+/// One column of Hénon's map (not a state), white noise, and Hénon's map with noise as large as the
+/// neighbourhoods. The estimator returns exponents without meaning. For Hénon's map itself less
+/// than 1 % is unpredicted.
 #[test]
 fn what_is_no_state_of_a_deterministic_system_is_unpredictable() {
     let rows = henon(10_000);
@@ -319,10 +319,9 @@ fn what_is_no_state_of_a_deterministic_system_is_unpredictable() {
     }
 }
 
-/// The columns are not standardised: with another factor for one column other points are
-/// neighbours. The first exponent is the system's and stays, within four standard errors of either
-/// estimate. The bias of the second depends on the shape of the neighbourhoods; both estimates must
-/// be within it, 0.04 of −1.6227.
+/// The columns are not standardized: a factor for one column changes which points are neighbours.
+/// The first exponent stays within four standard errors of either estimate. The bias of the second
+/// depends on the shape of the neighbourhoods; both estimates must be within 0.04 of −1.6227.
 #[test]
 fn a_factor_for_one_column_changes_neighbours_but_not_exponents() {
     let rows = henon(20_000);
@@ -359,10 +358,10 @@ fn the_bias_of_the_second_exponent_shrinks_with_the_neighbourhood() {
     );
 }
 
-/// λ = (0.9056, 0, −14.57). Over 900 time units the block error of the first is about 0.019, and
-/// the finite neighbourhoods (0.028 of the spread) bias it down by about 0.02: three errors are
-/// allowed. The second is biased by the same. The third direction is 10⁻⁴ thin, far below the
-/// neighbourhoods: the sheet's curvature is all that the data show.
+/// λ = (0.9056, 0, −14.57). Over 900 time units the block error of the first is about 0.019. The
+/// finite neighbourhoods (0.028 of the spread) bias it down by about 0.02. Three errors are
+/// allowed; the second exponent has the same bias. The third direction is 10⁻⁴ thin, far below the
+/// neighbourhoods, where the data show only the sheet's curvature.
 #[test]
 fn lorenz_has_two_exponents_and_a_third_that_the_data_do_not_tell() {
     let found = spectrum(&lorenz(POINTS), 0.02, &DataSettings::sano_sawada());
@@ -374,11 +373,11 @@ fn lorenz_has_two_exponents_and_a_third_that_the_data_do_not_tell() {
     near(found.exponents[1].value, 0.0, 0.06);
     assert_eq!(found.directions[2].kind, Kind::Curvature);
     assert_eq!(found.exponents[2].fixed_rank, None);
-    // −14.57 would be the system's; what the fit gives instead depends on the settings.
+    // The system's exponent would be −14.57; the fitted value depends on the settings.
     assert!(found.exponents[2].value > -13.0);
 }
 
-/// λ = (0.0714, 0, −5.39); block error 0.0024 and 0.001, four of them allowed.
+/// λ = (0.0714, 0, −5.39). The block errors are 0.0024 and 0.001; four of them are allowed.
 #[test]
 fn roessler_has_two_exponents() {
     let found = spectrum(&roessler(POINTS), 0.1, &DataSettings::sano_sawada());
@@ -390,11 +389,11 @@ fn roessler_has_two_exponents() {
     near(found.exponents[1].value, 0.0, 0.004);
 }
 
-/// Where every point is a neighbour of every other, the affine map is the regression of the whole
-/// series, the same at every point but for the point itself and those in the window; the exponents
-/// are the logarithms of the moduli of its eigenvalues. Leaving out 3 of 1500 points moves the
-/// fitted entries, and with them the logarithms, by about 3/1500 of their scatter 1/√1500, which
-/// averages out over the points; the chain's start adds about 1/1500: 2e-3 holds both.
+/// If every point is a neighbour of every other, the affine map is the regression of the complete
+/// series. Only the point itself and those in the window are left out. The exponents are the
+/// logarithms of the moduli of its eigenvalues. Leaving out 3 of 1500 points changes the fitted
+/// entries, and so the logarithms, by about 3/1500 of their scatter 1/√1500. That averages out over
+/// the points. The chain's start adds about 1/1500, so 2e-3 covers both.
 #[test]
 fn a_stable_autoregression_has_the_eigenvalues_of_its_regression() {
     const LENGTH: usize = 1500;
@@ -418,7 +417,7 @@ fn a_stable_autoregression_has_the_eigenvalues_of_its_regression() {
     };
     let found = spectrum(&rows, 0.5, &settings);
 
-    // The regression by normal equations, which two well-scaled columns allow.
+    // The regression by normal equations, accurate for two well-scaled columns.
     let points: Vec<Vector2<f64>> = rows.iter().map(|&row| row.into()).collect();
     let (from, to) = (&points[..LENGTH - 1], &points[1..]);
     let mean = |v: &[Vector2<f64>]| v.iter().sum::<Vector2<f64>>() / v.len() as f64;
@@ -441,7 +440,7 @@ fn a_stable_autoregression_has_the_eigenvalues_of_its_regression() {
     assert_eq!(statuses(&found), [Status::Ok; 2]);
 }
 
-/// A closed curve has one tangent direction; its exponent vanishes up to the block error (1e-4).
+/// A closed curve has one tangent direction. Its exponent vanishes up to the block error (1e-4).
 /// The singular values of a curve are the powers of the radius.
 #[test]
 fn a_limit_cycle_determines_one_exponent() {
@@ -463,7 +462,7 @@ fn a_limit_cycle_determines_one_exponent() {
     }
 }
 
-/// Two incommensurate angles: a torus with two tangent directions, both with the exponent 0.
+/// Two incommensurate angles: a torus with two tangent directions, both with exponent 0.
 #[test]
 fn a_torus_determines_two_exponents() {
     let rows: Vec<[f64; 4]> = (0..POINTS)
@@ -484,8 +483,8 @@ fn a_torus_determines_two_exponents() {
     assert_eq!(statuses(&found)[2..], [Status::Unidentified; 2]);
 }
 
-/// A column that does not vary adds an exponent without a value, and changes nothing else: not a
-/// bit, since the additional zeros take no part in any sum but as zeros.
+/// A constant column adds an exponent without a value and changes no other bit: the additional
+/// zeros enter sums only as zeros.
 #[test]
 fn a_constant_column_is_unidentified_wherever_it_stands() {
     let rows = henon(5000);
@@ -507,8 +506,7 @@ fn a_constant_column_is_unidentified_wherever_it_stands() {
     }
 }
 
-/// Nothing but repeats of 7 points: no neighbour is another point nearby, and nothing is
-/// identified.
+/// Repetitions of 7 points only: no neighbour is another point nearby, and nothing is identified.
 #[test]
 fn exact_repeats_are_no_neighbours() {
     let rows: Vec<[f64; 2]> = (0..3000)
@@ -519,8 +517,8 @@ fn exact_repeats_are_no_neighbours() {
     assert_eq!(found.starved, found.references);
 }
 
-/// A cycle sampled at the same 200 points again and again: repeats are left out, the points beside
-/// them are neighbours, and no value but 0 is reported as determined.
+/// A cycle sampled repeatedly at the same 200 points. Repetitions are excluded, the adjacent points
+/// are neighbours, and no value other than 0 is reported as determined.
 #[test]
 fn an_exactly_repeating_cycle() {
     let rows: Vec<[f64; 3]> = (0..6000)
@@ -537,11 +535,11 @@ fn an_exactly_repeating_cycle() {
     near(found.exponents[0].value, 0.0, 1e-2);
 }
 
-/// y is carried on except where 0.3 < x < 0.31, where it is set to 0, as a stick phase sets the
-/// velocity: there the map takes two dimensions to one, and neighbours that still differ in y tell
-/// so. It happens seldom enough for the points to fill the plane elsewhere. x is the logistic map
-/// at 4, with the exponent ln 2; over 45001 points its mean logarithm scatters by 0.003, and the
-/// neighbourhoods bias it by as much.
+/// y is kept, except where 0.3 < x < 0.31, where it is set to 0, as a stick phase sets the
+/// velocity. There the map takes two dimensions to one, which neighbours with different y reveal.
+/// It is rare enough for the points to fill the plane elsewhere. x is the logistic map at 4, with
+/// exponent ln 2. Over 45001 points its mean logarithm scatters by 0.003, and the neighbourhoods
+/// bias it by as much.
 #[test]
 fn a_map_that_forgets_annihilates() {
     let kept = |x: f64| (50.0 * ((x - 0.305).abs() - 0.005)).clamp(0.0, 1.0);
@@ -561,14 +559,14 @@ fn a_map_that_forgets_annihilates() {
     assert_eq!(statuses(&found), [Status::Ok, Status::Annihilated]);
     near(found.exponents[0].value, math::ln(2.0), 0.02);
     assert_eq!(found.exponents[1].value, f64::NEG_INFINITY);
-    // The invariant density of x puts 0.7 % of the points there; near the edges neighbours are
+    // The invariant density of x puts 0.7 % of the points there. Near the edges, neighbours are
     // outside.
     let part = found.exponents[1].collapses as f64 / found.references as f64;
     assert!((0.0005..0.007).contains(&part), "{part}");
 }
 
-/// Stick data: the velocity is constant for a good part of every loop. The direction is
-/// undetermined there, so that no value may be reported for it.
+/// Data with stick: the velocity is constant for a good part of every loop. The direction is
+/// undetermined there, so no value may be reported for it.
 #[test]
 fn stick_phases_leave_no_exponent_for_the_velocity() {
     let rows: Vec<[f64; 3]> = lorenz(20_000)
@@ -586,7 +584,7 @@ fn stick_phases_leave_no_exponent_for_the_velocity() {
     );
 }
 
-/// Powers of two change no bit of any exponent; other factors change roundings only, which chaos
+/// Powers of two change no bit of any exponent. Other factors change only roundings, which chaos
 /// does not amplify, as the maps are fitted to data.
 #[test]
 fn one_factor_for_all_columns_changes_nothing() {
@@ -612,8 +610,7 @@ fn one_factor_for_all_columns_changes_nothing() {
     }
 }
 
-/// The order of the columns decides the order of additions and the arbitrary first vectors, and
-/// nothing else.
+/// The order of the columns affects only the order of additions and the arbitrary first vectors.
 #[test]
 fn the_order_of_columns_does_not_matter() {
     let rows = lorenz(6000);
@@ -636,15 +633,17 @@ fn the_number_of_threads_changes_no_bit() {
     };
     let [one, two] = [1, 2].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        // Debug prints the shortest text that reads back as the same number, and NaN as such.
+        // Debug output is the shortest decimal that reads back as the same number, and works for
+        // NaN.
         pool.unwrap()
             .install(|| format!("{:?}", spectrum(&rows, 0.1, &settings)))
     });
     assert_eq!(one, two);
 }
 
-/// All points as references in three interleaved chains, or one chain of every third: the same
-/// exponent of the same map's third power, within the errors (0.0012 and √3 times that) of Hénon.
+/// All points as references in three interleaved chains, or one chain of every third point. Both
+/// give the exponent of Hénon's map from its third iterate, within the errors (0.0012 and √3 times
+/// that).
 #[test]
 fn steps_and_strides() {
     let rows = henon(POINTS);
@@ -657,8 +656,8 @@ fn steps_and_strides() {
         let found = spectrum(&rows, 1.0, &settings);
         near(found.exponents[0].value, 0.4187, 0.008);
         assert_eq!(found.references, (POINTS - 3).div_ceil(stride));
-        // The running exponents end with the last reference point; what was chosen stands in the
-        // settings.
+        // The running exponents end at the last reference point, and the settings contain the
+        // chosen values.
         let last = found.convergence.last().unwrap();
         assert_eq!(last.t, (found.references * stride) as f64);
         assert_eq!(found.settings.references, Some(found.references));
@@ -671,7 +670,7 @@ fn steps_and_strides() {
     assert_eq!(spectrum(&rows, 1.0, &settings).references, 1000);
 }
 
-/// A large ridge pulls every map, and with it every exponent, down.
+/// A large ridge reduces every map, and so every exponent.
 #[test]
 fn regularisation_has_an_effect_and_a_fixed_rank_is_kept() {
     let rows = henon(5000);

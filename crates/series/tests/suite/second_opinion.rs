@@ -1,4 +1,5 @@
-//! Diverging neighbours against known exponents, and surrogates of noise and of chaos.
+//! Divergence of neighbours compared with known exponents, and surrogate tests of noise and of
+//! chaos.
 
 use super::{henon, lorenz, near, noise, roessler};
 use stickslip::math;
@@ -26,7 +27,7 @@ fn followed(series: &Series) -> Divergence {
     divergence(series, None, &|_, _| ()).unwrap()
 }
 
-/// A Gaussian-like autoregression of order 1.
+/// An autoregression of order 1 with nearly Gaussian noise.
 fn autoregression(points: usize, phi: f64) -> Vec<[f64; 1]> {
     let mut noise = noise().skip((1e6 * phi) as usize);
     let mut x = 0.0;
@@ -38,9 +39,8 @@ fn autoregression(points: usize, phi: f64) -> Vec<[f64; 1]> {
         .collect()
 }
 
-/// ln 2, 0.4192, 0.9056 and 0.0714. The distance of neighbours is that of a few time steps of a
-/// finite one: authors find 5 to 15 % (Rosenstein and others 1993, Table 2), and so much is
-/// allowed.
+/// ln 2, 0.4192, 0.9056 and 0.0714. The growth is that of a finite distance over a few time steps.
+/// The literature finds 5 to 15 % (Rosenstein and others 1993, Table 2), which is allowed here.
 #[test]
 fn neighbours_part_at_the_first_exponent() {
     let of_x = |series: Series, embedding: Embedding| embedding.of(&series).unwrap();
@@ -69,7 +69,7 @@ fn neighbours_part_at_the_first_exponent() {
             near(value, exponent, part * exponent);
             assert!(stderr > 0.0 && stderr < 0.15 * exponent, "{stderr}");
         }
-        // The straight part ends below the size of the attractor and begins after the start.
+        // The straight part begins after the start and ends below the size of the attractor.
         let curve = &found.rosenstein;
         let straight = curve.straight.unwrap();
         assert!(curve.points[straight.to].1 <= found.saturation - 1.0);
@@ -80,7 +80,7 @@ fn neighbours_part_at_the_first_exponent() {
     }
 }
 
-/// Neighbours on a cycle stay at their distance; those of noise are at once as far apart as any two
+/// Neighbours on a cycle stay at their distance. Those of noise are at once as far apart as any two
 /// points.
 #[test]
 fn without_exponential_growth_there_is_no_straight_part() {
@@ -105,8 +105,8 @@ fn without_exponential_growth_there_is_no_straight_part() {
     }
 }
 
-/// Another unit changes the curve by its logarithm and no exponent; another time step divides the
-/// exponent.
+/// Another unit of length shifts the curve by its logarithm and changes no exponent. Another time
+/// step divides the exponent.
 #[test]
 fn units_of_length_and_time() {
     let rows = henon(3000);
@@ -181,18 +181,18 @@ fn surrogates_of_chaos_are_predicted_worse() {
     }
 }
 
-/// Of linear noise the test is wrong in one of twenty series. Of twenty independent ones it may so
-/// be in up to three: more have a probability of 1.6 %. A monotonic function of the values makes a
-/// series no less linear noise.
+/// For linear noise the test is wrong in one of twenty series. Among twenty independent series up
+/// to three errors are allowed: more have a probability of 1.6 %. A monotonic function of the
+/// values leaves the series linear noise.
 #[test]
-fn linear_noise_is_told_from_its_surrogates_no_more_often_than_the_level_says() {
+fn linear_noise_is_distinguished_from_its_surrogates_no_more_often_than_the_level_says() {
     const LENGTH: usize = 1000;
     let long: Vec<Vec<[f64; 1]>> = [0.0, 0.5, 0.9]
         .map(|phi| autoregression(7 * LENGTH, phi))
         .into();
     let wrong = (0..20)
         .filter(|&i| {
-            // Pieces that share no random number.
+            // Pieces that share no random numbers.
             let piece = &long[i % 3][i / 3 * LENGTH..(i / 3 + 1) * LENGTH];
             let bend = |v: f64| if i % 2 == 0 { v } else { math::exp(0.4 * v) };
             let rows: Vec<[f64; 1]> = piece.iter().map(|row| row.map(bend)).collect();

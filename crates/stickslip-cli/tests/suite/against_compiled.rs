@@ -1,4 +1,4 @@
-//! Systems from files have the orbits of the same systems compiled.
+//! Systems from files have the same orbits as the same systems compiled.
 
 use stickslip::models::{BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading};
 use stickslip::{Contacts, Counters, Filippov, Scalar, Several, Side, State, solve};
@@ -6,7 +6,7 @@ use stickslip_kernels::file::System;
 
 use super::recorded::{Event, methods, open, read, run};
 
-/// Differences that rounding may make.
+/// Difference allowed for rounding.
 const ALLOWED: f64 = 1e-12;
 
 fn assert_same(name: &str, file: &[Event], compiled: &[Event]) {
@@ -58,7 +58,7 @@ fn the_three_models_of_the_paper() {
     compare("bracket", &open("bracket"), &bracket, 130.0);
 }
 
-/// Friction oscillators of one mass, by their law and their drive.
+/// Friction oscillators of mass one, by their law and their drive.
 struct Block {
     belt_speed: f64,
     damping: f64,
@@ -124,7 +124,8 @@ fn the_three_benchmark_problems() {
     compare("den-hartog", &open("den-hartog"), &den_hartog, 60.0);
 }
 
-/// Two blocks on a belt, joined by a spring; friction 1 and 0.9 at rest, 0.6 of that in slip.
+/// Two blocks on a belt, joined by a spring. Static friction is 1 and 0.9, kinetic friction 0.6 of
+/// that.
 struct TwoBlocks;
 
 impl TwoBlocks {
@@ -216,8 +217,8 @@ fn one_contact_has_the_same_bits() {
         .unwrap();
         let (ended, _) = run(&file, 20.0, &options);
         assert_eq!(ended.x.as_slice(), orbit.x_end.as_slice());
-        // Whoever keeps the whole orbit asks for the solution over every step, which takes calls of
-        // the field.
+        // A recorder of the whole orbit needs the dense output of every step, which calls the
+        // field.
         let of = |counters: Counters| (counters.steps, counters.rejected, counters.locations);
         assert_eq!(of(ended.counters), of(orbit.counters));
     }

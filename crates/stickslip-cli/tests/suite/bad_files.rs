@@ -1,9 +1,9 @@
-//! Files with one thing wrong, each with what is said about it, and where.
+//! Files with one error each: the message, its location in the file, and the advice.
 
 use stickslip_kernels::file::{FileError, SystemFile};
 use stickslip_kernels::file::{Problem, Source};
 
-/// A good file, of which each case changes one place.
+/// A valid file. Each case changes one place of it.
 const GOOD: &str = r#"name = "test"
 description = "a block"
 [time]
@@ -39,7 +39,8 @@ direction = "rising"
 x = [-2, 2]
 "#;
 
-/// What is changed into what; what is then said, of which part of the file, and with which advice.
+/// The text replaced and its replacement; the message, the part of the file that it marks, and the
+/// advice.
 type Case = (
     &'static str,
     &'static str,
@@ -491,20 +492,20 @@ fn the_good_file_is_good() {
 }
 
 #[test]
-fn each_bad_file_is_told_what_is_wrong_where_and_what_to_do() {
+fn each_bad_file_is_reported_what_is_wrong_where_and_what_to_do() {
     let mut wrong = Vec::new();
     for case in CASES {
         let places = GOOD.matches(case.0).count();
         assert!(places > 0, "`{}` is not in the good file", case.0);
-        if let Err(why) = told(case) {
+        if let Err(why) = check_case(case) {
             wrong.push(format!("{} -> {}: {why}", case.0, case.1));
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
 }
 
-/// Whether a case is told as it should be.
-fn told((from, to, message, token, help): Case) -> Result<(), String> {
+/// Whether a case is reported as expected.
+fn check_case((from, to, message, token, help): Case) -> Result<(), String> {
     let text = GOOD.replacen(from, to, 1);
     let (problem, shown) = problem_of(&text);
     let require = |good: bool, what: &str| {
@@ -516,7 +517,7 @@ fn told((from, to, message, token, help): Case) -> Result<(), String> {
     };
     require(problem.message.contains(message), message)?;
     let place = &text[problem.place.clone()];
-    // Of a table its heading is enough.
+    // For a table its heading is enough.
     let is_table = token.is_empty() || token.starts_with('[');
     require(
         place == token || is_table && place.starts_with(token),
@@ -541,7 +542,7 @@ fn told((from, to, message, token, help): Case) -> Result<(), String> {
 }
 
 #[test]
-fn what_needs_several_contacts_or_sides_is_told() {
+fn what_needs_several_contacts_or_sides_is_reported() {
     let two = GOOD
         .replace(
             "v = \"drive - x - friction(belt)\"",
@@ -562,7 +563,7 @@ fn what_needs_several_contacts_or_sides_is_told() {
 }
 
 #[test]
-fn more_states_or_contacts_than_the_solver_has_room_for_are_told() {
+fn more_states_or_contacts_than_the_solver_has_room_for_are_reported() {
     let contacts: String = (0..16)
         .map(|k| format!("[contacts.c{k}]\nboundary = \"x\"\n"))
         .collect();
@@ -594,7 +595,7 @@ fn places_are_right_in_every_kind_of_quotes() {
         ("'v - vq'", "vq"),
         ("\"\"\"\n  v - vq\"\"\"", "vq"),
         ("'''v - vq'''", "vq"),
-        // With escapes bytes cannot be counted, and the whole is shown.
+        // With escapes the columns do not match the bytes, and the whole string is marked.
         (r#""v - v\u0071""#, r#""v - v\u0071""#),
     ] {
         let text = GOOD.replacen("boundary = \"v - vp\"", &format!("boundary = {quoted}"), 1);
@@ -627,7 +628,7 @@ fn greek_names_and_the_micro_sign_are_the_same_letter() {
 
 /// An é as one byte, as in Latin-1, in the second line.
 #[test]
-fn a_file_in_another_code_is_told_with_its_line() {
+fn a_file_in_another_code_is_reported_with_its_line() {
     let text = GOOD.replace("a block", "a bloc l\u{e9}ger");
     let bytes: Vec<u8> = text.chars().map(|letter| letter as u8).collect();
     let file = tempfile::NamedTempFile::new().unwrap();
@@ -643,7 +644,7 @@ fn a_file_in_another_code_is_told_with_its_line() {
     assert!(SystemFile::open(path).is_ok());
 }
 
-/// A good file with jumps and inputs, of which each case changes one place.
+/// A valid file with jumps and inputs. Each case changes one place of it.
 const JUMPS: &str = r#"name = "test"
 [states]
 x = "m"
@@ -673,7 +674,7 @@ set = { v = "-r*v", n = "n + 1" }
 "#;
 
 #[test]
-fn what_is_wrong_with_jumps_and_inputs_is_told_where_it_is() {
+fn what_is_wrong_with_jumps_and_inputs_is_reported_where_it_is() {
     assert!(
         SystemFile::parse(Source {
             name: String::new(),
@@ -1165,13 +1166,13 @@ fn what_is_wrong_with_jumps_and_inputs_is_told_where_it_is() {
         if !part.is_empty() {
             assert_eq!(&text[problem.place.clone()], part, "{shown}");
         }
-        let told = problem.help.unwrap_or_default();
-        assert!(told.contains(help), "{from} -> {to}: {told}");
+        let reported = problem.help.unwrap_or_default();
+        assert!(reported.contains(help), "{from} -> {to}: {reported}");
     }
 }
 
 #[test]
-fn a_table_whose_file_is_wrong_is_told() {
+fn a_table_whose_file_is_wrong_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("system.toml");
     let text = JUMPS.replace(
@@ -1179,12 +1180,12 @@ fn a_table_whose_file_is_wrong_is_told() {
         "file = \"force.csv\"",
     );
     std::fs::write(&path, text).unwrap();
-    let told = || {
+    let report = || {
         SystemFile::open(path.to_str().unwrap())
             .unwrap_err()
             .to_string()
     };
-    let absent = told();
+    let absent = report();
     assert!(
         absent.contains("cannot read") && absent.contains("begins in the folder of this file"),
         "{absent}"
@@ -1206,14 +1207,14 @@ fn a_table_whose_file_is_wrong_is_told() {
         ("t,f\n0,0\n", "a table of 1 points"),
     ] {
         std::fs::write(folder.path().join("force.csv"), content).unwrap();
-        assert!(told().contains(message), "{}", told());
+        assert!(report().contains(message), "{}", report());
     }
     std::fs::write(folder.path().join("force.csv"), "t,f\n0,0\n1,2\n").unwrap();
     assert!(SystemFile::open(path.to_str().unwrap()).is_ok());
 }
 
 #[test]
-fn a_boundary_that_does_not_move_is_told() {
+fn a_boundary_that_does_not_move_is_reported() {
     for boundary in ["drive", "n", "push*n"] {
         let text = JUMPS.replace("drive\"\n[jumps", "drive - friction(c)\"\n[jumps");
         let contact = format!("[contacts.c]\nboundary = \"{boundary}\"\nfriction = \"1\"\n[jumps");

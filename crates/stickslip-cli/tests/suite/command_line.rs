@@ -1,4 +1,4 @@
-//! The program as it is called.
+//! The program from the command line.
 
 use std::path::Path;
 
@@ -112,7 +112,7 @@ fn parameters_and_starts_can_be_set() {
 }
 
 #[test]
-fn wrong_arguments_are_told_with_a_remedy() {
+fn wrong_arguments_are_reported_with_a_remedy() {
     let top = folder();
     let bad: [(&[&str], &str); 30] = [
         (
@@ -174,7 +174,7 @@ fn wrong_arguments_are_told_with_a_remedy() {
             &["simulate", "belt", "--start", "x=1", "--start", "x=2"],
             "the state `x` is set twice",
         ),
-        // A number below its bounds is a number.
+        // A number outside the bounds is still a number.
         (
             &["simulate", "belt", "--tol", "-1e-9"],
             "--tol -1e-9 is not allowed: it must be between 1e-15 and 0.1",
@@ -219,7 +219,7 @@ fn wrong_arguments_are_told_with_a_remedy() {
             &["basin", "basins", "--random", "9", "--seed", "-1"],
             "invalid value '-1' for '--seed <SEED>': a whole number is expected, 0 at least",
         ),
-        // What would have no effect is not taken as if it had.
+        // Options that would have no effect are refused.
         (
             &["orbit", "leine", "--periods", "2"],
             "--periods 2 has no effect: the system does not depend on time",
@@ -295,13 +295,13 @@ fn json(folder: &Path, arguments: &[&str]) -> serde_json::Value {
 }
 
 #[test]
-fn what_was_understood_and_written_is_told_as_json_too() {
+fn what_was_understood_and_written_is_reported_as_json_too() {
     let top = folder();
     let written = json(top.path(), &["new", "mine.toml"]);
     assert_eq!(written, serde_json::json!({ "files": ["mine.toml"] }));
     let mine = json(top.path(), &["check", "mine.toml"]);
     assert_eq!(mine["system"]["name"], "Block on a belt");
-    // The file is understood with what is set.
+    // The file is checked with the values that are set.
     let found = json(top.path(), &["check", "leine", "--set", "vd=1/4"]);
     assert_eq!(found["system"]["parameters"]["vd"], 0.25);
     let all = |name: &str| found[name].as_array().unwrap().clone();
@@ -322,7 +322,7 @@ fn what_was_understood_and_written_is_told_as_json_too() {
         serde_json::json!({ "state": "x", "rate": "v" })
     );
     assert_eq!(found["time"]["depends_on_time"], false);
-    // Friction 1 at rest and a spring of 1: it sticks up to x = 1 either way.
+    // Static friction 1 and a spring of 1: it sticks up to x = 1 on either side.
     let boundary = &found["boundary"];
     assert_eq!(boundary["zones"][0]["kind"], "stick");
     let ends = ["from", "to"].map(|end| boundary["zones"][0][end].as_f64().unwrap());
@@ -333,9 +333,9 @@ fn what_was_understood_and_written_is_told_as_json_too() {
     assert_eq!(driven["time"]["period"], 4.0 * std::f64::consts::PI);
 }
 
-/// What integrates without complaint and is hardly meant.
+/// Files that integrate without errors but are probably not meant.
 #[test]
-fn a_period_that_is_none_is_doubted() {
+fn a_period_that_is_none_is_warned_of() {
     const DRIVEN: &str = r#"
 name = "driven"
 [states]
@@ -356,12 +356,12 @@ v = 0
 period = "2*pi/w"
 "#;
     let top = folder();
-    for (period, doubts) in [("2*pi/w", 0), ("4*pi/w", 0), ("2.2*pi/w", 1)] {
+    for (period, warnings) in [("2*pi/w", 0), ("4*pi/w", 0), ("2.2*pi/w", 1)] {
         let text = DRIVEN.replace("2*pi/w", period);
         std::fs::write(top.path().join("driven.toml"), text).unwrap();
         let found = json(top.path(), &["check", "driven.toml"]);
         let doubtful = found["doubtful"].as_array().unwrap();
-        assert_eq!(doubtful.len(), doubts, "{doubtful:?}");
+        assert_eq!(doubtful.len(), warnings, "{doubtful:?}");
         let wanted = "not the same after the file's period 3.45";
         assert!(
             doubtful
@@ -372,30 +372,30 @@ period = "2*pi/w"
 }
 
 #[test]
-fn friction_of_the_wrong_sign_or_less_at_rest_is_doubted() {
+fn friction_of_the_wrong_sign_or_less_at_rest_is_warned_of() {
     let top = folder();
     program(top.path())
         .args(["new", "mine.toml"])
         .assert()
         .success();
     let right = text(top.path().join("mine.toml"));
-    let doubts = |replaced: &str, by: &str| {
+    let warnings = |replaced: &str, by: &str| {
         assert!(right.contains(replaced));
         let name = top.path().join("other.toml");
         std::fs::write(&name, right.replace(replaced, by)).unwrap();
         let found = json(top.path(), &["check", "other.toml"]);
-        let doubts = found["doubtful"].as_array().unwrap().clone();
-        let told = program(top.path())
+        let warnings = found["doubtful"].as_array().unwrap().clone();
+        let reported = program(top.path())
             .args(["check", "other.toml"])
             .assert()
             .success();
-        let told = String::from_utf8(told.get_output().stdout.clone()).unwrap();
-        assert_eq!(told.contains("doubtful"), !doubts.is_empty());
-        doubts
+        let reported = String::from_utf8(reported.get_output().stdout.clone()).unwrap();
+        assert_eq!(reported.contains("doubtful"), !warnings.is_empty());
+        warnings
     };
     let law = "friction(belt))";
-    assert_eq!(doubts(law, law), [""; 0]);
-    let [driving] = &doubts("- friction(belt))", "+ friction(belt))")[..] else {
+    assert_eq!(warnings(law, law), [""; 0]);
+    let [driving] = &warnings("- friction(belt))", "+ friction(belt))")[..] else {
         panic!("one doubt is expected");
     };
     let driving = driving.as_str().unwrap();
@@ -405,8 +405,8 @@ fn friction_of_the_wrong_sign_or_less_at_rest_is_doubted() {
         "{driving}"
     );
     let commented = "# static = \"1.5*mu0\"";
-    assert_eq!(doubts(commented, "static = \"1.5*mu0\""), [""; 0]);
-    let [less] = &doubts(commented, "static = \"0.5*mu0\"")[..] else {
+    assert_eq!(warnings(commented, "static = \"1.5*mu0\""), [""; 0]);
+    let [less] = &warnings(commented, "static = \"0.5*mu0\"")[..] else {
         panic!("one doubt is expected");
     };
     let less = less.as_str().unwrap();
@@ -414,9 +414,10 @@ fn friction_of_the_wrong_sign_or_less_at_rest_is_doubted() {
         less.contains("takes 0.4 of the rate") && less.contains("in slip 0.8"),
         "{less}"
     );
-    // The law at rest is the static one but for rounding, also beside a large force.
+    // Kinetic friction at zero velocity equals the static one up to rounding, also beside a large
+    // force.
     let same = "static = \"mu0*(0.09*m)/(0.09*m)\"";
-    assert_eq!(doubts(commented, same), [""; 0]);
+    assert_eq!(warnings(commented, same), [""; 0]);
     let start = "[start]\nx = 0.5";
     assert!(right.contains(start));
     let far = right
@@ -428,7 +429,7 @@ fn friction_of_the_wrong_sign_or_less_at_rest_is_doubted() {
 }
 
 #[test]
-fn a_run_that_comes_to_rest_is_no_periodic_orbit_and_is_told_where() {
+fn a_run_that_comes_to_rest_is_no_periodic_orbit_and_is_reported_where() {
     let top = folder();
     // x = F(-vd) = (1 + e^(-2 vd))/2.
     let rest = 0.5 + 0.5 * stickslip::math::exp(-3.8);
@@ -450,7 +451,7 @@ fn a_run_that_comes_to_rest_is_no_periodic_orbit_and_is_told_where() {
 }
 
 #[test]
-fn an_orbit_that_takes_longer_than_asked_to_come_back_is_told_with_its_period() {
+fn an_orbit_that_takes_longer_than_asked_to_come_back_is_reported_with_its_period() {
     let top = folder();
     program(top.path())
         .args(["orbit", "belt", "--longest", "3"])
@@ -461,7 +462,7 @@ fn an_orbit_that_takes_longer_than_asked_to_come_back_is_told_with_its_period() 
         .stderr(contains("--longest"));
 }
 
-/// The place of a block that another one carries: nothing depends on it.
+/// The position of a block that another one carries: nothing depends on it.
 #[test]
 fn a_place_that_nothing_depends_on_keeps_no_orbit_from_being_found() {
     let top = folder();
@@ -497,7 +498,7 @@ upper = 0
     assert!(found["residual"].as_f64().unwrap() < 1e-9, "{found}");
 }
 
-/// Two blocks on a belt, each with a friction of its own.
+/// Two blocks on a belt, each with its own friction.
 const TWO: &str = r#"
 name = "two"
 [states]
@@ -531,7 +532,7 @@ x1 = [-1, 1]
 v1 = [-1, 1]
 "#;
 
-/// A drive weaker than friction comes to rest, too.
+/// With a drive weaker than friction, the block comes to rest, too.
 #[test]
 fn rest_under_a_drive_is_no_periodic_orbit() {
     let top = folder();
@@ -560,7 +561,7 @@ fn contacts_are_spoken_of_by_their_names() {
         .stderr(contains(
             "--at-repelling has no effect on a system of several contacts",
         ));
-    let said = "the static friction of the contact `lower`";
+    let message = "the static friction of the contact `lower`";
     let weak = ["two.toml", "--set", "hold=0.5"];
     for command in ["simulate", "orbit", "lyapunov"] {
         program(top.path())
@@ -568,7 +569,7 @@ fn contacts_are_spoken_of_by_their_names() {
             .args(weak)
             .assert()
             .code(1)
-            .stderr(contains(said))
+            .stderr(contains(message))
             .stderr(contains("contact 1").not());
     }
     program(top.path())
@@ -577,7 +578,7 @@ fn contacts_are_spoken_of_by_their_names() {
         .args(["--grid", "2x2", "--out", "b"])
         .assert()
         .success()
-        .stdout(contains("none  1.0000").and(contains(said)));
+        .stdout(contains("none  1.0000").and(contains(message)));
     let found = json(top.path(), &["simulate", "two.toml"]);
     let transitions = found["transitions"].as_array().unwrap();
     for name in ["upper", "lower"] {
@@ -624,7 +625,7 @@ fn an_orbit_that_escapes_is_written_as_far_as_it_went() {
 }
 
 #[test]
-fn an_output_folder_that_cannot_be_made_is_told() {
+fn an_output_folder_that_cannot_be_made_is_reported() {
     let top = folder();
     std::fs::write(top.path().join("taken"), "").unwrap();
     program(top.path())
@@ -634,9 +635,9 @@ fn an_output_folder_that_cannot_be_made_is_told() {
         .stderr(contains("cannot create folder taken").and(contains("--out")));
 }
 
-/// A block on another on the ground, both of mass 1: pulled by t, the ground gives way at 2 and
-/// brakes with 1 from then on. Together they would begin at 1/2 then, but the upper one is held
-/// with 0.2 only.
+/// A block on another on the ground, both of mass 1, pulled by t. The ground releases at 2 and
+/// brakes with 1 afterwards. Together they would start at 1/2 then, but the upper one is held with
+/// 0.2 only.
 const STACKED: &str = r#"
 name = "stacked"
 [states]
@@ -668,12 +669,12 @@ fn a_contact_that_another_one_lets_go_has_a_transition_of_its_own() {
     std::fs::write(top.path().join("stacked.toml"), STACKED).unwrap();
     let found = json(top.path(), &["simulate", "stacked.toml"]);
     let transitions = found["transitions"].as_array().unwrap();
-    let told: Vec<(&str, &str)> = transitions
+    let reported: Vec<(&str, &str)> = transitions
         .iter()
         .map(|at| ["contact", "kind"].map(|name| at[name].as_str().unwrap()))
         .map(|[contact, kind]| (contact, kind))
         .collect();
-    assert_eq!(told, [("ground", "stick exit"), ("top", "stick exit")]);
+    assert_eq!(reported, [("ground", "stick exit"), ("top", "stick exit")]);
     for at in transitions {
         assert!((at["t"].as_f64().unwrap() - 2.0).abs() < 1e-12);
         assert_eq!((&at["from"], &at["to"]), (&"S|S".into(), &"+|-".into()));
@@ -708,12 +709,11 @@ fn the_times_of_a_run_are_expressions_of_parameters() {
         .stderr(contains("the end -3 does not lie after the start -2"));
 }
 
-/// A run that comes to where the boundaries of two contacts meet and are one and the same cannot go
-/// on.
+/// A run cannot continue where the boundaries of two contacts coincide.
 #[test]
-fn boundaries_that_depend_on_each_other_are_doubted() {
+fn boundaries_that_depend_on_each_other_are_warned_of() {
     let top = folder();
-    let doubts = |boundaries: [&str; 3]| {
+    let warnings = |boundaries: [&str; 3]| {
         let [a, b, c] = boundaries;
         let text = format!(
             r#"
@@ -743,10 +743,10 @@ w = 0.1
         );
         std::fs::write(top.path().join("three.toml"), text).unwrap();
         let found = json(top.path(), &["check", "three.toml"]);
-        let doubts = found["doubtful"].as_array().unwrap().iter();
-        let doubts = doubts.map(|doubt| doubt.as_str().unwrap().to_owned());
+        let warnings = found["doubtful"].as_array().unwrap().iter();
+        let warnings = warnings.map(|doubt| doubt.as_str().unwrap().to_owned());
         let depend = |doubt: &String| doubt.contains("depend on each other");
-        doubts.filter(depend).collect::<Vec<String>>()
+        warnings.filter(depend).collect::<Vec<String>>()
     };
     for boundaries in [
         ["v", "w", "x"],
@@ -755,17 +755,17 @@ w = 0.1
         ["v", "w*w + 1", "x"],
         ["x", "v", "w - x - v^2"],
     ] {
-        assert_eq!(doubts(boundaries), [""; 0], "{boundaries:?}");
+        assert_eq!(warnings(boundaries), [""; 0], "{boundaries:?}");
     }
     for (boundaries, names) in [
         (["v", "2*v", "x"], "`a`, `b`"),
         (["v", "w", "v + (w - 1)^2*v"], "`a`, `c`"),
         // They touch.
         (["w", "v", "v - 3*(x - 1)^2"], "`b`, `c`"),
-        // Each two are independent.
+        // Any two are independent.
         (["v", "w", "v - w"], "`a`, `b`, `c`"),
     ] {
-        let found = doubts(boundaries);
+        let found = warnings(boundaries);
         assert_eq!(found.len(), 1, "{boundaries:?}");
         assert!(
             found[0].contains(&format!("contacts {names} have")),
@@ -775,7 +775,7 @@ w = 0.1
     }
 }
 
-/// A tangent point at zero, which none of the values looked at is.
+/// A tangent point at zero, which is not a value of the scan.
 #[test]
 fn no_number_is_a_row_of_zeros() {
     const ORIGIN: &str = r#"
@@ -804,11 +804,11 @@ end = 1
         &["simulate", "origin.toml", "--t-end", "1e-300"],
     ] {
         let run = program(top.path()).args(arguments).output().unwrap();
-        let told = [run.stdout, run.stderr].map(|text| String::from_utf8(text).unwrap());
-        let told = told.concat();
+        let reported = [run.stdout, run.stderr].map(|text| String::from_utf8(text).unwrap());
+        let reported = reported.concat();
         assert!(
-            !told.contains("0000000000") && !told.contains("= -0,"),
-            "{arguments:?}: {told}"
+            !reported.contains("0000000000") && !reported.contains("= -0,"),
+            "{arguments:?}: {reported}"
         );
     }
 }
@@ -853,7 +853,7 @@ y = [-2, 2]
         all.map(|one| one["branch"].as_i64().unwrap()).collect()
     };
     assert_eq!(found["branches"].as_array().unwrap().len(), 2);
-    // The table has what JSON has of each point.
+    // The table has the same values as JSON for each point.
     let points = text(top.path().join("o/tangents.csv"));
     assert!(
         points.starts_with("side,visibility,t,x,y,branch\n"),
@@ -889,8 +889,7 @@ fn tangents_are_listed_and_drawn() {
     assert!(text(top.path().join("o/tangents.svg")).contains("<svg"));
 }
 
-/// x'' = cos t - 2 x is without damping: x = cos t repeats, and all that begins beside it stays
-/// beside it.
+/// x'' = cos t - 2 x has no damping: x = cos t repeats, and neighbouring orbits stay beside it.
 #[test]
 fn an_orbit_without_damping_is_neutral() {
     const UNDAMPED: &str = r#"
@@ -930,7 +929,7 @@ fn a_periodic_orbit_is_found_with_its_phases() {
         .success()
         .stdout(contains("stability    stable"))
         .stdout(contains("(the trivial one)"));
-    // P15, to the digits that are published; stick takes all that is not along the orbit.
+    // P15, to the published digits. Stick annihilates all directions except that along the orbit.
     let orbit = text(top.path().join("o/orbit.csv"));
     let period: f64 = orbit
         .lines()
@@ -1011,7 +1010,7 @@ fn a_program_without_png_says_so() {
             .stderr(contains("without PNG output"))
             .stderr(contains("--features png"));
     }
-    // It is told before anything is computed.
+    // It is reported before anything is computed.
     assert_eq!(std::fs::read_dir(top.path()).unwrap().count(), 0);
 }
 
@@ -1095,9 +1094,9 @@ fn figures_are_also_written_as_png() {
     }
 }
 
-/// Friction that pushes on: both fields lead away from the boundary.
+/// Driving friction: both fields point away from the boundary.
 #[test]
-fn a_start_without_a_unique_future_is_told() {
+fn a_start_without_a_unique_future_is_reported() {
     let top = folder();
     let system = r#"
 name = "pushed on"

@@ -1,4 +1,4 @@
-//! Branches of periodic orbits by the program, against what is known of them.
+//! Branches of periodic orbits by the program, compared with known results.
 
 use std::f64::consts::{LN_10, PI};
 use std::path::Path;
@@ -14,13 +14,13 @@ fn program(folder: &Path, arguments: &[&str]) -> Command {
     command
 }
 
-/// What the program says of a branch, and the rows of `branch.csv` with the names of its columns.
+/// The program's output for a branch, and the rows of `branch.csv` with the names of its columns.
 fn followed(arguments: &[&str]) -> (Value, Vec<Value>) {
     let (json, branch, _) = with_special(arguments);
     (json, branch)
 }
 
-/// The same, and those of `special.csv`.
+/// The same, with the rows of `special.csv`.
 fn with_special(arguments: &[&str]) -> (Value, Vec<Value>, Vec<Value>) {
     let top = tempfile::tempdir().unwrap();
     let output = program(top.path(), arguments)
@@ -84,7 +84,7 @@ fn both_ends_of_the_cycle_beside_the_fixed_point_are_located() {
     );
     let hopf = ends[1]["hopf"]["parameter"].as_f64().unwrap();
     assert!((hopf - 0.5 * LN_10).abs() < 1e-9, "{hopf}");
-    // The table has it behind all orbits, with the period of the eigenvalues.
+    // The table lists it after all orbits, with the period of the eigenvalues.
     let [graze, end] = table.as_slice() else {
         panic!("{table:?}");
     };
@@ -111,7 +111,7 @@ fn amplitude(frequency: f64, friction: f64) -> f64 {
     (v * v - friction * friction * u * u).sqrt()
 }
 
-/// P17: along the frequency the period changes, too, and the amplitude is Den Hartog's.
+/// P17: along the frequency the period changes, too. The amplitude is Den Hartog's.
 #[test]
 fn a_driven_orbit_is_continued_in_its_own_period() {
     let (json, rows) = followed(&["den-hartog", "--set", "O=0.8", "--parameter", "O=0.6:0.95"]);
@@ -133,9 +133,9 @@ fn a_driven_orbit_is_continued_in_its_own_period() {
     }
 }
 
-/// Friction at which Den Hartog's orbit without stops begins to stop: it turns back at its
-/// amplitude A with the acceleration A Ω² that the spring and the force leave, and sticks where
-/// friction takes that.
+/// Friction at which Den Hartog's orbit without stops begins to stop. It turns back at its
+/// amplitude A, with the acceleration A Ω² from spring and force. It sticks if friction exceeds
+/// that.
 fn edge(frequency: f64) -> f64 {
     let square = frequency * frequency;
     let v = 1.0 / (1.0 - square);
@@ -171,8 +171,8 @@ fn the_edge_of_the_region_without_stops_is_den_hartogs() {
     }
 }
 
-/// From an orbit with stops the branch comes to the same edge downwards, and upwards to rest: a
-/// drive of amplitude 1 moves nothing that friction of 1 holds.
+/// From an orbit with stops the branch reaches the same edge downwards, and rest upwards. A drive
+/// of amplitude 1 does not move a block with friction 1.
 #[test]
 fn a_branch_of_orbits_with_stops_ends_at_neither_side_too_early() {
     let (json, _) = followed(&["den-hartog", "--set", "S=0.9", "--parameter", "S=0.5:1.2"]);
@@ -192,8 +192,8 @@ fn a_branch_of_orbits_with_stops_ends_at_neither_side_too_early() {
     assert!((0.98..1.0).contains(&last), "{last}");
 }
 
-/// The slow side of model 1 has a saddle, which the cycle without stick comes to as the belt slows
-/// down. A test of the library finds the parameter from the saddle's own orbits.
+/// The slow side of model 1 has a saddle, which the cycle without stick approaches as the belt
+/// slows down. A test of the library computes the parameter from the saddle's own orbits.
 #[test]
 fn a_homoclinic_end_is_named() {
     let (json, rows, table) = with_special(&["belt", "--parameter", "vp=0.1:1"]);
@@ -215,7 +215,7 @@ fn a_homoclinic_end_is_named() {
         homoclinic["uncertainty"].as_f64().unwrap()
     );
     let [comes, leaves] = ["comes", "leaves"].map(|name| homoclinic[name].as_f64().unwrap());
-    // The sum of both is the trace: how friction falls with the speed at the saddle.
+    // The trace is their sum: the slope of the friction at the saddle.
     let trace = 3f64.sqrt() / 9.0 / (1.773_996_928_3 * 1.773_996_928_3);
     assert!(
         (comes + leaves - trace).abs() < 1e-9 && comes < 0.0,
@@ -226,8 +226,7 @@ fn a_homoclinic_end_is_named() {
     }
 }
 
-/// The same edge along the frequency, with which the drive's period changes, by branches and by
-/// sweeps.
+/// The same edge along the frequency, which changes the drive's period, by branches and by sweeps.
 #[test]
 fn the_edge_along_the_frequency() {
     let (mut low, mut high) = (0.55, 0.65);
@@ -260,7 +259,7 @@ fn the_edge_along_the_frequency() {
         first["change"]["sequence"]["x"].as_array().unwrap().len(),
         2
     );
-    // Coming from above it loses its stops there, so that they are in the phases below.
+    // From above, the orbit loses its stops there, so that they are among the phases below.
     assert!(
         first["change"]["sequence"]["before"]
             .to_string()
@@ -302,12 +301,12 @@ fn the_edge_along_the_frequency() {
     }
 }
 
-/// Den Hartog's orbit at S = 0.2 where its stick begins at the edge: it is released at x = -A with
-/// cos(O t) = S - A, and comes to rest at x = A with cos(O t) = A - S. The multiplier is 1 there,
-/// so that next to it rounding leaves the orbits open by 1e-5, and with them the place by 1e-6.
+/// Den Hartog's orbit at S = 0.2 where its stick begins at the edge. It is released at x = -A with
+/// cos(O t) = S - A, and comes to rest at x = A with cos(O t) = A - S. The multiplier is 1 there.
+/// So rounding leaves nearby orbits open by 1e-5, and the location uncertain by 1e-6.
 #[test]
 fn a_change_at_which_the_multiplier_is_one_is_located_from_afar() {
-    // By Newton's iteration with 40 digits; here the equations are checked.
+    // From Newton's iteration with 40 digits; the test checks the equations.
     const FRICTION: f64 = 0.2;
     const FREQUENCY: f64 = 0.414_489_639_149_120_5;
     const AMPLITUDE: f64 = 1.164_133_099_064_008_3;
@@ -337,10 +336,10 @@ fn a_change_at_which_the_multiplier_is_one_is_located_from_afar() {
     }
 }
 
-/// A graze is noticed only when it is some tolerances deep; its place is the zero of the event
-/// function. At S = 0.1, by Newton's iteration with 30 digits on the closed forms of the phases.
+/// A graze is noticed only if it is some tolerances deep; its location is the zero of the event
+/// function. At S = 0.1, from Newton's iteration with 30 digits on the closed forms of the phases.
 #[test]
-fn where_phases_change_is_told_within_the_uncertainty_at_any_tolerance() {
+fn where_phases_change_is_reported_within_the_uncertainty_at_any_tolerance() {
     const PLACES: [(&str, f64); 2] = [
         ("grazing-sliding", 0.295_290_401_103_174_5),
         ("adding-sliding", 0.304_210_379_955_270_2),
@@ -370,7 +369,7 @@ fn where_phases_change_is_told_within_the_uncertainty_at_any_tolerance() {
     }
 }
 
-/// Where one way on was found again that the branch had come, it went back and forth.
+/// A continuation at a change of phases may lead back along the branch, which must not alternate.
 #[test]
 fn a_branch_goes_back_only_where_it_folds() {
     let (json, _) = followed(&["den-hartog", "--set", "O=0.7", "--parameter", "O=0.2:0.8"]);
@@ -383,7 +382,7 @@ fn a_branch_goes_back_only_where_it_folds() {
 }
 
 #[test]
-fn a_period_that_is_missing_or_wrong_is_told() {
+fn a_period_that_is_missing_or_wrong_is_reported() {
     let top = tempfile::tempdir().unwrap();
     let text = include_str!("../../../stickslip-kernels/systems/den-hartog.toml");
     let without = text.replace("period = \"2*pi/O\"", "");
@@ -391,7 +390,7 @@ fn a_period_that_is_missing_or_wrong_is_told() {
     assert!(without != text && wrong != text);
     std::fs::write(top.path().join("without.toml"), without).unwrap();
     std::fs::write(top.path().join("wrong.toml"), wrong).unwrap();
-    for (file, told) in [
+    for (file, reported) in [
         ("without.toml", "what is its period?"),
         ("wrong.toml", "is not the same after the file's period"),
     ] {
@@ -408,13 +407,13 @@ fn a_period_that_is_missing_or_wrong_is_told() {
                 .args(arguments)
                 .assert()
                 .code(2)
-                .stderr(contains(told));
+                .stderr(contains(reported));
         }
     }
 }
 
-/// Two cycles at `r² = 1 ± √(1 + p)`, which meet at `p = -1`; the inner one shrinks to the focus at
-/// `p = 0`.
+/// Two cycles at `r² = 1 ± √(1 + p)` meet at `p = -1`. The inner one shrinks to the focus at `p =
+/// 0`.
 #[test]
 fn a_fold_of_a_system_from_a_file() {
     let top = tempfile::tempdir().unwrap();
@@ -450,8 +449,8 @@ y = 0
     );
 }
 
-/// A circle of period 2π on a curved boundary, which is pressed upon by `p` and pulled at by `x +
-/// 1/10`: the orbit never leaves it for `p > 11/10`.
+/// A circle of period 2π on a curved boundary, with a contact force of `p` and a pull of `x +
+/// 1/10`. The orbit never leaves it for `p > 11/10`.
 const SHEET: &str = r#"
 name = "sheet"
 [states]
@@ -503,8 +502,8 @@ fn an_orbit_that_never_slips_is_found_and_followed_to_where_it_does() {
     assert!(rows.iter().any(|row| is_slipping(&row)) && rows.last().unwrap()["phases"] == "S");
 }
 
-/// Of `z' = cos 2t + y/5 - K sgn z` the pull has the amplitude A, the root of (17/4)/(409/100).
-/// Below K = 0, to where the branch goes, there is no system.
+/// For `z' = cos 2t + y/5 - K sgn z` the pull has the amplitude A, the root of (17/4)/(409/100).
+/// For K < 0, the end of the branch, the system is not defined.
 const RELAY: &str = r#"
 name = "relay"
 [time]
@@ -546,7 +545,7 @@ fn a_branch_goes_through_two_changes_at_once_to_the_end_of_what_the_file_allows(
     assert!(number(&rows[0], "K") >= 0.0 && number(rows.last().unwrap(), "K") == 3.0);
 }
 
-/// A branch along which a bad guess would ask for an orbit without end.
+/// A branch along which a bad guess would require an endless orbit.
 #[test]
 fn a_long_branch_comes_to_its_end() {
     let (json, _) = followed(&["leine", "--parameter", "vd=0.05:1.5"]);
@@ -557,9 +556,9 @@ fn a_long_branch_comes_to_its_end() {
 }
 
 #[test]
-fn what_cannot_be_continued_is_told_with_a_remedy() {
+fn what_cannot_be_continued_is_reported_with_a_remedy() {
     let top = tempfile::tempdir().unwrap();
-    for (arguments, told) in [
+    for (arguments, reported) in [
         (
             vec!["basins", "--parameter", "vd=1.6:2"],
             "choose it with --set vd=",
@@ -584,12 +583,12 @@ fn what_cannot_be_continued_is_told_with_a_remedy() {
         program(top.path(), &arguments)
             .assert()
             .code(2)
-            .stderr(contains(told));
+            .stderr(contains(reported));
     }
 }
 
-/// About the orbit (cos t, sin t) turns a linear flow, by 0.3 while it grows at the rate p: the
-/// angle of the multipliers at p = 0 is 0.6π.
+/// A linear flow about the orbit (cos t, sin t) rotates by 0.3 and grows at the rate p. At p = 0
+/// the angle of the multipliers is 0.6π.
 const TORUS: &str = r#"
 name = "torus"
 [states]
@@ -630,7 +629,7 @@ fn a_torus_is_named_in_ascii_for_other_programs() {
     }
 }
 
-/// Three lags under a relay: either side's equilibrium is on the boundary where the threshold is
+/// Three lags under a relay. Either side's equilibrium is on the boundary where the threshold is
 /// ±1, and the orbit shrinks to it.
 const LAGS: &str = r#"
 name = "lags"
@@ -654,7 +653,7 @@ z = 0.3
 "#;
 
 #[test]
-fn an_end_in_an_equilibrium_on_the_boundary_is_told_everywhere() {
+fn an_end_in_an_equilibrium_on_the_boundary_is_reported_everywhere() {
     let top = tempfile::tempdir().unwrap();
     let path = top.path().join("lags.toml");
     std::fs::write(&path, LAGS).unwrap();
@@ -665,9 +664,9 @@ fn an_end_in_an_equilibrium_on_the_boundary_is_told_everywhere() {
     for ((end, row), exact) in ends.iter().zip(&table).zip([-1.0, 1.0]) {
         assert_eq!(end["stop"], "boundary equilibrium");
         assert_eq!(row["what"], "boundary equilibrium");
-        let told = end["boundary_equilibrium"].as_f64().unwrap();
-        assert_eq!(number(row, "b"), told);
-        assert!((told - exact).abs() < 1e-12, "{told}");
+        let reported = end["boundary_equilibrium"].as_f64().unwrap();
+        assert_eq!(number(row, "b"), reported);
+        assert!((reported - exact).abs() < 1e-12, "{reported}");
     }
     let mut sweep = Command::new(env!("CARGO_BIN_EXE_stickslip"));
     sweep
@@ -678,7 +677,7 @@ fn an_end_in_an_equilibrium_on_the_boundary_is_told_everywhere() {
         .success()
         .stdout(contains("up    at 1: boundary-equilibrium bifurcation"))
         .stdout(contains("down  at 1: boundary-equilibrium bifurcation"));
-    // On the boundary itself the run does not end in transitions that pile up.
+    // On the boundary itself the run does not end in accumulating transitions.
     let mut orbit = Command::new(env!("CARGO_BIN_EXE_stickslip"));
     orbit
         .current_dir(top.path())
@@ -690,8 +689,8 @@ fn an_end_in_an_equilibrium_on_the_boundary_is_told_everywhere() {
         ));
 }
 
-/// Welander's box of the ocean (di Bernardo et al. 2008, 1.2): below `eps = -1/15` it rests at
-/// (1/2, 1/3), which the oscillation above comes to the boundary next to.
+/// Welander's box model of the ocean (di Bernardo et al. 2008, 1.2). Below `eps = -1/15` it rests
+/// at (1/2, 1/3). Above, an oscillation approaches it next to the boundary.
 const OCEAN: &str = r#"
 name = "ocean"
 [states]
@@ -735,11 +734,11 @@ fn a_wide_orbit_that_ends_in_an_equilibrium_on_the_boundary_does_not_graze() {
     let (json, _, _) = with_special(&[file, "--parameter", "eps=-0.09:-0.005"]);
     let end = &json["ends"][0];
     assert_eq!(end["stop"], "boundary equilibrium");
-    let told = end["boundary_equilibrium"].as_f64().unwrap();
-    assert!((told + 1.0 / 15.0).abs() < 1e-12, "{told}");
+    let reported = end["boundary_equilibrium"].as_f64().unwrap();
+    assert!((reported + 1.0 / 15.0).abs() < 1e-12, "{reported}");
 }
 
-/// A block on a belt whose static friction comes down to the kinetic one.
+/// A block on a belt whose static friction decreases to the kinetic one.
 const WEAK: &str = r#"
 name = "weak grip"
 [states]
@@ -763,8 +762,7 @@ v = -1
 fn a_branch_ends_with_the_reason_where_static_friction_falls_below_kinetic() {
     let top = tempfile::tempdir().unwrap();
     let path = top.path().join("weak.toml");
-    // Where friction does not fall with speed, stick vanishes there, too, which is a change of
-    // phases.
+    // If friction does not fall with speed, stick vanishes there, too, which is a change of phases.
     let constant = WEAK.replace("1/(1 + abs(v - 0.3))", "1");
     for (text, within, changes) in [(WEAK, 1e-9, 0), (&constant, 1e-4, 1)] {
         std::fs::write(&path, text).unwrap();
@@ -781,8 +779,8 @@ fn a_branch_ends_with_the_reason_where_static_friction_falls_below_kinetic() {
     }
 }
 
-/// `y' = cos t - c y` touches the roof `y = p`, above which it is pushed down, at
-/// `p √(1 + c²) = 1`.
+/// `y' = cos t - c y` touches the roof `y = p`, above which the field points down, at `p √(1 + c²)
+/// = 1`.
 const LAG: &str = r#"
 name = "lag"
 [time]
@@ -802,8 +800,8 @@ y = "(1 - above)*(cos(t) - c*y) - above"
 y = 0.4
 "#;
 
-/// About `(cos t, sin t)`, in a frame that turns half as fast, deviations have the rates `p u - u³`
-/// and `-w`: at p = 0 the period doubles, to orbits at `u² = p`.
+/// About `(cos t, sin t)`, in a frame that rotates half as fast, deviations have the rates `p u -
+/// u³` and `-w`. At p = 0 the period doubles, to orbits at `u² = p`.
 const DOUBLED: &str = r#"
 name = "Doubled"
 [time]
@@ -875,7 +873,7 @@ fn the_branch_of_twice_the_period_is_followed_along_its_closed_form() {
         assert!((period - 2.0 * PI * turns).abs() < 1e-9, "{period}");
     }
     assert!(read("special.csv").iter().all(|row| row["branch"] == "0"));
-    // Without being asked for they are not followed.
+    // By default they are not continued.
     let json = run(&[]);
     assert_eq!(json["branches"], Value::Null);
     assert!(!read("branch.csv")[0].contains_key("branch"));
@@ -973,17 +971,17 @@ fn a_change_is_followed_in_two_parameters_along_its_closed_form() {
     assert!((of(rows.last().unwrap(), "p") - 0.5).abs() < 1e-9);
     let svg = std::fs::read_to_string(folder.join("curves.svg")).unwrap();
     assert!(svg.contains("grazing-sliding"));
-    // What cannot be followed is told with a remedy.
+    // What cannot be continued is reported with a remedy.
     let wrong = [
         ("p=0.5:1", "another parameter"),
         ("c=1:2", "--set c="),
         ("d=1:2", "`d`"),
     ];
-    for (also, told) in wrong {
+    for (also, reported) in wrong {
         let arguments = [file, "--parameter", "p=0.5:1.2", "--also", also];
         let output = program(top.path(), &arguments).assert().code(2);
         let error = String::from_utf8(output.get_output().stderr.clone()).unwrap();
-        assert!(error.contains(told), "{also}: {error}");
+        assert!(error.contains(reported), "{also}: {error}");
     }
 }
 
@@ -1007,7 +1005,7 @@ fn another_branch_in_the_same_folder_is_refused_and_a_failed_search_leaves_nothi
     assert_eq!(std::fs::read(&table).unwrap(), whole);
 }
 
-/// What the program says of the equilibria of a file, with the rows of both tables.
+/// The program's output for the equilibria of a file, with the rows of both tables.
 fn equilibria(file: &str, arguments: &[&str]) -> (Value, Vec<Value>, Vec<Value>) {
     let top = tempfile::tempdir().unwrap();
     std::fs::write(top.path().join("system.toml"), file).unwrap();
@@ -1045,9 +1043,9 @@ u = 0
 v = 0
 "#;
 
-/// At rest the belt slips at p: the Hopf point is where the friction's slope there is zero, at
-/// ln(25/3), with the frequency of the spring. At p = 0 the belt stops, and the block may rest
-/// anywhere as far as the friction at rest holds it; from there on it rests on the other side.
+/// At rest the belt slips at p. The Hopf point is where the friction's slope there is zero, at
+/// ln(25/3), with the frequency of the spring. At p = 0 the belt stops, and static friction holds
+/// the block in an interval. Beyond it the block rests on the other side.
 #[test]
 fn hopf_point_and_boundary_equilibria_of_a_stribeck_oscillator_are_closed_forms() {
     let (json, points, special) = equilibria(TREADMILL, &["--parameter", "p=-4:4"]);
@@ -1091,8 +1089,8 @@ fn hopf_point_and_boundary_equilibria_of_a_stribeck_oscillator_are_closed_forms(
     }
 }
 
-/// A focus at (p, 0) below x = 0, above it (-1, -1): for p < 0 there is an equilibrium of sliding
-/// at y = 1.3 p / 0.7, too, and at p = 0 both are gone.
+/// A focus at (p, 0) below x = 0; above it the field (-1, -1). For p < 0 there is also an
+/// equilibrium of sliding at y = 1.3 p / 0.7. At p = 0 both vanish.
 const MEETS: &str = r#"
 name = "meets"
 [states]
@@ -1141,7 +1139,7 @@ fn a_nonsmooth_fold_turns_the_branch_back_on_the_boundary() {
     }
 }
 
-/// `x' = p + x - x³` turns at `x = ±1/√3`.
+/// `x' = p + x - x³` folds at `x = ±1/√3`.
 #[test]
 fn folds_of_equilibria_turn_the_branch_where_the_slope_is_zero() {
     let cubic = "name = \"cubic\"\n[states]\nx = \"\"\n[parameters]\np = -0.8\n[field]\n\
@@ -1199,7 +1197,7 @@ fn an_equilibrium_that_is_none_or_one_of_a_set_is_refused() {
     .code(2)
     .stderr(contains("cannot be used with"));
     std::fs::write(top.path().join("system.toml"), TREADMILL).unwrap();
-    // With the belt at rest it rests anywhere.
+    // With the belt at rest, it rests in an interval.
     let rests = [
         "system.toml",
         "--equilibrium",

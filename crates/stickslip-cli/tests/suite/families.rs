@@ -23,7 +23,7 @@ x = [0.5, 2.5]
 v = [-0.5, 0.5]
 "#;
 
-/// A block on a floor that shakes: where it does so is nobody's matter.
+/// A block on a floor that shakes: its position does not matter.
 const FLOOR: &str = r#"
 name = "block on a shaken floor"
 [time]
@@ -46,7 +46,7 @@ x = [-2, 2]
 v = [-2, 2]
 "#;
 
-/// What a command says of a system, as JSON and in words.
+/// The output of a command for a system, as JSON and in words.
 fn answers(text: &str, arguments: &[&str]) -> (serde_json::Value, String) {
     let top = tempfile::tempdir().unwrap();
     std::fs::write(top.path().join("system.toml"), text).unwrap();
@@ -69,11 +69,11 @@ fn a_swing_of_a_pendulum_without_damping_is_one_of_a_family() {
     assert_eq!(json["family_dimension"], 1);
     assert!(words.contains(ONE_OF), "{words}");
     let period = json["period"].as_f64().unwrap();
-    // The nearest to where the run has come.
+    // The nearest orbit to the end of the run.
     assert!((period - period_of(2.0)).abs() < 1e-8, "{period}");
 }
 
-/// Of a swing of an amplitude, by the arithmetic-geometric mean.
+/// Period of a swing with an amplitude, by the arithmetic-geometric mean.
 fn period_of(amplitude: f64) -> f64 {
     let (mut a, mut b) = (1.0, stickslip::math::cos(0.5 * amplitude));
     while f64::abs(a - b) > 1e-15 {
@@ -100,7 +100,7 @@ fn swings_of_all_energies_are_one_attractor_with_its_dimension() {
     }
 }
 
-/// Of each family the nearest one, to the ends of the range, and nothing special between.
+/// For each family the nearest orbit is continued to the ends of the range, with no special points.
 #[test]
 fn a_family_is_followed_along_a_parameter() {
     let along = ["continue", "system.toml", "--parameter", "g=0.5:2"];
@@ -112,7 +112,7 @@ fn a_family_is_followed_along_a_parameter() {
     assert!(words.contains(ONE_OF), "{words}");
 }
 
-/// Both are zero. Neighbours part in proportion to the time, which leaves a logarithm.
+/// Both exponents are zero. Neighbours separate linearly in time, which leaves a logarithm.
 #[test]
 fn exponents_without_damping_are_zero_to_their_uncertainty() {
     let (json, words) = answers(PENDULUM, &["lyapunov", "system.toml"]);
@@ -123,7 +123,7 @@ fn exponents_without_damping_are_zero_to_their_uncertainty() {
     assert!(words.contains("λ1           0.0012 ± 2e-3\n"), "{words}");
 }
 
-/// A block that rests has an exponent of zero: the place is as it was.
+/// A block at rest has a zero exponent: its position does not matter.
 #[test]
 fn the_exponent_of_what_rests_has_an_uncertainty() {
     let at_rest = [

@@ -1,4 +1,4 @@
-//! Jumps, discrete states and inputs of time alone, from files, against closed forms; by both
+//! Jumps, discrete states and time-dependent inputs from files, compared with closed forms, by both
 //! methods.
 
 use std::f64::consts::PI;
@@ -65,8 +65,8 @@ fn a_ball_bounces_at_times_in_geometric_progression() {
 }
 
 #[test]
-fn a_ball_that_bounces_without_end_is_told_where_that_is() {
-    // From the first impact 2 v/g r/(1 − r).
+fn a_ball_that_bounces_without_end_is_reported_where_that_is() {
+    // From the first impact on, 2 v/g r/(1 − r).
     let fall = (2.0_f64 / 9.81).sqrt();
     for method in METHODS {
         for r in [0.5, 0.9] {
@@ -85,9 +85,9 @@ fn a_ball_that_bounces_without_end_is_told_where_that_is() {
                 .assert()
                 .failure();
             let words = String::from_utf8(failed.get_output().stderr.clone()).unwrap();
-            let told = words.split("at the accumulation point, t = ").nth(1);
-            let told = told.unwrap_or_else(|| panic!("{method}: {words}"));
-            let mut words = told.split(' ');
+            let reported = words.split("at the accumulation point, t = ").nth(1);
+            let reported = reported.unwrap_or_else(|| panic!("{method}: {words}"));
+            let mut words = reported.split(' ');
             let t: f64 = words.next().unwrap().parse().unwrap();
             assert!((t - exact).abs() < 1e-10, "{method}, {r}: {t} and {exact}");
         }
@@ -145,7 +145,7 @@ fn jumps_that_set_each_other_off_are_a_pile_up() {
 
 #[test]
 fn what_is_at_one_time_is_done_in_the_order_of_the_file() {
-    // Both see u = 1 at once; the second one adds to what the first has set.
+    // Both see u = 1 at the same time. The second one adds to the value set by the first one.
     let text = "name = \"order\"\n[states]\nu = \"\"\n[discrete]\na = 1\n[field]\nu = \"1\"\n\
                 [jumps.first]\nwhen = \"u - 1\"\nset = { a = \"2*a\" }\n\
                 [jumps.second]\nwhen = \"2*u - 2\"\nset = { a = \"a + 3\" }\n\
@@ -158,7 +158,7 @@ fn what_is_at_one_time_is_done_in_the_order_of_the_file() {
     }
 }
 
-/// Two values that jumps set where `u` passes through two levels.
+/// Two values, set by jumps where `u` passes through two levels.
 fn relay(levels: [f64; 2]) -> String {
     let [low, high] = levels;
     format!(
@@ -218,7 +218,7 @@ fn a_relay_of_order_six_has_its_half_period() {
     }
 }
 
-/// `u' = f(u, name)` with an input of that name.
+/// `u' = f(u, name)` with an input of this name.
 fn driven(field: &str, input: &str, start: f64, end: &str) -> String {
     format!(
         "name = \"driven\"\n[states]\nu = \"\"\n{input}\n[field]\nu = \"{field}\"\n[start]\n\
@@ -232,7 +232,7 @@ fn inputs_kink_at_their_times() {
                  between = \"constant\"";
     let triangle = "[inputs.p]\nshape = \"triangle\"\nperiod = 1";
     let switch = "[switches.p]\nfunction = \"sin(3*t)\"";
-    // A spike of width 1e-9 that no step of length one sees by itself.
+    // A spike of width 1e-9, which steps of length one would miss.
     let spike = "[inputs.p]\nshape = \"pulse\"\nperiod = 10\nwidth = 1e-10\nphase = 0.5";
     let saw = "[inputs.p]\nshape = \"sawtooth\"\nperiod = \"pi\"";
     let cases = [
@@ -244,7 +244,7 @@ fn inputs_kink_at_their_times() {
         ),
         (
             driven("p", switch, 0.0, "10"),
-            // Half waves of length π/3 in turn: nine whole ones and the rest of the tenth.
+            // Alternating half waves of length π/3: nine complete ones and the rest of the tenth.
             PI / 3.0 - (10.0 - 9.0 * PI / 3.0),
             1e-12,
         ),
@@ -273,7 +273,7 @@ fn a_table_is_read_from_the_file_beside_that_of_the_system() {
 
 #[test]
 fn a_force_that_switches_lets_a_block_go_at_that_time() {
-    // Friction holds 1 until the force becomes 1.5 at t = 2; from there the block moves by t²/4 … .
+    // Friction holds 1 until the force becomes 1.5 at t = 2; then the block moves by t²/4 … .
     let text = "name = \"block\"\n[states]\nx = \"\"\nv = \"\"\n[inputs.force]\nshape = \"table\"\n\
                 times = [0, 2, 3]\nvalues = [0.9, 1.5, 0.5]\nbetween = \"constant\"\n\
                 [contacts.floor]\nboundary = \"v\"\nfriction = \"1\"\n[field]\nx = \"v\"\n\
@@ -281,7 +281,7 @@ fn a_force_that_switches_lets_a_block_go_at_that_time() {
     for method in METHODS {
         let (found, transitions) = simulated(text, method, &[]);
         let kinds: Vec<(f64, &str)> = transitions.iter().map(|at| (at.0, at.1.as_str())).collect();
-        // It gains the speed 0.5 by t = 3 and loses it at the rate 0.5 by t = 4.
+        // It gains the velocity 0.5 by t = 3 and loses it at the rate 0.5 by t = 4.
         let [(t_exit, "stick exit"), (t_entry, "stick entry")] = kinds[..] else {
             panic!("{method}: {kinds:?}");
         };
@@ -291,7 +291,7 @@ fn a_force_that_switches_lets_a_block_go_at_that_time() {
     }
 }
 
-/// An undamped oscillator of frequency 1 that is driven by cos(w t) and hits a wall at 0.
+/// An undamped oscillator of frequency 1, driven by cos(w t), that hits a wall at 0.
 const IMPACTS: &str = "name = \"impacts\"\n\
                        [states]\n\
                        x = \"\"\n\
@@ -313,8 +313,8 @@ const IMPACTS: &str = "name = \"impacts\"\n\
                        period = \"2*pi/w\"\n\
                        end = 100\n";
 
-/// Of the orbit with one impact in each period: trace of its monodromy matrix, whose determinant is
-/// r² (Shaw & Holmes 1983).
+/// Trace of the monodromy matrix of the orbit with one impact per period. Its determinant is r²
+/// (Shaw & Holmes 1983).
 fn trace_of_impacts(w: f64, r: f64) -> f64 {
     let (period, gain) = (2.0 * PI / w, 1.0 / (1.0 - w * w));
     let (c, s) = (math::cos(period), math::sin(period));
@@ -327,7 +327,7 @@ fn trace_of_impacts(w: f64, r: f64) -> f64 {
     );
     let right = Vector2::new(-s, -1.0 / r - c);
     let phase = matrix.lu().solve(&right).unwrap();
-    // The one with v⁺ < 0, away from the wall.
+    // The solution with v⁺ < 0, away from the wall.
     let speed = -1.0 / phase.norm();
     let (hit, push) = (-speed / r, phase[0] * speed);
     -2.0 * r * c + s * (1.0 + r) * push / hit
@@ -372,7 +372,7 @@ fn root(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// The flips that `stickslip continue` finds.
+/// The flips found by `stickslip continue`.
 fn flips(text: &str, arguments: &[&str]) -> Vec<f64> {
     let (_top, mut command) = program(text);
     let output = command
@@ -404,7 +404,7 @@ fn the_flip_of_an_impacting_orbit_is_located() {
     }
 }
 
-/// A buck converter in voltage mode: its switch closes where a ramp passes the amplified error, and
+/// A buck converter in voltage mode. Its switch closes where a ramp passes the amplified error, and
 /// opens with the next ramp.
 const BUCK: &str = "name = \"buck\"\n[states]\nv = \"V\"\ni = \"A\"\n[discrete]\non = 0\n\
     [parameters]\nE = 18\n[inputs.ramp]\nshape = \"sawtooth\"\nperiod = \"400e-6\"\n[definitions]\n\
@@ -413,8 +413,8 @@ const BUCK: &str = "name = \"buck\"\n[states]\nv = \"V\"\ni = \"A\"\n[discrete]\
     set = { on = \"0\" }\n[jumps.close]\nwhen = \"above\"\ndirection = \"falling\"\n\
     set = { on = \"1\" }\n[start]\nv = 12\ni = 0.55\n[time]\nperiod = \"400e-6\"\nend = 0.02\n";
 
-/// When in the period the switch closes on the orbit of period one, and the trace of its monodromy
-/// matrix, whose determinant is exp(−T/(R C)).
+/// Phase at which the switch closes on the orbit of period one, and the trace of its monodromy
+/// matrix. The determinant is exp(−T/(R C)).
 fn of_buck(input: f64) -> (f64, f64) {
     let period = 400e-6;
     let a = Matrix2::new(-1.0 / (22.0 * 47e-6), 1.0 / 47e-6, -1.0 / 0.02, 0.0);
@@ -483,7 +483,7 @@ fn by_differences(of: &DynamicsRef<'_>, start: &[f64], t_end: f64, free: &[usize
 
 #[test]
 fn derivatives_go_through_jumps_of_each_kind() {
-    // A wall that moves; a value that is kept from when it was read; a relay; a switch of time.
+    // A moving wall; a value that is stored when it is read; a relay; a switch by time.
     let wall = IMPACTS
         .replace("when = \"x\"", "when = \"x - 0.1*sin(t)\"")
         .replace("v = \"-r*v\"", "v = \"-r*v + (1 + r)*0.1*cos(t)\"");
@@ -542,7 +542,7 @@ fn exponents_of_an_impacting_orbit_are_those_of_its_multipliers() {
         let exponents = found["exponents"].as_array().unwrap();
         let value = |at: &serde_json::Value| at["value"].as_f64().or(at.as_f64()).unwrap();
         let sum: f64 = exponents.iter().map(value).sum();
-        // The determinant of each impact is r²: its saltation and the map both take r.
+        // The determinant of each impact is r²: its saltation and the map contribute r each.
         let exact = 2.0 * math::ln(0.8) * 2.5 / (2.0 * PI);
         assert!((sum - exact).abs() < 2e-3, "{method}: {sum} and {exact}");
     }
@@ -587,7 +587,8 @@ fn the_graze_of_a_wall_is_located_on_the_branch_that_touches_it() {
 
 #[test]
 fn a_sweep_goes_on_from_the_state_behind_a_kink() {
-    // Period one below the flip at 24.5166, twice that above it, by each value's run from the last.
+    // Period one below the flip at 24.5166, period two above it. Each run starts from the previous
+    // value's end.
     let (top, mut command) = program(BUCK);
     command.args([
         "bifurcation",
@@ -612,7 +613,7 @@ fn a_sweep_goes_on_from_the_state_behind_a_kink() {
     }
 }
 
-/// A damped oscillator that is driven with a period of 2, with a kick that something sets off.
+/// A damped oscillator, driven with a period of 2, with a kick at an event.
 fn kicked(input: &str, when: &str) -> String {
     format!(
         "name = \"kicked\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nph = 0\n{input}\n[field]\n\
@@ -636,7 +637,7 @@ fn json_of(text: &str, arguments: &[&str]) -> serde_json::Value {
 
 #[test]
 fn a_kick_by_the_clock_changes_no_multiplier() {
-    // In each period the flow shrinks areas by exp(−0.6), whatever kicks it at a fixed time.
+    // In each period the flow contracts areas by exp(−0.6), whatever kicks it at a fixed time.
     let square = "[inputs.d]\nshape = \"square\"\nperiod = 2\nphase = \"ph\"";
     let switch = "[switches.d]\nfunction = \"sin(pi*(t - 0.1))\"";
     for text in [
@@ -693,8 +694,8 @@ fn a_branch_goes_along_the_phase_of_an_input() {
 
 #[test]
 fn an_escapement_keeps_its_clock_going() {
-    // By the flow alone: it comes back to x = a in the time for which the speed that it has lost
-    // there is that of the kick. At a = 0 that is a turn, with the multiplier exp(−0.1 T).
+    // By the flow alone: it returns to x = a after the time in which it loses the velocity of the
+    // kick there. At a = 0 that is a turn, with the multiplier exp(−0.1 T).
     let flow = |t: f64| (Matrix2::new(0.0, 1.0, -1.0, -0.2) * t).exp();
     let kept = |a: f64, t: f64| {
         let flow = flow(t);
@@ -750,7 +751,7 @@ fn switches_that_touch_zero_or_stay_there_end() {
     }
 }
 
-/// A block that is driven by a square wave and a switch of time, and hits a wall.
+/// A block, driven by a square wave and a switch by time, that hits a wall.
 const MIXED: &str = "name = \"mixed\"\n\
     [states]\n\
     x = \"\"\n\
@@ -818,7 +819,7 @@ fn kinks_of_inputs_are_in_the_table_of_transitions() {
     }
 }
 
-/// What the program prints.
+/// The program's output.
 fn printed(text: &str, arguments: &[&str]) -> (tempfile::TempDir, String) {
     let (top, mut command) = program(text);
     let output = command.args(arguments).args(["--out", "out"]);
@@ -914,8 +915,8 @@ fn a_function_that_is_no_number_is_named() {
             let (_top, mut command) = program(&text);
             command.args(["simulate", "system.toml", "--method", method]);
             let failed = command.assert().failure();
-            let told = String::from_utf8(failed.get_output().stderr.clone()).unwrap();
-            assert!(told.contains(words), "{method}: {told}");
+            let reported = String::from_utf8(failed.get_output().stderr.clone()).unwrap();
+            assert!(reported.contains(words), "{method}: {reported}");
         }
     }
 }
@@ -991,12 +992,13 @@ fn derivatives_by_a_parameter_go_with_the_kinks_that_it_moves() {
 
 #[test]
 fn a_fold_along_the_phase_of_a_drive_is_located() {
-    // Two orbits of u' = 0.05 + q(t + p) s(t) − u², one stable, meet where the drive is too weak.
+    // Two orbits of u' = 0.05 + q(t + p) s(t) − u², one of them stable, meet where the drive is too
+    // weak.
     let text = "name = \"drive\"\n[states]\nu = \"\"\n[parameters]\np = 0\n[inputs.q]\n\
                 shape = \"square\"\nperiod = 2\nphase = \"p\"\n[field]\n\
                 u = \"q*sin(pi*t) - 0.4 - u^2\"\n[start]\nu = 0.5\n[time]\nperiod = 2\n";
     let system = system(text).along(0).unwrap();
-    // How far a period takes the state up at most, by the runs alone.
+    // The highest state after a period, by the runs alone.
     let highest = |p: f64| {
         let gain = |u: f64| {
             let at = Moment {
@@ -1070,10 +1072,10 @@ fn a_plane_of_starts_leaves_discrete_states_where_the_file_has_them() {
                heating = [0, 1]\n";
     let (_top, mut command) = program(one);
     let failed = command.args(["basin", "system.toml"]).assert().failure();
-    let told = String::from_utf8(failed.get_output().stderr.clone()).unwrap();
+    let reported = String::from_utf8(failed.get_output().stderr.clone()).unwrap();
     assert!(
-        told.contains("the system has 1") && told.contains("--y heating=LOW:HIGH"),
-        "{told}"
+        reported.contains("the system has 1") && reported.contains("--y heating=LOW:HIGH"),
+        "{reported}"
     );
     let two = one
         .replace("[discrete]", "w = \"\"\n[discrete]")
@@ -1090,7 +1092,7 @@ fn a_plane_of_starts_leaves_discrete_states_where_the_file_has_them() {
 
 #[test]
 fn a_stick_that_a_kink_ends_is_part_of_an_orbit() {
-    // The force is 0.9 less than friction holds, but for a fifth of each half period.
+    // The force is 0.9 below the friction limit, except for a fifth of each half period.
     let text = "name = \"pushed\"\n\
                 [states]\n\
                 x = \"\"\n\
@@ -1121,7 +1123,7 @@ fn a_stick_that_a_kink_ends_is_part_of_an_orbit() {
     let x = [&found["x"]["x"], &found["x"]["v"]].map(|x| x.as_f64().unwrap());
     let t = found["t"].as_f64().unwrap();
     assert_eq!(found["phases"], "- S + S");
-    // The derivative of the same by differences, in a time in which it begins at 0.
+    // Its derivative by differences, in a time in which it begins at 0.
     let shifted = text
         .replace("width = 0.2\nphase = 0.5", "width = 0.2\nphase = 0.25")
         .replacen("width = 0.2\n[", "width = 0.2\nphase = 0.75\n[", 1);

@@ -1,4 +1,4 @@
-//! Answers that are known in closed form or to many digits from elsewhere.
+//! Results known in closed form, or to many digits from other sources.
 
 use assert_cmd::Command;
 use stickslip::analysis::{Exponent, SpectrumOptions, Visibility, lyapunov_spectrum};
@@ -12,7 +12,7 @@ fn taylor() -> Options {
     Options::tol(1e-13).method(Method::Taylor)
 }
 
-/// P17: without stops the amplitude that `orbit` finds is Den Hartog's.
+/// P17: without stops the amplitude from `orbit` is Den Hartog's.
 #[test]
 fn the_amplitudes_of_den_hartog() {
     let known = [
@@ -56,8 +56,8 @@ fn the_amplitudes_of_den_hartog() {
     }
 }
 
-/// Eq. (16) of the paper: six tangent points in closed form, three visible, and three stick zones
-/// between them.
+/// Eq. (16) of the paper: six tangent points in closed form, three of them visible, and three stick
+/// zones between them.
 #[test]
 fn the_tangent_points_of_the_belt_oscillator() {
     let system = open("belt");
@@ -89,7 +89,7 @@ fn the_tangent_points_of_the_belt_oscillator() {
     }
 }
 
-/// The stick zone of static friction reaches further than the tangent points of slip.
+/// The stick zone of static friction extends beyond the tangent points of slip.
 #[test]
 fn static_friction_widens_the_stick_zone() {
     let system = read(
@@ -131,7 +131,7 @@ v = "-x - friction(belt)"
     assert!((zone.from + 1.0).abs() < 1e-15 && (zone.to - 1.0).abs() < 1e-15);
 }
 
-/// Fields of two states with a boundary of them, and what is found on it along the first.
+/// Two-state fields with a boundary in both states, and the results on it along the first state.
 fn on_boundary(boundary: &str, start: [f64; 2], range: (f64, f64)) -> Vec<(Line, OnLine)> {
     let system = read(&format!(
         r#"
@@ -151,12 +151,12 @@ y = {{ below = "y", above = "-1" }}
     line.scan(&system)
 }
 
-/// A field outwards from the middle of a circle and (1, -1) outside: inside the rate of x² + y² is
-/// 4, outside 2x - 2y, which pushes back where x < y.
+/// A field outwards from the centre of a circle, and (1, -1) outside. Inside, the rate of x² + y²
+/// is 4. Outside it is 2x - 2y, which pushes back where x < y.
 #[test]
 fn a_circle_has_two_branches_and_a_stick_zone_on_each() {
     let rim = 2.0_f64.sqrt();
-    // From its middle the circle has no slope in any direction.
+    // At its centre the gradient of the circle's boundary function vanishes.
     for start in [[-1.0 / 15.0, 0.1], [0.0, 0.0], [0.0, 3.0], [1.0, -1.0]] {
         let found = on_boundary("x^2 + y^2 - 2", start, (-5.0, 5.0));
         assert_eq!(found.len(), 2);
@@ -189,7 +189,7 @@ fn a_circle_has_two_branches_and_a_stick_zone_on_each() {
     }
 }
 
-/// Branches that end at neither side, at one, in a corner, or are not there.
+/// Branches that end at no side, at one, in a corner, or do not exist.
 #[test]
 fn branches_end_where_the_boundary_turns() {
     let ends = |boundary: &str, start: [f64; 2], range: (f64, f64)| -> Vec<[f64; 4]> {
@@ -203,7 +203,7 @@ fn branches_end_where_the_boundary_turns() {
     let same = |found: &[[f64; 4]], wanted: &[[f64; 4]]| {
         assert_eq!(found.len(), wanted.len(), "{found:?}");
         for (found, wanted) in found.iter().zip(wanted) {
-            // In a turn x is known to rounding, and the other to its root.
+            // At a turning point x is accurate to rounding, the other state to its square root.
             let near = |i: usize, by: f64| (found[i] - wanted[i]).abs() <= by;
             assert!(
                 near(0, 1e-14) && near(1, 1e-14) && near(2, 1e-6) && near(3, 1e-6),
@@ -216,7 +216,7 @@ fn branches_end_where_the_boundary_turns() {
         &ends("y^2 - x^2 - 1", [0.0, 0.5], (-2.0, 2.0)),
         &[[-2.0, 2.0, -root, -root], [-2.0, 2.0, root, root]],
     );
-    // The turn lies between two of the values looked at, at zero.
+    // The turning point lies between two values of the scan, at zero.
     let parabola = ends("y^2 - x", [0.5, 0.5], (-1.0, 2.0));
     same(
         &parabola,
@@ -229,7 +229,7 @@ fn branches_end_where_the_boundary_turns() {
         &ends("abs(x) + abs(y) - 1", [0.0, 0.5], (-3.0, 3.0)),
         &[[-1.0, 1.0, 0.0, 0.0], [-1.0, 1.0, 0.0, 0.0]],
     );
-    // Far from the start, and one of several at every place.
+    // Far from the start, and one of several at every position.
     same(
         &ends("y - 1000*x - 1000", [0.0, 0.5], (-1.0, 2.0)),
         &[[-1.0, 2.0, 0.0, 3000.0]],
@@ -256,7 +256,7 @@ fn the_exponents_of_a_sticking_orbit() {
     assert!((spectrum.stick_fraction - 7.705031769350 / 12.001031294831).abs() < 0.02);
 }
 
-/// Four blocks that do not touch each other do what each does alone.
+/// Four uncoupled blocks move as each does alone.
 #[test]
 fn four_blocks_side_by_side_are_four_blocks() {
     let mut text = "name = \"four\"\n[states]\n".to_owned();
@@ -294,7 +294,7 @@ fn four_blocks_side_by_side_are_four_blocks() {
     }
 }
 
-/// A field on each side without friction, of one state: it comes to rest on the boundary.
+/// A field without friction on each side, of one state: it comes to rest on the boundary.
 #[test]
 fn one_state_slides_on_a_point() {
     let system = read(
@@ -316,8 +316,7 @@ x = 1
     assert!((events[0].2 - 1.0).abs() < 1e-14);
 }
 
-/// What the documentation shows is a file that is understood, and all of its examples are of the
-/// same system.
+/// The examples of the documentation are valid files, and all of the same system.
 #[test]
 fn the_examples_of_the_documentation_are_good_files() {
     let readme = include_str!("../../README.md").to_owned();

@@ -1,13 +1,13 @@
-//! What the page on the paper's model 2 says of the program's figures is what its goldens say.
+//! The page on the paper's model 2 agrees with the golden files of the program's figures.
 
 use serde_json::Value;
 
-/// Published shares of starts that end on the fixed point, each of 5000 random starts, by the
-/// belt's speed (Stender & Hoffmann, *Nonlinear Dyn.* 107 (2022) 1451): the table that the
-/// library's tests read.
+/// Published shares of starts that end on the fixed point, by the belt's speed. Each is from 5000
+/// random starts (Stender & Hoffmann, *Nonlinear Dyn.* 107 (2022) 1451). The library's tests read
+/// the same table.
 const PUBLISHED: &str = include_str!("../../../stickslip/tests/data/shares.csv");
 
-/// Random starts of a published share.
+/// Number of random starts of a published share.
 const STARTS: f64 = 5000.0;
 
 fn golden(name: &str) -> Value {
@@ -48,7 +48,7 @@ fn the_shares_beside_the_published_ones() {
             off.abs() <= 3.0,
             "at {speed}: {share}, published {published}, {off} standard errors"
         );
-        // Where all starts go one way there is no error, and no difference is allowed.
+        // If all starts go one way there is no standard error, and no difference is allowed.
         assert!(
             error > 0.0 || share == published,
             "at {speed}: {share}, published {published}"

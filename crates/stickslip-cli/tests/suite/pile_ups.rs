@@ -1,11 +1,11 @@
-//! Infinitely many transitions in finite time, from files, with answers in closed form; by both
+//! Infinitely many transitions in finite time, from files, compared with closed forms, by both
 //! methods.
 
 use serde_json::Value;
 
 use crate::public_cases::{METHODS, Transition, end, program, simulated};
 
-/// A system of these states, contacts (name and boundary) and rates from a start.
+/// A system with these states, contacts (name and boundary) and rates, and a start.
 fn system(end: f64, contacts: &[(&str, &str)], rates: &[(&str, &str)], start: &[f64]) -> String {
     let contacts = contacts
         .iter()
@@ -29,7 +29,7 @@ fn system(end: f64, contacts: &[(&str, &str)], rates: &[(&str, &str)], start: &[
     )
 }
 
-/// Filippov's spiral: |x| + |y| falls at the rate 2 a.
+/// Filippov's spiral: |x| + |y| decreases at the rate 2 a.
 fn spiral(a: f64, end: f64) -> String {
     let x = format!("-by_side(left, -{a}, {a}) + by_side(low, -52, 52)");
     let y = format!("-by_side(left, -52, 52) - by_side(low, -{a}, {a})");
@@ -44,8 +44,8 @@ fn twisting(b: f64, push: &str, end: f64) -> String {
     system(end, &contacts, &[("x", "v"), ("v", &v)], &[10.0, 10.0])
 }
 
-/// When it accumulates from (10, 10) without a push, and the ratio of two phases each: it brakes by
-/// `10 + b` away from the place and falls back by `10 - b`.
+/// Time of its accumulation from (10, 10) without a push, and the ratio over two phases. It brakes
+/// by `10 + b` away from the position and falls back by `10 - b`.
 fn of_twisting(b: f64) -> (f64, f64) {
     let (away, back) = (10.0 + b, 10.0 - b);
     let highest = 10.0 + 50.0 / away;
@@ -56,7 +56,7 @@ fn of_twisting(b: f64) -> (f64, f64) {
     (first + each / (1.0 - ratio), ratio.sqrt())
 }
 
-/// The spiral drives a third contact to and fro, which comes to zero with it.
+/// The spiral moves a third contact to and fro, which reaches zero with it.
 fn three_contacts() -> String {
     let rates = [
         ("x", "-by_side(a, -2, 2) + by_side(b, -52, 52)"),
@@ -67,14 +67,14 @@ fn three_contacts() -> String {
     system(3.0, &contacts, &rates, &[3.0, 3.0, 0.5])
 }
 
-/// Flights above `x = 0` that give back the speed, and below that give back half of it.
+/// Flights above `x = 0` that keep the speed on return, and flights below that keep half of it.
 fn flights(back: f64, contacts: &[(&str, &str)], more: &str) -> String {
     let x = "v + by_side(line, 3, 0)*max(v, 0)";
     let v = format!("-by_side(line, -1, {back}){more}");
     system(9.0, contacts, &[("x", x), ("v", &v)], &[0.0, 1.0])
 }
 
-/// What a run says that fails.
+/// The message of a run that fails.
 fn failed(text: &str, arguments: &[&str]) -> String {
     let (_top, mut command) = program(text);
     command.args(["simulate", "system.toml", "--json"]);
@@ -88,7 +88,7 @@ fn failed(text: &str, arguments: &[&str]) -> String {
     found["error"].as_str().unwrap().to_owned()
 }
 
-/// The number behind `label`.
+/// The number after `label`.
 fn number(words: &str, label: &str) -> f64 {
     let rest = words
         .split(label)
@@ -98,8 +98,8 @@ fn number(words: &str, label: &str) -> f64 {
     rest.split(until).next().unwrap().parse().unwrap()
 }
 
-/// Files, the names of the contacts that pile up, when, and the mean ratio of successive phases if
-/// it is known.
+/// Files, the names of the contacts whose transitions accumulate, the time, and the mean ratio of
+/// successive phases if known.
 fn cases() -> Vec<(String, &'static [&'static str], f64, Option<f64>)> {
     let (twisted, ratio) = of_twisting(3.0);
     let (strong, strong_ratio) = of_twisting(9.9);
@@ -114,7 +114,7 @@ fn cases() -> Vec<(String, &'static [&'static str], f64, Option<f64>)> {
             twisted,
             Some(ratio),
         ),
-        // Tolerance leaves sixteen.
+        // The tolerance allows sixteen.
         (
             twisting(9.9, "0", 20.0),
             &["place", "speed"],
@@ -126,16 +126,16 @@ fn cases() -> Vec<(String, &'static [&'static str], f64, Option<f64>)> {
 }
 
 #[test]
-fn a_pile_up_is_told_with_its_contacts_and_the_point() {
+fn a_pile_up_is_reported_with_its_contacts_and_the_point() {
     for (text, contacts, t, ratio) in cases() {
         for method in METHODS {
             let words = failed(&text, &["--method", method]);
             let names: Vec<String> = contacts.iter().map(|name| format!("`{name}`")).collect();
             let names = format!("transitions at {} within", names.join(", "));
             assert!(words.contains(&names), "{method}: {words}");
-            let told = number(&words, "accumulation point, t = ");
+            let reported = number(&words, "accumulation point, t = ");
             let uncertainty = number(&words, " ± ");
-            assert!((told - t).abs() < 2e-11, "{method}: {t}: {words}");
+            assert!((reported - t).abs() < 2e-11, "{method}: {t}: {words}");
             assert!(uncertainty < 1e-10, "{method}: {words}");
             let x = words
                 .split("± ")
@@ -146,15 +146,18 @@ fn a_pile_up_is_told_with_its_contacts_and_the_point() {
                 assert!(x.parse::<f64>().unwrap().abs() < 1e-11, "{method}: {words}");
             }
             if let Some(ratio) = ratio {
-                let told = number(&words, "each phase ");
-                assert!((told - ratio).abs() < 1e-5, "{method}: {ratio}: {words}");
+                let reported = number(&words, "each phase ");
+                assert!(
+                    (reported - ratio).abs() < 1e-5,
+                    "{method}: {ratio}: {words}"
+                );
             }
             assert!(words.ends_with("by --at-pile-up rest they rest"), "{words}");
         }
     }
 }
 
-/// Those that are one of `contacts`'s entries into stick.
+/// The entries into stick of one of `contacts`.
 fn entries(transitions: &[Transition]) -> Vec<(f64, &str)> {
     let entries = transitions.iter().filter(|at| at.1 == "stick entry");
     entries
@@ -183,7 +186,8 @@ fn contacts_that_can_hold_rest_where_they_pile_up() {
 
 #[test]
 fn what_rests_leaves_when_all_contacts_together_cannot_hold() {
-    // The place takes 10 of the push and the speed 3: together up to t = 27.
+    // The relay at the position takes 10 of the push and the velocity relay 3: together up to t =
+    // 27.
     let text = twisting(3.0, "max(0, t - 14)", 28.0);
     for method in METHODS {
         let (found, transitions) = simulated(&text, method, &["--at-pile-up", "rest"]);
@@ -215,7 +219,7 @@ fn a_body_beside_what_rests_slips_and_sticks_as_without_it() {
         let (found, transitions) = simulated(&text, method, &["--at-pile-up", "rest"]);
         let of_block = transitions.iter().filter(|at| at.2 == "block");
         let of_block: Vec<(f64, &str)> = of_block.map(|at| (at.0, at.1.as_str())).collect();
-        // Half turns of π, each of which takes 0.2 off the amplitude of 2.05.
+        // Half turns of π, each of which reduces the amplitude of 2.05 by 0.2.
         assert_eq!(of_block.len(), 10, "{method}: {of_block:?}");
         for (half, (t, kind)) in of_block.iter().enumerate() {
             let expected = std::f64::consts::PI * (half + 1) as f64;
@@ -224,7 +228,7 @@ fn a_body_beside_what_rests_slips_and_sticks_as_without_it() {
         }
         assert!((end(&found, "y") - 0.05).abs() < 1e-9, "{method}");
         assert_eq!((end(&found, "x"), end(&found, "v")), (0.0, 0.0), "{method}");
-        // One that sticks throughout stands at zero with the others.
+        // A contact that always sticks is at zero with the others.
         let words = failed(&held, &["--method", method]);
         assert!(
             words.contains("transitions at `place`, `speed` within"),
@@ -243,11 +247,11 @@ fn a_body_beside_what_rests_slips_and_sticks_as_without_it() {
 
 #[test]
 fn one_contact_rests_at_the_two_fold_where_its_crossings_accumulate() {
-    // Slopes do not see the kink of the field below at the top of a flight.
+    // Runge–Kutta steps miss the kink of the field below at the top of a flight.
     for (method, within) in [("taylor", 1e-12), ("dop853", 1e-5)] {
         let line = [("line", "x")];
         let text = flights(1.0, &line, "");
-        // Flights of 2 and 1 + 1/2 times the speed, which is then half of it.
+        // Flights of 2 and 1 + 1/2 times the speed, which is then halved.
         let (found, transitions) = simulated(&text, method, &["--at-pile-up", "rest"]);
         let entries = entries(&transitions);
         assert_eq!(entries.len(), 1, "{method}");
@@ -260,7 +264,7 @@ fn one_contact_rests_at_the_two_fold_where_its_crossings_accumulate() {
             stopped,
             "{method}"
         );
-        // The pushes from above and below differ: their mean does not hold.
+        // The pushes from above and below differ, so that their mean is not zero.
         let text = flights(2.0, &line, "");
         let (found, transitions) = simulated(&text, method, &["--at-pile-up", "rest"]);
         assert_eq!(found["ending"], stopped, "{method}");
@@ -274,7 +278,7 @@ fn one_contact_rests_at_the_two_fold_where_its_crossings_accumulate() {
 
 #[test]
 fn contacts_that_cannot_hold_end_the_run_with_the_words_for_that() {
-    // As one contact whose pushes differ, in a system that has another one far off.
+    // As for one contact with different pushes, in a system with another contact far away.
     let contacts = [("line", "x"), ("far", "x - 100 + 0*v")];
     let text = flights(2.0, &contacts, " - by_side(far, 0, 1)");
     for (method, within) in [("taylor", 1e-12), ("dop853", 1e-5)] {
@@ -293,8 +297,8 @@ fn contacts_that_cannot_hold_end_the_run_with_the_words_for_that() {
 
 #[test]
 fn crossings_on_the_way_to_a_pole_are_no_pile_up() {
-    // `u' = u²` is infinite at 1, and y and z turn through `-ln(1 - t)`: their crossings accumulate
-    // there by a ratio, but the state does not.
+    // `u' = u²` is infinite at 1, and y and z rotate by `-ln(1 - t)`. Their crossings accumulate
+    // there geometrically, but the state diverges.
     let rates = [
         ("u", "u*u"),
         ("y", "u*z - by_side(line, -0.1, 0.1)"),

@@ -1,4 +1,4 @@
-//! Systems that others have tried, from files, with answers in closed form; by both methods.
+//! Published test systems, from files, compared with closed forms, by both methods.
 
 use std::f64::consts::PI;
 
@@ -12,7 +12,7 @@ pub const METHODS: [&str; 2] = ["taylor", "dop853"];
 /// A transition: time, kind, contact.
 pub type Transition = (f64, String, String);
 
-/// The program, in a folder that has the system in `text` as `system.toml`.
+/// The program, in a folder with the system in `text` as `system.toml`.
 pub fn program(text: &str) -> (tempfile::TempDir, Command) {
     let top = tempfile::tempdir().unwrap();
     std::fs::write(top.path().join("system.toml"), text).unwrap();
@@ -21,15 +21,15 @@ pub fn program(text: &str) -> (tempfile::TempDir, Command) {
     (top, command)
 }
 
-/// What `stickslip simulate` finds of the system in `text`, and its transitions but for kinks of
-/// inputs.
+/// The results of `stickslip simulate` for the system in `text`, and its transitions without the
+/// kinks of inputs.
 pub fn simulated(text: &str, method: &str, arguments: &[&str]) -> (Value, Vec<Transition>) {
     let (found, mut transitions) = simulated_with_kinks(text, method, arguments);
     transitions.retain(|(_, kind, _)| kind != "kink" && kind != "switch");
     (found, transitions)
 }
 
-/// As [`simulated`], kinks among them.
+/// As [`simulated`], with the kinks.
 pub fn simulated_with_kinks(
     text: &str,
     method: &str,
@@ -68,7 +68,7 @@ pub fn end(found: &Value, state: &str) -> f64 {
     found["x_end"][state].as_f64().unwrap()
 }
 
-/// A block whose belt moves at the speed `belt`, with friction 0.7.
+/// A block with friction 0.7 on a belt with the speed `belt`.
 fn on_belt(belt: &str, start: [f64; 2]) -> String {
     let [x, v] = start;
     format!(
@@ -80,7 +80,7 @@ fn on_belt(belt: &str, start: [f64; 2]) -> String {
 
 #[test]
 fn a_margin_that_jumps_below_zero_ends_stick_at_the_kink() {
-    // The belt brakes until t = 1; without that the spring, stretched by one, is the stronger.
+    // The belt brakes until t = 1. Otherwise the spring, stretched by one, would exceed friction.
     let text = on_belt("max(1 - t, 0)", [0.5, 1.0]);
     for method in METHODS {
         let (found, transitions) = simulated(&text, method, &[]);
@@ -96,7 +96,7 @@ fn a_margin_that_jumps_below_zero_ends_stick_at_the_kink() {
 
 #[test]
 fn a_margin_that_jumps_at_the_start_ends_stick_there() {
-    // The belt, at rest until t = 0, gains speed faster than friction 0.7 can follow.
+    // The belt, at rest until t = 0, accelerates more than friction 0.7 allows the block.
     let text = on_belt("max(0, 2*t)", [0.0, 0.0]);
     for method in METHODS {
         for tolerance in ["1e-12", "1e-5"] {
@@ -117,12 +117,12 @@ fn a_margin_that_jumps_at_the_start_ends_stick_there() {
 
 #[test]
 fn a_margin_that_jumps_and_stays_positive_ends_nothing() {
-    // Each jump of the belt's acceleration leaves the force below what friction holds.
+    // Each jump of the belt's acceleration leaves the force below the friction limit.
     let text = on_belt("0.1*abs(sin(t)) - 0.05", [0.0, -0.05]);
     for method in METHODS {
         let (found, transitions) = simulated(&text, method, &["--t-end", "30"]);
         assert_eq!(transitions, [], "{method}");
-        // Nine half waves and what is left of the tenth.
+        // Nine half waves and the rest of the tenth.
         let ridden = 0.1 * (18.0 + 1.0 - math::cos(30.0 - 9.0 * PI)) - 1.5;
         assert!((end(&found, "x") - ridden).abs() < 1e-10, "{method}");
     }
@@ -130,7 +130,7 @@ fn a_margin_that_jumps_and_stays_positive_ends_nothing() {
 
 #[test]
 fn fields_that_agree_and_lie_along_the_boundary_are_left_once() {
-    // A free body beside a boundary that begins to move at t = 1.
+    // A free body beside a boundary that starts to move at t = 1.
     let text = "name = \"free\"\n[time]\nend = 3\n[states]\nx = \"\"\nv = \"\"\n\
         [contacts.wall]\nboundary = \"v - max(t - 1, 0)\"\n[field]\nx = \"v\"\nv = \"0*wall\"\n\
         [start]\nx = 0\nv = 0\n";
@@ -147,8 +147,8 @@ fn fields_that_agree_and_lie_along_the_boundary_are_left_once() {
 
 #[test]
 fn without_a_normal_force_there_is_no_friction() {
-    // A bead on a circular rail: it slides up, loses contact, turns, and meets the rail again. The
-    // law changes its sign with the normal force, and so it would go on to push.
+    // A bead on a circular rail. It slides up, loses contact, turns, and meets the rail again. The
+    // law changes its sign with the normal force, which would then push.
     let text = "name = \"bead\"\n[time]\nend = 1.9\n[states]\nph = \"rad\"\nw = \"rad/s\"\n\
         [parameters]\ng = 9.81\nR = 5\nmu = 0.05\n[contacts.rail]\nboundary = \"w\"\n\
         friction = \"mu*(g*cos(ph)/R + w^2)\"\nnormal_force = \"g*cos(ph) + R*w^2\"\n\
@@ -163,7 +163,7 @@ fn without_a_normal_force_there_is_no_friction() {
         let (at_loss, _) = simulated(text, method, &["--t-end", "1.046539051912"]);
         let (at_turn, _) = simulated(text, method, &["--t-end", &turn]);
         let (ph, w) = (end(&at_loss, "ph"), end(&at_loss, "w"));
-        // Without friction energy is kept.
+        // Without friction energy is conserved.
         let turns_at = math::acos(math::cos(ph) - 5.0 * w * w / (2.0 * 9.81));
         assert!((end(&at_turn, "ph") - turns_at).abs() < 1e-9, "{method}");
     }
@@ -171,14 +171,14 @@ fn without_a_normal_force_there_is_no_friction() {
 
 #[test]
 fn a_law_that_does_not_vanish_with_the_normal_force_ends_with_it() {
-    // Constant friction 1; the contact is lost at t = 1 and gained again at t = 2.
+    // Constant friction 1. The contact is lost at t = 1 and regained at t = 2.
     let text = "name = \"lifted\"\n[time]\nend = 4\n[states]\nx = \"\"\nv = \"\"\n\
         [contacts.floor]\nboundary = \"v\"\nfriction = \"1\"\nnormal_force = \"(t - 1)*(t - 2)\"\n\
         [field]\nx = \"v\"\nv = \"0.5 - friction(floor)\"\n[start]\nx = 0\nv = 0\n";
     for method in METHODS {
         let (found, transitions) = simulated(text, method, &[]);
         assert_eq!(transitions.len(), 4, "{method}: {transitions:?}");
-        // At rest until it is lifted, pushed by 0.5 for one unit of time, braked by 0.5 to rest.
+        // At rest until it is lifted, pushed by 0.5 for one time unit, then braked by 0.5 to rest.
         let mut kinds = transitions.clone();
         kinds.sort_by(|one, other| one.1.cmp(&other.1));
         for ((t, kind, _), (at, name)) in kinds.iter().zip([
@@ -194,7 +194,7 @@ fn a_law_that_does_not_vanish_with_the_normal_force_ends_with_it() {
     }
 }
 
-/// A block with friction 1 on a floor, its spring stiffer beyond `x = 0`.
+/// A block with friction 1 on a floor, with a stiffer spring beyond `x = 0`.
 fn with_stop(push: &str, start: [f64; 2]) -> String {
     let [x, v] = start;
     format!(
@@ -208,7 +208,7 @@ fn with_stop(push: &str, start: [f64; 2]) -> String {
 #[test]
 fn a_place_and_its_velocity_that_vanish_together_are_decided_together() {
     for method in METHODS {
-        // From the place: away from it on either side, or held there.
+        // From x = 0: away from it on either side, or held there.
         let to_right = simulated(&with_stop("3", [0.0, 0.0]), method, &["--t-end", "1"]).0;
         let exact = 2.0 / 3.0 * (1.0 - math::cos(3.0_f64.sqrt()));
         assert!((end(&to_right, "x") - exact).abs() < 1e-10, "{method}");
@@ -221,14 +221,14 @@ fn a_place_and_its_velocity_that_vanish_together_are_decided_together() {
             (0.0, Vec::new()),
             "{method}"
         );
-        // To the place, where it comes to rest: half a circle about -1 from -2.
+        // To x = 0, where it comes to rest: half a circle about -1 from -2.
         let (arrived, transitions) =
             simulated(&with_stop("0", [-2.0, 0.0]), method, &["--t-end", "9"]);
         let (t, kind, contact) = transitions.last().unwrap();
         assert_eq!((kind.as_str(), contact.as_str()), ("stick entry", "floor"));
         assert!((t - PI).abs() < 1e-8, "{method}: {t}");
         assert!(end(&arrived, "x").abs() < 1e-9, "{method}");
-        // Driven away from rest there, to either side.
+        // Driven from rest there, to either side.
         for sign in [1.0, -1.0] {
             let push = format!("{}*sin(t)", 1.5 * sign);
             let text = with_stop(&push, [0.0, 0.0]);
@@ -260,7 +260,7 @@ fn an_orbit_that_shrinks_to_a_point_of_the_boundary_ends_there() {
 
 #[test]
 fn crossings_without_end_are_limited() {
-    // Both fields circle the point (0.75, 0.6), ever faster: a focus on the boundary.
+    // Both fields rotate about the point (0.75, 0.6) and grow: a focus on the boundary.
     let text = "name = \"ocean\"\n\
         [time]\n\
         end = 60\n\
@@ -290,7 +290,7 @@ fn crossings_without_end_are_limited() {
         .stderr(contains("more than 100 steps by t = "));
 }
 
-/// From springs of 1e6 on the ends of the set are told beside it: README, "what can hide".
+/// From springs of 1e6 on, points beside the ends of the set are reported: README, "what can hide".
 #[test]
 fn a_block_that_friction_holds_rests_on_one_set() {
     for (k, c) in [("100", "0"), ("1000", "30"), ("1e4", "0"), ("3", "0.1")] {
@@ -311,7 +311,8 @@ fn a_block_that_friction_holds_rests_on_one_set() {
     }
 }
 
-/// Blocks on springs of stiffness 1, from 1.05, 1.15, 1.25, …; the first ones rub on the floor.
+/// Blocks on springs of stiffness 1, from 1.05, 1.15, 1.25, …; the first ones have friction with
+/// the floor.
 fn row_of_blocks(count: usize, rubbing: usize) -> String {
     let each = |line: &dyn Fn(usize) -> String| (0..count).map(line).collect::<String>();
     let contact = |k| format!("[contacts.c{k}]\nboundary = \"v{k}\"\nfriction = \"0.3\"\n");
@@ -336,7 +337,7 @@ fn as_many_states_and_contacts_as_a_file_can_have_move_as_each_does_alone() {
             let mut place = 1.05 + 0.1 * k as f64;
             let mut wanted = place * math::cos(20.0);
             if k < 16 {
-                // Each half turn takes 0.6 of the amplitude, until friction holds the spring.
+                // Each half turn reduces the amplitude by 0.6, until friction holds the spring.
                 let mut turns = 0;
                 while place.abs() > 0.3 + 1e-9 {
                     place = -(place - 0.6 * place.signum());
@@ -364,7 +365,7 @@ fn a_system_without_contacts_is_smooth() {
         assert!(transitions.is_empty());
         assert!((end(&found, "x0") - 1.05 * math::cos(20.0)).abs() < 1e-9);
     }
-    // The analyses take it, too: both exponents are zero, and so is the multiplier's logarithm.
+    // The analyses accept it, too: both exponents are zero, and so is the multiplier's logarithm.
     let (_top, mut command) = program(&row_of_blocks(1, 0));
     command.args(["lyapunov", "system.toml", "--duration", "500", "--json"]);
     let output = command.assert().success().get_output().stdout.clone();
@@ -377,20 +378,20 @@ fn a_system_without_contacts_is_smooth() {
     }
     let (_top, mut command) = program(&row_of_blocks(1, 0));
     let orbit = ["orbit", "system.toml"];
-    let told = contains("6.28318530");
-    command.args(orbit).assert().success().stdout(told);
-    // Of a boundary there is nothing to say.
+    let reported = contains("6.28318530");
+    command.args(orbit).assert().success().stdout(reported);
+    // Without a boundary there is nothing to report.
     let (_top, mut command) = program(&row_of_blocks(1, 0));
-    let told = contains("has no contact");
+    let reported = contains("has no contact");
     command
         .args(["tangents", "system.toml"])
         .assert()
         .code(2)
-        .stderr(told);
+        .stderr(reported);
 }
 
-/// Crossing cycles about a two-fold (C24): above the boundary the field is tangent to it where
-/// `p = sin(x) + x^2`, below where `x = 1/10`, and at one parameter at the same place.
+/// Crossing cycles about a two-fold (C24). Above the boundary the field is tangent to it where `p =
+/// sin(x) + x^2`, below where `x = 1/10`. At one parameter both are at the same position.
 #[test]
 fn crossing_cycles_shrink_to_a_two_fold_at_a_known_parameter() {
     let text = r#"
@@ -420,9 +421,9 @@ y = 0.05
         let found: Value = serde_json::from_slice(&output).unwrap();
         let end = &found["ends"][0];
         assert_eq!(end["stop"], "two-fold", "{found:#}");
-        let told = |key: &str| end["two_fold"][key].as_f64().unwrap();
-        let off = (told("parameter") - exact).abs();
-        let uncertainty = told("uncertainty");
+        let reported = |key: &str| end["two_fold"][key].as_f64().unwrap();
+        let off = (reported("parameter") - exact).abs();
+        let uncertainty = reported("uncertainty");
         assert!(
             off <= uncertainty && uncertainty < 1e-9,
             "{method}: {off:e} {uncertainty:e}"

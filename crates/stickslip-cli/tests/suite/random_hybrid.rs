@@ -1,4 +1,5 @@
-//! Random systems with jumps, discrete states, inputs and a contact: both methods see the same.
+//! Random systems with jumps, discrete states, inputs and a contact: both methods find the same
+//! events.
 
 use std::collections::BTreeMap;
 
@@ -10,19 +11,19 @@ use stickslip_kernels::file::System;
 use crate::hybrid::{options, system};
 use crate::public_cases::METHODS;
 
-/// Events of a run that are compared: beyond these, neighbours may have parted.
-const MOST: usize = 40;
+/// Number of events compared: later, neighbouring orbits may have separated.
+const MAX_COMPARED: usize = 40;
 
-/// By how much the times of an event may differ.
-const SAME: f64 = 1e-6;
+/// Allowed difference of event times.
+const TIME_TOLERANCE: f64 = 1e-6;
 
-/// The text of a random system.
+/// The file of a random system.
 fn text(random: &mut SplitMix) -> String {
     let mut a = |low: f64, high: f64| random.between(low, high);
     let mut text = "name = \"random\"\n[states]\nx = \"\"\ny = \"\"\n".to_owned();
     let mut acts = String::new();
     text += "[discrete]\nn = 1\nm = 0\n";
-    // Inputs, each there or not.
+    // Each input is optional.
     for (number, shape) in ["square", "triangle", "sawtooth", "pulse"]
         .iter()
         .enumerate()
@@ -50,7 +51,7 @@ fn text(random: &mut SplitMix) -> String {
         text += &format!("[switches.drive]\nfunction = \"{function}\"\n");
         acts += &format!(" + {}*drive", a(-1.0, 1.0));
     }
-    // A contact with friction, there or not.
+    // A contact with friction is optional.
     let mut friction = "";
     if a(0.0, 1.0) < 0.6 {
         let (speed, size) = (a(-0.5, 0.5), a(0.1, 1.0));
@@ -90,14 +91,14 @@ fn text(random: &mut SplitMix) -> String {
     text + &format!("[start]\nx = {}\ny = {}\n", a(-1.0, 1.0), a(-1.0, 1.0))
 }
 
-/// What a run has come to.
+/// Result of a run.
 #[derive(Debug)]
-struct Found {
+struct RunResult {
     events: Vec<(TransitionKind, usize, f64)>,
     ending: String,
 }
 
-fn found(system: &System, method: &str) -> Found {
+fn found(system: &System, method: &str) -> RunResult {
     let x = Vector::from_vec(system.built.start.clone().unwrap());
     let options = options(method).escape(1e3);
     let start = Moment { t: 0.0, x };
@@ -111,12 +112,12 @@ fn found(system: &System, method: &str) -> Found {
     let mut events = Vec::new();
     loop {
         match orbit.step() {
-            // A touch is where a function comes to zero to within rounding and turns back.
+            // At a touch, a function comes to zero within rounding and turns back.
             Ok(Happening::Transition(at)) if at.kind != TransitionKind::Touch => {
                 events.push((at.kind, at.contact, at.t));
-                if events.len() == MOST {
+                if events.len() == MAX_COMPARED {
                     let ending = "enough".to_owned();
-                    return Found { events, ending };
+                    return RunResult { events, ending };
                 }
             }
             Ok(Happening::End(summary)) => {
@@ -124,7 +125,7 @@ fn found(system: &System, method: &str) -> Found {
                     Ending::EndTime => "end time".to_owned(),
                     other => format!("{other:?}"),
                 };
-                return Found { events, ending };
+                return RunResult { events, ending };
             }
             Ok(_) => {}
             Err(error) => return failed(events, &error),
@@ -132,18 +133,18 @@ fn found(system: &System, method: &str) -> Found {
     }
 }
 
-fn failed(events: Vec<(TransitionKind, usize, f64)>, error: &Error) -> Found {
+fn failed(events: Vec<(TransitionKind, usize, f64)>, error: &Error) -> RunResult {
     let name = format!("{error:?}");
     let ending = name.split(' ').next().unwrap().to_owned();
-    Found { events, ending }
+    RunResult { events, ending }
 }
 
 /// Whether both have the same events.
-fn are_alike([one, other]: &[Found; 2]) -> bool {
+fn are_alike([one, other]: &[RunResult; 2]) -> bool {
     let is_alike = |(a, b): (&(TransitionKind, usize, f64), &(TransitionKind, usize, f64))| {
-        (a.0, a.1) == (b.0, b.1) && (a.2 - b.2).abs() < SAME
+        (a.0, a.1) == (b.0, b.1) && (a.2 - b.2).abs() < TIME_TOLERANCE
     };
-    // Where transitions pile up, the last ones are told by fewer digits than they take.
+    // Where transitions accumulate, the last ones have fewer significant digits.
     let count = match one.ending.as_str() {
         "EventPileUp" => one.events.len().min(other.events.len()).saturating_sub(8),
         _ if one.events.len() != other.events.len() => return false,
@@ -158,8 +159,8 @@ fn are_alike([one, other]: &[Found; 2]) -> bool {
             .all(is_alike)
 }
 
-/// How many events so many random systems have, and how many of them come to which ending; it tells
-/// of those in which the methods differ.
+/// Counts the events of so many random systems and their endings, and lists the systems for which
+/// the methods differ.
 fn compared(seeds: std::ops::Range<u64>) -> (usize, BTreeMap<String, usize>, Vec<String>) {
     let (mut events, mut different) = (0, Vec::new());
     let mut endings = BTreeMap::new();
@@ -170,10 +171,10 @@ fn compared(seeds: std::ops::Range<u64>) -> (usize, BTreeMap<String, usize>, Vec
         events += both[0].events.len();
         *endings.entry(both[0].ending.clone()).or_insert(0) += 1;
         if !are_alike(&both) {
-            let first = (0..MOST).find(|&k| {
+            let first = (0..MAX_COMPARED).find(|&k| {
                 let [one, other] = [&both[0], &both[1]].map(|found| found.events.get(k));
                 !matches!((one, other), (Some(a), Some(b)) if (a.0, a.1) == (b.0, b.1)
-                    && (a.2 - b.2).abs() < SAME)
+                    && (a.2 - b.2).abs() < TIME_TOLERANCE)
             });
             let shown = [&both[0], &both[1]].map(|found| {
                 let from = first.unwrap_or(0).saturating_sub(1);
@@ -196,7 +197,7 @@ fn both_methods_find_the_same_events_of_random_systems() {
     assert!(events > 4000 && to_the_end > 300, "{events} {endings:?}");
 }
 
-/// All alike, with 122275 events: two minutes of processor time.
+/// All agree, with 122275 events: two minutes of processor time.
 #[test]
 #[ignore = "takes minutes"]
 fn both_methods_find_the_same_events_of_ten_thousand_random_systems() {

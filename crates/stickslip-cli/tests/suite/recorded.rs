@@ -1,4 +1,4 @@
-//! What the tests keep of a run.
+//! Records of runs.
 
 use std::ops::ControlFlow;
 
@@ -45,7 +45,7 @@ pub fn methods() -> [Options; 2] {
     [Method::Taylor, Method::Dop853].map(|method| Options::tol(1e-13).method(method))
 }
 
-/// A run from the start of the file.
+/// A run from the start in the file.
 pub fn run(system: &System, t_end: f64, options: &Options) -> (Summary, Vec<Event>) {
     let x = system.built.start.clone().expect("the file has a start");
     let run = Run {

@@ -1,4 +1,4 @@
-//! `stickslip spectrum` as its user meets it.
+//! `stickslip spectrum` from the command line.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -59,7 +59,7 @@ fn prints_a_table_without_any_option_but_the_time_step() {
     // Over 3000 points the standard error is 0.005.
     assert!((cells[1].parse::<f64>().unwrap() - 0.419).abs() < 0.02);
     assert_eq!(cells[4], "ok");
-    // Nothing is written that was not asked for.
+    // No file is written unless requested.
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
 }
 
@@ -84,7 +84,7 @@ fn csv_and_json_hold_the_same_numbers() {
         assert_eq!(record[2].parse::<f64>().ok(), exponent["stderr"].as_f64());
         assert_eq!(Some(&record[3]), exponent["status"].as_str());
     }
-    // What the table says at its end; of 5000 points and more there is nothing to say.
+    // The note at the end of the table. For 5000 points and more there is none.
     let note = "What ok is worth was counted on series of 5000 points and more, and not on 3000.";
     assert_eq!(document["notes"], serde_json::json!([note]));
     let table = succeed(program().arg(&path).args(["--dt", "1"]));
@@ -103,9 +103,9 @@ fn csv_and_json_hold_the_same_numbers() {
     assert_eq!(document["settings"]["theiler"], 1);
 }
 
-/// A rotation has the exponent zero; Hénon's map has none near it (see above).
+/// A rotation has the exponent zero; Hénon's map has no exponent near zero (see above).
 #[test]
-fn an_exponent_that_is_ok_and_may_be_zero_is_told() {
+fn an_exponent_that_is_ok_and_may_be_zero_is_reported() {
     use stickslip::math::{cos, sin};
     let angle = |i: u32| f64::from(i) * 2.0_f64.sqrt();
     let text: String = (0..2000)
@@ -130,7 +130,8 @@ fn an_exponent_that_is_ok_and_may_be_zero_is_told() {
     assert!(run(&[]).contains(note));
 }
 
-/// The sum of Hénon's exponents is ln 0.3 at every point, and a divergence that is another is told.
+/// The sum of Hénon's exponents is ln 0.3 at every point. A given divergence that differs is
+/// reported.
 #[test]
 fn a_known_divergence_is_held_against_the_sum() {
     let run = |divergence: &str| {
@@ -148,7 +149,7 @@ fn a_known_divergence_is_held_against_the_sum() {
     assert_eq!(warnings, "");
     let [table, warnings] = run("-1.3");
     assert!(table.contains("unlike the divergence"));
-    // Given in four digits.
+    // Given with four digits.
     assert!(run("-1.204")[0].contains("as does the divergence"));
     assert!(warnings.contains("from the divergence -1.30000"));
 }
@@ -185,7 +186,7 @@ fn reads_standard_input_and_chooses_columns() {
             .write_stdin(henon(false)),
     );
     assert_eq!(by_name, by_number);
-    // A name that two columns have chooses none of them.
+    // A name that two columns have selects neither.
     program()
         .args(arguments)
         .arg("x")
@@ -196,7 +197,7 @@ fn reads_standard_input_and_chooses_columns() {
     assert_eq!(by_name, plain);
 }
 
-/// A column twice: a direction without a value, said so in every format.
+/// A column twice: a direction without a value, which every format shows.
 #[test]
 fn what_has_no_value_is_empty_null_or_a_dash() {
     let text: String = henon(false)
@@ -221,7 +222,7 @@ fn what_has_no_value_is_empty_null_or_a_dash() {
 fn writes_a_named_picture() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("a/b");
-    // Two steps at 3000 points are biased, which is said on standard error.
+    // Two steps at 3000 points are biased, which is reported on standard error.
     let output = program()
         .args([
             "-",
@@ -389,8 +390,7 @@ fn wrong_command_lines_end_with_two() {
     }
 }
 
-/// Estimates that look like any other and are not: a warning, a status, and the exit code of
-/// success.
+/// Doubtful estimates that look like any other: a warning, a status, and exit code 0.
 #[test]
 fn doubtful_spectra_come_with_a_warning() {
     let column: String = henon(false)
@@ -405,7 +405,7 @@ fn doubtful_spectra_come_with_a_warning() {
             "give more points (a larger --eps would",
         ),
         (
-            // More than the quadratic maps need: fewer would do.
+            // More neighbours than the quadratic maps need.
             henon(false),
             vec!["--eps", "1e-9", "--neighbours", "60-60"],
             "starved",
@@ -457,7 +457,7 @@ fn doubtful_spectra_come_with_a_warning() {
             "exponent 1 is undetermined: at more than 1 %",
         ),
         (
-            // With noise of 0.002, uniform errors summed in pairs.
+            // With noise of 0.002, sums of two uniform errors.
             {
                 let mut random = SplitMix::new(5);
                 let mut noise = move || 0.005 * (random.uniform() + random.uniform() - 1.0);
@@ -511,8 +511,8 @@ fn doubtful_spectra_come_with_a_warning() {
     }
 }
 
-/// Thirty points of a torus, whose Theiler window is 6, are enough; of a slower one they are a
-/// piece that says little.
+/// Thirty points of a torus, whose Theiler window is 6, are enough. For a slower torus they are a
+/// short piece with little information.
 #[test]
 fn a_short_piece_of_an_orbit_and_a_series_that_repeats_itself_get_a_warning() {
     let torus = |by: f64| -> String {
@@ -540,13 +540,14 @@ fn a_short_piece_of_an_orbit_and_a_series_that_repeats_itself_get_a_warning() {
     let thirty = ["--references", "30"];
     assert!(!warnings(torus(0.2), &thirty).contains(short));
     assert!(!warnings(torus(0.02), &[]).contains(short));
-    let told = warnings(torus(0.02), &thirty);
+    let reported = warnings(torus(0.02), &thirty);
     assert!(
-        told.contains("the 30 reference points reach over 30 points, ") && told.contains(short),
-        "{told}"
+        reported.contains("the 30 reference points reach over 30 points, ")
+            && reported.contains(short),
+        "{reported}"
     );
-    // As many as it asks for are enough.
-    let wanted = told
+    // The number of points that it asks for is enough.
+    let wanted = reported
         .split("give ")
         .last()
         .unwrap()
@@ -569,7 +570,7 @@ fn a_short_piece_of_an_orbit_and_a_series_that_repeats_itself_get_a_warning() {
     assert!(warnings(sine, &[]).contains("every row comes again 100 rows later"));
 }
 
-/// As a sensor does that has few bits, and one that hangs.
+/// Values of a sensor with few bits, and of one that hangs.
 #[test]
 fn values_on_a_grid_and_states_that_stand_still_get_a_word() {
     let series = |digits: usize, held: usize| -> String {
@@ -589,7 +590,7 @@ fn values_on_a_grid_and_states_that_stand_still_get_a_word() {
     for (digits, held, is_on_grid, stands) in [
         (12, 0, false, false),
         (12, 200, false, true),
-        // Less than a hundredth of all.
+        // Less than a hundredth of all values.
         (12, 15, false, false),
         (2, 0, true, false),
         (2, 200, true, true),
@@ -602,13 +603,13 @@ fn values_on_a_grid_and_states_that_stand_still_get_a_word() {
                 .success()
                 .get_output()
                 .clone();
-            let told = String::from_utf8(output.stderr).unwrap();
-            let case = format!("{digits} digits, {held} rows, columns {columns}: {told}");
-            assert_eq!(told.contains("different values"), is_on_grid, "{case}");
+            let reported = String::from_utf8(output.stderr).unwrap();
+            let case = format!("{digits} digits, {held} rows, columns {columns}: {reported}");
+            assert_eq!(reported.contains("different values"), is_on_grid, "{case}");
             let grid = "different values, on a grid of 0.01, as rounded ones";
-            assert_eq!(told.contains(grid), is_on_grid, "{case}");
+            assert_eq!(reported.contains(grid), is_on_grid, "{case}");
             assert_eq!(
-                told.contains("the same as those before them"),
+                reported.contains("the same as those before them"),
                 stands,
                 "{case}"
             );
@@ -616,8 +617,8 @@ fn values_on_a_grid_and_states_that_stand_still_get_a_word() {
     }
 }
 
-/// x of Lorenz' system, rounded to 0.05, that stands still for 200 points (nolds #19): its exponent
-/// is a number, and the grid is told.
+/// x of Lorenz' system, rounded to 0.05, that is constant for 200 points (nolds #19). Its exponent
+/// is finite, and the grid is reported.
 #[test]
 fn a_rounded_series_that_hangs_has_a_finite_exponent_and_a_grid() {
     let field = |[x, y, z]: [f64; 3]| [10.0 * (y - x), x * (28.0 - z) - y, x * y - 8.0 / 3.0 * z];
@@ -648,21 +649,21 @@ fn a_rounded_series_that_hangs_has_a_finite_exponent_and_a_grid() {
     assert_eq!(rounded["grid"]["column"], "1");
     assert!(rounded["exponents"][0]["exponent"].is_f64());
     let warnings = rounded["warnings"].as_array().unwrap();
-    let told = |says: &str| {
+    let reported = |says: &str| {
         warnings
             .iter()
             .any(|one| one.as_str().unwrap().contains(says))
     };
-    assert!(told(
+    assert!(reported(
         "on a grid of 0.05, as rounded ones or those of few bits"
     ));
-    assert!(told("states are the same as those before them"));
+    assert!(reported("states are the same as those before them"));
     assert!(of(1e-9)["grid"].is_null());
 }
 
-/// Ten values five points apart reach over 45 points more than the neighbours of a state take.
+/// Ten values five points apart need 45 points more than the neighbours of a state.
 #[test]
-fn a_file_that_is_too_short_is_told_how_many_rows_it_needs() {
+fn a_file_that_is_too_short_is_reported_how_many_rows_it_needs() {
     let column = |rows: usize| -> String {
         let rows = henon_of(rows);
         let first = rows.lines().map(|line| line.split(',').next().unwrap());
@@ -677,26 +678,26 @@ fn a_file_that_is_too_short_is_told_how_many_rows_it_needs() {
             String::from_utf8(output.stderr).unwrap(),
         )
     };
-    let needed = |told: &str| -> usize {
-        let before = told.split(" are needed").next().unwrap();
+    let needed = |reported: &str| -> usize {
+        let before = reported.split(" are needed").next().unwrap();
         before.rsplit(' ').next().unwrap().parse().unwrap()
     };
     let delayed = ["--delay", "5", "--dimension", "10"];
-    let (code, told) = run(45, &delayed);
-    assert_eq!(code, Some(2), "{told}");
-    let rows = needed(&told);
-    let (code, told) = run(rows - 1, &delayed);
-    assert_eq!((code, needed(&told)), (Some(1), rows), "{told}");
+    let (code, reported) = run(45, &delayed);
+    assert_eq!(code, Some(2), "{reported}");
+    let rows = needed(&reported);
+    let (code, reported) = run(rows - 1, &delayed);
+    assert_eq!((code, needed(&reported)), (Some(1), rows), "{reported}");
     assert!(
-        told.starts_with(&format!("error: {} points are too few", rows - 1)),
-        "{told}"
+        reported.starts_with(&format!("error: {} points are too few", rows - 1)),
+        "{reported}"
     );
-    let (code, told) = run(rows, &delayed);
-    assert_eq!(code, Some(0), "{told}");
-    // States as they are: those rows and no more.
-    let (_, told) = run(10, &["--dimension", "1"]);
-    let rows = needed(&told);
-    assert_eq!(run(rows, &["--dimension", "1"]).0, Some(0), "{told}");
+    let (code, reported) = run(rows, &delayed);
+    assert_eq!(code, Some(0), "{reported}");
+    // Complete states need exactly those rows.
+    let (_, reported) = run(10, &["--dimension", "1"]);
+    let rows = needed(&reported);
+    assert_eq!(run(rows, &["--dimension", "1"]).0, Some(0), "{reported}");
 }
 
 #[test]
@@ -729,7 +730,7 @@ fn files_as_they_come() {
     assert_eq!(run(henon(true).replace('\n', "\r\n")), plain);
     assert_eq!(run(henon(true).replace(',', ";")), plain);
     assert_eq!(run(format!("\u{feff}# measured\n\n{}", henon(true))), plain);
-    // The same forty points again and again: no neighbour is another point, and nothing is `ok`.
+    // The same forty points repeatedly: no neighbour is another point, and nothing is `ok`.
     let forty: Vec<String> = henon(false).lines().take(40).map(str::to_owned).collect();
     let repeats = forty.join("\n") + "\n";
     let output = program()
@@ -743,7 +744,7 @@ fn files_as_they_come() {
     assert!(!text.contains(",ok"), "{text}");
 }
 
-/// Columns by spaces, a name in a comment, and the time step from the time.
+/// Columns separated by spaces, a name in a comment, and the time step from the time.
 #[test]
 fn a_file_as_other_programs_write_it_needs_no_option() {
     let rows: String = henon(false)
@@ -767,7 +768,7 @@ fn a_file_as_other_programs_write_it_needs_no_option() {
             .write_stdin(henon(true)),
     );
     assert_eq!(named, given);
-    // Without names it is taken as the time with a word.
+    // Without names it is taken as the time, with a note.
     program()
         .args(["-", "--csv"])
         .write_stdin(rows)
@@ -848,7 +849,7 @@ fn what_is_left_out_or_has_no_effect_is_said() {
             .stdout(same.clone())
             .stderr(starts_with(format!("warning: {says}")));
     }
-    // What has an effect is not called without.
+    // An option that has an effect is not reported as ineffective.
     for arguments in [
         [&["--ridge", "0.1"], &sano_sawada[..]].concat(),
         [
@@ -897,7 +898,7 @@ fn an_unwritable_folder_is_named() {
     );
 }
 
-/// Two columns without any rule have two tangent directions, and no exponent.
+/// Two columns of noise have two tangent directions, and no exponent.
 #[test]
 fn of_noise_no_exponent_is_ok() {
     let mut random = SplitMix::new(3);
@@ -956,7 +957,7 @@ fn help_has_examples_and_explains_the_status() {
     }
 }
 
-/// Numbers as large as the machine's do not overflow.
+/// Numbers near the largest double do not overflow.
 #[test]
 fn huge_settings_are_refused() {
     let huge = usize::MAX.to_string();
@@ -1006,7 +1007,7 @@ fn huge_settings_are_refused() {
         .stderr(contains("--eps"));
 }
 
-/// Long rows of zeros are written as powers of ten.
+/// Numbers with many zeros are written as powers of ten.
 #[test]
 fn tiny_steps_are_readable() {
     let table = succeed(
@@ -1017,7 +1018,7 @@ fn tiny_steps_are_readable() {
     assert!(table.contains("dt = 1e-100\n"), "{table}");
 }
 
-/// A time that is uneven is an error unless columns and the time step are both given.
+/// An uneven time is an error unless columns and the time step are both given.
 #[test]
 fn an_uneven_time_is_no_matter_where_columns_and_step_are_given() {
     let text: String = std::iter::once("t x y\n".to_owned())
@@ -1040,7 +1041,7 @@ fn an_uneven_time_is_no_matter_where_columns_and_step_are_given() {
     }
 }
 
-/// Angles that are taken back by a turn, in both units; one that never turns over is none of them.
+/// Angles that wrap by a turn, in both units. An angle that never wraps is not reported.
 #[test]
 fn an_angle_that_wraps_is_warned_of() {
     let standard_map = |turn: f64, most: f64| -> String {
@@ -1056,7 +1057,7 @@ fn an_angle_that_wraps_is_warned_of() {
             .collect()
     };
     let tau = 2.0 * std::f64::consts::PI;
-    // As far as a turn, without a jump.
+    // Over a full turn, without a jump.
     let sine: String = (0..2000)
         .map(|i| format!("{0} {0}\n", 3.135 * math::sin(0.1 * f64::from(i))))
         .collect();

@@ -1,4 +1,4 @@
-//! `stickslip spectrum` with fewer columns than the system has, and its second opinion.
+//! `stickslip spectrum` with fewer columns than the system has, and its second estimate.
 
 use std::fmt::Write;
 
@@ -51,7 +51,7 @@ fn json(arguments: &[&str], text: &str) -> Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// λ1 = 0.4192; over 3000 points its standard error is 0.007.
+/// λ1 = 0.4192. Over 3000 points its standard error is 0.007.
 #[test]
 fn one_column_is_embedded_by_itself() {
     let text = henon(3000);
@@ -86,7 +86,7 @@ fn one_column_is_embedded_by_itself() {
 fn spurious_exponents_are_marked_in_every_format() {
     let text = henon(3000);
     let three = ["--delay", "1", "--dimension", "3"];
-    // Quadratic maps have none.
+    // Quadratic maps have no spurious exponents.
     let origins = &json(&three, &text)["embedding"]["origins"];
     assert_eq!(
         (&origins[0], &origins[1]),
@@ -128,12 +128,12 @@ fn the_whole_state_is_not_embedded() {
     };
     let both = columns(&|x, y| format!("{x} {y}\n"));
     assert!(json(&[], &both)["embedding"].is_null());
-    // Unless it is asked for.
+    // Unless it is requested.
     assert_eq!(
         json(&["--dimension", "2"], &both)["embedding"]["dimension"],
         2
     );
-    // A delay without anything delayed says so.
+    // A delay without delayed values is reported.
     let one = columns(&|x, _| format!("{x}\n"));
     program(&["--dimension", "1", "--delay", "3"], &one)
         .assert()
@@ -194,7 +194,7 @@ fn the_picture_shows_the_choice_and_the_straight_parts() {
     }
 }
 
-/// The series lies in a plane, and the third exponent is one of its rounding.
+/// The series lies in a plane, and the third exponent is due to its rounding.
 #[test]
 fn an_exponent_that_the_axis_leaves_out_is_said_to_be_outside() {
     let text = henon(3001);
@@ -218,9 +218,8 @@ fn an_exponent_that_the_axis_leaves_out_is_said_to_be_outside() {
     assert_eq!(picture.matches("outside the axis").count(), 1);
 }
 
-/// Neighbours that fall on one value of the grid look annihilated, and are told apart by a warning;
-/// whole numbers from 0 to 2 without any rule have no tangent direction, and nothing to hold the
-/// embedding against.
+/// Neighbours on the same value of a coarse grid look annihilated; a warning reports that. Random
+/// whole numbers from 0 to 2 have no tangent direction, and nothing to compare the embedding with.
 #[test]
 fn values_on_a_coarse_grid_get_a_warning_and_no_error() {
     let rows = |digits: usize| {

@@ -1,4 +1,4 @@
-//! Tables of numbers as files hold them.
+//! Formats of tables of numbers in files.
 
 use std::io::BufReader;
 
@@ -29,7 +29,7 @@ fn separators_are_sensed() {
         "  x    y\n  1.0e+00   2.0D+00\n  3.0e+00   4.0d+00\n",
         "x, y\n1, 2\n3, 4\n",
         "\"x\",\"y\"\n1,2\n3,\"4\"\n",
-        // Decimal commas, where something else separates.
+        // Decimal commas, with another separator.
         "x;y\n1,0;2,0\n3,0;4,0\n",
         "x\ty\n1,0\t2\n3\t4,0\n",
         "x y\n1,0 2\n3 4,0\n",
@@ -43,12 +43,12 @@ fn separators_are_sensed() {
         assert_eq!(named.names, ["x", "y"], "{text:?}");
         assert_eq!(named.values, [1.0, 2.0, 3.0, 4.0], "{text:?}");
     }
-    // A comment with other words is none.
+    // A comment with other words is not a header.
     assert_eq!(
         table("# two columns here\n1 2\n3 4\n", &[]).unwrap().names,
         ["1", "2"]
     );
-    // Nor is what Octave tells of the file, with as many words as there are columns.
+    // Nor is Octave's description of the file, even with as many words as columns.
     for (comments, rows, names) in [
         (
             "# name: x\n# type: matrix\n# rows: 3\n# columns: 1\n",
@@ -61,14 +61,14 @@ fn separators_are_sensed() {
         let table = table(&format!("{comments}{rows}"), &[]).unwrap();
         assert_eq!(table.names, names, "{comments:?}");
     }
-    // A comma alone separates, but where the digits beside it are those of no whole numbers.
+    // A comma alone separates, unless the digits beside it cannot be whole numbers.
     assert_eq!(table("1,5\n2,5\n4,9\n", &[]).unwrap().names.len(), 2);
     // One column needs no separator.
     assert_eq!(
         table("1.5\n2.5\n4.5\n", &[]).unwrap().values,
         [1.5, 2.5, 4.5]
     );
-    // Latin-1 in a comment harms nobody.
+    // Latin-1 in a comment is harmless.
     let latin = from(b"# Gr\xf6\xdfe\n1 2\n3 4\n", &[], Some(1.0)).unwrap();
     assert_eq!(latin.values, [1.0, 2.0, 3.0, 4.0]);
 }
@@ -93,7 +93,7 @@ fn columns_are_chosen_by_number_or_name() {
         "{ambiguous}"
     );
     assert_eq!(chosen(twins, &["3", "b"]), [3.0, 2.0]);
-    // A column that is not read may hold anything.
+    // A column that is not read may contain anything.
     assert_eq!(chosen("n,x\none,1\ntwo,2\n", &["x"]), [1.0, 2.0]);
 }
 
@@ -114,7 +114,7 @@ fn a_time_column_says_what_the_step_is() {
         let rows = (0..50).map(|i| format!("{} {}\n", 3.0 + step * f64::from(i), (i * i) % 17));
         format!("{name} x\n{}", rows.collect::<String>())
     };
-    // The sum of rounded times is no part of it.
+    // The sum of rounded times must not accumulate.
     for (name, step) in [
         ("t", 0.02),
         ("Time", 0.1),
@@ -135,7 +135,7 @@ fn a_time_column_says_what_the_step_is() {
     );
     let back = without("t,x\n0,7\n1,8\n0.5,8\n2,1\n3,2\n", &[]).unwrap_err();
     assert!(back.contains("line 4"), "{back}");
-    // A first column without a name that goes on evenly.
+    // A first column without a name and with equal steps.
     let unnamed = without("0 5\n0.25 7\n0.5 2\n", &[]).unwrap();
     assert_eq!(
         (unnamed.dt, &unnamed.names[..]),
@@ -147,12 +147,12 @@ fn a_time_column_says_what_the_step_is() {
         "{:?}",
         unnamed.notes
     );
-    // Asked for it is a coordinate, and the step is not known.
+    // If requested, it is a coordinate, and the step is unknown.
     let unknown = without("0 5\n0.25 7\n0.5 2\n", &["1", "2"]).unwrap_err();
     assert!(unknown.starts_with("--dt is missing"), "{unknown}");
     assert!(without("5 0\n7 3\n2 1\n", &[]).is_err());
-    // One that is not the step given, or that has gaps, is used if it is asked for, and warned of
-    // elsewhere.
+    // A first column that differs from the given step, or that has gaps, is used if requested.
+    // Otherwise a warning reports it.
     let quarters = |rows: usize| -> String {
         let row = |i: usize| format!("{} {}\n", 0.25 * i as f64, i * i % 7);
         (0..rows).map(row).collect()
@@ -165,7 +165,7 @@ fn a_time_column_says_what_the_step_is() {
     );
     let asked = table(&quarters(10), &["1", "2"]).unwrap();
     assert_eq!(asked.names.len(), 2);
-    // So few may do so by chance.
+    // So few may occur by chance.
     assert_eq!(table(&quarters(9), &[]).unwrap().names.len(), 2);
     let with_jumps = |every: usize| -> String {
         let row = |i: usize| format!("{} {}\n", 0.5 * (i + i / every) as f64, i * i % 7);
@@ -182,12 +182,12 @@ fn a_time_column_says_what_the_step_is() {
         assert!(gap.contains(&says), "{gap}");
         assert_eq!(without(&with_jumps(every), &[]).unwrap_err(), gap);
     }
-    // What rises in all rows is no state that comes back, however many gaps it has.
+    // A column that rises in all rows is not a recurrent state, however many gaps it has.
     assert!(table(&with_jumps(150), &[]).is_err());
     let squares: String = (0..20).map(|i| format!("{} {}\n", i * i, i % 3)).collect();
     let uneven = table(&squares, &[]).unwrap_err();
     assert!(uneven.contains("but from 0 to 1 at row 2"), "{uneven}");
-    // A phase that begins anew is a coordinate.
+    // A phase that starts anew is a coordinate.
     let phase: String = (0..2000)
         .map(|i| format!("{} {}\n", 0.5 * f64::from(i % 150), i * i % 7))
         .collect();
@@ -203,14 +203,14 @@ fn a_constant_column_is_left_out_with_a_word() {
         (2, vec![1.0, 5.0, 3.0, 4.0])
     );
     assert_eq!(left.notes, ["column y is 2 in every row and is left out"]);
-    // If all are, the estimator says it.
+    // If all are constant, the estimator reports it.
     assert_eq!(table("1,2\n1,2\n", &[]).unwrap().names.len(), 2);
 }
 
-/// -0 and 05 are no whole numbers, so that the comma beside them is a decimal one; of two in a line
-/// nobody can tell the separator.
+/// -0 and 05 are not whole numbers, so that the comma beside them is a decimal comma. With two
+/// commas in a line the separator is ambiguous.
 #[test]
-fn a_decimal_comma_without_another_separator_is_told_by_its_digits() {
+fn a_decimal_comma_without_another_separator_is_recognized_by_its_digits() {
     let read = table("0,25\n-0,5\n1,05\n", &[]).unwrap();
     assert_eq!(read.values, [0.25, -0.5, 1.05]);
     assert!(read.notes[0].contains("decimal commas") && read.notes[0].contains("semicolons"));
@@ -241,12 +241,12 @@ fn a_decimal_comma_without_another_separator_is_told_by_its_digits() {
 }
 
 #[test]
-fn a_blank_line_between_numbers_is_told_and_one_around_them_is_not() {
+fn a_blank_line_between_numbers_is_reported_and_one_around_them_is_not() {
     let notes = |text: &str| table(text, &[]).unwrap().notes;
-    let told = notes("1 2\n3 4\n\n\n5 6\n7 9\n\n8 9\n");
+    let reported = notes("1 2\n3 4\n\n\n5 6\n7 9\n\n8 9\n");
     assert!(
-        told.len() == 1 && told[0].starts_with("line 3 is blank"),
-        "{told:?}"
+        reported.len() == 1 && reported[0].starts_with("line 3 is blank"),
+        "{reported:?}"
     );
     assert_eq!(notes("\n# two\n\n1 2\n3 4\n5 7\n\n\n"), [""; 0]);
 }
@@ -265,32 +265,31 @@ fn a_table_that_repeats_itself_has_a_period() {
     };
     let period = |text: &str| table(text, &[]).unwrap().period();
     assert_eq!(period(&sine(1000, 100.0)), Some(100));
-    // 63 rows are five periods and a half.
+    // 63 rows are 5.5 periods.
     assert_eq!(period(&sine(1000, 126.0 / 11.0)), Some(126));
-    // Not twice.
+    // It does not repeat twice.
     assert_eq!(period(&sine(199, 100.0)), None);
     assert_eq!(period(&sine(1000, 100.0 / std::f64::consts::SQRT_2)), None);
-    // One number of many is another.
+    // One of many numbers differs.
     assert_eq!(
         period(&(sine(700, 100.0) + "0.5\n" + &sine(300, 100.0))),
         None
     );
-    // A rest in the first half agrees with itself.
+    // A constant first half agrees with itself.
     assert_eq!(period(&("0.5\n".repeat(500) + &sine(500, 70.7))), None);
 }
 
 #[test]
 fn columns_that_count_are_found() {
     let even = |text| -> Vec<(usize, f64)> { table(text, &[]).unwrap().even_columns().collect() };
-    // A time that is rounded is one all the same.
+    // A rounded time is still a time.
     assert_eq!(even("0,1,9\n1,4,6\n2,9,3\n"), [(0, 1.0), (2, -3.0)]);
     assert_eq!(even("x\n0.333\n0.667\n1.000\n").len(), 1);
     assert_eq!(even("0,1\n1,1\n2.1,1\n"), []);
     assert_eq!(even("0,1\n1,2\n"), []);
 }
 
-/// Of few bits, with an offset; of two values that have nothing in common; of as many digits as a
-/// double has.
+/// Few bits with an offset; two values without a common step; all digits of a double.
 #[test]
 fn the_step_of_a_grid_is_found() {
     let grid = |of: &dyn Fn(u32) -> f64| {

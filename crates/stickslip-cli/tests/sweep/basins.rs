@@ -33,7 +33,7 @@ fn equilibrium(attractors: &[Value]) -> (f64, f64) {
     })
 }
 
-/// Shares of the fixed point as published with bSTAB's example, of 5000 random starts each.
+/// Shares of the fixed point as published with bSTAB's example, from 5000 random starts each.
 #[test]
 fn shares_are_the_published_ones() {
     let top = folder();
@@ -59,7 +59,7 @@ fn shares_are_the_published_ones() {
             (share - published).abs() <= bound,
             "{speed}: {share} +- {std_error}"
         );
-        // 600 starts tell 0.2 from 0.3.
+        // 600 starts distinguish 0.2 from 0.3.
         assert!(std_error < 0.021);
     }
 }
@@ -80,7 +80,7 @@ fn other_seeds_are_other_starts_and_the_same_seed_the_same() {
     assert_eq!(one.lines().count(), 21);
 }
 
-/// At this speed of the belt all starts lead to the focus, slowly: in a short time none is decided,
+/// At this speed of the belt all starts lead to the focus, slowly. In a short time none is decided;
 /// in a long one all are.
 #[test]
 fn undecided_starts_are_none_of_the_attractors() {
@@ -207,9 +207,9 @@ fn another_argument_or_system_is_refused_in_the_same_folder() {
 }
 
 #[test]
-fn wrong_planes_are_told() {
+fn wrong_planes_are_reported() {
     let top = folder();
-    for (arguments, said) in [
+    for (arguments, message) in [
         (&["--grid", "0x4"][..], "--grid 0x4"),
         (&["--grid", "ten"], "--grid ten"),
         (&["--random", "0"], "'0' for '--random"),
@@ -226,9 +226,9 @@ fn wrong_planes_are_told() {
             .args(arguments)
             .assert()
             .code(2)
-            .stderr(contains(said));
+            .stderr(contains(message));
     }
-    // Nothing was made of it.
+    // Nothing was computed from it.
     assert_eq!(std::fs::read_dir(top.path()).unwrap().count(), 0);
     std::fs::write(top.path().join("file"), "precious").unwrap();
     program(top.path())
@@ -240,7 +240,7 @@ fn wrong_planes_are_told() {
     assert_eq!(text(top.path().join("file")), "precious");
 }
 
-/// A block on a belt, held by a spring of which the force is a logarithm: there is none left of 0.
+/// A block on a belt, held by a spring with a logarithmic force, which is undefined left of 0.
 const LOGARITHM: &str = r#"
 name = "log spring"
 [states]
@@ -291,7 +291,7 @@ fn starts_outside_the_domain_or_the_bound_lose_nothing_of_the_others() {
         }
         starts
     };
-    // The middles of two columns of eight lie left of 0.
+    // The centres of two columns of eight lie left of 0.
     let found = motions(&["basin", "log.toml", "--grid", "8x1"], "o");
     assert_eq!(found["failure"], 2, "{found:?}");
     assert_eq!(found.values().sum::<u64>(), 8);
@@ -324,8 +324,8 @@ fn more_points_than_any_memory_holds_are_refused() {
     }
 }
 
-/// A drive weaker than friction leaves the block where it is, in one set of equilibria and not in
-/// one attractor for each place.
+/// A drive weaker than friction leaves the block where it is, in one set of equilibria, not in a
+/// separate attractor for each position.
 #[test]
 fn rest_under_a_weak_drive_is_one_attractor() {
     let top = folder();
@@ -354,7 +354,7 @@ fn rest_under_a_weak_drive_is_one_attractor() {
     );
 }
 
-/// The folder knows a system by its text, wherever its file is.
+/// The folder identifies a system by its text, wherever its file is.
 #[test]
 fn a_system_is_the_same_by_another_path() {
     let top = folder();

@@ -17,7 +17,7 @@ const DIAGRAM: [&str; 8] = [
     "1e-10",
 ];
 
-/// Of a way: the values at which its motion is this, from the table.
+/// The values at which a direction of the sweep has a motion, from the table.
 fn values(table: &str, way: &str, motion: &str) -> Vec<f64> {
     let mut rows = csv::Reader::from_reader(table.as_bytes());
     let mut found = Vec::new();
@@ -31,9 +31,9 @@ fn values(table: &str, way: &str, motion: &str) -> Vec<f64> {
     found
 }
 
-/// The stick-slip cycle ends above the speed at which the equilibrium has become stable: between,
-/// each way keeps to its own attractor. The equilibrium becomes stable at (1/2) ln 10; the
-/// published shares say that the cycle is there at 1.775, and no more at 1.85.
+/// The stick–slip cycle ends above the speed at which the equilibrium becomes stable, at (1/2) ln
+/// 10. Between them each direction keeps to its own attractor. By the published shares the cycle
+/// exists at 1.775, and not at 1.85.
 #[test]
 fn up_and_down_show_the_hysteresis() {
     let top = folder();
@@ -53,7 +53,8 @@ fn up_and_down_show_the_hysteresis() {
     let born = 0.5 * stickslip::math::ln(10.0);
     let last = *rests.last().unwrap();
     assert!((born..born + 0.025).contains(&last), "{last}");
-    // Every value is in one of them, or is where the equilibrium attracts too weakly to tell.
+    // Every value has one of the motions, or is undecided where the equilibrium attracts too
+    // weakly.
     let undecided = values(&table, "down", "undecided");
     assert!(undecided.iter().all(|value| (value - born).abs() < 0.025));
 
@@ -78,7 +79,7 @@ fn up_and_down_show_the_hysteresis() {
     for row in rows.records() {
         let row = row.unwrap();
         let number = |k: usize| row[k].parse::<f64>().unwrap();
-        // While it sticks, the block goes as far as the belt, at the belt's speed.
+        // In stick, the block travels with the belt, at the belt's speed.
         let (speed, duration, length, change) = (number(1), number(2), number(3), number(4));
         assert!((length - speed * duration).abs() < 1e-9, "{length}");
         assert!(change.abs() < 1e-9);
@@ -105,7 +106,7 @@ fn ways_computed_apart_are_merged_to_what_one_run_gives() {
         .args(["merge", "--out", "merged", "a", "b"])
         .assert()
         .success();
-    // A block in the middle of a chain, computed anew, is the same.
+    // A block in the middle of a chain, computed again, is the same.
     std::fs::remove_file(top.path().join("a/sweep/blocks/00000002.block")).unwrap();
     run(&["--shard", "1/2", "--out", "a"]).stdout(contains("5 blocks, 4 of them there before"));
     program(top.path())
@@ -124,9 +125,9 @@ fn ways_computed_apart_are_merged_to_what_one_run_gives() {
 }
 
 #[test]
-fn wrong_diagrams_are_told() {
+fn wrong_diagrams_are_reported() {
     let top = folder();
-    for (parameter, further, said) in [
+    for (parameter, further, message) in [
         ("x=0:1", &[][..], "there is no parameter `x`"),
         ("vd=0:1", &["--values", "1"], "at least 2 values"),
         ("mud=-1:1", &[], "not allowed"),
@@ -137,13 +138,13 @@ fn wrong_diagrams_are_told() {
             .args(further)
             .assert()
             .code(2)
-            .stderr(contains(said));
+            .stderr(contains(message));
     }
     assert_eq!(std::fs::read_dir(top.path()).unwrap().count(), 0);
 }
 
-/// y' = -y + sin t + cos t attracts to sin t below the boundary of `roof`, y = p, and above it all
-/// falls; beside it z follows sin(t - q) across zero.
+/// y' = -y + sin t + cos t attracts to sin t below the boundary of `roof`, y = p; above it the
+/// field points down. Beside it, z follows sin(t - q) across zero.
 const TWO: &str = r#"
 name = "two"
 [states]
@@ -170,7 +171,7 @@ y = -0.5
 
 /// The sine touches the boundary at p = 1.
 #[test]
-fn a_change_of_phases_is_told_at_the_contact_of_that_name() {
+fn a_change_of_phases_is_reported_at_the_contact_of_that_name() {
     let top = folder();
     std::fs::write(top.path().join("two.toml"), TWO).unwrap();
     let output = program(top.path())
@@ -219,7 +220,7 @@ fn a_change_of_phases_is_told_at_the_contact_of_that_name() {
         .assert()
         .success()
         .stdout(contains("grazing-sliding of roof"));
-    // For other programs a minus is a minus.
+    // Other programs need the ASCII minus.
     for table in [
         "o/changes.csv",
         "o/bifurcation.csv",
@@ -230,10 +231,10 @@ fn a_change_of_phases_is_told_at_the_contact_of_that_name() {
     }
 }
 
-/// The block of `roof` leaves it where sin t + cos t falls through p, at 3π/4 - asin(p/√2); at q
-/// the other one passes zero.
+/// The block of `roof` leaves it where sin t + cos t falls through p, at 3π/4 - asin(p/√2). At q
+/// the other contact passes zero.
 #[test]
-fn contacts_that_change_places_are_told_together() {
+fn contacts_that_change_places_are_reported_together() {
     let top = folder();
     std::fs::write(top.path().join("two.toml"), TWO).unwrap();
     let output = program(top.path())
@@ -249,23 +250,23 @@ fn contacts_that_change_places_are_told_together() {
         .args(["--duration", "20", "--out", "o"])
         .assert()
         .success();
-    let said = String::from_utf8(output.get_output().stdout.clone()).unwrap();
+    let message = String::from_utf8(output.get_output().stdout.clone()).unwrap();
     let sine = 0.98 / 2.0_f64.sqrt();
     let exact =
         0.75 * std::f64::consts::PI - stickslip::math::atan(sine / (1.0 - sine * sine).sqrt());
-    let told: Vec<&str> = said
+    let reported: Vec<&str> = message
         .lines()
         .filter(|line| line.contains("coincidence"))
         .collect();
-    assert_eq!(told.len(), 2, "{said}");
-    for line in told {
+    assert_eq!(reported.len(), 2, "{message}");
+    for line in reported {
         let both = [" of clock and roof", " of roof and clock"];
         assert!(both.iter().any(|names| line.ends_with(names)), "{line}");
         let value = line
             .split("at ")
             .nth(1)
             .and_then(|rest| rest.split(':').next());
-        // What is off by less than the last digit is told without.
+        // An uncertainty below the last digit is not shown.
         let value = value.unwrap();
         let (value, uncertainty) = value.split_once(" ± ").unwrap_or((value, "1e-12"));
         let [value, uncertainty] = [value, uncertainty].map(|text| text.parse::<f64>().unwrap());

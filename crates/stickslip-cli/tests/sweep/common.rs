@@ -1,5 +1,4 @@
-//! A sweep that is quick to compute and whose bits depend on everything they may depend on; and the
-//! program.
+//! A sweep that is fast and whose bits depend on everything they may depend on; and the program.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -22,12 +21,12 @@ pub fn plan(chains: usize, length: usize) -> Plan {
     Plan::new("test", arguments, size.into(), system)
 }
 
-/// A system of this text.
+/// A system from this text.
 pub fn definition(text: &str) -> Definition {
     Definition::new("a system".to_owned(), text.to_owned())
 }
 
-/// A block: iterates of the logistic map, which are chaotic, from the end of the block before.
+/// A block: iterates of the logistic map, which are chaotic, from the end of the previous block.
 pub fn block(index: usize, before: Option<&[u8]>) -> Result<Vec<u8>, BlockError> {
     let mut x = match before {
         None => 0.3 + 1e-3 * index as f64,
@@ -57,7 +56,7 @@ pub fn compute(task: &Task<'_>) -> Result<Computed, SweepError> {
     run(task, &|_, _| {}, block)
 }
 
-/// All blocks of a complete sweep, one after the other.
+/// All blocks of a complete sweep, in order.
 pub fn table(store: &Store) -> Vec<u8> {
     let mut table = Vec::new();
     let appended = store.for_each(|index, content| {
@@ -69,7 +68,7 @@ pub fn table(store: &Store) -> Vec<u8> {
     table
 }
 
-/// What an undisturbed run on one thread gives.
+/// The result of an uninterrupted run on one thread.
 pub fn undisturbed(plan: &Plan) -> Vec<u8> {
     let folder = tempfile::tempdir().unwrap();
     let one = Task {
@@ -79,7 +78,7 @@ pub fn undisturbed(plan: &Plan) -> Vec<u8> {
     table(&compute(&one).unwrap().store)
 }
 
-/// The program, called in a folder.
+/// The program, run in a folder.
 pub fn program(folder: &Path) -> assert_cmd::Command {
     let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_stickslip"));
     command.current_dir(folder);
@@ -94,7 +93,7 @@ pub fn text(path: impl AsRef<Path>) -> String {
     std::fs::read_to_string(path).unwrap()
 }
 
-/// All files below a folder but locks, by name.
+/// All files below a folder except locks, by name.
 pub fn files(top: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut all = BTreeMap::new();
     let mut folders = vec![top.to_owned()];

@@ -1,4 +1,4 @@
-//! What a folder may hold, and what is said of everything else.
+//! Contents of a folder that are accepted, and the messages for all others.
 
 use std::fs;
 use std::path::Path;
@@ -8,7 +8,7 @@ use stickslip_cli::sweep::{Plan, Share, SweepError, Task};
 
 use super::common::{block, compute, definition, plan, table, task, undisturbed};
 
-/// What is said if a sweep is tried where another has been.
+/// The message for a sweep in the folder of another one.
 fn refusal(old: &Plan, new: &Plan) -> String {
     let folder = tempfile::tempdir().unwrap();
     compute(&task(old, folder.path())).unwrap();
@@ -39,20 +39,23 @@ fn another_argument_is_refused_with_both_values() {
     let old = plan(2, 1);
     let mut new = old.clone();
     new.arguments.insert("a b = µ".to_owned(), json!(0.2));
-    let said = refusal(&old, &new);
+    let message = refusal(&old, &new);
     let wanted = "the argument `a b = µ` was 0.1 there and is 0.2 now";
-    assert!(said.contains(wanted) && said.contains("--out"), "{said}");
+    assert!(
+        message.contains(wanted) && message.contains("--out"),
+        "{message}"
+    );
 
     let mut new = old.clone();
     new.arguments.remove("grid");
-    let said = refusal(&old, &new);
+    let message = refusal(&old, &new);
     assert!(
-        said.contains("`grid` was [3,4] there and is absent now"),
-        "{said}"
+        message.contains("`grid` was [3,4] there and is absent now"),
+        "{message}"
     );
 
-    let said = refusal(&old, &plan(3, 1));
-    assert!(said.contains("the number of chains was 2"), "{said}");
+    let message = refusal(&old, &plan(3, 1));
+    assert!(message.contains("the number of chains was 2"), "{message}");
 }
 
 #[test]
@@ -72,13 +75,13 @@ fn another_system_is_refused_with_the_line() {
         new.system = definition(text);
         new
     };
-    let said = refusal(&old, &with("first\nmu = 0.4\nlast\n"));
+    let message = refusal(&old, &with("first\nmu = 0.4\nlast\n"));
     let wanted = r#"line 2 of the system was "mu = 0.3" there and is "mu = 0.4" now"#;
-    assert!(said.contains(wanted), "{said}");
-    let said = refusal(&old, &with("first\nmu = 0.3\nlast\nmore\n"));
+    assert!(message.contains(wanted), "{message}");
+    let message = refusal(&old, &with("first\nmu = 0.3\nlast\nmore\n"));
     assert!(
-        said.contains(r#"line 4 of the system was "" there and is "more" now"#),
-        "{said}"
+        message.contains(r#"line 4 of the system was "" there and is "more" now"#),
+        "{message}"
     );
 }
 
@@ -91,10 +94,10 @@ fn blocks_of_another_sweep_are_not_overwritten() {
     let name = "blocks/00000001.block";
     fs::copy(there.path().join(name), here.path().join(name)).unwrap();
     let error = compute(&task(&ours, here.path())).unwrap_err();
-    let said = error.to_string();
+    let message = error.to_string();
     assert!(
-        said.contains(name) && said.contains("another sweep"),
-        "{said}"
+        message.contains(name) && message.contains("another sweep"),
+        "{message}"
     );
     fs::remove_file(here.path().join(name)).unwrap();
     let all = compute(&task(&ours, here.path())).unwrap();
@@ -102,18 +105,18 @@ fn blocks_of_another_sweep_are_not_overwritten() {
 }
 
 #[test]
-fn a_manifest_that_is_gone_or_damaged_is_told() {
+fn a_manifest_that_is_gone_or_damaged_is_reported() {
     let plan = plan(2, 1);
     let folder = tempfile::tempdir().unwrap();
     compute(&task(&plan, folder.path())).unwrap();
     let path = folder.path().join("manifest.json");
     let sound = fs::read_to_string(&path).unwrap();
     fs::remove_file(&path).unwrap();
-    let said = |wanted: &str| {
+    let message = |wanted: &str| {
         let error = compute(&task(&plan, folder.path())).unwrap_err();
         assert!(error.to_string().contains(wanted), "{error}");
     };
-    said("no manifest.json");
+    message("no manifest.json");
     let other_format = sound.replace("\"format\": 6", "\"format\": 5");
     assert_ne!(other_format, sound);
     let other_text = sound.replace("mu = 0.3", "mu = 0.4");
@@ -126,14 +129,14 @@ fn a_manifest_that_is_gone_or_damaged_is_told() {
         (&other_program, "the program was `stickslip 9."),
     ] {
         fs::write(&path, text).unwrap();
-        said(wanted);
+        message(wanted);
     }
     fs::write(&path, sound).unwrap();
     assert_eq!(compute(&task(&plan, folder.path())).unwrap().old, 2);
 }
 
 #[test]
-fn a_folder_that_is_a_file_or_below_one_is_told() {
+fn a_folder_that_is_a_file_or_below_one_is_reported() {
     let file = tempfile::NamedTempFile::new().unwrap();
     for folder in [file.path().to_owned(), file.path().join("below")] {
         let error = compute(&task(&plan(2, 1), &folder)).unwrap_err();
@@ -151,7 +154,7 @@ fn a_block_that_cannot_be_written_is_named_and_the_others_stay() {
         ..task(&plan, folder.path())
     };
     compute(&first).unwrap();
-    // A folder in the place of the block: nobody can replace it by a file.
+    // A folder in place of the block cannot be replaced by a file.
     let place = folder.path().join("blocks/00000003.block");
     fs::create_dir(&place).unwrap();
     let error = compute(&task(&plan, folder.path())).unwrap_err();

@@ -1,4 +1,4 @@
-//! A sweep that is killed at random moments, and goes on.
+//! A sweep that is killed at random times and resumed.
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -10,14 +10,14 @@ use stickslip_cli::sweep::{Computed, Plan, SweepError, run};
 
 use super::common::{block, files, folder, plan, program, table, task, undisturbed};
 
-/// Where the process to be killed finds its folder.
+/// The variable with the folder for the process to be killed.
 const FOLDER: &str = "STICKSLIP_TEST_SWEEP";
 
 fn long() -> Plan {
     plan(5, 8)
 }
 
-/// As slow as it must be to be killed within.
+/// As slow as needed for a kill in the middle.
 fn slowly(plan: &Plan, folder: &Path) -> Result<Computed, SweepError> {
     run(&task(plan, folder), &|_, _| {}, |index, before| {
         sleep(Duration::from_millis(5));
@@ -29,7 +29,7 @@ fn slowly(plan: &Plan, folder: &Path) -> Result<Computed, SweepError> {
 #[ignore = "the process that the other tests kill"]
 fn sweeps_until_it_is_killed() {
     let folder = std::env::var_os(FOLDER).unwrap();
-    // Told on standard output, so that nobody kills it before it has begun.
+    // Printed on standard output, so that the kill comes after the start.
     println!("begun");
     slowly(&long(), Path::new(&folder)).unwrap();
 }
@@ -54,7 +54,7 @@ fn blocks_in(folder: &Path) -> usize {
     std::fs::read_dir(folder.join("blocks")).map_or(0, Iterator::count)
 }
 
-/// The next of numbers between 0 and 1 without order, the same at each run of the test.
+/// The next pseudorandom number between 0 and 1, the same in each run of the test.
 fn drawn(state: &mut u64) -> f64 {
     *state = state.wrapping_mul(6_364_136_223_846_793_005) + 1_442_695;
     (*state >> 33) as f64 / f64::from(1_u32 << 31)
@@ -67,11 +67,11 @@ fn killed_twenty_times_it_goes_on_to_the_same_bits() {
     let mut within = 0;
     for _ in 0..20 {
         let folder = tempfile::tempdir().unwrap();
-        // Two kills each, so that what goes on is killed as well.
+        // Two kills each, so that a resumed run is killed as well.
         for _ in 0..2 {
             let mut child = begin(folder.path());
             sleep(Duration::from_millis(60).mul_f64(drawn(&mut moment)));
-            // SIGKILL: the process has no say in it.
+            // SIGKILL cannot be handled.
             child.kill().unwrap();
             child.wait().unwrap();
         }
@@ -87,7 +87,7 @@ fn killed_twenty_times_it_goes_on_to_the_same_bits() {
     assert!(within >= 10, "only {within} of 20 were killed within");
 }
 
-/// Each sweep that goes on, with its own table, and how often it is killed.
+/// Each resumable sweep, with its own table, and the number of kills.
 const SWEEPS: [(&[&str], &str, u32); 3] = [
     (&["basin", "basins", "--grid", "24x16"], "basin.csv", 8),
     (
@@ -156,7 +156,7 @@ fn the_program_killed_at_any_moment_goes_on_by_the_same_command() {
             assert!(there == whole, "{sweep:?}, {kill}: {names:?}");
             std::fs::remove_dir_all(out(&name)).unwrap();
         }
-        // As a kill leaves it while a table is being written.
+        // The state that a kill leaves while a table is being written.
         std::fs::write(out("whole/sweep/work/tables/.tmp"), "half").unwrap();
         run("whole");
         assert!(files(&out("whole")) == whole, "{sweep:?}");
@@ -182,7 +182,7 @@ fn a_branch_killed_as_it_grows_goes_on_by_the_same_command() {
     let out = |name: &str| top.path().join(name);
     let whole = files(&out("whole"));
     let block = out("killed").join("sweep/blocks/00000001.block");
-    // As long as the way upwards is saved with more orbits in it than before.
+    // Until more orbits are saved on the way upwards.
     let mut size = 0;
     for kill in 0..2 {
         let mut child = Command::new(env!("CARGO_BIN_EXE_stickslip"))
@@ -206,11 +206,11 @@ fn a_branch_killed_as_it_grows_goes_on_by_the_same_command() {
         assert!(!out("killed/branch.csv").exists());
         size = saved();
     }
-    // A way that goes on has what was saved, and not its beginning.
+    // A resumed sweep continues from the saved state, not from the start.
     assert!(size > 0 && whole[Path::new("sweep/blocks/00000001.block")].len() as u64 > size);
     run("killed");
     assert!(files(&out("killed")) == whole);
-    // What is torn is computed anew.
+    // A truncated file is computed again.
     let bytes = std::fs::read(&block).unwrap();
     std::fs::write(&block, &bytes[..bytes.len() / 2]).unwrap();
     run("killed");
@@ -228,6 +228,6 @@ fn two_processes_do_not_compute_the_same_share() {
     child.kill().unwrap();
     child.wait().unwrap();
     assert!(matches!(error, SweepError::Busy { .. }), "{error}");
-    // The lock went with the process.
+    // The lock ends with the process.
     slowly(&long(), folder.path()).unwrap();
 }

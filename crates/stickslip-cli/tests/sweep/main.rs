@@ -1,5 +1,5 @@
-//! Sweeps, and the commands that make them: the same bits however they are computed, and nothing
-//! lost. Apart from the other tests, which compile the solver into them.
+//! Sweeps and their commands: the same bits however they are computed, and no loss. They are
+//! separate from the other tests, which compile the solver into them.
 
 mod basins;
 mod bifurcations;

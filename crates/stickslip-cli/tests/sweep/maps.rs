@@ -36,7 +36,7 @@ fn a_map_has_the_known_exponent_of_the_equilibrium() {
         match &row[2] {
             "equilibrium" => {
                 equilibria += 1;
-                // Half the trace of the Jacobian where the block rests: -d + exp(-2 vd).
+                // Half the trace of the Jacobian at the equilibrium: -d + exp(-2 vd).
                 let exact = (stickslip::math::exp(-2.0 * speed) - damping) / 2.0;
                 assert!(
                     (exponent - exact).abs() < 2e-3 * damping,
@@ -73,7 +73,7 @@ fn undecided_cells_are_no_kind_of_attractor() {
         .assert()
         .success();
     let printed = String::from_utf8(output.get_output().stdout.clone()).unwrap();
-    // For other programs a minus is a minus.
+    // Other programs need the ASCII minus.
     assert!(
         printed.is_ascii() && printed.contains("periodic, - S"),
         "{printed}"
@@ -103,8 +103,8 @@ fn shares_of_a_map_are_merged_to_what_one_run_gives() {
     }
 }
 
-/// A block that slides to rest within a few steps: what its exponent is uncertain by is not told by
-/// blocks of time.
+/// A block that slides to rest within a few steps. Blocks of time do not give the uncertainty of
+/// its exponent.
 const BLOCK: &str = r#"
 name = "Block"
 [time]
@@ -166,9 +166,9 @@ fn shares_without_an_escape_bound_are_merged() {
 }
 
 #[test]
-fn wrong_maps_are_told() {
+fn wrong_maps_are_reported() {
     let top = folder();
-    for (x, y, said) in [
+    for (x, y, message) in [
         ("x=0:1", "d=0:1", "there is no parameter `x`"),
         ("vd=0:1", "vd=0:1", "a map has two parameters"),
         ("vd=0:1", "mud=-1:1", "not allowed"),
@@ -178,7 +178,7 @@ fn wrong_maps_are_told() {
             .args(["map", "basins", "--x", x, "--y", y])
             .assert()
             .code(2)
-            .stderr(contains(said));
+            .stderr(contains(message));
     }
     assert_eq!(std::fs::read_dir(top.path()).unwrap().count(), 0);
 }

@@ -1,4 +1,4 @@
-//! Shares in folders of their own, joined.
+//! Shares in separate folders, merged.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -46,7 +46,7 @@ fn shares_make_the_whole_bit_for_bit() {
         assert_eq!(merged.repeated, 0);
         assert!(table(&merged.store) == undisturbed(&plan));
         drop(merged);
-        // The files are those of a single run, and it goes on from them.
+        // The files are those of a single run, which can be resumed from them.
         let single = tempfile::tempdir().unwrap();
         compute(&task(&plan, single.path())).unwrap();
         for block in 0..plan.blocks() {
@@ -76,12 +76,12 @@ fn gaps_are_refused_and_named() {
     let whole = fs::read(&path).unwrap();
     fs::write(&path, &whole[..whole.len() - 1]).unwrap();
     folders.pop();
-    let said = refused(&out, &folders);
+    let message = refused(&out, &folders);
     let wanted = "5 of 12 blocks are missing: 2-3, 5, 8, 11";
-    assert!(said.contains(wanted), "{said}");
+    assert!(message.contains(wanted), "{message}");
     assert!(
-        said.contains("share 1/blocks/00000003.block is cut short"),
-        "{said}"
+        message.contains("share 1/blocks/00000003.block is cut short"),
+        "{message}"
     );
 }
 
@@ -109,11 +109,11 @@ fn overlaps_that_differ_are_refused() {
     fs::remove_file(folders[1].join(name(3))).unwrap();
     let other = |_, _: Option<&[u8]>| Ok(b"other".to_vec());
     stickslip_cli::sweep::run(&wrong, &|_, _| {}, other).unwrap();
-    let said = refused(&top.path().join("out"), &folders);
-    assert!(said.starts_with("block 3 in "), "{said}");
+    let message = refused(&top.path().join("out"), &folders);
+    assert!(message.starts_with("block 3 in "), "{message}");
     assert!(
-        said.contains("share 1") && said.contains("share 2"),
-        "{said}"
+        message.contains("share 1") && message.contains("share 2"),
+        "{message}"
     );
 }
 
@@ -125,22 +125,22 @@ fn strangers_are_refused() {
     let out = top.path().join("out");
     let ours = shares(&ours, &top, 2);
     let strange = share(&theirs, &other, 2, 2);
-    let said = refused(&out, &[ours[0].clone(), strange.clone()]);
+    let message = refused(&out, &[ours[0].clone(), strange.clone()]);
     let wanted = "the argument `grid` is [3,4] in the first and [3,5] in the second";
-    assert!(said.contains(wanted), "{said}");
-    // A block of it among ours.
+    assert!(message.contains(wanted), "{message}");
+    // A foreign block among ours.
     fs::copy(strange.join(name(1)), ours[1].join(name(1))).unwrap();
-    let said = refused(&out, &ours);
+    let message = refused(&out, &ours);
     assert!(
-        said.contains("share 2/blocks/00000001.block is a block of another"),
-        "{said}"
+        message.contains("share 2/blocks/00000001.block is a block of another"),
+        "{message}"
     );
     // A block that this sweep does not have.
     fs::rename(ours[1].join(name(1)), ours[1].join(name(4))).unwrap();
-    let said = refused(&out, &ours);
+    let message = refused(&out, &ours);
     assert!(
-        said.contains("share 2/blocks/00000004.block is a block of another"),
-        "{said}"
+        message.contains("share 2/blocks/00000004.block is a block of another"),
+        "{message}"
     );
 }
 

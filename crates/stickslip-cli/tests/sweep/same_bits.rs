@@ -27,7 +27,7 @@ fn threads_do_not_change_a_bit() {
 fn a_block_goes_on_from_the_one_before_in_its_chain() {
     let text = String::from_utf8(undisturbed(&plan(2, 3))).unwrap();
     let one_chain = String::from_utf8(undisturbed(&plan(1, 3))).unwrap();
-    // The first chain is the same sweep; the second begins anew.
+    // The first chain is the same sweep; the second one starts anew.
     assert!(text.starts_with(&one_chain));
     let x0 = 0.3 + 1e-3 * 3.0;
     let fourth = text.split("# 3\n").nth(1).unwrap();

@@ -7,9 +7,9 @@ use crate::math;
 
 /// The zeros of `σ`, largest first, for any finite k1 and k2.
 ///
-/// With both positive the spring turns back and [`Cubic`] has its up to six points; with both
-/// negative it is the same spring reversed. Otherwise it is monotone and meets each of ±μ0 once, or
-/// not at all if there is no spring.
+/// With both positive the force is not monotone, and [`Cubic`] has its up to six points. With both
+/// negative it is the same spring reversed. Otherwise the force is monotone and equals each of ±μ0
+/// once, or never if there is no spring.
 pub(super) fn tangent_points(k1: f64, k2: f64, mu0: f64) -> Result<Vec<TangentPoint>, Error> {
     let (k1, k2) = (finite("k1", k1)?, finite("k2", k2)?);
     let mu0 = not_negative("mu0", mu0)?;
@@ -24,7 +24,7 @@ pub(super) fn tangent_points(k1: f64, k2: f64, mu0: f64) -> Result<Vec<TangentPo
         return Ok(points);
     }
     if mu0 == 0.0 && k1 == 0.0 && k2 == 0.0 {
-        // Nothing pulls and nothing holds: all of Σ is tangent.
+        // No force and no friction: all of Σ is tangent.
         let (name, value, bound) = ("mu0", mu0, "positive where there is no spring");
         return Err(Error::Parameter { name, value, bound });
     }
@@ -39,7 +39,7 @@ pub(super) fn tangent_points(k1: f64, k2: f64, mu0: f64) -> Result<Vec<TangentPo
     if mu0 == 0.0 {
         return Ok(vec![point(0.0, Balance::Both, 2)]);
     }
-    // The force rises with z where k2 lifts it and k1 does not lower it.
+    // The force rises with z where k2 is not negative and k1 is not positive.
     let rises = k1 <= 0.0 && k2 >= 0.0;
     let (upper, lower) = if rises {
         (Balance::Plus, Balance::Minus)
@@ -53,7 +53,7 @@ pub(super) fn tangent_points(k1: f64, k2: f64, mu0: f64) -> Result<Vec<TangentPo
 pub(super) fn stick_zones(k1: f64, k2: f64, mu0: f64) -> Result<Vec<(f64, f64)>, Error> {
     let points = tangent_points(k1, k2, mu0)?;
     if points.is_empty() {
-        // No spring, some friction: the body sticks wherever it is.
+        // No spring but friction: the body sticks at every position.
         return Ok(vec![(f64::NEG_INFINITY, f64::INFINITY)]);
     }
     let simple: Vec<f64> = points
@@ -75,8 +75,9 @@ fn reversed(balance: Balance) -> Balance {
     }
 }
 
-/// The root of `a z³ + b z = mu0` with `a, b ≥ 0`; none if both are zero. By the hyperbolic sine
-/// where the trigonometric form has no real angle, then Newton's steps for the last digits.
+/// The root of `a z³ + b z = mu0` with `a, b ≥ 0`; `None` if both are zero. The trigonometric form
+/// has no real angle here, so it is computed by the hyperbolic sine, then refined by Newton's
+/// iteration.
 fn monotone_root(b: f64, a: f64, mu0: f64) -> Option<f64> {
     let mut z = match (a > 0.0, b > 0.0) {
         (false, false) => return None,

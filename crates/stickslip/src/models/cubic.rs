@@ -1,7 +1,7 @@
-//! Where sticking begins and ends: the tangent points, roots of `k₂z³ - k₁z = ±μ₀`.
+//! Tangent points, where sticking begins and ends: roots of `k₂z³ - k₁z = ±μ₀`.
 //!
-//! A body on the belt sticks while the spring asks for no more than static friction can give. Both
-//! one-degree-of-freedom models of the paper have the spring `±(k₂z³ - k₁z)`; the sign cancels in
+//! A body on the belt sticks while the spring force does not exceed static friction. Both
+//! one-degree-of-freedom models of the paper have the spring `±(k₂z³ - k₁z)`. The sign cancels in
 //! the transition function `σ`, so this module serves both (Eq. (9) and (19)).
 
 use super::parameters::{not_negative, positive};
@@ -60,7 +60,7 @@ impl Cubic {
     }
 
     /// The transition function `σ = ((k₂z³ - k₁z)² - μ₀²)/m²`, Eq. (19); with `k₁ = k₂ = m = 1`
-    /// also Eq. (9). Sticking where it is negative. Unit m²/s⁴ for `m` in kg.
+    /// also Eq. (9). The body sticks where it is negative. Unit: m²/s⁴ for `m` in kg.
     pub fn sigma(&self, z: f64, mu0: f64, m: f64) -> f64 {
         let force = self.force(z);
         // (a - b)(a + b) keeps the digits that a² - b² loses near a zero.
@@ -89,10 +89,10 @@ impl Cubic {
     /// All zeros of `σ`, from the largest to the smallest: the paper's numbering 1, 2, … of tangent
     /// points.
     ///
-    /// Six below the critical `μ₀`, two above it; three double ones at `μ₀ = 0`, and at the
-    /// critical value two simple ones and between them two double ones. `μ₀` within four units in
-    /// the last place of the critical value is taken to be critical: rounding alone can put it
-    /// there, and would tear the double zeros apart by `1e-8`.
+    /// There are six below the critical `μ₀`, two above it, and three double ones at `μ₀ = 0`. At
+    /// the critical value there are two simple ones and between them two double ones. `μ₀` within
+    /// four units in the last place of the critical value counts as critical. Rounding alone can
+    /// put it there, and would separate the double zeros by `1e-8`.
     ///
     /// # Errors
     /// [`Error::Parameter`] if `mu0` is negative or not finite.
@@ -106,7 +106,7 @@ impl Cubic {
         // 3θ.
         let a = 2.0 * (self.k1 / (3.0 * self.k2)).sqrt();
         let r = mu0 / self.critical_mu0()[1];
-        // Roots for +μ₀; those for -μ₀ mirror them.
+        // Roots for +μ₀. Those for -μ₀ are their mirror images.
         let plus: Vec<TangentPoint> = if (r - 1.0).abs() <= 4.0 * f64::EPSILON {
             vec![
                 self.simple(a, mu0),
@@ -132,7 +132,8 @@ impl Cubic {
     }
 
     /// The intervals `(lower, upper)` in which the body can stick, where `σ < 0`, from the largest
-    /// `z` to the smallest: three below the critical `μ₀`, one from there on, none at `μ₀ = 0`.
+    /// `z` to the smallest. There are three below the critical `μ₀`, one from there on, and none at
+    /// `μ₀ = 0`.
     ///
     /// # Errors
     /// As [`Cubic::tangent_points`].
@@ -149,8 +150,8 @@ impl Cubic {
             .collect())
     }
 
-    /// A simple root of `k₂z³ - k₁z = μ₀` near `z`, after Newton steps that remove what the
-    /// elementary functions lost.
+    /// A simple root of `k₂z³ - k₁z = μ₀` near `z`. Newton steps remove the errors of the
+    /// elementary functions.
     fn simple(&self, z: f64, mu0: f64) -> TangentPoint {
         let mut best = z;
         for _ in 0..3 {
@@ -227,7 +228,7 @@ mod tests {
 
     #[test]
     fn at_the_critical_value_one_zone_between_the_outer_points() {
-        // Three ways to write the number, which differ in the last place.
+        // Three expressions for the number that differ in the last place.
         for mu0 in [
             2.0 * 3f64.sqrt() / 9.0,
             2.0 / (3.0 * 3f64.sqrt()),
@@ -307,8 +308,8 @@ mod tests {
             let mu0 = r * spring.critical_mu0()[1];
             for point in spring.tangent_points(mu0).unwrap() {
                 let target = if point.balance == Balance::Plus { mu0 } else { -mu0 };
-                // Half a unit in the last place of z moves the force by this, plus the rounding of
-                // the force.
+                // Half a unit in the last place of z changes the force by this, plus the rounding
+                // of the force.
                 let size = (k2 * math::powi(point.z, 3)).abs() + (k1 * point.z).abs() + mu0;
                 prop_assert!((spring.force(point.z) - target).abs() <= 4.0 * f64::EPSILON * size);
             }
@@ -321,7 +322,7 @@ mod tests {
             let size = k1 * k1 * span;
             for z in spring.critical_points() {
                 prop_assert!(spring.sigma_slope(z, 1.0).abs() <= 1e-14 * size);
-                // What the formula calls the slope is the slope of sigma.
+                // The formula for the slope against a difference of sigma.
                 let step = 1e-5 * span;
                 let difference =
                     spring.sigma(z + step, 0.0, 1.0) - spring.sigma(z - step, 0.0, 1.0);

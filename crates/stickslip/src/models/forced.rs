@@ -9,10 +9,10 @@ use crate::system::{Filippov, Side};
 /// Eq. (17)–(18): `m ẍ = k2 z³ − k1 z − T(ẋ − vp)`, `z = x − A sin(ωt)`, with dry friction
 /// `T(v) = sgn(v) μ0/(1 + δ|v|)`.
 ///
-/// The spring has the opposite sign of model 1's: it pulls towards the support for small `|z|` and
+/// The spring has the opposite sign of model 1's. It pulls towards the support for small `|z|` and
 /// pushes away beyond `√(k1/k2)`, where orbits escape. (Eq. (17) prints `+T`; friction opposes the
-/// slip speed, as Eq. (18) and the Appendix have it.) State: position `x₁`, velocity `x₂`; Σ is `x₂
-/// = vp`. The `Default` is the paper's Fig. 8.
+/// slip, as in Eq. (18) and the Appendix.) State: position `x₁`, velocity `x₂`; Σ is `x₂ = vp`. The
+/// `Default` is the paper's Fig. 8.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForcedOscillator {
     /// Mass m (kg), positive.
@@ -50,7 +50,7 @@ impl Default for ForcedOscillator {
 }
 
 impl ForcedOscillator {
-    /// Position of the support at time `t`: `A sin(ωt)` (m). The stick zones ride on it.
+    /// Position of the support at time `t`: `A sin(ωt)` (m). The stick zones move with it.
     pub fn support(&self, t: f64) -> f64 {
         self.amplitude * math::sin(self.omega * t)
     }

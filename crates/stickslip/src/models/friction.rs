@@ -16,7 +16,7 @@ pub struct Friction {
 pub enum Force {
     /// Sliding: one value.
     Kinetic(f64),
-    /// At rest relative to each other: whatever holds the bodies, up to this magnitude.
+    /// At rest relative to each other: any force up to this magnitude.
     Static {
         /// Largest magnitude.
         limit: f64,

@@ -1,5 +1,4 @@
-//! Tangent points of the two one-degree-of-freedom models, in closed form and each classified by
-//! computation.
+//! Tangent points of the two one-degree-of-freedom models in closed form, classified numerically.
 
 use super::any_spring;
 use super::cubic::{Balance, TangentPoint};
@@ -11,19 +10,19 @@ use crate::system::{Filippov, Side, State};
 /// A tangent point of Σ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BeltTangency {
-    /// Position x₁ (m) at the time asked for.
+    /// Position x₁ (m) at the given time.
     pub position: f64,
     /// Side whose field is tangent.
     pub side: Side,
-    /// How its orbit lies. In an oscillating zone this changes with time.
+    /// Its visibility. In an oscillating zone this changes with time.
     pub visibility: Visibility,
 }
 
 impl BeltOscillator {
-    /// The tangent points (Eq. 16 for the defaults), the largest position first: six below the
-    /// critical μ0 of Eq. (13), two above, and for a spring that does not turn back (k1 and k2 not
-    /// of one sign) always two. A point at which both fields are tangent (μ0 = 0) stands once for
-    /// either side.
+    /// The tangent points (Eq. 16 for the defaults), the largest position first. There are six
+    /// below the critical μ0 of Eq. (13), two above it. For a monotone spring (k1 and k2 of
+    /// different signs) there are always two. A point at which both fields are tangent (μ0 = 0) is
+    /// listed once for either side.
     ///
     /// ```
     /// use stickslip::{analysis::Visibility, models::BeltOscillator};
@@ -91,8 +90,8 @@ impl ForcedOscillator {
     }
 }
 
-/// The points at time `t`, moved by `offset`; `plus` is the side that is tangent where the cubic
-/// equals +μ0.
+/// The points at time `t`, displaced by `offset`. `plus` is the side that is tangent where the
+/// cubic equals +μ0.
 fn classified<S: Filippov<2>>(
     model: &S,
     belt_speed: f64,

@@ -28,13 +28,13 @@ const SHRINK_MOST: f64 = 0.333;
 const GROW_MOST: f64 = 6.0;
 const SAFETY: f64 = 0.9;
 
-/// Square of the error of a step in units of the tolerance: at most 1 is good. Not finite where the
-/// step is not. It is the mean over so many states; further ones, which only fill up the type, are
-/// zero.
+/// Squared error of a step in units of the tolerance, accepted up to 1; not finite where the step
+/// is not. It is the mean over the first states, whose number is given. Further components only pad
+/// the type and are zero.
 ///
-/// The square, because the next step waits for it and a root would take as long as two calls of a
-/// small field. DOP853's combination of its estimates of orders 5 and 3 (Hairer, Nørsett & Wanner,
-/// Eq. II.10.17).
+/// It is squared because the next step waits for it, and a root would take as long as two calls of
+/// a small field. It is DOP853's combination of its estimates of orders 5 and 3 (Hairer, Nørsett &
+/// Wanner, Eq. II.10.17).
 #[inline(always)]
 pub(crate) fn squared_error<M: RungeKutta, const N: usize>(
     step: &Stages<State<N>>,
@@ -43,7 +43,7 @@ pub(crate) fn squared_error<M: RungeKutta, const N: usize>(
     (tolerance, states): (&Tolerance, usize),
 ) -> f64 {
     let Some(embedded) = &M::EMBEDDED else {
-        // A method without an estimate takes every finite step.
+        // A method without an estimate accepts every finite step.
         return if step.end.iter().all(|v| v.is_finite()) {
             0.0
         } else {
@@ -76,21 +76,21 @@ pub(crate) fn squared_error<M: RungeKutta, const N: usize>(
 /// within bounds.
 ///
 /// Every adaptive method here is of order 8. The bits of a positive number, read as an integer,
-/// grow with its logarithm: linearly between powers of two, which is its chord. The root is taken
-/// there, to within 3 % and in a few integer operations, the same on every machine; by square roots
-/// it would hold up the next step for as long as four calls of a small field.
+/// approximate its logarithm, linearly between powers of two. The root is taken there, to within
+/// 3 %, in a few integer operations, the same on every machine. Square roots would delay the next
+/// step by as much as four calls of a small field.
 #[inline(always)]
 pub(crate) fn step_factor(squared_error: f64) -> f64 {
-    /// Bits of 1, about which the logarithm is counted.
+    /// Bits of 1, the zero of the logarithm.
     const ONE: i64 = 1.0_f64.to_bits() as i64;
-    /// The chords lie up to 6 % on one side; half of that in the logarithm.
+    /// The chords deviate by up to 6 % to one side. Half of that is corrected in the logarithm.
     const MIDDLE: i64 = (0.043 * (1_i64 << 52) as f64) as i64;
     let logarithm = squared_error.to_bits() as i64 - ONE;
     let root = f64::from_bits((ONE - MIDDLE - logarithm / 16) as u64);
     (SAFETY * root).clamp(SHRINK_MOST, GROW_MOST)
 }
 
-/// A first step such that an explicit Euler step and the change of slope over it stay near 1 %
+/// A first step for which an explicit Euler step and the change of slope over it stay near 1 %
 /// (Hairer, Nørsett & Wanner, Sect. II.4). Calls `f` once.
 pub(crate) fn first_step<const N: usize>(
     f: &mut dyn FnMut(f64, &State<N>) -> State<N>,

@@ -9,10 +9,11 @@ use crate::taylor::MOST_ORDER;
 
 /// The solution over one step as a polynomial in `s = (t − t0)/h`, `0 ≤ s ≤ 1`.
 ///
-/// Of a Runge–Kutta step: `u(s) = c0 + s (c1 + r (c2 + s (c3 + r (c4 + s (c5 + r (c6 + s c7))))))`
-/// with `r = 1 − s` (Hairer, Nørsett & Wanner, Sect. II.6). The first four coefficients are the
-/// cubic Hermite interpolant; RK4 has only those (order 3), DOP853 all eight (order 7). Of a Taylor
-/// step: its series, as accurate inside the step as at its end.
+/// A Runge–Kutta step has (Hairer, Nørsett & Wanner, Sect. II.6), with `r = 1 − s`,
+/// `u(s) = c0 + s (c1 + r (c2 + s (c3 + r (c4 + s (c5 + r (c6 + s c7))))))`.
+/// The first four coefficients are the cubic Hermite interpolant. RK4 has only those (order 3),
+/// DOP853 all eight (order 7). A Taylor step has its series, as accurate inside the step as at its
+/// end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dense<const N: usize> {
     /// Time at the start of the step.
@@ -22,7 +23,7 @@ pub struct Dense<const N: usize> {
     polynomial: Polynomial<N>,
 }
 
-// Kept in place, without a box: records of steps are copied and never allocate.
+// Stored inline, without a box: step records are copied and never allocate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Polynomial<const N: usize> {
     /// The first four terms, of a method without further stages.
@@ -33,8 +34,8 @@ enum Polynomial<const N: usize> {
 }
 
 impl<const N: usize> Dense<N> {
-    /// The polynomial of a finished step of length `h` from `(t0, x0)`, its slopes filled in by
-    /// [`super::dense_slopes`].
+    /// The polynomial of a finished step of length `h` from `(t0, x0)`. [`super::dense_slopes`]
+    /// must have filled in its slopes.
     #[inline(always)]
     pub fn new<M: RungeKutta>(t0: f64, x0: &State<N>, h: f64, step: &Stages<State<N>>) -> Self {
         let zero = <State<N> as Linear<f64>>::zero();
@@ -61,7 +62,7 @@ impl<const N: usize> Dense<N> {
         Dense { t0, h, polynomial }
     }
 
-    /// A state that does not move, from time `t0` on.
+    /// A constant state from time `t0` on.
     pub(crate) fn resting(t0: f64, x: State<N>) -> Self {
         let mut c = [<State<N> as Linear<f64>>::zero(); 4];
         c[0] = x;
@@ -72,7 +73,7 @@ impl<const N: usize> Dense<N> {
         }
     }
 
-    /// The straight way between two states.
+    /// Linear interpolation between two states.
     pub(crate) fn straight(from: &Timed<N>, to: &Timed<N>) -> Self {
         let mut dense = Dense::resting(from.t, from.x);
         dense.h = to.t - from.t;
@@ -95,9 +96,8 @@ impl<const N: usize> Dense<N> {
         self.polynomial = Polynomial::Series(order, *coefficients);
     }
 
-    /// Becomes a copy of another one. Of Runge–Kutta steps no more is copied than the method needs:
-    /// an assignment of the whole is a copy of the largest variant to the compiler, even where it
-    /// knows which one it is.
+    /// Becomes a copy of another one. For Runge–Kutta steps only the method's coefficients are
+    /// copied. The compiler copies the largest variant on assignment, even if it knows the variant.
     #[inline(always)]
     pub(crate) fn become_copy(&mut self, of: &Self) {
         (self.t0, self.h) = (of.t0, of.h);
@@ -108,8 +108,8 @@ impl<const N: usize> Dense<N> {
         }
     }
 
-    /// Whether the field was a number at every stage: the slope at the end enters the fourth
-    /// coefficient, all further ones the last.
+    /// Whether the field was finite at every stage. The slope at the end enters the fourth
+    /// coefficient, all further slopes the last.
     #[inline(always)]
     pub(crate) fn is_finite(&self) -> bool {
         match &self.polynomial {
@@ -129,8 +129,8 @@ impl<const N: usize> Dense<N> {
         }
     }
 
-    /// A box that holds the state throughout the step: the middle of a straight way, and as radius
-    /// what every other term of the polynomial can reach between 0 and 1.
+    /// A box that contains the state throughout the step. The middle is the linear interpolation;
+    /// the radius bounds all other terms of the polynomial between 0 and 1.
     #[inline(always)]
     pub(crate) fn enclosure(&self) -> [Interval; N] {
         match &self.polynomial {
@@ -143,7 +143,7 @@ impl<const N: usize> Dense<N> {
         }
     }
 
-    /// A box that holds the state between two parts of the step.
+    /// A box that contains the state between two fractions of the step.
     pub(crate) fn enclosure_between(&self, from: f64, to: f64) -> [Interval; N] {
         let (s, r) = ([from, to], [1.0 - to, 1.0 - from]);
         match &self.polynomial {
@@ -173,8 +173,8 @@ fn nested<const N: usize, const K: usize>(c: &[State<N>; K], s: f64) -> State<N>
     x
 }
 
-/// What a polynomial in nested form can be while its factors, those of even and those of odd
-/// places, go between bounds that are not negative.
+/// Bounds of a polynomial in nested form while its factors, of even and of odd index, vary between
+/// nonnegative bounds.
 fn horner_between<const N: usize>(c: &[State<N>], factors: [[f64; 2]; 2]) -> [Interval; N] {
     let mut x = [Interval::new(0.0, 0.0); N];
     for (k, c) in c.iter().enumerate().rev() {
@@ -188,10 +188,10 @@ fn horner_between<const N: usize>(c: &[State<N>], factors: [[f64; 2]; 2]) -> [In
     x
 }
 
-/// What [`nested`] can be between 0 and 1.
+/// Bounds of [`nested`] between 0 and 1.
 #[inline(always)]
 fn enclosure_of_nested<const N: usize, const K: usize>(c: &[State<N>; K]) -> [Interval; N] {
-    /// The largest values of `s r`, `s² r`, … `s⁴ r³`, rounded up.
+    /// The maxima of `s r`, `s² r`, … `s⁴ r³`, rounded up.
     const REACH: [f64; 6] = [0.25, 0.148_149, 0.0625, 0.034_561, 0.015_626, 0.008_394];
     std::array::from_fn(|i| {
         let mut radius = 0.5 * c[1][i].abs();
@@ -202,7 +202,8 @@ fn enclosure_of_nested<const N: usize, const K: usize>(c: &[State<N>; K]) -> [In
     })
 }
 
-/// `Σ c_k s^k` and its slope, from the even and the odd powers apart: neither waits for the other.
+/// `Σ c_k s^k` and its slope, from the even and the odd powers separately: neither waits for the
+/// other.
 #[inline(always)]
 pub(crate) fn power_series<V: Linear<f64>>(c: &[V], s: f64) -> (V, V) {
     let square = s * s;
@@ -250,8 +251,7 @@ mod tests {
                 for range in [range, around] {
                     prop_assert!(range.low <= x + 1e-15 && x - 1e-15 <= range.high);
                 }
-                // Each of eight terms adds no more than its factor's width times all terms behind
-                // it.
+                // Each of eight terms adds at most its factor's width times all later terms.
                 let width = 28.0 * (to - from);
                 prop_assert!(around.high - around.low <= width + 1e-14);
             }

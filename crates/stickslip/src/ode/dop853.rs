@@ -44,8 +44,8 @@ impl RungeKutta for Dop853 {
     });
 }
 
-/// Stage `i` is built from the pairs (stage, coefficient) of row `i`; rows 13 to 15 belong to the
-/// dense output and row 12 to the slope at the end of the step.
+/// Stage `i` is built from the pairs (stage, coefficient) of row `i`. Rows 13 to 15 belong to the
+/// dense output, row 12 to the slope at the end of the step.
 const A: [&[(usize, f64)]; 16] = [
     &[],
     &[(0, 0.05260015195876773)],

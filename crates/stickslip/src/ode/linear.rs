@@ -1,9 +1,9 @@
-//! The one vector operation that a Runge–Kutta step needs.
+//! The vector operation of a Runge–Kutta step.
 
 use crate::scalar::Scalar;
 use crate::system::State;
 
-/// A vector over the scalar `T` that a step can be taken in.
+/// A vector over the scalar `T` for Runge–Kutta steps.
 pub trait Linear<T: Scalar>: Copy {
     /// The zero vector.
     fn zero() -> Self;
@@ -50,8 +50,8 @@ impl<const N: usize> Linear<f64> for State<N> {
     }
 }
 
-/// Time and state together: the unknowns of the Hénon step, in which another variable is
-/// independent.
+/// Time and state together: the unknowns of the Hénon step, whose independent variable is another
+/// one.
 #[derive(Clone, Copy, Debug)]
 pub struct Timed<const N: usize> {
     /// Time.

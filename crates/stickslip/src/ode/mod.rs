@@ -1,5 +1,5 @@
-//! Explicit Runge–Kutta integration: methods as data under one generic step, step-size control,
-//! dense output, and the Hénon step. Knows nothing of discontinuities.
+//! Explicit Runge–Kutta integration of smooth systems: methods as data for one generic step,
+//! step-size control, dense output, and the Hénon step.
 
 pub(crate) mod control;
 mod dense;

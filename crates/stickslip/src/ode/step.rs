@@ -6,10 +6,10 @@ use crate::interval::Interval;
 use crate::scalar::Scalar;
 use crate::system::State;
 
-/// The slopes of one step and the state that they lead to.
+/// The slopes of one step and the state at its end.
 #[derive(Clone, Copy, Debug)]
 pub struct Stages<V> {
-    /// Slopes; slot `stages` (the slope at the end) and those behind it are filled by
+    /// Slopes. Slot `stages` (the slope at the end) and the slots after it are filled by
     /// [`dense_slopes`].
     pub k: [V; MAX_STAGES],
     /// State at the end of the step.
@@ -17,13 +17,13 @@ pub struct Stages<V> {
 }
 
 impl<const N: usize> Stages<State<N>> {
-    /// A box that holds the state throughout a step of method `M` from `x` over `h` whose error is
-    /// within the tolerance, the slope at its end filled in; not finite where the step is not.
+    /// A box that contains the state throughout a step of method `M` from `x` over `h`. The step's
+    /// error must be within the tolerance, and the slope at its end filled in. The box is not
+    /// finite where the step is not.
     ///
-    /// On the straight way from start to end the state is ahead by the integral of `h ẋ` less the
-    /// rise, which is zero at both ends and so nowhere more than half of its integrand's largest
-    /// size. That is known at the stages; twice as much is allowed for what lies between them and
-    /// for what they are off.
+    /// The deviation from the chord is the integral of `h ẋ` minus the rise. It is zero at both
+    /// ends, so it is at most half the maximum of its integrand. That is known at the stages; the
+    /// bound is doubled for values between the stages and for their errors.
     #[inline(always)]
     pub(crate) fn reach<M: RungeKutta>(&self, x: &State<N>, h: f64) -> [Interval; N] {
         let (mut bend, mut sum) = ([0.0; N], [0.0; N]);
@@ -31,7 +31,7 @@ impl<const N: usize> Stages<State<N>> {
             for i in 0..N {
                 let off = (h * slope[i] - (self.end[i] - x[i])).abs();
                 bend[i] = if off > bend[i] { off } else { bend[i] };
-                // Comparisons pass over what is not a number; a sum does not.
+                // Comparisons ignore NaN; a sum does not.
                 sum[i] += off;
             }
         }
@@ -49,8 +49,8 @@ impl<const N: usize> Stages<State<N>> {
     }
 }
 
-/// Writes out one block for every stage index, so that the compiler sees each row of the tableau as
-/// constants: zeros vanish, loops unroll, nothing is looked up at run time.
+/// Writes one block for every stage index, so that the compiler sees each row of the tableau as
+/// constants: zeros vanish and loops unroll.
 macro_rules! for_each_stage {
     ($body:ident) => {
         $body!(1);
@@ -71,11 +71,11 @@ macro_rules! for_each_stage {
     };
 }
 
-/// One step of method `M` from `(t, x)` with slope `k0 = f(t, x)` over `h`; calls `f` `stages − 1`
+/// One step of method `M` from `(t, x)` with slope `k0 = f(t, x)` over `h`. Calls `f` `stages − 1`
 /// times.
 ///
-/// The newest slope is added last in every stage: all else is ready before it, and the chain of
-/// dependent operations is hardly longer than that of the calls to `f` themselves.
+/// The newest slope is added last in every stage. All other terms are ready before it, so the chain
+/// of dependent operations is hardly longer than the calls of `f`.
 #[inline(always)]
 pub fn stages<M: RungeKutta, T: Scalar, V: Linear<T>>(
     f: &mut impl FnMut(T, &V) -> V,
@@ -102,8 +102,8 @@ pub fn stages<M: RungeKutta, T: Scalar, V: Linear<T>>(
     }
 }
 
-/// The end of such a step, for steps that are taken rarely: it calls the field and is not compiled
-/// anew for every one.
+/// The end of such a step, for rare steps. It takes the field as a dynamic call and is compiled
+/// once.
 #[inline(never)]
 pub(crate) fn step_end<M: RungeKutta, V: Linear<f64>>(
     f: &mut dyn FnMut(f64, &V) -> V,
@@ -115,7 +115,7 @@ pub(crate) fn step_end<M: RungeKutta, V: Linear<f64>>(
     stages::<M, f64, V>(&mut |t, x| f(t, x), t, x, k0, h).end
 }
 
-/// Fills in the slope at the end of the step and the further slopes that the dense output needs.
+/// Fills in the slope at the end of the step and the further slopes of the dense output.
 #[inline(always)]
 pub fn dense_slopes<M: RungeKutta, T: Scalar, V: Linear<T>>(
     f: &mut impl FnMut(T, &V) -> V,
@@ -128,7 +128,7 @@ pub fn dense_slopes<M: RungeKutta, T: Scalar, V: Linear<T>>(
     further_slopes::<M, T, V>(f, t, x, h, step);
 }
 
-/// Fills in the slopes that only the dense output needs, where that at the end of the step is
+/// Fills in the slopes that only the dense output needs. The slope at the end of the step must be
 /// known.
 #[inline(always)]
 pub(crate) fn further_slopes<M: RungeKutta, T: Scalar, V: Linear<T>>(
@@ -188,7 +188,7 @@ mod tests {
     use crate::ode::{Dop853, Tolerance};
     use crate::statistics::SplitMix;
 
-    /// The solution at 64 places of a step from time 0, by steps as short.
+    /// The solution at 64 points of a step from time 0, by steps of that length.
     fn solution(
         field: &mut impl FnMut(f64, &State<2>) -> State<2>,
         x: State<2>,
@@ -204,10 +204,9 @@ mod tests {
         })
     }
 
-    /// Of steps as long as error control lets them be, of a shaken spring that hardens or softens.
-    /// In a million and a half of them the solution took less than two fifths of the room; half of
-    /// it is asked for here. (At tolerances above 1e-2 the step itself is wrong now and then, by
-    /// more than any room.)
+    /// Steps as long as error control allows, for a forced spring that hardens or softens. In a
+    /// million and a half of them the solution used less than two fifths of the margin; the test
+    /// requires half. (At tolerances above 1e-2 the step itself may err by more than any margin.)
     #[test]
     fn the_solution_stays_within_the_reach_of_a_step_within_the_tolerance() {
         let mut draw = SplitMix::new(853);

@@ -17,8 +17,7 @@ pub struct Coefficients {
     pub a: [[f64; MAX_STAGES]; MAX_STAGES],
     /// Weights of the solution.
     pub b: [f64; MAX_STAGES],
-    /// Weights of the coefficients 5 to 8 of the dense output; zero where a cubic Hermite
-    /// interpolant serves.
+    /// Weights of coefficients 5 to 8 of the dense output; zero for a cubic Hermite interpolant.
     pub d: [[f64; MAX_STAGES]; 4],
 }
 
@@ -27,20 +26,20 @@ pub struct Coefficients {
 pub struct Embedded {
     /// Error estimate of order 5.
     pub e5: [f64; MAX_STAGES],
-    /// Solution of order 3; its difference from the step's own is the second estimate.
+    /// Solution of order 3. Its difference from the step's own is the second estimate.
     pub third_order: [f64; MAX_STAGES],
 }
 
-/// An explicit Runge–Kutta method. The generic step, the dense output and the Hénon step are made
-/// from its data.
+/// An explicit Runge–Kutta method. Its data define the generic step, the dense output and the Hénon
+/// step.
 pub trait RungeKutta {
-    /// Name for messages.
+    /// Name in messages.
     const NAME: &'static str;
     /// Order of the solution.
     const ORDER: u32;
     /// The data.
     const COEFFICIENTS: Coefficients;
-    /// Error estimate; `None` for a method of fixed step.
+    /// Error estimate; `None` for a method with fixed steps.
     const EMBEDDED: Option<Embedded>;
 }
 

@@ -4,9 +4,9 @@ use crate::attractors::systems::{
     Backwards, Detour, Driven, Leine, NearWells, Pushed, Rings, Shear, ToZero, Wells,
 };
 use crate::bifurcations::systems::{
-    Area, AtParameter, Beat, BeatFamily, Belt, Dragged, DrivenFamily, DrivenIsland, Ends, Focus,
-    Grip, Held, Island, Lags, Persists, Pitchfork, Pulse, Resonant, Rough, Shaken, Sheet,
-    Softening, Twisted,
+    Area, AtParameter, Beat, BeatFamily, Belt, Dragged, DrivenFamily, DrivenIsland, Ends,
+    FasterBelt, Focus, Grip, Island, Lags, Persists, Pitchfork, Pulse, Resonant, Rough, Shaken,
+    Sheet, Softening, Twisted,
 };
 use crate::den_hartog::DenHartog;
 use crate::line::Line;
@@ -21,7 +21,7 @@ traced!(
 traced!(
     2:
     Smooth<Backwards>, BeatFamily, DenHartog, Smooth<Detour>, AtParameter<Dragged>, Driven, Ends,
-    AtParameter<Grip>, Held, Leine, AtParameter<Persists>, Pushed, AtParameter<Rings>, Shaken,
+    AtParameter<Grip>, FasterBelt, Leine, AtParameter<Persists>, Pushed, AtParameter<Rings>, Shaken,
     Smooth<Shear>, ToZero, AtParameter<Twisted>, Wells,
 );
 

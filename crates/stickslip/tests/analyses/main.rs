@@ -1,6 +1,5 @@
-//! The tests of what looks at many orbits: attractors, basins, sweeps and branches. They compile
-//! the solver for systems of their own inside loops of their own, which the tests of the solver do
-//! not wait for.
+//! Tests of analyses that use many orbits: attractors, basins, sweeps and branches. They compile
+//! the solver for their own systems, and the tests of the solver do not wait for that.
 
 mod any_system;
 mod attractors;

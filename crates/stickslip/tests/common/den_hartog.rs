@@ -2,8 +2,8 @@
 
 use stickslip::{Filippov, Scalar, Side};
 
-/// `x'' = -x - S sgn x' + cos Ωt`, on whose orbits without stick Den Hartog (1930) has the
-/// amplitude.
+/// `x'' = -x - S sgn x' + cos Ωt`. Den Hartog (1930) gives the amplitude of its orbits without
+/// stick.
 pub struct DenHartog {
     pub frequency: f64,
     pub friction: f64,

@@ -2,8 +2,8 @@
 
 use stickslip::{Filippov, Scalar, Side};
 
-/// `x' = below` for `x < 0`, `x' = above` for `x > 0`: attracting, crossed or repelling by the
-/// signs.
+/// `x' = below` for `x < 0`, `x' = above` for `x > 0`. The signs decide whether the boundary
+/// attracts, is crossed or repels.
 pub struct Line {
     pub below: f64,
     pub above: f64,

@@ -1,18 +1,17 @@
-//! Systems of the tests on the solver that is compiled for systems from files: their functions are
-//! written down as formulas, so that the solver is not compiled for each of them.
+//! Systems for tests of the solver that is compiled for systems from files. They are recorded as
+//! formulas, so that the solver is not compiled for each of them.
 
 use stickslip::dynamics::DynamicsRef;
 use stickslip::{Error, Filippov, Scalar, Side};
 use stickslip_kernels::kernel::{Equations, OneContact, Switching, dynamics};
 use stickslip_kernels::trace::trace;
 
-/// A system that goes into the solver by its formulas, or, where it branches on values, by a type
-/// of its own.
+/// A system for the solver, by its formulas or, if it branches on values, by a type of its own.
 pub trait Listed<const N: usize>: Filippov<N> {
     type Any<'a>: Filippov<N> + Send + Sync
     where
         Self: 'a;
-    /// For what takes a typed system.
+    /// For functions that take a typed system.
     fn any(&self) -> Self::Any<'_>;
     /// For the analyses.
     fn dynamics(&self) -> DynamicsRef<'_>;
@@ -25,10 +24,10 @@ pub struct Traced<const N: usize> {
     allowed: Result<(), Error>,
 }
 
-/// Nothing moves.
-struct Still;
+/// A system at rest.
+struct AtRest;
 
-impl<const N: usize> Filippov<N> for Still {
+impl<const N: usize> Filippov<N> for AtRest {
     fn field<T: Scalar>(&self, _side: Side, _t: T, _x: &[T; N]) -> [T; N] {
         [T::zero(); N]
     }
@@ -42,8 +41,8 @@ impl<const N: usize> Traced<N> {
         let allowed = system.check_parameters();
         let formulas = match allowed {
             Ok(()) => trace(system),
-            // They may be no numbers, and no run begins with them.
-            Err(_) => trace::<_, N>(&Still),
+            // The values may be NaN; no run starts with them.
+            Err(_) => trace::<_, N>(&AtRest),
         };
         Traced {
             formulas: formulas.expect("a system that does not branch on values"),

@@ -1,11 +1,11 @@
-//! Systems without a boundary that is reached.
+//! Systems whose boundary is never reached.
 
 use stickslip::{Filippov, Scalar, Side};
 
 /// A smooth system: `boundary` is never reached.
 pub struct Smooth<F>(pub F);
 
-/// A field written once for every scalar; closures cannot be.
+/// A field, generic over the scalar, which closures cannot be.
 pub trait Field<const N: usize> {
     fn at<T: Scalar>(&self, x: &[T; N]) -> [T; N];
 }
@@ -19,7 +19,7 @@ impl<F: Field<N>, const N: usize> Filippov<N> for Smooth<F> {
     }
 }
 
-/// Lorenz' system at his parameters.
+/// Lorenz' system with his parameters.
 pub struct Lorenz;
 impl Field<3> for Lorenz {
     fn at<T: Scalar>(&self, x: &[T; 3]) -> [T; 3] {

@@ -1,4 +1,4 @@
-//! Oscillators that have nothing to do with each other go on in one system as each does alone.
+//! Uncoupled oscillators in one system move as each does alone.
 
 use stickslip::{
     Contacts, Filippov, Method, Mode, Options, Orbit, Scalar, Several, Side, Start, State,
@@ -8,7 +8,7 @@ use stickslip::{
 use super::rig::Rig;
 use std::ops::ControlFlow;
 
-/// Three shaken blocks on a floor, each with a spring and friction of its own.
+/// Three driven blocks on a floor, each with its own spring and friction.
 pub fn three() -> Rig<3> {
     let mut rig = Rig::at_rest();
     for (i, k) in [1.0, 2.5, 0.4].into_iter().enumerate() {
@@ -22,11 +22,11 @@ pub fn three() -> Rig<3> {
 pub const START: [f64; 6] = [1.0, -0.5, 2.0, 0.0, 0.5, -0.3];
 
 /// One of them alone.
-pub struct Alone<'a>(pub &'a Rig<3>, pub usize);
+pub struct SingleOscillator<'a>(pub &'a Rig<3>, pub usize);
 
-impl Filippov<2> for Alone<'_> {
+impl Filippov<2> for SingleOscillator<'_> {
     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
-        let Alone(rig, i) = *self;
+        let SingleOscillator(rig, i) = *self;
         let shaking = (t * rig.omega).cos() * rig.forcing[i];
         [
             x[1],
@@ -43,7 +43,7 @@ fn each_goes_on_as_alone(options: &Options, allowed: f64) {
     let together = solve(&Several(&rig), 0.0, START, 40.0, options).unwrap();
     for i in 0..3 {
         let alone = solve(
-            &Alone(&rig, i),
+            &SingleOscillator(&rig, i),
             0.0,
             [START[i], START[3 + i]],
             40.0,
@@ -92,7 +92,7 @@ struct WithIdle<'a>(&'a Rig<3>);
 
 impl Contacts<2, 2> for WithIdle<'_> {
     fn field<T: Scalar>(&self, sides: &[Side; 2], t: T, x: &[T; 2]) -> [T; 2] {
-        Alone(self.0, 0).field(sides[0], t, x)
+        SingleOscillator(self.0, 0).field(sides[0], t, x)
     }
     fn boundaries<T: Scalar>(&self, _t: T, x: &[T; 2]) -> [T; 2] {
         [x[1], x[0] * x[0] + 1.0]
@@ -107,7 +107,7 @@ fn a_contact_that_never_acts_changes_nothing() {
         (Options::tol(1e-15).method(Method::Taylor), 1e-12),
     ] {
         let start = [START[0], START[3]];
-        let alone = solve(&Alone(&rig, 0), 0.0, start, 40.0, &options).unwrap();
+        let alone = solve(&SingleOscillator(&rig, 0), 0.0, start, 40.0, &options).unwrap();
         let beside = solve(&Several(WithIdle(&rig)), 0.0, start, 40.0, &options).unwrap();
         assert_eq!(alone.transitions.len(), beside.transitions.len());
         assert!(alone.transitions.len() > 8);
@@ -122,8 +122,8 @@ fn a_contact_that_never_acts_changes_nothing() {
 
 #[test]
 fn a_contact_at_the_limit_of_what_holds_it_does_as_by_the_rules_of_one_boundary() {
-    // What pushes is just what friction can hold, and its rate is zero or is not: the second
-    // derivative decides, or the first.
+    // The push equals the friction limit, and its rate is zero or not. So the second derivative
+    // decides, or the first.
     let rig = |force: f64, omega: f64, stiffness: f64| {
         let mut rig = Rig::<3>::at_rest();
         (rig.forcing[0], rig.omega, rig.friction[0]) = (force, omega, 0.4);
@@ -131,10 +131,10 @@ fn a_contact_at_the_limit_of_what_holds_it_does_as_by_the_rules_of_one_boundary(
         rig
     };
     for (rig, x, sticks) in [
-        // The push is at its largest, and holds.
+        // The push is at its maximum, and friction holds.
         (rig(0.4, 1.0, 0.0), 0.0, true),
         (rig(-0.4, 1.0, 0.0), 0.0, true),
-        // At its least it does not.
+        // At its minimum it does not.
         (rig(-0.4, 1.0, 1.0), -0.8, false),
         (rig(0.4, 1.0, 1.0), 0.8, false),
         // It never changes.
@@ -145,7 +145,7 @@ fn a_contact_at_the_limit_of_what_holds_it_does_as_by_the_rules_of_one_boundary(
             Options::tol(1e-12),
             Options::tol(1e-14).method(Method::Taylor),
         ] {
-            let alone = solve(&Alone(&rig, 0), 0.0, [x, 0.0], 1.0, &options).unwrap();
+            let alone = solve(&SingleOscillator(&rig, 0), 0.0, [x, 0.0], 1.0, &options).unwrap();
             let several = solve(&Several(WithIdle(&rig)), 0.0, [x, 0.0], 1.0, &options).unwrap();
             let first = alone.phases[0].mode;
             assert_eq!(first == Mode::Stick, sticks, "{rig:?}");
@@ -157,8 +157,8 @@ fn a_contact_at_the_limit_of_what_holds_it_does_as_by_the_rules_of_one_boundary(
 
 #[test]
 fn two_that_come_to_rest_at_the_same_instant_are_decided_together() {
-    // Two equal blocks with equal starts stop at the same time, whatever rounding says; the third
-    // has a time of its own.
+    // Two equal blocks with equal starts stop at the same time, whatever the rounding. The third
+    // one stops at another time.
     let mut rig = three();
     rig.stiffness[1][1] = rig.stiffness[0][0];
     rig.forcing = [0.0; 3];
@@ -230,7 +230,7 @@ fn phases_and_steps_of_several_contacts_join() {
         .iter()
         .filter(|at| at.kind != TransitionKind::Touch);
     assert_eq!(changes.count() + 1, orbit.phases.len());
-    // What holds lies on its boundary to rounding.
+    // A contact that holds lies on its boundary to rounding.
     for step in &orbit.steps {
         let h = Contacts::boundaries(&rig, 0.0, step.x_end.as_ref());
         for (h, mode) in h.iter().zip(step.mode) {

@@ -1,31 +1,31 @@
-//! What is no problem of contacts is an error that says why.
+//! Invalid systems of contacts give an error with the reason.
 
 use stickslip::{Contacts, Ending, Error, Method, Options, Scalar, Several, Side, solve};
 
 use super::references::stacked;
 
-/// Two bodies whose contacts are what a case makes of them.
-struct Odd(Case);
+/// Two bodies with contacts that depend on the case.
+struct InvalidContacts(Case);
 
 #[derive(Clone, Copy)]
 enum Case {
-    /// Both boundaries are the same.
+    /// Both boundaries are equal.
     Coincide,
-    /// The second boundary function has no slope.
+    /// The gradient of the second boundary function vanishes.
     Flat,
-    /// The second boundary function is not a number.
+    /// The second boundary function is NaN.
     Undefined,
-    /// The second boundary function is a number up to where the orbit takes it, and no further.
+    /// The second boundary function becomes NaN on the orbit.
     Ends,
-    /// Friction drives the second apart.
+    /// Friction drives the second contact apart.
     Repels,
-    /// What holds one contact also brakes the other.
+    /// The friction that holds one contact also brakes the other.
     HoldsAll,
     /// A parameter is not allowed.
     Refused,
 }
 
-impl Contacts<2, 2> for Odd {
+impl Contacts<2, 2> for InvalidContacts {
     fn field<T: Scalar>(&self, sides: &[Side; 2], _t: T, _x: &[T; 2]) -> [T; 2] {
         let second = match self.0 {
             Case::Repels => -1.0,
@@ -67,13 +67,20 @@ impl Contacts<2, 2> for Odd {
 }
 
 fn error(case: Case, start: [f64; 2]) -> Error {
-    let failure = solve(&Several(Odd(case)), 0.0, start, 2.0, &Options::default()).unwrap_err();
+    let failure = solve(
+        &Several(InvalidContacts(case)),
+        0.0,
+        start,
+        2.0,
+        &Options::default(),
+    )
+    .unwrap_err();
     assert_eq!(failure.reached.ending, Ending::Failed);
     failure.error
 }
 
 #[test]
-fn what_is_no_contact_is_told() {
+fn what_is_no_contact_is_reported() {
     let dependent = error(Case::Coincide, [1.0, 1.0]);
     assert!(
         matches!(&dependent, Error::DependentContacts { contacts, .. } if *contacts == [0, 1]),
@@ -105,7 +112,7 @@ fn a_boundary_that_ends_on_the_way_ends_the_run_there() {
         Options::tol(1e-10),
         Options::tol(1e-10).method(Method::Taylor),
     ] {
-        let system = Several(Odd(Case::Ends));
+        let system = Several(InvalidContacts(Case::Ends));
         let failure = solve(&system, 0.0, [1.5, 0.5], 1.0, &options).unwrap_err();
         let Error::StepCollapse { ref x, .. } = failure.error else {
             panic!("{}", failure.error);
@@ -115,7 +122,7 @@ fn a_boundary_that_ends_on_the_way_ends_the_run_there() {
 }
 
 #[test]
-fn a_future_that_is_not_unique_is_told_with_what_it_could_be() {
+fn a_future_that_is_not_unique_is_reported_with_what_it_could_be() {
     let repels = error(Case::Repels, [0.0, 0.0]);
     let Error::NoUniqueMode {
         contacts,
@@ -130,7 +137,7 @@ fn a_future_that_is_not_unique_is_told_with_what_it_could_be() {
 }
 
 #[test]
-fn static_friction_at_a_contact_that_slips_is_told() {
+fn static_friction_at_a_contact_that_slips_is_reported() {
     let elsewhere = error(Case::HoldsAll, [0.0, 1.0]);
     assert!(
         matches!(
@@ -146,7 +153,7 @@ fn static_friction_at_a_contact_that_slips_is_told() {
 }
 
 #[test]
-fn static_friction_below_the_kinetic_is_told_with_the_contact() {
+fn static_friction_below_the_kinetic_is_reported_with_the_contact() {
     let mut rig = stacked();
     rig.ratio = 0.5;
     let failure = solve(&Several(&rig), 0.0, [0.0; 6], 5.0, &Options::default()).unwrap_err();

@@ -1,5 +1,6 @@
-//! Random chains of two to six blocks, some of them on one another: every mode is the one solution
-//! of its complementarity problem, by trying all; the energy balances; no event is missed.
+//! Random chains of two to six blocks, some of them on one another. Every mode is the unique
+//! solution of its complementarity problem, by enumeration. The energy balances, and no event is
+//! missed.
 
 use stickslip::statistics::SplitMix;
 use stickslip::{Method, Mode, Options, Orbit, Several, Side, State, solve};
@@ -9,7 +10,7 @@ use super::rig::Rig;
 const B: usize = 6;
 const N: usize = 2 * B;
 
-/// A chain with a start, and how many blocks it has.
+/// A chain with a start, and its number of blocks.
 struct Chain {
     rig: Rig<B>,
     x: State<N>,
@@ -34,7 +35,7 @@ impl Chain {
                 rig.spring(between(0.1, 2.0), i - 1, Some(i));
             }
             x[i] = between(-2.0, 2.0);
-            // Some begin at rest.
+            // Some contacts begin at rest.
             x[B + i] = between(-1.0, 2.0).max(0.0);
         }
         let mut chain = Chain {
@@ -51,7 +52,7 @@ impl Chain {
         solve(&Several(&self.rig), 0.0, self.x, 12.0, options).unwrap()
     }
 
-    /// Acceleration with these forces of friction on each body that has one.
+    /// Acceleration with these friction forces, one for each body.
     fn acceleration(&self, friction: &[f64; B], x: &State<N>) -> [f64; B] {
         let rig = &self.rig;
         std::array::from_fn(|i| {
@@ -69,7 +70,7 @@ impl Chain {
         std::array::from_fn(|c| v[c] - self.rig.sits_on[c].map_or(0.0, |below| v[below]))
     }
 
-    /// What a unit of friction at one contact adds to the rates of all: `[rate][force]`.
+    /// Effect of a unit of friction at one contact on all rates: `[rate][force]`.
     fn responses(&self) -> [[f64; B]; B] {
         let rest = State::from([0.0; N]);
         let mut responses = [[0.0; B]; B];
@@ -83,8 +84,8 @@ impl Chain {
         responses
     }
 
-    /// Forces of friction and rates of the contacts in a mode, by solving for the forces of those
-    /// that hold.
+    /// Friction forces and rates of the contacts in a mode. The forces of contacts that hold are
+    /// solved for.
     fn forces_and_rates(&self, mode: &[Mode; B], x: &State<N>) -> ([f64; B], [f64; B]) {
         let holds = |c: usize| c < self.blocks && mode[c] == Mode::Stick;
         let mut friction: [f64; B] = std::array::from_fn(|c| match mode[c] {
@@ -92,7 +93,7 @@ impl Chain {
             Mode::Stick => 0.0,
         });
         let free = self.relative(&self.acceleration(&friction, x));
-        // Rows and columns of contacts that slip say that nothing is added there.
+        // Rows and columns of slipping contacts add nothing.
         let mut matrix = self.responses;
         let mut force: [f64; B] = std::array::from_fn(|c| if holds(c) { -free[c] } else { 0.0 });
         for i in 0..B {
@@ -124,7 +125,7 @@ impl Chain {
         (friction, rates)
     }
 
-    /// By how much a mode is consistent at the contacts in `at_zero`: negative where it is not.
+    /// Margin by which a mode is consistent at the contacts in `at_zero`; negative if it is not.
     fn margin(&self, mode: &[Mode; B], at_zero: &[usize], x: &State<N>) -> f64 {
         let (forces, rates) = self.forces_and_rates(mode, x);
         at_zero
@@ -151,10 +152,10 @@ impl Chain {
         self.relative(&std::array::from_fn(|i| x[B + i]))
     }
 
-    /// That every mode reported is consistent, and no other one clearly is.
+    /// Asserts that every reported mode is consistent, and no other one clearly is.
     fn modes_are_unique(&self, orbit: &Orbit<N, [Mode; B]>) {
         const ROUNDING: f64 = 1e-7;
-        // At the start, with up to all blocks at rest, and behind every event.
+        // At the start, with up to all blocks at rest, and after every event.
         let start = (orbit.x_start, orbit.phases[0].mode, None);
         let changes = orbit
             .transitions
@@ -189,8 +190,8 @@ impl Chain {
         }
     }
 
-    /// That nothing happens between two events: on 100 points of each step contacts that slip do so
-    /// to their side, and those that hold can.
+    /// Asserts that no event is missed. At 100 points of each step, slipping contacts slip to their
+    /// side, and sticking ones can hold.
     fn nothing_is_missed(&self, orbit: &Orbit<N, [Mode; B]>) {
         for step in &orbit.steps {
             for k in 0..=100 {
@@ -203,7 +204,7 @@ impl Chain {
                         Mode::Slip(side) => h[c] * side.sign(),
                         Mode::Stick => self.rig.friction[c] - forces[c].abs(),
                     };
-                    // The dense output is off by up to some hundred tolerances.
+                    // The dense output may err by some hundred tolerances.
                     assert!(
                         left > -1e-8,
                         "{left:e} at contact {c}, t = {t}: {:?}",
@@ -214,7 +215,7 @@ impl Chain {
         }
     }
 
-    /// That the energy lost is the work of friction, by quadrature over the dense output.
+    /// Asserts that the energy loss is the work of friction, by quadrature over the dense output.
     fn energy_balances(&self, orbit: &Orbit<N, [Mode; B]>) {
         const GAUSS: [(f64, f64); 5] = [
             (-0.906_179_845_938_664, 0.236_926_885_056_189_1),
@@ -225,7 +226,7 @@ impl Chain {
         ];
         let mut work = 0.0;
         for step in &orbit.steps {
-            // Steps are long beside what five points can do: eight parts of each.
+            // Steps are too long for five points: each is divided into eight parts.
             let part = (step.t_end - step.t_start) / 8.0;
             for k in 0..8 {
                 let middle = step.t_start + (f64::from(k) + 0.5) * part;
@@ -251,7 +252,7 @@ fn check(seed: u64, count: usize, options: &Options) {
         let chain = Chain::random(&mut random);
         let orbit = chain.orbit(options);
         chain.modes_are_unique(&orbit);
-        // The rest takes longer and says less: of every tenth.
+        // The other checks take longer and add less: for every tenth orbit.
         if number % 10 == 0 {
             chain.nothing_is_missed(&orbit);
             chain.energy_balances(&orbit);

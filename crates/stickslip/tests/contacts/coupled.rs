@@ -1,10 +1,10 @@
-//! Friction at one contact that depends on the side of another: the sliding field is the
-//! multi-affine combination of all corners.
+//! Friction at one contact depends on the side of another: the sliding field is the multi-affine
+//! combination of all corners.
 
 use stickslip::{Contacts, Error, Method, Mode, Options, Scalar, Several, Side, solve};
 
 /// `x' = 1 - λ₁ (2 + λ₂/2)`, `y' = y₀ - λ₂ (2 + λ₁/2)` about x = 0 and y = 0, and `z' = λ₁ λ₂`,
-/// which tells the shares apart.
+/// which depends on both weights.
 struct Coupled<const SAYS_SO: bool> {
     drift: f64,
 }
@@ -25,10 +25,10 @@ impl<const SAYS_SO: bool> Contacts<3, 2> for Coupled<SAYS_SO> {
     }
 }
 
-/// λ₁, λ₂ with `1 = λ₁ (2 + λ₂/2)` and `drift = λ₂ (2 + λ₁/2)`: the second gives λ₂, the first is
+/// λ₁, λ₂ with `1 = λ₁ (2 + λ₂/2)` and `drift = λ₂ (2 + λ₁/2)`. The second gives λ₂; the first is
 /// then quadratic in λ₁.
 fn shares(drift: f64) -> [f64; 2] {
-    // λ₂ = drift/(2 + λ₁/2); λ₁ (2 (2 + λ₁/2) + drift/2) = 2 + λ₁/2, that is λ₁² + (3.5 + drift/2)
+    // λ₂ = drift/(2 + λ₁/2). λ₁ (2 (2 + λ₁/2) + drift/2) = 2 + λ₁/2, that is, λ₁² + (3.5 + drift/2)
     // λ₁ - 2 = 0.
     let p = 3.5 + 0.5 * drift;
     let first = 0.5 * (-p + (p * p + 8.0).sqrt());
@@ -62,6 +62,6 @@ fn friction_that_does_not_add_is_noticed_where_the_system_does_not_say_so() {
         "{failure}"
     );
     assert!(failure.to_string().contains("MULTI_AFFINE"), "{failure}");
-    // Up to where both hold it has gone.
+    // The run continues until both hold.
     assert!(failure.reached.t_end > 0.1);
 }

@@ -1,4 +1,4 @@
-//! Events of the user's own and a Poincaré map where several contacts act: circles in closed form.
+//! User-defined events and a Poincaré map with several contacts: circles in closed form.
 
 use std::f64::consts::PI;
 
@@ -19,13 +19,13 @@ impl EventFunctions<6, 1> for Level {
 
 #[test]
 fn events_and_sections_are_those_of_the_body_that_moves() {
-    // The first of three bodies is a block on the floor with friction 0.4; the others are held
-    // where they are.
+    // The first of three bodies is a block on the floor with friction 0.4. The others are held in
+    // place.
     let mut rig = Rig::<3>::at_rest();
     rig.spring(1.0, 0, None);
     rig.friction[0] = 0.4;
-    // From 3 at rest its circles have radii 2.6, 1.8, 1 and 0.2 about ±0.4, half a turn each, and
-    // then it rests at -0.2.
+    // From 3 at rest its circles have radii 2.6, 1.8, 1 and 0.2 about ±0.4, half a turn each. Then
+    // it rests at -0.2.
     let start = [3.0, 0.0, 0.0, 0.0, 0.0, 0.0];
     let passes = [
         (math::acos(0.6 / 2.6), Falling),

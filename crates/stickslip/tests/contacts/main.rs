@@ -1,5 +1,5 @@
-//! Several contacts: event times known to 25 digits, static friction, and what must hold of any
-//! chain of blocks.
+//! Several contacts: event times with 25 digits, static friction, and properties of any chain of
+//! blocks.
 
 #![allow(
     clippy::needless_range_loop,

@@ -1,11 +1,11 @@
-//! Event times to 25 digits (`data/contacts.csv`): two blocks on a floor, a block on a block, three
-//! blocks that are pulled.
+//! Event times with 25 digits (`data/contacts.csv`): two blocks on a floor, a block on a block, and
+//! three blocks that are pulled.
 
 use stickslip::{Method, Mode, Options, Orbit, Several, Side, State, TransitionKind, solve};
 
 use super::rig::Rig;
 
-/// Two blocks on a floor, joined by a spring and shaken; the third stands still.
+/// Two blocks on a floor, joined by a spring and driven; the third one does not move.
 fn two_blocks() -> Rig<3> {
     let mut rig = Rig::at_rest();
     rig.spring(1.0, 0, None);
@@ -16,8 +16,8 @@ fn two_blocks() -> Rig<3> {
     rig
 }
 
-/// A block on a block on a floor. At three events what happens at the one contact releases the
-/// other in the same instant.
+/// A block on a block on a floor. At three events, an event at one contact releases the other at
+/// the same time.
 pub fn stacked() -> Rig<3> {
     let mut rig = Rig::at_rest();
     rig.masses[1] = 0.5;
@@ -40,7 +40,7 @@ fn pulled() -> Rig<3> {
     rig
 }
 
-/// What a contact does, as the table has it: the sign of its side, 0 where it holds.
+/// The mode of a contact in the table: the sign of its side, 0 where it holds.
 fn sign(mode: Mode) -> i32 {
     match mode {
         Mode::Slip(Side::Below) => -1,
@@ -57,7 +57,7 @@ fn signs(column: &str) -> Vec<i32> {
         .collect()
 }
 
-/// Holds an orbit against the table, event times to what is allowed at their time, and its end.
+/// Compares an orbit with the table: event times within the tolerance at their time, and its end.
 fn agrees(
     problem: &str,
     orbit: &Orbit<6, [Mode; 3]>,

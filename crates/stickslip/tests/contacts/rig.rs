@@ -1,9 +1,8 @@
-//! Linear oscillators with Coulomb friction between them: every problem here is one of these.
+//! Linear oscillators with Coulomb friction between them, which cover every problem here.
 
 use stickslip::{Contacts, Scalar, Side};
 
-/// `B` bodies and as many contacts, of which the unused stand still. States: positions, then
-/// velocities.
+/// `B` bodies and as many contacts; unused bodies do not move. States: positions, then velocities.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rig<const B: usize> {
     pub masses: [f64; B],
@@ -12,10 +11,10 @@ pub struct Rig<const B: usize> {
     /// Amplitude of a force `cos ωt` on each body, and ω.
     pub forcing: [f64; B],
     pub omega: f64,
-    /// Force on each body that grows with time.
+    /// Force on each body, growing linearly with time.
     pub pull: [f64; B],
-    /// Contact `c` slides at the velocity of body `c` less that of the body that it sits on, if it
-    /// is not the floor.
+    /// The velocity of contact `c` is that of body `c` relative to the body below it, or to the
+    /// floor.
     pub sits_on: [Option<usize>; B],
     /// Kinetic friction of each contact.
     pub friction: [f64; B],
@@ -24,7 +23,7 @@ pub struct Rig<const B: usize> {
 }
 
 impl<const B: usize> Rig<B> {
-    /// Bodies that stand on the floor and are held there.
+    /// Bodies on the floor that friction holds.
     pub fn at_rest() -> Self {
         Rig {
             masses: [1.0; B],
@@ -38,7 +37,7 @@ impl<const B: usize> Rig<B> {
         }
     }
 
-    /// Joins two bodies, or one and the wall.
+    /// Joins two bodies, or a body and the wall.
     pub fn spring(&mut self, k: f64, i: usize, j: Option<usize>) {
         self.stiffness[i][i] += k;
         if let Some(j) = j {

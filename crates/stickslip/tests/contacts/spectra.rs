@@ -1,4 +1,4 @@
-//! Tangent vectors through several contacts.
+//! Tangent vectors with several contacts.
 
 use stickslip::analysis::{
     Exponent, SpectrumOptions, lyapunov_spectrum, monodromy, periodic_orbit_forced,
@@ -7,11 +7,11 @@ use stickslip::dynamics::Matrix;
 use stickslip::system::IntoState;
 use stickslip::{Error, Mode, Options, Several, State, solve};
 
-use super::apart::{Alone, START, three};
+use super::apart::{START, SingleOscillator, three};
 use super::references::stacked;
 use super::rig::Rig;
 
-/// The monodromy matrix against differences over five points.
+/// The monodromy matrix compared with differences over five points.
 fn agrees_with_differences(rig: &Rig<3>, start: [f64; 6], t_end: f64) -> (Matrix, Vec<[Mode; 3]>) {
     let options = Options::tol(1e-13);
     let system = Several(rig);
@@ -27,7 +27,7 @@ fn agrees_with_differences(rig: &Rig<3>, start: [f64; 6], t_end: f64) -> (Matrix
         let far = end(j, 2.0 * CHANGE) - end(j, -2.0 * CHANGE);
         (near * 8.0 - far) / (12.0 * CHANGE)
     };
-    // The third block stands still; a change of its velocity would make it slip.
+    // The third block does not move; a change of its velocity would make it slip.
     for j in [0, 1, 3, 4] {
         let off = (found.matrix.column(j) - difference(j)).amax();
         assert!(off < 1e-6, "column {j}: off by {off:e}");
@@ -43,7 +43,7 @@ fn agrees_with_differences(rig: &Rig<3>, start: [f64; 6], t_end: f64) -> (Matrix
 fn saltation_of_several_contacts_is_the_derivative_of_the_flow() {
     let rig = stacked();
     let start = [0.3, -0.2, 0.0, 0.5, 0.9, 0.0];
-    // Through entries, exits, crossings, and crossings that release the other contact.
+    // With entries, exits, crossings, and crossings that release the other contact.
     let (_, modes) = agrees_with_differences(&rig, start, 20.5);
     assert!(modes.len() > 10);
     let mut rough = rig.clone();
@@ -55,7 +55,7 @@ fn saltation_of_several_contacts_is_the_derivative_of_the_flow() {
 #[test]
 fn the_spectrum_of_oscillators_apart_is_the_union_of_each_ones() {
     let mut rig = three();
-    // The first slips all the time, the others stick in every period.
+    // The first contact always slips; the others stick in every period.
     (rig.forcing, rig.friction) = ([3.0, 0.9, 1.1], [0.3, 0.5, 0.95]);
     let settings = SpectrumOptions {
         transient: 200.0,
@@ -70,7 +70,8 @@ fn the_spectrum_of_oscillators_apart_is_the_union_of_each_ones() {
     let together = lyapunov_spectrum(&Several(&rig), (0.0, START), &settings).unwrap();
     let alone = (0..3).flat_map(|i| {
         let start = [START[i], START[3 + i]];
-        let spectrum = lyapunov_spectrum(&Alone(&rig, i), (0.0, start), &settings).unwrap();
+        let spectrum =
+            lyapunov_spectrum(&SingleOscillator(&rig, i), (0.0, start), &settings).unwrap();
         spectrum.exponents
     });
     let (found, expected) = (sorted(together.exponents.to_vec()), sorted(alone.collect()));
@@ -82,18 +83,18 @@ fn the_spectrum_of_oscillators_apart_is_the_union_of_each_ones() {
         "{found:?} {expected:?}"
     );
     for (found, expected) in found.iter().zip(&expected).take(4) {
-        // Vectors take their places within a time of one over the differences of the exponents.
+        // Vectors converge within a time of one over the differences of the exponents.
         assert!((found - expected).abs() < 3e-3, "{found} {expected}");
     }
     assert!(expected[0] < -0.01 && expected[3] < -0.1, "{expected:?}");
-    // The sum of those that are left, against divergence and saltation.
+    // The sum of the remaining exponents, compared with divergence and saltation.
     assert!(together.defect().abs() < 1e-6, "{}", together.defect());
 }
 
 #[test]
 fn two_contacts_that_come_to_rest_in_the_same_instant_have_no_derivative() {
-    // Equal blocks with equal starts stop together: which one stops first depends on the change,
-    // and with it what becomes of it.
+    // Equal blocks with equal starts stop together. A change decides which one stops first, and so
+    // the outcome.
     let mut rig = three();
     (rig.forcing, rig.stiffness[1][1]) = ([0.0; 3], rig.stiffness[0][0]);
     rig.friction[1] = rig.friction[0];
@@ -104,17 +105,18 @@ fn two_contacts_that_come_to_rest_in_the_same_instant_have_no_derivative() {
 
 #[test]
 fn two_contacts_that_give_way_in_the_same_instant_have_no_derivative() {
-    // Two equal blocks that are pulled alike, of which the second to give way is at its end itself,
-    // and not let go by the first.
+    // Two equal blocks that are pulled equally. The second one is released by its own limit, not by
+    // the first one.
     let mut rig = Rig::<3>::at_rest();
     (rig.pull, rig.ratio) = ([1.0, 1.0, 0.0], 1.5);
     let run = |rig: &Rig<3>| monodromy(&Several(rig), 0.0, [0.0; 6], 3.0, &Options::tol(1e-12));
     let error = run(&rig).unwrap_err();
     assert!(matches!(error, Error::TangentSingular { .. }), "{error}");
-    // One after the other they have one.
+    // One after the other they have a derivative.
     rig.pull[1] = 1.25;
     assert!(run(&rig).is_ok());
-    // Without more friction at rest the fields agree where they begin to slip, and nothing jumps.
+    // With equal static and kinetic friction the fields agree where the blocks begin to slip, and
+    // nothing jumps.
     (rig.pull[1], rig.ratio) = (1.0, 1.0);
     assert!(run(&rig).is_ok());
 }
@@ -122,7 +124,7 @@ fn two_contacts_that_give_way_in_the_same_instant_have_no_derivative() {
 #[test]
 fn a_forced_orbit_of_three_blocks_is_found_by_shooting() {
     let mut rig = stacked();
-    // The third moves, too: one that stands still would do so anywhere.
+    // The third block moves, too: at rest it would satisfy this anywhere.
     rig.spring(0.4, 2, None);
     (rig.forcing[2], rig.friction[2]) = (1.1, 0.1);
     let period = std::f64::consts::TAU / rig.omega;

@@ -1,4 +1,4 @@
-//! More friction at rest than in slip at two contacts, one on the other: against a scan of the same
+//! Static friction above the kinetic one at two stacked contacts, compared with a scan of the same
 //! equations in steps of 1e-5.
 
 use stickslip::{
@@ -11,7 +11,7 @@ use super::rig::Rig;
 const STEP: f64 = 1e-5;
 const T_END: f64 = 40.0;
 
-/// The rig stepped by hand: contacts slip or hold, force by force.
+/// The rig integrated by hand: contacts slip or hold, force by force.
 struct Scan<'a> {
     rig: &'a Rig<3>,
     x: [f64; 2],
@@ -21,7 +21,7 @@ struct Scan<'a> {
 }
 
 impl Scan<'_> {
-    /// Accelerations of both bodies with these forces of friction.
+    /// Accelerations of both bodies with these friction forces.
     fn acceleration(&self, t: f64, x: [f64; 2], force: [f64; 2]) -> [f64; 2] {
         let (rig, drive) = (
             self.rig,
@@ -33,16 +33,16 @@ impl Scan<'_> {
         ]
     }
 
-    /// The forces that keep in place the contacts that hold.
+    /// The forces that keep holding contacts in place.
     fn forces(&self, t: f64, x: [f64; 2]) -> [f64; 2] {
         let (f, m) = (self.rig.friction, self.rig.masses);
         let slip = [0, 1].map(|c| f[c] * f64::from(self.modes[c]));
         let free = self.acceleration(t, x, [0.0; 2]);
         match self.modes.map(|mode| mode == 0) {
             [false, false] => slip,
-            // The lower body stands still: what drives it is taken up.
+            // The lower body does not move: friction balances its drive.
             [true, false] => [m[0] * free[0] + slip[1], slip[1]],
-            // Both move as one.
+            // Both move together.
             [false, true] => {
                 let lower = free[0] - slip[0] / m[0];
                 [slip[0], (free[1] - lower) / (1.0 / m[0] + 1.0 / m[1])]
@@ -55,8 +55,8 @@ impl Scan<'_> {
         [v[0], v[1] - v[0]]
     }
 
-    /// What two contacts do from zero: tried in the order of how many hold, with static friction;
-    /// those that give way slip by kinetic friction.
+    /// The modes of two contacts from zero. Modes are tried in descending order of the number of
+    /// holding contacts, with static friction. Released contacts slip with kinetic friction.
     fn settle(&mut self, t: f64, at_zero: [bool; 2]) {
         let ratio = self.rig.ratio;
         let mut open = at_zero;
@@ -69,7 +69,7 @@ impl Scan<'_> {
                 if [0, 1].iter().any(|&c| !open[c] && tried[c] != 0) {
                     continue;
                 }
-                // Those that are decided now have static friction, also where they give way.
+                // Contacts that are decided now have static friction, also where they are released.
                 let mut rig = self.rig.clone();
                 for c in 0..2 {
                     rig.friction[c] *= if open[c] { ratio } else { 1.0 };
@@ -101,7 +101,7 @@ impl Scan<'_> {
         }
     }
 
-    /// One step of order 4, and the events that it has passed.
+    /// One step of order 4, and the events that it passes.
     fn step(&mut self, t: f64) -> bool {
         let slope =
             |x: [f64; 2], v: [f64; 2], t: f64| (v, self.acceleration(t, x, self.forces(t, x)));
@@ -179,8 +179,7 @@ fn static_friction_at_two_contacts_agrees_with_a_scan() {
         assert!(found.len() > 15);
         for (found, expected) in found.iter().zip(&expected) {
             assert_eq!(found.1, expected.1, "{found:?} {expected:?}");
-            // The scan is late by up to a step at every event, and what that does to those that
-            // follow.
+            // The scan is late by up to a step at every event, which affects the following events.
             assert!(
                 (found.0 - expected.0).abs() < 100.0 * STEP,
                 "{found:?} {expected:?}"
@@ -189,9 +188,9 @@ fn static_friction_at_two_contacts_agrees_with_a_scan() {
     }
 }
 
-/// One block on another on the ground, of mass 1 each, pulled by t. The ground gives way at 2 and
-/// brakes with 1 from then on; together both would begin at 1/2, but the upper one is held with 0.2
-/// only.
+/// One block on another on the ground, of mass 1 each, pulled by t. The ground releases at 2 and
+/// brakes with 1 afterwards. Together both would then start at 1/2, but the upper one is held with
+/// 0.2 only.
 struct Stacked;
 
 impl Stacked {

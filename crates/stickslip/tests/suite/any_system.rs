@@ -1,6 +1,6 @@
-//! All systems of the tests as one type for each number of states: the solver is compiled once for
-//! that type and not once for every system. It is asked for orbits and spectra as the library is,
-//! by functions of the same names.
+//! All systems of the tests as one type for each number of states. The solver is compiled once for
+//! that type and not for every system. Functions with the library's names compute orbits and
+//! spectra.
 
 use stickslip::analysis::{Monodromy, PeriodicOrbit, Spectrum, SpectrumOptions};
 use stickslip::dynamics::Components;
@@ -17,20 +17,20 @@ use crate::line::Line;
 use crate::listed::{Listed, traced};
 use crate::lyapunov_equations::{Fork, FromSupport, Linear, Pressed, Refracting, Rider, Roessler};
 use crate::pulses::{Overflowing, Pushed, Slippery, Spike};
-use crate::sections::Watches;
+use crate::sections::EventSet;
 use crate::smooth::{Lorenz, Smooth};
 use crate::solver::systems::{
     BlowUp, Breathing, Ceiling, Dip, Floor, Ledge, MovingLine, Parabola, Rest, Reversed, Spiral,
     StaticFriction, TurningLine, TwiceRound, TwoFold, Wall, Window, Zeno,
 };
 use crate::taylor::{
-    Bilinear, Brink, Cup, Dent, Gate, Kink, Knee, Nowhere, Pit, Push, Ramp, Rectified, SoftStop,
-    Steep, Steepening, Turn, Valley,
+    Bilinear, Brink, Cup, Dent, Gate, Kink, Knee, Pit, Push, Ramp, Rectified, SoftStop, Steep,
+    Steepening, Turn, UndefinedAfterOne, Valley,
 };
 use crate::two_folds::{Folds, Random};
 
-/// `typed!(Name, n: Variant(Type), …)`: the type `Name` of the systems of `n` states that do
-/// branch.
+/// `typed!(Name, n: Variant(Type), …)`: the type `Name` of the systems of `n` states that branch on
+/// values.
 macro_rules! typed {
     ($any:ident, $n:literal: $($name:ident($system:ty)),* $(,)?) => {
         pub enum $any<'a> {
@@ -71,8 +71,8 @@ macro_rules! typed {
 
 traced!(
     1:
-    BlowUp, Breathing, Cup, Dent, Fork, Knee, Line, MovingLine, Nowhere, Push, Rectified, Rider,
-    Spike, Square, Steep, Steepening, TurningLine, Wall, Window,
+    BlowUp, Breathing, Cup, Dent, Fork, Knee, Line, MovingLine, Push, Rectified, Rider, Spike,
+    Square, Steep, Steepening, TurningLine, UndefinedAfterOne, Wall, Window,
 );
 
 typed!(Any1, 1: Brink(Brink), Rest(Rest), Valley(Valley));
@@ -109,7 +109,7 @@ pub fn solve<S: Listed<N>, const N: usize>(
 
 pub fn solve_with_events<S: Listed<N>, const N: usize, const E: usize>(
     system: &S,
-    events: &Watches<E>,
+    events: &EventSet<E>,
     t0: f64,
     x0: impl IntoState<N>,
     t_end: f64,

@@ -1,4 +1,4 @@
-//! Corners of Σ and of fields, and what only seems to be a touch.
+//! Corners of Σ and of fields, and apparent touches.
 
 use stickslip::{Filippov, Method, Options, Orbit, Scalar, Side, TransitionKind, math};
 
@@ -8,7 +8,7 @@ fn kinds<const N: usize>(orbit: &Orbit<N>) -> Vec<TransitionKind> {
     orbit.transitions.iter().map(|at| at.kind).collect()
 }
 
-/// Sticks to a belt that moves as a sine and faster away from x = 1, more firmly from below.
+/// Sticks to a belt that moves as a sine, and faster beyond x = 1; friction is larger from below.
 pub struct CornerOfBoundary;
 
 impl Filippov<2> for CornerOfBoundary {
@@ -38,7 +38,7 @@ fn a_stick_that_ends_at_a_corner_of_the_boundary_ends_there_once() {
         let wanted = [TransitionKind::StickEntry, TransitionKind::StickExit];
         assert_eq!(kinds(&orbit), wanted, "{what}");
         let exit = &orbit.transitions[1];
-        // Where the forces balance is not zero by then: it is the corner that lets go.
+        // The force balance is not zero by then: the corner causes the release.
         assert!(
             (exit.x[0] - 1.0).abs() < 1e-13 && exit.residual > 0.1,
             "{what}"
@@ -47,7 +47,7 @@ fn a_stick_that_ends_at_a_corner_of_the_boundary_ends_there_once() {
     }
 }
 
-/// On a belt, driven by the upper halves of a sine; what it weighs decides when it lets go.
+/// On a belt, driven by the positive half waves of a sine; the weight decides the time of release.
 pub struct CornerOfField {
     friction: f64,
 }
@@ -70,7 +70,7 @@ fn a_stick_that_ends_just_before_a_corner_of_the_field_ends_by_slopes_too() {
         let tolerance = math::powi(10.0, -digits);
         for before in (0..60).map(|k| 1e-6 * math::pow(10.0, f64::from(k) / 12.0)) {
             let exit = corner - before;
-            // Then the spring holds what friction and the drive do.
+            // Then the spring balances friction and drive.
             let friction = 0.5 + 0.3 * exit - math::sin(2.0 * exit);
             let options = Options::tol(tolerance);
             let orbit = solve(&CornerOfField { friction }, 0.5, [0.65, 0.3], 3.0, &options);
@@ -83,8 +83,8 @@ fn a_stick_that_ends_just_before_a_corner_of_the_field_ends_by_slopes_too() {
     }
 }
 
-/// On a belt that moves as a sine, with constant friction, written as the larger of two that are
-/// equal all through a stick.
+/// On a belt that moves as a sine, with constant friction, written as the maximum of two forces
+/// that are equal during stick.
 pub struct EqualInStick;
 
 impl Filippov<2> for EqualInStick {
@@ -101,7 +101,7 @@ impl Filippov<2> for EqualInStick {
 
 #[test]
 fn a_stick_ends_where_it_does_though_two_that_are_compared_are_equal_in_it() {
-    // With the belt: x = 0.3 t + 0.1 (1 − cos t); it is let go where x + x'' is the friction.
+    // With the belt, x = 0.3 t + 0.1 (1 − cos t). It is released where x + x'' equals the friction.
     let left = |t: f64| 0.6 - (0.3 * t + 0.1 * (1.0 - math::cos(t))) - 0.1 * math::cos(t);
     let exit = stickslip::filippov::first_zero(left, 0.0, 3.0).expect("ends");
     for digits in 4..=14 {
@@ -115,7 +115,7 @@ fn a_stick_ends_where_it_does_though_two_that_are_compared_are_equal_in_it() {
     }
 }
 
-/// At rest on Σ in the end, by damping that is smooth and steep.
+/// Comes to rest on Σ, by damping that is smooth and steep.
 pub struct Creep;
 
 impl Filippov<2> for Creep {
@@ -135,7 +135,7 @@ fn a_body_that_creeps_along_the_boundary_does_not_touch_it_without_end() {
         for method in [Method::Dop853, Method::Taylor] {
             let options = Options::tol(tolerance).method(method);
             let orbit = solve(&Creep, 0.0, [0.0, 1.0], 87.0, &options).expect("runs");
-            // What is linear in the velocity, 30.1, holds the spring: exp(-t/30.1).
+            // The term linear in the velocity, 30.1, balances the spring: exp(-t/30.1).
             let fall = orbit.x_end[0] / orbit.at(57.0).expect("inside")[0];
             let rate = -math::ln(fall) / 30.0;
             assert!(
@@ -146,7 +146,7 @@ fn a_body_that_creeps_along_the_boundary_does_not_touch_it_without_end() {
     }
 }
 
-/// A body that sticks where its friction is the smaller of two, which are far from equal.
+/// A body that sticks where its friction is the smaller of two very different forces.
 pub struct Weaker;
 
 impl Filippov<4> for Weaker {

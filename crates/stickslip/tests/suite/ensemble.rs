@@ -1,4 +1,4 @@
-//! Many orbits at once have the bits of one at a time.
+//! Many orbits computed together have the same bits as single ones.
 
 use std::ops::ControlFlow;
 
@@ -10,14 +10,14 @@ use stickslip::{
 
 const T_END: f64 = 10.0;
 
-/// Starts and parameters both change.
+/// Both starts and parameters vary.
 fn start(k: usize) -> Start<BeltOscillator, 2> {
     let part = k as f64 / 6000.0;
     let system = BeltOscillator {
         belt_speed: 0.2 + 0.4 * part,
         ..BeltOscillator::default()
     };
-    // One that cannot begin among the others.
+    // One of them cannot start.
     let x = if k == 4321 {
         f64::NAN
     } else {
@@ -30,7 +30,7 @@ fn start(k: usize) -> Start<BeltOscillator, 2> {
     }
 }
 
-/// Counts transitions, and is not told of steps.
+/// Counts transitions and does not watch steps.
 #[derive(Clone, Copy, Default, PartialEq, Debug)]
 struct Count(usize);
 impl Observer<2> for Count {
@@ -43,7 +43,7 @@ impl Observer<2> for Count {
     }
 }
 
-/// An error as its message: one with a NaN in it equals nothing.
+/// An error as its message, since an error with a NaN is not equal to itself.
 type Outcome = (usize, usize, Result<(u64, [u64; 2], Counters), String>);
 
 fn bits(k: usize, count: Count, outcome: Result<Summary<2>, Failure<Summary<2>>>) -> Outcome {
@@ -101,7 +101,7 @@ fn the_bits_are_those_of_one_at_a_time_in_order() {
             alone == together(2, &options, number),
             "{method:?}, two threads"
         );
-        // More threads than there is work for at once.
+        // More threads than there is work for.
         assert!(
             alone[..300] == together(8, &options, 300),
             "{method:?}, eight threads"
@@ -110,8 +110,8 @@ fn the_bits_are_those_of_one_at_a_time_in_order() {
 }
 
 #[test]
-fn it_ends_when_told_and_asks_for_two_waves_at_most() {
-    let mut told = 0;
+fn it_ends_when_asked_and_asks_for_two_waves_at_most() {
+    let mut reported = 0;
     let asked = std::cell::Cell::new(0);
     let endless = (0..).inspect(|k| asked.set(*k + 1)).map(start);
     ensemble(
@@ -120,7 +120,7 @@ fn it_ends_when_told_and_asks_for_two_waves_at_most() {
         &Options::tol(1e-6),
         |_| (),
         |k, (), _| {
-            told += 1;
+            reported += 1;
             if k == 5000 {
                 ControlFlow::Break(())
             } else {
@@ -128,19 +128,19 @@ fn it_ends_when_told_and_asks_for_two_waves_at_most() {
             }
         },
     );
-    assert_eq!((told, asked.get()), (5001, 2 * 4096));
+    assert_eq!((reported, asked.get()), (5001, 2 * 4096));
 }
 
-/// Remembers the bits of every step and transition; asks to stop at the transition `last`.
+/// Records the bits of every step and transition; stops the run at transition number `last`.
 #[derive(Clone, Default, PartialEq, Debug)]
-struct Everything {
+struct RunRecorder {
     bits: Vec<u64>,
     transitions: usize,
     last: usize,
     ignores_steps: bool,
 }
 
-impl<const N: usize> Observer<N> for Everything {
+impl<const N: usize> Observer<N> for RunRecorder {
     fn watches_steps(&self) -> bool {
         !self.ignores_steps
     }
@@ -163,8 +163,8 @@ impl<const N: usize> Observer<N> for Everything {
     }
 }
 
-/// Every orbit has the steps, the transitions and the end that it has alone, watched or not; every
-/// seventh is stopped on the way.
+/// Every orbit has the same steps, transitions and end as alone, watched or not. Every seventh is
+/// stopped early.
 fn assert_as_alone<S: Filippov<N> + PartialEq + Send + Sync, const N: usize>(
     start: impl Fn(usize) -> Start<S, N>,
     number: usize,
@@ -183,10 +183,10 @@ fn assert_as_alone_if<S: Filippov<N> + PartialEq + Send + Sync, const N: usize>(
     t_end: f64,
     options: &Options,
 ) {
-    let observer = |k: usize| Everything {
+    let observer = |k: usize| RunRecorder {
         last: if k % 7 == 3 { 2 } else { 0 },
         ignores_steps,
-        ..Everything::default()
+        ..RunRecorder::default()
     };
     let outcome = |outcome: Result<Summary<N>, Failure<Summary<N>>>| {
         outcome
@@ -196,7 +196,7 @@ fn assert_as_alone_if<S: Filippov<N> + PartialEq + Send + Sync, const N: usize>(
             })
             .map_err(|failure| (failure.to_string(), failure.reached.t.to_bits()))
     };
-    let (mut told, mut events) = (0, 0);
+    let (mut reported, mut events) = (0, 0);
     ensemble(
         (0..number).map(start),
         t_end,
@@ -207,20 +207,20 @@ fn assert_as_alone_if<S: Filippov<N> + PartialEq + Send + Sync, const N: usize>(
             let end_alone = run(&one.system, one.t, one.x, t_end, options, &mut alone);
             assert_eq!(outcome(end), outcome(end_alone), "orbit {k}");
             assert!(found == alone, "orbit {k}: steps or transitions");
-            told += 1;
+            reported += 1;
             events += found.transitions;
             ControlFlow::Continue(())
         },
     );
-    assert_eq!(told, number);
+    assert_eq!(reported, number);
     assert!(events > number, "{events} events");
 }
 
 #[test]
 fn orbits_side_by_side_branch_stop_and_fail_each_on_its_own() {
     let options = Options::tol(1e-9).method(Method::Taylor);
-    // A normal force that is clipped, stick and slip, parameters that differ from one thirty to the
-    // next, one that escapes.
+    // A clipped normal force, stick and slip, parameters that change every thirty orbits, and one
+    // orbit that escapes.
     let bracket = |k: usize| {
         let part = k as f64 / 300.0;
         let model = BlockAndBracket::from_caption(&Caption::FIG11, &Reading::exact());
@@ -236,8 +236,8 @@ fn orbits_side_by_side_branch_stop_and_fail_each_on_its_own() {
     assert_same_orbits(bracket, 300, 20.0, &options);
 }
 
-/// Oscillators with a kink in the spring, whose fields end at an edge in several ways, or branch by
-/// comparisons or by a value they read; and one with a bent boundary that ends at the edge.
+/// Oscillators with a kink in the spring. Their fields end at an edge in several ways, or branch by
+/// comparison or by a value that they read. One has a curved boundary that ends at the edge.
 #[derive(Clone, Copy, PartialEq)]
 struct Edge {
     edge: f64,
@@ -284,7 +284,7 @@ fn fields_that_end_or_read_values_have_the_bits_of_one_alone_too() {
     assert_same_orbits(start, 300, 15.0, &options);
 }
 
-/// To and fro through a boundary that bends too sharply for a series of it to tell from far away.
+/// Oscillates through a boundary that bends too sharply for a series from far away.
 #[derive(Clone, Copy, PartialEq)]
 struct Steep {
     steepness: f64,
@@ -321,7 +321,7 @@ fn steps_whose_ends_show_what_series_do_not_have_the_bits_of_one_alone_too() {
     assert_same_orbits(start, 240, 15.0, &options);
 }
 
-/// A system that says that its functions are interpreted.
+/// A system that declares its functions to be interpreted.
 #[derive(Clone, Copy, PartialEq)]
 struct Interpreted<S>(S);
 
@@ -349,8 +349,8 @@ impl<S: Filippov<N>, const N: usize> Filippov<N> for Interpreted<S> {
     }
 }
 
-/// The orbit of a start, each as it is and as that of functions that are interpreted: the same
-/// steps and transitions.
+/// Computes the orbit of a start as it is and with functions declared to be interpreted. Both must
+/// have the same steps and transitions.
 fn assert_same_orbits<S: Filippov<N> + Copy, const N: usize>(
     start: impl Fn(usize) -> Start<S, N>,
     number: usize,
@@ -360,7 +360,7 @@ fn assert_same_orbits<S: Filippov<N> + Copy, const N: usize>(
     let mut transitions = 0;
     for k in 0..number {
         let Start { system, t, x } = start(k);
-        let (mut of_calls, mut repeated) = (Everything::default(), Everything::default());
+        let (mut of_calls, mut repeated) = (RunRecorder::default(), RunRecorder::default());
         let wanted = run(&system, t, x, t_end, options, &mut of_calls);
         let found = run(&Interpreted(system), t, x, t_end, options, &mut repeated);
         assert_eq!(of_calls.transitions, repeated.transitions, "orbit {k}");

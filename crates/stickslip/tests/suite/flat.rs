@@ -1,5 +1,5 @@
-//! Functions that are flat to rounding over a part of a step: a saturated hyperbolic tangent, the
-//! tails of a bell.
+//! Functions that are constant to rounding over a part of a step: a saturated hyperbolic tangent,
+//! the tails of a bell curve.
 
 use std::f64::consts::PI;
 
@@ -26,7 +26,7 @@ fn integral(f: impl Fn(f64) -> f64, from: f64, to: f64) -> f64 {
     sum * h / 3.0
 }
 
-/// Pushed on and pulled back by turns, each as good as constant; Σ is far away.
+/// Pushed and pulled in turns by nearly constant forces; Σ is far away.
 pub struct Square {
     steepness: f64,
     frequency: f64,
@@ -49,7 +49,7 @@ fn a_saturated_push_is_followed_through_all_its_reversals() {
             steepness,
             frequency,
         };
-        // What is left of whole periods.
+        // The remainder after whole periods.
         let rest = 8.0 % (2.0 * PI / frequency);
         let push = |t: f64| math::tanh(steepness * math::sin(frequency * t));
         let exact = integral(push, 0.0, rest);
@@ -65,11 +65,11 @@ fn a_saturated_push_is_followed_through_all_its_reversals() {
     }
 }
 
-/// An oscillator that is pushed on and pulled back so: where that is as good as constant, nothing
-/// of it is in the series of the state.
+/// An oscillator pushed and pulled in that way. Where the force is nearly constant, the series of
+/// the state does not show its changes.
 pub struct Driven {
     frequency: f64,
-    /// Whether the push is written as a logistic function, which is the same.
+    /// Whether the push is written as a logistic function, which is equivalent.
     is_logistic: bool,
 }
 
@@ -112,8 +112,8 @@ fn reversals_of_a_saturated_drive_are_seen_though_the_state_s_own_series_goes_on
     }
 }
 
-/// Swings as `x = sin t`, and is pushed along another axis where `x` is above 0.97; Σ is flat but
-/// in a narrow range of `x`, or far away.
+/// Oscillates as `x = sin t`, and is pushed along another axis where `x` exceeds 0.97. Σ is flat
+/// except in a narrow range of `x`, or far away.
 pub struct Narrow(Option<Feature>);
 
 #[derive(Clone, Copy, Debug)]

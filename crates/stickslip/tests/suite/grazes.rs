@@ -1,5 +1,5 @@
-//! A hundred thousand random grazes of each kind, each of known count: none is missed, and none is
-//! made up.
+//! A hundred thousand random grazes of each kind with known counts: none is missed, and none is
+//! spurious.
 
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
@@ -14,9 +14,9 @@ use crate::listed::Listed;
 
 const CASES: u32 = 100_000;
 
-/// `x₁ = r e^{gt} cos(wt + a)` has its tops where `tan(wt + a) = g/w`. One of them, at the time
-/// `top`, is beyond a ceiling by `gap`, or below it where that is negative; growth makes every
-/// later one higher, decay every earlier one.
+/// `x₁ = r e^{gt} cos(wt + a)` has its maxima where `tan(wt + a) = g/w`. One of them, at the time
+/// `top`, exceeds a ceiling by `gap`, or stays below it if `gap` is negative. Growth makes every
+/// later maximum higher, decay every earlier one.
 #[derive(Debug)]
 struct Spiral {
     growth: f64,
@@ -27,7 +27,7 @@ struct Spiral {
 }
 
 impl Spiral {
-    /// Draws one that pokes through the ceiling or stays below it.
+    /// Draws a spiral that exceeds the ceiling or stays below it.
     fn draw(draw: &mut SplitMix, pokes: bool) -> Self {
         let growth = draw.between(-0.2, 0.2);
         let frequency = draw.between(0.5, 3.0);
@@ -57,7 +57,7 @@ impl Spiral {
         State::from([radius * math::cos(angle), -radius * math::sin(angle)])
     }
 
-    /// From half a turn before the top to half a turn behind it, so that it is the only one.
+    /// From half a turn before the maximum to half a turn after it, so that it is the only one.
     fn span(&self) -> (f64, f64) {
         let half = 0.999 * PI / self.frequency;
         (self.top - half, self.top + half)
@@ -69,7 +69,7 @@ impl Spiral {
     }
 }
 
-/// Under a ceiling at rest: field and boundary are linear.
+/// Under a fixed ceiling: field and boundary are linear.
 pub struct AtRest(Spiral);
 
 impl Filippov<2> for AtRest {
@@ -81,8 +81,8 @@ impl Filippov<2> for AtRest {
     }
 }
 
-/// Spiral and ceiling both shaken by `a sin bt`, and the boundary bent: `e^{c (x₁ − level − a sin
-/// bt)} = 1`. It has the same zeros, and a series that does not end.
+/// Spiral and ceiling both oscillate by `a sin bt`, and the boundary is curved: `e^{c (x₁ − level −
+/// a sin bt)} = 1`. It has the same zeros, and an infinite series.
 pub struct Shaken {
     spiral: Spiral,
     amplitude: f64,
@@ -115,7 +115,7 @@ impl Filippov<2> for Shaken {
     }
 }
 
-/// Counts crossings.
+/// Records crossings.
 #[derive(Default)]
 struct Crossings(Vec<f64>);
 
@@ -125,13 +125,13 @@ impl Observer<2> for Crossings {
         self.0.push(at.t);
         ControlFlow::Continue(())
     }
-    // So that by slopes a step is judged by its slopes alone where it can be.
+    // So that a Runge–Kutta step is judged by its stages alone where possible.
     fn watches_steps(&self) -> bool {
         false
     }
 }
 
-/// The crossings of a system around a spiral's top are two, one on each side of it, or none.
+/// Around a spiral's maximum a system has two crossings, one on each side of it, or none.
 fn assert_counted<S: Listed<2>>(system: &S, spiral: &Spiral, start: State<2>, options: &Options) {
     let (from, to) = spiral.span();
     let mut found = Crossings::default();

@@ -1,4 +1,4 @@
-//! Spectra from equations against eigenvalues, published values and Floquet multipliers.
+//! Spectra from equations, compared with eigenvalues, published values and Floquet multipliers.
 
 use std::ops::ControlFlow;
 
@@ -40,12 +40,12 @@ impl<const N: usize> Field<N> for Linear<N> {
 
 #[test]
 fn linear_systems_have_the_real_parts_of_their_eigenvalues() {
-    // Blocks with eigenvalues -0.1 ± 2i and -0.5, sheared so that no eigenvector is orthogonal to
-    // another.
+    // Blocks with eigenvalues -0.1 ± 2i and -0.5, sheared so that no two eigenvectors are
+    // orthogonal.
     let matrix = [[-0.1, 2.0, 0.7], [-2.0, -0.1, -1.3], [0.0, 0.0, -0.5]];
     let turn = std::f64::consts::PI;
-    // After 30 turns the frame has converged by exp(-0.4 · 94) = 4e-17; over whole turns nothing is
-    // left but the error of the integration, 1e-12 relative in each step.
+    // After 30 turns the frame has converged by exp(-0.4 · 94) = 4e-17. Over whole turns only the
+    // integration error remains, 1e-12 relative in each step.
     let settings = SpectrumOptions::over(30.0 * turn, 10.0 * turn).solver(Options::tol(1e-12));
     let start = (0.0, State::from([1.0, 0.0, 0.5]));
     let spectrum = lyapunov_spectrum(&Smooth(Linear(matrix)), start, &settings).unwrap();
@@ -57,8 +57,8 @@ fn linear_systems_have_the_real_parts_of_their_eigenvalues() {
     assert_eq!((spectrum.stick_entries, spectrum.stick_fraction), (0, 0.0));
 }
 
-/// A driven linear system of eigenvalues -1/2 ± 2i and -8 on the boundary `w = 3x/10 + y/5`, which
-/// is pressed upon by 100 and so never left.
+/// A driven linear system with eigenvalues -1/2 ± 2i and -8. It stays on the boundary `w = 3x/10 +
+/// y/5`, since the contact force is 100.
 pub struct Pressed;
 
 impl Filippov<4> for Pressed {
@@ -87,7 +87,7 @@ fn a_long_stick_has_the_exponents_of_the_sliding_flow() {
         let [first, second, third, last] = spectrum.exponents[..] else {
             panic!("{:?}", spectrum.exponents);
         };
-        // Of the first two each turns with the frame.
+        // Each of the first two rotates with the frame.
         close(first.value(), -0.5, 1.0 / duration);
         close(first.value() + second.value(), -1.0, 1e-6);
         close(third.value(), -8.0, 1e-6);
@@ -99,7 +99,7 @@ fn a_long_stick_has_the_exponents_of_the_sliding_flow() {
 #[test]
 fn the_largest_exponent_is_found_where_the_axes_decouple() {
     let matrix = [[-1.0, 0.0, 0.0], [0.0, -2.0, 0.0], [0.0, 0.0, 0.3]];
-    // Resting at the origin; the frame converges by exp(-1 · 40) = 4e-18 (from -1 to -2 the
+    // At rest at the origin. The frame converges by exp(-1 · 40) = 4e-18 (from -1 to -2 the
     // slowest).
     let settings = SpectrumOptions::over(40.0, 10.0).solver(Options::tol(1e-12));
     let start = (0.0, [0.0; 3]);
@@ -111,14 +111,14 @@ fn the_largest_exponent_is_found_where_the_axes_decouple() {
 
 #[test]
 fn a_state_at_rest_does_not_mislead_the_tangent_vectors() {
-    // Its steps may be of any length; those of the vectors may not.
+    // The state allows steps of any length; the vectors do not.
     let matrix = [[-0.3, 1.0], [-1.0, -0.3]];
     let system = Smooth(Linear(matrix));
     let flow = monodromy(&system, 0.0, [0.0; 2], 20.0, &Options::tol(1e-12)).unwrap();
     let decay = math::exp(-6.0);
     let (c, s) = (math::cos(20.0), math::sin(20.0));
     let wanted = Matrix::from_row_slice(2, 2, &[c, s, -s, c]) * decay;
-    // Some fifty pieces, each within a hundred tolerances.
+    // About fifty pieces, each within a hundred tolerances.
     close((flow.matrix - wanted).amax(), 0.0, decay * 5e-9);
 }
 
@@ -128,18 +128,18 @@ fn lorenz() {
     let start = (0.0, State::from([1.0, 1.0, 20.0]));
     let spectrum = lyapunov_spectrum(&Smooth(Lorenz), start, &settings).unwrap();
     let [l1, l2, l3] = values(&spectrum);
-    // Sprott's values have four digits; the run's own standard error says how near 3000 time units
-    // come, and must itself be small enough to mean something.
+    // Sprott's values have four digits. The run's own standard error gives the accuracy over 3000
+    // time units, and must itself be small.
     let error = spectrum.exponents[0].std_error().unwrap();
     assert!(error < 5e-3, "{error}");
     close(l1, 0.9056, 4.0 * error);
-    // Along the flow a vector grows as |f| does, which on the attractor lies between 1 and 400.
+    // Along the flow a vector grows as |f|, which is between 1 and 400 on the attractor.
     close(l2, 0.0, math::ln(400.0) / 3000.0);
     close(l3, -14.5723, 4.0 * error + 1e-3);
     close(spectrum.mean_divergence, -(10.0 + 1.0 + 8.0 / 3.0), 1e-11);
     // The sum is the constant divergence up to the tolerance of 1e-10 per step of about 0.05.
     close(spectrum.defect(), 0.0, 1e-7);
-    // Running exponents: bounded in number, in order, the last one the result.
+    // Running exponents: of bounded number, in order, the last one being the result.
     assert!((150..=201).contains(&spectrum.convergence.len()));
     assert!(spectrum.convergence.is_sorted_by_key(|entry| entry.elapsed));
     let last = spectrum.convergence.last().unwrap();
@@ -149,10 +149,10 @@ fn lorenz() {
     );
 }
 
-/// Two vectors that grow at the rates 0.25 and 0.5, begun at time 2.
+/// Two vectors that grow at the rates 0.25 and 0.5, from time 2 on.
 #[test]
 fn a_growth_has_one_running_mean_to_a_time_and_the_last_at_its_end() {
-    // To the end of a sample, and to a little beyond.
+    // To the end of a sample, and slightly beyond.
     for (steps, samples) in [(80, 5), (81, 6)] {
         let settings = SpectrumOptions::over(0.0, 10.0).blocks(4).samples(5);
         let mut growth = Growth::new(2, 2.0, &settings);
@@ -190,7 +190,7 @@ fn roessler() {
     let [l1, l2, l3] = values(&spectrum);
     let error = spectrum.exponents[0].std_error().unwrap();
     assert!(error < 1e-3, "{error}");
-    // Half a unit of the published digit on top of two standard errors.
+    // Half a unit of the published digit in addition to two standard errors.
     close(l1, 0.0714, 2.0 * error + 5e-5);
     close(l2, 0.0, math::ln(400.0) / 40_000.0);
     let error = spectrum.exponents[2].std_error().unwrap();
@@ -207,20 +207,20 @@ fn a_cycle_across_the_boundary_has_zero_and_the_logarithm_of_its_multiplier() {
     close(cycle.period, 7.722_895_6, 5e-8);
     close(multiplier.re, 0.126_289, 5e-7);
     close(trivial.re, 1.0, 1e-10);
-    // 15 periods turn the frame by a factor of 0.126^15 = 3e-14 short of its limit.
+    // 15 periods bring the frame within 0.126^15 = 3e-14 of its limit.
     let settings = SpectrumOptions::over(15.0 * cycle.period, 10.0 * cycle.period).solver(solver);
     let spectrum = lyapunov_spectrum(&belt, (0.0, &cycle.x), &settings).unwrap();
     let [along, across] = values(&spectrum);
     close(along, 0.0, 1e-9);
     close(across, math::ln(multiplier.re) / cycle.period, 1e-9);
-    // The fields expand on average; it is the crossings that contract.
+    // The fields expand on average; the crossings contract.
     assert!(spectrum.mean_divergence > 0.08);
     close(spectrum.defect(), 0.0, 1e-11);
 }
 
 #[test]
 fn stick_annihilates_one_direction_and_is_counted() {
-    // P2: x'' = -x ± 1/(1 + |v|) on a belt of speed 0.2; it sticks once in every period of
+    // P2: x'' = -x ± 1/(1 + |v|) on a belt of speed 0.2. It sticks once in every period of
     // 9.230770458….
     let belt = BeltOscillator {
         k1: -1.0,
@@ -232,7 +232,7 @@ fn stick_annihilates_one_direction_and_is_counted() {
     let period = 9.230_770_458_082_978;
     let settings = SpectrumOptions::over(5.0 * period, 20.0 * period).solver(Options::tol(1e-12));
     let spectrum = lyapunov_spectrum(&belt, (0.0, State::from([0.04, -0.01])), &settings).unwrap();
-    // The flow's own direction, over whole periods.
+    // The direction of the flow, over whole periods.
     close(spectrum.exponents[0].value(), 0.0, 1e-10);
     assert_eq!(spectrum.exponents[1], Exponent::Annihilated);
     assert_eq!(spectrum.exponents[1].std_error(), None);
@@ -244,7 +244,7 @@ fn stick_annihilates_one_direction_and_is_counted() {
         1e-10,
     );
     close(spectrum.volume_rate, 0.0, 1e-10);
-    // Direct start on Σ: the same, whatever the phase.
+    // A start on Σ gives the same, whatever the phase.
     let start = (0.0, State::from([0.5, 0.2]));
     let settings = SpectrumOptions {
         transient: 0.0,
@@ -257,7 +257,7 @@ fn stick_annihilates_one_direction_and_is_counted() {
 
 #[test]
 fn sticking_for_good_leaves_positions_neutral() {
-    // P1: a block on a floor, x'' = -x - 0.4 sgn x', at rest for good from t = 4π on.
+    // P1: a block on a floor, x'' = -x - 0.4 sgn x', at rest from t = 4π on.
     let floor = BeltOscillator {
         k1: -1.0,
         k2: 0.0,
@@ -287,7 +287,7 @@ fn stick_on_the_way_to_an_attractor_without_it_annihilates_nothing() {
             ControlFlow::Continue(())
         }
     }
-    // Starts on Σ in stick and ends on the cycle that only crosses.
+    // Starts on Σ in stick and ends on the cycle without stick.
     let start = State::from([0.0, 1.0]);
     let mut sticks_on_the_way = Sticks::default();
     let settings = SpectrumOptions::over(300.0, 77.228_956).solver(Options::tol(1e-12));
@@ -304,12 +304,12 @@ fn stick_on_the_way_to_an_attractor_without_it_annihilates_nothing() {
     let mut sticks = Sticks::default();
     let spectrum = lyapunov_spectrum_watched(&belt, (0.0, start), &settings, &mut sticks).unwrap();
     assert_eq!((spectrum.stick_entries, sticks.entries), (0, 0));
-    // Everything in between is a finite number, the revived direction aligned within one period.
+    // All running exponents are finite; the revived direction aligns within one period.
     close(spectrum.exponents[1].value(), -0.267_927_803, 1e-3);
 }
 
 /// x' jumps where x changes sign, by a factor that depends on the velocity, so that crossings
-/// change areas. Forced and with two wells: chaotic.
+/// change areas. Forced, with a double well: chaotic.
 pub struct Refracting;
 impl Filippov<2> for Refracting {
     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
@@ -326,7 +326,7 @@ impl Filippov<2> for Refracting {
     }
 }
 
-/// Adds up ln|det S| over the crossings.
+/// Sums ln|det S| over the crossings.
 struct Determinants {
     sum: f64,
     count: usize,
@@ -359,8 +359,8 @@ fn the_sum_of_the_exponents_is_mean_divergence_and_saltation() {
     );
     assert!(crossings.count > 250, "{}", crossings.count);
     let per_time = crossings.sum / spectrum.duration;
-    // About 1e4 steps, each within 1e-11, on 3000 time units, and the quadrature over steps of that
-    // accuracy.
+    // About 1e4 steps, each within 1e-11, over 3000 time units, and the quadrature over steps with
+    // that accuracy.
     close(
         spectrum.volume_rate,
         spectrum.mean_divergence + per_time,
@@ -369,7 +369,7 @@ fn the_sum_of_the_exponents_is_mean_divergence_and_saltation() {
     close(spectrum.defect(), 0.0, 1e-8);
 }
 
-/// A forced oscillator as seen from its support: the same motion in `(z, z')`, `z = x − A sin ωt`,
+/// A forced oscillator relative to its support: the same motion in `(z, z')`, `z = x − A sin ωt`,
 /// where the boundary moves.
 pub struct FromSupport(ForcedOscillator);
 impl FromSupport {
@@ -414,7 +414,7 @@ fn a_moving_boundary_gives_the_floquet_exponents_too() {
     close(a.max(b), 0.6639, 5e-5);
     close(a.min(b), 0.5638, 5e-5);
     let wanted = [a.max(b), a.min(b)].map(|m| math::ln(m) / period);
-    // 200 periods turn the frame to within (0.5638/0.6639)^200 = 6e-15 of its limit.
+    // 200 periods bring the frame within (0.5638/0.6639)^200 = 6e-15 of its limit.
     let settings = SpectrumOptions::over(200.0 * period, 20.0 * period).solver(solver);
     let fixed = lyapunov_spectrum(&model, (0.0, &orbit.x), &settings).unwrap();
     let velocity = model.amplitude * model.omega;
@@ -451,11 +451,12 @@ fn stick_to_a_moving_boundary_annihilates_as_stick_to_a_fixed_one() {
     assert_eq!(moving.stick_entries, fixed.stick_entries);
     for spectrum in [&fixed, &moving] {
         assert_eq!(spectrum.exponents[1], Exponent::Annihilated);
-        // Not a zero exponent: time drives the system, and nothing shifts along it.
+        // There is no zero exponent: time drives the system, and no shift along the orbit is free.
         assert!(spectrum.exponents[0].value() < -0.05);
         close(spectrum.defect(), 0.0, 1e-9);
     }
-    // The two views have the same tangent vectors at equal times, so not even end effects differ.
+    // Both descriptions have the same tangent vectors at equal times, so that not even end effects
+    // differ.
     close(
         moving.exponents[0].value(),
         fixed.exponents[0].value(),
@@ -485,7 +486,7 @@ fn one_dimension_has_nothing_left_after_stick() {
     close(spectrum.defect(), 0.0, 1e-15);
 }
 
-/// Both fields lead away from zero.
+/// Both fields point away from zero.
 pub struct Fork;
 impl Filippov<1> for Fork {
     fn field<T: Scalar>(&self, side: Side, _t: T, _x: &[T; 1]) -> [T; 1] {

@@ -1,4 +1,4 @@
-//! The tests of the solver and of what follows one orbit, in one binary.
+//! The tests of the solver and of analyses of one orbit, in one binary.
 
 #![allow(
     clippy::duplicate_mod,

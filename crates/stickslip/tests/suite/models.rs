@@ -1,4 +1,4 @@
-//! The models against mechanics: power, springs at rest, where friction just holds, other units.
+//! The models compared with mechanics: power, springs at rest, the limit of friction, other units.
 
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
@@ -23,7 +23,7 @@ fn rig() -> Rig {
     }
 }
 
-/// The side on which a velocity is.
+/// The side of a velocity.
 fn side_of(velocity: f64, belt_speed: f64) -> Side {
     if velocity < belt_speed {
         Side::Below
@@ -60,7 +60,7 @@ proptest! {
         let normal = (r.mass * r.gravity - r.k3 * y - r.c2 * w).max(0.0);
         let friction = r.mu0 * normal * slip.signum() / (1.0 + r.delta * slip.abs());
         let power = -friction * v - r.c1 * (v + w) * (v + w) - r.c2 * w * w;
-        // Roundings on terms of up to some hundreds.
+        // Rounding of terms up to some hundreds.
         prop_assert!((gain - power).abs() < 1e-11, "{gain} {power}");
     }
 
@@ -81,7 +81,7 @@ proptest! {
         prop_assert!(off.abs() < 1e-14);
     }
 
-    /// Lengths μ0 times as long, speeds too, and μ0 times as small a decay with speed.
+    /// Lengths and speeds multiplied by μ0, and the decay with speed divided by it.
     #[test]
     fn lengths_in_units_of_friction_are_another_unit_only(
         x in prop::array::uniform4(-3.0..3.0f64)
@@ -143,8 +143,8 @@ fn a_support_is_half_way_out_a_twelfth_of_its_period_on() {
     assert!((half - 0.5 * forced.amplitude).abs() < 1e-15, "{half}");
 }
 
-/// Stuck inside the zones and slipping outside, one field tangent at each end: with friction of
-/// √3/9 the two ends of each of the three zones, and of no other.
+/// Bodies stick inside the zones and slip outside, and one field is tangent at each end. With
+/// friction of √3/9 the tangent points are the two ends of each of the three zones, and no others.
 #[test]
 fn stick_zones_end_at_the_tangent_points_and_ride_on_the_support() {
     let belt = BeltOscillator::default();
@@ -170,7 +170,7 @@ fn assert_zones<S: Filippov<2>>(
     zones: &[(f64, f64)],
     points: &[stickslip::models::BeltTangency],
 ) {
-    // Where the boundary function vanishes.
+    // The boundary function vanishes there.
     let speed = -system.boundary(t, &[0.0, 0.0]);
     let fate_at = |z: f64| fate(system, t, &State::from([z + support, speed]));
     assert_eq!((zones.len(), points.len()), (3, 6));
@@ -199,7 +199,7 @@ fn a_system_whose_parameters_are_not_asked_for_can_lose_contact() {
     let lifted = [0.0, 0.0, 1.0, 0.0];
     let r = Rig { mu0: -0.6, ..rig() };
     assert!(r.checked().is_err());
-    // The spring k3 takes 60 N of the weight of 16.7 N.
+    // The spring k3 lifts with 60 N; the weight is 16.7 N.
     let left = Unchecked(r).contact(0.0, &lifted).unwrap();
     assert!((left - (1.7 * 9.81 - 60.0)).abs() < 1e-13);
 }

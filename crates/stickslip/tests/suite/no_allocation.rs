@@ -1,4 +1,4 @@
-//! A streamed run allocates nothing, however long it is.
+//! A run without recording allocates nothing, however long it is.
 
 use std::ops::ControlFlow;
 
@@ -7,7 +7,7 @@ use stickslip::{Locator, Method, Observer, Options, State, StepRecord, Transitio
 
 use crate::listed::Listed;
 
-/// Counts and keeps nothing.
+/// Counts and stores nothing.
 #[derive(Default)]
 struct Count {
     steps: u64,
@@ -36,7 +36,7 @@ fn allocations(system: &impl Listed<2>, t_end: f64, options: &Options) -> (u64, 
 
 #[test]
 fn no_allocation_in_a_run_of_any_length() {
-    // That the counter counts.
+    // The counter counts.
     assert_eq!(
         allocation_counter::measure(|| drop(std::hint::black_box(Box::new(1.0)))).count_total,
         1

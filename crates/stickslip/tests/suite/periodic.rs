@@ -1,4 +1,4 @@
-//! Periodic orbits against closed forms: found without a guess, at any tolerance, with their
+//! Periodic orbits compared with closed forms: found without a guess, at any tolerance, with their
 //! multipliers.
 
 use std::f64::consts::PI;
@@ -56,8 +56,8 @@ fn a_return_later_than_what_is_allowed_is_not_found() {
 
 #[test]
 fn of_two_returns_in_a_turn_the_one_that_comes_back_is_the_period() {
-    // Half a turn on the third component is back, and the other two are on the far side. Less than
-    // two turns are followed.
+    // After half a turn the third component has returned, and the other two are on the far side.
+    // Less than two turns are integrated.
     let start = [1.0, 0.0, 0.0];
     let cycle = find_periodic_orbit(&TwiceRound, start, 20.0, 10.0, &Options::tol(1e-12)).unwrap();
     assert!((cycle.period - 2.0 * PI).abs() < 1e-9, "{}", cycle.period);
@@ -101,8 +101,8 @@ fn den_hartog_s_orbits_are_refined_to_what_rounding_allows() {
     }
 }
 
-/// Late on the clock a unit in its last place is more than the tolerance: it is what the orbit
-/// closes to.
+/// At late times, a unit in the last place of the time exceeds the tolerance. The orbit closes to
+/// within that unit.
 #[test]
 fn an_orbit_late_on_the_clock_closes_to_what_its_time_is_rounded_to() {
     let system = DenHartog {
@@ -153,7 +153,7 @@ fn a_start_whose_run_has_other_phases_leads_to_the_orbit_too() {
 
 #[test]
 fn the_multipliers_of_a_matrix_are_its_eigenvalues_the_nearest_to_1_first() {
-    // Similar to a block of turn and size 0.9 beside 1.02 and -0.3.
+    // Similar to a block with rotation, modulus 0.9, and 1.02 and -0.3.
     let (c, s) = (0.9 * math::cos(0.7), 0.9 * math::sin(0.7));
     #[rustfmt::skip]
     let blocks = Matrix4::new(
@@ -197,7 +197,7 @@ fn a_forced_orbit_comes_to_den_hartog_s_in_one_period() {
     };
     let period = 2.0 * PI / system.frequency;
     let options = Options::tol(1e-12);
-    // Begun at another time than zero: the states that are compared are whole periods after it.
+    // The start is not at time zero: the compared states are whole periods after it.
     let t0 = 0.3;
     let found = destination(&system, (t0, [1.0, 0.0]), period, 200, 1e-6, &options).unwrap();
     let Destination::Periodic {
@@ -218,7 +218,7 @@ fn a_forced_orbit_comes_to_den_hartog_s_in_one_period() {
 
 #[test]
 fn sticks_within_one_pattern_are_counted_and_repelling_has_no_destination() {
-    // Caught by the line while |cos t| < 0.9 and released behind each turn of it: twice in a
+    // It sticks to the line while |cos t| < 0.9 and is released after each turn of it, twice in a
     // period.
     let line = MovingLine { a: 0.9 };
     let (start, period) = ((0.3, [0.1]), 2.0 * PI);

@@ -1,5 +1,5 @@
-//! Pulses far narrower than the steps that would do without them: in the force on a body that
-//! sticks, in one that slips, in Σ.
+//! Pulses far narrower than the steps without them: in the force on a sticking body, on a slipping
+//! body, and in Σ.
 
 use std::ops::ControlFlow;
 
@@ -35,7 +35,7 @@ impl Shape {
         }
     }
 
-    /// How far from its middle it has the height `y`.
+    /// Distance from its centre at which it has the height `y`.
     fn half_width(self, y: f64) -> f64 {
         match self {
             Shape::Bell => (-math::ln(y)).sqrt(),
@@ -44,23 +44,23 @@ impl Shape {
     }
 }
 
-/// A body on a belt, with friction 1 and a force that shakes it and pushes it once.
+/// A body on a belt with friction 1. A force shakes it and pushes it once.
 #[derive(Clone, Copy, Debug)]
 pub struct Pushed {
     shape: Shape,
     at: f64,
     width: f64,
     size: f64,
-    /// Amplitude and frequency of what shakes it.
+    /// Amplitude and frequency of the shaking.
     shaken: [f64; 2],
-    /// How fast another force grows.
+    /// Rate of another force.
     ramp: f64,
     spring: f64,
     friction: f64,
     belt: f64,
 }
 
-/// On a belt that stands, pushed a little more than friction holds.
+/// On a belt at rest, pushed with slightly more than the friction limit.
 const PUSHED: Pushed = Pushed {
     shape: Shape::Bell,
     at: 0.0,
@@ -160,7 +160,7 @@ fn a_pulse_right_behind_the_start_of_a_step_is_found() {
     }
 }
 
-/// Carried by a belt over a place where the friction is small for a hundredth of a second.
+/// On a belt that carries it over a place where friction is small for a hundredth of a second.
 pub struct Slippery {
     belt: f64,
 }
@@ -247,7 +247,7 @@ fn series_meet_a_pulse_in_slip_and_come_out_with_its_whole_push() {
     }
 }
 
-/// Crept up to by what Σ throws out a pulse towards, once.
+/// Approaches Σ slowly; a single pulse of Σ reaches it.
 pub struct Spike {
     shape: Shape,
     width: f64,
@@ -267,8 +267,8 @@ impl Filippov<1> for Spike {
 fn a_boundary_that_comes_and_goes_in_no_time_is_met_twice() {
     for shape in SHAPES {
         for width in [0.1, 0.01, 0.001] {
-            // From x = 0 at t = 0: it is 0.03 at the spike, but for half its width, so that 0.97 of
-            // the 0.98 are needed.
+            // From x = 0 at t = 0. At the pulse it is 0.03, minus half the pulse's width, so that
+            // 0.97 of 0.98 are needed.
             let half = width * shape.half_width(0.97 / 0.98);
             for method in [Method::Dop853, Method::Taylor] {
                 for digits in [4, 6, 8, 10, 12] {
@@ -294,7 +294,7 @@ fn a_boundary_that_comes_and_goes_in_no_time_is_met_twice() {
     }
 }
 
-/// Pushed up on both sides of Σ, and besides by what is nothing where it overflows.
+/// Pushed up on both sides of Σ, and additionally by a term that vanishes where it overflows.
 #[derive(Clone, Copy, Debug)]
 pub enum Overflowing {
     Sech,
@@ -336,7 +336,7 @@ fn what_overflows_inside_a_field_that_does_not_is_no_stick_and_no_obstacle() {
                 let options = options(method, digits);
                 let orbit = solve(&system, 0.0, [0.5, 0.0], 3.0, &options);
                 if matches!((system, method), (Overflowing::Square, Method::Taylor)) {
-                    // Over no step are the coefficients of that product numbers.
+                    // The coefficients of that product are not finite over any step.
                     let failure = orbit.expect_err("a product overflows");
                     assert!(matches!(failure.error, Error::StepCollapse { t, .. } if t > 1.2));
                     assert!(failure.reached.counters.steps < 1000);
@@ -355,13 +355,13 @@ fn what_overflows_inside_a_field_that_does_not_is_no_stick_and_no_obstacle() {
     }
 }
 
-/// Looks at transitions, and at steps or not.
-struct Looks {
+/// Watches transitions, and optionally steps.
+struct TransitionWatcher {
     at_steps: bool,
     events: Vec<f64>,
 }
 
-impl<const N: usize> Observer<N> for Looks {
+impl<const N: usize> Observer<N> for TransitionWatcher {
     fn transition(&mut self, at: &Transition<N>) -> ControlFlow<()> {
         self.events.push(at.t);
         ControlFlow::Continue(())
@@ -387,7 +387,7 @@ fn an_orbit_is_the_same_whoever_looks_at_its_steps() {
         let start = State::from([part - 0.5, 0.4 - part]);
         for digits in [6, 7, 8, 9] {
             let [one, other] = [false, true].map(|at_steps| {
-                let mut looks = Looks {
+                let mut looks = TransitionWatcher {
                     at_steps,
                     events: Vec::new(),
                 };

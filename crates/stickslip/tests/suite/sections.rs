@@ -1,4 +1,4 @@
-//! Events of the user's own and Poincaré maps against closed forms: circles, cycles of known
+//! User-defined events and Poincaré maps compared with closed forms: circles, cycles of known
 //! period, and differences.
 
 use std::f64::consts::PI;
@@ -18,23 +18,23 @@ use crate::den_hartog::DenHartog;
 use crate::listed::Listed;
 use crate::solver::systems::{Floor, decaying_friction};
 
-/// A function of one kind or another, so that the search is compiled once for all of them.
+/// One of several event functions, so that the search is compiled once for all of them.
 #[derive(Clone, Copy)]
 pub enum Function {
-    /// A component of the state less a level.
+    /// A component of the state minus a level.
     Level(usize, f64),
     /// `sin ωt`, with this ω.
     Wave(f64),
 }
 
-/// Event functions, the passages asked for, and the one that ends the run.
-pub struct Watches<const E: usize> {
+/// Event functions, the directions searched for, and the terminal event.
+pub struct EventSet<const E: usize> {
     functions: [Function; E],
     directions: [Direction; E],
     terminal: Option<usize>,
 }
 
-impl<const N: usize, const E: usize> EventFunctions<N, E> for Watches<E> {
+impl<const N: usize, const E: usize> EventFunctions<N, E> for EventSet<E> {
     fn values<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; E] {
         self.functions.map(|function| match function {
             Function::Level(i, level) => x[i] - level,
@@ -49,15 +49,15 @@ impl<const N: usize, const E: usize> EventFunctions<N, E> for Watches<E> {
     }
 }
 
-fn watch(function: Function, direction: Direction) -> Watches<1> {
-    Watches {
+fn watch(function: Function, direction: Direction) -> EventSet<1> {
+    EventSet {
         functions: [function],
         directions: [direction],
         terminal: None,
     }
 }
 
-/// By slopes, by series, and by fixed steps, with what their times may be off.
+/// Runge–Kutta steps, Taylor steps and fixed steps, with the allowed error of event times.
 fn methods() -> [(Options, f64); 4] {
     let slopes = Options::tol(1e-14);
     let fixed = |method| Options::default().method(method);
@@ -69,11 +69,11 @@ fn methods() -> [(Options, f64); 4] {
     ]
 }
 
-/// From 3 at rest [`Floor`]'s circles have radii 2.6, 1.8, 1 and 0.2 about ±0.4, half a turn each,
-/// and then it rests at -0.2.
+/// From 3 at rest [`Floor`]'s circles have radii 2.6, 1.8, 1 and 0.2 about ±0.4, half a turn each.
+/// Then it rests at -0.2.
 const START: [f64; 2] = [3.0, 0.0];
 
-/// When it passes 1, and which way.
+/// Times and directions of its passages through 1.
 fn passes_one() -> [(f64, Direction); 3] {
     [
         (math::acos(0.6 / 2.6), Falling),
@@ -100,14 +100,14 @@ fn a_level_is_passed_when_the_circles_say() {
             };
             assert_eq!(event.mode, Mode::Slip(side));
         }
-        // To watch changes nothing.
+        // Watching does not change the run.
         let alone = solve(&Floor, 0.0, START, 20.0, &options).unwrap();
         assert_eq!(found.orbit, alone);
     }
 }
 
 #[test]
-fn only_the_direction_asked_for_is_told() {
+fn only_the_direction_asked_for_is_reported() {
     for direction in [Rising, Falling] {
         let level = watch(Function::Level(0, 1.0), direction);
         let options = Options::default();
@@ -126,15 +126,15 @@ fn only_the_direction_asked_for_is_told() {
 #[test]
 fn a_terminal_event_ends_the_run_there() {
     for (options, allowed) in methods() {
-        let events = Watches {
+        let events = EventSet {
             functions: [Function::Wave(1.0), Function::Level(0, 1.0)],
             directions: [Both, Rising],
             terminal: Some(1),
         };
         let found = solve_with_events(&Floor, &events, 0.0, START, 20.0, &options).unwrap();
-        // The sine passes zero where the first circle ends, and at the start it is none.
-        let told: Vec<_> = found.events.iter().map(|event| event.number).collect();
-        assert_eq!(told, [0, 1]);
+        // The sine vanishes where the first circle ends. Its zero at the start is not an event.
+        let reported: Vec<_> = found.events.iter().map(|event| event.number).collect();
+        assert_eq!(reported, [0, 1]);
         let last = found.events[1];
         assert!((last.t - passes_one()[1].0).abs() < allowed);
         let orbit = &found.orbit;
@@ -151,8 +151,8 @@ fn a_terminal_event_ends_the_run_there() {
 }
 
 #[test]
-fn many_zeros_in_one_step_are_told_in_order_with_the_transitions() {
-    let events = Watches {
+fn many_zeros_in_one_step_are_reported_in_order_with_the_transitions() {
+    let events = EventSet {
         functions: [Function::Wave(40.0), Function::Wave(41.0)],
         directions: [Both, Both],
         terminal: None,
@@ -164,22 +164,22 @@ fn many_zeros_in_one_step_are_told_in_order_with_the_transitions() {
         let system = Floor.any();
         let integration = Integration::new(&system, 0.0, START, 10.0, &options).unwrap();
         let mut watched = Watched::new(integration, &events);
-        let (mut told, mut within) = (0.0, 0);
+        let (mut reported, mut within) = (0.0, 0);
         let (mut most, mut times) = (0, [Vec::new(), Vec::new()]);
         loop {
             match watched.step().unwrap() {
                 Happening::Progress(Progress::Step) => within = 0,
                 Happening::Progress(Progress::End(_)) => break,
                 Happening::Progress(Progress::Transition(at)) => {
-                    assert!(at.t >= told);
-                    told = at.t;
+                    assert!(at.t >= reported);
+                    reported = at.t;
                 }
                 Happening::Progress(Progress::PhaseEnd(_)) => {}
                 Happening::Event(event) => {
                     let step = watched.last_step();
                     assert!(step.t_start <= event.t && event.t <= step.t_end);
-                    assert!(event.t >= told);
-                    told = event.t;
+                    assert!(event.t >= reported);
+                    reported = event.t;
                     within += 1;
                     most = most.max(within);
                     times[event.number].push(event.t);
@@ -199,7 +199,7 @@ fn many_zeros_in_one_step_are_told_in_order_with_the_transitions() {
 
 #[test]
 fn pairs_of_zeros_are_seen_and_misses_are_not() {
-    // The velocity is least, -2.6, after a quarter of a turn.
+    // The velocity has its minimum, -2.6, after a quarter of a turn.
     for (options, _) in &methods()[..2] {
         for gap in [1e-4, 1e-8, 1e-10] {
             let level = |by: f64| watch(Function::Level(1, -2.6 + by), Both);
@@ -208,7 +208,7 @@ fn pairs_of_zeros_are_seen_and_misses_are_not() {
             let times: Vec<_> = hit.events.iter().map(|event| event.t).collect();
             assert_eq!(times.len(), 2);
             for (t, exact) in times.iter().zip([0.5 * PI - half, 0.5 * PI + half]) {
-                // What rounding makes of the level, over the rate.
+                // Rounding of the level over the rate.
                 assert!((t - exact).abs() < 1e-14 / half, "{t} {exact}");
             }
             let missed = solve_with_events(&Floor, &level(-gap), 0.0, START, 3.0, options).unwrap();
@@ -221,14 +221,14 @@ fn pairs_of_zeros_are_seen_and_misses_are_not() {
 fn a_block_that_sticks_passes_places_with_the_belt() {
     let belt = decaying_friction();
     for (options, allowed) in methods() {
-        let places = Watches {
+        let places = EventSet {
             functions: [Function::Level(0, 0.3), Function::Level(0, 0.7)],
             directions: [Both, Both],
             terminal: None,
         };
         let found = solve_with_events(&belt, &places, 0.0, [0.0, 0.2], 4.9, &options).unwrap();
-        let told: Vec<_> = found.events.iter().map(|e| (e.number, e.mode)).collect();
-        assert_eq!(told, [(0, Mode::Stick), (1, Mode::Stick)]);
+        let reported: Vec<_> = found.events.iter().map(|e| (e.number, e.mode)).collect();
+        assert_eq!(reported, [(0, Mode::Stick), (1, Mode::Stick)]);
         for (event, t) in found.events.iter().zip([1.5, 3.5]) {
             assert!((event.t - t).abs() < allowed, "{}", event.t);
             assert_eq!(event.x[1], 0.2);
@@ -237,16 +237,16 @@ fn a_block_that_sticks_passes_places_with_the_belt() {
 }
 
 #[test]
-fn a_zero_at_the_very_end_of_a_phase_is_told_once_before_it() {
+fn a_zero_at_the_very_end_of_a_phase_is_reported_once_before_it() {
     for (options, _) in methods() {
-        // The boundary function itself: at rest half a turn apart, until the block stays at rest.
+        // The boundary function itself: zero half a turn apart, until the block stays at rest.
         let turns = watch(Function::Level(1, 0.0), Both);
         let found = solve_with_events(&Floor, &turns, 0.0, START, 20.0, &options).unwrap();
-        let told: Vec<_> = found.events.iter().map(|e| (e.t, e.direction)).collect();
+        let reported: Vec<_> = found.events.iter().map(|e| (e.t, e.direction)).collect();
         let ends: Vec<_> = found.orbit.transitions.iter().map(|at| at.t).collect();
         assert_eq!(ends.len(), 4);
         let ways = [Rising, Falling, Rising, Falling];
-        assert_eq!(told, ends.into_iter().zip(ways).collect::<Vec<_>>());
+        assert_eq!(reported, ends.into_iter().zip(ways).collect::<Vec<_>>());
         for (event, phase) in found.events.iter().zip(&found.orbit.phases) {
             assert_eq!((event.mode, event.x), (phase.mode, phase.x_end));
         }
@@ -259,11 +259,17 @@ fn a_function_that_is_zero_during_stick_passes_at_its_ends() {
     for (options, _) in methods() {
         let on_belt = watch(Function::Level(1, 0.2), Both);
         let found = solve_with_events(&belt, &on_belt, 0.0, [0.04, -0.01], 30.0, &options).unwrap();
-        let told: Vec<_> = found.events.iter().map(|event| event.direction).collect();
-        assert!(told.len() >= 6);
-        assert!(told.iter().step_by(2).all(|direction| *direction == Rising));
+        let reported: Vec<_> = found.events.iter().map(|event| event.direction).collect();
+        assert!(reported.len() >= 6);
         assert!(
-            told.iter()
+            reported
+                .iter()
+                .step_by(2)
+                .all(|direction| *direction == Rising)
+        );
+        assert!(
+            reported
+                .iter()
                 .skip(1)
                 .step_by(2)
                 .all(|direction| *direction == Falling)
@@ -271,7 +277,8 @@ fn a_function_that_is_zero_during_stick_passes_at_its_ends() {
         for (event, at) in found.events.iter().zip(&found.orbit.transitions) {
             assert!((event.t - at.t).abs() < 1e-6, "{} {}", event.t, at.t);
         }
-        // It leaves with no rate, so that rounding hides it for a while; it comes with one.
+        // It leaves with zero rate, so that rounding hides it for a while; it returns with a
+        // nonzero rate.
         for (event, at) in found.events.iter().zip(&found.orbit.transitions).step_by(2) {
             assert_eq!(event.t, at.t);
         }
@@ -279,13 +286,13 @@ fn a_function_that_is_zero_during_stick_passes_at_its_ends() {
 }
 
 #[test]
-fn a_zero_at_the_end_of_the_run_is_told() {
+fn a_zero_at_the_end_of_the_run_is_reported() {
     let wave = watch(Function::Wave(PI), Both);
     let options = Options::default();
     let found = solve_with_events(&Floor, &wave, 0.0, START, 2.0, &options).unwrap();
-    let told: Vec<_> = found.events.iter().map(|event| event.t).collect();
-    assert_eq!(told.len(), 2);
-    assert!((told[0] - 1.0).abs() < 1e-15 && (told[1] - 2.0).abs() < 1e-15);
+    let reported: Vec<_> = found.events.iter().map(|event| event.t).collect();
+    assert_eq!(reported.len(), 2);
+    assert!((reported[0] - 1.0).abs() < 1e-15 && (reported[1] - 2.0).abs() < 1e-15);
 }
 
 #[test]
@@ -295,15 +302,15 @@ fn a_run_that_fails_keeps_the_events_before() {
     let options = Options::default().escape(1.0);
     let failure = solve_with_events(&belt, &place, 0.0, [0.5, 0.9], 50.0, &options).unwrap_err();
     assert!(matches!(failure.error, Error::Escaped { .. }), "{failure}");
-    let told: Vec<_> = failure.reached.events.iter().map(|event| event.t).collect();
-    assert_eq!(told.len(), 1);
-    assert!(told[0] < failure.reached.orbit.t_end);
+    let reported: Vec<_> = failure.reached.events.iter().map(|event| event.t).collect();
+    assert_eq!(reported.len(), 1);
+    assert!(reported[0] < failure.reached.orbit.t_end);
     let failure = solve_with_events(&belt, &place, 0.0, [0.5, 0.9], -1.0, &options).unwrap_err();
     assert!(matches!(failure.error, Error::Interval { .. }), "{failure}");
     assert_eq!(failure.reached.events, []);
 }
 
-/// Of the cycle of [`decaying_friction`].
+/// Period of the cycle of [`decaying_friction`].
 const PERIOD: f64 = 9.230_770_458_082_98;
 
 #[test]
@@ -336,7 +343,7 @@ fn the_cycle_with_stick_returns_after_its_period_and_forgets_where_it_was() {
     }
 }
 
-/// The return to a plane from a start, and its derivative.
+/// The first return to a plane from a start, and its derivative.
 fn first_return<S: Listed<2>>(
     system: &S,
     section: &Plane<2>,
@@ -352,7 +359,7 @@ fn first_return<S: Listed<2>>(
 #[test]
 fn the_derivative_is_that_of_differences() {
     const CHANGE: f64 = 1e-5;
-    // Across Σ twice, and across a plane that is neither's level.
+    // Across Σ twice, and across a plane that is not a level of either component.
     let belt = BeltOscillator::default();
     let section = Plane {
         point: State::from([0.1, 0.0]),
@@ -377,7 +384,7 @@ fn the_derivative_is_that_of_differences() {
             let off = (found.column(j) - &slope).amax();
             assert!(off < 1e-7 * found.amax().max(1.0), "{found} {slope}");
         }
-        // It leads into the section.
+        // The start leads into the section.
         let normal = Vector::from_column_slice(section.normal.as_slice());
         assert!((normal.transpose() * &found).amax() < 1e-13 * found.amax());
     }
@@ -397,7 +404,7 @@ fn on_a_cycle_it_has_the_cycle_s_multiplier() {
     let system = belt.any();
     let start = (0.0, &cycle.x);
     let mut map = PoincareMap::new(&system, &section, start, 20.0, &options).unwrap();
-    // The block passes the place once each way.
+    // The block passes the position once in each direction.
     let (_, half) = map.step_with_derivative().unwrap();
     let (back, rest) = map.step_with_derivative().unwrap();
     assert!((back.x - cycle.x).amax() < 1e-10);
@@ -420,7 +427,7 @@ fn an_exit_at_a_tangent_point_passes_a_section_that_is_the_boundary_with_no_deri
             let system = belt.any();
             let start = (0.0, [0.04, speed - 0.21]);
             let mut map = PoincareMap::new(&system, &section, start, 20.0, &options).unwrap();
-            // Into stick with a rate, out of it with what rounding leaves of one.
+            // It enters stick with a nonzero rate and leaves it with a rate of rounding size.
             let (entry, derivative) = map.step_with_derivative().unwrap();
             assert_eq!(entry.mode, Mode::Slip(Side::Below));
             assert!(derivative.amax() > 0.1);
@@ -429,7 +436,7 @@ fn an_exit_at_a_tangent_point_passes_a_section_that_is_the_boundary_with_no_deri
                 matches!(exit, Err(Error::TangentSingular { .. })),
                 "{exit:?}"
             );
-            // It is a return all the same, and the next derivative starts there.
+            // It is still a return, and the next derivative starts there.
             assert_eq!(map.number(), 2);
             let left = (map.time(), map.state().clone());
             let Ok((_, derivative)) = map.step_with_derivative() else {
@@ -452,8 +459,8 @@ fn a_strobe_is_a_section_of_time() {
     };
     let period = 2.0 * PI / 0.7;
     let options = Options::tol(1e-13);
-    // To be terminal means nothing to a map.
-    let strobe = Watches {
+    // A map ignores that an event is terminal.
+    let strobe = EventSet {
         terminal: Some(0),
         ..watch(Function::Wave(0.7), Rising)
     };
@@ -485,7 +492,7 @@ fn where_there_is_no_return_the_map_says_so_and_ends() {
     };
     assert_eq!((t, span), (first.t, 30.0));
     assert!(map.next().is_none());
-    // Shorter than it takes.
+    // Shorter than the return time.
     let mut map = PoincareMap::new(&system, &level, (0.0, START), 5.0, &options).unwrap();
     assert!(matches!(map.step(), Err(Error::NotFound { .. })));
     for longest in [0.0, f64::NAN, f64::INFINITY] {

@@ -1,5 +1,5 @@
-//! The Taylor stepper beyond what every stepper is tested for: exact to the last digits, nothing
-//! missed, kinks, memory.
+//! Tests of Taylor steps beyond those of every method: accuracy to the last digits, missed events,
+//! kinks, memory.
 
 use std::f64::consts::PI;
 
@@ -99,7 +99,7 @@ fn fig11() -> BlockAndBracket {
 
 #[test]
 fn a_normal_force_that_is_clipped_ends_steps_where_it_is() {
-    // Unloaded until contact is lost in every turn.
+    // The contact is unloaded until it is lost in every oscillation.
     let model = BlockAndBracket {
         unloading: 3.0,
         ..fig11()
@@ -149,8 +149,8 @@ fn a_kink_inside_a_step_is_seen_however_the_field_branches() {
             let start = State::from([x0, 0.0]);
             let orbit = solve(&Kink { by_value }, 0.0, start, 3.0, &taylor(1e-12)).expect("runs");
             let end = x0 + 3.0;
-            // Seen by a comparison, the kink costs nothing; by the field's value, as much as the
-            // tolerance leaves open.
+            // If a comparison shows the kink, it costs nothing. If only the field's value shows it,
+            // the error may be that of the tolerance.
             let allowed = if by_value { 1e-9 } else { 1e-14 };
             assert!(
                 (orbit.x_end[1] - 0.5 * end * end).abs() <= allowed,
@@ -216,9 +216,9 @@ fn the_forced_oscillator_is_the_same_by_series_and_by_slopes() {
     assert!(difference.amax() < 1e-10, "{difference}");
 }
 
-/// A field that ends at t = 1.
-pub struct Nowhere;
-impl Filippov<1> for Nowhere {
+/// A field that is undefined from t = 1 on.
+pub struct UndefinedAfterOne;
+impl Filippov<1> for UndefinedAfterOne {
     fn field<T: Scalar>(&self, _side: Side, t: T, x: &[T; 1]) -> [T; 1] {
         [Scalar::ln(-t + 1.0) * x[0] + 1.0]
     }
@@ -228,9 +228,15 @@ impl Filippov<1> for Nowhere {
 }
 
 #[test]
-fn a_field_that_is_not_a_number_is_told_so() {
-    let failure =
-        solve(&Nowhere, 0.0, State::from([0.5]), 2.0, &taylor(1e-12)).expect_err("ends at 1");
+fn a_field_that_is_not_a_number_is_reported_so() {
+    let failure = solve(
+        &UndefinedAfterOne,
+        0.0,
+        State::from([0.5]),
+        2.0,
+        &taylor(1e-12),
+    )
+    .expect_err("ends at 1");
     let (Error::StepCollapse { t, .. } | Error::NonFinite { t, .. }) = failure.error else {
         panic!("{}", failure.error);
     };
@@ -253,7 +259,7 @@ impl Filippov<2> for Ramp {
 
 #[test]
 fn a_kink_at_the_very_start_or_throughout_holds_nothing_up() {
-    // Downwards from the kink at time zero; and on it for ever.
+    // Downwards from the kink at time zero; and always on it.
     for (speed, x) in [(-1.0, -3.0), (0.0, 0.0)] {
         let orbit = solve(
             &Ramp { speed },
@@ -263,15 +269,15 @@ fn a_kink_at_the_very_start_or_throughout_holds_nothing_up() {
             &taylor(1e-12),
         )
         .expect("runs");
-        // The ramp is left a few units of rounding behind its foot.
+        // The orbit leaves the ramp a few rounding units after its foot.
         assert!(orbit.x_end[1].abs() < 1e-30);
         assert!((orbit.x_end[0] - x).abs() < 1e-14);
         assert!(orbit.steps.len() < 20, "{}", orbit.steps.len());
     }
 }
 
-/// `x = sin t` on a circle's diameter: the boundary is the distance from the centre, which has no
-/// series there, less the radius.
+/// `x = sin t` on a circle's diameter. The boundary is the distance from the centre, which has no
+/// series there, minus the radius.
 pub struct Pit {
     pub radius: f64,
 }
@@ -285,7 +291,7 @@ impl Filippov<2> for Pit {
     }
 }
 
-/// The same by reading the value.
+/// The same, by reading the value.
 pub struct Gate {
     pub radius: f64,
 }
@@ -304,8 +310,7 @@ impl Filippov<2> for Gate {
     }
 }
 
-/// Over the edge at `asin r` and back at `π − asin r`, both within the first step where that is
-/// long.
+/// Over the edge at `asin r` and back at `π − asin r`, both within the first step if that is long.
 fn out_and_back<S: Listed<2>>(system: &S, radius: f64) {
     for (tolerance, first_step, bound) in
         [(1e-3, 0.1, 2e-2), (1e-3, 3.0, 2e-2), (1e-14, 3.0, 1e-13)]
@@ -339,7 +344,7 @@ fn a_boundary_that_branches_by_value_is_met_on_the_other_branch() {
 
 #[test]
 fn a_contact_cut_in_two_by_a_step_s_end_is_one_touch() {
-    // Below zero from 2e-6 before the turn to 2e-6 behind it.
+    // Negative from 2e-6 before the turning point to 2e-6 after it.
     let (depth, half_width) = (4e-12, 2e-6);
     for (start, longest) in [
         (-1.0, 1.0 - 3e-6),
@@ -366,7 +371,7 @@ fn a_contact_cut_in_two_by_a_step_s_end_is_one_touch() {
 
 #[test]
 fn a_contact_on_a_branch_by_value_is_one_touch_where_it_turns_back() {
-    // sin t is above 1 - 1e-12 from 1.4e-6 before π/2 to 1.4e-6 behind it.
+    // sin t exceeds 1 - 1e-12 from 1.4e-6 before π/2 to 1.4e-6 after it.
     let gate = Gate {
         radius: 1.0 - 1e-12,
     };
@@ -380,7 +385,7 @@ fn a_contact_on_a_branch_by_value_is_one_touch_where_it_turns_back() {
     }
 }
 
-/// `x = t` to a boundary at `x = 3/4` that is not defined beyond 1, and branches by value before.
+/// `x = t` to a boundary at `x = 3/4` that is undefined beyond 1 and branches by value before.
 pub struct Brink;
 
 impl Filippov<1> for Brink {
@@ -411,8 +416,8 @@ fn a_step_into_where_the_boundary_is_not_defined_hides_no_event() {
     }
 }
 
-/// A body in uniform motion, and a boundary that dents in a power of the time and is nowhere met:
-/// its series converges up to 1.
+/// A body in uniform motion, and a boundary with a dent in a power of the time that is never met.
+/// Its series converges up to 1.
 pub struct Dent {
     power: i32,
 }
@@ -427,8 +432,8 @@ impl Filippov<1> for Dent {
     }
 }
 
-/// To any order that it has the series of a high power is a constant: what the boundary is at a
-/// step's end tells.
+/// To the order of its series a high power is constant. The value of the boundary at the end of a
+/// step shows the crossing.
 #[test]
 fn a_boundary_flatter_than_its_series_is_met() {
     for power in 8..=60 {
@@ -465,15 +470,14 @@ fn a_series_with_gaps_is_not_taken_for_one_that_ends() {
     }
 }
 
-/// Moves at the speed of one, through a boundary that bends too sharply for a series of it to tell
-/// from far away.
+/// Moves at speed one, through a boundary that bends too sharply for a series from far away.
 pub struct Steep {
     kind: usize,
     steepness: f64,
 }
 
 impl Steep {
-    /// Where the boundary is.
+    /// Positions of the boundary.
     fn places(&self) -> Vec<f64> {
         match self.kind {
             0 => vec![math::ln(1.5) / self.steepness],
@@ -500,7 +504,7 @@ impl Filippov<1> for Steep {
             3 => (x[0] * x[0] + 1.0 / self.steepness).sqrt() + 0.1,
             4 => ((x[0] * self.steepness).exp() - 2.0).max(x[0] - 0.3),
             5 => (x[0] * self.steepness).tanh().max(x[0]) - 0.5,
-            // What rounding leaves of it grows as its own singularity would let it.
+            // Its rounding error grows as a singularity of the function would allow.
             6 => {
                 let y = x[0] - 1.0 / self.steepness;
                 y.sin() / y + 0.5
@@ -519,7 +523,7 @@ fn a_boundary_that_bends_too_sharply_for_its_series_is_met_where_it_is() {
             let system = Steep { kind, steepness };
             for (digits, start) in (3..=15).flat_map(|digits| [(digits, -0.9), (digits, -0.67)]) {
                 let tolerance = math::powi(10.0, -digits);
-                // Else all of the bend is within what the tolerance blurs, and a touch.
+                // Otherwise the bend is within the tolerance, and is a touch.
                 if ![2, 3, 6].contains(&kind) && steepness * tolerance > 0.01 {
                     continue;
                 }
@@ -540,7 +544,7 @@ fn a_boundary_that_bends_too_sharply_for_its_series_is_met_where_it_is() {
     }
 }
 
-/// Swings to a boundary that grows steeply there, just beyond it and back.
+/// Oscillates to a boundary that grows steeply there, just beyond it and back.
 pub struct Steepening {
     steepness: f64,
 }
@@ -557,7 +561,7 @@ impl Filippov<1> for Steepening {
 
 #[test]
 fn a_boundary_that_grows_steeply_within_a_step_is_met_there_and_back() {
-    // Steeper ones are zero at the start, as numbers go.
+    // Steeper ones are zero at the start in double precision.
     for steepness in [30.0, 100.0, 300.0, 600.0] {
         let beyond = 1.0 - 1.0 / steepness;
         let place = beyond + math::ln(1.5) / steepness;
@@ -583,8 +587,8 @@ fn a_boundary_that_grows_steeply_within_a_step_is_met_there_and_back() {
     }
 }
 
-/// At rest but for a push between 1 - 1/30 and 1 + 1/30, by as much as `1/(1 + 100 (t - 1)²)` is
-/// above 0.9; Σ is far away.
+/// At rest except for a push between 1 - 1/30 and 1 + 1/30, by the excess of `1/(1 + 100 (t - 1)²)`
+/// over 0.9. Σ is far away.
 pub struct Push;
 
 impl Filippov<1> for Push {
@@ -611,8 +615,8 @@ fn a_comparison_that_changes_there_and_back_within_a_step_is_not_passed_over() {
     }
 }
 
-/// An oscillator whose spring is four times as stiff above its place of rest as below; from time
-/// 500 on it is pushed up, ever harder, or pulled down at once. Σ is far away.
+/// An oscillator whose spring is four times as stiff above its equilibrium as below. From time 500
+/// on it is pushed up with a growing force, or pulled down at once. Σ is far away.
 pub struct Bilinear {
     rest: f64,
     damping: f64,
@@ -643,7 +647,7 @@ fn an_oscillator_comes_to_rest_on_its_kink_and_leaves_it_again() {
     for rest in [0.0, 0.3, 1.0, -7.7, 1000.1] {
         let ulp = f64::EPSILON * f64::abs(rest);
         for tolerance in [1e-4, 1e-8, 1e-12] {
-            // By half swings above and below, each of its own frequency.
+            // By half oscillations above and below, each with its own frequency.
             let damping = 0.2;
             let system = Bilinear {
                 rest,
@@ -699,7 +703,7 @@ fn an_oscillator_comes_to_rest_on_its_kink_and_leaves_it_again() {
     }
 }
 
-/// Falls to zero from both sides, at the speed of one, by a comparison; Σ is far away.
+/// Falls to zero from both sides at speed one, by a comparison; Σ is far away.
 pub struct Valley;
 
 impl Filippov<1> for Valley {
@@ -714,7 +718,7 @@ impl Filippov<1> for Valley {
 }
 
 #[test]
-fn a_boundary_that_the_field_hides_and_that_holds_the_orbit_is_told() {
+fn a_boundary_that_the_field_hides_and_that_holds_the_orbit_is_reported() {
     for (start, from) in [(0.5, 1.0), (-0.25, -30.0), (0.0, 1.0), (3.0, 0.0)] {
         let failure = solve(&Valley, from, [start], 10.0, &taylor(1e-10)).expect_err("slides");
         let Error::BranchPileUp {
@@ -724,7 +728,7 @@ fn a_boundary_that_the_field_hides_and_that_holds_the_orbit_is_told() {
             panic!("{start}: {}", failure.error);
         };
         let arrival = from + f64::abs(start);
-        // A hundred turns take some units of rounding each.
+        // A hundred turns accumulate some rounding units each.
         let allowed = 1e-12 * f64::max(1.0, f64::abs(from));
         assert!((t - arrival).abs() < allowed, "{start}: {t}");
         assert!(
@@ -736,8 +740,8 @@ fn a_boundary_that_the_field_hides_and_that_holds_the_orbit_is_told() {
     }
 }
 
-/// A body that flies against a soft stop at `gap`, whose force goes on from zero: nothing holds it
-/// there.
+/// A body that flies against a soft stop at `gap`, whose force increases from zero: it does not
+/// stick there.
 pub struct SoftStop {
     pub gap: f64,
 }
@@ -768,8 +772,8 @@ impl Filippov<1> for Rectified {
     }
 }
 
-/// Where the state is rounded more coarsely than it passes the kink, or where kinks follow one
-/// another fast.
+/// Cases where the state is rounded more coarsely than it passes the kink, or where kinks follow in
+/// rapid succession.
 #[test]
 fn kinks_of_a_field_that_goes_on_hold_no_orbit() {
     for (gap, speed) in [(5000.0, 1.0), (1e5, 1.0), (1.0, 3e-5), (1.0, 1e-6)] {
@@ -788,7 +792,7 @@ fn kinks_of_a_field_that_goes_on_hold_no_orbit() {
     }
 }
 
-/// A body at rest, and a boundary that comes by at 1.03 and goes no deeper than 0.0009 beyond it.
+/// A body at rest, and a boundary that arrives at 1.03 and goes at most 0.0009 beyond it.
 pub struct Cup;
 
 impl Filippov<1> for Cup {
@@ -801,7 +805,7 @@ impl Filippov<1> for Cup {
     }
 }
 
-/// A body in uniform motion, and a boundary whose kink at `t = 1` is far from where it is met.
+/// A body in uniform motion, and a boundary whose kink at `t = 1` is far from the crossing.
 pub struct Knee;
 
 impl Filippov<1> for Knee {
@@ -814,7 +818,7 @@ impl Filippov<1> for Knee {
     }
 }
 
-/// What the series of the boundary is behind the kink is not held against the boundary there.
+/// Beyond the kink the boundary is not compared with its series.
 #[test]
 fn a_kink_of_the_boundary_rejects_no_step() {
     for tolerance in [1e-4, 1e-8, 1e-12] {
@@ -827,7 +831,7 @@ fn a_kink_of_the_boundary_rejects_no_step() {
     }
 }
 
-/// A rotation, and a boundary that is nowhere met: it jumps, or is a small difference of large
+/// A rotation, and a boundary that is never met: it jumps, or is a small difference of large
 /// numbers.
 pub struct Turn {
     jumps: bool,
@@ -860,7 +864,8 @@ fn a_boundary_that_is_off_its_series_in_short_steps_too_holds_nothing_up() {
     }
 }
 
-/// The step before the last may end between the two zeros, with the end time before the turn.
+/// The step before the last may end between the two zeros, with the end time before the turning
+/// point.
 #[test]
 fn a_run_ends_at_its_end_time_while_a_touch_lasts() {
     for method in [Method::Taylor, Method::Dop853] {

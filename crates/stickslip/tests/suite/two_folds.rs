@@ -1,5 +1,5 @@
-//! Two-folds: reached by sliding and by crossings, and no orbit of random systems that the two
-//! methods take differently.
+//! Two-folds reached by sliding and by crossings. No orbit of random systems differs between the
+//! two methods.
 
 use stickslip::analysis::Visibility::{self, Invisible, Visible};
 use stickslip::statistics::SplitMix;
@@ -11,8 +11,8 @@ use stickslip::{
 use crate::any_system::solve;
 
 /// The normal form of a two-fold (Teixeira 1990): above `(-y, s⁺, V⁺)`, below `(z, V⁻, s⁻)`, Σ at x
-/// = 0, the two-fold at 0. Above it is visible for s⁺ = −1, below for s⁻ = −1. Where y, z > 0
-/// orbits slide.
+/// = 0, the two-fold at 0. It is visible above for s⁺ = −1 and below for s⁻ = −1. Orbits slide
+/// where y, z > 0.
 pub struct Folds {
     pub s: [f64; 2],
     pub v: [f64; 2],
@@ -30,9 +30,9 @@ impl Filippov<3> for Folds {
     }
 }
 
-/// Random systems of three kinds, in one type so that the solver is compiled once.
+/// Random systems of two kinds, in one type so that the solver is compiled once.
 pub enum Random {
-    /// Quadratic fields with a cubic brake, which keeps orbits bounded: for each side and component
+    /// Quadratic fields with a cubic brake, which keeps orbits bounded. Each side and component has
     /// a constant, three linear and six quadratic coefficients. Σ is the plane x = 0, moved to and
     /// fro.
     Quadratic {
@@ -40,7 +40,7 @@ pub enum Random {
         moved: f64,
         at_rate: f64,
     },
-    /// A block on a belt under a load that is forced in time, which the third state is, and may
+    /// A block on a belt under a load that depends on time, which is the third state. The load may
     /// become a pull: friction then drives.
     Forced {
         force: f64,
@@ -117,7 +117,7 @@ impl Filippov<3> for Random {
                 belt,
                 rate,
             } => {
-                // The speed of slip, and not its modulus: each side's field goes on beyond Σ.
+                // The signed slip velocity, not its modulus: each side's field extends beyond Σ.
                 let slip = (x[1] - *belt) * side.sign();
                 let normal = x[2].sin() * *load + 1.0;
                 let resists = normal / (slip * *decay + 1.0) * (*friction * side.sign());
@@ -177,10 +177,10 @@ const SLIDING: [(Visibility, Visibility, Folds); 4] = [
 ];
 
 #[test]
-fn sliding_orbits_end_at_a_two_fold_that_is_told_with_its_kind() {
+fn sliding_orbits_end_at_a_two_fold_that_is_reported_with_its_kind() {
     for options in methods() {
         for (below, above, folds) in SLIDING {
-            // On the line y = z both fall at the same rate, (V⁻ + s⁺)/2 = (V⁺ + s⁻)/2.
+            // On the line y = z both decrease at the same rate, (V⁻ + s⁺)/2 = (V⁺ + s⁻)/2.
             let start = -1.5 * 0.5 * (folds.v[0] + folds.s[1]);
             let orbit = solve(&folds, 0.0, [0.0, start, start], 5.0, &options).expect("runs");
             let expected = TwoFold {
@@ -199,8 +199,8 @@ fn sliding_orbits_end_at_a_two_fold_that_is_told_with_its_kind() {
 
 #[test]
 fn where_the_fields_agree_there_is_no_two_fold() {
-    // Both fields are (z, -1, -1) where y + z = 0: nothing happens to an orbit there that slides up
-    // to it.
+    // Both fields are (z, -1, -1) where y + z = 0: an orbit that slides up to it continues
+    // unchanged.
     let folds = Folds {
         s: [-1.0, -1.0],
         v: [-1.0, -1.0],
@@ -266,7 +266,7 @@ fn who_wants_to_goes_on_to_a_side_that_is_visible() {
 #[test]
 fn crossings_that_spiral_in_end_at_the_two_fold() {
     // A turn of two crossings halves this start, which lies on the stable direction of the return
-    // map; rounding grows by two.
+    // map. Rounding errors double.
     let folds = Folds {
         s: [1.0, 1.0],
         v: [-1.125, -1.0],
@@ -286,7 +286,7 @@ fn crossings_that_spiral_in_end_at_the_two_fold() {
     }
 }
 
-/// What an orbit has come to: its transitions, and where it ended.
+/// The course of an orbit: its transitions, and its end.
 fn course(orbit: &Orbit<3>) -> Vec<(TransitionKind, Mode)> {
     let changes = orbit
         .transitions
@@ -295,7 +295,7 @@ fn course(orbit: &Orbit<3>) -> Vec<(TransitionKind, Mode)> {
     changes.map(|at| (at.kind, at.to)).collect()
 }
 
-/// What random orbits have come to.
+/// Outcomes of random orbits.
 #[derive(Debug, Default)]
 struct Counts {
     to_the_end: usize,
@@ -303,7 +303,7 @@ struct Counts {
     sticks: usize,
 }
 
-/// Every one goes the same way by both methods.
+/// Every orbit has the same course with both methods.
 fn same_way(systems: usize, make: fn(&mut SplitMix) -> Random) -> Counts {
     let mut random = SplitMix::new(2013);
     let mut counts = Counts::default();
@@ -331,7 +331,8 @@ fn same_way(systems: usize, make: fn(&mut SplitMix) -> Random) -> Counts {
     counts
 }
 
-// Nearly all run to the end, many stick, and some end at two-folds, or else nothing was tested.
+// Nearly all run to the end, many stick, and some end at two-folds. Otherwise nothing would be
+// tested.
 
 #[test]
 fn random_quadratic_fields_go_the_same_way_by_both_methods() {

@@ -14,11 +14,11 @@ use crate::system::{Filippov, Side};
 /// Eq. (27)–(28), nondimensional.
 ///
 /// # From Newton's law
-/// A block of mass `m` at `x` rides a belt, tied to a wall by the spring `k1`. The end of a bracket
-/// of moment of inertia `J` and arm `r`, displaced by `y = rφ`, is joined to the block by the
-/// spring `k2` and the damper `c1`, both stretched by `x + y`, and to the frame by the spring `k3`
-/// and the damper `c2`. What the latter two exert also lifts the block off the belt, so the normal
-/// force is `N = mg − k3 y − c2 ẏ`, at least zero because a contact cannot pull:
+/// A block of mass `m` at `x` rides a belt, tied to a wall by the spring `k1`. A bracket has the
+/// moment of inertia `J` and the arm `r`; its end is displaced by `y = rφ`. The spring `k2` and the
+/// damper `c1`, both stretched by `x + y`, join it to the block. The spring `k3` and the damper
+/// `c2` join it to the frame. Their force also lifts the block off the belt, so the normal force is
+/// `N = mg − k3 y − c2 ẏ`, but not negative because a contact cannot pull:
 ///
 /// ```text
 ///     m ẍ      = −k1 x − k2 (x + y) − c1 (ẋ + ẏ) − μ(v) N sgn v,  μ(v) = μ0/(1 + δ|v|), v = ẋ − vp
@@ -33,7 +33,7 @@ use crate::system::{Filippov, Side};
 ///     N/mg = 1 − ν x₃ − η x₄,   ν = k3/k2 = ξ6/μ0,   η = ω c2/k2 = ξ7/μ0
 /// ```
 ///
-/// division of the first equation by `mω²L`, and of the second by `ω²LJ/r²`, leaves
+/// division of the first equation by `mω²L`, and of the second by `ω²LJ/r²`, gives
 ///
 /// ```text
 ///     x₁' = x₂
@@ -42,14 +42,13 @@ use crate::system::{Filippov, Side};
 ///     x₄' = ξ3 ( −x₁ − ξ2 x₂ − ξ4 x₃ − ξ5 x₄ )
 /// ```
 ///
-/// with `δ` and `vp` in units of `1/(ωL)` and `ωL`. The paper prints `−x₃ − T` in the second row;
-/// the signs of both terms are parameters here, so that what is printed can be run as well. How the
-/// nine numbers of a caption become parameters is a [`Reading`]; [`Rig`] is the system in its
+/// with `δ` and `vp` in units of `1/(ωL)` and `ωL`. The paper prints `−x₃ − T` in the second row.
+/// The signs of both terms are parameters here, so that the printed equations can be run as well.
+/// A [`Reading`] turns the nine numbers of a caption into parameters. [`Rig`] is the system in its
 /// physical units.
 ///
-/// State: `(x₁, x₂, x₃, x₄)`; Σ is `x₂ = vp`. There the block sticks while the force that this
-/// takes is at most `μ0 N/mg`; where `N` is clipped to zero, both fields agree and nothing holds
-/// it.
+/// State: `(x₁, x₂, x₃, x₄)`; Σ is `x₂ = vp`. There the block sticks while the required force is at
+/// most `μ0 N/mg`. Where `N` is clipped to zero, both fields agree and the block does not stick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlockAndBracket {
     /// ξ1: the part `k2/(k1 + k2)` of the block's stiffness that the coupling spring has.
@@ -64,9 +63,9 @@ pub struct BlockAndBracket {
     pub bracket_damping: f64,
     /// μ0: static friction at rest of the bracket, in units of `mg`.
     pub mu0: f64,
-    /// ν: what the bracket's displacement takes from the normal force.
+    /// ν: effect of the bracket's displacement on the normal force.
     pub unloading: f64,
-    /// η: what the bracket's velocity takes from the normal force.
+    /// η: effect of the bracket's velocity on the normal force.
     pub unloading_rate: f64,
     /// δ: decay of kinetic friction with speed.
     pub delta: f64,
@@ -76,13 +75,13 @@ pub struct BlockAndBracket {
     pub displacement_sign: f64,
     /// Factor of `T` in the second row: 1 where friction opposes slip, −1 as printed.
     pub friction_sign: f64,
-    /// Whether the normal force is clipped at zero. Otherwise a lifted block is held back by a belt
-    /// that pulls.
+    /// Whether the normal force is clipped at zero. Otherwise the contact of a lifted block can
+    /// pull.
     pub clipped: bool,
 }
 
 impl BlockAndBracket {
-    /// The system that a caption describes when read so.
+    /// The system that a caption describes under a reading.
     ///
     /// ```
     /// use stickslip::models::{BlockAndBracket, Caption, Reading};
@@ -105,8 +104,7 @@ impl BlockAndBracket {
         -(x[2] * self.unloading + x[3] * self.unloading_rate) + 1.0
     }
 
-    /// The normal force that friction is reckoned with, in units of `mg`: clipped at zero if the
-    /// system says so.
+    /// The normal force in the friction law, in units of `mg`: clipped at zero if `clipped` is set.
     #[inline(always)]
     pub fn normal_force<T: Scalar>(&self, x: &[T; 4]) -> T {
         let contact = self.unclipped_normal_force(x);

@@ -31,14 +31,14 @@ impl Caption {
     };
 }
 
-/// What the nine numbers are.
+/// Meaning of the nine numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CaptionOrder {
-    /// ξ1 … ξ5, μ0, ξ6, δ, vp, with ξ7 = 0. The heading does not say so, the numbers do: ξ2 = ξ5 =
-    /// 0 means no dampers and so ξ7 = 0, and the seventh number over the sixth is ξ4 − 1 = k3/k2 in
-    /// Figs. 11 and 12 to all digits, as ξ6/μ0 must be (in Fig. 10 it is 0.858 for 0.888).
+    /// ξ1 … ξ5, μ0, ξ6, δ, vp, with ξ7 = 0. The numbers show it, not the heading. ξ2 = ξ5 = 0 means
+    /// no dampers, and so ξ7 = 0. The ratio of the seventh number to the sixth is ξ4 − 1 = k3/k2 in
+    /// Figs. 11 and 12 to all digits, as ξ6/μ0 must be. (In Fig. 10 it is 0.858 instead of 0.888.)
     Mu0BeforeXi6,
-    /// ξ1 … ξ7, δ, vp as the heading has it; μ0 is then given nowhere and has to be supplied.
+    /// ξ1 … ξ7, δ, vp, as in the heading. Then μ0 is not given and has to be supplied.
     Heading {
         /// Static friction.
         mu0: f64,
@@ -50,23 +50,23 @@ pub enum CaptionOrder {
 pub enum Amplitude {
     /// μ0, with lengths in units of `mg/k2`.
     Mu0,
-    /// 1, with lengths in units of `μ0 mg/k2`: there ξ6 and ξ7 as defined are what the displacement
-    /// takes from the normal force.
+    /// 1, with lengths in units of `μ0 mg/k2`. Then ξ6 and ξ7 as defined are the effects on the
+    /// normal force.
     One,
 }
 
 /// How ξ6 and ξ7 enter the normal force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unloading {
-    /// `N/mg = 1 − (ξ6 x₃ + ξ7 x₄)/μ0`, because `ξ6 = μ0 k3/k2` and `ξ7 = μ0 ω c2/k2` hold a factor
-    /// μ0 already.
+    /// `N/mg = 1 − (ξ6 x₃ + ξ7 x₄)/μ0`, because `ξ6 = μ0 k3/k2` and `ξ7 = μ0 ω c2/k2` already
+    /// include the factor μ0.
     OverMu0,
     /// `N/mg = 1 − ξ6 x₃ − ξ7 x₄`, the `y` of Eq. (28) as printed.
     Plain,
 }
 
-/// A way to understand Eq. (27)–(28) and the captions of Figs. 10–12: data, so that all ways run
-/// through the same code.
+/// An interpretation of Eq. (27)–(28) and of the captions of Figs. 10–12. It is data, so that all
+/// interpretations run through the same code.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
     /// Sign of `x₃` in the second row of Eq. (27), 1 or −1.
@@ -79,12 +79,12 @@ pub struct Reading {
     pub unloading: Unloading,
     /// Whether the normal force is clipped at zero.
     pub clipped: bool,
-    /// What the nine numbers are.
+    /// Meaning of the nine numbers.
     pub order: CaptionOrder,
 }
 
 impl Reading {
-    /// What the mechanics of Fig. 9 demand: see [`BlockAndBracket`].
+    /// The equations that the mechanics of Fig. 9 require: see [`BlockAndBracket`].
     pub fn exact() -> Self {
         Reading {
             displacement_sign: 1.0,
@@ -96,9 +96,9 @@ impl Reading {
         }
     }
 
-    /// Eq. (27) and (28) to the letter: `−x₃ − T` in the second row, `T = sgn(v) y μₖ` with `y = 1
-    /// − ξ6 x₃ − ξ7 x₄`, nothing clipped. For want of a μ0 in the captions' heading their numbers
-    /// are taken as in [`Reading::exact`].
+    /// Eq. (27) and (28) taken literally: `−x₃ − T` in the second row, `T = sgn(v) y μₖ` with `y =
+    /// 1 − ξ6 x₃ − ξ7 x₄`, without clipping. The captions' heading has no μ0, so their numbers are
+    /// taken as in [`Reading::exact`].
     pub fn as_printed() -> Self {
         Reading {
             displacement_sign: -1.0,

@@ -71,7 +71,7 @@ impl Rig {
         }
     }
 
-    /// The normal force at a state (N), unclipped: where it is negative the block would lift off.
+    /// The normal force at a state (N), unclipped: negative where the block would lift off.
     #[inline(always)]
     pub fn unclipped_normal_force<T: Scalar>(&self, x: &[T; 4]) -> T {
         let lift = x[2] * self.k3 + x[3] * self.c2;

@@ -1,4 +1,4 @@
-//! Attractors found by recurrence, and their basins, against what is published of them.
+//! Attractors from recurrence, and their basins, compared with published results.
 
 use std::f64::consts::PI;
 
@@ -17,7 +17,7 @@ use crate::smooth::{Lorenz, Smooth};
 
 pub mod systems;
 use systems::{
-    Backwards, By, Detour, Driven, Leine, NearWells, Pushed, Rings, Shear, ToZero, Wells,
+    Backwards, Detour, Driven, Leine, Mechanism, NearWells, Pushed, Rings, Shear, ToZero, Wells,
 };
 
 const ABOVE: Mode = Mode::Slip(Side::Above);
@@ -56,7 +56,7 @@ fn the_stick_slip_cycle_of_leine_is_found_and_refined() {
         assert!((slip.duration() - 4.295_999_525_480).abs() < 1e-11);
         assert!((stick.x_start[0] + 0.541_006_353_870).abs() < 1e-11);
         assert!((found.in_stick - stick.duration() / period).abs() < 1e-12);
-        // By shooting from a point of its slip.
+        // By shooting from a point in its slip phase.
         let orbit = stickslip::solve(&Leine.any(), 0.0, slip.x_start, 2.0, &options);
         let inside = orbit.expect("runs").x_end;
         let cycle = periodic_orbit(&Leine.dynamics(), inside, period, &options).expect("converges");
@@ -64,8 +64,8 @@ fn the_stick_slip_cycle_of_leine_is_found_and_refined() {
     }
 }
 
-/// Published shares of starts that end on the fixed point (P16), each of 5000 random ones, by the
-/// belt's speed: Stender & Hoffmann, *Nonlinear Dyn.* 107 (2022) 1451.
+/// Published shares of starts that end on the fixed point (P16), by the belt's speed. Each is from
+/// 5000 random starts: Stender & Hoffmann, *Nonlinear Dyn.* 107 (2022) 1451.
 const SHARES: &str = include_str!("../../data/shares.csv");
 
 fn starts(count: usize) -> impl Iterator<Item = State<2>> {
@@ -107,13 +107,13 @@ fn shares_of_starts_are_the_published_ones_within_three_standard_errors() {
             usize::from(rest > 0.0) + usize::from(cycle > 0.0)
         );
         assert!((rest + cycle - 1.0).abs() < 1e-12);
-        // Both are samples of 5000.
+        // Both are samples of 5000 starts.
         let error = (published * (1.0 - published) / 5000.0).sqrt();
         assert!(
             (rest - published).abs() <= 3.0 * error,
             "{vd}: {rest}, published {published}"
         );
-        // The fixed point is known: x = F(-vd).
+        // The fixed point in closed form: x = F(-vd).
         for attractor in &found.attractors {
             if attractor.kind == Kind::Equilibrium {
                 let exact = 0.5 + 0.5 * math::exp(-2.0 * vd);
@@ -143,7 +143,7 @@ fn a_basin_has_the_same_bits_on_any_number_of_threads() {
     };
     let one = run(1);
     assert_eq!(one, run(3));
-    // In the order of the starts, of which each is followed as if alone.
+    // In the order of the starts, each computed as if alone.
     let first = starts(1).next().unwrap();
     let alone = reached(&system, first.into(), &within(5e3), &Options::tol(1e-7));
     assert_eq!(one.attractors[one.reached[0]], alone);
@@ -151,8 +151,8 @@ fn a_basin_has_the_same_bits_on_any_number_of_threads() {
 }
 
 #[test]
-fn rest_is_told_apart_by_the_interval_that_holds_it() {
-    // |x - x³| ≤ 0.3 where friction holds: about -1, 0 and 1, and not between.
+fn rest_is_distinguished_by_the_interval_that_holds_it() {
+    // |x - x³| ≤ 0.3 where friction holds: about -1, 0 and 1, but not between.
     let system = Wells { friction: 0.3 };
     let any = system.dynamics();
     let mut known = Attractors::new(&any, &within(100.0), &Options::default());
@@ -168,7 +168,7 @@ fn rest_is_told_apart_by_the_interval_that_holds_it() {
 
 #[test]
 fn an_equilibrium_at_zero_is_one_attractor_and_not_one_for_each_start() {
-    for by in [By::Spring, By::Relay, By::CurvedRelay] {
+    for by in [Mechanism::Spring, Mechanism::Relay, Mechanism::CurvedRelay] {
         let system = ToZero(by);
         let any = system.dynamics();
         let settings = within(200.0);
@@ -213,7 +213,7 @@ fn a_cycle_that_meets_no_boundary_is_known_by_where_it_turns_back() {
         let Kind::Periodic { returns: 1, period } = found.kind else {
             panic!("{:?}", found.kind);
         };
-        // What it is off by is told.
+        // Its error is reported.
         let uncertainty = found.period_uncertainty;
         assert!((period - 2.0 * PI).abs() <= uncertainty && uncertainty < 1e-5);
         let radius = (1.0 + 0.5_f64.sqrt()).sqrt();
@@ -221,7 +221,7 @@ fn a_cycle_that_meets_no_boundary_is_known_by_where_it_turns_back() {
         assert_eq!(found.sequence(), [BELOW]);
         assert_eq!(known.number(found), 0);
     }
-    // Inside the repelling cycle all goes to the focus, by slower and slower turns that are no
+    // Inside the repelling cycle all orbits go to the focus. Their increasingly slow turns are not
     // cycles.
     let found = reached(&far, [0.5, 0.0, -0.5], &settings, &Options::default());
     assert_eq!(
@@ -235,7 +235,8 @@ fn a_cycle_that_meets_no_boundary_is_known_by_where_it_turns_back() {
 
 #[test]
 fn a_slow_spiral_is_no_cycle() {
-    // A tenth of a percent in a turn: to the cycle it would take 14000, to the focus as many.
+    // A rate of a tenth of a percent per turn: the orbit would need time 14000 to the cycle, and as
+    // much to the focus.
     let found = |x: f64, p: f64, longest: f64| {
         let start = [x, 0.0, p];
         reached(
@@ -247,23 +248,23 @@ fn a_slow_spiral_is_no_cycle() {
         .kind
     };
     assert_eq!(found(0.01, -2e-4, 2e3), Kind::Undecided);
-    // Where the fold has just gone the orbit creeps past r = 1 for 2π/√(8·1e-6) or so.
+    // Just beyond the fold the orbit creeps past r = 1 for about 2π/√(8·1e-6).
     assert_eq!(found(1.01, -1.0 - 1e-5, 100.0), Kind::Undecided);
     assert_eq!(found(1.01, -1.0 - 1e-5, 2e3), Kind::EquilibriumSet);
 }
 
 #[test]
 fn rest_is_known_as_soon_as_nothing_can_keep_the_orbit_from_it() {
-    // Everything within the cycle of amplitude 2 comes to rest, everything outside escapes.
+    // Inside the cycle of amplitude 2 orbits come to rest; outside they escape.
     let system = Smooth(Backwards);
     let found = |x: f64| reached(&system, [x, 0.0], &within(2000.0), &Options::tol(1e-10));
     for x in [-1.95, -1.0, 0.1, 0.7, 1.5, 1.9] {
         let inside = found(x);
         assert_eq!(inside.kind, Kind::Equilibrium, "from {x}");
         assert!(inside.points[0].x.amax() < 1e-12);
-        // It decays by half its damping: 270 until nothing is left to be seen.
+        // The orbit decays by half its damping: to vanish it would take 270.
         assert!(inside.t < 130.0, "from {x}: {}", inside.t);
-        // Whoever goes on from there is at the equilibrium, but not on it.
+        // The orbit is then near the equilibrium, but not on it.
         let left = inside.x.amax();
         assert!(0.0 < left && left < 1e-5, "from {x}: {left:e}");
     }
@@ -271,7 +272,7 @@ fn rest_is_known_as_soon_as_nothing_can_keep_the_orbit_from_it() {
         let outside = found(x).kind;
         assert!(matches!(outside, Kind::Failure(_)), "from {x}: {outside:?}");
     }
-    // On the belt: no orbit that is said to be drawn in meets it again.
+    // On the belt: an orbit that is reported to be attracted does not meet the belt again.
     let (system, options) = (Driven { vd: 1.5 }, Options::tol(1e-9));
     let mut decided = 0;
     for start in starts(200) {
@@ -291,9 +292,9 @@ fn rest_is_known_as_soon_as_nothing_can_keep_the_orbit_from_it() {
 
 #[test]
 fn a_trap_reaches_as_far_as_the_mean_slope_on_the_way_from_its_middle() {
-    // V = (x² + y²)/2 falls to where y' = -y + x² has a slope, in the mean from the middle on, of
-    // no more than 9/5 in x. Within a radius r the slope goes up to 2 r, and its mean, in eight
-    // parts, up to 9/8 r.
+    // V = (x² + y²)/2 decreases while the slope of y' = -y + x² in x, averaged from the centre, is
+    // at most 9/5. Within radius r the slope is at most 2 r. Its average, over eight parts, is at
+    // most 9/8 r.
     let radius = |[x, y]: [f64; 2]| math::hypot(x, y);
     let options = Options::default().longest_step(0.003);
     let known = |[x, y]: [f64; 2]| {
@@ -305,7 +306,7 @@ fn a_trap_reaches_as_far_as_the_mean_slope_on_the_way_from_its_middle() {
     };
     let (early, _) = known([0.3, 1.5]);
     assert!(early < 0.1, "{early}");
-    // Of sizes that are looked at each is 0.85 of the one before.
+    // Each size that is tried is 0.85 times the previous one.
     let (late, there) = known([0.4, 2.0]);
     assert!(
         late > 0.1 && there < 1.6 && there > 0.85 * 1.59,
@@ -330,7 +331,7 @@ fn stick_is_known_to_repeat_at_its_second_release() {
 
 #[test]
 fn an_orbit_that_escapes_on_its_way_to_rest_escapes() {
-    // Asked after a tenth of the way out.
+    // Tested after a tenth of the way out.
     let options = Options::default().longest_step(0.003);
     let found = |bound| {
         reached(
@@ -348,7 +349,7 @@ fn an_orbit_that_escapes_on_its_way_to_rest_escapes() {
 
 #[test]
 fn a_field_that_depends_on_time_draws_to_no_equilibrium() {
-    // The last starts where the field vanishes for the moment.
+    // The last starts where the field vanishes momentarily.
     for (decay, x) in [(0.0, 0.5), (0.001, 0.5), (0.001, 1.0)] {
         let found = reached(
             &Pushed { decay },
@@ -371,7 +372,7 @@ fn a_field_that_depends_on_time_draws_to_no_equilibrium() {
 #[test]
 fn what_does_not_close_is_recurrent_or_undecided() {
     let options = Options::tol(1e-9);
-    // A turn of 2π seen once a unit of time: never the same.
+    // A rotation by 2π sampled once per unit of time never repeats.
     let start = [1.4, 0.0, 0.0];
     let ring = reached(
         &Rings { place: 50.0 },
@@ -380,7 +381,7 @@ fn what_does_not_close_is_recurrent_or_undecided() {
         &options,
     );
     assert_eq!(ring.kind, Kind::Recurrent);
-    // The same at every eighth of a turn closes.
+    // The same, sampled at every eighth of a turn, closes.
     let eighth = within(600.0).forced(PI / 4.0);
     let ring = reached(&Rings { place: 50.0 }, start, &eighth, &options);
     assert!(
@@ -394,7 +395,7 @@ fn what_does_not_close_is_recurrent_or_undecided() {
     assert_eq!([&one.kind, &other.kind], [&Kind::Recurrent; 2]);
     let any = chaos.dynamics();
     assert!(Attractors::new(&any, &within(600.0), &options).is_same(&one, &other));
-    // Too short to say so.
+    // Too short to decide.
     assert_eq!(found(20.0, 60.0).kind, Kind::Undecided);
 }
 
@@ -422,8 +423,8 @@ fn forced_orbits_are_compared_at_whole_periods() {
     }
 }
 
-/// What drives with less than the friction moves nothing that is within their difference of the
-/// middle, at any moment of its period.
+/// A drive with less force than friction moves nothing within their difference of the centre, at
+/// any phase of its period.
 #[test]
 fn rest_under_a_drive_is_one_set_of_equilibria() {
     let options = Options::tol(1e-10);
@@ -450,8 +451,8 @@ fn rest_under_a_drive_is_one_set_of_equilibria() {
         assert_eq!(found.in_stick, 1.0);
         assert_eq!(known.number(found), 0, "{start:?}");
     }
-    // With less friction the same drive moves it, and its orbit is no rest though it sticks at
-    // times.
+    // With less friction the same drive moves the block. Its orbit is not at rest, although it
+    // sticks at times.
     let moved = DenHartog {
         frequency: 0.4,
         friction: 0.9,
@@ -522,7 +523,7 @@ fn a_section_of_the_user_s_own_takes_the_place_of_the_transitions() {
         &Options::tol(1e-12),
     )
     .unwrap();
-    // It turns back twice a period.
+    // It turns back twice in a period.
     assert!(matches!(found.kind, Kind::Periodic { returns: 2, .. }));
     assert!(is_same_cycle(&found.sequence(), &[Mode::Stick, BELOW]));
     let largest = found

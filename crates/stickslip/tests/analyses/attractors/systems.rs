@@ -1,4 +1,4 @@
-//! Systems with attractors that are known.
+//! Systems with known attractors.
 
 use stickslip::{Filippov, Scalar, Side};
 
@@ -39,7 +39,7 @@ impl Filippov<2> for Leine {
     }
 }
 
-/// `x'' = x - x³ - F sgn x'`: friction holds on three intervals of the axis that do not meet.
+/// `x'' = x - x³ - F sgn x'`: friction holds on three disjoint intervals of the axis.
 pub struct Wells {
     pub friction: f64,
 }
@@ -56,9 +56,9 @@ impl Filippov<2> for Wells {
     }
 }
 
-/// `r' = r (p + 2 r² - r⁴)`, `θ' = 1` in the plane, the parameter `p` being the third state: cycles
-/// at `r² = 1 ± √(1 + p)`, which meet in a fold at `p = -1`, `r = 1`. The boundary `x = place` is
-/// crossed, or is far away, and the fields are the same on both sides.
+/// `r' = r (p + 2 r² - r⁴)`, `θ' = 1` in the plane, with the parameter `p` as the third state.
+/// Cycles at `r² = 1 ± √(1 + p)` meet in a fold at `p = -1`, `r = 1`. The boundary `x = place` is
+/// crossed or far away; the fields are the same on both sides.
 pub struct Rings {
     pub place: f64,
 }
@@ -74,8 +74,8 @@ impl Filippov<3> for Rings {
     }
 }
 
-/// Van der Pol's oscillator backwards in time, `x'' = -x - (1 - x²) x'/10`: its cycle of amplitude
-/// 2, nearly, repels.
+/// Van der Pol's oscillator with time reversed, `x'' = -x - (1 - x²) x'/10`: its cycle of amplitude
+/// about 2 repels.
 pub struct Backwards;
 
 impl Field<2> for Backwards {
@@ -84,7 +84,7 @@ impl Field<2> for Backwards {
     }
 }
 
-/// `x' = -x + 100 y`, `y' = -y`: `x = 100 t exp(-t)` from `(0, 1)`, so that what comes to rest is
+/// `x' = -x + 100 y`, `y' = -y`. From `(0, 1)`, `x = 100 t exp(-t)`: an orbit that comes to rest is
 /// 36.8 away before.
 pub struct Detour;
 
@@ -103,7 +103,7 @@ impl Field<2> for Shear {
     }
 }
 
-/// `x'' = -x - x'/2 + p`, pushed by `p = sin(t/20)/5`, or by one that decays.
+/// `x'' = -x - x'/2 + p`, pushed by `p = sin(t/20)/5` or by a decaying push.
 pub struct Pushed {
     pub decay: f64,
 }
@@ -123,7 +123,7 @@ impl Filippov<2> for Pushed {
 }
 
 /// `x' = x (1 - (1000 x)²)`: equilibria at -1/1000 and 1/1000 attract from anywhere. The boundary
-/// is met by nothing.
+/// is never met.
 pub struct NearWells;
 
 impl Filippov<1> for NearWells {
@@ -136,33 +136,33 @@ impl Filippov<1> for NearWells {
     }
 }
 
-/// What brings a [`ToZero`] there.
+/// Mechanism of a [`ToZero`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum By {
-    /// `x'' = -x - 0.4 x'`, with a boundary that is met by nothing.
+pub enum Mechanism {
+    /// `x'' = -x - 0.4 x'`, with a boundary that is never met.
     Spring,
-    /// `x'' = -4 sgn(x + x')`: from stick at `x + x' = 0` on, where `x' = -x`.
+    /// `x'' = -4 sgn(x + x')`: from stick at `x + x' = 0`, where `x' = -x`.
     Relay,
     /// The same at `sin x + x' = 0`.
     CurvedRelay,
 }
 
-/// An equilibrium at zero, to the last bit.
-pub struct ToZero(pub By);
+/// A system with an equilibrium that is zero to the last bit.
+pub struct ToZero(pub Mechanism);
 
 impl Filippov<2> for ToZero {
     fn field<T: Scalar>(&self, side: Side, _t: T, &[x, v]: &[T; 2]) -> [T; 2] {
         let pull = match self.0 {
-            By::Spring => -x - v * 0.4,
-            By::Relay | By::CurvedRelay => T::constant(-4.0 * side.sign()),
+            Mechanism::Spring => -x - v * 0.4,
+            Mechanism::Relay | Mechanism::CurvedRelay => T::constant(-4.0 * side.sign()),
         };
         [v, pull]
     }
     fn boundary<T: Scalar>(&self, _t: T, &[x, v]: &[T; 2]) -> T {
         match self.0 {
-            By::Spring => x - 5.0,
-            By::Relay => x + v,
-            By::CurvedRelay => x.sin() + v,
+            Mechanism::Spring => x - 5.0,
+            Mechanism::Relay => x + v,
+            Mechanism::CurvedRelay => x.sin() + v,
         }
     }
 }

@@ -8,14 +8,14 @@ use stickslip::analysis::{
 };
 use stickslip::{Fate, Filippov, Mode, Options, Scalar, Side, State, fate, math, solve};
 
-use super::sweeps::kept;
+use super::sweeps::leaked;
 use super::systems::{AtParameter, Focus, Lags, Persists};
 use crate::listed::Listed;
 
 const ONE: Lags = Lags { unit: 1.0 };
 
-/// The equilibrium of either side is on the boundary where the threshold is the state that it rests
-/// at, whatever the threshold is measured in.
+/// The equilibrium of either side is on the boundary where the threshold equals its state, in any
+/// unit of the threshold.
 #[test]
 fn the_end_of_a_branch_is_known_to_rounding() {
     let options = Options::tol(1e-12);
@@ -37,7 +37,7 @@ fn the_end_of_a_branch_is_known_to_rounding() {
     }
 }
 
-/// Short of it the branch ends at the end of the range.
+/// If the range ends earlier, the branch ends at the end of the range.
 #[test]
 fn one_beyond_the_range_is_none() {
     let options = Options::tol(1e-12);
@@ -53,16 +53,16 @@ fn one_beyond_the_range_is_none() {
     assert!((last.parameter - 0.999999).abs() < 1e-12);
 }
 
-/// Also where a value of the sweep hits it.
+/// Also if a value of the sweep hits it.
 #[test]
 fn a_sweep_finds_it_from_the_side_of_the_equilibrium_or_from_that_of_the_orbit() {
     for values in [[0.9, 1.1], [1.1, 0.9], [0.9, 1.0], [1.0, 1.2]] {
-        let family = |value| kept(AtParameter { system: ONE, value }).dynamics();
+        let family = |value| leaked(AtParameter { system: ONE, value }).dynamics();
         let start = [0.5, 0.1, 0.3];
         let settings = SweepSettings::within(300.0);
         let found = sweep(family, values, start, &settings, &Options::tol(1e-10)).unwrap();
         let at: Vec<_> = found.changes.iter().map(|change| &change.what).collect();
-        // What rests on the boundary is the same attractor as what rests beside it.
+        // The equilibrium on the boundary is the same attractor as the one beside it.
         if values[0] == 1.0 {
             assert!(at.is_empty(), "{at:?}");
             continue;
@@ -75,12 +75,12 @@ fn a_sweep_finds_it_from_the_side_of_the_equilibrium_or_from_that_of_the_orbit()
     }
 }
 
-/// The focus goes over into the equilibrium of the sliding field where it comes to the boundary.
+/// Where the focus comes to the boundary, the equilibrium of the sliding field replaces it.
 #[test]
 fn an_equilibrium_that_goes_over_into_sliding_is_located_there() {
     for values in [[-0.3, 0.5], [0.5, -0.3]] {
         let family = |value| {
-            kept(AtParameter {
+            leaked(AtParameter {
                 system: Persists,
                 value,
             })
@@ -106,8 +106,8 @@ fn an_equilibrium_that_goes_over_into_sliding_is_located_there() {
     }
 }
 
-/// There both fields are tangent, and no sliding field is determined: it slid off, in ever shorter
-/// steps.
+/// There both fields are tangent, and the sliding field is undetermined. Sliding off in ever
+/// shorter steps would be wrong.
 #[test]
 fn on_the_boundary_the_equilibrium_is_rested_in_and_nothing_sticks() {
     let system = AtParameter {
@@ -117,7 +117,7 @@ fn on_the_boundary_the_equilibrium_is_rested_in_and_nothing_sticks() {
     let (start, options) = ([0.5, 0.1, 0.3], Options::tol(1e-10));
     let orbit = match solve(&system.any(), 0.0, start, 60.0, &options) {
         Ok(orbit) => orbit,
-        // Rounding may take it to either side again and again.
+        // Rounding may move it to either side repeatedly.
         Err(failure) => *failure.reached,
     };
     assert!(orbit.t_end > 30.0);
@@ -141,8 +141,8 @@ fn on_the_boundary_the_equilibrium_is_rested_in_and_nothing_sticks() {
     }
 }
 
-/// Below, orbits leave a tangent point along y = x⁴, of which three derivatives vanish there;
-/// above, they come back to it.
+/// Below, orbits leave a tangent point along y = x⁴, where three derivatives vanish. Above, they
+/// return to it.
 struct Flat;
 
 impl Filippov<2> for Flat {
@@ -166,12 +166,13 @@ fn what_moves_along_the_boundary_does_not_rest_on_it() {
 /// equilibrium.
 #[test]
 fn a_branch_ends_in_a_homoclinic_orbit_of_the_sliding_field() {
-    // Back at the boundary, turned by almost 3π/2 and grown meanwhile: where 1 + r cos φ = 0 again.
+    // The orbit returns to the boundary, rotated by almost 3π/2 and grown, where 1 + r cos φ = 0
+    // again.
     let landing = |grows: f64| {
         let (mut low, mut high) = (PI, 2.0 * PI);
         for _ in 0..60 {
             let t = 0.5 * (low + high);
-            // At t = 0 it is at the height `grows`, 1 from the focus.
+            // At t = 0 it has the height `grows` and the distance 1 from the focus.
             let off = math::exp(grows * t) * (math::cos(t) - grows * math::sin(t));
             if off < 1.0 {
                 low = t;

@@ -45,7 +45,7 @@ pub fn square_of_radius(is_outer: bool, p: f64) -> f64 {
     if is_outer { 1.0 + root } else { 1.0 - root }
 }
 
-/// Whether a branch ends where the inner one of these shrinks to the focus, at θ' = 1.
+/// Asserts that a branch ends where the inner cycle shrinks to the focus, at θ' = 1.
 pub fn is_hopf_at_zero(stop: Stop) {
     let Stop::Equilibrium {
         parameter,
@@ -60,7 +60,7 @@ pub fn is_hopf_at_zero(stop: Stop) {
 
 #[test]
 fn a_fold_of_cycles_and_the_focus_that_the_inner_one_shrinks_to() {
-    // Met by no boundary, and crossing one that means nothing.
+    // A boundary that is never met, and one that is crossed without effect.
     for place in [50.0, 0.3] {
         let settings = ContinuationSettings::over(-1.5, 0.5);
         let start = [(1.0 + 0.5_f64.sqrt()).sqrt(), 0.0, -0.5];
@@ -73,7 +73,7 @@ fn a_fold_of_cycles_and_the_focus_that_the_inner_one_shrinks_to() {
             "{off:e}"
         );
         assert!((fold.x.rows(0, 2).norm() - 1.0).abs() < 1e-6);
-        // The boundary is left where r = 0.3, and met by nothing from there on.
+        // The orbit leaves the boundary where r = 0.3 and does not meet it afterwards.
         let exact = -(2.0 * 0.09 - 0.09 * 0.09);
         match others {
             [] => assert_eq!(place, 50.0),
@@ -112,7 +112,7 @@ fn a_branch_that_leaves_its_range_ends_there() {
         assert_eq!((found.stop, found.special.len()), (Stop::Range, 0));
         assert!((found.points.last().unwrap().parameter - end).abs() < 1e-12);
     }
-    // Begun at an end, it has no other orbit on that way.
+    // From an end of the range there is no other orbit in that direction.
     for (upwards, p) in [(false, -0.7), (true, 0.3)] {
         let found = branch(
             &Rings { place: 50.0 },
@@ -130,7 +130,7 @@ fn a_branch_that_leaves_its_range_ends_there() {
     assert_eq!((found.stop, found.points.len()), (Stop::Points, 5));
 }
 
-/// By name, the change that an orbit of a rhythm goes through, and where. Both ways lead to it.
+/// For each rhythm: the change of phases, its name and its location. Both directions lead to it.
 #[test]
 fn every_change_of_the_phases_is_located_and_named_on_a_branch() {
     let rises = math::atan(0.7 / 0.51_f64.sqrt());
@@ -179,8 +179,8 @@ fn every_change_of_the_phases_is_located_and_named_on_a_branch() {
     }
 }
 
-/// `y = sin t` touches `y = p` at p = 1. A branch may begin there, or where the orbit has gone over
-/// by less than what the tolerances leave open.
+/// `y = sin t` touches `y = p` at p = 1. A branch may begin there, or where the orbit crosses by
+/// less than the tolerances resolve.
 #[test]
 fn a_branch_that_begins_at_a_change_tells_it() {
     let family = BeatFamily(Rhythm::Touch);
@@ -200,8 +200,8 @@ fn a_branch_that_begins_at_a_change_tells_it() {
     }
 }
 
-/// What a place may be off by is told at any tolerance, by both methods; a tenth of the tolerance
-/// finds it within that.
+/// The uncertainty of a location is reported at any tolerance, by both methods. A run with a tenth
+/// of the tolerance finds the location within it.
 #[test]
 fn a_change_is_within_its_uncertainty_at_any_tolerance() {
     let family = BeatFamily(Rhythm::Touch);
@@ -217,8 +217,8 @@ fn a_change_is_within_its_uncertainty_at_any_tolerance() {
                 assert_eq!((found.stop, found.special.len()), (Stop::Range, 1));
                 (found.special[0].parameter, found.special[0].uncertainty)
             };
-            let ((told, uncertainty), (finer, _)) = (place(tolerance), place(0.1 * tolerance));
-            let off = [1.0, finer].map(|exact| (told - exact).abs());
+            let ((reported, uncertainty), (finer, _)) = (place(tolerance), place(0.1 * tolerance));
+            let off = [1.0, finer].map(|exact| (reported - exact).abs());
             assert!(
                 off[0].max(off[1]) <= uncertainty && uncertainty < 10.0 * tolerance + 1e-13,
                 "{method:?} {tolerance:e}: {off:?} of {uncertainty:e}"
@@ -227,15 +227,15 @@ fn a_change_is_within_its_uncertainty_at_any_tolerance() {
     }
 }
 
-/// A state of the orbit that attracts, at a multiple of the period.
+/// A state of the attracting orbit, at a multiple of the period.
 fn find(family: &BeatFamily, p: f64) -> [f64; 2] {
     let options = Options::tol(1e-12);
     let run = solve(&family.any(), 0.0, [-0.5, p], 40.0 * PI, &options).unwrap();
     [run.x_end[0], p]
 }
 
-/// A step of the series may be so long that a contraction by e⁻⁷ in it overflows the stages by
-/// which the vectors are carried.
+/// A step of the series may be so long that a contraction by e⁻⁷ in it overflows the stages that
+/// carry the vectors.
 #[test]
 fn what_contracts_fast_is_carried_by_long_steps_too() {
     for p in [-0.5_f64, -0.316, 0.0, 0.5, 2.0] {
@@ -267,7 +267,7 @@ fn what_contracts_fast_is_carried_by_long_steps_too() {
     }
 }
 
-/// Over a wide range a step past a change of phases may end on an orbit before that.
+/// Over a wide range a step past a change of phases may end on an orbit before the change.
 #[test]
 fn a_branch_does_not_turn_back_behind_a_change_of_phases() {
     let options = Options::tol(1e-10);
@@ -351,7 +351,7 @@ fn the_branch_of_stick_and_slip_turns_back_where_it_grazes_and_ends_in_the_focus
         graze.parameter,
         touching()
     );
-    // With stick it is stable and forgets all; without, it is not.
+    // With stick the orbit is stable and forgets all changes; without, it does not.
     let (with_stick, slipping) = found.points.split_at(graze.behind);
     assert!(
         with_stick
@@ -371,7 +371,7 @@ fn the_branch_of_stick_and_slip_turns_back_where_it_grazes_and_ends_in_the_focus
     else {
         panic!("{:?}", found.stop);
     };
-    // The friction's fall takes all the damping away: 0.1 = e^(-2 vd).
+    // The falling friction cancels all damping: 0.1 = e^(-2 vd).
     assert!((parameter - 0.5 * LN_10).abs() < 1e-9, "{parameter}");
     assert!((frequency - 1.0).abs() < 1e-9);
 }
@@ -431,7 +431,7 @@ fn where_another_branch_meets_it_the_branch_goes_on_and_the_point_is_named() {
         assert_eq!(found.stop, Stop::Range);
         assert!((found.points.last().unwrap().parameter - to).abs() < 1e-12);
         for point in &found.points {
-            // It is the circle all the way, and not one of the two that meet it.
+            // The branch stays on the circle and does not switch to the two orbits that meet it.
             assert!((point.x.rows(0, 2).norm() - 1.0).abs() < 1e-9 && point.x[2].abs() < 1e-9);
             let beside = math::exp(2.0 * PI * point.parameter);
             let within = math::exp(-4.0 * PI);
@@ -468,7 +468,7 @@ fn what_cannot_be_followed_is_an_error_that_says_why() {
         matches!(error, Error::Option { name: "forced", .. }),
         "{error}"
     );
-    // The last state is a state.
+    // The last component is a state, not a parameter.
     let lorenz = crate::smooth::Smooth(crate::smooth::Lorenz);
     let error = continue_periodic_orbit(
         &lorenz.dynamics(),
@@ -495,28 +495,28 @@ fn saddle_of_belt(speed: f64) -> (f64, [f64; 2]) {
     (x, [0.5 * trace + root, 0.5 * trace - root])
 }
 
-/// Whether the orbit that leaves the saddle to the left comes back above what comes to it, and
-/// leaves it to the right.
+/// Whether the orbit that leaves the saddle to the left returns above the stable manifold and
+/// leaves the saddle to the right.
 fn comes_back_above(speed: f64) -> bool {
     let (saddle, [leaves, comes]) = saddle_of_belt(speed);
     let start = [saddle - 1e-6, -1e-6 * leaves, speed];
     let orbit = stickslip::solve(&Belt, 0.0, start, 60.0, &Options::tol(1e-13)).unwrap();
-    // Along the left eigenvector: what grows of it.
+    // Along the left eigenvector: the growing component.
     let growing = |t: f64| {
         let x = orbit.at(t).unwrap();
         x[1] - comes * (x[0] - saddle)
     };
     let away = |t: f64| (orbit.at(t).unwrap().xy() - nalgebra::Vector2::new(saddle, 0.0)).norm();
     let times = || (1000..3000).map(|k| f64::from(k) * 0.02);
-    // Away for the first time, and back.
+    // The first departure and the return.
     let left = times().find(|&t| away(t) > 1.0).unwrap();
     let back = times().find(|&t| t > left && away(t) < 0.05).unwrap();
     let leaves = times().find(|&t| t > back && growing(t).abs() > 0.2);
     growing(leaves.unwrap()) > 0.0
 }
 
-/// Next to a saddle neighbours part by e^(2 · 16), and the multiplier is what is left of it: by
-/// Liouville's formula, area by area, it is known without that.
+/// Next to a saddle neighbours separate by e^(2 · 16), and the multiplier is what remains.
+/// Liouville's formula gives it from areas, without that cancellation.
 #[test]
 fn a_cycle_is_followed_to_its_homoclinic_end_with_the_multiplier_of_its_area() {
     let settings = ContinuationSettings {
@@ -548,8 +548,8 @@ fn a_cycle_is_followed_to_its_homoclinic_end_with_the_multiplier_of_its_area() {
         }
         let exact = math::exp(log_area);
         let error = (point.multipliers[0].re / exact - 1.0).abs();
-        // A hundred tolerances of the orbit, parted over the half of the period that it spends next
-        // to the saddle. Further on the saddle's neighbourhood is less than the square root of a
+        // A hundred tolerances of the orbit, separated over the half of the period next to the
+        // saddle. Further on, the saddle's neighbourhood is smaller than the square root of a
         // tolerance.
         if point.period > 33.0 {
             continue;
@@ -600,7 +600,7 @@ fn a_branch_left_anywhere_goes_on_with_the_same_bits() {
     let begin = |settings: &ContinuationSettings| {
         PartialBranch::begin(&system, start, 2.0 * PI, false, settings, &options).unwrap()
     };
-    // Around the fold to an equilibrium, to an end of the range, and from there nowhere.
+    // Around the fold to an equilibrium and to an end of the range, where the branch stops.
     for (low, stops_at_end) in [(-1.5, false), (-0.8, true), (-0.5, true)] {
         let settings = ContinuationSettings::over(low, 0.5);
         let mut seen: Vec<PartialBranch> = Vec::new();
@@ -639,8 +639,9 @@ fn passes(parameter: f64) -> bool {
     true
 }
 
-/// Along v = (1 - x²)/√2, from saddle to saddle, pull and drag do the same work where p ∫v dx = ∫x²
-/// v dx, at p = 1/5 but for the square of the pull (Melnikov); the exact place by bisection.
+/// Along v = (1 - x²)/√2, from saddle to saddle, forcing and damping do the same work where p ∫v dx
+/// = ∫x² v dx. That is at p = 1/5 up to the square of the forcing (Melnikov). Bisection gives the
+/// exact location.
 #[test]
 fn a_cycle_is_followed_to_two_saddles() {
     let settings = ContinuationSettings {
@@ -650,7 +651,8 @@ fn a_cycle_is_followed_to_two_saddles() {
     let near = [0.63, 0.0, 0.1];
     let settled = stickslip::solve(&Smooth(Softening), 0.0, near, 3000.0, &Options::tol(1e-12));
     let start = settled.unwrap().x_end;
-    // From too short a period Newton's iteration goes to orbits that escape, by ever shorter steps.
+    // From too short a period Newton's iteration leads to orbits that escape, in ever shorter
+    // steps.
     let options = Options::tol(1e-13);
     let system = Smooth(Softening);
     let lost = continue_periodic_orbit(&system.dynamics(), start, 7.4, true, &settings, &options);
@@ -682,16 +684,17 @@ fn a_cycle_is_followed_to_two_saddles() {
     let [off, before] = [parameter, last].map(|value| (value - low).abs());
     assert!(off < 0.2 * before && off < uncertainty, "{off:e}");
     assert!(uncertainty < 2.0 * before && before < 1e-4, "{before:e}");
-    // Each, at the last orbit's parameter, has the trace pull (p - 1) and the determinant -2.
+    // Each saddle, at the last orbit's parameter, has the trace pull (p - 1) and the determinant
+    // -2.
     let half_trace = 0.5 * Softening::PULL * (last - 1.0);
     let root = (half_trace * half_trace + 2.0).sqrt();
     assert!((leaves - (half_trace + root)).abs() < 1e-9, "{leaves}");
     assert!((comes - (half_trace - root)).abs() < 1e-9, "{comes}");
 }
 
-/// The half of a symmetric orbit, from one exit of stick to that with the other sign, has the
-/// multiplier -1 there, by matrix exponentials with 22 digits. Newton's matrix is singular at them,
-/// and next to the first the branch ended with short steps.
+/// The half of a symmetric orbit, from one exit of stick to that of the other sign, has the
+/// multiplier -1 there. The values are from matrix exponentials with 22 digits. Newton's matrix is
+/// singular at these points, and short steps next to the first must not end the branch.
 #[test]
 fn points_at_which_symmetry_breaks_are_found_with_any_step() {
     const POINTS: [f64; 2] = [1.955_032_552_903_879, 2.046_729_920_873_024];
@@ -719,7 +722,7 @@ fn points_at_which_symmetry_breaks_are_found_with_any_step() {
             .filter(|at| at.what == Special::BranchPoint);
         let places: Vec<_> = points.collect();
         assert_eq!(places.len(), POINTS.len(), "{step}: {:?}", found.special);
-        // The branch comes to them from its fold at 2.047.
+        // The branch reaches them from its fold at 2.047.
         for (at, exact) in places.iter().zip(POINTS.into_iter().rev()) {
             let off = (at.parameter - exact).abs();
             let bound = at.uncertainty;

@@ -1,4 +1,4 @@
-//! Curves of special orbits in two parameters, against closed forms.
+//! Curves of special orbits in two parameters, compared with closed forms.
 
 use std::f64::consts::PI;
 
@@ -17,7 +17,7 @@ traced!(3: Cusp);
 traced!(4: Doubled);
 traced!(4: Turned);
 
-/// The change of the phases that a curve begins with.
+/// The change of phases with which a curve begins.
 fn change(curve: &Curve) -> &SequenceChange {
     match &curve.at.what {
         Special::Sequence(change) => change,
@@ -25,7 +25,8 @@ fn change(curve: &Curve) -> &SequenceChange {
     }
 }
 
-/// `y' = -c y + cos t` below `y = p`, above which all falls: it touches where `p √(1 + c²) = 1`.
+/// `y' = -c y + cos t` below `y = p`; above it the field points down. It touches where `p √(1 + c²)
+/// = 1`.
 struct Lag;
 
 impl Filippov<3> for Lag {
@@ -93,8 +94,8 @@ fn a_curve_of_grazes_has_a_closed_form_by_both_methods_at_any_tolerance() {
     }
 }
 
-/// `r' = r (p + 2 r² - r⁴)`, `θ' = 1`, and a line at `x = q`, which means nothing. The cycles touch
-/// it where `p = (q² - 1)² - 1`: past the fold at `p = -1` from the outer to the inner ones.
+/// `r' = r (p + 2 r² - r⁴)`, `θ' = 1`, and a line at `x = q` without effect. The cycles touch it
+/// where `p = (q² - 1)² - 1`: beyond the fold at `p = -1` the outer cycles become the inner ones.
 struct Touched;
 
 impl Filippov<4> for Touched {
@@ -110,7 +111,7 @@ impl Filippov<4> for Touched {
 
 #[test]
 fn a_curve_of_grazes_goes_round_the_fold_of_the_orbits_that_graze() {
-    // The outer cycle at p is left of the line at q = 5/4 up to p = (9/16)² - 1.
+    // The outer cycle at p is left of the line at q = 5/4 for p < (9/16)² - 1.
     let exact = math::powi(1.25 * 1.25 - 1.0, 2) - 1.0;
     let settings = ContinuationSettings::over(-1.5, 0.5);
     let radius = (1.0 + 0.1_f64.sqrt()).sqrt();
@@ -148,7 +149,7 @@ fn a_curve_of_grazes_goes_round_the_fold_of_the_orbits_that_graze() {
 }
 
 /// `r' = r (p + q r² - r⁴)`, `θ' = 1`: cycles fold where `p = -q²/4`, at `r² = q/2`. A boundary at
-/// x = 0.1 is crossed, and means nothing.
+/// x = 0.1 is crossed without effect.
 struct Rings;
 
 impl Filippov<4> for Rings {
@@ -192,8 +193,8 @@ fn a_curve_of_folds_has_a_closed_form_by_both_methods_at_any_tolerance() {
     }
 }
 
-/// `u' = p + q u - u³` about `cos t`: folds where `p = -2 u³` and `q = 3 u²`, with a cusp at
-/// `p = q = 0`. A boundary at 0.2 is crossed, and means nothing.
+/// `u' = p + q u - u³` about `cos t`: folds where `p = -2 u³` and `q = 3 u²`, with a cusp at `p = q
+/// = 0`. A boundary at 0.2 is crossed without effect.
 struct Cusp;
 
 impl Filippov<3> for Cusp {
@@ -237,8 +238,8 @@ fn a_curve_of_folds_goes_round_its_cusp() {
     }
 }
 
-/// The orbit `c = (cos t, sin t)`, and about it, in a frame that turns half as fast, the rates
-/// `(p + q²) u - u³` and `-w`: its period doubles where `p = -q²`.
+/// The orbit `c = (cos t, sin t)`, and about it, in a frame that rotates half as fast, the rates
+/// `(p + q²) u - u³` and `-w`. Its period doubles where `p = -q²`.
 struct Doubled;
 
 impl Filippov<4> for Doubled {
@@ -260,8 +261,8 @@ impl Filippov<4> for Doubled {
     }
 }
 
-/// The same orbit, about which deviations turn at the rate 0.3 and grow at `p + q²`, less by their
-/// square: a torus is shed where `p = -q²`, at an angle of 0.6 π.
+/// The same orbit. Deviations from it rotate at the rate 0.3 and grow at `p + q²` minus their
+/// square. A torus branches off where `p = -q²`, at an angle of 0.6 π.
 struct Turned;
 
 impl Filippov<4> for Turned {
@@ -302,7 +303,7 @@ fn curves_of_flips_and_of_tori_have_closed_forms_by_both_methods() {
                 for point in &curve.points {
                     let [q, p] = point.parameters;
                     let off = (p + q * q).abs();
-                    // As far as the multipliers are known: what the place of the first is told to.
+                    // Accuracy of the multipliers: the uncertainty of the first location.
                     let known = 4.0 * curve.at.uncertainty;
                     assert!(off < known, "{method:?} {tolerance:e} at {q}: {off:e}");
                 }
@@ -315,7 +316,7 @@ fn curves_of_flips_and_of_tori_have_closed_forms_by_both_methods() {
 }
 
 #[test]
-fn what_has_no_change_is_told() {
+fn what_has_no_change_is_reported() {
     let settings = ContinuationSettings::over(1.05, 1.2).forced(2.0 * PI);
     let options = Options::tol(1e-10);
     let start = [place(0.5), 0.5, 1.1];

@@ -1,4 +1,4 @@
-//! Branches of equilibria, against closed forms.
+//! Branches of equilibria, compared with closed forms.
 
 use stickslip::analysis::{
     ContinuationSettings, EquilibriumBifurcation, EquilibriumBranch, Stability, Stop,
@@ -26,7 +26,7 @@ fn followed<const N: usize>(
     )
 }
 
-/// The middle of `r' = r (p + 2 r² - r⁴)` sheds the ring at p = 0, with the frequency 1.
+/// The centre of `r' = r (p + 2 r² - r⁴)` has a Hopf bifurcation at p = 0, with the frequency 1.
 #[test]
 fn a_hopf_bifurcation_is_located_to_rounding() {
     let system = Rings { place: 50.0 };
@@ -53,7 +53,7 @@ fn a_hopf_bifurcation_is_located_to_rounding() {
     }
 }
 
-/// The middle of `a' = p a - a³` meets the other two equilibria at p = 0, and goes on.
+/// The equilibrium 0 of `a' = p a - a³` meets the other two at p = 0, and the branch continues.
 #[test]
 fn a_branch_point_is_located_and_passed() {
     let found = followed(&Pitchfork, [0.0, 0.0, 0.0, -0.63], true, (-1.0, 1.0)).unwrap();
@@ -67,8 +67,8 @@ fn a_branch_point_is_located_and_passed() {
     assert!(found.points.iter().all(|at| at.x.rows(0, 3).amax() < 1e-13));
 }
 
-/// The focus at (p, 0) comes to the boundary at p = 0 and goes over into the equilibrium of the
-/// sliding field, where the fields `(0.3 p - y, -p - 0.3 y)` and `(-1, 1)` are opposite.
+/// The focus at (p, 0) comes to the boundary at p = 0 and becomes the equilibrium of the sliding
+/// field. There the fields `(0.3 p - y, -p - 0.3 y)` and `(-1, 1)` are opposite.
 #[test]
 fn an_equilibrium_goes_over_into_sliding_and_back() {
     let sliding = |p: f64| -0.7 * p / 1.3;
@@ -108,9 +108,9 @@ fn an_equilibrium_goes_over_into_sliding_and_back() {
     }
 }
 
-/// Above the boundary nothing rests: the equilibrium of a mode that differs by the contact is
-/// taken. The start is below `y = 1 + 0.3 p`, where the sliding field has a pole: Newton's
-/// iteration is not promised to pass it.
+/// Above the boundary there is no equilibrium, so the equilibrium of a mode that differs by the
+/// contact is taken. The start is below `y = 1 + 0.3 p`, where the sliding field has a pole, which
+/// Newton's iteration may not pass.
 #[test]
 fn a_start_beside_an_equilibrium_finds_its_mode_and_one_outside_the_range_is_refused() {
     for (p, mode) in [(0.2, Mode::Stick), (-0.2, Mode::Slip(Side::Below))] {

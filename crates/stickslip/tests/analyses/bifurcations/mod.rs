@@ -1,4 +1,4 @@
-//! Bifurcations located in a parameter, against their closed forms.
+//! Bifurcations in one parameter, compared with closed forms.
 
 mod boundary_equilibria;
 mod branches;

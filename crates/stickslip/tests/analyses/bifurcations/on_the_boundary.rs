@@ -1,4 +1,4 @@
-//! Periodic orbits on which a contact sticks all the time, on a curved boundary.
+//! Periodic orbits on which a contact always sticks, on a curved boundary.
 
 use std::f64::consts::PI;
 
@@ -9,10 +9,12 @@ use stickslip::analysis::{
 use stickslip::{Method, Mode, Options, Side, math};
 
 use super::branches::{is_hopf_at_zero, square_of_radius};
-use super::systems::{AtParameter, Lies, Pulse, Shaken, Sheet};
+use super::systems::{AtParameter, Pulse, Shaken, Sheet, SheetVariant};
 use crate::listed::Listed;
 
-const PULLED: Sheet = Sheet { lies: Lies::Pulled };
+const PULLED: Sheet = Sheet {
+    variant: SheetVariant::Pulled,
+};
 
 #[test]
 fn an_orbit_that_never_slips_is_found_with_its_multipliers() {
@@ -32,18 +34,18 @@ fn an_orbit_that_never_slips_is_found_with_its_multipliers() {
             panic!("{found:?}");
         };
         assert!((along.re - 1.0).abs() < 1e3 * near);
-        // d(r - r³)/dr = -2, and stick forgets what was across the boundary.
+        // d(r - r³)/dr = -2, and stick annihilates the direction across the boundary.
         assert!((inwards.re - math::exp(-4.0 * PI)).abs() < 1e3 * near);
         assert!(across.norm() < 1e-12, "{across}");
     }
 }
 
-/// Of many returns, all of them back to what rounding leaves, the first is the period.
+/// Among many returns that all close to rounding, the first gives the period.
 #[test]
 fn a_strongly_attracting_orbit_is_not_found_with_several_times_its_period() {
     let system = AtParameter {
         system: Sheet {
-            lies: Lies::Growing,
+            variant: SheetVariant::Growing,
         },
         value: -0.1,
     };
@@ -59,7 +61,9 @@ fn a_strongly_attracting_orbit_is_not_found_with_several_times_its_period() {
 
 #[test]
 fn it_is_followed_round_a_fold_on_a_boundary_that_moves_with_the_parameter() {
-    let system = Sheet { lies: Lies::Folded };
+    let system = Sheet {
+        variant: SheetVariant::Folded,
+    };
     let settings = ContinuationSettings::over(-1.5, 0.5);
     let p: f64 = -0.5;
     let x = (1.0 + (1.0 + p).sqrt()).sqrt();
@@ -71,7 +75,7 @@ fn it_is_followed_round_a_fold_on_a_boundary_that_moves_with_the_parameter() {
         panic!("{:?}", found.special);
     };
     assert_eq!(fold.what, Special::Fold);
-    // The focus in the sliding field that the inner cycle shrinks to; the boundary is elsewhere at
+    // The focus in the sliding field to which the inner cycle shrinks. The boundary is elsewhere at
     // every parameter.
     is_hopf_at_zero(found.stop);
     assert!((fold.parameter + 1.0).abs() < 1e-9, "{}", fold.parameter);
@@ -94,8 +98,8 @@ fn it_is_followed_round_a_fold_on_a_boundary_that_moves_with_the_parameter() {
     }
 }
 
-/// On the way from here up or down: where the pull `x + 1/10` is no more than `p` at x = 1, and
-/// where `-x - 1/10` is not at x = -1.
+/// The two ends of permanent stick: where the pull `x + 1/10` reaches `p` at x = 1, and where `-x -
+/// 1/10` does at x = -1.
 #[test]
 fn where_it_begins_to_slip_is_located_from_both_sides() {
     let options = Options::tol(1e-13);
@@ -144,21 +148,21 @@ fn where_it_begins_to_slip_is_located_from_both_sides() {
     }
 }
 
-/// Of the first pair one slip begins; of the second, in the same instant of each half turn, two do,
-/// one of them where the section of the sweep is.
+/// For the first pair one slip begins. For the second pair two slips begin at the same time in each
+/// half turn, one of them at the section of the sweep.
 #[test]
 fn a_sweep_locates_it_and_tells_the_phases_on_both_sides() {
     let [below, above] = [Side::Below, Side::Above].map(Mode::Slip);
     let one = [above, Mode::Stick];
     let two = [above, Mode::Stick, below, Mode::Stick];
-    let cases: [(Lies, [f64; 2], f64, &[Mode]); 2] = [
-        (Lies::Pulled, [1.3, 1.0], 1.1, &one),
-        (Lies::Growing, [0.24, 0.26], 0.2541, &two),
+    let cases: [(SheetVariant, [f64; 2], f64, &[Mode]); 2] = [
+        (SheetVariant::Pulled, [1.3, 1.0], 1.1, &one),
+        (SheetVariant::Growing, [0.24, 0.26], 0.2541, &two),
     ];
-    for (lies, [stuck, slipping], exact, cycle) in cases {
+    for (variant, [stuck, slipping], exact, cycle) in cases {
         for ends in [[stuck, slipping], [slipping, stuck]] {
             let family = |value| {
-                let system = Sheet { lies };
+                let system = Sheet { variant };
                 Box::leak(Box::new(AtParameter { system, value })).dynamics()
             };
             let settings = SweepSettings::within(2000.0);
@@ -188,9 +192,9 @@ fn a_sweep_locates_it_and_tells_the_phases_on_both_sides() {
     }
 }
 
-/// `v' = -p sgn(v - V(t))` on a belt of speed V: what friction can give is enough where p is more
-/// than |V'| ever is, for `V = (3/2) sin t` in the same two instants of a period up and down. The
-/// other V' is largest, 21/10, only at t = π, where the period of an orbit begun at 0 is cut.
+/// `v' = -p sgn(v - V(t))` on a belt of speed V. Friction suffices where p exceeds |V'|. For `V =
+/// (3/2) sin t` that fails first at the same two times of a period. The other V' is largest, 21/10,
+/// only at t = π, where the period of an orbit that starts at 0 is cut.
 #[test]
 fn on_a_belt_that_shakes_the_block_sticks_for_ever_from_a_known_friction_on() {
     let options = Options::tol(1e-13);
@@ -236,9 +240,9 @@ fn on_a_belt_that_shakes_the_block_sticks_for_ever_from_a_known_friction_on() {
     }
 }
 
-/// At `A` both slips begin, and at `A/√(1 + π²/4)` both sticks vanish, where the symmetric orbit of
-/// slip alone crosses at a rate of zero; from above the branch is begun on an orbit that sticks for
-/// ever, so that its first phase is one that vanishes.
+/// At `A` both slips begin. At `A/√(1 + π²/4)` both stick phases vanish, where the symmetric orbit
+/// without stick crosses at zero rate. From above, the branch starts on an orbit that always
+/// sticks, so that its first phase vanishes.
 #[test]
 fn a_branch_goes_on_where_two_slips_begin_at_once_and_where_two_sticks_end() {
     let adding = Pulse::amplitude();

@@ -1,4 +1,4 @@
-//! Changes of phases of several contacts: each is located, and is told at which contact.
+//! Changes of phases of several contacts: each is located and assigned to its contact.
 
 use std::f64::consts::PI;
 
@@ -17,7 +17,7 @@ const BELOW: Mode = Mode::Slip(Side::Below);
 
 type Change = SequenceChange;
 
-/// The changes on the way from one value to another of the parameter of one of two.
+/// The changes from one value to another of the parameter of one of two contacts.
 fn changes(rhythms: [Rhythm; 2], other: f64, varied: usize, (from, to): (f64, f64)) -> Vec<Change> {
     let family = |p| {
         let of = |i: usize| Beat {
@@ -37,8 +37,8 @@ fn changes(rhythms: [Rhythm; 2], other: f64, varied: usize, (from, to): (f64, f6
 }
 
 #[test]
-fn each_change_is_located_and_told_at_its_contact() {
-    // As of one contact alone: y = sin t touches y = p, and the field above pushes down by 1 - p
+fn each_change_is_located_and_assigned_to_its_contact() {
+    // As for one contact alone: y = sin t touches y = p, and the field above points down by 1 - p
     // cos t.
     let of_one = [
         (Rhythm::Touch, SequenceBifurcation::GrazingSliding),
@@ -110,8 +110,8 @@ fn contacts_that_change_places_coincide_and_do_not_graze() {
 
 #[test]
 fn the_attractor_of_two_is_that_of_each() {
-    // Pushed up to the boundary at 1/2, it leaves where sin t + cos t falls through 1/2; the other
-    // one crosses at 0.3 and 0.3 + π.
+    // Pushed up to the boundary at 1/2, the contact leaves it where sin t + cos t falls through
+    // 1/2. The other one crosses at 0.3 and 0.3 + π.
     let of = |rhythm, p| Beat { rhythm, p };
     let system = Several(Duet([of(Rhythm::Touch, 0.5), of(Rhythm::Clock, 0.3)]));
     let settings = RecurrenceSettings::within(400.0).forced(2.0 * PI);
@@ -222,15 +222,15 @@ fn a_contact_that_always_sticks_does_not_hide_what_the_other_does() {
     }
 }
 
-/// What the upper block takes to be moved along is most when the lower one turns back. With less
-/// friction it slips just before, and on after: both slips vanish there, in both halves of the
-/// period, and the branch goes on without them.
+/// The force that carries the upper block along is largest when the lower one turns back. With less
+/// friction it slips just before that and after it. Both slips vanish there, in both halves of the
+/// period, and the branch continues without them.
 #[test]
 fn a_slip_about_the_switch_of_another_contact_vanishes_at_a_known_friction() {
     let system = Several(Stack);
     let period = 2.0 * PI / Stack::PACE;
     let options = Options::tol(1e-12);
-    // Moved along for ever, it does the same at any friction.
+    // If it is always carried along, friction has no effect.
     let along = [0.0, 0.0, 0.0, 0.6];
     let along = solve(&system, 0.0, along, 40.0 * period, &options).unwrap();
     let along = periodic_orbit_forced(&system, 0.0, along.x_end, period, &options).unwrap();
@@ -273,7 +273,7 @@ fn a_slip_about_the_switch_of_another_contact_vanishes_at_a_known_friction() {
     }
 }
 
-/// What is let go by another contact's switch leaves its boundary there at every parameter.
+/// A contact released by another contact's switch leaves its boundary there at every parameter.
 #[test]
 fn a_contact_that_another_one_lets_go_hides_no_change() {
     let settings = ContinuationSettings::over(0.9, 1.1).forced(2.0 * PI);

@@ -1,5 +1,5 @@
-//! Changes of phases behind which friction that is more at rest lets go by a jump, against closed
-//! forms.
+//! Changes of phases beyond which static friction above the kinetic one releases by a jump,
+//! compared with closed forms.
 
 use std::f64::consts::PI;
 
@@ -10,15 +10,15 @@ use stickslip::analysis::{
 use stickslip::dynamics::Modes;
 use stickslip::{Mode, Options, Side, math, solve};
 
-use super::sweeps::kept;
+use super::sweeps::leaked;
 use super::systems::{AtParameter, Dragged, Grip};
 use crate::listed::Listed;
 
 const ABOVE: Mode = Mode::Slip(Side::Above);
 const BELOW: Mode = Mode::Slip(Side::Below);
 
-/// Place and velocity in slip on a side at a time behind a place on the belt, and the acceleration,
-/// by the formula for the damped spring.
+/// Position, velocity and acceleration in slip on a side, at a time after a position on the belt,
+/// by the formula of the damped spring.
 fn slip(side: Side, damping: f64, x: f64, t: f64) -> [f64; 3] {
     let (rest, rate) = (-side.sign(), -0.5 * damping);
     let angle = (1.0 - rate * rate).sqrt();
@@ -33,7 +33,7 @@ fn slip(side: Side, damping: f64, x: f64, t: f64) -> [f64; 3] {
     [x, v, -x - damping * v + rest]
 }
 
-/// Where a function of a number is zero between two at which its signs differ.
+/// A zero of a function between two points at which its signs differ.
 fn zero(mut low: f64, mut high: f64, function: impl Fn(f64) -> f64) -> f64 {
     let sign = function(low).signum();
     assert!(sign * function(high) < 0.0);
@@ -48,12 +48,12 @@ fn zero(mut low: f64, mut high: f64, function: impl Fn(f64) -> f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Where stick lets go.
+/// Position at which stick is released.
 fn release(damping: f64) -> f64 {
     Grip::STATIC - damping * Grip::SPEED
 }
 
-/// Where the slip that begins there comes to the belt again.
+/// Position at which the slip that begins there meets the belt again.
 fn landing(damping: f64) -> f64 {
     let from = release(damping);
     let t = zero(3.0, 5.0, |t| {
@@ -62,14 +62,14 @@ fn landing(damping: f64) -> f64 {
     slip(Side::Below, damping, from, t)[0]
 }
 
-/// The damping at which it lands where friction can just hold: with less it passes on at once, to
-/// come back to where it lets go.
+/// The damping at which it lands where friction can just hold. With less damping it crosses at once
+/// and returns to the position of release.
 fn let_go() -> f64 {
     let room = |damping: f64| landing(damping) + Grip::STATIC + damping * Grip::SPEED;
     zero(-0.7, -0.6, room)
 }
 
-/// The period of slip below, slip above and stick, until that lets go again.
+/// The period of slip below, slip above and stick, until the release.
 fn period_with_slip_above(damping: f64) -> f64 {
     let from = release(damping);
     let faster = |side, from, t| slip(side, damping, from, t)[1] - Grip::SPEED;
@@ -80,7 +80,7 @@ fn period_with_slip_above(damping: f64) -> f64 {
     below + above + (from - stuck) / Grip::SPEED
 }
 
-/// The damping at which the slip above that follows ends just where stick lets go.
+/// The damping at which the following slip above ends just where stick is released.
 fn no_stick() -> f64 {
     zero(-0.75, -0.7, |damping| {
         let from = landing(damping);
@@ -91,7 +91,7 @@ fn no_stick() -> f64 {
     })
 }
 
-/// The damping at which the slip below only just comes to the belt, the fastest that it is.
+/// The damping at which the maximal velocity of the slip below equals the belt's.
 fn touch() -> f64 {
     zero(0.2, 0.3, |damping| {
         let from = release(damping);
@@ -165,13 +165,13 @@ fn a_branch_goes_on_behind_a_jump_and_does_not_take_another_family_for_it() {
     }
 }
 
-/// A state of the cycle at no damping, in the middle of its slip.
+/// A state of the undamped cycle, in the middle of its slip.
 fn start_of_cycle(start: [f64; 3]) -> [f64; 3] {
     let [x, v, _] = slip(Side::Below, start[2], release(start[2]), 2.0);
     [x, v, start[2]]
 }
 
-/// The phases from the slip above on.
+/// The phases from the slip above onwards.
 fn rotated(phases: &[Modes]) -> Vec<Modes> {
     let first = phases.iter().position(|mode| *mode == ABOVE).unwrap();
     let mut phases = phases.to_vec();
@@ -187,7 +187,7 @@ fn a_sweep_locates_them_however_wide_its_steps() {
             system: Grip,
             value,
         };
-        let family = |value| kept(family(value)).dynamics();
+        let family = |value| leaked(family(value)).dynamics();
         let settings = SweepSettings::within(500.0);
         let found = sweep(
             family,
@@ -209,7 +209,7 @@ fn a_sweep_locates_them_however_wide_its_steps() {
             })
             .collect();
         let exact = [no_stick(), let_go(), touch()];
-        // With the widest steps no value lies between the first two.
+        // With the widest steps no value lies between the first two changes.
         let skipped = usize::from(values == 7);
         assert_eq!(places.len(), 3 - skipped, "{values}: {places:?}");
         for (place, exact) in places.iter().zip(&exact[skipped..]) {
@@ -221,10 +221,10 @@ fn a_sweep_locates_them_however_wide_its_steps() {
     }
 }
 
-/// The orbit before ends in a fold, and the one that the run comes to then began in a graze further
-/// back: they have nothing to do with each other.
+/// The orbit before it ends in a fold. The orbit that the run then reaches began in a graze further
+/// back. The two are unrelated.
 #[test]
-fn a_fold_is_told_beside_the_graze_in_which_another_orbit_begins() {
+fn a_fold_is_reported_beside_the_graze_in_which_another_orbit_begins() {
     let period = 2.0 * PI / Dragged::PACE;
     let options = Options::tol(1e-12);
     let settings = ContinuationSettings::over(0.2, 0.4).forced(period);
@@ -241,7 +241,7 @@ fn a_fold_is_told_beside_the_graze_in_which_another_orbit_begins() {
             system: Dragged,
             value,
         };
-        kept(system).dynamics()
+        leaked(system).dynamics()
     };
     let settings = SweepSettings::within(4000.0).forced(period);
     let found = sweep(

@@ -1,4 +1,4 @@
-//! Sweeps up and down, and where the phases change between two values.
+//! Sweeps up and down, and changes of phases between two values.
 
 use std::f64::consts::{LN_10, PI};
 
@@ -8,7 +8,7 @@ use stickslip::analysis::{
 };
 use stickslip::{Error, Mode, Options, Side, math, solve};
 
-use super::systems::{AtParameter, Beat, End, Ends, Held, Rhythm, Twisted};
+use super::systems::{AtParameter, Beat, End, Ends, FasterBelt, Rhythm, Twisted};
 use crate::attractors::systems::{Driven, Rings};
 use crate::den_hartog::DenHartog;
 use crate::listed::Listed;
@@ -16,12 +16,12 @@ use crate::listed::Listed;
 const ABOVE: Mode = Mode::Slip(Side::Above);
 const BELOW: Mode = Mode::Slip(Side::Below);
 
-/// A system for as long as the tests run: those of the list are lent.
-pub(super) fn kept<S>(system: S) -> &'static S {
+/// Leaks a system, since those of the list are borrowed.
+pub(super) fn leaked<S>(system: S) -> &'static S {
     Box::leak(Box::new(system))
 }
 
-/// The only change in a sweep, which is one of phases.
+/// The only change in a sweep, a change of phases.
 fn only(found: &Sweep) -> &SequenceChange {
     let [change] = found.changes.as_slice() else {
         panic!("{:?}", found.changes);
@@ -37,26 +37,26 @@ fn values(from: f64, to: f64, steps: u32) -> impl Iterator<Item = f64> {
     (0..=steps).map(move |k| from + (to - from) * f64::from(k) / f64::from(steps))
 }
 
-/// The change between two values, met on the way up and on the way down.
+/// The change between two values, from the sweep up and from the sweep down.
 fn both_ways(rhythm: Rhythm, from: f64, to: f64) -> [SequenceChange; 2] {
     [(from, to), (to, from)].map(|(from, to)| {
         let settings = SweepSettings::within(400.0).forced(2.0 * PI);
-        let family = |p| kept(Beat { rhythm, p }).dynamics();
+        let family = |p| leaked(Beat { rhythm, p }).dynamics();
         let options = Options::tol(1e-11);
         let found = sweep(family, values(from, to, 3), [-0.5], &settings, &options).unwrap();
         only(&found).clone()
     })
 }
 
-/// A value of a sweep may hit the graze at p = 1, or lie where the orbit has gone over by less than
-/// what the tolerances leave open.
+/// A value of a sweep may hit the graze at p = 1, or lie where the orbit crosses by less than the
+/// tolerances resolve.
 #[test]
 fn a_change_that_a_value_hits_is_located() {
     for beyond in [0.0, 1e-12] {
         for end in [0.95, 1.05] {
             let settings = SweepSettings::within(400.0).forced(2.0 * PI);
             let rhythm = Rhythm::Touch;
-            let family = |p| kept(Beat { rhythm, p }).dynamics();
+            let family = |p| leaked(Beat { rhythm, p }).dynamics();
             let options = Options::tol(1e-11);
             let values = [1.05, 1.0 - beyond, 0.95];
             let values = if end > 1.0 {
@@ -80,7 +80,7 @@ fn check(change: &SequenceChange, name: SequenceBifurcation, exact: f64) {
     );
 }
 
-/// The only change in a sweep, which is by a multiplier: where, within what, and which.
+/// The only change in a sweep, by a multiplier: its location, uncertainty and kind.
 fn multiplier(found: &Sweep) -> ([f64; 2], &Special) {
     let [change] = found.changes.as_slice() else {
         panic!("{:?}", found.changes);
@@ -106,7 +106,7 @@ fn a_flip_a_torus_and_a_fold_of_an_attractor_are_located_and_named() {
             value,
         };
         let settings = settings.forced(2.0 * PI);
-        let family = |value| kept(system(value)).dynamics();
+        let family = |value| leaked(system(value)).dynamics();
         let found = sweep(family, [-0.1, 0.12], [1.01, 0.0], &settings, &options).unwrap();
         let ([parameter, bound], what) = multiplier(&found);
         assert!(
@@ -125,7 +125,7 @@ fn a_flip_a_torus_and_a_fold_of_an_attractor_are_located_and_named() {
         system: Rings { place: 50.0 },
         value,
     };
-    let family = |value| kept(system(value)).dynamics();
+    let family = |value| leaked(system(value)).dynamics();
     let found = sweep(family, [-0.8, -1.1], [1.3, 0.0], &settings, &options).unwrap();
     let ([parameter, bound], what) = multiplier(&found);
     let off = (parameter + 1.0).abs();
@@ -140,7 +140,7 @@ fn grazing_sliding_where_the_orbit_touches_the_boundary() {
     for change in [&up, &down] {
         check(change, SequenceBifurcation::GrazingSliding, 1.0);
         assert!((change.x[0] - 1.0).abs() < 1e-8);
-        // Tangent from below, with the curvature of the sine; from above it is pushed down.
+        // It is tangent from below, with the curvature of the sine. From above it is pushed down.
         assert!(change.own[0].abs() < 1e-4 && (change.own[1] - 1.0).abs() < 1e-3);
         assert_eq!(change.other[0], -1.0);
     }
@@ -151,7 +151,7 @@ fn grazing_sliding_where_the_orbit_touches_the_boundary() {
 
 #[test]
 fn adding_sliding_where_the_stick_touches_its_edge() {
-    // The field above pushes down by 1 - p cos t, at least by 1 - p.
+    // The field above points down by 1 - p cos t, at least by 1 - p.
     for change in both_ways(Rhythm::Part, 0.9, 1.1) {
         check(&change, SequenceBifurcation::AddingSliding, 1.0);
         let long = [ABOVE, Mode::Stick, BELOW, Mode::Stick];
@@ -164,7 +164,7 @@ fn adding_sliding_where_the_stick_touches_its_edge() {
     }
 }
 
-/// Where `Rhythm::Meet` lands from below: `(t - t₀)/2 - cos t + cos t₀ = 0` from `t₀ = 7π/6` on.
+/// Landing of `Rhythm::Meet` from below: `(t - t₀)/2 - cos t + cos t₀ = 0` for `t > t₀ = 7π/6`.
 pub fn landing() -> f64 {
     let start = 7.0 * PI / 6.0;
     let height = |t: f64| 0.5 * (t - start) - math::cos(t) + math::cos(start);
@@ -217,13 +217,13 @@ fn a_contact_grazes_where_its_function_touches_zero() {
 #[test]
 fn den_hartog_s_orbits_have_stops_from_his_edge_on() {
     for frequency in [0.6, 0.7, 0.8, 1.25] {
-        // At the stop the friction just holds: A O² = S, with A² = V² - S² U².
+        // At the stop, friction just holds: A O² = S, with A² = V² - S² U².
         let v = 1.0 / (1.0 - frequency * frequency);
         let angle = PI / frequency;
         let u = math::sin(angle) / (frequency * (1.0 + math::cos(angle)));
         let edge = v.abs() / (u * u + 1.0 / (frequency * frequency * frequency * frequency)).sqrt();
         let family = |friction| {
-            kept(DenHartog {
+            leaked(DenHartog {
                 frequency,
                 friction,
             })
@@ -244,7 +244,7 @@ fn den_hartog_s_orbits_have_stops_from_his_edge_on() {
 #[test]
 fn a_loss_of_stability_that_a_value_of_the_sweep_hits_is_located() {
     let focus = 0.5 * LN_10;
-    let family = |vd| kept(Driven { vd }).dynamics();
+    let family = |vd| leaked(Driven { vd }).dynamics();
     for hit in [focus.next_down(), focus, focus.next_up()] {
         let (settings, options) = (SweepSettings::within(200.0), Options::tol(1e-10));
         let found = sweep(family, [1.3, hit], [0.55, 0.0], &settings, &options).unwrap();
@@ -260,9 +260,9 @@ fn a_loss_of_stability_that_a_value_of_the_sweep_hits_is_located() {
 
 #[test]
 fn the_ends_of_bistability_are_found_by_sweeps_up_and_down() {
-    // At half a logarithm of ten the friction's fall takes all the damping away: 0.1 = e^(-2 vd).
+    // At half the logarithm of ten the falling friction cancels all damping: 0.1 = e^(-2 vd).
     let focus = 0.5 * LN_10;
-    let family = |vd| kept(Driven { vd }).dynamics();
+    let family = |vd| leaked(Driven { vd }).dynamics();
     let settings = SweepSettings::within(3e4);
     let options = Options::tol(1e-10);
     let down = sweep(
@@ -286,8 +286,8 @@ fn the_ends_of_bistability_are_found_by_sweeps_up_and_down() {
     };
     assert!((parameter - focus).abs() < 1e-12, "{parameter}");
     assert!((frequency - 1.0).abs() < 1e-12 && (x[0] - 0.55).abs() < 1e-12);
-    // Up from there the block goes on sticking and slipping, to where the cycle only touches the
-    // belt's speed.
+    // Upwards from there the block continues its stick–slip motion, until the cycle only touches
+    // the belt's speed.
     let up = sweep(
         family,
         values(1.0, 2.0, 50),
@@ -300,7 +300,7 @@ fn the_ends_of_bistability_are_found_by_sweeps_up_and_down() {
     check(touch, SequenceBifurcation::GrazingSliding, touching());
     assert!(is_same_cycle(&touch.before, &[Mode::Stick, BELOW]));
     assert_eq!(touch.after, [BELOW], "the unstable cycle of slip alone");
-    // Between the two it depends on where one comes from.
+    // Between the two values the motion depends on the direction of the sweep.
     let at = |found: &Sweep, vd: f64| {
         let point = found
             .points
@@ -313,11 +313,11 @@ fn the_ends_of_bistability_are_found_by_sweeps_up_and_down() {
     assert_eq!(at(&up, 2.0), Kind::Equilibrium);
 }
 
-/// The static friction, in units of the kinetic, from which on a block that is let go comes back to
-/// the belt's speed: with ω² = 1 - ζ² its velocity is R exp(-ζt) cos(ωt + φ), R cos φ = 1 and R sin
-/// φ = (z + ζ)/ω, z = `ratio` - 2ζ - 1, and largest where ωt + φ = 2π - atan(ζ/ω).
+/// Static friction, in units of the kinetic one, above which a released block returns to the belt's
+/// speed. With ω² = 1 - ζ² its velocity is R exp(-ζt) cos(ωt + φ), R cos φ = 1, R sin φ = (z +
+/// ζ)/ω, and z = `ratio` - 2ζ - 1. It is largest where ωt + φ = 2π - atan(ζ/ω).
 fn coming_back() -> f64 {
-    let damping = Held::DAMPING;
+    let damping = FasterBelt::DAMPING;
     let omega = (1.0 - damping * damping).sqrt();
     let highest = |ratio: f64| {
         let sine = (ratio - damping - 1.0) / omega;
@@ -343,7 +343,7 @@ fn with_static_friction_the_graze_that_ends_stick_and_slip_is_located_and_named(
     let settings = SweepSettings::within(3e3);
     let options = Options::tol(1e-11);
     for width in [0.02, 0.1] {
-        let family = |ratio| kept(Held { ratio }).dynamics();
+        let family = |ratio| leaked(FasterBelt { ratio }).dynamics();
         let ends = [exact + 0.6 * width, exact - 0.4 * width];
         let found = sweep(family, ends, [0.0, 1.0], &settings, &options).unwrap();
         let kinds = [0, 1].map(|k| found.points[k].reached.kind.clone());
@@ -352,15 +352,15 @@ fn with_static_friction_the_graze_that_ends_stick_and_slip_is_located_and_named(
         let change = only(&found);
         check(change, SequenceBifurcation::GrazingSliding, exact);
         assert!(is_same_cycle(&change.before, &[Mode::Stick, BELOW]));
-        // There is no orbit behind it that this one becomes.
+        // Beyond it this orbit does not continue.
         assert_eq!(
             (change.after.as_slice(), change.contacts.as_slice()),
             (&[][..], &[0][..])
         );
-        // On the belt's speed, where kinetic friction and spring balance: 1 = x + 2ζ.
+        // At the belt's speed, where kinetic friction and spring balance: 1 = x + 2ζ.
         assert!((change.x[1] - 1.0).abs() < 1e-12);
         assert!(
-            (change.x[0] - (1.0 - 2.0 * Held::DAMPING)).abs() < 1e-4,
+            (change.x[0] - (1.0 - 2.0 * FasterBelt::DAMPING)).abs() < 1e-4,
             "{change:?}"
         );
         assert!(change.own[0].abs() < 1e-4 && (change.other[0] + 2.0).abs() < 1e-4);
@@ -368,11 +368,11 @@ fn with_static_friction_the_graze_that_ends_stick_and_slip_is_located_and_named(
 }
 
 #[test]
-fn an_orbit_that_ends_or_fails_is_told_and_the_next_one_begins_anew() {
+fn an_orbit_that_ends_or_fails_is_reported_and_the_next_one_begins_anew() {
     let options = Options::tol(1e-10).escape(20.0);
     let settings = SweepSettings::within(1e3);
     for end in [End::TwoFold, End::Pole] {
-        let family = |p| kept(Ends { end, p }).dynamics();
+        let family = |p| leaked(Ends { end, p }).dynamics();
         let start = [-1.0, if end == End::TwoFold { 0.0 } else { 1.0 }];
         let found = sweep(family, [1.0, -1.0], start, &settings, &options).unwrap();
         let [ended, escaped] = found.points.as_slice() else {
@@ -391,7 +391,7 @@ fn an_orbit_that_ends_or_fails_is_told_and_the_next_one_begins_anew() {
             }
             (_, other) => panic!("{end:?}: {other}"),
         }
-        // From the start again and not from where the first one ended: x = -1 - 3t/2, or x² = 1 +
+        // From the start again and not from the end of the first one: x = -1 - 3t/2, or x² = 1 +
         // 2t.
         assert_eq!(escaped.reached.kind, Kind::Escape);
         let (t, x) = (escaped.reached.t, escaped.reached.x[0]);
@@ -407,8 +407,8 @@ fn an_orbit_that_ends_or_fails_is_told_and_the_next_one_begins_anew() {
     }
 }
 
-/// The belt's speed at which the orbit that leaves the belt at the tangent point comes back to it,
-/// by a turn that meets the belt before and not after.
+/// The belt's speed at which the orbit that leaves the belt at the tangent point returns to it.
+/// Below it a turn meets the belt, above it does not.
 pub fn touching() -> f64 {
     let meets = |vd: f64| {
         let tangent = [1.0 - 0.1 * vd, vd];
@@ -431,7 +431,7 @@ pub fn touching() -> f64 {
 
 #[test]
 fn exponents_are_measured_where_they_are_asked_for_and_nothing_is_located_where_not() {
-    let family = |vd| kept(Driven { vd }).dynamics();
+    let family = |vd| leaked(Driven { vd }).dynamics();
     let mut settings = SweepSettings::within(3e4);
     settings.spectrum = Some(SpectrumOptions::over(50.0, 500.0));
     settings.locating = None;
@@ -446,7 +446,7 @@ fn exponents_are_measured_where_they_are_asked_for_and_nothing_is_located_where_
     assert_eq!(found.changes, []);
     let [cycle, rest] = [0, 1].map(|k| found.points[k].exponent);
     assert!(matches!(cycle, Some(Exponent::Finite { value, .. }) if value.abs() < 1e-2));
-    // Half of the damping that is left: (0.1 - e^(-2 vd))/2.
+    // Half of the remaining damping: (0.1 - e^(-2 vd))/2.
     let exact = -0.5 * (0.1 - math::exp(-3.8));
     assert!((rest.unwrap().value() - exact).abs() < 1e-3);
 }

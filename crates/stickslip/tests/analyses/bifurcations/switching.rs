@@ -1,4 +1,4 @@
-//! Branches that begin at flips and branch points, against closed forms.
+//! Branches that begin at flips and branch points, compared with closed forms.
 
 use std::f64::consts::PI;
 
@@ -12,9 +12,9 @@ use crate::listed::{Listed, traced};
 
 traced!(3: Doubled);
 
-/// The orbit `c = (cos t, sin t)`, and about it, in a frame that turns half as fast, the rates
-/// `p u - u³` and `-w`: at `p = 0` its period doubles, to orbits at `u = ±√p`. A boundary at 0.2 is
-/// crossed, and means nothing.
+/// The orbit `c = (cos t, sin t)`, and about it, in a frame that rotates half as fast, the rates `p
+/// u - u³` and `-w`. At `p = 0` its period doubles, to orbits at `u = ±√p`. A boundary at 0.2 is
+/// crossed without effect.
 struct Doubled;
 
 impl Filippov<3> for Doubled {
@@ -123,7 +123,7 @@ fn both_ways_of_the_other_branch_begin_at_a_branch_point() {
     assert!(matches!(none, Err(Error::NotFound { .. })), "{none:?}");
 }
 
-/// The component that is zero on the branch comes to denormal numbers by Newton's iterations.
+/// The component that is zero on the branch becomes denormal in Newton's iterations.
 #[test]
 fn a_component_that_all_but_vanishes_ends_no_branch() {
     let settings = ContinuationSettings::over(-0.2, 0.3);

@@ -1,28 +1,28 @@
-//! Systems whose bifurcations are known in closed form.
+//! Systems with bifurcations in closed form.
 
 use stickslip::{Contacts, Filippov, Scalar, Side};
 
 use crate::smooth::Field;
 
-/// What a [`Beat`] does.
+/// Motion of a [`Beat`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rhythm {
-    /// Below, `y = sin t` attracts; above, all falls. The boundary is `y = p`.
+    /// Below, `y = sin t` attracts; above, the field points down. The boundary is `y = p`.
     Touch,
-    /// The same below a boundary that is far away; contact is lost where `cos t > p`.
+    /// The same below a distant boundary. Contact is lost where `cos t > p`.
     Lift,
     /// Up at `9/5 + 2 sin t` from below, down at `1 - p cos t` from above.
     Part,
     /// Up at `1/2 + sin t` from below, up at `sin(t - p) - 7/10` above.
     Meet,
-    /// `y = sin(t - p)` attracts on both sides, and crosses the boundary `y = 0` at p, p + π, and
-    /// so on.
+    /// `y = sin(t - p)` attracts on both sides and crosses the boundary `y = 0` at p, p + π, and so
+    /// on.
     Clock,
-    /// Sticks to `y = sin t` for ever.
+    /// Always sticks to `y = sin t`.
     Hold,
 }
 
-/// One state `y` of which each side's rate is a function of time alone, or nearly: period 2π.
+/// One state `y`. The rate on each side depends only, or almost only, on time, with period 2π.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Beat {
     pub rhythm: Rhythm,
@@ -84,7 +84,7 @@ impl Filippov<2> for BeatFamily {
     }
 }
 
-/// Two of them that have nothing to do with each other, a contact each.
+/// Two uncoupled beats, each with a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Duet(pub [Beat; 2]);
 
@@ -103,7 +103,7 @@ pub struct DuetFamily {
     pub rhythms: [Rhythm; 2],
     /// The parameter of the other one.
     pub p: f64,
-    /// Which of them the third state is the parameter of.
+    /// Index of the one whose parameter is the third state.
     pub varied: usize,
 }
 
@@ -142,8 +142,8 @@ impl Filippov<3> for DrivenFamily {
 }
 
 /// The orbit `c = (cos t, sin t)` and a linear flow about it, with the parameter `p` as the third
-/// state: in a frame that turns half as fast the rates are `p` and -1, or in one that turns by 0.3
-/// both are `p`. A boundary at 0.2 is crossed, and means nothing.
+/// state. In a frame that rotates half as fast, the rates are `p` and -1. In one that rotates by
+/// 0.3, both are `p`. A boundary at 0.2 is crossed without effect.
 pub struct Twisted {
     pub half_turn: bool,
 }
@@ -190,8 +190,8 @@ impl<S: Filippov<3>> Filippov<2> for AtParameter<S> {
     }
 }
 
-/// `r' = r (1/4 - (r² - 1)² - p²)`, `θ' = 1`, the parameter being the third state: the cycles are a
-/// closed branch, with folds at `p = ±1/2`, `r = 1`.
+/// `r' = r (1/4 - (r² - 1)² - p²)`, `θ' = 1`, with the parameter as the third state. The cycles
+/// form a closed branch, with folds at `p = ±1/2`, `r = 1`.
 pub struct Island;
 
 impl Filippov<3> for Island {
@@ -205,8 +205,8 @@ impl Filippov<3> for Island {
     }
 }
 
-/// `r' = r (1 - r²)`, `θ' = 1`, and beside it `a' = p a - a³`: the circle at a = 0 has the
-/// multipliers exp(-4π) and exp(2πp), and at p = 0 meets those at a = ±√p. The parameter is the
+/// `r' = r (1 - r²)`, `θ' = 1`, and beside it `a' = p a - a³`. The circle at a = 0 has the
+/// multipliers exp(-4π) and exp(2πp). At p = 0 it meets those at a = ±√p. The parameter is the
 /// fourth state.
 pub struct Pitchfork;
 
@@ -225,17 +225,17 @@ impl Filippov<4> for Pitchfork {
     }
 }
 
-/// `x'' = -x - 2ζ x' + F` on a belt of speed 1 that is faster than the block, kinetic friction F =
-/// 1: `ratio` is the static friction in units of it.
-pub struct Held {
+/// `x'' = -x - 2ζ x' + F` on a belt of speed 1 that is faster than the block. The kinetic friction
+/// is F = 1, and `ratio` is the static friction in units of it.
+pub struct FasterBelt {
     pub ratio: f64,
 }
 
-impl Held {
+impl FasterBelt {
     pub const DAMPING: f64 = 0.05;
 }
 
-impl Filippov<2> for Held {
+impl Filippov<2> for FasterBelt {
     fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
         [x[1], -x[0] - x[1] * (2.0 * Self::DAMPING) - side.sign()]
     }
@@ -257,9 +257,9 @@ pub enum End {
     Pole,
 }
 
-/// `(x', v') = (p, -x)` below and `(2p, x)` above `v = 0`: it sticks where x < 0, moving at 3p/2,
-/// and both fields are tangent at 0. Or `x' = -p/x`, which comes to 0 in a finite time if p > 0,
-/// and never if p < 0.
+/// `(x', v') = (p, -x)` below and `(2p, x)` above `v = 0`. It sticks where x < 0, with velocity
+/// 3p/2; both fields are tangent at 0. Or `x' = -p/x`, which reaches 0 in finite time if p > 0, and
+/// never if p < 0.
 pub struct Ends {
     pub end: End,
     pub p: f64,
@@ -283,8 +283,9 @@ impl Filippov<2> for Ends {
     }
 }
 
-/// The block on a belt of model 1, with the belt's speed as its parameter, a third state; the
-/// fourth is the logarithm of what the slips do to an area: the integral of the field's divergence.
+/// The block on a belt of model 1, with the belt's speed as the third state. The fourth state is
+/// the logarithm of the factor by which slips change an area: the integral of the field's
+/// divergence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Area;
 
@@ -319,9 +320,8 @@ impl Filippov<3> for Belt {
     }
 }
 
-/// A softening spring, x'' = -x + x³, with damping that is negative near the middle: small `pull`
-/// times (p - x²) x'. Its cycle grows with p until it goes from one of the saddles ±1 to the other
-/// and back.
+/// A softening spring, x'' = -x + x³, with damping that is negative near the centre: small `pull`
+/// times (p - x²) x'. Its cycle grows with p until it connects the saddles ±1.
 pub struct Softening;
 
 impl Softening {
@@ -336,40 +336,40 @@ impl Field<3> for Softening {
     }
 }
 
-/// What is asked of a [`Sheet`].
+/// Variant of a [`Sheet`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Lies {
-    /// `r' = r (p + 2 r² - r⁴)` on `z = x² + p`, which is pressed upon by 5: two cycles for -1 < p
-    /// < 0.
+pub enum SheetVariant {
+    /// `r' = r (p + 2 r² - r⁴)` on `z = x² + p`, with a contact force of 5: two cycles for -1 < p <
+    /// 0.
     Folded,
-    /// `r' = r (1 - r²)` on `z = x²`, which is pressed upon by `p` and pulled at by `x + 1/10`: the
+    /// `r' = r (1 - r²)` on `z = x²`, with a contact force of `p` and a pull of `x + 1/10`. The
     /// circle of radius 1 never leaves it for `p > 11/10`.
     Pulled,
-    /// `r' = r (p + r² - r⁴)` on `z = 0`, which is pressed upon by 11/10 and pulled at by `x`, at
-    /// twice the pace: the outer cycle never leaves it for `p < 0.2541`, where r = 11/10.
+    /// `r' = r (p + r² - r⁴)` on `z = 0`, with a contact force of 11/10 and a pull of `x`, at twice
+    /// the rate. The outer cycle never leaves it for `p < 0.2541`, where r = 11/10.
     Growing,
 }
 
-/// A circle `θ' = 1` in x and y on a boundary in x and z, curved but for the last, on which it
-/// sticks; the fourth state is the parameter `p`.
+/// A circle `θ' = 1` in x and y that sticks to a boundary in x and z. The boundary is curved except
+/// for the last variant. The fourth state is the parameter `p`.
 pub struct Sheet {
-    pub lies: Lies,
+    pub variant: SheetVariant,
 }
 
 impl Filippov<4> for Sheet {
     fn field<T: Scalar>(&self, side: Side, _t: T, &[x, y, _, p]: &[T; 4]) -> [T; 4] {
         let square = x * x + y * y;
-        let (grows, lifted) = match self.lies {
-            Lies::Folded => (
+        let (grows, lifted) = match self.variant {
+            SheetVariant::Folded => (
                 p + square * 2.0 - square * square,
                 T::constant(-5.0 * side.sign()),
             ),
-            Lies::Pulled => (-square + 1.0, x + 0.1 - p * side.sign()),
-            Lies::Growing => (p + square - square * square, x - 1.1 * side.sign()),
+            SheetVariant::Pulled => (-square + 1.0, x + 0.1 - p * side.sign()),
+            SheetVariant::Growing => (p + square - square * square, x - 1.1 * side.sign()),
         };
-        let (pace, bent) = match self.lies {
-            Lies::Folded | Lies::Pulled => (1.0, 2.0),
-            Lies::Growing => (2.0, 0.0),
+        let (pace, bent) = match self.variant {
+            SheetVariant::Folded | SheetVariant::Pulled => (1.0, 2.0),
+            SheetVariant::Growing => (2.0, 0.0),
         };
         let forward = x * grows - y * pace;
         let across = y * grows + x * pace;
@@ -381,10 +381,10 @@ impl Filippov<4> for Sheet {
         ]
     }
     fn boundary<T: Scalar>(&self, _t: T, &[x, _, z, p]: &[T; 4]) -> T {
-        match self.lies {
-            Lies::Folded => z - x * x - p,
-            Lies::Pulled => z - x * x,
-            Lies::Growing => z,
+        match self.variant {
+            SheetVariant::Folded => z - x * x - p,
+            SheetVariant::Pulled => z - x * x,
+            SheetVariant::Growing => z,
         }
     }
 }
@@ -401,8 +401,7 @@ impl<S: Filippov<4>> Filippov<3> for AtParameter<S> {
     }
 }
 
-/// A block of which nothing is known but friction `p` on a belt of speed `a sin t + b sin 2t`, the
-/// second state being `p`.
+/// A block with friction `p` on a belt of speed `a sin t + b sin 2t`. The second state is `p`.
 pub struct Shaken {
     pub a: f64,
     pub b: f64,
@@ -417,9 +416,9 @@ impl Filippov<2> for Shaken {
     }
 }
 
-/// `y' = -3y/10 + cos 2t`, and beside it `z' = cos 2t + y/5 - p sgn z` on `z = 0`, the third state
-/// being `p`: what it is pulled by has, once y has settled, the amplitude [`Pulse::amplitude`], and
-/// it sticks for ever where `p` is more.
+/// `y' = -3y/10 + cos 2t`, and beside it `z' = cos 2t + y/5 - p sgn z` on `z = 0`, with `p` as the
+/// third state. Once y has settled, the pull has the amplitude [`Pulse::amplitude`]. It always
+/// sticks if `p` is larger.
 pub struct Pulse;
 
 impl Pulse {
@@ -443,8 +442,8 @@ impl Filippov<3> for Pulse {
     }
 }
 
-/// A block on a rough floor, driven by `cos 0.8t`, with a block of 1/5 of its mass on top, which it
-/// moves by no more than the friction `p` between them.
+/// A block on a rough floor, driven by `cos 0.8t`. A block of 1/5 of its mass lies on top, which it
+/// moves by at most the friction `p` between them.
 pub struct Stack;
 
 impl Stack {
@@ -464,8 +463,8 @@ impl Contacts<4, 2> for Stack {
     }
 }
 
-/// [`Rhythm::Clock`], whose crossing upwards lets a second one go that it holds from π on, and
-/// beside them a [`Rhythm::Touch`] with the fourth state as its parameter.
+/// [`Rhythm::Clock`], whose upward crossing releases a second contact that it holds from π on.
+/// Beside them is a [`Rhythm::Touch`] with the fourth state as its parameter.
 pub struct Released;
 
 impl Contacts<4, 3> for Released {
@@ -483,8 +482,8 @@ impl Contacts<4, 3> for Released {
     }
 }
 
-/// `y' = 1/4 - y² - p²`, the third state being `p`, beside a block that a drive moves: driven
-/// orbits without an event on a closed branch.
+/// `y' = 1/4 - y² - p²`, with `p` as the third state, beside a driven block: driven orbits without
+/// events on a closed branch.
 pub struct DrivenIsland;
 
 impl Filippov<3> for DrivenIsland {
@@ -496,7 +495,7 @@ impl Filippov<3> for DrivenIsland {
     }
 }
 
-/// `x'' = cos wt - x - (2/5) sgn x'`, in the drive's own time `wt`, the third state being `w`.
+/// `x'' = cos wt - x - (2/5) sgn x'`, in the drive's own time `wt`. The third state is `w`.
 pub struct Rough;
 
 impl Filippov<3> for Rough {
@@ -509,7 +508,7 @@ impl Filippov<3> for Rough {
     }
 }
 
-/// A block on a spring and a belt, with friction 1 in slip and 3/2 at rest; the third state is the
+/// A block on a spring and a belt, with friction 1 in slip and 3/2 at rest. The third state is the
 /// damping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grip;
@@ -535,9 +534,8 @@ impl Filippov<3> for Grip {
     }
 }
 
-/// Three equal lags in a row under the relay that counteracts the last, as soon as that is above
-/// the threshold: the fourth state, in units of its own. Either way on alone it comes to rest at
-/// ±1.
+/// Three equal lags in a row, under a relay that counteracts the last one above the threshold. The
+/// fourth state is the threshold, in its own unit. Either side alone comes to rest at ±1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lags {
     pub unit: f64,
@@ -552,9 +550,9 @@ impl Filippov<4> for Lags {
     }
 }
 
-/// A focus at `x = -1` that turns at the rate 1 and grows at the rate of the third state, below `x
-/// = 0`; above it, (-1, -1/5). On the boundary orbits slide from where they land to where the
-/// focus' field is tangent, but from beyond the equilibrium of the sliding field.
+/// Below `x = 0` a focus at `x = -1` that rotates at the rate 1 and grows at the rate of the third
+/// state; above it the field (-1, -1/5). Orbits slide on the boundary to where the focus' field is
+/// tangent, unless they start beyond the equilibrium of the sliding field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Focus;
 
@@ -575,8 +573,8 @@ impl Filippov<3> for Focus {
     }
 }
 
-/// A focus at `x = p` below `x = 0` that draws orbits in, and above it (-1, 1); the third state is
-/// `p`. Beyond zero the sliding field has an equilibrium that draws orbits in.
+/// Below `x = 0` an attracting focus at `x = p`; above it the field (-1, 1). The third state is
+/// `p`. Beyond zero the sliding field has an attracting equilibrium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Persists;
 
@@ -593,8 +591,8 @@ impl Filippov<3> for Persists {
     }
 }
 
-/// A resonance at about 10 and a lag under a relay, with relative degree 1; the fourth state,
-/// `rho`, is where the zeros lie. Symmetric orbits lose their symmetry, and win it again.
+/// A resonance at about 10 and a lag under a relay, with relative degree 1. The fourth state,
+/// `rho`, is the location of the zeros. Symmetric orbits lose their symmetry and regain it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resonant;
 
@@ -614,7 +612,7 @@ impl Filippov<4> for Resonant {
 }
 
 /// A driven block on a spring and a belt of speed 3/10, with damping 1/20, friction 1 in slip and
-/// 13/10 at rest; the third state is the amplitude of the drive.
+/// 13/10 at rest. The third state is the amplitude of the drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dragged;
 

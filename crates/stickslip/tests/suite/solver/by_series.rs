@@ -1,4 +1,4 @@
-//! The tests of the solver that depend on the method, with Taylor steps, and what holds of these
+//! The tests of the solver that depend on the method, with Taylor steps, and tests of Taylor steps
 //! alone.
 
 #[path = "check.rs"]
@@ -20,11 +20,11 @@ mod restarts;
 
 use stickslip::{Locator, Method, Options};
 
-/// What every test runs that does not say otherwise.
+/// The default method of these tests.
 const METHOD: Method = Method::Taylor;
 
-/// The ways in which it locates events: one, its own. `own_events` shows that the choice changes
-/// nothing, so that no test need run for every locator.
+/// The locators: Taylor steps have only one. `own_events` shows that the option has no effect, so
+/// that no test need run for every locator.
 const LOCATORS: &[Locator] = &[Locator::Auto];
 
 fn tol(tolerance: f64) -> Options {

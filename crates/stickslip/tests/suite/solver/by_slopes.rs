@@ -25,10 +25,10 @@ mod restarts;
 
 use stickslip::{Locator, Method, Options};
 
-/// What every test runs that does not say otherwise.
+/// The default method of these tests.
 const METHOD: Method = Method::Dop853;
 
-/// The ways in which it locates events.
+/// The locators.
 const LOCATORS: &[Locator] = &[Locator::Auto, Locator::Henon, Locator::RootSearch];
 
 fn tol(tolerance: f64) -> Options {

@@ -1,4 +1,4 @@
-//! What holds of every orbit, whatever the system.
+//! Properties of every orbit of any system.
 
 use stickslip::filippov::boundary_gradient;
 use stickslip::system::components;
@@ -6,18 +6,18 @@ use stickslip::{
     Filippov, Locator, Mode, Options, Orbit, Side, State, StepRecord, Transition, TransitionKind,
 };
 
-/// Tolerance of the tests that compare with closed forms.
+/// Tolerance of the comparisons with closed forms.
 pub const TIGHT: f64 = 1e-13;
 
-/// The ways in which the method locates an event, at [`TIGHT`].
+/// The locators of the method, at [`TIGHT`].
 pub fn every_locator() -> impl Iterator<Item = Options> {
     super::LOCATORS
         .iter()
         .map(|locator| super::tol(TIGHT).locator(*locator))
 }
 
-/// Those of them that keep the tolerance however long the step: the paper's single Hénon step over
-/// all of it does not.
+/// The locators that keep the tolerance for any step length. The paper's single Hénon step over all
+/// of it does not.
 pub fn exact_locators() -> Vec<Locator> {
     let all = super::LOCATORS.iter().copied();
     all.filter(|locator| *locator != Locator::Henon).collect()
@@ -34,17 +34,17 @@ pub fn changes<const N: usize>(orbit: &Orbit<N>) -> Vec<Transition<N>> {
     orbit.transitions.iter().filter(no_touch).copied().collect()
 }
 
-/// One unit in the last place of the boundary function at `(t, x)`: what it changes by when every
-/// component and the time change by one.
+/// One unit in the last place of the boundary function at `(t, x)`: its change when every component
+/// and the time change by one unit.
 pub fn ulp_of_boundary<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<N>) -> f64 {
     let (gradient, in_time) = boundary_gradient(system, t, x);
     let by_state: f64 = gradient.iter().zip(x).map(|(g, x)| (g * x).abs()).sum();
-    // The boundary function's own terms may be as large as 1 where those of the state are small.
+    // Terms of the boundary function may be as large as 1 where those of the state are small.
     f64::EPSILON * (by_state + (in_time * t).abs() + 1.0)
 }
 
-/// Asserts what is true of any orbit: phases and steps join without gap or overlap, none is empty,
-/// the transitions belong to them, and states that should lie on Σ do.
+/// Asserts properties of any orbit. Phases and steps join without gap or overlap, and none is
+/// empty. The transitions belong to them, and states on Σ lie on Σ.
 pub fn assert_consistent<S: Filippov<N>, const N: usize>(system: &S, orbit: &Orbit<N>) {
     assert_steps_join(orbit);
     assert_phases_join(orbit);
@@ -60,7 +60,7 @@ fn assert_steps_join<const N: usize>(orbit: &Orbit<N>) {
         if pair[0].mode == pair[1].mode || pair[1].mode != Mode::Stick {
             assert_eq!(pair[0].x_end, pair[1].x_start);
         } else {
-            // Entering stick, the state is put onto Σ: by rounding only.
+            // On entry into stick the state is projected onto Σ; only rounding moves it.
             let moved = (pair[0].x_end - pair[1].x_start).amax();
             assert!(
                 moved <= 8.0 * f64::EPSILON * (1.0 + pair[0].x_end.amax()),
@@ -69,7 +69,7 @@ fn assert_steps_join<const N: usize>(orbit: &Orbit<N>) {
         }
     }
     for step in &orbit.steps {
-        // An event that rounding has put behind the end of a step may cut the next to nothing.
+        // Rounding may put an event after the end of a step; then the next step may be very short.
         assert!(
             step.t_start <= step.t_end,
             "{} .. {}",
@@ -126,8 +126,8 @@ fn assert_transitions_match<const N: usize>(orbit: &Orbit<N>) {
     }
 }
 
-/// Rounding that one step of DOP853 may leave in the boundary function: its weights add up to 13.6
-/// by size, each slope is rounded once, and taken at a state that is rounded as often.
+/// Rounding in the boundary function after one step of DOP853. Its weights add up to 13.6 in
+/// magnitude; each slope is rounded once, at a state that is rounded as often.
 fn rounding_of_step<S: Filippov<N>, const N: usize>(system: &S, step: &StepRecord<N>) -> f64 {
     let (gradient, _) = boundary_gradient(system, step.t_end, &step.x_end);
     let side = match step.mode {

@@ -1,5 +1,5 @@
-//! A step far from all events has its dense output made when it is asked for: the orbit is the same
-//! whoever asks, and so is the solution inside each step.
+//! A step far from all events computes its dense output on demand. The orbit and the solution
+//! inside each step do not depend on who asks.
 
 use std::ops::ControlFlow;
 
@@ -10,7 +10,7 @@ use super::tol;
 use crate::any_system::{run, solve};
 use crate::listed::Listed;
 
-/// The steps that `asks` says to ask for, with their numbers, and the end.
+/// The numbered steps for which `asks` requests the dense output, and the end.
 fn follow<S: Listed<2>>(
     system: &S,
     start: [f64; 2],
@@ -53,15 +53,15 @@ fn assert_same_for_all<S: Listed<2>>(system: &S, start: [f64; 2], t_end: f64, to
     assert!(calls < all, "{calls} calls, {all} for all");
     let unwatched = run(system, 0.0, start, t_end, &tol(tolerance), &mut ()).expect("runs");
     assert_eq!(unwatched, end);
-    let mut never_told = NeverTold;
-    let blind = run(system, 0.0, start, t_end, &tol(tolerance), &mut never_told).expect("runs");
+    let mut unwatched = NeverWatches;
+    let blind = run(system, 0.0, start, t_end, &tol(tolerance), &mut unwatched).expect("runs");
     assert_eq!(blind, end);
 }
 
-/// Says that it does not watch steps, and so is told of none.
-struct NeverTold;
+/// Declares that it does not watch steps, and so receives none.
+struct NeverWatches;
 
-impl Observer<2> for NeverTold {
+impl Observer<2> for NeverWatches {
     fn step(&mut self, _: &StepRecord<2>) -> ControlFlow<()> {
         panic!("it did not ask for steps");
     }
@@ -82,8 +82,8 @@ fn whoever_asks_the_orbit_and_its_steps_are_the_same() {
     }
 }
 
-/// Three calls fewer for every step that is far from all events: of a step's fifteen, and of a few
-/// more where it is rejected.
+/// Three calls fewer for every step far from all events, of a step's fifteen, and for a few
+/// rejected steps.
 #[test]
 fn whoever_does_not_ask_saves_calls_of_the_field() {
     let belt = BeltOscillator {
@@ -97,7 +97,7 @@ fn whoever_does_not_ask_saves_calls_of_the_field() {
     };
     let saved = 1.0 - calls(false) / calls(true);
     assert!((0.1..0.2).contains(&saved), "{saved} saved");
-    // Asking for all of them costs the same whoever asks.
+    // The cost of all dense outputs does not depend on who asks.
     let all = solve(&belt, 0.0, start, 30.0, &tol(1e-12)).expect("runs");
     assert_eq!(calls(true), all.counters.field_calls as f64);
 }

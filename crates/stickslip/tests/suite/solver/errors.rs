@@ -1,4 +1,4 @@
-//! Every error of the solver by a run that causes it: its values, its message, and the orbit kept
+//! Every error of the solver, by a run that causes it: its values, its message, and the orbit kept
 //! up to it.
 
 use std::time::{Duration, Instant};
@@ -53,7 +53,7 @@ pub fn assert_says(error: &impl std::fmt::Display, words: &[&str]) {
     }
 }
 
-/// What is kept of a failed run: phases, steps and transitions that join and reach the end of the
+/// The kept part of a failed run: phases, steps and transitions join and reach the end of the
 /// orbit.
 pub fn assert_kept<const N: usize>(orbit: &Orbit<N>) {
     let (last, step) = (
@@ -200,7 +200,7 @@ fn starts_outside_the_domain() {
         );
         assert_says(&error, &["the start itself", "finite"]);
     }
-    // √(1 - x) of 2.
+    // √(1 - x) at 2.
     let error = failure(&Wall, 0.5, State::from([2.0]), 1.0, &super::tol(1e-10)).error;
     assert!(matches!(error, Error::StartOutsideDomain { .. }), "{error}");
     assert_says(&error, &["t = 0.5", "(2)", "the field", "start elsewhere"]);
@@ -219,7 +219,7 @@ fn a_solution_that_becomes_infinite_is_followed_to_within_rounding_of_that_time(
         let (Error::StepCollapse { t, .. } | Error::NonFinite { t, .. }) = failure.error else {
             panic!("{}", failure.error);
         };
-        // The pole's own place is known to the tolerance.
+        // The location of the pole is accurate to the tolerance.
         assert!((t - 2.0).abs() < 1e-10, "{t}");
         assert_kept(&failure.reached);
         assert_eq!(failure.reached.t_end, t);
@@ -241,7 +241,7 @@ fn an_escape_bound_ends_the_run_just_beyond_it() {
     );
     assert_says(&failure.error, &["1000", "raise the escape bound"]);
     assert_kept(&failure.reached);
-    // A start beyond the bound is told at once.
+    // A start beyond the bound is reported at once.
     let far = line(0.0, -2e3, 1.0, &options);
     assert!(matches!(far, Error::Escaped { t: 0.0, .. }), "{far}");
 }
@@ -285,7 +285,7 @@ fn a_boundary_that_ends_on_the_way_is_an_error_at_its_edge() {
 
 #[test]
 fn a_boundary_that_is_no_number_only_inside_a_step_ends_the_run_there_too() {
-    // Nothing but the window holds the steps up: without it one would go past all of it.
+    // Only the window limits the steps; without it one step would pass it.
     let options = super::tol(1e-10);
     for (from, to) in [(3.0, 4.0), (2.0, 2.5)] {
         let window = Window { from, to };
@@ -299,8 +299,8 @@ fn a_boundary_that_is_no_number_only_inside_a_step_ends_the_run_there_too() {
 }
 
 #[test]
-fn crossings_that_pile_up_are_told_with_their_number() {
-    // Twenty in ten units of time are too many for who says so, and no two-fold is near yet.
+fn crossings_that_pile_up_are_reported_with_their_number() {
+    // Twenty transitions in ten units of time exceed this limit, and no two-fold is near.
     let mut options = super::tol(1e-12);
     (options.pile_up_count, options.pile_up_span) = (20, 10.0);
     let failure = failure(
@@ -324,7 +324,7 @@ fn crossings_that_pile_up_are_told_with_their_number() {
     assert_eq!(contacts, &[0]);
     assert_says(&failure.error, &["20 transitions", "Zeno", "accumulation"]);
     assert_kept(&failure.reached);
-    // Where they accumulate is told from far off: it is where they end if they are followed.
+    // The accumulation point is predicted early: a run that continues ends there.
     let accumulation = accumulation.as_deref().expect("a geometric series");
     let start = State::from([0.0, 1.0]);
     let orbit = solve(&Zeno { brake: 0.1 }, 0.0, start, 100.0, &super::tol(1e-12)).expect("runs");
@@ -372,8 +372,8 @@ fn crossings_that_accumulate_end_at_the_two_fold_where_they_do() {
             .windows(3)
             .map(|w| (w[2] - w[1]) / (w[1] - w[0]))
             .collect();
-        // Every excursion is the one before, scaled: 40 of them, the last of 1e-8 and more, in
-        // errors of 1e-12.
+        // Every excursion is a scaled copy of the previous one: 40 of them, the last of size 1e-8
+        // or more, with errors of 1e-12.
         for ratio in &ratios[..15] {
             assert!(
                 (ratio - ratios[0]).abs() < 1e-7 && *ratio < 0.95,

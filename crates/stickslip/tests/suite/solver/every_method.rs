@@ -1,5 +1,5 @@
-//! What does not depend on the method that the other tests run: methods of fixed step, which a test
-//! names itself, and the models' parameters. It runs once, not once for every method.
+//! Tests that do not depend on the default method: fixed-step methods and the models' parameters.
+//! They run once, not for every method.
 
 use stickslip::TransitionKind::Touch;
 use stickslip::analysis::SpectrumOptions;
@@ -40,7 +40,7 @@ fn grazes_and_crossings_exactly_at_the_end_of_a_step_are_seen_once() {
 }
 
 #[test]
-fn fixed_steps_into_a_pole_are_told_with_their_length() {
+fn fixed_steps_into_a_pole_are_reported_with_their_length() {
     let fixed = Options::default().method(Method::Rk4 { step: 0.01 });
     let failure = failure(&BlowUp, 0.0, State::from([0.5]), 10.0, &fixed);
     assert!(

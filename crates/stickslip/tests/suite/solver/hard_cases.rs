@@ -1,5 +1,5 @@
-//! Cases that are easy to get wrong: on Σ to rounding only, at two-folds, at the edge of a field's
-//! domain, where transitions pile up, and where a step is long against what happens in it.
+//! Difficult cases: on Σ to rounding only, at two-folds, at the edge of a field's domain, at
+//! accumulating transitions, and with long steps.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::ControlFlow;
@@ -23,8 +23,7 @@ use crate::solver::systems::{
 
 #[test]
 fn a_state_on_the_boundary_to_rounding_is_on_it() {
-    // The floor's Σ is where the velocity is zero; a velocity of 1e-17 is what rounding leaves of
-    // that.
+    // The floor's Σ is at zero velocity; rounding may leave a velocity of 1e-17.
     for velocity in [0.0, 1e-17, -1e-17, 1e-300, -1e-300] {
         let start = State::from([0.1, velocity]);
         let orbit = solve(&Floor, 0.0, start, 1.0, &super::tol(TIGHT)).expect("runs");
@@ -58,7 +57,7 @@ fn a_run_from_any_transition_of_the_floor_repeats_the_rest() {
 
 #[test]
 fn a_two_fold_at_the_origin_is_one_to_rounding() {
-    // Stable sliding arrives at x₁ = 0 at time 1; behind it both fields lead away.
+    // Stable sliding reaches x₁ = 0 at time 1; beyond it both fields point away.
     let system = TwoFold {
         below: -1.0,
         above: 1.0,
@@ -71,14 +70,14 @@ fn a_two_fold_at_the_origin_is_one_to_rounding() {
         &super::tol(TIGHT),
     )
     .expect("runs");
-    // The fields agree there; what ends the orbit is that they lead away behind it.
+    // The fields agree there. The orbit ends because they point away beyond it.
     assert_eq!(orbit.ending, Ending::Repelling);
     assert!((orbit.t_end - 1.0).abs() < 1e-14, "{}", orbit.t_end);
 }
 
 #[test]
 fn a_two_fold_invisible_from_both_sides_is_slid_on() {
-    // The weights of the sliding field are 0/0 there, with a limit: x₁' = 1 all the same.
+    // The weights of the sliding field are 0/0 there and have a limit: x₁' = 1.
     let system = TwoFold {
         below: 1.0,
         above: -1.0,
@@ -132,8 +131,8 @@ fn a_step_whose_dense_output_is_not_finite_is_not_searched_for_ever() {
     let system = Rest {
         looks: AtomicU64::new(0),
     };
-    // Until time 2 the solution is 1 - (1 - t/2)², and then it rests at 1, at the edge of the
-    // field's domain: the run goes on there or ends there, promptly.
+    // Until time 2 the solution is 1 - (1 - t/2)². Then it rests at 1, at the edge of the field's
+    // domain. The run must continue or end there without delay.
     let x = match solve(&system, 0.0, State::from([0.0]), 2.5, &super::tol(1e-10)) {
         Ok(orbit) => orbit.x_end[0],
         Err(failure) => {
@@ -141,7 +140,8 @@ fn a_step_whose_dense_output_is_not_finite_is_not_searched_for_ever() {
             else {
                 panic!("{}", failure.error);
             };
-            // The edge is a double zero: its time is known to the root of the tolerance.
+            // The edge is a double zero, so its time is accurate to the square root of the
+            // tolerance.
             assert!(t > 2.0 - 1e-4, "{t}");
             x.0[0]
         }
@@ -149,10 +149,10 @@ fn a_step_whose_dense_output_is_not_finite_is_not_searched_for_ever() {
     assert!((x - 1.0).abs() < 1e-8, "{x}");
 }
 
-/// Ends a run that does not end itself.
-struct AtMost(usize);
+/// Ends a run that would not end.
+struct StopAfter(usize);
 
-impl Observer<2> for AtMost {
+impl Observer<2> for StopAfter {
     fn step(&mut self, step: &StepRecord<2>) -> ControlFlow<()> {
         assert!(step.t_start <= step.t_end);
         self.0 -= 1;
@@ -170,7 +170,7 @@ fn a_pile_up_too_fast_to_be_counted_ends_the_run_all_the_same() {
         0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9,
     ] {
         for tolerance in [1e-13, 1e-12, 1e-10, 1e-8] {
-            let mut at_most = AtMost(20_000);
+            let mut at_most = StopAfter(20_000);
             let start = State::from([0.0, 1.0]);
             let result = run(
                 &Zeno { brake },
@@ -180,9 +180,9 @@ fn a_pile_up_too_fast_to_be_counted_ends_the_run_all_the_same() {
                 &super::tol(tolerance),
                 &mut at_most,
             );
-            // Both fields are tangent to Σ where the excursions end; at the loosest tolerance they
+            // Both fields are tangent to Σ where the excursions end. At the loosest tolerance they
             // are not followed so far.
-            let told = match &result {
+            let reported = match &result {
                 Ok(summary) => matches!(summary.ending, Ending::TwoFold(_)),
                 Err(failure) => matches!(
                     failure.error,
@@ -191,15 +191,15 @@ fn a_pile_up_too_fast_to_be_counted_ends_the_run_all_the_same() {
                         | Error::NonFinite { .. }
                 ),
             };
-            assert!(told, "{brake} {tolerance}: {result:?}");
+            assert!(reported, "{brake} {tolerance}: {result:?}");
         }
     }
 }
 
 #[test]
 fn a_block_on_a_floor_that_sticks_in_every_period_goes_on() {
-    // It stands still at either end of every slip; that its velocity is zero there does not make
-    // the slip a pile-up.
+    // Its velocity vanishes at either end of every slip. That does not make the slip an
+    // accumulation.
     let block = DenHartog {
         frequency: 0.3,
         friction: 0.6,
@@ -220,8 +220,9 @@ fn a_block_on_a_floor_that_sticks_in_every_period_goes_on() {
 
 #[test]
 fn a_short_release_far_into_a_long_step_is_no_touch() {
-    // What ends the stick is known, at the release, to twice the width times the error of x₁: far
-    // better than to its slope at the start of the step, where q is as long as the step.
+    // The function that ends the stick is accurate, at the release, to twice the width times the
+    // error of x₁. That is far better than its slope at the start of the step, where q is as long
+    // as the step.
     for (centre, width, tolerance) in [
         (10.0, 5e-6, 1e-13),
         (20.0, 1e-5, 1e-13),
@@ -282,9 +283,9 @@ fn an_event_at_which_the_rate_across_the_boundary_changes_by_factors_keeps_the_t
 
 #[test]
 fn a_graze_shallower_than_the_dense_output_is_exact_is_found() {
-    // Inside a step the dense output may err by many tolerances, where the steps' ends err by one:
-    // a solution that passes 25 tolerances beyond the ceiling, little more than what still counts
-    // as a touch, must not look as if it stayed below.
+    // Inside a step the dense output may err by many tolerances, while the steps' ends err by one.
+    // A solution that exceeds the ceiling by 25 tolerances, little more than a touch, must not seem
+    // to stay below it.
     for tolerance in [1e-12, 1e-11, 1e-10, 1e-9] {
         let top = math::exp(1.0);
         let gap = 25.0 * tolerance * top;
@@ -323,13 +324,13 @@ fn an_orbit_that_starts_without_contact_first_gains_it() {
     }
 }
 
-/// Remembers the ends of the phases that it is told of, and ends the run at a transition.
-struct Until {
+/// Records the ends of phases, and ends the run at a transition.
+struct StopAtTransition {
     left: usize,
     phase_ends: Vec<f64>,
 }
 
-impl Observer<2> for Until {
+impl Observer<2> for StopAtTransition {
     fn transition(&mut self, _: &Transition<2>) -> ControlFlow<()> {
         self.left -= 1;
         if self.left > 0 {
@@ -345,18 +346,18 @@ impl Observer<2> for Until {
     }
 }
 
-fn assert_phases_are_told<S: Listed<2>>(system: &S, start: [f64; 2], kinds: &[TransitionKind]) {
+fn assert_phases_are_reported<S: Listed<2>>(system: &S, start: [f64; 2], kinds: &[TransitionKind]) {
     let orbit = solve(system, 0.0, start, 40.0, &super::tol(1e-12)).expect("runs");
     for (i, (at, kind)) in orbit.transitions.iter().zip(kinds).enumerate() {
         assert_eq!(at.kind, *kind);
-        let mut until = Until {
+        let mut until = StopAtTransition {
             left: i + 1,
             phase_ends: vec![],
         };
         let options = super::tol(1e-12);
         let end = run(system, 0.0, start, 40.0, &options, &mut until).expect("runs");
         assert_eq!((end.ending, end.t), (Ending::Stopped, at.t));
-        // The phase that a touch is in the midst of, too.
+        // This includes the phase during which a touch occurs.
         assert_eq!(until.phase_ends.last(), Some(&at.t), "{kind:?}");
         let ended = orbit.phases.iter().filter(|phase| phase.t_end <= at.t);
         let open = usize::from(*kind == Touch);
@@ -366,14 +367,14 @@ fn assert_phases_are_told<S: Listed<2>>(system: &S, start: [f64; 2], kinds: &[Tr
 }
 
 #[test]
-fn who_stops_at_a_transition_has_been_told_of_all_phases_up_to_it_and_of_none_twice() {
+fn a_run_stopped_at_a_transition_has_reported_each_phase_up_to_it_once() {
     let touching = Parabola { level: 0.0 };
-    assert_phases_are_told(&touching, [-1.0, 1.0 - 1e-12], &[Touch]);
-    assert_phases_are_told(
+    assert_phases_are_reported(&touching, [-1.0, 1.0 - 1e-12], &[Touch]);
+    assert_phases_are_reported(
         &Floor,
         [3.0, 0.0],
         &[Crossing, Crossing, Crossing, StickEntry],
     );
     let block = decaying_friction();
-    assert_phases_are_told(&block, [0.04, -0.01], &[StickEntry, StickExit, StickEntry]);
+    assert_phases_are_reported(&block, [0.04, -0.01], &[StickEntry, StickExit, StickEntry]);
 }

@@ -1,4 +1,4 @@
-//! The locators beside one another: they exist where steps are taken by slopes alone.
+//! Comparison of the locators of Runge–Kutta steps.
 
 use stickslip::{Locator, Options, State, Transition};
 
@@ -23,6 +23,6 @@ fn a_henon_step_and_a_root_search_find_the_same_events() {
         let off = (one.t - other.t).abs();
         assert!(off < 1e-10, "t = {}: {off}", other.t);
     }
-    // They are two ways, not one under two names.
+    // They are two methods, not one under two names.
     assert_ne!(by_henon, by_search);
 }

@@ -1,5 +1,5 @@
-//! The solver against what is known of its orbits without it: closed forms, orders of convergence,
-//! invariants. Everything is tested by slopes and by series, over one copy of the systems.
+//! The solver compared with independent results: closed forms, orders of convergence, invariants.
+//! All tests run with Runge–Kutta and with Taylor steps, over one copy of the systems.
 
 mod by_series;
 mod by_slopes;

@@ -1,4 +1,4 @@
-//! The derivative of the flow map by saltation matrices against differences of the flow map itself.
+//! The derivative of the flow map by saltation matrices, compared with differences of the flow map.
 
 use nalgebra::SMatrix;
 use stickslip::TransitionKind::StickEntry;
@@ -13,7 +13,7 @@ use crate::listed::Listed;
 use crate::solver::systems::{Dip, Floor, MovingLine, Spiral, StaticFriction, decaying_friction};
 
 /// Differences over five points with this change err by its fourth power times the fifth
-/// derivative, and by the run's tolerance over it (1e-8).
+/// derivative, and by the tolerance over it (1e-8).
 const CHANGE: f64 = 1e-5;
 const ALLOWED: f64 = 1e-6;
 
@@ -101,8 +101,7 @@ fn stick_takes_one_from_the_rank() {
         for (t_end, entries) in sticks_by(&belt, start, &[0.1, 2.0, 6.0, 9.0, 15.0, 25.0]) {
             let m = assert_agree("belt", &belt, (0.0, start), t_end, entries);
             if entries > 0 {
-                // What rounding leaves of a determinant that is zero: a few units of its two
-                // products.
+                // Rounding of a determinant that is zero: a few units of its two products.
                 let rounding = 100.0 * f64::EPSILON * m.amax() * m.amax();
                 assert!(
                     m.determinant().abs() <= rounding,
@@ -116,7 +115,7 @@ fn stick_takes_one_from_the_rank() {
     }
 }
 
-/// How often the orbit has entered stick by each of the times.
+/// Number of entries into stick up to each of the times.
 fn sticks_by(belt: &BeltOscillator, start: State<2>, times: &[f64]) -> Vec<(f64, usize)> {
     let orbit = solve(belt, 0.0, start, 100.0, &super::tol(TIGHT)).expect("runs");
     let entered = |t: &f64| orbit.sticks().filter(|stick| stick.t_start < *t).count();
@@ -161,8 +160,8 @@ fn the_cycle_without_stick_has_the_multiplier_of_its_return_map() {
     let guess = State::from([-0.27, -0.73]);
     let cycle = periodic_orbit(&belt, guess, 7.7, &options).expect("converges");
     let [trivial, other]: [_; 2] = multipliers(&cycle.monodromy).try_into().unwrap();
-    // The monodromy is as exact as the orbit, whose error of some 1e-12 a turn it carries enlarged
-    // by its own norm.
+    // The monodromy is as accurate as the orbit. Its error, about 1e-12 per turn, is amplified by
+    // its own norm.
     assert!(
         (trivial.re - 1.0).abs() < 1e-9 && trivial.im == 0.0,
         "{trivial}"
@@ -183,8 +182,7 @@ fn the_cycle_without_stick_has_the_multiplier_of_its_return_map() {
     let slope = (mapped(fixed + CHANGE) - mapped(fixed - CHANGE)) / (2.0 * CHANGE);
     assert!((slope - other.re).abs() < ALLOWED, "{slope} {other}");
     assert!((other.re - 0.12629).abs() < 5e-6, "{other}");
-    // Liouville: the determinant is the product, and no friction law enters it but through its
-    // slope.
+    // Liouville: the determinant is the product. The friction law enters only through its slope.
     assert!(
         (math::ln(cycle.monodromy.determinant()) - math::ln(trivial.re * other.re)).abs() < 1e-9
     );
@@ -196,17 +194,17 @@ fn static_friction_that_gives_way_jumps() {
         at_rest: 1.0,
         in_slip: 0.6,
     };
-    // Off Σ, into stick, out of it across Σ, and back; the time of the exit follows the position at
-    // the entry.
+    // Off Σ, into stick, out of it across Σ, and back. The time of the exit depends on the position
+    // at the entry.
     let slipping = (0.0, State::from([-0.3, 0.0]));
     assert_agree("static friction", &block, slipping, 12.0, 2);
     let m = assert_agree("static friction, one stick", &block, slipping, 8.0, 1);
     assert!(m.determinant().abs() < 1e-9);
 }
 
-/// A change across Σ of an orbit that begins in stick comes back to Σ at once, along the friction:
-/// the position stays to first order. What is along Σ is carried as by the stick and the slip
-/// behind it.
+/// For an orbit that begins in stick, a change across Σ returns to Σ at once, along the friction.
+/// The position stays to first order. A change along Σ is carried by the stick and the following
+/// slip.
 #[test]
 fn a_start_in_stick_forgets_what_is_across_the_boundary() {
     let belt = BeltOscillator {
@@ -219,7 +217,7 @@ fn a_start_in_stick_forgets_what_is_across_the_boundary() {
     assert!(orbit.phases.len() > 1);
     let over = |t_end: f64| {
         let found = monodromy(&belt, 0.0, start, t_end, &super::tol(TIGHT)).expect("runs");
-        // The ways back from above and below take different times, so that only differences along Σ
+        // The returns from above and below take different times, so that only differences along Σ
         // are of second order.
         let along = by_differences(&belt, 0.0, start, t_end)
             .column(0)
@@ -234,8 +232,8 @@ fn a_start_in_stick_forgets_what_is_across_the_boundary() {
     assert!((one.re - 1.0).abs() < 1e-13 && none.norm() < 1e-13);
 }
 
-/// Two blocks with friction between them and nothing else. A change of one's velocity is shared as
-/// the friction shares it, by momentum; across the boundary at a right angle it would not be.
+/// Two blocks with only friction between them. Friction shares a change of one velocity by
+/// momentum. A projection across the boundary at a right angle would not.
 struct Pair;
 
 impl Filippov<4> for Pair {

@@ -1,5 +1,5 @@
-//! Measured orders of convergence: of the integrators, of event times, of the Hénon step, of the
-//! dense output.
+//! Measured orders of convergence: of the integrators, of event times, of the Hénon step, and of
+//! the dense output.
 
 use std::f64::consts::PI;
 
@@ -12,13 +12,13 @@ use super::check::changes;
 use crate::any_system::{monodromy, solve};
 use crate::solver::systems::{Breathing, Floor, decaying_friction};
 
-/// Exponent of the error as a power of the step, or of the tolerance.
+/// Exponent of the error as a power of the step or of the tolerance.
 fn order(points: &[(f64, f64)]) -> f64 {
     PowerLaw::through(points.iter().copied()).exponent
 }
 
-/// A method of fixed step, the order it should show, and step counts over a span that keep its
-/// error above rounding.
+/// A fixed-step method, its expected order, and step counts over a span for which its error is
+/// above rounding.
 #[derive(Clone, Copy)]
 enum Fixed {
     Rk4,
@@ -67,8 +67,8 @@ fn a_smooth_orbit_converges_with_the_order_of_the_method() {
     }
 }
 
-/// Error of an event time with `n + ½` steps to the first event, so that the cut falls alike for
-/// all `n`.
+/// Error of an event time with `n + ½` steps to the first event, so that the last step is cut at
+/// the same fraction for all `n`.
 fn event_errors(
     fixed: Fixed,
     locator: Locator,
@@ -92,8 +92,8 @@ fn event_errors(
 fn the_touch_down_of_a_belt_oscillator_converges_with_the_order_of_the_method() {
     let belt = decaying_friction();
     let (slip, end) = (4.703_364_997_942_152, 9.230_770_458_082_98);
-    // Of DOP853 the error's leading terms cancel each other until it is lost in rounding; circles
-    // show its order below.
+    // For DOP853 the leading error terms cancel until rounding hides them; circles show its order
+    // below.
     for (fixed, counts) in [(Fixed::Rk4, [48, 68, 96, 136, 192])] {
         for locator in [Locator::Auto, Locator::Henon, Locator::RootSearch] {
             // From the exit from stick, a tangent point, to the touch-down and to the exit.
@@ -102,7 +102,7 @@ fn the_touch_down_of_a_belt_oscillator_converges_with_the_order_of_the_method() 
                     solve(&belt, 0.0, State::from([1.0, 0.2]), 20.0, options).expect("runs");
                 changes(&orbit)
             };
-            // Where and when it touches down and leaves: of one number alone the leading term may
+            // Position and time of touch-down and exit: for a single number the leading term may
             // vanish nearby.
             let error = |options: &Options| {
                 let found = events(options);
@@ -139,7 +139,7 @@ fn crossings_in_a_row_converge_with_the_order_of_the_method() {
     }
 }
 
-/// Worst error of one Hénon step on the unit circle `x' = v, v' = -x` with `v` as independent
+/// Largest error of one Hénon step on the unit circle `x' = v, v' = -x` with `v` as the independent
 /// variable, by length.
 fn henon_errors<M: RungeKutta>(changes: &[f64]) -> Vec<(f64, f64)> {
     let slope = &mut |at: &Timed<2>| {
@@ -152,7 +152,7 @@ fn henon_errors<M: RungeKutta>(changes: &[f64]) -> Vec<(f64, f64)> {
     changes
         .iter()
         .map(|change| {
-            // v falls from half the change to minus that: the middle of the circle's side, where
+            // v falls from half the change to its negative: the middle of the circle's side, where
             // even powers cancel.
             let v0 = 0.5 * change;
             let start = math::atan2(v0, (1.0 - v0 * v0).sqrt());
@@ -246,8 +246,8 @@ fn the_error_of_a_sensitive_orbit_follows_the_tolerance_and_is_the_flow_of_each_
                 explained += own * flow.expect("runs").matrix.amax().max(1.0);
             }
         }
-        // No step errs by more than its tolerance; a later event is off by no more than all of it,
-        // enlarged up to 404 times.
+        // Each step errs by at most its tolerance. A later event has at most the sum of these
+        // errors, amplified by up to 404.
         assert!(worst <= tolerance, "{tolerance:e}: {worst:e}");
         let error = (last_event(&orbit) - wanted).abs();
         let rounding = 1e-12;

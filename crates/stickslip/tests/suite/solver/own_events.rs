@@ -1,4 +1,4 @@
-//! Events of series: they are located in one way, and are those that steps by slopes find.
+//! Taylor steps have one locator, and find the same events as Runge–Kutta steps.
 
 use stickslip::{Locator, Method, Options, State};
 
@@ -33,6 +33,6 @@ fn series_and_slopes_find_the_same_events() {
         let off = (one.t - other.t).abs();
         assert!(off < 1e-10, "t = {}: {off}", other.t);
     }
-    // Rounding apart they are two computations.
+    // Up to rounding they are two computations.
     assert_ne!(series, slopes);
 }

@@ -1,5 +1,5 @@
-//! What holds of every orbit of the paper's models, for parameters and starts drawn at random (from
-//! a fixed seed).
+//! Properties of every orbit of the paper's models, for random parameters and starts (from a fixed
+//! seed).
 
 use std::ops::ControlFlow;
 
@@ -72,15 +72,14 @@ fn seeded(cases: u32) -> Config {
 
 const TOLERANCE: f64 = 1e-12;
 
-/// The run, unless it escapes: the forced model's spring pushes away far out.
+/// The run, or `None` if it escapes: the forced model's spring pushes outwards at large distances.
 fn orbit_of<S: Listed<2>>(system: &S, x0: State<2>, t_end: f64) -> Option<Orbit<2>> {
     solve(system, 0.0, x0, t_end, &super::tol(TOLERANCE).escape(20.0)).ok()
 }
 
 fn assert_invariants<S: Listed<2>>(system: &S, belt_speed: f64, orbit: &Orbit<2>) {
     assert_consistent(system, orbit);
-    // Nothing between transitions is on the wrong side of Σ, by more than the tolerance leaves
-    // open.
+    // Between transitions the orbit is on the correct side of Σ, up to the tolerance.
     for step in &orbit.steps {
         for part in 1..8 {
             let t = step.t_start + (step.t_end - step.t_start) * f64::from(part) / 8.0;
@@ -141,9 +140,9 @@ fn assert_invariants<S: Listed<2>>(system: &S, belt_speed: f64, orbit: &Orbit<2>
     );
 }
 
-struct Keep(Vec<Transition<2>>);
+struct TransitionRecorder(Vec<Transition<2>>);
 
-impl Observer<2> for Keep {
+impl Observer<2> for TransitionRecorder {
     fn transition(&mut self, transition: &Transition<2>) -> ControlFlow<()> {
         self.0.push(*transition);
         ControlFlow::Continue(())
@@ -151,7 +150,7 @@ impl Observer<2> for Keep {
 }
 
 fn assert_streams_alike<S: Listed<2>>(system: &S, x0: State<2>, orbit: &Orbit<2>) {
-    let mut keep = Keep(Vec::new());
+    let mut keep = TransitionRecorder(Vec::new());
     let options = super::tol(TOLERANCE).escape(20.0);
     let summary = run(system, 0.0, x0, orbit.t_end, &options, &mut keep).expect("runs");
     assert_eq!(keep.0, orbit.transitions);
@@ -167,8 +166,8 @@ fn assert_streams_alike<S: Listed<2>>(system: &S, x0: State<2>, orbit: &Orbit<2>
     );
 }
 
-/// Norm of the flow's derivative, by which errors on the way are enlarged at most. Where a run
-/// succeeds, so does this: a bound of infinity would allow anything.
+/// Norm of the flow's derivative, the largest amplification of errors. It is computed wherever a
+/// run succeeds: an infinite bound would allow anything.
 fn growth<S: Listed<2>>(system: &S, t0: f64, x0: State<2>, t_end: f64) -> f64 {
     let options = super::tol(TOLERANCE).escape(20.0);
     stickslip::analysis::monodromy(&system.any(), t0, x0, t_end, &options)
@@ -210,7 +209,7 @@ where
         );
         let forth = solve(system, from, there, to, &options).expect("runs");
         let back = solve(&Reversed(*system), -to, forth.x_end, -from, &options).expect("runs");
-        // A stretch inside a phase has touches at most; past one neither way is smooth.
+        // A stretch inside a phase has only touches; beyond one neither direction is smooth.
         let mut met = forth.transitions.iter().chain(&back.transitions);
         if let Some(first) = met.next() {
             assert!(
@@ -243,7 +242,7 @@ proptest! {
 
     #[test]
     fn forced_oscillators(forced in forced(), x0 in start(), part in 0.1..0.9f64) {
-        // Refused, not passed: so many as are asked for stay.
+        // A case is rejected, not passed: the requested number of cases remains.
         let Some(orbit) = orbit_of(&forced, x0, 25.0) else {
             return Err(TestCaseError::reject("it escapes"));
         };

@@ -20,8 +20,8 @@ const ABOVE: Mode = Mode::Slip(Side::Above);
 #[test]
 fn each_of_the_six_tangent_points_is_left_the_way_its_visibility_says() {
     // μ0 = √3/9: x - x³ = ∓μ0 where 3θ = ±60° and so on. The field moves along Σ with speed vp, so
-    // the normal component changes at the rate vp (1 - 3x²): visible below where that is negative,
-    // above where it is positive.
+    // the normal component changes at the rate vp (1 - 3x²). Below, the point is visible where that
+    // is negative, above where it is positive.
     let scale = 2.0 / 3f64.sqrt();
     let points = [
         (math::cos(PI / 9.0), BELOW),
@@ -51,14 +51,14 @@ fn each_of_the_six_tangent_points_is_left_the_way_its_visibility_says() {
                 start[0],
                 orbit.transitions
             );
-            // And it goes on for long without anything odd.
+            // The run continues for long without errors.
             let orbit = solve(&belt, 0.0, start, 100.0, &super::tol(TIGHT)).expect("runs");
             assert_consistent(&belt, &orbit);
         }
     }
 }
 
-/// Asserts that a run started at any transition of an orbit repeats the rest of it.
+/// Asserts that a run started at any transition of an orbit repeats the rest of the orbit.
 fn assert_repeats<S: Listed<N>, const N: usize>(
     what: &str,
     system: &S,
@@ -89,8 +89,8 @@ fn assert_repeats<S: Listed<N>, const N: usize>(
                 .max((found.x - first.x).amax());
         }
     }
-    // Other steps, other errors of 1e-13, on orbits that attract or, over few transitions, enlarge
-    // them by thousands.
+    // Other steps have other errors of 1e-13. The orbits attract or, over few transitions, amplify
+    // errors by thousands.
     assert!(worst < 1e-9, "{what}: {worst}");
 }
 
@@ -147,7 +147,7 @@ fn the_end_of_a_stick_is_a_start_like_any_other() {
         assert_consistent(&belt, &orbit);
         assert_eq!(orbit.phases.last().map(|p| p.mode), Some(BELOW), "{end}");
         assert!(orbit.phases.len() <= 2, "{end}: {:?}", orbit.phases);
-        // Six time units are less than the turn after which the circle is back.
+        // Six time units are less than the turn after which the circle returns.
         assert!(
             (orbit.x_end - State::from([0.3 + 0.2 * math::sin(6.0), 0.2 * math::cos(6.0)])).amax()
                 < 1e-11
@@ -156,7 +156,7 @@ fn the_end_of_a_stick_is_a_start_like_any_other() {
 }
 
 #[test]
-fn where_the_boundary_repels_the_run_ends_or_goes_where_it_is_told() {
+fn where_the_boundary_repels_the_run_ends_or_goes_where_it_is_reported() {
     let system = Line {
         below: -1.0,
         above: 1.0,
@@ -203,7 +203,7 @@ fn a_boundary_that_becomes_repelling_while_slid_on_ends_the_run_there() {
         let start = State::from([0.1]);
         let orbit = solve(&system, 0.0, start, 3.0, &super::tol(TIGHT)).expect("runs");
         assert_eq!(orbit.ending, Ending::Repelling);
-        // Found as a zero of cos t, of slope one.
+        // Located as a zero of cos t, with slope one.
         assert!((orbit.t_end - FRAC_PI_2).abs() < 1e-14, "{}", orbit.t_end);
         assert_eq!(orbit.phases.last().map(|p| p.mode), Some(Mode::Stick));
         let options = super::tol(TIGHT).at_repelling(AtRepelling::GoBelow);
@@ -231,7 +231,7 @@ fn two_folds_are_left_as_both_visibilities_say() {
     };
     // Visible from both sides: no unique future.
     assert_eq!(run(-1.0, 1.0, [0.0, 0.0]).ending, Ending::Repelling);
-    // Visible from one: there it goes, along a parabola.
+    // Visible from one side: the orbit goes there, along a parabola.
     let orbit = run(-1.0, -2.0, [0.0, 0.0]);
     assert_eq!((orbit.phases.len(), orbit.phases[0].mode), (1, BELOW));
     assert!((orbit.x_end[1] + 2.0).abs() < 1e-13);

@@ -1,4 +1,4 @@
-//! The systems that the tests run, each with the property that makes its orbit known beforehand.
+//! The systems of the tests, each with the property that gives its orbit in closed form.
 
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -54,8 +54,7 @@ pub fn decaying_friction() -> BeltOscillator {
     }
 }
 
-/// A linear spring and friction that does not: circles about ±μ0 in the plane of position and
-/// velocity.
+/// A linear spring and constant friction: circles about ±μ0 in the plane of position and velocity.
 pub fn coulomb_friction(mu0: f64, belt_speed: f64) -> BeltOscillator {
     BeltOscillator {
         k1: -1.0,
@@ -67,7 +66,7 @@ pub fn coulomb_friction(mu0: f64, belt_speed: f64) -> BeltOscillator {
     }
 }
 
-/// An unstable focus that turns one way inside the unit circle and the other way outside.
+/// An unstable focus that rotates one way inside the unit circle and the other way outside.
 pub struct Spiral;
 
 impl Filippov<2> for Spiral {
@@ -80,8 +79,8 @@ impl Filippov<2> for Spiral {
     }
 }
 
-/// `x' = a` below and `-a` above a boundary that moves as `sin t`: slides while `|cos t| < a`. With
-/// `a < 0` it repels where it would slide.
+/// `x' = a` below and `-a` above a boundary that moves as `sin t`. It slides while `|cos t| < a`.
+/// With `a < 0` it repels where it would slide.
 pub struct MovingLine {
     pub a: f64,
 }
@@ -109,7 +108,8 @@ impl Filippov<2> for Parabola {
     }
 }
 
-/// `x'' = -x` on both sides of `x = 1 - gap`: circles, of which the unit one sticks out by `gap`.
+/// `x'' = -x` on both sides of `x = 1 - gap`: circles, of which the unit circle exceeds the
+/// boundary by `gap`.
 pub struct Ceiling {
     pub gap: f64,
 }
@@ -123,12 +123,11 @@ impl Filippov<2> for Ceiling {
     }
 }
 
-/// Stick that is released for a moment: relative to Σ, which moves as `amplitude · sin t`, the
-/// field below pushes with `q² - width²` and the one above with `-1`; `q = x₁ - centre`, and `x₁`
-/// is the time.
+/// Stick that is released briefly. Relative to Σ, which moves as `amplitude · sin t`, the field
+/// below is `q² - width²` and the one above `-1`. Here `q = x₁ - centre`, and `x₁` is the time.
 ///
-/// Released at `q = -width`, the body is back on Σ at `q = 2 width`: in between its distance is
-/// `(q + width)² (q - 2 width)/3`.
+/// Released at `q = -width`, the body returns to Σ at `q = 2 width`. In between its distance is `(q
+/// + width)² (q - 2 width)/3`.
 pub struct Dip {
     pub centre: f64,
     pub width: f64,
@@ -149,10 +148,10 @@ impl Filippov<2> for Dip {
     }
 }
 
-/// A body pulled towards Σ from both sides by a force of size 1 and braked by one that depends on
-/// `x₂/|x₁|^½` alone: the equations do not change when time, `x₂` and `x₁` are scaled by `k`, `k`
-/// and `k²`. So each excursion is the one before, scaled by the same ratio, and infinitely many of
-/// them end in finite time.
+/// A body pulled towards Σ from both sides by a force of size 1, and braked by one that depends
+/// only on `x₂/|x₁|^½`. The equations are invariant when time, `x₂` and `x₁` are scaled by `k`, `k`
+/// and `k²`. So each excursion is the previous one scaled by the same ratio, and infinitely many
+/// end in finite time.
 pub struct Zeno {
     pub brake: f64,
 }
@@ -167,7 +166,7 @@ impl Filippov<2> for Zeno {
     }
 }
 
-/// `x' = x cos t`, of which `exp(sin t)` is a solution, under a ceiling.
+/// `x' = x cos t`, with the solution `exp(sin t)`, under a ceiling.
 pub struct Breathing {
     pub ceiling: f64,
 }
@@ -215,7 +214,7 @@ impl Filippov<1> for TurningLine {
     }
 }
 
-/// `x' = 1`, under a boundary that is no number between `from` and `to`.
+/// `x' = 1`, under a boundary that is NaN between `from` and `to`.
 pub struct Window {
     pub from: f64,
     pub to: f64,
@@ -254,7 +253,8 @@ impl Filippov<1> for BlowUp {
     }
 }
 
-/// `x' = √(1 - x)`, which comes to rest at 1, its boundary far off and its uses counted.
+/// `x' = √(1 - x)`, which comes to rest at 1. Its boundary is far away, and its evaluations are
+/// counted.
 pub struct Rest {
     pub looks: AtomicU64,
 }
@@ -270,7 +270,7 @@ impl Filippov<1> for Rest {
     }
 }
 
-/// A boundary function that is not defined for x < 0, where the orbit goes.
+/// A boundary function that is undefined for x < 0, where the orbit goes.
 pub struct Ledge;
 
 impl Filippov<2> for Ledge {
@@ -282,7 +282,7 @@ impl Filippov<2> for Ledge {
     }
 }
 
-/// A system with time running backwards.
+/// A system with time reversed.
 pub struct Reversed<S>(pub S);
 
 impl<const N: usize, S: Filippov<N>> Filippov<N> for Reversed<S> {
@@ -294,8 +294,8 @@ impl<const N: usize, S: Filippov<N>> Filippov<N> for Reversed<S> {
     }
 }
 
-/// The unit circle, which attracts, and a third component that follows `3 cos 2θ`: it is back twice
-/// in a turn.
+/// The unit circle, which attracts, and a third component that follows `3 cos 2θ`: it returns twice
+/// per turn.
 pub struct TwiceRound;
 
 impl Filippov<3> for TwiceRound {

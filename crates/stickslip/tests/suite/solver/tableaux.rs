@@ -3,7 +3,7 @@
 use stickslip::math::powi;
 use stickslip::ode::{Dop853, Rk4, RungeKutta};
 
-/// Sums of sixteen products of size up to 50 round by less.
+/// Rounding bound of sums of sixteen products of size up to 50.
 const ROUNDING: f64 = 1e-13;
 
 fn sum(f: impl Fn(usize) -> f64) -> f64 {

@@ -1,5 +1,5 @@
-//! Oscillators with dry friction: a floor at rest and a belt, the orbit known to all digits of an
-//! `f64`.
+//! Oscillators with dry friction, on a floor at rest and on a belt, with orbits known to double
+//! precision.
 
 use std::f64::consts::PI;
 
@@ -12,9 +12,8 @@ use super::super::check::{
 use crate::any_system::solve;
 use crate::solver::systems::{Floor, decaying_friction};
 
-/// Per-step errors of 1e-13 add up over some fifty steps to less than 5e-12; the speed across Σ is
-/// at least 0.2, but the error in it is no larger than that of the amplitude, so events are as
-/// exact.
+/// Errors of 1e-13 per step add up over some fifty steps to less than 5e-12. The velocity across Σ
+/// is at least 0.2, but its error is at most that of the amplitude, so event times are as accurate.
 const EVENT: f64 = 1e-11;
 
 fn assert_near(what: &str, value: f64, exact: f64, tolerance: f64) {
@@ -82,7 +81,7 @@ fn decaying_friction_sticks_first_at_the_known_time_and_cycles_as_known() {
             assert_near("period", pair[1] - pair[0], 9.230_770_458_082_98, EVENT);
         }
         for stick in orbit.sticks() {
-            // Time and position are each rounded once, at a size of at most 64 and 1.
+            // Time and position are each rounded once, at sizes of at most 64 and 1.
             let length = stick.displacement()[0];
             assert_near(
                 "length",

@@ -1,5 +1,4 @@
-//! Coulomb friction on a belt: arcs of circles about ±μ0, so that every event follows by
-//! trigonometry.
+//! Coulomb friction on a belt: arcs of circles about ±μ0, so that trigonometry gives every event.
 
 use std::f64::consts::PI;
 
@@ -11,7 +10,7 @@ use super::super::check::{TIGHT, assert_consistent, changes, exact_locators};
 use crate::any_system::solve;
 use crate::solver::systems::coulomb_friction;
 
-/// An event by trigonometry: time, position, mode that follows, and the rate at which Σ is met.
+/// An event by trigonometry: time, position, next mode, and the rate at which Σ is met.
 struct Event {
     t: f64,
     x: f64,
@@ -19,8 +18,8 @@ struct Event {
     rate: f64,
 }
 
-/// Angle run through clockwise from `(x0, v0)` to `(x1, v1)` about `(centre, 0)`; unit stiffness
-/// and mass make it the time.
+/// Clockwise angle from `(x0, v0)` to `(x1, v1)` about `(centre, 0)`. With unit stiffness and mass
+/// it equals the time.
 fn turn(centre: f64, (x0, v0): (f64, f64), (x1, v1): (f64, f64)) -> f64 {
     let angle = math::atan2(v0, x0 - centre) - math::atan2(v1, x1 - centre);
     if angle <= 0.0 {
@@ -30,7 +29,7 @@ fn turn(centre: f64, (x0, v0): (f64, f64), (x1, v1): (f64, f64)) -> f64 {
     }
 }
 
-/// Events from a start below Σ up to the exit from the first stick; empty when Σ is never met.
+/// Events from a start below Σ up to the exit from the first stick; empty if Σ is never met.
 fn trigonometry(mu0: f64, vp: f64, x0: f64, v0: f64) -> Vec<Event> {
     let mut events: Vec<Event> = Vec::new();
     let (mut t, mut from, mut side) = (0.0, (x0, v0), Side::Below);
@@ -91,18 +90,18 @@ proptest! {
         let belt = coulomb_friction(mu0, vp);
         let v0 = vp - below;
         let exact = trigonometry(mu0, vp, x0, v0);
-        // To the end of the first stick and five turns on.
+        // To the end of the first stick and five turns further.
         let t_end = exact.last().map_or(5.0, |e| e.t) + 10.0 * PI + 1.0;
         let options = super::super::tol(TIGHT).locator(locator);
         let orbit = solve(&belt, 0.0, State::from([x0, v0]), t_end, &options).expect("runs");
         assert_consistent(&belt, &orbit);
         let found = changes(&orbit);
-        // A circle that hardly reaches Σ, to the tolerance of the run, does or does not.
+        // A circle that only just reaches Σ, to the tolerance of the run, may or may not meet it.
         let least = exact.iter().map(|e| e.rate).fold(1.0, f64::min);
         prop_assume!(least > 1e-4);
         prop_assert_eq!(found.len(), exact.len(), "{:?}", found);
-        // Per-step errors of 1e-13 (times |x| <= 6) over up to a hundred steps; an event's time has
-        // the radius's error divided by the rate, and an early event hands its own on to the next.
+        // Errors of 1e-13 per step (times |x| <= 6) over up to a hundred steps. An event's time has
+        // the radius's error divided by the rate, and inherits the errors of earlier events.
         let mut allowed = 0.0;
         for (event, exact) in found.iter().zip(&exact) {
             allowed += 3e-12 / exact.rate;
@@ -113,12 +112,12 @@ proptest! {
         if let Some(stick) = orbit.sticks().next() {
             let end = if exact.is_empty() { stick.x_end[0] } else { mu0 };
             let length = stick.displacement()[0] - vp * stick.duration();
-            // Every step rounds position and time once; its weights add up to 13.6 by size, and so
-            // do their partial sums.
+            // Every step rounds position and time once. Its weights add up to 13.6 in magnitude,
+            // and so do their partial sums.
             let of_weights = 28.0 * f64::EPSILON * vp * stick.duration();
             prop_assert!((stick.x_end[0] - end).abs() <= 4.0 * f64::EPSILON + of_weights);
-            // The acceleration in stick, zero, is a difference of forces up to |x| + mu0; what
-            // rounding leaves of it moves the body by half of it times the square of the step.
+            // The acceleration in stick is zero, but is a difference of forces up to |x| + mu0. Its
+            // rounding moves the body by half of it times the square of the step.
             let mut allowed = of_weights;
             for step in orbit.steps.iter().filter(|s| s.mode == Mode::Stick) {
                 let force = mu0 + step.x_start[0].abs().max(step.x_end[0].abs());
@@ -144,7 +143,7 @@ proptest! {
         for touch in &orbit.transitions[1..] {
             prop_assert_eq!(touch.kind, TransitionKind::Touch);
             let turns = (touch.t - t_exit) / (2.0 * PI);
-            // The place of a touch is known to the root of its depth, ten tolerances.
+            // The position of a touch is accurate to the square root of its depth, ten tolerances.
             let allowed = (40.0 * tolerance / vp).sqrt() + 20.0 * tolerance;
             prop_assert!((turns - turns.round()).abs() < allowed, "{turns}");
         }

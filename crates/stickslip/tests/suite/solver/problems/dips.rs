@@ -1,4 +1,4 @@
-//! Stick that is released for as little as 1e-5 of a time unit, within a step of any length.
+//! Stick that is released for as little as 1e-5 time units, within a step of any length.
 
 use stickslip::TransitionKind::{StickEntry, StickExit};
 use stickslip::{Options, State};
@@ -23,10 +23,10 @@ fn release(width: f64, centre: f64, amplitude: f64, options: &Options) {
         (exit - (centre - width)).abs(),
         (entry - (centre + 2.0 * width)).abs(),
     );
-    // The released push has slope 2 width: a few units in the last place of q², which are those of
-    // the time (near the centre) times 2 width, move the exit by a few of the time's. A moving Σ
-    // adds to the push a velocity of its own that is taken out again: of its rounding the slope
-    // makes a time.
+    // The released push has slope 2 width. A few units in the last place of q², which are those of
+    // the time (near the centre) times 2 width, move the exit by a few units of the time. A moving
+    // Σ adds a velocity to the push, which is subtracted again. The slope converts its rounding
+    // into time.
     let allowed = 16.0 * f64::EPSILON * (1.0 + centre) + f64::EPSILON * amplitude / (2.0 * width);
     assert!(e.0 < allowed, "exit {what}: {e:?}");
     assert!(e.1 < 1e-3 * width, "entry {what}: {e:?}");

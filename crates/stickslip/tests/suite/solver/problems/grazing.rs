@@ -1,5 +1,5 @@
-//! Orbits that reach Σ by a gap of 1e-2 down to 1e-10, just touch it, or just do not, wherever in a
-//! step that happens.
+//! Orbits that cross Σ by a gap of 1e-2 down to 1e-10, just touch it, or just miss it, anywhere in
+//! a step.
 
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
@@ -26,8 +26,8 @@ pub fn assert_two_crossings(orbit: &Orbit<2>, x0: f64, gap: f64, locator: Locato
         "gap {gap} from {x0}: {:?}",
         orbit.transitions
     );
-    // Each step leaves a few units in the last place of y <= x0² + (end)²; the slope there, 2 √gap,
-    // divides them.
+    // Each step leaves a rounding error of a few units in the last place of y <= x0² + (end)². The
+    // slope there, 2 √gap, divides it.
     if locator == Locator::Henon {
         return;
     }
@@ -64,7 +64,7 @@ proptest! {
             .locator(locator);
         for gap in GAPS {
             assert_two_crossings(&parabola(gap, x0, 4.0, &options), x0, gap, locator);
-            // A level below the parabola's least value is not met.
+            // A level below the parabola's minimum is not met.
             prop_assert_eq!(kinds(&parabola(-gap, x0, 4.0, &options)), []);
         }
         let at_rest = kinds(&parabola(0.0, x0, 4.0, &options));
@@ -99,8 +99,8 @@ fn a_circle_pokes_through_the_ceiling_twice_each_turn() {
             {
                 worst = worst.max((above.duration() / (2.0 * half_width) - 1.0).abs());
             }
-            // The radius drifts by a few 1e-13 over the turns, a part of the gap that the root
-            // halves.
+            // The radius drifts by a few 1e-13 over the turns, a fraction of the gap, which the
+            // square root halves.
             if options.locator == Locator::Henon {
                 continue;
             }

@@ -1,4 +1,5 @@
-//! Systems in closed form: a spiral that is crossed, a line that is slid on, and one that moves.
+//! Systems in closed form: a spiral that is crossed, a line on which orbits slide, and a moving
+//! line.
 
 use stickslip::TransitionKind::{Crossing, StickEntry};
 use stickslip::{Mode, Side, State, math};
@@ -18,7 +19,8 @@ fn the_spiral_crosses_the_circle_at_time_one() {
         assert_eq!(kinds(&orbit), [Crossing]);
         assert_consistent(&Spiral, &orbit);
         let crossing = orbit.transitions[0];
-        // One turn in forty steps of error 1e-13, at a radius that grows as fast as the error.
+        // One turn in forty steps with errors of 1e-13, at a radius that grows as fast as the
+        // error.
         assert!((crossing.t - 1.0).abs() < 1e-12, "{}", crossing.t);
         assert!(
             (crossing.x - State::from([1.0, 0.0])).amax() < 1e-11,
@@ -49,13 +51,14 @@ fn a_line_that_attracts_is_reached_and_kept() {
     }
 }
 
-/// The orbit of [`MovingLine`] from Σ at π/2, from its closed form alone: straight lines off Σ, a
-/// scan and bisection where they meet it, and on it the normal components `±a - cos t`.
+/// The orbit of [`MovingLine`] from Σ at π/2, from its closed form alone. It has straight lines off
+/// Σ; a scan and bisection find where they meet it. On Σ it has the normal components `±a - cos t`.
 fn reference(a: f64, t_end: f64) -> Vec<(f64, Mode)> {
     let lift = math::acos(a);
     let (mut t, mut events) = (std::f64::consts::FRAC_PI_2, Vec::new());
     loop {
-        // Slides until |cos t| = a; leaves upward where the line falls, downward where it rises.
+        // It slides until |cos t| = a, and leaves upwards where the line falls, downwards where it
+        // rises.
         let pi = std::f64::consts::PI;
         let mut half_turns = 0.0;
         while half_turns * pi + pi - lift <= t {
@@ -171,7 +174,7 @@ fn the_adaptive_run_keeps_its_tolerance() {
         let ends = orbit.steps.iter().fold(0.0f64, |worst, step| {
             worst.max((step.x_end[0] - math::exp(math::sin(step.t_end))).abs())
         });
-        // A step errs by at most atol + rtol |x| <= 3.8 tolerances, which the flow enlarges by at
+        // A step errs by at most atol + rtol |x| <= 3.8 tolerances, which the flow amplifies by at
         // most e².
         let steps = orbit.steps.len() as f64;
         assert!(ends < steps * 3.8 * math::exp(2.0) * tolerance, "{ends}");

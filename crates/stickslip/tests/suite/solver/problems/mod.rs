@@ -1,4 +1,4 @@
-//! Problems whose events are known in closed form or to twenty digits.
+//! Problems with events known in closed form or to twenty digits.
 
 mod belt;
 mod circles;

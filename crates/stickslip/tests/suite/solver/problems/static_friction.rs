@@ -1,4 +1,4 @@
-//! Static friction above the kinetic: stick ends where the spring overcomes it, and slip leaves Σ
+//! Static friction above the kinetic one: stick ends where the spring exceeds it, and slip leaves Σ
 //! across.
 
 use stickslip::TransitionKind::{StickEntry, StickExit};
@@ -23,8 +23,8 @@ fn block(at_rest: f64) -> StaticFriction {
 fn sticks_and_slips_last_as_the_circles_say() {
     for options in every_locator() {
         let orbit = solve(&block(AT_REST), 0.0, [0.0, SPEED], 40.0, &options).expect("runs");
-        // From rest at 0 to where the spring pulls as hard as static friction holds; then circles
-        // about the kinetic friction.
+        // From rest at 0 to where the spring equals static friction; then circles about the kinetic
+        // friction.
         let first = AT_REST / SPEED;
         let slip = 2.0 * (std::f64::consts::PI - math::atan((AT_REST - IN_SLIP) / SPEED));
         let stick = 2.0 * (AT_REST - IN_SLIP) / SPEED;
@@ -46,7 +46,7 @@ fn sticks_and_slips_last_as_the_circles_say() {
 
 #[test]
 fn what_kinetic_friction_would_let_through_static_friction_stops() {
-    // At x = 0.8 the spring overcomes kinetic friction, and not static friction.
+    // At x = 0.8 the spring exceeds kinetic friction but not static friction.
     let start = State::from([0.8, SPEED]);
     let mode = |at_rest| {
         let orbit = solve(&block(at_rest), 0.0, start, 0.1, &super::super::tol(TIGHT));
@@ -61,7 +61,7 @@ fn the_same_friction_at_rest_changes_nothing() {
     let options = super::super::tol(TIGHT);
     let orbit = solve(&block(IN_SLIP), 0.0, [0.0, SPEED], 10.0, &options).expect("runs");
     assert_eq!(kinds(&orbit)[0], StickExit);
-    // It leaves at a tangent point, and its circle comes back to Σ exactly there.
+    // It leaves at a tangent point, and its circle returns to Σ exactly there.
     assert!((orbit.transitions[0].t - IN_SLIP / SPEED).abs() < 1e-12);
     assert!((orbit.transitions[0].x[0] - IN_SLIP).abs() < 1e-12);
 }

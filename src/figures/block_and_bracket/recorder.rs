@@ -1,58 +1,59 @@
-//! What is recorded along the orbit.
+//! Recording along the orbit.
 
 use std::ops::ControlFlow;
 
-use crate::turns::{Samples, Turns};
+use crate::orbit_records::{Samples, TurningPoints};
 use stickslip::models::BlockAndBracket;
 use stickslip::{Observer, Options, State, StepRecord, Transition, TransitionKind};
 
-/// The series begins here, as in the paper.
+/// Start of the series, as in the paper.
 pub(crate) const START: f64 = 3000.0;
-/// And ends here.
+/// End of the series.
 pub(super) const END: f64 = 12_000.0;
-/// Time between two of its states.
+/// Sampling interval.
 pub(crate) const DT: f64 = 0.2;
-/// Parts a step is cut into to look for the least normal force: fine enough for one minimum in
-/// each, since a step is a fraction of a turn.
+/// Parts of a step, each searched for the minimum of the normal force. A step is a fraction of an
+/// oscillation, so each part has at most one minimum.
 const PARTS: u32 = 8;
-/// Iterations of the golden-section search, which shrink a part to 1e-12 of its length.
+/// Iterations of the golden-section search. They shrink a part to 1e-12 of its length.
 const REFINEMENTS: u32 = 60;
-/// Golden ratio less one: what a golden-section search keeps of its interval.
+/// Golden ratio minus one: the fraction of its interval that a golden-section search keeps.
 const KEPT: f64 = 0.618_033_988_749_894_9;
 /// Points drawn per step.
 const DRAWN: u32 = 10;
 
-/// The sampled series, the section, the least normal force and the part of the orbit that is drawn.
-pub(super) struct Watch<'a> {
+/// The sampled series, the section, the minimum of the normal force, and the part of the orbit that
+/// is drawn.
+pub(super) struct OrbitRecorder<'a> {
     model: &'a BlockAndBracket,
-    /// Drawn from here on.
+    /// Start of the drawn part.
     drawn_from: f64,
     /// States at `START + k·DT`.
     pub(super) samples: Samples,
-    /// Where the block turns back.
-    pub(super) turns: Turns<'a>,
-    /// Least normal force, unclipped, in units of `mg`.
+    /// The block's turning points.
+    pub(super) turning_points: TurningPoints<'a>,
+    /// Minimum of the normal force, unclipped, in units of `mg`.
     pub(super) least_force: f64,
     /// Losses of contact.
     pub(super) losses: u64,
-    /// The part that is drawn.
+    /// The drawn part.
     pub(super) curve: Vec<[f64; 4]>,
 }
 
-impl<'a> Watch<'a> {
+impl<'a> OrbitRecorder<'a> {
     pub(super) fn new(model: &'a BlockAndBracket, options: &Options, shown: f64) -> Self {
         Self {
             model,
             drawn_from: END - shown,
             samples: Samples::new(START, DT, usize::MAX),
-            turns: Turns::new(model, options),
+            turning_points: TurningPoints::new(model, options),
             least_force: f64::INFINITY,
             losses: 0,
             curve: Vec::new(),
         }
     }
 
-    /// Golden-section search for the least normal force between two times.
+    /// Golden-section search for the minimum of the normal force between two times.
     fn least(&self, step: &StepRecord<4>, mut from: f64, mut to: f64) -> f64 {
         let force = |t: f64| {
             self.model
@@ -102,10 +103,10 @@ impl<'a> Watch<'a> {
     }
 }
 
-impl Observer<4> for Watch<'_> {
+impl Observer<4> for OrbitRecorder<'_> {
     fn step(&mut self, step: &StepRecord<4>) -> ControlFlow<()> {
         self.samples.step(step);
-        self.turns.step(step);
+        self.turning_points.step(step);
         self.scan(step);
         if step.t_start >= self.drawn_from {
             self.draw(step);

@@ -1,13 +1,13 @@
-//! Records of an orbit of Figs. 10–12: states at equal intervals of time, and the section where the
-//! block turns back.
+//! Records of an orbit of Figs. 10–12: equidistant samples, and a Poincaré section at the block's
+//! turning points.
 
 use stickslip::models::BlockAndBracket;
 use stickslip::{Direction, EventFunctions, EventSearch, Options, Scalar, StepRecord};
 
-/// The block's velocity falls through zero.
-struct Turning;
+/// Event function: the block's velocity falls through zero.
+struct TurningPointEvent;
 
-impl EventFunctions<4, 1> for Turning {
+impl EventFunctions<4, 1> for TurningPointEvent {
     #[inline(always)]
     fn values<T: Scalar>(&self, _t: T, x: &[T; 4]) -> [T; 1] {
         [x[1]]
@@ -19,22 +19,22 @@ impl EventFunctions<4, 1> for Turning {
 }
 
 /// The returns of an orbit to the section.
-pub(crate) struct Turns<'a> {
-    search: EventSearch<'a, BlockAndBracket, Turning, 4, 1>,
+pub(crate) struct TurningPoints<'a> {
+    search: EventSearch<'a, BlockAndBracket, TurningPointEvent, 4, 1>,
     /// Times and states.
     pub(crate) points: Vec<(f64, [f64; 4])>,
 }
 
-impl<'a> Turns<'a> {
-    /// None yet, of a run with these options.
+impl<'a> TurningPoints<'a> {
+    /// Empty, for a run with these options.
     pub(crate) fn new(model: &'a BlockAndBracket, options: &Options) -> Self {
-        Turns {
-            search: EventSearch::new(model, Turning, options),
+        TurningPoints {
+            search: EventSearch::new(model, TurningPointEvent, options),
             points: Vec::new(),
         }
     }
 
-    /// Looks for returns in the next step of the run.
+    /// Searches the next step of the run for returns.
     pub(crate) fn step(&mut self, step: &StepRecord<4>) {
         let found = self.search.in_step(step);
         self.points
@@ -42,28 +42,28 @@ impl<'a> Turns<'a> {
     }
 }
 
-/// States at equal times.
+/// States at equidistant times.
 pub(crate) struct Samples {
     from: f64,
     dt: f64,
-    most: usize,
+    limit: usize,
     pub(crate) states: Vec<[f64; 4]>,
 }
 
 impl Samples {
-    /// None yet, of at most so many from a time on.
-    pub(crate) fn new(from: f64, dt: f64, most: usize) -> Self {
+    /// Empty, for at most `limit` states from time `from` on.
+    pub(crate) fn new(from: f64, dt: f64, limit: usize) -> Self {
         Samples {
             from,
             dt,
-            most,
+            limit,
             states: Vec::new(),
         }
     }
 
-    /// Takes those that are due within the next step of the run.
+    /// Takes the samples that are due within the next step of the run.
     pub(crate) fn step(&mut self, step: &StepRecord<4>) {
-        while self.states.len() < self.most {
+        while self.states.len() < self.limit {
             let t = self.from + self.states.len() as f64 / (1.0 / self.dt);
             if t > step.t_end {
                 return;

@@ -1,14 +1,14 @@
-//! Distances of rows from the published exponents, and the number of rows that confirm what is
-//! published.
+//! Distances of rows from the published exponents, and counts of rows that confirm published
+//! values.
 
 use std::collections::BTreeSet;
 
 use super::plan::{CAP, Exponents, FLOOR, Group, SEARCH, ZERO};
-use super::table::{Row, Twelve, Verdict};
+use super::table::{ConfigurationRow, OrbitVerdict, Twelve};
 use crate::numbers::{extent, median};
 use stickslip_series::Status;
 
-/// Root mean square of the differences of some figures (0, 1, 2).
+/// Root mean square of the differences over some figures (0, 1, 2).
 pub fn distance(values: &Twelve, wanted: &Twelve, figures: &[usize]) -> f64 {
     let square = |(value, wanted): (&f64, &f64)| {
         let difference = (value - wanted).abs() / (wanted.abs() + FLOOR);
@@ -20,34 +20,35 @@ pub fn distance(values: &Twelve, wanted: &Twelve, figures: &[usize]) -> f64 {
     (sum / (4 * figures.len()) as f64).sqrt()
 }
 
-/// Distances of the three figures, and of all.
+/// Distances for each of the three figures, and for all.
 pub fn scores(values: &Twelve, wanted: &Twelve) -> [f64; 4] {
     [&[0][..], &[1], &[2], &[0, 1, 2]].map(|figures| distance(values, wanted, figures))
 }
 
-/// Rows of a search, by what they count for.
-pub struct Rows<'a> {
-    /// Those that compete.
-    pub search: Vec<&'a Row>,
-    /// Of these the ones whose reading keeps all three motions.
-    pub kept: Vec<&'a Row>,
-    /// Of these the ones with all three kinds of motion: no other is ranked.
-    pub ranked: Vec<&'a Row>,
-    /// One for each pair of reading and integrator: its motions do not depend on the estimator.
-    pub pairs: Vec<&'a Row>,
+/// Rows of a search, by role.
+pub struct RowsByRole<'a> {
+    /// Rows that compete.
+    pub search: Vec<&'a ConfigurationRow>,
+    /// Among these, those whose reading keeps all three motions.
+    pub kept: Vec<&'a ConfigurationRow>,
+    /// Among these, those with all three kinds of motion. No others are ranked.
+    pub ranked: Vec<&'a ConfigurationRow>,
+    /// One row for each pair of reading and integrator. Its motions do not depend on the estimator.
+    pub pairs: Vec<&'a ConfigurationRow>,
     /// The recommended reading under all settings.
-    pub recommended: Vec<&'a Row>,
+    pub recommended: Vec<&'a ConfigurationRow>,
 }
 
-impl<'a> Rows<'a> {
-    /// All of a table, in its order.
-    pub fn of(rows: &'a [Row]) -> Rows<'a> {
-        let of = |is: &dyn Fn(&Row) -> bool| rows.iter().filter(|row| is(row)).collect();
-        let competes = |row: &Row| row.key[0] == SEARCH;
-        let search: Vec<&Row> = of(&competes);
+impl<'a> RowsByRole<'a> {
+    /// Sorts the rows of a table, in its order.
+    pub fn of(rows: &'a [ConfigurationRow]) -> RowsByRole<'a> {
+        let of =
+            |is: &dyn Fn(&ConfigurationRow) -> bool| rows.iter().filter(|row| is(row)).collect();
+        let competes = |row: &ConfigurationRow| row.key[0] == SEARCH;
+        let search: Vec<&ConfigurationRow> = of(&competes);
         let mut pairs = search.clone();
         pairs.dedup_by(|one, other| one.key[1..3] == other.key[1..3]);
-        Rows {
+        RowsByRole {
             kept: of(&|row| competes(row) && row.keeps_all()),
             ranked: of(&|row| competes(row) && row.is_ranked()),
             recommended: of(&|row| Group::recommended().has(row)),
@@ -57,8 +58,8 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// From how many readings, integrators and settings rows come.
-pub fn sources(rows: &[&Row]) -> [usize; 3] {
+/// Numbers of distinct readings, integrators and settings among the rows.
+pub fn sources(rows: &[&ConfigurationRow]) -> [usize; 3] {
     [1, 2, 3].map(|part| {
         let names: BTreeSet<&str> = rows.iter().map(|row| &*row.key[part]).collect();
         names.len()
@@ -76,25 +77,25 @@ pub fn sources_in_words([readings, integrators, settings]: [usize; 3]) -> String
     )
 }
 
-/// Of the settings tried for the recommended reading, how many bear out what Sect. 5.2 says of
-/// exponents. One of a size up to [`ZERO`] passes for zero.
+/// Number of settings, tried with the recommended reading, that confirm the statements of Sect. 5.2
+/// on exponents. An exponent of size up to [`ZERO`] counts as zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct BorneOut {
-    /// Each figure has an exponent that is zero.
+pub struct ConfirmedStatements {
+    /// Each figure has a zero exponent.
     pub zero: usize,
-    /// The first two of Fig. 11 are.
+    /// The first two exponents of Fig. 11 are zero.
     pub two_zeros: usize,
-    /// The first of Fig. 12 is positive.
+    /// The first exponent of Fig. 12 is positive.
     pub positive: usize,
 }
 
-impl BorneOut {
-    /// Of some rows.
-    pub fn count(rows: &[&Row]) -> BorneOut {
+impl ConfirmedStatements {
+    /// Counts over some rows.
+    pub fn count(rows: &[&ConfigurationRow]) -> ConfirmedStatements {
         let with =
             |is: &dyn Fn(&Twelve) -> bool| rows.iter().filter(|row| is(&row.exponents)).count();
         let zero = |value: &f64| value.abs() <= ZERO;
-        BorneOut {
+        ConfirmedStatements {
             zero: with(&|all| all.iter().all(|four| four.iter().any(zero))),
             two_zeros: with(&|all| all[1][..2].iter().all(zero)),
             positive: with(&|all| all[2][0] > ZERO),
@@ -102,82 +103,94 @@ impl BorneOut {
     }
 }
 
-/// Pairs of reading and integrator. Each has one class for each figure, whatever the estimator.
+/// Pairs of reading and integrator. Each pair has one class for each figure, whatever the
+/// estimator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Pairs {
-    /// All.
+    /// Number of pairs.
     pub all: usize,
-    /// Those whose three motions stay bounded and can be followed.
+    /// Pairs whose three motions stay bounded and can be integrated.
     pub kept: usize,
-    /// Those with the captioned class of each figure; for Fig. 10 that is two-periodic.
+    /// Pairs with the captioned class, for each figure; for Fig. 10 that is two-periodic.
     pub class: [usize; 3],
-    /// Those with all three captioned classes.
+    /// Pairs with all three captioned classes.
     pub classes: usize,
-    /// Those with the captioned kind of motion of each figure: for Fig. 10 periodic with any number
-    /// of loops.
+    /// Pairs with the captioned kind of motion, for each figure. For Fig. 10 that is periodic with
+    /// any number of loops.
     pub kind: [usize; 3],
-    /// Those with all three captioned kinds.
+    /// Pairs with all three captioned kinds.
     pub kinds: usize,
 }
 
 impl Pairs {
-    /// Of one row for each pair.
-    pub fn count(pairs: &[&Row]) -> Pairs {
-        let with = |has: &dyn Fn(&Row) -> bool| pairs.iter().filter(|row| has(row)).count();
+    /// Counts over one row for each pair.
+    pub fn count(pairs: &[&ConfigurationRow]) -> Pairs {
+        let with =
+            |has: &dyn Fn(&ConfigurationRow) -> bool| pairs.iter().filter(|row| has(row)).count();
         Pairs {
             all: pairs.len(),
-            kept: with(&Row::keeps_all),
+            kept: with(&ConfigurationRow::keeps_all),
             class: [0, 1, 2].map(|f| with(&|row| row.classes[f].is_published(f))),
-            classes: with(&|row| row.right(Verdict::is_published) == 3),
+            classes: with(&|row| row.right(OrbitVerdict::is_published) == 3),
             kind: [0, 1, 2].map(|f| with(&|row| row.classes[f].is_of_kind(f))),
-            kinds: with(&Row::is_ranked),
+            kinds: with(&ConfigurationRow::is_ranked),
         }
     }
 }
 
-/// How many rows give the printed digits of exponent `k` of a figure, both from 0.
-pub fn meeting(rows: &[&Row], (figure, k): (usize, usize), published: &Exponents) -> usize {
-    let agrees = |row: &&&Row| published[figure][k].agrees(row.exponents[figure][k]);
+/// Number of rows that give the printed digits of exponent `k` of a figure, both from 0.
+pub fn count_matching(
+    rows: &[&ConfigurationRow],
+    (figure, k): (usize, usize),
+    published: &Exponents,
+) -> usize {
+    let agrees = |row: &&&ConfigurationRow| published[figure][k].agrees(row.exponents[figure][k]);
     rows.iter().filter(agrees).count()
 }
 
 /// One value for each exponent of each figure.
-pub fn twelve<T>(of: impl Fn((usize, usize)) -> T) -> [[T; 4]; 3] {
+pub fn for_each_exponent<T>(of: impl Fn((usize, usize)) -> T) -> [[T; 4]; 3] {
     [0, 1, 2].map(|figure| [0, 1, 2, 3].map(|k| of((figure, k))))
 }
 
-/// What all settings make of one exponent.
+/// The results of all settings for one exponent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExponentSpread {
-    /// The finite values of the settings that identify it; nothing if there is none.
+    /// The finite values from settings that identify it; `None` if there is none.
     pub values: Option<Values>,
-    /// Settings tried.
+    /// Number of settings.
     pub settings: usize,
-    /// In how many the neighbours do not span the direction: the exponent is
+    /// Settings whose neighbours do not span the direction: the exponent is
     /// [`Status::Unidentified`].
     pub unidentified: usize,
-    /// In how many it is [`Status::Starved`] or [`Status::Unpredictable`].
+    /// Settings for which it is [`Status::Starved`] or [`Status::Unpredictable`].
     pub doubtful: usize,
-    /// How many give the published digits, identified or not.
+    /// Settings that give the published digits, identified or not.
     pub met: usize,
 }
 
 /// Finite values of an exponent (1/t).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Values {
-    /// The least.
+    /// Minimum.
     pub least: f64,
-    /// The median: of an even count the mean of the middle two.
+    /// Median; for an even count, the mean of the middle two.
     pub median: f64,
-    /// The largest.
+    /// Maximum.
     pub largest: f64,
 }
 
 impl ExponentSpread {
-    /// Of exponent `k` of a figure, both from 0.
-    pub fn of(rows: &[&Row], (figure, k): (usize, usize), published: &Exponents) -> ExponentSpread {
+    /// For exponent `k` of a figure, both from 0.
+    pub fn of(
+        rows: &[&ConfigurationRow],
+        (figure, k): (usize, usize),
+        published: &Exponents,
+    ) -> ExponentSpread {
         let having = |statuses: &[Status]| {
-            let has = |row: &&&Row| statuses.iter().any(|s| s.word() == row.statuses[figure][k]);
+            let has = |row: &&&ConfigurationRow| {
+                statuses.iter().any(|s| s.word() == row.statuses[figure][k])
+            };
             rows.iter().filter(has).count()
         };
         let unidentified = Status::Unidentified.word();
@@ -196,7 +209,7 @@ impl ExponentSpread {
             settings: rows.len(),
             unidentified: having(&[Status::Unidentified]),
             doubtful: having(&[Status::Starved, Status::Unpredictable]),
-            met: meeting(rows, (figure, k), published),
+            met: count_matching(rows, (figure, k), published),
         }
     }
 }
@@ -209,7 +222,7 @@ mod tests {
     #[test]
     fn distances_are_those_of_the_formula_and_nothing_is_worse_than_the_cap() {
         let target = Plan::full().unwrap().target;
-        // One exponent of twelve off by half its size with the floor: the root of 0.25/12.
+        // One exponent of twelve is off by half its size with the floor: the root of 0.25/12.
         let mut off = target;
         off[2][0] += 0.5 * (target[2][0].abs() + FLOOR);
         let wanted = (0.25_f64 / 12.0).sqrt();

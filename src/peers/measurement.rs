@@ -1,4 +1,4 @@
-//! What was measured of one solver at one setting on one problem.
+//! Measurements of one solver at one setting on one problem.
 
 use std::str::FromStr;
 
@@ -9,20 +9,20 @@ use crate::text;
 
 /// A row of report/bench.csv.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Row {
+pub struct Measurement {
     /// Solver.
     pub solver: String,
     /// Problem.
     pub problem: &'static str,
     /// Setting, in words.
     pub setting: String,
-    /// Tolerance, or step where that is fixed.
+    /// Tolerance, or the step if that is fixed.
     pub tolerance: Option<f64>,
-    /// Largest error of an event time; none if the events are not those of the reference.
+    /// Largest error of an event time; `None` if the events differ from those of the reference.
     pub error: Option<f64>,
-    /// Events found.
+    /// Number of events.
     pub events: Option<usize>,
-    /// Time of a run in each round (s), compiled and warm.
+    /// Time of a run in each round (s), after compilation and warm-up.
     pub seconds: Vec<f64>,
     /// Time to compile (s), not part of `seconds`.
     pub compile: Option<f64>,
@@ -32,8 +32,8 @@ pub struct Row {
     pub note: String,
 }
 
-/// The file's head.
-const HEAD: [&str; 11] = [
+/// Header of the file.
+const HEADER: [&str; 11] = [
     "solver",
     "problem",
     "setting",
@@ -48,10 +48,10 @@ const HEAD: [&str; 11] = [
 ];
 
 /// The rows as CSV.
-pub fn csv(rows: &[Row]) -> String {
+pub fn csv(rows: &[Measurement]) -> String {
     let short = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:.3e}"));
     let count = |value: Option<usize>| value.map_or(String::new(), |value| value.to_string());
-    let record = |row: &Row| {
+    let record = |row: &Measurement| {
         [
             row.solver.clone(),
             row.problem.into(),
@@ -66,16 +66,16 @@ pub fn csv(rows: &[Row]) -> String {
             row.note.clone(),
         ]
     };
-    let head = std::iter::once(HEAD.map(str::to_owned));
+    let head = std::iter::once(HEADER.map(str::to_owned));
     text::csv(head.chain(rows.iter().map(record)))
 }
 
-/// The rows of such a CSV, each with its median in the place of its rounds.
+/// Parses such a CSV. Each row has its median in place of its rounds.
 ///
 /// # Errors
-/// [`PeersError::Table`] with the line that is not as [`csv`] writes it, or that is of none of the
-/// problems.
-pub fn read(text: &str, problems: &[Problem]) -> Result<Vec<Row>, PeersError> {
+/// [`PeersError::Table`] with the line that is not as [`csv`] writes it, or that names an unknown
+/// problem.
+pub fn read(text: &str, problems: &[Problem]) -> Result<Vec<Measurement>, PeersError> {
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
         .flexible(true)
@@ -89,26 +89,26 @@ pub fn read(text: &str, problems: &[Problem]) -> Result<Vec<Row>, PeersError> {
         let record = record.map_err(|error| wrong(error.to_string()))?;
         let cells: Vec<&str> = record.iter().collect();
         if index == 0 {
-            if cells != HEAD {
-                return Err(wrong(format!("the head should be {}", HEAD.join(","))));
+            if cells != HEADER {
+                return Err(wrong(format!("the head should be {}", HEADER.join(","))));
             }
             continue;
         }
-        if cells.len() != HEAD.len() {
-            let (found, due) = (cells.len(), HEAD.len());
+        if cells.len() != HEADER.len() {
+            let (found, due) = (cells.len(), HEADER.len());
             return Err(wrong(format!("{found} cells where {due} are due")));
         }
-        let number = |cell: usize| filled(cells[cell], "number").map_err(wrong);
+        let number = |cell: usize| parse_optional(cells[cell], "number").map_err(wrong);
         let known = problems.iter().find(|known| known.name == cells[1]);
         let unknown = || wrong(format!("'{}' is none of the problems", cells[1]));
-        rows.push(Row {
+        rows.push(Measurement {
             solver: cells[0].into(),
             problem: known.ok_or_else(unknown)?.name,
             setting: cells[2].into(),
             tolerance: number(3)?,
             error: number(4)?,
-            events: filled(cells[5], "count").map_err(wrong)?,
-            // The shortest of the rounds, which follows, is not kept.
+            events: parse_optional(cells[5], "count").map_err(wrong)?,
+            // The column after the median, the shortest round, is not kept.
             seconds: number(6)?.into_iter().collect(),
             compile: number(8)?,
             process: number(9)?,
@@ -118,8 +118,8 @@ pub fn read(text: &str, problems: &[Problem]) -> Result<Vec<Row>, PeersError> {
     Ok(rows)
 }
 
-/// What a cell holds; nothing if it is empty.
-fn filled<T: FromStr>(cell: &str, what: &str) -> Result<Option<T>, String> {
+/// The value of a cell; `None` if it is empty.
+fn parse_optional<T: FromStr>(cell: &str, what: &str) -> Result<Option<T>, String> {
     let read = (!cell.is_empty()).then(|| cell.parse());
     read.transpose()
         .map_err(|_| format!("'{cell}' is no {what}"))
@@ -131,7 +131,7 @@ mod tests {
 
     #[test]
     fn the_file_has_a_cell_for_everything() {
-        let row = Row {
+        let row = Measurement {
             solver: "one".into(),
             problem: "decay",
             setting: "a, b".into(),
@@ -139,11 +139,11 @@ mod tests {
             events: Some(3),
             seconds: vec![3e-6, 1e-6, 2e-6],
             note: "failed".into(),
-            ..Row::default()
+            ..Measurement::default()
         };
         let text = csv(&[row]);
         let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines[0], HEAD.join(","));
+        assert_eq!(lines[0], HEADER.join(","));
         assert_eq!(
             lines[1],
             "one,decay,\"a, b\",1.000e-9,,3,2.000e-6,1.000e-6,,,failed"
@@ -156,8 +156,8 @@ mod tests {
         let text = include_str!("../../report/bench.csv");
         let rows = read(text, &problems).unwrap();
         assert!(rows.len() > 100);
-        let shortest = HEAD.iter().position(|name| *name == "min_s").unwrap();
-        // The shortest of the rounds is not kept: that column has the median again.
+        let shortest = HEADER.iter().position(|name| *name == "min_s").unwrap();
+        // The shortest round is not kept: that column has the median again.
         for (one, other) in csv(&rows).lines().zip(text.lines()).skip(1) {
             let apart = |line: &str| -> Vec<String> {
                 let mut reader = csv::ReaderBuilder::new()
@@ -176,7 +176,7 @@ mod tests {
     #[test]
     fn a_damaged_file_is_refused_with_its_line() {
         let problems = crate::peers::problems().unwrap();
-        let head = HEAD.join(",");
+        let head = HEADER.join(",");
         for (line, cause) in [
             ("one,drift,,,,,,,,,", "'drift' is none"),
             ("one,decay,,x,,,,,,,", "'x' is no number"),
