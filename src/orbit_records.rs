@@ -36,9 +36,9 @@ impl<'a> TurningPoints<'a> {
 
     /// Searches the next step of the run for returns.
     pub(crate) fn step(&mut self, step: &StepRecord<4>) {
-        let found = self.search.in_step(step);
+        let events = self.search.in_step(step);
         self.points
-            .extend(found.iter().map(|at| (at.t, at.x.into())));
+            .extend(events.iter().map(|at| (at.t, at.x.into())));
     }
 }
 

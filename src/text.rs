@@ -78,8 +78,8 @@ pub struct SectionMarkers {
 impl SectionMarkers {
     /// `text` with `part` between the marks; `None` if it has no such marks.
     pub fn replace_section(self, text: &str, part: &str) -> Option<String> {
-        let (before, rest) = text.split_once(self.begin)?;
-        let (_, after) = rest.split_once(self.end)?;
+        let (before, tail) = text.split_once(self.begin)?;
+        let (_, after) = tail.split_once(self.end)?;
         let SectionMarkers { begin, end } = self;
         Some(format!("{before}{begin}\n{part}\n{end}{after}"))
     }

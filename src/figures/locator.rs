@@ -122,7 +122,7 @@ fn draw(methods: &[LocatorMethod; 5]) -> Result<String, FigureError> {
         Axis::decades("error of the event's time, s", (-14.8, 0.3)),
     )
     .legend(Legend::Below);
-    for (method, (color, dash, shape)) in methods.iter().zip(LOOKS) {
+    for (method, (color, dash, shape)) in methods.iter().zip(LINE_STYLES) {
         let above = method.errors.iter().filter(|(_, error)| *error > FLOOR);
         let points = above.map(|&(h, e)| (math::log10(h), math::log10(e)));
         let name = format!("{}: slope {:.1}", method.name, method.order);
@@ -138,7 +138,7 @@ fn draw(methods: &[LocatorMethod; 5]) -> Result<String, FigureError> {
     Ok(figure.row(1.0, panel).render()?)
 }
 
-const LOOKS: [(Color, Dash, Shape); 5] = [
+const LINE_STYLES: [(Color, Dash, Shape); 5] = [
     (BLACK, Dash::Dotted, Shape::Diamond),
     (ORANGE, Dash::Dashed, Shape::Square),
     (VERMILLION, Dash::Solid, Shape::Circle),

@@ -196,7 +196,7 @@ mod tests {
     #[test]
     fn leaving_the_bound_is_an_outcome() {
         let mut scheme = fig11(0.3);
-        let lost = (0..100_000).find_map(|_| scheme.advance().err());
-        assert!(matches!(lost, Some(Breakdown::Escaped { t }) if t > 0.0));
+        let breakdown = (0..100_000).find_map(|_| scheme.advance().err());
+        assert!(matches!(breakdown, Some(Breakdown::Escaped { t }) if t > 0.0));
     }
 }

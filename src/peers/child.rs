@@ -74,8 +74,8 @@ pub fn parse(line: &str) -> Result<Answer, String> {
         ["done"] => Ok(Answer::Done),
         _ if count == 1 => Err("it is neither version, curve, cannot, seconds nor done".into()),
         _ => {
-            let found = cells.len();
-            Err(format!("{count} cells are due, there are {found}"))
+            let given = cells.len();
+            Err(format!("{count} cells are due, there are {given}"))
         }
     }
 }

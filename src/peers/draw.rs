@@ -8,7 +8,7 @@ use crate::text::distinct;
 use plot::*;
 use stickslip::math;
 
-const LOOKS: [(Color, Dash, Shape); 8] = [
+const LINE_STYLES: [(Color, Dash, Shape); 8] = [
     (BLACK, Dash::Solid, Shape::Circle),
     (BLUE, Dash::Solid, Shape::Square),
     (VERMILLION, Dash::Solid, Shape::Up),
@@ -68,8 +68,8 @@ fn letter(place: usize) -> String {
     format!("({})", char::from(b'a' + place as u8))
 }
 
-fn look(place: usize) -> (Color, Dash, Shape) {
-    LOOKS[place % LOOKS.len()]
+fn line_style(place: usize) -> (Color, Dash, Shape) {
+    LINE_STYLES[place % LINE_STYLES.len()]
 }
 
 fn work_precision(rows: &[&Measurement], names: &[&str]) -> Panel {
@@ -86,7 +86,7 @@ fn work_precision(rows: &[&Measurement], names: &[&str]) -> Panel {
     );
     // Our solvers last, on top.
     for (i, points) in fronts.into_iter().enumerate().rev() {
-        let (color, dash, shape) = look(i);
+        let (color, dash, shape) = line_style(i);
         panel.add(Curve::new(points.clone()).color(color).dash(dash));
         panel.add(Markers::new(points).color(color).shape(shape).size(5.5));
     }
@@ -132,7 +132,7 @@ fn processes(rows: &[Measurement], names: &[&str], problems: &[Problem]) -> Pane
     )
     .title(&title);
     for (i, times) in times.iter().enumerate() {
-        let (color, _, shape) = look(i);
+        let (color, _, shape) = line_style(i);
         for filled in [true, false] {
             let own = times.iter().filter(|one| (first == Some(one.0)) == filled);
             let marks = Markers::new(own.map(|(_, t)| (*t, place(i))));
@@ -147,7 +147,7 @@ fn processes(rows: &[Measurement], names: &[&str], problems: &[Problem]) -> Pane
 fn with_legend(panel: Panel, names: &[&str]) -> Panel {
     let mut panel = panel.legend(Legend::Below);
     for (i, name) in names.iter().enumerate() {
-        let (color, dash, _) = look(i);
+        let (color, dash, _) = line_style(i);
         panel.add(Curve::new([]).color(color).dash(dash).legend(name));
     }
     panel

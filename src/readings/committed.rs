@@ -81,12 +81,12 @@ impl Committed {
         let rows: Vec<ConfigurationRow> =
             table.lines().filter_map(ConfigurationRow::parse).collect();
         let groups = plan.groups.iter();
-        let wanted: Vec<[String; 4]> = groups.flat_map(|one| plan::keys(&plan, one)).collect();
-        let same = rows.iter().map(|row| &row.key).eq(&wanted);
+        let expected: Vec<[String; 4]> = groups.flat_map(|one| plan::keys(&plan, one)).collect();
+        let same = rows.iter().map(|row| &row.key).eq(&expected);
         let incomplete = || ReadingsError::Incomplete {
             file: FILE,
-            found: rows.len(),
-            wanted: wanted.len(),
+            actual: rows.len(),
+            expected: expected.len(),
         };
         if !(same && table.starts_with(&plan.heading())) {
             return Err(incomplete());
@@ -162,12 +162,12 @@ mod tests {
             .lines()
             .filter(|line| line.starts_with("spread,"))
             .collect();
-        let wanted: Vec<&str> = lines.into_iter().step_by(EVERY).collect();
-        let found: Vec<String> = rows
+        let expected: Vec<&str> = lines.into_iter().step_by(EVERY).collect();
+        let actual: Vec<String> = rows
             .iter()
             .map(|row| row.line().trim_end().to_owned())
             .collect();
-        assert_eq!(found, wanted);
+        assert_eq!(actual, expected);
     }
 
     #[test]

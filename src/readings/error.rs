@@ -19,17 +19,17 @@ pub enum ReadingsError {
     },
     /// An existing table cannot be continued by this search: it has other settings or another
     /// format.
-    #[error("{} is not of this search: its line {line} is '{found}' and should be '{wanted}'; move \
-        it away or choose another folder with --out", path.display())]
+    #[error("{} is not of this search: its line {line} is '{actual}' and should be \
+        '{expected}'; move it away or choose another folder with --out", path.display())]
     OtherSearch {
         /// The table.
         path: PathBuf,
         /// The first line that differs, counted from 1.
         line: usize,
         /// Its content; "nothing" if it is missing.
-        found: String,
+        actual: String,
         /// Required content.
-        wanted: String,
+        expected: String,
     },
     /// The folder for the files, or a file in it, cannot be written.
     #[error("{0}; choose another folder with --out")]
@@ -39,16 +39,16 @@ pub enum ReadingsError {
     Published(#[from] PublishedError),
     /// The committed table is not that of the full search.
     #[error(
-        "{file} is not the table of the full search: {found} of {wanted} configurations can be \
+        "{file} is not the table of the full search: {actual} of {expected} configurations can be \
             read, or they were made with other settings; make it with `make readings`"
     )]
     Incomplete {
         /// The table.
         file: &'static str,
         /// Readable rows.
-        found: usize,
+        actual: usize,
         /// Required rows.
-        wanted: usize,
+        expected: usize,
     },
     /// The threads cannot be started.
     #[error("cannot start {threads} threads: {reason}; give fewer with --threads")]

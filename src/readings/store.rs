@@ -93,12 +93,12 @@ fn same_search(text: &str, plan: &Plan, path: PathBuf) -> Result<(), ReadingsErr
     let heading = plan.heading();
     let lines = text.lines().chain(std::iter::repeat("nothing"));
     let mut pairs = (1..).zip(heading.lines().zip(lines));
-    match pairs.find(|(_, (wanted, found))| wanted != found) {
-        Some((line, (wanted, found))) => Err(ReadingsError::OtherSearch {
+    match pairs.find(|(_, (expected, actual))| expected != actual) {
+        Some((line, (expected, actual))) => Err(ReadingsError::OtherSearch {
             path,
             line,
-            found: found.to_owned(),
-            wanted: wanted.to_owned(),
+            actual: actual.to_owned(),
+            expected: expected.to_owned(),
         }),
         None => Ok(()),
     }

@@ -214,8 +214,8 @@ impl ConfigurationRow {
         if fields.len() != FIELDS {
             return None;
         }
-        let mut rest = fields.iter().copied();
-        let mut next = || rest.next();
+        let mut remaining = fields.iter().copied();
+        let mut next = || remaining.next();
         let mut row = ConfigurationRow::empty(Default::default());
         for part in &mut row.key {
             *part = next()?.to_owned();

@@ -75,16 +75,16 @@ impl Approach {
         };
         let decades = others(decades);
         let all = [decades.clone(), others(around)].concat();
-        let most = |keep: fn(f64) -> bool| {
-            let kept = all.iter().filter(|at| keep(at.0));
-            largest(kept.map(|(h, e)| (e / h).abs()))
+        let largest_ratio = |keep: fn(f64) -> bool| {
+            let selected = all.iter().filter(|at| keep(at.0));
+            largest(selected.map(|(h, e)| (e / h).abs()))
         };
         let sizes: Vec<(f64, f64)> = decades.iter().map(|&(h, e)| (h, e.abs())).collect();
         let law = PowerLaw::through(sizes.iter().copied());
         Approach {
-            bound: most(|_| true),
-            coarse: most(|h| h >= FINE),
-            fine: most(|h| h < FINE),
+            bound: largest_ratio(|_| true),
+            coarse: largest_ratio(|h| h >= FINE),
+            fine: largest_ratio(|h| h < FINE),
             slope: law.exponent,
             slope_error: law.std_error,
         }

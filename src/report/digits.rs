@@ -52,13 +52,15 @@ pub fn agreement(claim: &Claim, value: f64) -> Option<Agreement> {
         }
         Digits::Decimals(decimals) => {
             let printed = significant(published, decimals);
-            let near = |lost: &u32| off <= 0.5 * ten_to(f64::from(*lost) - decimals as f64);
+            let near = |missing_digits: &u32| {
+                off <= 0.5 * ten_to(f64::from(*missing_digits) - decimals as f64)
+            };
             // The last digit agrees if rounding gives it, as the claim requires.
-            let lost = match claim.agrees(value) {
+            let missing_digits = match claim.agrees(value) {
                 true => 0,
                 false => (1..printed).find(near).unwrap_or(printed),
             };
-            (printed - lost, printed)
+            (printed - missing_digits, printed)
         }
     };
     Some(Agreement { agreeing, printed })

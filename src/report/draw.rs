@@ -134,7 +134,7 @@ fn about_scan(scan: &Scan) -> String {
 const HEIGHT: f64 = 0.8;
 
 /// Colour and name of a class.
-fn look(class: Class) -> (Color, &'static str) {
+fn class_style(class: Class) -> (Color, &'static str) {
     match class {
         Class::Escape => (LIGHT_GREY, "escapes"),
         Class::SlipOnly => (SKY, "slip only"),
@@ -219,7 +219,7 @@ fn strip(line: &ParameterScan, base: f64, half: f64, listed: &mut [bool; 5]) -> 
                 continue;
             }
             let top = bottom + HEIGHT * count as f64 / all;
-            let (color, name) = look(class);
+            let (color, name) = class_style(class);
             let mut band = Band::rect((middle - half, middle + half), (bottom, top)).fill(color);
             if !std::mem::replace(&mut listed[class as usize], true) {
                 band = band.legend(name);

@@ -27,8 +27,8 @@ pub(super) const PARTS: [(&str, &str); 9] = [
 
 /// The name of the part to which a claim belongs.
 fn part_of(claim: &Claim) -> &'static str {
-    let known = PARTS.iter().find(|(part, _)| *part == claim.part);
-    known.map_or("", |(_, name)| name)
+    let entry = PARTS.iter().find(|(part, _)| *part == claim.part);
+    entry.map_or("", |(_, name)| name)
 }
 
 /// The verdict in three sentences: all claims, Fig. 8, and Figs. 10–12.

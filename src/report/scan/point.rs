@@ -150,7 +150,7 @@ impl Point {
                         period,
                         lengths: lengths(model, &x, period, &options)?,
                     };
-                    if !stick_slip.iter().any(|known| known.is_same(&motion)) {
+                    if !stick_slip.iter().any(|other| other.is_same(&motion)) {
                         stick_slip.push(motion);
                     }
                     if two_periodic(sticks, period) {

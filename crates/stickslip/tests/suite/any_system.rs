@@ -20,8 +20,8 @@ use crate::pulses::{Overflowing, Pushed, Slippery, Spike};
 use crate::sections::EventSet;
 use crate::smooth::{Lorenz, Smooth};
 use crate::solver::systems::{
-    BlowUp, Breathing, Ceiling, Dip, Floor, Ledge, MovingLine, Parabola, Rest, Reversed, Spiral,
-    StaticFriction, TurningLine, TwiceRound, TwoFold, Wall, Window, Zeno,
+    BlowUp, Breathing, Ceiling, ComesToRest, Dip, Floor, Ledge, MovingLine, Parabola, Reversed,
+    Spiral, StaticFriction, TurningLine, TwiceRound, TwoFold, Wall, Window, Zeno,
 };
 use crate::taylor::{
     Bilinear, Brink, Cup, Dent, Gate, Kink, Knee, Pit, Push, Ramp, Rectified, SoftStop, Steep,
@@ -75,7 +75,7 @@ traced!(
     Square, Steep, Steepening, TurningLine, UndefinedAfterOne, Wall, Window,
 );
 
-typed!(Any1, 1: Brink(Brink), Rest(Rest), Valley(Valley));
+typed!(Any1, 1: Brink(Brink), ComesToRest(ComesToRest), Valley(Valley));
 
 traced!(
     2:

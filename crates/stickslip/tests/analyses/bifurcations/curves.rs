@@ -238,7 +238,7 @@ fn a_curve_of_folds_goes_round_its_cusp() {
     }
 }
 
-/// The orbit `c = (cos t, sin t)`, and about it, in a frame that rotates half as fast, the rates
+/// The orbit `c = (cos t, sin t)`. About it, in a frame that rotates half as fast, the rates are
 /// `(p + q²) u - u³` and `-w`. Its period doubles where `p = -q²`.
 struct Doubled;
 

@@ -416,8 +416,8 @@ impl Filippov<2> for Shaken {
     }
 }
 
-/// `y' = -3y/10 + cos 2t`, and beside it `z' = cos 2t + y/5 - p sgn z` on `z = 0`, with `p` as the
-/// third state. Once y has settled, the pull has the amplitude [`Pulse::amplitude`]. It always
+/// `y' = -3y/10 + cos 2t`, and beside it `z' = cos 2t + y/5 - p sgn z` on `z = 0`. The third state
+/// is `p`. Once y has settled, the pull has the amplitude [`Pulse::amplitude`]. It always
 /// sticks if `p` is larger.
 pub struct Pulse;
 

@@ -17,7 +17,7 @@ use crate::any_system::{run, solve};
 use crate::den_hartog::DenHartog;
 use crate::listed::Listed;
 use crate::solver::systems::{
-    BlowUp, Breathing, Ceiling, Dip, Floor, Parabola, Rest, TurningLine, TwoFold, Zeno,
+    BlowUp, Breathing, Ceiling, ComesToRest, Dip, Floor, Parabola, TurningLine, TwoFold, Zeno,
     decaying_friction,
 };
 
@@ -128,7 +128,7 @@ fn the_step_on_which_a_run_escapes_is_kept() {
 
 #[test]
 fn a_step_whose_dense_output_is_not_finite_is_not_searched_for_ever() {
-    let system = Rest {
+    let system = ComesToRest {
         looks: AtomicU64::new(0),
     };
     // Until time 2 the solution is 1 - (1 - t/2)². Then it rests at 1, at the edge of the field's

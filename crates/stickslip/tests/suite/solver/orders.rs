@@ -67,8 +67,8 @@ fn a_smooth_orbit_converges_with_the_order_of_the_method() {
     }
 }
 
-/// Error of an event time with `n + ½` steps to the first event, so that the last step is cut at
-/// the same fraction for all `n`.
+/// Error of an event time with `n + ½` steps to the first event. So the last step is cut at the
+/// same fraction for all `n`.
 fn event_errors(
     fixed: Fixed,
     locator: Locator,

@@ -255,11 +255,11 @@ impl Filippov<1> for BlowUp {
 
 /// `x' = √(1 - x)`, which comes to rest at 1. Its boundary is far away, and its evaluations are
 /// counted.
-pub struct Rest {
+pub struct ComesToRest {
     pub looks: AtomicU64,
 }
 
-impl Filippov<1> for Rest {
+impl Filippov<1> for ComesToRest {
     fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; 1]) -> [T; 1] {
         [Scalar::sqrt(-x[0] + 1.0)]
     }
