@@ -93,7 +93,7 @@ class Expression:
         raise TypeError(
             f"a formula cannot be compared (`{self.text} {sign} …`). A field with two sides is "
             "written with a Contact: contact.by_side(below, above); bounds are np.minimum and "
-            "np.maximum"
+            "np.maximum; events and jumps are where a formula is zero, with a direction"
         )
 
     def __float__(self) -> float:
@@ -204,6 +204,8 @@ def expression(value: Any) -> Expression:
         return value
     if isinstance(value, np.ndarray) and value.ndim == 0:
         return expression(value.item())
+    if isinstance(value, (bool, np.bool_)):
+        raise TypeError(f"{value!r} cannot stand in a formula: write 0 or 1, and compare no symbols")
     if isinstance(value, (numbers.Real, np.generic)):
         value = number(value, "a number in a formula")
         return Expression(written(value), _ATOM if np.copysign(1.0, value) > 0 else _SIGN)
@@ -282,13 +284,12 @@ class Parameter(Symbol):
         return type(self), (self.name, self.value)
 
 
-def _names(names: str | Sequence[str]) -> list[str]:
-    return names.replace(",", " ").split() if isinstance(names, str) else list(names)
-
-
 def states(names: str | Sequence[str]) -> tuple[State, ...]:
-    """States by their names, as in `x, v = ss.states("x v")`."""
-    return tuple(State(name) for name in _names(names))
+    """States by their names, as in `x, v = ss.states("x v")`; of one name, too, it is a tuple."""
+    each = names.replace(",", " ").split() if isinstance(names, str) else list(names)
+    if len(set(each)) < len(each):
+        raise ValueError(f"the states {', '.join(each)} must have different names")
+    return tuple(State(name) for name in each)
 
 
 def state(name: str) -> State:
@@ -444,6 +445,18 @@ def table(
     return Input(name, {"shape": "table", **lists, "between": between})
 
 
+_DIRECTIONS: list[Direction] = ["both", "rising", "falling"]
+
+
+def sign_of(direction: float | Direction) -> int:
+    """1 for rising, -1 for falling, 0 for both."""
+    if isinstance(direction, str):
+        if direction not in _DIRECTIONS:
+            raise ValueError(f"direction = {direction!r}: it is 'rising', 'falling' or 'both'")
+        return (0, 1, -1)[_DIRECTIONS.index(direction)]
+    return int(np.sign(number(direction, "direction")))
+
+
 class Jump:
     """A jump: where `when` passes through zero, the states in `set` take new values."""
 
@@ -452,17 +465,21 @@ class Jump:
         name: str,
         when: Any,
         set: Mapping[State | DiscreteState, Any] | None = None,
-        direction: Direction = "both",
+        direction: float | Direction = "both",
         stop: bool = False,
         count: int | None = None,
     ) -> None:
         check_name(name)
-        if direction not in ("rising", "falling", "both"):
-            raise ValueError(f"direction = {direction!r}: it is 'rising', 'falling' or 'both'")
+        values = {} if set is None else set
+        if not isinstance(values, Mapping):
+            raise TypeError(f"set must be {{state: value, …}}, not {set!r}")
+        for state in values:
+            if not isinstance(state, (State, DiscreteState)):
+                raise TypeError(f"{state!r} is no state: the keys of set are made by ss.states")
         self.name = name
         self.when = expression(when)
-        self.set = {state: expression(value) for state, value in (set or {}).items()}
-        self.direction = direction
+        self.set = {state: expression(value) for state, value in values.items()}
+        self.direction = _DIRECTIONS[sign_of(direction)]
         self.stop = bool(stop)
         self.count = count
 
