@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-import operator
 from collections.abc import Mapping
 from typing import Any, Literal, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._symbols import Expression, Parameter, State, number
+from ._symbols import Expression, Parameter, State, number, whole
 from ._system import System
 
 Floats = NDArray[np.float64]
@@ -99,19 +98,6 @@ def settings(options: Options) -> dict[str, Any]:
 def real(value: Any, name: str) -> float:
     """A number, which may be infinite."""
     return math.inf if value == math.inf else number(value, name)
-
-
-def whole(value: Any, name: str, least: int = 1) -> int:
-    """A whole number of at least 1, or of another bound."""
-    try:
-        found = operator.index(value)
-    except TypeError:
-        if not (isinstance(value, (float, np.floating)) and float(value).is_integer()):
-            raise TypeError(f"{name} must be a whole number, not {value!r}") from None
-        found = int(value)
-    if found < least:
-        raise ValueError(f"{name} = {found}: it must be at least {least}")
-    return found
 
 
 def threads(workers: Any) -> int:

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _core
-from ._arguments import Floats, Options, array, checked, real, settings, start, whole
+from ._arguments import Floats, Options, array, checked, real, settings, start
 from ._plot import new_axes
 from ._progress import shown
 from ._results import Result, called, kept
-from ._symbols import State, number
+from ._symbols import State, number, whole
 from ._system import System
 
 

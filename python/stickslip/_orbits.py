@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from ._arguments import Floats, Options, checked, name_of, pair, real, settings, start, whole
+from ._arguments import Floats, Options, checked, name_of, pair, real, settings, start
 from ._errors import OptionError
 from ._plot import new_axes
 from ._progress import shown
 from ._results import Result, called, column, kept, structured
 from ._run import Event, Solution, section_of, solve_ivp
-from ._symbols import Expression, Parameter, State
+from ._symbols import Expression, Parameter, State, whole
 from ._system import System
 
 

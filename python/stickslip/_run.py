@@ -21,13 +21,12 @@ from ._arguments import (
     pair,
     settings,
     start,
-    whole,
 )
 from ._errors import SolverWarning
 from ._plot import new_axes
 from ._progress import shown
 from ._results import called, kept, structured
-from ._symbols import Direction, Expression, Parameter, State, expression, sign_of
+from ._symbols import Direction, Expression, Parameter, State, expression, sign_of, whole
 from ._system import System
 
 

@@ -28,9 +28,23 @@ from ._symbols import (
 class System:
     """A system with its parameters.
 
-    `rates` has the rate of each state, in the order of the states. Parameters, inputs, switches and
-    discrete states are found in the formulas; contacts and jumps are given. A pickle is the text of
-    the system and the values of its parameters.
+    Parameters, inputs, switches and discrete states are found in the formulas. A pickle is the text
+    of the system and the values of its parameters.
+
+    Parameters
+    ----------
+    rates : dict
+        The rate of each state, in the order of the states: ``{x: v, v: -x}``.
+    contacts : Contact or a sequence of them, optional
+        All contacts that stand in the rates.
+    jumps : Jump or a sequence of them, optional
+        Changes of the state at an instant.
+    start : dict or sequence, optional
+        The state at the start of runs; it may depend on parameters.
+    period : float or Expression, optional
+        Period in time, if the system depends on time and attractors are wanted.
+    name : str, optional
+        What it is called.
     """
 
     def __init__(
@@ -44,8 +58,8 @@ class System:
         name: str = "system",
     ) -> None:
         several = _all(contacts, Contact, "contacts"), _all(jumps, Jump, "jumps")
-        text = _text(rates, several, start, period, name)
-        self._set(name, text, {})
+        text = _text(rates, several, start, period, str(name))
+        self._set(str(name), text, {})
 
     def _set(self, origin: str, text: str, settings: Mapping[str, float]) -> None:
         self._origin, self._text, self._settings = origin, text, dict(settings)
@@ -239,7 +253,7 @@ def _text(
         if jump.stop:
             entries["stop"] = True
         if jump.count is not None:
-            entries["count"] = int(jump.count)
+            entries["count"] = jump.count
         tables.append((f"jumps.{jump.name}", entries))
         if jump.set:
             values = {state.name: value for state, value in jump.set.items()}

@@ -237,8 +237,9 @@ def test_a_future_that_is_not_unique_has_a_status_of_its_own():
 
 def test_import_is_fast_and_needs_numpy_only():
     code = (
-        "import numpy, sys, time; t = time.perf_counter(); import stickslip; "
-        "print(time.perf_counter() - t, len({'scipy', 'matplotlib'} & set(sys.modules)))"
+        # Time of the processor: other programs may be running.
+        "import numpy, sys, time; t = time.process_time(); import stickslip; "
+        "print(time.process_time() - t, len({'scipy', 'matplotlib'} & set(sys.modules)))"
     )
     run = [sys.executable, "-c", code]
     found = [subprocess.run(run, capture_output=True, check=True).stdout.split() for _ in range(3)]
