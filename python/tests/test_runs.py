@@ -162,6 +162,8 @@ def test_a_bouncing_ball_lands_when_it_must():
     # Both sides of a jump are in the result.
     first = np.flatnonzero(sol.t == sol.transitions["t"][0])
     assert len(first) == 2 and np.allclose(sol.y[1, first], [-10, 5])
+    with pytest.warns(ss.SolverWarning, match="at `bounce`.*what comes to rest needs a contact"):
+        ss.solve_ivp(ss.System({h: v, v: -g}, jumps=[bounce]), (0, 4), [5, 0])
 
 
 def test_a_thermostat_switches_when_it_must():
