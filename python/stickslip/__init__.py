@@ -10,15 +10,14 @@
 0
 """
 
-from ._analyses import (
+from ._arguments import Options
+from ._attractors import (
+    Basins,
+    BifurcationDiagram,
+    ParameterMap,
     basins_of_attraction,
     bifurcation_diagram,
-    continuation,
-    lyapunov_from_data,
-    lyapunov_spectrum,
     parameter_map,
-    periodic_orbit,
-    poincare_map,
 )
 from ._core import __version__
 from ._errors import (
@@ -29,17 +28,16 @@ from ._errors import (
     StickslipError,
     SystemError,
 )
-from ._results import (
-    Basins,
-    BifurcationDiagram,
+from ._exponents import DataSpectrum, LyapunovSpectrum, lyapunov_from_data, lyapunov_spectrum
+from ._orbits import (
     Branch,
-    DataSpectrum,
-    LyapunovSpectrum,
-    ParameterMap,
     PeriodicOrbit,
     PoincareMap,
+    continuation,
+    periodic_orbit,
+    poincare_map,
 )
-from ._run import DenseOutput, Event, Options, Solution, event, solve_ivp
+from ._run import DenseOutput, Event, Solution, event, solve_ivp
 from ._symbols import (
     Contact,
     DiscreteState,

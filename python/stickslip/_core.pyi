@@ -112,4 +112,9 @@ def basins(
     settings: _Settings,
     report: _Report,
 ) -> _Found: ...
-def lyapunov_from_data(series: NDArray[np.float64], dt: float) -> _Found: ...
+def lyapunov_from_data(
+    series: NDArray[np.float64],
+    dt: float,
+    embedding: tuple[int | None, int | None],
+    report: _Report,
+) -> _Found: ...

@@ -102,5 +102,6 @@ class InternalError(RuntimeError):
     """A defect of stickslip itself."""
 
 
-class SolverWarning(UserWarning):
-    """A run failed; the result is the orbit up to there."""
+class SolverWarning(RuntimeWarning):
+    """A run failed. The result of `solve_ivp` is the orbit up to there; in those of many runs the
+    kind is ``"failure"``, and one warning counts them."""

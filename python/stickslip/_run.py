@@ -4,24 +4,30 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import Any, Literal, TypedDict, TypeVar, Unpack
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from ._errors import InternalError, Interrupted, SolverWarning
+from ._arguments import (
+    Floats,
+    Method,
+    OptionsButMethod,
+    array,
+    checked,
+    pair,
+    settings,
+    start,
+)
+from ._errors import SolverWarning
 from ._plot import new_axes
 from ._progress import shown
-from ._symbols import Expression, expression
+from ._results import called, kept, structured
+from ._symbols import Direction, Expression, Parameter, State, expression, sign_of, whole
 from ._system import System
-
-Floats = NDArray[np.float64]
-Method = Literal["taylor", "dop853"]
-_T = TypeVar("_T")
 
 
 @dataclass(frozen=True)
@@ -43,14 +49,16 @@ class Event:
     terminal: int = 0
 
 
-def event(function: Any, direction: float = 0, terminal: bool | int = False) -> Event:
+def event(
+    function: Any, direction: float | Direction = 0, terminal: bool | int = False
+) -> Event:
     """An event of a run, or a section: where a formula passes through zero.
 
     Parameters
     ----------
     function : Expression
         A formula of states, parameters and time.
-    direction : float, optional
+    direction : float or {"rising", "falling", "both"}, optional
         As SciPy's: positive for rising, negative for falling, 0 for both.
     terminal : bool or int, optional
         Whether the run ends there, or at the passage of which number.
@@ -71,127 +79,18 @@ def event(function: Any, direction: float = 0, terminal: bool | int = False) -> 
     >>> ss.event(v, direction=-1)
     Event(function=v, direction=-1, terminal=0)
     """
+    if callable(function):
+        raise TypeError("an event is a formula of symbols, as ss.event(v - 1), and no function")
     formula = expression(function)
-    if not formula.parts:
-        raise ValueError(f"the event {formula} is constant")
-    count = int(terminal)
-    if count < 0:
-        raise ValueError(f"terminal = {terminal!r}: it is True, False or a number of passages")
-    return Event(formula, int(np.sign(direction)), count)
+    if all(isinstance(part, Parameter) for part in formula.parts):
+        raise ValueError(f"the event {formula} is constant: it has neither a state nor time")
+    return Event(formula, sign_of(direction), whole(terminal, "terminal", least=0))
 
 
-class Options(TypedDict, total=False):
-    """Settings of the solver, which every computation takes as keywords.
-
-    Attributes
-    ----------
-    rtol : float
-        Relative tolerance; 1e-12 unless given.
-    atol : float
-        Absolute tolerance; `rtol` unless given.
-    method : {"taylor", "dop853"}
-        Taylor series of an order that fits the tolerance, or Dormand and Prince's pair of order 8.
-    max_step : float
-        Longest step, in units of time.
-    escape : float
-        A run fails where a component exceeds this; 1e6 unless given.
-    at_repelling : {"stop", "below", "above"}
-        Where the boundary repels and the future is not unique: end with status 2, or go on there.
-    at_pile_up : {"stop", "rest"}
-        Where transitions accumulate, as of a ball that comes to rest: fail, or stay there.
-    most_events, most_steps : int
-        A run fails that has more.
-    """
-
-    rtol: float
-    atol: float | None
-    method: Method
-    max_step: float
-    escape: float
-    at_repelling: Literal["stop", "below", "above"]
-    at_pile_up: Literal["stop", "rest"]
-    most_events: int
-    most_steps: int
-
-
-_DEFAULTS: Options = {
-    "rtol": 1e-12,
-    "atol": None,
-    "method": "taylor",
-    "max_step": math.inf,
-    "escape": 1e6,
-    "at_repelling": "stop",
-    "at_pile_up": "stop",
-    "most_events": 200_000,
-    "most_steps": 1_000_000_000,
-}
-
-
-def settings(options: Options) -> dict[str, Any]:
-    """All settings of a run, with the program's defaults."""
-    unknown = options.keys() - _DEFAULTS.keys()
-    if unknown:
-        names = ", ".join(_DEFAULTS)
-        raise TypeError(f"{sorted(unknown)[0]!r} is no option: they are {names}")
-    made: dict[str, Any] = {**_DEFAULTS, **options}
-    for name in ("rtol", "max_step", "escape"):
-        made[name] = float(made[name])
-    made["atol"] = made["rtol"] if made["atol"] is None else float(made["atol"])
-    made["method"] = str(made["method"]).lower()
-    return made
-
-
-def called(function: Callable[..., _T], *of: Any) -> _T:
-    """A call of the engine, of which a panic is an `InternalError`."""
-    try:
-        return function(*of)
-    except KeyboardInterrupt as raised:
-        # There is nothing to keep.
-        raise Interrupted() from raised
-    except BaseException as error:
-        if type(error).__name__ != "PanicException":
-            raise
-        raise InternalError(f"a defect of stickslip: {error}") from None
-
-
-def kept(found: dict[str, Any], result: _T) -> _T:
-    """The result; where something has ended the computation early, that is raised, and Ctrl-C as
-    `Interrupted` with the result."""
-    raised = found.get("raised")
-    if raised is None:
-        return result
-    if isinstance(raised, KeyboardInterrupt):
-        raise Interrupted("interrupted; `partial` has what was found", result) from raised
-    raise raised
-
-
-def array(values: ArrayLike, name: str, dimensions: int = 1) -> Floats:
-    """Finite doubles of so many dimensions, in order."""
-    found = np.asarray(values)
-    if found.dtype.kind not in "fiub":
-        raise TypeError(f"{name} must be real numbers, not {found.dtype}")
-    if found.ndim != dimensions:
-        raise ValueError(f"{name} must have {dimensions} dimension(s), not {found.ndim}")
-    # A sum is finite where all are, and where it overflows they are looked at one by one.
-    if not math.isfinite(found.sum()) and not np.isfinite(found).all():
-        place = tuple(int(k) for k in np.argwhere(~np.isfinite(found))[0])
-        raise ValueError(f"{name}[{', '.join(map(str, place))}] = {found[place]} is not finite")
-    return np.ascontiguousarray(found, dtype=np.float64)
-
-
-def state(system: System, y0: ArrayLike | None) -> list[float]:
-    """A state at the start: as given, or as the system says."""
-    if y0 is None:
-        if system.start is None:
-            raise ValueError("the system has no start: give y0")
-        return list(system.start)
-    found = array(y0, "y0")
-    names = system.states
-    if len(found) != len(names):
-        raise ValueError(
-            f"y0 has {len(found)} values, and there are {len(names)} states: {', '.join(names)}"
-        )
-    return [float(value) for value in found]
+def section_of(system: System, watched: Event | Expression) -> _core.System:
+    """The system with an event as its section."""
+    watched = watched if isinstance(watched, Event) else event(watched)
+    return system._section(watched.function.text, watched.direction)
 
 
 class DenseOutput:
@@ -242,7 +141,7 @@ class DenseOutput:
                 _core.solve, system._core, start, until, [], nothing, True, options, None
             )
             self._core = again["sol"]
-        found = called(self._core.at, np.ascontiguousarray(times.ravel()))
+        found: Floats = called(self._core.at, np.ascontiguousarray(times.ravel()))
         return found[0] if times.ndim == 0 else found.T
 
     def __reduce__(self) -> Any:
@@ -318,17 +217,7 @@ class Solution:
         )
 
     def plot(self, axes: Any = None) -> Any:
-        """Draws the states against time, and stick as bands.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to; new axes unless given.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-        """
+        """Draws the states against time, and stick as bands."""
         axes = new_axes(axes)
         for name, row in zip(self.system.states, self.y):
             axes.plot(self.t, row, label=name)
@@ -340,38 +229,17 @@ class Solution:
         return axes
 
 
-@lru_cache(maxsize=256)
-def _dtype(fields: tuple[tuple[str, Any, tuple[int, ...]], ...]) -> np.dtype[np.void]:
-    return np.dtype(list(fields))
-
-
-def structured(columns: Mapping[str, Any]) -> NDArray[np.void]:
-    """A structured array of columns: texts, numbers, or rows of numbers."""
-    types: list[tuple[str, Any, tuple[int, ...]]] = []
-    for name, values in columns.items():
-        if isinstance(values, list):
-            types.append((name, f"U{max(map(len, values), default=0) or 1}", ()))
-        else:
-            types.append((name, "f8", values.shape[1:]))
-    count = len(next(iter(columns.values())))
-    found = np.zeros(count, dtype=_dtype(tuple(types)))
-    if count:
-        for name, values in columns.items():
-            found[name] = values
-    return found
-
-
 def solve_ivp(
     system: System,
     t_span: tuple[float, float],
-    y0: ArrayLike | None = None,
+    y0: ArrayLike | Mapping[State, float] | None = None,
     method: Method = "taylor",
     t_eval: ArrayLike | None = None,
     dense_output: bool = False,
     events: Event | Expression | Sequence[Event | Expression] | None = None,
     *,
     progress: bool = False,
-    **options: Unpack[Options],
+    **options: Unpack[OptionsButMethod],
 ) -> Solution:
     """Follows an orbit, as `scipy.integrate.solve_ivp` does.
 
@@ -382,8 +250,8 @@ def solve_ivp(
         inputs are parts of the system and located to rounding.
     t_span : (float, float)
         Start and end, the end later.
-    y0 : array_like, shape (n,), optional
-        State at the start; that of the system unless given.
+    y0 : array_like, shape (n,), or dict, optional
+        State at the start, in order or as ``{x: 1, v: 0}``; that of the system unless given.
     method : {"taylor", "dop853"}, optional
         How steps are made.
     t_eval : array_like, shape (m,), optional
@@ -419,31 +287,29 @@ def solve_ivp(
     >>> (sol.t_events[0] * 6 / np.pi).round(12)
     array([1., 5.])
     """
-    if not isinstance(system, System):
-        raise TypeError(f"system must be a stickslip.System, not {type(system).__name__}")
-    t0, t_end = array(t_span, "t_span").tolist()
+    t0, t_end = pair(t_span, "t_span")
     if not t_end > t0:
-        raise ValueError(f"t_span = ({t0}, {t_end}): the end must be later than the start")
-    start = (t0, state(system, y0))
+        raise ValueError(
+            f"t_span = ({t0:g}, {t_end:g}): the end must be later than the start; backwards in "
+            "time is a run of the system with negative rates"
+        )
+    begin = start(system, t0, y0)
     times = None
     if t_eval is not None:
         times = array(t_eval, "t_eval")
         if times.size and (times.min() < t0 or times.max() > t_end):
-            raise ValueError("values in t_eval are not within t_span")
+            raise ValueError(f"values in t_eval are not within t_span, {t0:g} to {t_end:g}")
         if (np.diff(times) <= 0).any():
             raise ValueError("values in t_eval are not sorted, each larger than the one before")
-    given = [events] if isinstance(events, (Event, Expression)) else list(events or [])
+    given = [] if events is None else events if isinstance(events, (list, tuple)) else [events]
     watched = [one if isinstance(one, Event) else event(one) for one in given]
-    sections = [
-        (system._section(one.function.text, one.direction), one.terminal) for one in watched
-    ]
-    options["method"] = method
-    made = settings(options)
+    sections = [(section_of(system, one), one.terminal) for one in watched]
+    made = settings({"method": method, **options})
     with shown(progress, "solve_ivp", "", span=(t0, t_end)) as report:
         found = called(
             _core.solve,
             system._core,
-            start,
+            begin,
             (t_end, math.inf),
             sections,
             times,
@@ -451,28 +317,21 @@ def solve_ivp(
             made,
             report,
         )
-    status, message, end = found["status"], found["message"], found["t_end"]
+    end = found.pop("t_end")
     if "raised" in found:
-        status, message = -1, f"The run was interrupted at t = {end}."
-    elif status < 0:
-        warnings.warn(message, SolverWarning, stacklevel=2)
-    rows, phases = found["transitions"], found["phases"]
-    names = system._jumping
-    contact = [names[k] if k < len(names) else "" for k in rows.pop("contact")]
-    columns = {"t": rows["t"], "kind": rows["kind"], "contact": contact, **rows}
-    passed = found["events"] if events is not None else None
-    run = (system, start, t_end, made)
-    result = Solution(
-        t=found["t"],
-        y=found["y"].T,
-        sol=DenseOutput(run, end, found["sol"]) if dense_output else None,
-        t_events=None if passed is None else [one[0] for one in passed],
-        y_events=None if passed is None else [one[1] for one in passed],
-        nfev=found["nfev"],
-        status=status,
-        message=message,
-        transitions=structured(columns),
-        phases=structured(phases),
+        found.update(status=-1, message=f"The run was interrupted at t = {end}.")
+    elif found["status"] < 0:
+        warnings.warn(found["message"], SolverWarning, stacklevel=2)
+    passed, core = found.pop("events"), found.pop("sol")
+    found["y"] = found["y"].T
+    for table in ("transitions", "phases"):
+        found[table] = structured(found[table])
+    run = (system, begin, t_end, made)
+    return kept(
+        found,
+        Solution,
+        sol=DenseOutput(run, end, core) if dense_output else None,
+        t_events=None if events is None else [one[0] for one in passed],
+        y_events=None if events is None else [one[1] for one in passed],
         system=system,
     )
-    return kept(found, result)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numbers
+import operator
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
@@ -93,7 +94,7 @@ class Expression:
         raise TypeError(
             f"a formula cannot be compared (`{self.text} {sign} …`). A field with two sides is "
             "written with a Contact: contact.by_side(below, above); bounds are np.minimum and "
-            "np.maximum"
+            "np.maximum; events and jumps are where a formula is zero, with a direction"
         )
 
     def __float__(self) -> float:
@@ -174,6 +175,10 @@ _INSTEAD = {
     "greater": _SIDES,
     "less_equal": _SIDES,
     "greater_equal": _SIDES,
+    "clip": "write np.minimum(np.maximum(x, low), high)",
+    "hypot": "write np.sqrt(x**2 + y**2)",
+    "interp": "a table of time is ss.table",
+    "remainder": "of time it is ss.sawtooth",
 }
 
 
@@ -185,12 +190,25 @@ def _object(value: Any) -> np.ndarray[Any, Any]:
 
 def number(value: Any, what: str = "a number") -> float:
     """A finite number; what is none is refused by the name of what it was to be."""
-    if isinstance(value, Expression) or not isinstance(value, (numbers.Real, np.generic)):
+    if not isinstance(value, numbers.Real):
         raise TypeError(f"{what} must be a number, not {value!r}")
     result = float(value)
     if not np.isfinite(result):
         raise ValueError(f"{what} = {result} is not finite")
     return result
+
+
+def whole(value: Any, name: str, least: int = 1) -> int:
+    """A whole number of at least 1, or of another bound."""
+    try:
+        found = operator.index(value)
+    except TypeError:
+        if not (isinstance(value, (float, np.floating)) and float(value).is_integer()):
+            raise TypeError(f"{name} must be a whole number, not {value!r}") from None
+        found = int(value)
+    if found < least:
+        raise ValueError(f"{name} = {found}: it must be at least {least}")
+    return found
 
 
 def written(value: float) -> str:
@@ -204,7 +222,9 @@ def expression(value: Any) -> Expression:
         return value
     if isinstance(value, np.ndarray) and value.ndim == 0:
         return expression(value.item())
-    if isinstance(value, (numbers.Real, np.generic)):
+    if isinstance(value, (bool, np.bool_)):
+        raise TypeError(f"{value!r} cannot stand in a formula: write 0 or 1, and compare no symbols")
+    if isinstance(value, numbers.Real):
         value = number(value, "a number in a formula")
         return Expression(written(value), _ATOM if np.copysign(1.0, value) > 0 else _SIGN)
     raise TypeError(f"{value!r} cannot stand in a formula: symbols and numbers can")
@@ -282,13 +302,12 @@ class Parameter(Symbol):
         return type(self), (self.name, self.value)
 
 
-def _names(names: str | Sequence[str]) -> list[str]:
-    return names.replace(",", " ").split() if isinstance(names, str) else list(names)
-
-
 def states(names: str | Sequence[str]) -> tuple[State, ...]:
-    """States by their names, as in `x, v = ss.states("x v")`."""
-    return tuple(State(name) for name in _names(names))
+    """States by their names, as in `x, v = ss.states("x v")`; of one name, too, it is a tuple."""
+    each = names.replace(",", " ").split() if isinstance(names, str) else list(names)
+    if len(set(each)) < len(each):
+        raise ValueError(f"the states {', '.join(each)} must have different names")
+    return tuple(State(name) for name in each)
 
 
 def state(name: str) -> State:
@@ -325,7 +344,24 @@ def discrete(**starts: Any) -> tuple[DiscreteState, ...]:
 
 
 class Contact(Symbol):
-    """A contact: where `boundary` is zero the system can stick."""
+    """A contact: where `boundary` is zero the system can stick.
+
+    Its sides are written into the rates: `side`, `friction` or `by_side`.
+
+    Parameters
+    ----------
+    name : str
+        Its name in formulas and results.
+    boundary : Expression
+        The function whose zero is the boundary, as the relative velocity `v - vp`.
+    friction : Expression, float or function, optional
+        Size of the friction force in slip. A function is given the side, -1 or +1, as in
+        ``lambda side: mu0 / (1 + side * (v - vp))``.
+    static : Expression, float or function, optional
+        Largest friction force in stick; that of slip unless given.
+    normal_force : Expression, optional
+        Of a system of one contact: friction is zero where this is not positive.
+    """
 
     __slots__ = ("boundary", "law", "static", "normal_force")
 
@@ -444,27 +480,59 @@ def table(
     return Input(name, {"shape": "table", **lists, "between": between})
 
 
+_DIRECTIONS: list[Direction] = ["both", "rising", "falling"]
+
+
+def sign_of(direction: float | Direction) -> int:
+    """1 for rising, -1 for falling, 0 for both."""
+    if isinstance(direction, str):
+        if direction not in _DIRECTIONS:
+            raise ValueError(f"direction = {direction!r}: it is 'rising', 'falling' or 'both'")
+        return (0, 1, -1)[_DIRECTIONS.index(direction)]
+    return int(np.sign(number(direction, "direction")))
+
+
 class Jump:
-    """A jump: where `when` passes through zero, the states in `set` take new values."""
+    """A jump: where `when` passes through zero, the states in `set` take new values.
+
+    Parameters
+    ----------
+    name : str
+        Its name in results.
+    when : Expression
+        The function whose zero triggers it.
+    set : dict, optional
+        New values by state, as ``{v: -0.8 * v}``; the others stay.
+    direction : float or {"rising", "falling", "both"}, optional
+        Which changes of sign count, as for `event`.
+    stop : bool, optional
+        Whether the run ends there.
+    count : int, optional
+        The run ends with the jump of this number.
+    """
 
     def __init__(
         self,
         name: str,
         when: Any,
         set: Mapping[State | DiscreteState, Any] | None = None,
-        direction: Direction = "both",
+        direction: float | Direction = "both",
         stop: bool = False,
         count: int | None = None,
     ) -> None:
         check_name(name)
-        if direction not in ("rising", "falling", "both"):
-            raise ValueError(f"direction = {direction!r}: it is 'rising', 'falling' or 'both'")
+        values = {} if set is None else set
+        if not isinstance(values, Mapping):
+            raise TypeError(f"set must be {{state: value, …}}, not {set!r}")
+        for state in values:
+            if not isinstance(state, (State, DiscreteState)):
+                raise TypeError(f"{state!r} is no state: the keys of set are made by ss.states")
         self.name = name
         self.when = expression(when)
-        self.set = {state: expression(value) for state, value in (set or {}).items()}
-        self.direction = direction
+        self.set = {state: expression(value) for state, value in values.items()}
+        self.direction = _DIRECTIONS[sign_of(direction)]
         self.stop = bool(stop)
-        self.count = count
+        self.count = None if count is None else whole(count, "count")
 
     def __repr__(self) -> str:
         return f"<Jump {self.name} at {self.when} = 0>"

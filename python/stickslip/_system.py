@@ -7,6 +7,8 @@ import os
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from . import _core
 from ._symbols import (
     Contact,
@@ -26,29 +28,42 @@ from ._symbols import (
 class System:
     """A system with its parameters.
 
-    `rates` has the rate of each state, in the order of the states. Parameters, inputs, switches and
-    discrete states are found in the formulas; contacts and jumps are given. A pickle is the text of
-    the system and the values of its parameters.
+    Parameters, inputs, switches and discrete states are found in the formulas. A pickle is the text
+    of the system and the values of its parameters.
+
+    Parameters
+    ----------
+    rates : dict
+        The rate of each state, in the order of the states: ``{x: v, v: -x}``.
+    contacts : Contact or a sequence of them, optional
+        All contacts that stand in the rates.
+    jumps : Jump or a sequence of them, optional
+        Changes of the state at an instant.
+    start : dict or sequence, optional
+        The state at the start of runs; it may depend on parameters.
+    period : float or Expression, optional
+        Period in time, if the system depends on time and attractors are wanted.
+    name : str, optional
+        What it is called.
     """
 
     def __init__(
         self,
         rates: Mapping[State, Any],
         *,
-        contacts: Iterable[Contact] = (),
-        jumps: Iterable[Jump] = (),
+        contacts: Contact | Iterable[Contact] = (),
+        jumps: Jump | Iterable[Jump] = (),
         start: Mapping[State, Any] | Sequence[Any] | None = None,
         period: Any = None,
         name: str = "system",
     ) -> None:
-        text = _text(rates, tuple(contacts), tuple(jumps), start, period, name)
-        self._set(name, text, {})
+        several = _all(contacts, Contact, "contacts"), _all(jumps, Jump, "jumps")
+        text = _text(rates, several, start, period, str(name))
+        self._set(str(name), text, {})
 
     def _set(self, origin: str, text: str, settings: Mapping[str, float]) -> None:
         self._origin, self._text, self._settings = origin, text, dict(settings)
         self._core = _core.System(origin, text, list(settings.items()))
-        #: Contacts and jumps by their numbers in transitions.
-        self._jumping = [name for names in self._core.contacts_and_jumps for name in names]
         self._sections: dict[tuple[str, int], _core.System] = {}
 
     def _section(self, function: str, direction: int) -> _core.System:
@@ -79,9 +94,16 @@ class System:
         built with; those of `with_parameters` are given to the program by `--set`."""
         return self._text
 
-    def with_parameters(self, **values: float) -> System:
-        """The same system with other values of some parameters."""
-        checked = {name: number(value, f"the parameter {name}") for name, value in values.items()}
+    def with_parameters(
+        self, values: Mapping[Any, float] | None = None, /, **more: float
+    ) -> System:
+        """The same system with other values of some parameters, as `mu0=0.3` or `{mu0: 0.3}`."""
+        given: dict[Any, float] = {} if values is None else dict(values)
+        checked = {
+            name: number(value, f"the parameter {name}")
+            for key, value in (given | more).items()
+            for name in [getattr(key, "name", key)]
+        }
         return self._of(self._origin, self._text, {**self._settings, **checked})
 
     @property
@@ -165,17 +187,20 @@ def _table(entries: Mapping[str, Any]) -> list[str]:
 
 def _text(
     rates: Mapping[State, Any],
-    contacts: Sequence[Contact],
-    jumps: Sequence[Jump],
+    several: tuple[Sequence[Contact], Sequence[Jump]],
     start: Mapping[State, Any] | Sequence[Any] | None,
     period: Any,
     name: str,
 ) -> str:
+    contacts, jumps = several
     if not isinstance(rates, Mapping) or not rates:
         raise TypeError("rates must be {state: rate, …} with a rate for each state")
     for state in rates:
         if not isinstance(state, State):
-            raise TypeError(f"{state!r} is no state: the keys of rates are made by ss.states")
+            help = "made by ss.states"
+            if isinstance(state, tuple):
+                help += ", which returns a tuple: x, = ss.states('x'), or x = ss.state('x')"
+            raise TypeError(f"{state!r} is no state: the keys of rates are {help}")
     field = {state.name: expression(rate) for state, rate in rates.items()}
     starts = _starts(list(rates), start)
     whole = None if period is None else expression(period)
@@ -191,6 +216,18 @@ def _text(
     missing = [one for one in parts if isinstance(one, Contact) and one not in contacts]
     if missing:
         raise ValueError(f"the contact {missing[0].name} is not among contacts=[…]")
+
+    acting = _parts(field.values())
+    for one in contacts:
+        if one.law is not None and not any(one.friction.text in rate.text for rate in given):
+            raise ValueError(
+                f"the friction of the contact {one} acts nowhere: write {one}.friction in a rate"
+            )
+        if one not in acting:
+            raise ValueError(
+                f"the rates are the same on both sides of the contact {one}: write {one}.side, "
+                f"{one}.friction or {one}.by_side(below, above) in a rate"
+            )
 
     def of(kind: type) -> list[Any]:
         return sorted((one for one in parts if isinstance(one, kind)), key=lambda one: one.name)
@@ -216,7 +253,7 @@ def _text(
         if jump.stop:
             entries["stop"] = True
         if jump.count is not None:
-            entries["count"] = int(jump.count)
+            entries["count"] = jump.count
         tables.append((f"jumps.{jump.name}", entries))
         if jump.set:
             values = {state.name: value for state, value in jump.set.items()}
@@ -232,17 +269,29 @@ def _text(
     return "\n".join(lines) + "\n"
 
 
+def _all(given: Any, kind: type[Any], what: str) -> tuple[Any, ...]:
+    """One or several of a kind."""
+    several = (given,) if isinstance(given, kind) else tuple(given)
+    for one in several:
+        if not isinstance(one, kind):
+            raise TypeError(f"{what} must be made by ss.{kind.__name__}, and {one!r} is not")
+    return several
+
+
 def _starts(states: list[State], start: Any) -> dict[str, Expression]:
     if start is None:
         return {}
-    if not isinstance(start, Mapping):
-        if len(start) != len(states):
-            raise ValueError(f"start has {len(start)} values, and there are {len(states)} states")
-        start = dict(zip(states, start))
-    missing = [state.name for state in states if state not in start]
-    if missing:
-        raise ValueError(f"start has no value of the state {missing[0]}")
-    return {state.name: expression(start[state]) for state in states}
+    names = [state.name for state in states]
+    if isinstance(start, Mapping):
+        start = {getattr(key, "name", key): value for key, value in start.items()}
+    elif np.ndim(start) != 1 or len(start) != len(states):
+        raise ValueError(f"start must be {len(states)} values, of the states {', '.join(names)}")
+    else:
+        start = dict(zip(names, start))
+    for name in start.keys() ^ set(names):
+        what = "has no value of the state" if name in names else "has a value of"
+        raise ValueError(f"start {what} {name}" + ("" if name in names else ", which has no rate"))
+    return {name: expression(start[name]) for name in names}
 
 
 def _parts(formulas: Iterable[Expression]) -> set[Any]:

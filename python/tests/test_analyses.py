@@ -47,6 +47,88 @@ def test_a_branch_turns_at_its_fold():
     assert np.allclose((squares - 1) ** 2, 1 + branch.parameter, atol=1e-6)
 
 
+def circle(p=0.5):
+    """r' = r (p - r^2), and a turn takes 2 pi: a cycle of radius sqrt(p) from p = 0 on."""
+    x, y = ss.states("x y")
+    grows = ss.parameter("p", p) - x * x - y * y
+    return ss.System({x: x * grows - y, y: y * grows + x}, start=[1, 0])
+
+
+def test_a_branch_has_the_extremes_of_its_orbits_and_ends_in_words():
+    branch = ss.continuation(circle(), "p", (-0.2, 2), transient=20)
+    radius = np.sqrt(branch.parameter)[:, None]
+    assert np.allclose(branch.y_max, radius, rtol=0, atol=1e-13)
+    assert np.allclose(branch.y_min, -radius, rtol=0, atol=1e-13)
+    assert branch.stops == ("equilibrium", "range")
+    (end,) = branch.special
+    assert (end["name"], end["behind"]) == ("Hopf", 0) and abs(end["parameter"]) < 1e-12
+    assert end["period"] == pytest.approx(2 * np.pi, abs=1e-9) and np.isnan(end["y"]).all()
+    # In the figure the two curves of the stable cycle, and the mark where they meet.
+    high, low, *_, mark = branch.plot(what="y").lines
+    drawn = np.stack([low.get_ydata(), high.get_ydata()])
+    assert np.array_equal(drawn, np.stack([branch.y_min[:, 1], branch.y_max[:, 1]]))
+    assert mark.get_label() == "Hopf" and abs(mark.get_xydata()).max() < 0.1
+
+
+def test_a_branch_is_that_of_the_program(tmp_path):
+    file = tmp_path / "circle.toml"
+    file.write_text(circle().to_toml(), encoding="utf-8")
+    settings = ["--parameter", "p=-0.2:2", "--transient", "20", "--json"]
+    told = program("continue", str(file), *settings, "--out", str(tmp_path))
+    found = ss.continuation(circle(), "p", (-0.2, 2), transient=20)
+    assert [end["stop"] for end in told["ends"]] == list(found.stops)
+    table = np.genfromtxt(tmp_path / "branch.csv", delimiter=",", names=True, dtype=None)
+    for name, wanted in (("p", found.parameter), ("period", found.period), ("t", found.t)):
+        assert np.array_equal(table[name], wanted)
+    for k, state in enumerate("xy"):
+        assert np.array_equal(table[state], found.y[:, k])
+        assert np.array_equal(table[f"{state}_low"], found.y_min[:, k])
+        assert np.array_equal(table[f"{state}_high"], found.y_max[:, k])
+
+
+def test_a_branch_along_the_frequency_of_a_drive_is_in_its_time():
+    x, v = ss.states("x v")
+    w = ss.parameter("w", 1.0)
+    system = ss.System({x: v, v: np.cos(w * ss.t) - 0.5 * v - x}, period=2 * ss.pi / w)
+    branch = ss.continuation(system, w, (0.7, 1.6), {x: 0, v: 0}, t0=0.3, transient=100)
+    values = branch.parameter
+    assert np.allclose(branch.period, 2 * np.pi / values, rtol=1e-14)
+    response = 1 / (1 - values**2 + 0.5j * values)
+    wanted = np.abs(response)[:, None] * np.stack([np.ones_like(values), values], axis=1)
+    assert np.allclose(branch.y_max, wanted, rtol=0, atol=1e-9)
+    phase = np.exp(1j * values * branch.t) * response
+    assert np.allclose(branch.y[:, 0], phase.real, rtol=0, atol=1e-8)
+
+
+def test_a_closed_branch_is_there_once():
+    """Cycles of r^2 = 2 + q with p^2 + q^2 = 1: along p their branch is a closed curve."""
+    x, y, q = ss.states("x y q")
+    p = ss.parameter("p", 0.0)
+    grows = 2 + q - x * x - y * y
+    rates = {x: x * grows - y, y: y * grows + x, q: (1 - p * p - q * q) / 4}
+    branch = ss.continuation(ss.System(rates), p, (-2, 2), [1, 0, 1], transient=60, step=0.05)
+    assert "closed" in branch.stops
+    assert np.allclose(branch.parameter**2 + branch.y[:, 2] ** 2, 1, atol=1e-6)
+    places = np.stack([branch.parameter, branch.y[:, 2]], axis=1).round(6)
+    assert len(np.unique(places[1:], axis=0)) == len(places) - 1
+
+
+def test_a_branch_keeps_the_change_at_which_it_ends():
+    """A ball that hits a wall from one side: beyond the graze no cycle of these phases exists."""
+    x, v = ss.states("x v")
+    w = ss.parameter("w", 2.5)
+    wall = ss.Jump("wall", when=x - 1, direction="rising", set={v: -0.8 * v})
+    rate = np.cos(w * ss.t) - x - 0.1 * v
+    system = ss.System({x: v, v: rate}, jumps=[wall], period=2 * ss.pi / w)
+    branch = ss.continuation(system, w, (1.2, 3), [0, 0])
+    # The free oscillator reaches the wall where its amplitude is 1.
+    graze = branch.special[0]
+    assert graze["behind"] == 0 and "graz" in graze["name"]
+    w2 = graze["parameter"] ** 2
+    assert (1 - w2) ** 2 + 0.01 * w2 == pytest.approx(1, abs=1e-9)
+    assert branch.y_max[0, 0] == pytest.approx(1, abs=0.05)
+
+
 def test_exponents_of_a_cycle():
     found = ss.lyapunov_spectrum(rings(), [1, 0], transient=20, duration=200)
     assert found.exponents == pytest.approx([0, RATE], abs=1e-3)
@@ -85,6 +167,58 @@ def test_exponents_of_a_series():
     assert found.exponents[0] == pytest.approx(np.log(2), abs=0.02) and found.status[0] == "ok"
     with pytest.raises(ValueError, match=r"series\[3, 0\] = nan"):
         ss.lyapunov_from_data([0.1, 0.2, 0.3, np.nan])
+
+
+def roessler(points):
+    x, y, z = ss.states("x y z")
+    system = ss.System({x: -y - z, y: x + 0.2 * y, z: 0.2 + z * (x - 5.7)})
+    times = 100 + 0.2 * np.arange(points)
+    return ss.solve_ivp(system, (0, 101 + 0.2 * points), [1, 1, 0], t_eval=times, rtol=1e-9).y
+
+
+@pytest.mark.parametrize("given", [{}, {"delay": 5}, {"dimension": 4}, {"dimension": 1}])
+def test_a_sensor_is_embedded_as_by_the_program(given, tmp_path):
+    sensor = roessler(2500)[0]
+    np.save(tmp_path / "sensor.npy", sensor)
+    options = [f"--{name}={value}" for name, value in given.items()]
+    told = program("spectrum", str(tmp_path / "sensor.npy"), "--dt", "0.2", *options, "--json")
+    found = ss.lyapunov_from_data(sensor, dt=0.2, **given)
+    of_program = {name: [one[name] for one in told["exponents"]] for name in told["exponents"][0]}
+    assert of_program["exponent"] == found.exponents.tolist()
+    assert of_program["stderr"] == found.std_errors.tolist()
+    assert of_program["status"] == found.status
+    embedding = told["embedding"] and (told["embedding"]["delay"], told["embedding"]["dimension"])
+    assert embedding == found.embedding and told["dimension"] == found.dimension
+    assert (found.embedding is None) == (given == {"dimension": 1})
+
+
+def test_whole_states_are_not_embedded():
+    found = ss.lyapunov_from_data(roessler(2500).T, dt=0.2)
+    assert found.embedding is None and len(found.exponents) == 3
+    with pytest.raises(ValueError, match=r"a row for each point; of a solution it is sol\.y\.T"):
+        ss.lyapunov_from_data(roessler(50))
+    with pytest.raises(ss.OptionError, match="dt") as caught:
+        ss.lyapunov_from_data([1.0, 2.0, 3.0], dt=0)
+    assert (caught.value.name, caught.value.value) == ("dt", 0.0)
+
+
+def test_failed_runs_are_counted_by_one_warning():
+    x = ss.state("x")
+    a, b = ss.parameters(a=0.5, b=1.0)
+    # The logarithm has no value at the start where a is large.
+    system, values = ss.System({x: -b * np.log(x - a)}, start=[1]), [0.2, 0.5, 3.0, 3.5, 0.4]
+    with pytest.warns(RuntimeWarning) as caught:
+        found = ss.bifurcation_diagram(system, "a", values)
+    (warning,) = caught
+    assert warning.category is ss.SolverWarning and warning.filename == __file__
+    message = str(warning.message)
+    assert message.startswith("2 of 5 runs failed; the first, at a = 3: cannot start at t = 0")
+    assert [kind == "failure" for kind in found.kind] == [value > 2 for value in values]
+    match = "2 of 6 runs failed; the first, at a = 3, b = 1"
+    with pytest.warns(RuntimeWarning, match=match) as one:
+        plane = ("a", [0.1, 0.2, 3.0]), ("b", [1, 2])
+        ss.parameter_map(system, *plane, longest=100, duration=None)
+    assert len(one) == 1
 
 
 def test_a_branch_of_a_driven_system_has_the_period_of_its_drive():
@@ -175,7 +309,8 @@ def test_a_change_is_located_where_it_is():
 
 def test_a_start_outside_the_domain_is_an_outcome_of_its_own():
     x = ss.state("x")
-    found = ss.basins_of_attraction(ss.System({x: -np.log(x)}), [[0.5], [-1.0], [2.0]])
+    with pytest.warns(ss.SolverWarning, match="1 of 3 runs failed"):
+        found = ss.basins_of_attraction(ss.System({x: -np.log(x)}), [[0.5], [-1.0], [2.0]])
     assert found.reached.tolist() == [0, 1, 0] and found.kind == ["equilibrium", "failure"]
     assert np.allclose(found.points[0], 1)
 
@@ -202,9 +337,18 @@ def test_the_shortest_period_is_found_and_rest_is_told():
         (lambda s: ss.basins_of_attraction(s, [[np.nan, 0]]), r"starts\[0, 0\] = nan"),
         (lambda s: ss.parameter_map(s, ("p", [1]), ("p", [1]), [1, 0]), "both p"),
         (lambda s: ss.bifurcation_diagram(s, "p", [0.1, np.inf], [1, 0]), r"values\[1\] = inf"),
-        (lambda s: ss.bifurcation_diagram(s, "q", [0.1], [1, 0]), "no parameter `q`"),
-        (lambda s: ss.continuation(s, "p", (0, 1), [1, 0], step=2.0), "option step = 2"),
+        (lambda s: ss.bifurcation_diagram(s, "q", [0.1], [1, 0]), "parameter `q`; there are p"),
+        (lambda s: ss.continuation(s, "q", (0, 1), [1, 0]), "parameter `q`; there are p"),
+        (lambda s: s.with_parameters(q=1), "parameter `q`; there are p"),
+        (lambda s: ss.bifurcation_diagram(s, "p", [], [1, 0]), "values is empty: give"),
+        (lambda s: ss.parameter_map(s, ("p", []), ("q", [1]), [1, 0]), r"x\[1\] is empty: give"),
+        (lambda s: ss.basins_of_attraction(s, np.empty((0, 2))), "starts is empty"),
+        (lambda s: ss.continuation(s, "p", (0, 1), [1, 0], step=2.0), "step = 2 is not allowed"),
         (lambda s: ss.periodic_orbit(s, [1, 0], periods=0), "periods = 0"),
+        (lambda s: ss.periodic_orbit(s, [1, 0], periods=2), "does not depend on time"),
+        (lambda s: ss.continuation(s, "p", (1, 1), [1, 0]), "no room between them"),
+        (lambda s: ss.basins_of_attraction(s, np.meshgrid([1, 2], [3, 4, 5])), "meshgrid: stack"),
+        (lambda s: ss.poincare_map(s, ss.parameter("p", 1.0), [1, 0]), "neither a state nor time"),
     ],
 )
 def test_what_cannot_be_is_refused_by_name(call, words):

@@ -14,7 +14,7 @@ import textwrap
 import numpy as np
 import pytest
 import stickslip as ss
-from stickslip import _core, _run
+from stickslip import _arguments, _core, _results
 
 
 def bistable(workers=-1, **more):
@@ -77,6 +77,10 @@ LONG_WORK = [
     (
         "ss.continuation(ring, p, (0.5, 2), [1, 0], transient=10, step=1e-5, most_points=10**6)",
         "len(part.parameter) > 1",
+    ),
+    (
+        "ss.lyapunov_from_data(np.sin(0.05 * np.arange(1e5)) + np.sin(0.07 * np.arange(1e5)))",
+        "part is None",
     ),
     (
         "ss.parameter_map(system, (p, np.linspace(1, 2, 30)), ('q', [1, 2]), [1, 0], longest=1e7)",
@@ -169,7 +173,7 @@ def test_an_error_in_a_report_ends_the_work():
     def report(at):
         raise RuntimeError(f"it is at {at}")
 
-    until, times, made = (1e9, np.inf), np.empty(0), _run.settings({})
+    until, times, made = (1e9, np.inf), np.empty(0), _arguments.settings({})
     found = _core.solve(system._core, (0.0, [0.0]), until, [], times, False, made, report)
     assert "it is at" in str(found["raised"])
 
@@ -193,4 +197,4 @@ def test_memory_does_not_grow_with_the_length_of_a_run():
 
 def test_a_panic_of_the_engine_is_an_internal_error():
     with pytest.raises(ss.InternalError, match="a defect of stickslip: on purpose"):
-        _run.called(_core._unwind)
+        _results.called(_core._unwind)

@@ -103,6 +103,14 @@ def test_numpy_works_on_symbols():
         (lambda x: np.arcsin(x), "the functions are"),
         (lambda x: float(x), "not a number"),
         (lambda x: x + "1", "unsupported operand"),
+        (lambda x: np.complex128(1j) * x, "operand type"),
+        (lambda x: np.clip(x, 0, 1), r"np.minimum\(np.maximum"),
+        (lambda x: ss.Jump("hit", when=x, count=1.5), "count must be a whole number"),
+        (lambda x: ss.System({x: x == 1}), "False cannot stand in a formula"),
+        (lambda x: ss.System({ss.states("x"): 1}), "returns a tuple"),
+        (lambda x: ss.System({x: 1}, contacts=["belt"]), "contacts must be made by ss.Contact"),
+        (lambda x: ss.Jump("hit", when=x, set={"x": 1}), "'x' is no state"),
+        (lambda x: ss.Jump("hit", when=x < 0), "with a direction"),
     ],
 )
 def test_misuse_says_what_to_write_instead(misuse, words):
@@ -122,12 +130,31 @@ def test_a_number_that_is_none_is_refused_by_name():
 def test_what_is_missing_is_named():
     x, v = ss.states("x v")
     belt = ss.Contact("belt", boundary=v)
+    with pytest.raises(ValueError, match="same on both sides of the contact belt: write belt.side"):
+        ss.System({x: v, v: -x}, contacts=belt)
+    with pytest.raises(ValueError, match="the friction of the contact belt acts nowhere"):
+        ss.System({x: v, v: -x}, contacts=[ss.Contact("belt", boundary=v, friction=0.4)])
+    with pytest.raises(ValueError, match="start has no value of the state v"):
+        ss.System({x: v, v: -x}, start={"x": 1})
+    with pytest.raises(ValueError, match="must have different names"):
+        ss.states("x x")
     with pytest.raises(ValueError, match="the state v has no rate"):
         ss.System({x: v})
     with pytest.raises(ValueError, match="belt is not among contacts"):
         ss.System({x: v, v: -belt.side})
     with pytest.raises(ValueError, match="two different things are called k"):
         ss.System({x: ss.parameter("k", 1.0) * v, v: ss.parameter("k", 2.0) * x})
+
+
+def test_one_contact_or_jump_needs_no_list_and_directions_are_words_or_signs():
+    x, v = ss.states("x v")
+    falling = ss.Jump("hit", when=x, direction=-1, set={v: -v})
+    assert ss.System({x: v, v: -1}, jumps=falling).jumps == ("hit",)
+    assert falling.direction == ss.Jump("hit", when=x, direction="falling").direction
+    assert ss.event(x, "rising") == ss.event(x, 2) and ss.event(x, "falling").direction == -1
+    with pytest.raises(ValueError, match="direction = 'up'"):
+        ss.event(x, "up")
+    assert belt_system().with_parameters({ss.parameter("mu0", 0): 0.1}).parameters["mu0"] == 0.1
 
 
 def test_a_text_comes_back_as_it_is():

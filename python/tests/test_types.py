@@ -54,7 +54,10 @@ def test_the_stubs_are_those_of_the_engine(tmp_path):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-@pytest.mark.parametrize("name", ["", "._analyses", "._run", "._errors"])
+MODULES = ["", "._attractors", "._errors", "._exponents", "._orbits", "._run"]
+
+
+@pytest.mark.parametrize("name", MODULES)
 def test_examples_of_docstrings_run(name):
     module = importlib.import_module("stickslip" + name)
     failed, tried = doctest.testmod(module, extraglobs={"np": np})
@@ -64,6 +67,7 @@ def test_examples_of_docstrings_run(name):
 def test_every_function_has_its_reference():
     functions = [getattr(stickslip, name) for name in stickslip.__all__]
     for one in functions:
-        if getattr(one, "__module__", "") in ("stickslip._analyses", "stickslip._run"):
+        modules = {"stickslip._attractors", "stickslip._exponents", "stickslip._orbits"}
+        if getattr(one, "__module__", "") in modules | {"stickslip._run"}:
             if callable(one) and not isinstance(one, type):
                 assert "Parameters" in one.__doc__ and "Returns" in one.__doc__, one.__name__

@@ -5,13 +5,13 @@
 //! curvature of the manifold. Distances due to noise do not depend on r. The slope of `log s_i`
 //! over `log r`, with `s_i` the singular values of the neighbour matrix, distinguishes the three.
 
-use rayon::prelude::*;
-
 use super::cloud::Cloud;
+use super::error::DataError;
 use super::fit::{ABOVE_ROUNDING, Decomposed};
 use super::least_squares::Scratch;
 use super::matrix::Row;
 use super::neighbours::{Finder, LARGEST_PART, Neighbour};
+use super::progress::in_parallel;
 use super::series::MAX_COLUMNS;
 use super::settings::DataSettings;
 use crate::statistics::{power, upper_median};
@@ -91,11 +91,11 @@ struct Probe<'a> {
 
 /// Measures the directions. `smallest` is the number of neighbours in the smallest neighbourhood.
 pub(crate) fn measure(
-    cloud: &Cloud,
-    finder: &Finder<'_>,
+    (cloud, finder): (&Cloud, &Finder<'_>),
     settings: &DataSettings,
     smallest: usize,
-) -> Vec<Direction> {
+    goes_on: &dyn Fn() -> Result<(), DataError>,
+) -> Result<Vec<Direction>, DataError> {
     let points = cloud.points.len() - settings.step;
     let every = points.div_ceil(SAMPLES).max(1);
     let probe = Probe {
@@ -104,17 +104,15 @@ pub(crate) fn measure(
         settings,
         counts: counts(smallest, points),
     };
-    let votes: Vec<Option<Vote>> = (0..points.div_ceil(every))
-        .into_par_iter()
-        .map_init(
-            || (Scratch::default(), Vec::new()),
-            |(scratch, nearest), i| probe.vote(i * every, scratch, nearest),
-        )
-        .collect();
+    let votes = in_parallel(
+        points.div_ceil(every),
+        goes_on,
+        || (Scratch::default(), Vec::new()),
+        |(scratch, nearest), i| probe.vote(i * every, scratch, nearest),
+    )?;
     let votes: Vec<Vote> = votes.into_iter().flatten().collect();
-    (0..cloud.points.columns())
-        .map(|i| direction(&votes, i, cloud.unit))
-        .collect()
+    let columns = 0..cloud.points.columns();
+    Ok(columns.map(|i| direction(&votes, i, cloud.unit)).collect())
 }
 
 /// Numbers of neighbours, in geometric progression.

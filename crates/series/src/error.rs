@@ -110,6 +110,9 @@ pub enum DataError {
         /// What is allowed, in words and numbers.
         bound: String,
     },
+    /// The one who watched the progress stopped the computation.
+    #[error("the computation was stopped")]
+    Stopped,
     /// The Fourier transform failed.
     #[error("cannot transform {rows} points: {cause}; please report this")]
     Transform {

@@ -13,13 +13,14 @@ use super::fit::{Decomposed, LocalMap};
 use super::least_squares::{LeastSquares, Scratch, ShiftedColumns};
 use super::matrix::Matrix;
 use super::neighbours::{Finder, Neighbour};
+use super::progress::{Progress, report, unwatched};
 use super::result::{Counts, DataSpectrum, Running};
 use super::series::Series;
 use super::settings::{DataSettings, Estimator, Neighbourhood};
 use super::statistics::upper_median;
 
 /// Reference points between two reports of progress. Few enough that their maps stay in the cache.
-const CHUNK: usize = 512;
+const CHUNK: usize = 128;
 
 /// An extrapolated estimate is not starved if its smaller neighbourhoods lie within this many times
 /// the given radius. Measured on seeds 1007 to 1009, up to 50000 points, which the table of
@@ -49,18 +50,18 @@ const LARGE: f64 = 1.5;
 /// [`DataError::Setting`] for a setting that is not allowed, [`DataError::TooFew`],
 /// [`DataError::TooMany`], [`DataError::Constant`].
 pub fn data_spectrum(series: &Series, settings: &DataSettings) -> Result<DataSpectrum, DataError> {
-    data_spectrum_with(series, settings, &|_, _| ())
+    data_spectrum_with(series, settings, &unwatched)
 }
 
 /// As [`data_spectrum`], with calls of `progress(done, total)` at intervals, in numbers of
 /// reference points.
 ///
 /// # Errors
-/// As [`data_spectrum`].
+/// As [`data_spectrum`], and [`DataError::Stopped`].
 pub fn data_spectrum_with(
     series: &Series,
     settings: &DataSettings,
-    progress: &dyn Fn(usize, usize),
+    progress: Progress<'_>,
 ) -> Result<DataSpectrum, DataError> {
     let columns = series.columns();
     settings.check(columns)?;
@@ -83,7 +84,8 @@ pub fn data_spectrum_with(
     let finder = Finder::new(&cloud, step, theiler)?;
     let shifted = ShiftedColumns::of(&cloud.points, step);
     let smallest = SMALLEST_LEVEL.max(2 * columns);
-    let directions = directions::measure(&cloud, &finder, settings, smallest);
+    let goes_on = || report(progress, 0, references(rows, settings));
+    let directions = directions::measure((&cloud, &finder), settings, smallest, &goes_on)?;
     let are_tangent = directions.iter().map(|one| one.kind == Kind::Tangent);
     let dimension = are_tangent.take_while(|is_tangent| *is_tangent).count();
     let fixed_rank = settings.fixed_rank.unwrap_or(dimension);
@@ -108,7 +110,7 @@ pub fn data_spectrum_with(
     let references = references(rows, settings);
     let mut points: Vec<Point> = Vec::with_capacity(references);
     while points.len() < references {
-        progress(points.len(), references);
+        report(progress, points.len(), references)?;
         let until = (points.len() + CHUNK).min(references);
         let plan = extrapolation.as_ref().map(Extrapolation::plan);
         let locals: Vec<Local> = (points.len()..until)
@@ -135,7 +137,7 @@ pub fn data_spectrum_with(
             points.push(local.point);
         }
     }
-    progress(references, references);
+    report(progress, references, references)?;
 
     let tau = step as f64 * series.dt();
     let corrected = extrapolation.map(|extrapolation| extrapolation.corrected(tau, cloud.unit));

@@ -113,6 +113,7 @@ mod least_squares;
 mod matrix;
 mod neighbours;
 mod polynomial;
+mod progress;
 mod result;
 mod reversal;
 mod series;
@@ -132,8 +133,9 @@ pub use error::DataError;
 pub use estimate::{data_spectrum, data_spectrum_with};
 pub use extrapolation::Sizes;
 pub use polynomial::Degree;
+pub use progress::{Progress, unwatched};
 pub use result::{Balance, Counts, DataExponent, DataSpectrum, OK_ERRORS, Running, Status};
-pub use reversal::{Origin, Reversal, reversal};
+pub use reversal::{Origin, Reversal, reversal, status_word};
 pub use series::{MAX_COLUMNS, Series};
 pub use settings::{DataSettings, Estimator, FEWEST_REFERENCES, Neighbourhood};
 pub use surrogates::{

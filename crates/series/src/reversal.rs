@@ -14,7 +14,8 @@
 
 use super::error::DataError;
 use super::estimate::data_spectrum_with;
-use super::result::DataSpectrum;
+use super::progress::Progress;
+use super::result::{DataSpectrum, Status};
 use super::series::Series;
 use super::settings::{DataSettings, Estimator, longest_stride};
 
@@ -70,6 +71,22 @@ pub struct Reversal {
     pub is_conclusive: bool,
 }
 
+/// The status of an exponent in a word: that of the estimator, except that exponents which are the
+/// embedding's own are `spurious`. `reversal` is that of an embedded series.
+pub fn status_word(
+    spectrum: &DataSpectrum,
+    reversal: Option<&Reversal>,
+    number: usize,
+) -> &'static str {
+    let status = spectrum.exponents[number].status;
+    let origin = reversal.and_then(|reversal| reversal.origins.get(number));
+    match (status, origin) {
+        (Status::Unidentified | Status::Annihilated, _) => status.word(),
+        (_, Some(Origin::Spurious)) => Origin::Spurious.word(),
+        _ => status.word(),
+    }
+}
+
 /// Compares the spectrum of an embedded series with its fit of fixed rank and with the reversed
 /// series. `progress(done, total)` is called at intervals with numbers of reference points.
 ///
@@ -78,7 +95,7 @@ pub struct Reversal {
 pub fn reversal(
     embedded: &Series,
     spectrum: &DataSpectrum,
-    progress: &dyn Fn(usize, usize),
+    progress: Progress<'_>,
 ) -> Result<Reversal, DataError> {
     if spectrum.fixed_rank == 0 {
         return Ok(Reversal {

@@ -5,19 +5,16 @@
 //! `python/stickslip`.
 
 mod analyses;
+mod errors;
+mod fields;
 mod run;
 mod task;
 
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
-use stickslip::dynamics::Vector;
-use stickslip::error::Point;
-use stickslip::{AtPileUp, AtRepelling, Direction, Error, Method, Options};
+use stickslip::{AtPileUp, AtRepelling, Direction, Method, Options};
 use stickslip_kernels::file::{Source, SystemFile};
 
-pyo3::import_exception!(stickslip._errors, OptionError);
-pyo3::import_exception!(stickslip._errors, StickslipError);
-pyo3::import_exception!(stickslip._errors, SystemError);
+use errors::{failed, wrong};
 
 /// A system ready to run.
 #[pyclass(frozen, module = "stickslip._core")]
@@ -149,83 +146,9 @@ impl Settings {
             },
             ..Options::default()
         };
-        options.check().map_err(failed)?;
+        options.check().map_err(|error| failed(&error, None))?;
         Ok(options)
     }
-}
-
-/// The Python exception for an invalid system.
-fn wrong(error: impl std::fmt::Display) -> PyErr {
-    SystemError::new_err(error.to_string())
-}
-
-/// The Python exception for a failed computation. A wrong setting is a `ValueError`; an error
-/// within a run has its time and state.
-fn failed(error: Error) -> PyErr {
-    match &error {
-        Error::Parameter { name, value, bound } | Error::Option { name, value, bound } => {
-            OptionError::new_err((error.to_string(), *name, *value, (*bound).to_owned()))
-        }
-        Error::Interval { .. } => pyo3::exceptions::PyValueError::new_err(error.to_string()),
-        _ => {
-            // The name of the variant, which is what `Debug` begins with.
-            let debug = format!("{error:?}");
-            let kind = debug.split(|letter: char| !letter.is_alphanumeric()).next();
-            told(kind.unwrap_or_default(), &error, place(&error))
-        }
-    }
-}
-
-/// Time and state of a failure.
-type Place = (Option<f64>, Option<Vec<f64>>);
-
-/// A Python exception of a given kind.
-fn told(kind: &str, error: &dyn std::fmt::Display, (t, x): Place) -> PyErr {
-    StickslipError::new_err((error.to_string(), kind.to_owned(), t, x))
-}
-
-/// Time and state of a failure, as far as it has them.
-fn place(error: &Error) -> Place {
-    let at = |t: &f64, x: &Point| (Some(*t), Some(x.0.clone()));
-    match error {
-        Error::StartOutsideDomain { t, x, .. }
-        | Error::NonFinite { t, x, .. }
-        | Error::StepCollapse { t, x, .. }
-        | Error::TooMany { t, x, .. }
-        | Error::EventPileUp { t, x, .. }
-        | Error::BranchPileUp { t, x, .. }
-        | Error::Escaped { t, x, .. }
-        | Error::NoUniqueMode { t, x, .. }
-        | Error::TooManyContacts { t, x, .. }
-        | Error::DependentContacts { t, x, .. }
-        | Error::StaticBelowKinetic { t, x, .. }
-        | Error::HoldsElsewhere { t, x, .. }
-        | Error::NotAdditive { t, x, .. }
-        | Error::NoUniqueFuture { t, x }
-        | Error::Shrunk { t, x }
-        | Error::TangentSingular { t, x } => at(t, x),
-        Error::NotFound { t, .. } | Error::OutsideOrbit { t, .. } => (Some(*t), None),
-        _ => (None, None),
-    }
-}
-
-/// An array with one row for each state.
-fn rows<'py, 'a>(
-    py: Python<'py>,
-    states: impl IntoIterator<Item = &'a Vector>,
-    components: usize,
-) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let flat: Vec<f64> = states.into_iter().flatten().copied().collect();
-    let count = flat.len() / components.max(1);
-    flat.into_pyarray(py).reshape([count, components])
-}
-
-/// An array of numbers.
-fn numbers<'py>(
-    py: Python<'py>,
-    values: impl IntoIterator<Item = f64>,
-) -> Bound<'py, PyArray1<f64>> {
-    PyArray1::from_iter(py, values)
 }
 
 /// The engine of stickslip.
@@ -236,12 +159,5 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<run::Dense>()?;
     module.add_function(wrap_pyfunction!(task::unwind, module)?)?;
     module.add_function(wrap_pyfunction!(run::solve, module)?)?;
-    module.add_function(wrap_pyfunction!(analyses::periodic_orbit, module)?)?;
-    module.add_function(wrap_pyfunction!(analyses::poincare_map, module)?)?;
-    module.add_function(wrap_pyfunction!(analyses::continuation, module)?)?;
-    module.add_function(wrap_pyfunction!(analyses::lyapunov_spectrum, module)?)?;
-    module.add_function(wrap_pyfunction!(analyses::bifurcation_diagram, module)?)?;
-    module.add_function(wrap_pyfunction!(analyses::basins, module)?)?;
-    module.add_function(wrap_pyfunction!(analyses::parameter_map, module)?)?;
-    module.add_function(wrap_pyfunction!(analyses::lyapunov_from_data, module)?)
+    analyses::add(module)
 }

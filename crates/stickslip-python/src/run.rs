@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use numpy::{PyArray2, PyReadonlyArray1};
+use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stickslip::dynamics::{Passage, Phase, Solution, Step, Summary, Transition, Vector};
@@ -11,8 +11,10 @@ use stickslip::{Ending, Error, TransitionKind};
 use stickslip_kernels::file::System as Ready;
 use stickslip_kernels::kernel::{Run, Watcher, follow};
 
+use crate::errors::{failed, words};
+use crate::fields::{Fields, array};
 use crate::task::{LOOK, Report, look};
-use crate::{Settings, System, failed, numbers, rows};
+use crate::{Settings, System};
 
 /// Checks for signals, such as Ctrl-C, at intervals, and reports the progress of the run.
 struct Signals {
@@ -302,13 +304,10 @@ pub(crate) fn solve<'py>(
     let mut signals = Signals::new(report);
     let wanted = (asked, dense_output, limit);
     let solved = py.detach(|| solved(&systems, &run, wanted, &mut signals));
-    let solved = solved.map_err(failed)?;
-    let number_of_events = events.len();
-    let result = told(py, &system.ready, solved, (t, x.len()), number_of_events)?;
-    if let Some(raised) = signals.raised {
-        result.set_item("raised", raised.into_value(py))?;
-    }
-    Ok(result)
+    let ready = &system.ready;
+    let solved = solved.map_err(|error| failed(&error, Some(ready)))?;
+    let fields = described(py, ready, solved, (t, x.len()), events.len())?;
+    fields.ended(signals.raised)
 }
 
 /// The name of a kind of transition.
@@ -325,102 +324,80 @@ fn kind_name(kind: TransitionKind) -> &'static str {
 }
 
 /// The result of a run, for Python.
-fn told<'py>(
+fn described<'py>(
     py: Python<'py>,
     system: &Ready,
     solved: Solved<'_>,
     (t_start, states): (f64, usize),
     number_of_events: usize,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<Fields<'py>> {
     let Solved {
         recording,
         events,
         outcome,
         is_terminated,
     } = solved;
-    let (status, message, counters) = match &outcome {
-        _ if is_terminated => (1, "A termination event occurred.".to_owned(), None),
-        Ok(summary) => {
-            let (status, message) = ending(summary);
-            (status, message, Some(summary.counters))
-        }
+    let (status, message) = match &outcome {
+        _ if is_terminated => (1, "A termination event occurred.".to_owned()),
+        Ok(summary) => ending(summary, system),
         // An error at the start leaves no result to return.
-        Err(error) if recording.last.0 == t_start => return Err(failed(error.clone())),
-        Err(error) => (-1, error.to_string(), None),
+        Err(error) if recording.last.0 == t_start => return Err(failed(error, Some(system))),
+        Err(error) => (-1, words(error, system)),
     };
-    let counters = counters.or(outcome.as_ref().ok().map(|summary| summary.counters));
-    let result = PyDict::new(py);
+    let fields = Fields::new(py);
     let points = &recording.points;
-    result.set_item("t", numbers(py, points.iter().map(|point| point.0)))?;
-    result.set_item("y", rows(py, points.iter().map(|point| &point.1), states)?)?;
+    fields.numbers("t", points.iter().map(|point| point.0))?;
+    fields.rows("y", points.iter().map(|point| &point.1), states)?;
     let events = events.iter().take(number_of_events);
     let events = events.map(|found| {
-        let times = numbers(py, found.iter().map(|at| at.t));
-        Ok((times, rows(py, found.iter().map(|at| &at.x), states)?))
+        let times = PyArray1::from_iter(py, found.iter().map(|at| at.t));
+        let x = found.iter().flat_map(|at| at.x.iter().copied());
+        Ok((times, array(py, x.collect(), [states])?))
     });
-    result.set_item("events", events.collect::<PyResult<Vec<_>>>()?)?;
-    result.set_item("status", status)?;
-    result.set_item("message", message)?;
-    result.set_item("nfev", counters.map(|counters| counters.field_calls))?;
-    result.set_item("t_end", recording.last.0)?;
-    let transitions = PyDict::new(py);
+    fields.put("events", events.collect::<PyResult<Vec<_>>>()?)?;
+    fields.put("status", status)?;
+    fields.put("message", message)?;
+    let calls = outcome.as_ref().ok();
+    fields.put("nfev", calls.map(|summary| summary.counters.field_calls))?;
+    fields.put("t_end", recording.last.0)?;
+    let transitions = Fields::new(py);
     let all = &recording.transitions;
-    transitions.set_item("t", numbers(py, all.iter().map(|at| at.t)))?;
-    let kinds: Vec<&str> = all.iter().map(|at| kind_name(at.kind)).collect();
-    transitions.set_item("kind", kinds)?;
-    let contacts: Vec<usize> = all.iter().map(|at| at.contact).collect();
-    transitions.set_item("contact", contacts)?;
-    let modes: Vec<String> = all.iter().map(|at| system.letters(&at.from)).collect();
-    transitions.set_item("from_mode", modes)?;
-    let modes: Vec<String> = all.iter().map(|at| system.letters(&at.to)).collect();
-    transitions.set_item("to_mode", modes)?;
-    transitions.set_item("y", rows(py, all.iter().map(|at| &at.x), states)?)?;
-    transitions.set_item("residual", numbers(py, all.iter().map(|at| at.residual)))?;
-    result.set_item("transitions", transitions)?;
-    let phases = PyDict::new(py);
+    transitions.numbers("t", all.iter().map(|at| at.t))?;
+    transitions.texts("kind", all.iter().map(|at| kind_name(at.kind)))?;
+    let contacts = all.iter().map(|at| system.contact_name(at.contact));
+    transitions.texts("contact", contacts)?;
+    transitions.texts("from_mode", all.iter().map(|at| system.letters(&at.from)))?;
+    transitions.texts("to_mode", all.iter().map(|at| system.letters(&at.to)))?;
+    transitions.rows("y", all.iter().map(|at| &at.x), states)?;
+    transitions.numbers("residual", all.iter().map(|at| at.residual))?;
+    fields.fields("transitions", transitions)?;
+    let phases = Fields::new(py);
     let all = &recording.phases;
-    phases.set_item(
-        "t_start",
-        numbers(py, all.iter().map(|phase| phase.t_start)),
-    )?;
-    phases.set_item("t_end", numbers(py, all.iter().map(|phase| phase.t_end)))?;
-    let modes: Vec<String> = all
-        .iter()
-        .map(|phase| system.letters(&phase.mode))
-        .collect();
-    phases.set_item("mode", modes)?;
-    phases.set_item(
-        "y_start",
-        rows(py, all.iter().map(|phase| &phase.x_start), states)?,
-    )?;
-    phases.set_item(
-        "y_end",
-        rows(py, all.iter().map(|phase| &phase.x_end), states)?,
-    )?;
-    result.set_item("phases", phases)?;
+    phases.numbers("t_start", all.iter().map(|phase| phase.t_start))?;
+    phases.numbers("t_end", all.iter().map(|phase| phase.t_end))?;
+    phases.texts("mode", all.iter().map(|phase| system.letters(&phase.mode)))?;
+    phases.rows("y_start", all.iter().map(|phase| &phase.x_start), states)?;
+    phases.rows("y_end", all.iter().map(|phase| &phase.x_end), states)?;
+    fields.fields("phases", phases)?;
     let end = recording.last;
     let dense = recording.steps.map(|steps| Dense { steps, end });
-    result.set_item("sol", dense)?;
-    Ok(result)
+    fields.put("sol", dense)?;
+    Ok(fields)
 }
 
 /// Status and message of a run that did not fail.
-fn ending(summary: &Summary) -> (i32, String) {
-    let not_unique = Error::NoUniqueFuture {
-        t: summary.t,
-        x: (&summary.x).into(),
-    };
+fn ending(summary: &Summary, system: &Ready) -> (i32, String) {
+    let (t, x) = (summary.t, (&summary.x).into());
     match summary.ending {
         Ending::EndTime => (
             0,
             "The solver successfully reached the end of the integration interval.".to_owned(),
         ),
         Ending::Stopped => (1, "A jump that ends the run occurred.".to_owned()),
-        Ending::Repelling | Ending::TwoFold(_) => (2, not_unique.to_string()),
-        Ending::Shrunk => {
-            let (t, x) = (summary.t, (&summary.x).into());
-            (2, Error::Shrunk { t, x }.to_string())
+        Ending::Repelling | Ending::TwoFold(_) => {
+            (2, words(&Error::NoUniqueFuture { t, x }, system))
         }
+        Ending::Shrunk => (2, words(&Error::Shrunk { t, x }, system)),
         Ending::Failed => (-1, "The run failed.".to_owned()),
     }
 }
@@ -439,7 +416,7 @@ impl Dense {
         &self,
         py: Python<'py>,
         times: PyReadonlyArray1<'py, f64>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    ) -> PyResult<Bound<'py, PyAny>> {
         let from = self
             .steps
             .first()
@@ -447,7 +424,7 @@ impl Dense {
         let to = self.end.0;
         let state = |&t: &f64| {
             if !(from..=to).contains(&t) {
-                return Err(failed(Error::OutsideOrbit { t, from, to }));
+                return Err(failed(&Error::OutsideOrbit { t, from, to }, None));
             }
             let index = self.steps.partition_point(|(step, _)| step.t_end < t);
             Ok(match self.steps.get(index) {
@@ -456,11 +433,9 @@ impl Dense {
                 None => self.end.1.clone(),
             })
         };
-        let states = times
-            .as_array()
-            .iter()
-            .map(state)
-            .collect::<PyResult<Vec<_>>>()?;
-        rows(py, &states, self.end.1.len())
+        let times = times.as_array();
+        let states = times.iter().map(state).collect::<PyResult<Vec<_>>>()?;
+        let flat = states.iter().flatten().copied().collect();
+        array(py, flat, [self.end.1.len()])
     }
 }

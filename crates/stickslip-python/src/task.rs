@@ -9,10 +9,8 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
 use pyo3::prelude::*;
-use stickslip_kernels::file::System;
+use stickslip_kernels::file::{SettingError, System};
 use stickslip_kernels::kernel::Stop;
-
-use crate::wrong;
 
 /// Interval at which a computation checks for interruptions.
 pub(crate) const LOOK: Duration = Duration::from_millis(50);
@@ -37,9 +35,14 @@ impl Task {
         self.done.fetch_add(1, Ordering::Relaxed);
     }
 
+    /// Sets the number of finished items.
+    pub(crate) fn reached(&self, done: usize) {
+        self.done.store(done, Ordering::Relaxed);
+    }
+
     /// The system, with orbits that end when the task is stopped.
-    pub(crate) fn system(&self, of: &System) -> PyResult<System> {
-        of.stoppable(self.stop.clone()).map_err(wrong)
+    pub(crate) fn system(&self, of: &System) -> Result<System, SettingError> {
+        of.stoppable(self.stop.clone())
     }
 }
 
@@ -54,6 +57,17 @@ pub(crate) enum Tells {
 pub(crate) struct Outcome<T> {
     pub(crate) found: T,
     pub(crate) raised: Option<PyErr>,
+}
+
+impl<T, E> Outcome<(T, Result<(), E>)> {
+    /// What was found until the computation ended, and the exception that ended it early.
+    pub(crate) fn partial(self, failed: impl FnOnce(E) -> PyErr) -> PyResult<(T, Option<PyErr>)> {
+        let (found, ended) = self.found;
+        match (self.raised, ended) {
+            (None, Err(error)) => Err(failed(error)),
+            (raised, _) => Ok((found, raised)),
+        }
+    }
 }
 
 impl<T, E> Outcome<Result<T, E>> {

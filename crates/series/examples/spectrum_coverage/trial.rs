@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use stickslip_series::{
     DataError, DataExponent, DataSettings, Embedding, EmbeddingSettings, Origin, Series, Status,
-    data_spectrum, needed_embedding, reversal,
+    data_spectrum, needed_embedding, reversal, unwatched,
 };
 
 use stickslip::math;
@@ -106,7 +106,7 @@ pub fn trial(
         }
     };
     let series = Series::new(values, columns, case.dt)?;
-    let needed = needed_embedding(&series, &EmbeddingSettings::default(), &|_, _| ())?;
+    let needed = needed_embedding(&series, &EmbeddingSettings::default(), &unwatched)?;
     let embedding = needed.map(|choice| choice.embedding);
     let [found, sano_sawada] = settings().map(|settings| verdicts(&series, embedding, settings));
     let (mut found, mut sano_sawada) = (found?.into_iter(), sano_sawada?.into_iter());
@@ -160,7 +160,7 @@ fn verdicts(
     };
     let vectors = embedding.of(series)?;
     let spectrum = data_spectrum(&vectors, &settings.delayed(embedding.delay, &vectors))?;
-    let origins = reversal(&vectors, &spectrum, &|_, _| ())?.origins;
+    let origins = reversal(&vectors, &spectrum, &unwatched)?.origins;
     let told = spectrum.exponents.iter().zip(origins);
     Ok(told
         .filter(|(_, origin)| *origin != Origin::Spurious)

@@ -15,6 +15,7 @@ use super::cloud::Cloud;
 use super::error::DataError;
 use super::matrix::{Matrix, distance2};
 use super::neighbours::{Finder, Neighbour};
+use super::progress::{Progress, report};
 use super::series::Series;
 use super::statistics::upper_median;
 
@@ -103,7 +104,7 @@ impl Divergence {
 pub fn divergence(
     series: &Series,
     theiler: Option<usize>,
-    progress: &dyn Fn(usize, usize),
+    progress: Progress<'_>,
 ) -> Result<Divergence, DataError> {
     let rows = series.len();
     let longest = (rows / LONGEST_PART).clamp(1, LONGEST);
@@ -127,7 +128,7 @@ pub fn divergence(
     }
     let finder = Finder::new(&cloud, longest, theiler)?;
     let total = 1 + KANTZ.len();
-    progress(0, total);
+    report(progress, 0, total)?;
     let points = rows - longest;
     let every = points.div_ceil(SAMPLES).max(1);
     let references: Vec<usize> = (0..points).step_by(every).collect();
@@ -167,15 +168,17 @@ pub fn divergence(
                 .collect(),
         }
     };
-    progress(1, total);
+    report(progress, 1, total)?;
     let rosenstein = curve(None);
     let kantz = KANTZ.iter().enumerate().map(|(i, count)| {
-        progress(1 + i, total);
+        report(progress, 1 + i, total)?;
         let reach = nearest.iter().filter_map(|found| found.get(count - 1));
-        curve(Some(upper_median(reach.map(|neighbour| neighbour.0))))
+        Ok(curve(Some(upper_median(
+            reach.map(|neighbour| neighbour.0),
+        ))))
     });
-    let kantz = kantz.collect();
-    progress(total, total);
+    let kantz = kantz.collect::<Result<_, DataError>>()?;
+    report(progress, total, total)?;
     Ok(Divergence {
         rosenstein,
         kantz,

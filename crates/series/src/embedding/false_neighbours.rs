@@ -2,12 +2,11 @@
 //! Phys. Rev. A 45, 3403, 1992) and Cao's averages (Physica D 110, 43, 1997), both from the nearest
 //! neighbour of each point at every dimension.
 
-use rayon::prelude::*;
-
 use super::delay::Embedding;
 use crate::cloud::Cloud;
 use crate::error::DataError;
 use crate::neighbours::Finder;
+use crate::progress::in_parallel;
 use crate::series::Series;
 
 /// Number of points whose nearest neighbour is examined, spread evenly over the series. A fraction
@@ -42,6 +41,7 @@ pub(crate) fn level(
     embedding: Embedding,
     theiler: usize,
     spread: f64,
+    goes_on: &dyn Fn() -> Result<(), DataError>,
 ) -> Result<Option<Level>, DataError> {
     // Checks that the next value exists.
     let next = Embedding {
@@ -64,9 +64,11 @@ pub(crate) fn level(
     let every = points.div_ceil(SAMPLES).max(1);
     let columns = series.columns();
     let ahead = embedding.delay * embedding.dimension;
-    let votes: Vec<Option<Level>> = (0..points.div_ceil(every))
-        .into_par_iter()
-        .map_init(Vec::new, |nearest, i| {
+    let votes = in_parallel(
+        points.div_ceil(every),
+        goes_on,
+        Vec::new,
+        |nearest, i| -> Option<Level> {
             let j = i * every;
             finder.nearest(j, 1, f64::INFINITY, nearest);
             let &(square, k) = nearest.first()?;
@@ -87,8 +89,8 @@ pub(crate) fn level(
                 stretching: largest.max(next_largest) / largest,
                 next_difference: next_largest * cloud.unit,
             })
-        })
-        .collect();
+        },
+    )?;
     let votes: Vec<Level> = votes.into_iter().flatten().collect();
     let count = votes.len() as f64;
     let mean = |of: fn(&Level) -> f64| votes.iter().map(of).sum::<f64>() / count;

@@ -8,6 +8,7 @@ mod information;
 use crate::cloud::{Cloud, longest_lag};
 use crate::divergence::FEWEST;
 use crate::error::DataError;
+use crate::progress::{Progress, report, unwatched};
 use crate::series::Series;
 pub use delay::Embedding;
 use delay::most_dimensions;
@@ -160,11 +161,11 @@ pub struct EmbeddingChoice {
 pub fn needed_embedding(
     series: &Series,
     settings: &EmbeddingSettings,
-    progress: &dyn Fn(usize, usize),
+    progress: Progress<'_>,
 ) -> Result<Option<EmbeddingChoice>, DataError> {
     let asked = settings.delay.is_some() || settings.dimension.is_some();
     let is_short = series.len() < FEWEST;
-    if !asked && (is_short || series.columns() > 1 && !lacks_columns(series, settings.theiler)?) {
+    if !asked && (is_short || series.columns() > 1 && !lacks(series, settings.theiler, progress)?) {
         return Ok(None);
     }
     let choice = choose_embedding(series, settings, progress)?;
@@ -179,11 +180,11 @@ pub fn needed_embedding(
 /// # Errors
 /// [`DataError::Setting`] for a delay or dimension that is not allowed, [`DataError::Span`] for one
 /// that the series is too short for, [`DataError::Constant`], [`DataError::Overflow`],
-/// [`DataError::TooMany`].
+/// [`DataError::TooMany`], [`DataError::Stopped`].
 pub fn choose_embedding(
     series: &Series,
     settings: &EmbeddingSettings,
-    progress: &dyn Fn(usize, usize),
+    progress: Progress<'_>,
 ) -> Result<EmbeddingChoice, DataError> {
     let most = most_dimensions(series.columns());
     // A given embedding is checked before anything is computed.
@@ -204,15 +205,17 @@ pub fn choose_embedding(
     }
     let (decorrelation, spread) = Cloud::new(series)?.scales();
     let theiler = settings.theiler.unwrap_or(decorrelation);
-    progress(0, most + 1);
-    let (information, (delay, delay_reason)) = delay(series, decorrelation, settings.delay)?;
+    let goes_on = || report(progress, 0, most + 1);
+    let (information, (delay, delay_reason)) =
+        delay(series, decorrelation, settings.delay, &goes_on)?;
 
     let mut levels: Vec<Level> = Vec::new();
     let mut dimensions: Vec<DimensionEvidence> = Vec::new();
     let shown = settings.dimension.unwrap_or(0).saturating_add(BEYOND);
     for dimension in 1..=most {
-        progress(dimension, most + 1);
-        match level(series, Embedding { delay, dimension }, theiler, spread) {
+        let goes_on = || report(progress, dimension, most + 1);
+        let embedding = Embedding { delay, dimension };
+        match level(series, embedding, theiler, spread, &goes_on) {
             Ok(Some(found)) => levels.push(found),
             // The series is too short for more, or has nothing but repeats.
             Ok(None) | Err(DataError::Span { .. }) => break,
@@ -223,7 +226,7 @@ pub fn choose_embedding(
             break;
         }
     }
-    progress(most + 1, most + 1);
+    report(progress, most + 1, most + 1)?;
     let (dimension, dimension_reason) = match settings.dimension {
         Some(dimension) => (dimension, DimensionReason::Given),
         None => without_false_neighbours(&dimensions),
@@ -248,12 +251,21 @@ pub fn choose_embedding(
 /// # Errors
 /// [`DataError::Constant`], [`DataError::Overflow`], [`DataError::TooMany`].
 pub fn lacks_columns(series: &Series, theiler: Option<usize>) -> Result<bool, DataError> {
+    lacks(series, theiler, &unwatched)
+}
+
+fn lacks(
+    series: &Series,
+    theiler: Option<usize>,
+    progress: Progress<'_>,
+) -> Result<bool, DataError> {
     let (delay, spread) = Cloud::new(series)?.scales();
     let alone = Embedding {
         delay,
         dimension: 1,
     };
-    match level(series, alone, theiler.unwrap_or(delay), spread) {
+    let goes_on = || report(progress, 0, 1);
+    match level(series, alone, theiler.unwrap_or(delay), spread, &goes_on) {
         Ok(level) => Ok(level.is_some_and(|level| level.false_part > MANY_FALSE_NEIGHBOURS)),
         Err(DataError::Span { .. }) => Ok(false),
         Err(error) => Err(error),
@@ -268,6 +280,7 @@ fn delay(
     series: &Series,
     decorrelation: usize,
     given: Option<usize>,
+    goes_on: &dyn Fn() -> Result<(), DataError>,
 ) -> Result<(Information, (usize, DelayReason)), DataError> {
     let classes = Classes::new(series);
     let longest = longest_lag(series.len()).min(MOST_LAGS);
@@ -279,6 +292,7 @@ fn delay(
     let mut least = (1, f64::INFINITY);
     let mut has_risen = false;
     for lag in 0..=longest {
+        goes_on()?;
         let shown = chosen.map(|(delay, _)| delay.saturating_mul(SHOWN).max(10));
         if shown.is_some_and(|shown| lag > shown) {
             break;

@@ -17,6 +17,7 @@ use rayon::prelude::*;
 use super::embedding::Embedding;
 use super::error::DataError;
 use super::estimate::data_spectrum;
+use super::progress::{Progress, report};
 use super::series::Series;
 use super::settings::DataSettings;
 use iaaft::Randomiser;
@@ -97,7 +98,7 @@ pub fn surrogate_test(
     settings: &DataSettings,
     count: usize,
     seed: u64,
-    progress: &dyn Fn(usize, usize),
+    progress: Progress<'_>,
 ) -> Result<SurrogateTest, DataError> {
     check_surrogates(count)?;
     let settings = DataSettings {
@@ -124,7 +125,7 @@ pub fn surrogate_test(
     let own = statistics(randomiser.original())?;
     let mut surrogates = Vec::with_capacity(count);
     while surrogates.len() < count {
-        progress(surrogates.len(), count);
+        report(progress, surrogates.len(), count)?;
         let until = (surrogates.len() + TOGETHER).min(count);
         let more: Vec<Statistics> = (surrogates.len()..until)
             .into_par_iter()
@@ -132,7 +133,7 @@ pub fn surrogate_test(
             .collect::<Result<_, DataError>>()?;
         surrogates.extend(more);
     }
-    progress(count, count);
+    report(progress, count, count)?;
     // A surrogate without a residual is no evidence.
     let is_above = |one: &Statistics| one.residual > own.residual;
     Ok(SurrogateTest {

@@ -6,7 +6,7 @@ use stickslip::math;
 use stickslip_series::{
     DataError, DataSettings, DataSpectrum, DelayReason, DimensionReason, Embedding,
     EmbeddingChoice, EmbeddingSettings, Estimator, NO_FALSE_NEIGHBOURS, Origin, Reversal, Series,
-    Status, choose_embedding, data_spectrum, lacks_columns, reversal,
+    Status, choose_embedding, data_spectrum, lacks_columns, reversal, unwatched,
 };
 
 fn column<const N: usize>(rows: &[[f64; N]], column: usize, dt: f64) -> Series {
@@ -14,7 +14,7 @@ fn column<const N: usize>(rows: &[[f64; N]], column: usize, dt: f64) -> Series {
 }
 
 fn choice(series: &Series) -> EmbeddingChoice {
-    choose_embedding(series, &EmbeddingSettings::default(), &|_, _| ()).unwrap()
+    choose_embedding(series, &EmbeddingSettings::default(), &unwatched).unwrap()
 }
 
 /// As the program does it.
@@ -35,7 +35,7 @@ fn embedded_by(
     };
     let settings = settings.delayed(embedding.delay, &vectors);
     let spectrum = data_spectrum(&vectors, &settings).unwrap();
-    let reversal = reversal(&vectors, &spectrum, &|_, _| ()).unwrap();
+    let reversal = reversal(&vectors, &spectrum, &unwatched).unwrap();
     (spectrum, reversal)
 }
 
@@ -344,7 +344,7 @@ fn what_is_given_is_kept_and_what_cannot_be_is_refused() {
             dimension,
             theiler: None,
         };
-        choose_embedding(&series, &settings, &|_, _| ())
+        choose_embedding(&series, &settings, &unwatched)
     };
     let given = with(Some(3), Some(5)).unwrap();
     assert_eq!((given.embedding.delay, given.embedding.dimension), (3, 5));
@@ -376,12 +376,12 @@ fn what_is_given_is_kept_and_what_cannot_be_is_refused() {
         theiler: Some(usize::MAX),
         ..EmbeddingSettings::default()
     };
-    let none = choose_embedding(&series, &wide, &|_, _| ()).unwrap();
+    let none = choose_embedding(&series, &wide, &unwatched).unwrap();
     assert!(none.dimensions.is_empty());
     let short = Series::from_rows([[1.0], [2.0], [3.0]], 1.0).unwrap();
     assert_eq!(choice(&short).embedding.dimension, 1);
     let constant = Series::from_rows([[1.0]; 50], 1.0).unwrap();
-    let error = choose_embedding(&constant, &EmbeddingSettings::default(), &|_, _| ()).unwrap_err();
+    let error = choose_embedding(&constant, &EmbeddingSettings::default(), &unwatched).unwrap_err();
     assert_eq!(error, DataError::Constant { rows: 50 });
 }
 

@@ -742,3 +742,31 @@ fn bad_series_and_settings_are_refused_with_their_numbers() {
         assert!(says, "{name}: {error}");
     }
 }
+
+#[test]
+fn progress_that_breaks_stops_a_computation() {
+    let logistic = |x: f64| 4.0 * x * (1.0 - x);
+    let rows = std::iter::successors(Some(0.3), |&x| Some(logistic(x)));
+    let series = Series::from_rows(rows.take(3000).map(|x| [x]), 1.0).unwrap();
+    let calls = std::cell::Cell::new(0);
+    // A smaller number of calls stops it earlier.
+    for most in [0, 1, 5, 9] {
+        calls.set(0);
+        let breaks = |_, _| {
+            calls.set(calls.get() + 1);
+            match calls.get() > most {
+                true => std::ops::ControlFlow::Break(()),
+                false => std::ops::ControlFlow::Continue(()),
+            }
+        };
+        let settings = DataSettings::default();
+        let found = stickslip_series::data_spectrum_with(&series, &settings, &breaks);
+        assert_eq!(found.unwrap_err(), DataError::Stopped);
+        assert_eq!(calls.get(), most + 1);
+        calls.set(0);
+        let settings = stickslip_series::EmbeddingSettings::default();
+        let found = stickslip_series::needed_embedding(&series, &settings, &breaks);
+        assert_eq!(found.unwrap_err(), DataError::Stopped);
+        assert_eq!(calls.get(), most + 1);
+    }
+}

@@ -5,7 +5,7 @@ use super::{henon, lorenz, near, noise, roessler};
 use stickslip::math;
 use stickslip_series::{
     DataError, DataSettings, Divergence, Embedding, FEWEST_SURROGATES, Neighbourhood, Series,
-    SurrogateTest, divergence, surrogate_test,
+    SurrogateTest, divergence, surrogate_test, unwatched,
 };
 
 fn column<const N: usize>(rows: &[[f64; N]], dt: f64) -> Series {
@@ -24,7 +24,7 @@ fn delayed(delay: usize, dimension: usize) -> Embedding {
 }
 
 fn followed(series: &Series) -> Divergence {
-    divergence(series, None, &|_, _| ()).unwrap()
+    divergence(series, None, &unwatched).unwrap()
 }
 
 /// An autoregression of order 1 with nearly Gaussian noise.
@@ -135,7 +135,7 @@ fn units_of_length_and_time() {
 fn too_few_points_to_follow_are_refused() {
     let refused = |rows: usize, theiler| {
         let series = Series::from_rows(henon(rows), 1.0).unwrap();
-        divergence(&series, theiler, &|_, _| ()).unwrap_err()
+        divergence(&series, theiler, &unwatched).unwrap_err()
     };
     for (rows, theiler) in [
         (0, None),
@@ -147,7 +147,7 @@ fn too_few_points_to_follow_are_refused() {
         assert!(matches!(error, DataError::TooFew { .. }), "{error}");
     }
     let series = Series::from_rows(henon(50), 1.0).unwrap();
-    assert!(divergence(&series, None, &|_, _| ()).is_ok());
+    assert!(divergence(&series, None, &unwatched).is_ok());
 }
 
 fn tested(series: &Series, embedding: Embedding, seed: u64) -> SurrogateTest {
@@ -161,7 +161,7 @@ fn tested(series: &Series, embedding: Embedding, seed: u64) -> SurrogateTest {
         step: embedding.delay,
         ..DataSettings::default()
     };
-    surrogate_test(series, Some(embedding), &settings, 19, seed, &|_, _| ()).unwrap()
+    surrogate_test(series, Some(embedding), &settings, 19, seed, &unwatched).unwrap()
 }
 
 #[test]
@@ -217,7 +217,7 @@ fn surrogates_are_the_same_with_any_number_of_threads_and_too_few_are_refused() 
         &DataSettings::default(),
         FEWEST_SURROGATES - 1,
         1,
-        &|_, _| (),
+        &unwatched,
     );
     let error = few.unwrap_err().to_string();
     assert!(

@@ -4,38 +4,6 @@ use serde_json::{Value, json};
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::Change;
 
-/// Parameter value of a change.
-pub(super) fn parameter(change: &Change) -> Option<f64> {
-    match *change {
-        Change::Sequence { parameter, .. }
-        | Change::Equilibrium { parameter, .. }
-        | Change::BoundaryEquilibrium { parameter, .. }
-        | Change::Multiplier { parameter, .. } => Some(parameter),
-        Change::Unlocated => None,
-    }
-}
-
-/// Uncertainty of that parameter value, where it is known.
-pub(super) fn uncertainty(change: &Change) -> Option<f64> {
-    match *change {
-        Change::Sequence { uncertainty, .. } | Change::Multiplier { uncertainty, .. } => {
-            Some(uncertainty)
-        }
-        _ => None,
-    }
-}
-
-/// State at the change.
-pub(super) fn state(change: &Change) -> Option<Vec<f64>> {
-    match change {
-        Change::Sequence { x, .. }
-        | Change::Equilibrium { x, .. }
-        | Change::BoundaryEquilibrium { x, .. }
-        | Change::Multiplier { x, .. } => Some(x.clone()),
-        Change::Unlocated => None,
-    }
-}
-
 /// Phases before and after the change, if the phases change.
 pub(super) fn phases(system: &System, change: &Change) -> Option<[String; 2]> {
     match change {

@@ -8,7 +8,6 @@ mod changes;
 mod check;
 mod continuation;
 mod exponent;
-mod extremes;
 mod figures;
 mod lyapunov;
 mod map;

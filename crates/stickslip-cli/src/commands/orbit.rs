@@ -2,7 +2,6 @@
 
 use super::arguments::{Ready, RunArguments};
 use super::attractors::family_words;
-use super::extremes::Extremes;
 use super::recording::Recording;
 use super::search::SearchArguments;
 use super::trajectory;
@@ -12,6 +11,7 @@ use stickslip::analysis::{Stability, multipliers};
 use stickslip::dynamics::{Modes, Phase, Section};
 use stickslip::error::readable;
 use stickslip_kernels::kernel::{Run, follow};
+use stickslip_kernels::study::Extremes;
 
 /// Find a periodic orbit: from a run, refined by shooting; period, multipliers, sequence of phases
 ///

@@ -6,7 +6,6 @@ use serde::{Deserialize, Serialize};
 
 use super::arguments::position;
 use crate::failure::Failure;
-use stickslip_kernels::expression::normal;
 use stickslip_kernels::file::{System, number};
 
 /// A range of a state.
@@ -88,17 +87,9 @@ impl ParameterRange {
     /// Parses the range of `--option NAME=LOW:HIGH`.
     pub(super) fn new(option: &str, text: &str, system: &System) -> Result<Self, Failure> {
         let (name, low, high) = name_and_range(option, text)?;
-        let plain = normal(&name);
-        let known = system.file.parameters.iter();
-        let Some(known) = known.map(|one| &one.name).find(|known| **known == plain) else {
-            // The error has the same words as for --set.
-            return match system.file.with(&[(name.clone(), low)]) {
-                Err(error) => Err(error.into()),
-                Ok(_) => Err(Failure::Usage(format!("there is no parameter `{name}`"))),
-            };
-        };
+        let number = system.file.parameter(&name)?;
         check_ends(low, high, option)?;
-        let name = known.clone();
+        let name = system.file.parameters[number].name.clone();
         Ok(Self { name, low, high })
     }
 

@@ -52,6 +52,7 @@ mod read;
 mod switching;
 mod system;
 mod table;
+mod wording;
 mod words;
 
 pub use build::Built;
@@ -59,6 +60,7 @@ pub use formula::Formula;
 pub use names::{Meaning, Names, did_you_mean};
 pub use problem::{Problem, Source};
 pub use system::{PeriodError, SettingError, System};
+pub use wording::Interface;
 
 use std::ops::Range;
 use std::path::Path;

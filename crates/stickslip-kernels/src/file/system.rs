@@ -107,30 +107,33 @@ impl SystemFile {
         Ok(System::new(Arc::new(self.clone()), values, None)?)
     }
 
+    /// The number of a parameter.
+    ///
+    /// # Errors
+    /// [`SettingError::Unknown`].
+    pub fn parameter(&self, name: &str) -> Result<usize, SettingError> {
+        let known = self.parameters.iter();
+        let known = known.map(|parameter| parameter.name.as_str());
+        let plain = crate::expression::normal(name);
+        let number = known.clone().position(|known| known == plain);
+        number.ok_or_else(|| {
+            let all: Vec<&str> = known.clone().collect();
+            let help = did_you_mean(name, known).unwrap_or_else(|| match all.is_empty() {
+                true => "the system has none".to_owned(),
+                false => format!("there are {}", all.join(", ")),
+            });
+            let name = name.to_owned();
+            SettingError::Unknown { name, help }
+        })
+    }
+
     fn values_with(
         &self,
         mut values: Vec<f64>,
         settings: &[(String, f64)],
     ) -> Result<Vec<f64>, SettingError> {
         for (i, (name, value)) in settings.iter().enumerate() {
-            let known = || {
-                self.parameters
-                    .iter()
-                    .map(|parameter| parameter.name.as_str())
-            };
-            let plain = crate::expression::normal(name);
-            let Some(number) = known().position(|known| known == plain) else {
-                let help = did_you_mean(name, known()).unwrap_or_else(|| {
-                    let all: Vec<&str> = known().collect();
-                    if all.is_empty() {
-                        "the file has none".to_owned()
-                    } else {
-                        format!("there are {}", all.join(", "))
-                    }
-                });
-                let name = name.clone();
-                return Err(SettingError::Unknown { name, help });
-            };
+            let number = self.parameter(name)?;
             if settings[..i].iter().any(|(other, _)| other == name) {
                 let name = name.clone();
                 return Err(SettingError::Twice { name });

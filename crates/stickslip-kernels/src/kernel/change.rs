@@ -78,6 +78,46 @@ impl Change {
             Change::Unlocated => "not located".to_owned(),
         }
     }
+
+    /// Parameter value, if it is located.
+    pub fn parameter(&self) -> Option<f64> {
+        match *self {
+            Change::Sequence { parameter, .. }
+            | Change::Equilibrium { parameter, .. }
+            | Change::BoundaryEquilibrium { parameter, .. }
+            | Change::Multiplier { parameter, .. } => Some(parameter),
+            Change::Unlocated => None,
+        }
+    }
+
+    /// Uncertainty of the parameter value, where it is known.
+    pub fn uncertainty(&self) -> Option<f64> {
+        match *self {
+            Change::Sequence { uncertainty, .. } | Change::Multiplier { uncertainty, .. } => {
+                Some(uncertainty)
+            }
+            _ => None,
+        }
+    }
+
+    /// Period of the orbit, if it is one.
+    pub fn period(&self) -> Option<f64> {
+        match *self {
+            Change::Sequence { period, .. } | Change::Multiplier { period, .. } => Some(period),
+            _ => None,
+        }
+    }
+
+    /// State at the change.
+    pub fn state(&self) -> Option<Vec<f64>> {
+        match self {
+            Change::Sequence { x, .. }
+            | Change::Equilibrium { x, .. }
+            | Change::BoundaryEquilibrium { x, .. }
+            | Change::Multiplier { x, .. } => Some(x.clone()),
+            Change::Unlocated => None,
+        }
+    }
 }
 
 impl From<&SequenceChange> for Change {

@@ -3,7 +3,7 @@
 use std::cell::Cell;
 
 use serde::{Deserialize, Serialize};
-use stickslip::analysis::{RecurrenceSettings, SweepSettings, attractor, sweep};
+use stickslip::analysis::{RecurrenceSettings, SweepSettings, attractor, attractor_of_many, sweep};
 use stickslip::dynamics::DynamicsRef;
 use stickslip::{Error, Options};
 
@@ -81,7 +81,12 @@ impl Diagram<'_> {
             Some(last) => last.carried.clone(),
             None => start(&here)?,
         };
-        let reached = attractor(here.dynamics(), &*start, &settings, self.options)?;
+        // A start that is given must be one; where an orbit is carried to, it may not be.
+        let system = here.dynamics();
+        let reached = match last {
+            None => attractor(system, &*start, &settings, self.options)?,
+            Some(_) => attractor_of_many(system, &*start, &settings, self.options)?,
+        };
         let outcome = Outcome::of(&reached, told);
         let class = here.class(&outcome);
         let mut changes = Vec::new();
@@ -134,10 +139,11 @@ impl Diagram<'_> {
             })
         };
         let between = [last.value, value];
-        let found = sweep(family, between, &*last.start, &settings, self.options)?;
-        if !complete.get() {
+        // The orbit may not exist all the way.
+        let found = sweep(family, between, &*last.start, &settings, self.options).ok();
+        let Some(found) = found.filter(|_| complete.get()) else {
             return Ok(vec![Change::Unlocated]);
-        }
+        };
         let found = found.changes.iter();
         let mut found: Vec<Change> = found.map(|change| Change::from(&change.what)).collect();
         for change in &mut found {

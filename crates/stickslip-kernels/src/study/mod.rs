@@ -1,12 +1,16 @@
 //! Studies of a system from a file, shared by the program and the Python package.
 
+mod branch;
 mod diagram;
+mod extremes;
 mod largest;
 mod search;
 
 use stickslip::analysis::RecurrenceSettings;
 
+pub use branch::{Along, BranchEnd, BranchOrbit, EndBifurcation, Way, WholeBranch, only_once};
 pub use diagram::{AtValue, ChangeBetween, Diagram, ValueEnd};
+pub use extremes::Extremes;
 pub use largest::Largest;
 pub use search::{MOST_PERIODS, PeriodicSearch, SearchError, UNTIL};
 

@@ -11,7 +11,7 @@ use stickslip_kernels::study::Largest;
 use super::{AtValue, Bifurcation, Block, ChangeBetween};
 use crate::commands::exponent;
 use crate::commands::sweeping::table;
-use crate::commands::{attractors, changes, figures};
+use crate::commands::{attractors, figures};
 use crate::failure::Failure;
 use crate::render::Table;
 use crate::sweep::Store;
@@ -162,7 +162,7 @@ impl Bifurcation {
                 panel.add(Guide::horizontal(0.0));
             }
             for change in up.changes.iter().chain(&down.changes) {
-                if let Some(value) = changes::parameter(&change.change) {
+                if let Some(value) = change.change.parameter() {
                     panel.add(Guide::vertical(value));
                 }
             }

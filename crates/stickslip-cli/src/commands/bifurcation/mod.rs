@@ -211,9 +211,9 @@ impl Sweep for Bifurcation {
                 report.note(format!("{name:<4}  {first} to {last}: {motion}"));
             }
             for ChangeBetween { values, change } in &way.changes {
-                let at = match changes::parameter(change) {
+                let at = match change.parameter() {
                     Some(value) => {
-                        let uncertainty = changes::uncertainty(change).unwrap_or(0.0);
+                        let uncertainty = change.uncertainty().unwrap_or(0.0);
                         format!("at {}", place(value, uncertainty))
                     }
                     None => format!("between {} and {}", rounded(values.0), rounded(values.1)),
@@ -238,19 +238,19 @@ impl Sweep for Bifurcation {
         type Row<'a> = (&'static str, &'a ChangeBetween);
         let table = Table::new()
             .column("way", |(name, _): &Row<'_>| *name)
-            .column(name, |(_, at)| changes::parameter(&at.change))
+            .column(name, |(_, at)| at.change.parameter())
             .column("from", |(_, at)| at.values.0)
             .column("to", |(_, at)| at.values.1)
             .column("what", |(_, at)| at.change.name())
             .column("contacts", |(_, at)| changes::contacts(system, &at.change))
-            .column("uncertainty", |(_, at)| changes::uncertainty(&at.change))
+            .column("uncertainty", |(_, at)| at.change.uncertainty())
             .column("before", |(_, at)| {
                 changes::phases(system, &at.change).map(|[before, _]| before)
             })
             .column("after", |(_, at)| {
                 changes::phases(system, &at.change).map(|[_, after]| after)
             })
-            .state(system, "", |(_, at)| changes::state(&at.change));
+            .state(system, "", |(_, at)| at.change.state());
         let rows = WAY_NAMES.into_iter().zip(&ways);
         let rows = rows.flat_map(|(name, way)| way.changes.iter().map(move |at| (name, at)));
         report.table(table.csv("changes", rows)?);

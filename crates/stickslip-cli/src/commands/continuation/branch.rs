@@ -4,45 +4,25 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 use stickslip::analysis::{
-    Branch as Way, BranchPoint, ContinuationSettings, Curve, EquilibriumBranch, PartialBranch,
-    PeriodicOrbit, Special, SpecialPoint, Stop, SwitchedBranch, continue_change,
-    continue_equilibrium, switch_branches,
+    Branch, ContinuationSettings, Curve, EquilibriumBranch, PartialBranch, PeriodicOrbit, Special,
+    SpecialPoint, Stop, SwitchedBranch, continue_change, continue_equilibrium, switch_branches,
 };
-use stickslip::dynamics::{DynamicsRef, Section, Summary, Vector};
-use stickslip::{Ending, Error, Options};
-use stickslip_kernels::kernel::{Run, Watcher, follow};
+use stickslip::dynamics::DynamicsRef;
+use stickslip::{Error, Options};
+use stickslip_kernels::study::{Along, WholeBranch, only_once};
 
-use super::super::extremes::Extremes;
-use super::super::range::{ParameterRange, with_values};
+use super::super::range::ParameterRange;
 use super::saving::{Saving, saved};
 use crate::failure::Failure;
 use crate::sweep::Writer;
 use crate::terminal::Status;
 use stickslip_kernels::file::System;
 
-/// An orbit of the branch.
-pub(super) struct Point {
-    pub(super) orbit: BranchPoint,
-    /// Minimum and maximum of each state on the orbit.
-    pub(super) extremes: Vec<(f64, f64)>,
-}
-
-/// A whole branch, from its lower to its upper end.
-pub(super) struct Branch {
-    pub(super) points: Vec<Point>,
-    /// The special orbits, in the same order.
-    pub(super) special: Vec<SpecialPoint>,
-    /// Index of the orbit from which the branch was started.
-    pub(super) first: usize,
-    /// Why the branch ends, downwards and upwards.
-    pub(super) stops: [Stop; 2],
-}
-
 /// A branch that begins at a special orbit of another one.
 pub(super) struct Other {
     /// Index of that orbit among the special ones, from 0.
     pub(super) from: usize,
-    pub(super) branch: Branch,
+    pub(super) branch: WholeBranch,
 }
 
 /// A second parameter.
@@ -58,25 +38,13 @@ pub(super) struct Also {
 pub(super) struct Begin<'a> {
     system: &'a System,
     range: &'a ParameterRange,
-    /// The parameter's value.
-    value: f64,
-    /// The system with the parameter as a state.
-    along: DynamicsRef<'static>,
+    along: Along<'a>,
 }
 
 impl<'a> Begin<'a> {
     pub(super) fn at(system: &'a System, range: &'a ParameterRange) -> Result<Self, Failure> {
-        let parameters = system.file.parameters.iter();
-        let number = parameters
-            .map(|one| &one.name)
-            .position(|name| *name == range.name);
-        let Some(number) = number else {
-            return Err(Failure::Usage(format!(
-                "there is no parameter `{}`",
-                range.name
-            )));
-        };
-        let value = system.values[number];
+        let along = Along::new(system, &range.name, (range.low, range.high))?;
+        let value = along.value;
         if !(range.low..=range.high).contains(&value) {
             return Err(Failure::Usage(format!(
                 "{name} = {value} is not in the range from {} to {}: the branch begins at the \
@@ -86,15 +54,9 @@ impl<'a> Begin<'a> {
                 name = range.name
             )));
         }
-        // A system that cannot be evaluated at the ends should be reported now.
-        for end in [range.low, range.high] {
-            range.system(system, end)?;
-        }
-        let along = system.along(number)?;
         Ok(Begin {
             system,
             range,
-            value,
             along,
         })
     }
@@ -107,20 +69,20 @@ impl<'a> Begin<'a> {
         settings: &ContinuationSettings,
         options: &Options,
         (writer, status): (&Writer, &Status),
-    ) -> Result<Branch, Failure> {
+    ) -> Result<WholeBranch, Failure> {
         let settings = ContinuationSettings {
             forced: periods.map(|_| orbit.period),
             ..*settings
         };
-        let x = self.at_zero(orbit, options)?;
-        let x = [x.as_slice(), &[self.value]].concat();
-        let far = Mutex::new([(0_usize, self.value); 2]);
+        let x = self.along.at_zero(orbit, options)?;
+        let x = [x.as_slice(), &[self.along.value]].concat();
+        let far = Mutex::new([(0_usize, self.along.value); 2]);
         let way = |upwards| {
             let mut saving = Saving::of(writer, usize::from(upwards));
             let observe = |branch: &PartialBranch| {
                 let mut far = far.lock().unwrap_or_else(PoisonError::into_inner);
                 let points = branch.points();
-                let place = points.last().map_or(self.value, |at| at.parameter);
+                let place = points.last().map_or(self.along.value, |at| at.parameter);
                 far[usize::from(upwards)] = (points.len(), place);
                 let [down, up] = far.map(|(orbits, place)| format!("{orbits} to {place:.6}"));
                 status.set(format!(
@@ -129,23 +91,18 @@ impl<'a> Begin<'a> {
                 ));
                 saving.observe(branch)
             };
-            let (along, period) = (&self.along, orbit.period);
+            let (along, period) = (&self.along.dynamics, orbit.period);
             let begun = match saved(writer, usize::from(upwards))? {
                 Some(begun) => begun,
                 None => PartialBranch::begin(along, &*x, period, upwards, &settings, options)?,
             };
             let followed = begun.follow(along, &settings, options, observe)?;
             saving.finish()?;
-            Ok::<Way, Failure>(followed)
+            Ok::<Branch, Failure>(followed)
         };
         let (down, up) = rayon::join(|| way(false), || way(true));
         let (mut down, mut up) = (down?, up?);
-        // A closed branch is the same in the other direction.
-        if down.stop == Stop::Closed {
-            only_begun(&mut up);
-        } else if up.stop == Stop::Closed {
-            only_begun(&mut down);
-        }
+        only_once(&mut down, &mut up);
         self.joined(down, up, options)
     }
 
@@ -156,22 +113,15 @@ impl<'a> Begin<'a> {
         settings: &ContinuationSettings,
         options: &Options,
     ) -> Result<[EquilibriumBranch; 2], Failure> {
-        let x = [x, &[self.value]].concat();
-        let way = |upwards| continue_equilibrium(&self.along, &*x, upwards, settings, options);
+        let x = [x, &[self.along.value]].concat();
+        let way =
+            |upwards| continue_equilibrium(&self.along.dynamics, &*x, upwards, settings, options);
         Ok([way(false)?, way(true)?])
     }
 
     /// The system with a second parameter as a state.
     pub(super) fn also(&self, range: ParameterRange) -> Result<Also, Failure> {
-        let parameters = self.system.file.parameters.iter();
-        let names: Vec<&str> = parameters.map(|one| one.name.as_str()).collect();
-        let place = |name: &str| names.iter().position(|one| *one == name);
-        let (Some(other), Some(own)) = (place(&range.name), place(&self.range.name)) else {
-            return Err(Failure::Usage(format!(
-                "there is no parameter `{}`",
-                range.name
-            )));
-        };
+        let (other, own) = (self.system.file.parameter(&range.name)?, self.along.number);
         let value = self.system.values[other];
         if other == own {
             return Err(Failure::Usage(format!(
@@ -198,7 +148,7 @@ impl<'a> Begin<'a> {
         &self,
         also: &Also,
         (orbit, periods): (&PeriodicOrbit, Option<u32>),
-        branch: &Branch,
+        branch: &WholeBranch,
         settings: &ContinuationSettings,
         options: &Options,
     ) -> Result<Vec<(SpecialPoint, Option<Curve>)>, Failure> {
@@ -206,8 +156,8 @@ impl<'a> Begin<'a> {
             forced: periods.map(|_| orbit.period),
             ..*settings
         };
-        let x = self.at_zero(orbit, options)?;
-        let x = [x.as_slice(), &[also.value, self.value]].concat();
+        let x = self.along.at_zero(orbit, options)?;
+        let x = [x.as_slice(), &[also.value, self.along.value]].concat();
         let is_above = |at: &SpecialPoint| at.behind > branch.first;
         let below = branch.special.iter().filter(|at| !is_above(at)).count();
         let curve = |(k, at): (usize, &SpecialPoint)| {
@@ -220,7 +170,7 @@ impl<'a> Begin<'a> {
             let told = match found {
                 Ok(mut curve) => {
                     for point in &mut curve.points {
-                        let pace = self.pace_of(&[
+                        let pace = self.along.pace(&[
                             (&also.range.name, point.parameters[0]),
                             (&self.range.name, point.parameters[1]),
                         ])?;
@@ -245,7 +195,7 @@ impl<'a> Begin<'a> {
     pub(super) fn others(
         &self,
         (orbit, periods): (&PeriodicOrbit, Option<u32>),
-        branch: &Branch,
+        branch: &WholeBranch,
         settings: &ContinuationSettings,
         options: &Options,
     ) -> Result<Vec<Other>, Failure> {
@@ -253,8 +203,8 @@ impl<'a> Begin<'a> {
             forced: periods.map(|_| orbit.period),
             ..*settings
         };
-        let x = self.at_zero(orbit, options)?;
-        let x = [x.as_slice(), &[self.value]].concat();
+        let x = self.along.at_zero(orbit, options)?;
+        let x = [x.as_slice(), &[self.along.value]].concat();
         let special = branch.special.iter().enumerate();
         let meets = |at: &SpecialPoint| matches!(at.what, Special::Flip | Special::BranchPoint);
         let junctions: Vec<_> = special.filter(|(_, at)| meets(at)).collect();
@@ -264,13 +214,13 @@ impl<'a> Begin<'a> {
             let upwards = is_above(at);
             let number = if upwards { k - below } else { below - 1 - k };
             let way = (orbit.period, upwards, number);
-            let found = match switch_branches(&self.along, &*x, way, &settings, options) {
+            let found = match switch_branches(&self.along.dynamics, &*x, way, &settings, options) {
                 Ok(SwitchedBranch { branches, .. }) => branches,
                 Err(Error::NotFound { .. }) => Vec::new(),
                 Err(error) => return Err(Failure::from(error)),
             };
             // On one side, the branch ends with its first orbit.
-            let begin = |way: &Way| Way {
+            let begin = |way: &Branch| Branch {
                 points: way.points.iter().take(1).cloned().collect(),
                 special: Vec::new(),
                 stop: Stop::Points,
@@ -287,131 +237,15 @@ impl<'a> Begin<'a> {
         Ok(others?.into_iter().flatten().collect())
     }
 
-    /// A state of the orbit at a multiple of its period, where the time of the branch begins.
-    fn at_zero(&self, orbit: &PeriodicOrbit, options: &Options) -> Result<Vector, Failure> {
-        let behind = orbit.t.rem_euclid(orbit.period);
-        let t_end = orbit.t + (orbit.period - behind);
-        // By rounding, the remainder may be a whole period or zero.
-        if !self.system.built.depends_on_time || behind == 0.0 || t_end <= orbit.t {
-            return Ok(orbit.x.clone());
-        }
-        let run = Run {
-            t: orbit.t,
-            x: orbit.x.as_slice(),
-            t_end,
-            options,
-        };
-        let ended = whole(self.system, &run, orbit.period, &mut ())?;
-        Ok(ended.x)
+    /// Joins both directions, with the extremes of each orbit.
+    fn joined(&self, down: Branch, up: Branch, options: &Options) -> Result<WholeBranch, Failure> {
+        let ways = [down, up].map(|way| {
+            let points = way.points.par_iter();
+            let extremes = points.map(|orbit| self.along.extremes(orbit, options));
+            Ok::<_, Failure>((extremes.collect::<Result<_, Failure>>()?, way))
+        });
+        let [down, up] = ways;
+        let ((low, down), (high, up)) = (down?, up?);
+        Ok(self.along.joined([(down, low), (up, high)])?)
     }
-
-    /// Joins both directions, in the time of the file, with the extremes of each orbit.
-    fn joined(&self, down: Way, up: Way, options: &Options) -> Result<Branch, Failure> {
-        // Both directions contain the first orbit.
-        let first = down.points.len().saturating_sub(1);
-        let mut orbits: Vec<BranchPoint> = down.points.into_iter().skip(1).rev().collect();
-        orbits.extend(up.points);
-        let mut special: Vec<SpecialPoint> = down.special.into_iter().rev().collect();
-        for at in &mut special {
-            at.behind = (first + 1).saturating_sub(at.behind);
-            if let Special::Sequence(change) = &mut at.what {
-                std::mem::swap(&mut change.before, &mut change.after);
-            }
-        }
-        special.extend(up.special.into_iter().map(|at| SpecialPoint {
-            behind: at.behind + first,
-            ..at
-        }));
-        // Newton's iteration reaches the ends of the range only up to rounding.
-        let within = |parameter: f64| parameter.clamp(self.range.low, self.range.high);
-        for orbit in &mut orbits {
-            orbit.parameter = within(orbit.parameter);
-        }
-        for at in &mut special {
-            at.parameter = within(at.parameter);
-            let pace = self.pace(at.parameter)?;
-            at.period *= pace;
-            at.x = self.states_of(&at.x);
-            if let Special::Sequence(change) = &mut at.what {
-                change.period *= pace;
-                change.x = self.states_of(&change.x);
-            }
-        }
-        let points = orbits
-            .into_par_iter()
-            .map(|orbit| self.point(orbit, options));
-        Ok(Branch {
-            points: points.collect::<Result<_, Failure>>()?,
-            special,
-            first,
-            stops: [down.stop, up.stop],
-        })
-    }
-
-    /// Ratio of the time of the file to the time of the branch, at a value of the parameter.
-    fn pace(&self, parameter: f64) -> Result<f64, Failure> {
-        self.pace_of(&[(&self.range.name, parameter)])
-    }
-
-    fn pace_of(&self, values: &[(&str, f64)]) -> Result<f64, Failure> {
-        let Some(here) = self.system.built.period else {
-            return Ok(1.0);
-        };
-        let there = with_values(self.system, values)?;
-        Ok(there.built.period.map_or(1.0, |there| there / here))
-    }
-
-    /// The states of the system, without the parameter that follows them.
-    fn states_of(&self, x: &Vector) -> Vector {
-        x.rows(0, self.system.states()).into_owned()
-    }
-
-    fn point(&self, orbit: BranchPoint, options: &Options) -> Result<Point, Failure> {
-        let pace = self.pace(orbit.parameter)?;
-        let orbit = BranchPoint {
-            t: orbit.t * pace,
-            x: self.states_of(&orbit.x),
-            period: orbit.period * pace,
-            ..orbit
-        };
-        let system = self.range.system(self.system, orbit.parameter)?;
-        let t_end = orbit.t + orbit.period;
-        let once = Run {
-            t: orbit.t,
-            x: orbit.x.as_slice(),
-            t_end,
-            options,
-        };
-        let mut extremes = Extremes::from(once.x);
-        whole(&system, &once, orbit.period, &mut extremes)?;
-        Ok(Point {
-            extremes: extremes.ranges(),
-            orbit,
-        })
-    }
-}
-
-/// Follows an orbit to the end of its period.
-fn whole(
-    system: &System,
-    run: &Run<'_>,
-    period: f64,
-    watcher: &mut dyn Watcher,
-) -> Result<Summary, Error> {
-    let ended = follow(system.dynamics(), run, &Section::None, watcher)?;
-    match ended.ending {
-        Ending::EndTime => Ok(ended),
-        _ => Err(Error::NotFound {
-            what: "the end of the period",
-            t: ended.t,
-            span: period,
-        }),
-    }
-}
-
-/// Keeps only the first orbit of a direction.
-fn only_begun(way: &mut Way) {
-    way.points.truncate(1);
-    way.special.clear();
-    way.stop = Stop::Closed;
 }

@@ -8,11 +8,11 @@ use stickslip::analysis::{Special, SpecialPoint, Stability, Stop};
 
 use super::super::figures;
 use super::super::range::ParameterRange;
-use super::branch::{Branch, Point};
 use stickslip_kernels::file::System;
+use stickslip_kernels::study::{BranchOrbit, WholeBranch};
 
 /// Computes a value of an orbit.
-type Value = fn(&Point) -> f64;
+type Value = fn(&BranchOrbit) -> f64;
 
 const LARGEST_MULTIPLIER: &str = "largest multiplier";
 
@@ -20,7 +20,11 @@ const LARGEST_MULTIPLIER: &str = "largest multiplier";
 const LARGEST: f64 = 3.0;
 
 /// Plots the branches. The first is the one through the initial orbit.
-pub(super) fn diagram(system: &System, range: &ParameterRange, branches: &[&Branch]) -> Figure {
+pub(super) fn diagram(
+    system: &System,
+    range: &ParameterRange,
+    branches: &[&WholeBranch],
+) -> Figure {
     let first = &system.file.states[0];
     let largest: Value = |at| {
         let sizes = at.orbit.multipliers.iter().map(|one| one.norm());
@@ -166,7 +170,7 @@ fn mark_of_end(stop: &Stop) -> Option<usize> {
 
 /// Position of the marker at the end of a branch. An equilibrium lies between the minimum and the
 /// maximum of a state on the last orbit.
-fn end_mark(end: &Point, stop: &Stop, value: Value, is_extent: bool) -> (f64, f64) {
+fn end_mark(end: &BranchOrbit, stop: &Stop, value: Value, is_extent: bool) -> (f64, f64) {
     let (least, greatest) = end.extremes[0];
     let height = match stop {
         Stop::Equilibrium { .. } | Stop::BoundaryEquilibrium { .. } | Stop::TwoFold { .. }
@@ -187,12 +191,12 @@ fn end_mark(end: &Point, stop: &Stop, value: Value, is_extent: bool) -> (f64, f6
 }
 
 /// The orbits of all branches.
-fn points<'b>(branches: &'b [&Branch]) -> impl Iterator<Item = &'b Point> {
+fn points<'b>(branches: &'b [&WholeBranch]) -> impl Iterator<Item = &'b BranchOrbit> {
     branches.iter().flat_map(|branch| &branch.points)
 }
 
 /// The part of the range that the branches cover, with a margin.
-fn ends(range: &ParameterRange, branches: &[&Branch]) -> (f64, f64) {
+fn ends(range: &ParameterRange, branches: &[&WholeBranch]) -> (f64, f64) {
     let parameters = points(branches).map(|at| at.orbit.parameter);
     let (low, high) = figures::extremes(parameters);
     if low >= high {
@@ -204,7 +208,7 @@ fn ends(range: &ParameterRange, branches: &[&Branch]) -> (f64, f64) {
 
 /// Position of a special orbit on the curve of a value, between its neighbours. If a multiplier
 /// changes the stability, its size is 1 there.
-fn place(branch: &Branch, at: &SpecialPoint, value: Value, is_size: bool) -> (f64, f64) {
+fn place(branch: &WholeBranch, at: &SpecialPoint, value: Value, is_size: bool) -> (f64, f64) {
     let stability = |k: usize| branch.points.get(k).map(|point| point.orbit.stability());
     let changes = at.behind.checked_sub(1).and_then(stability) != stability(at.behind);
     if is_size && changes && !matches!(at.what, Special::Sequence(_)) {
@@ -238,7 +242,7 @@ fn place(branch: &Branch, at: &SpecialPoint, value: Value, is_size: bool) -> (f6
 
 /// Splits the branch into pieces of equal stability. Neighbouring pieces share the special orbit
 /// between them, so that the curve has no gap.
-fn runs(branch: &Branch, value: Value, is_size: bool) -> Vec<(Stability, Vec<(f64, f64)>)> {
+fn runs(branch: &WholeBranch, value: Value, is_size: bool) -> Vec<(Stability, Vec<(f64, f64)>)> {
     let mut runs: Vec<(Stability, Vec<(f64, f64)>)> = Vec::new();
     for (k, at) in branch.points.iter().enumerate() {
         let here = (at.orbit.parameter, value(at));
@@ -264,7 +268,7 @@ fn runs(branch: &Branch, value: Value, is_size: bool) -> Vec<(Stability, Vec<(f6
 }
 
 /// Whether a value varies by more than rounding and its error.
-fn differs(branches: &[&Branch], value: Value, error: f64) -> bool {
+fn differs(branches: &[&WholeBranch], value: Value, error: f64) -> bool {
     let (low, high) = figures::extremes(points(branches).map(value));
     high - low > error + 1e-9 * high.abs()
 }

@@ -6,7 +6,6 @@ mod equilibria;
 mod figure;
 mod saving;
 
-use std::f64::consts::TAU;
 use std::num::NonZeroUsize;
 
 use serde::Serialize;
@@ -14,6 +13,7 @@ use serde_json::{Value, json};
 use stickslip::analysis::{ContinuationSettings, Special, SpecialPoint, Stop};
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::Change;
+use stickslip_kernels::study::{BranchEnd, BranchOrbit, WholeBranch};
 
 use super::arguments::{Ready, RunArguments, SolverArguments, StartArguments, count};
 use super::attractors::family_words;
@@ -25,7 +25,7 @@ use crate::failure::{Failure, in_words};
 use crate::render::{Answer, Report, Table, explained, place, rounded, within};
 use crate::sweep::{Share, Writer};
 use crate::terminal::patiently;
-use branch::{Begin, Branch, Other, Point};
+use branch::{Begin, Other};
 
 /// Continue a periodic orbit or an equilibrium along a parameter, stable or not, through folds and
 /// changes of its phases
@@ -173,7 +173,7 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<(Report, Writer), Failu
         .field("parameter", &range)
         .field("points", orbits)
         .field("family_dimension", orbit.family);
-    if let Some(Point { orbit, .. }) = points.get(branch.first) {
+    if let Some(BranchOrbit { orbit, .. }) = points.get(branch.first) {
         let [at, period] = [orbit.parameter, orbit.period].map(rounded);
         let phases = explained(system, &orbit.sequence);
         let phases = phases.map_or(String::new(), |phases| format!(", phases {phases}"));
@@ -202,7 +202,7 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<(Report, Writer), Failu
     let last = [points.first(), points.last()];
     let mut objects = Vec::new();
     for ((last, end), way) in last.into_iter().zip(&ends).zip(["downwards", "upwards"]) {
-        if let Some(Point { orbit, .. }) = last {
+        if let Some(BranchOrbit { orbit, .. }) = last {
             let (stability, at, words) = (orbit.stability(), rounded(orbit.parameter), &end.words);
             report.note(format!(
                 "begun {way}, {stability} at its last orbit ({name} = {at}), it ends {words}"
@@ -236,10 +236,10 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<(Report, Writer), Failu
 
     let is_numbered = others.is_some();
     let others = others.iter().flatten().map(|other| &other.branch);
-    let branches: Vec<&Branch> = std::iter::once(&branch).chain(others).collect();
+    let branches: Vec<&WholeBranch> = std::iter::once(&branch).chain(others).collect();
     let numbered = || branches.iter().copied().enumerate();
     let points = numbered().flat_map(|(k, one)| one.points.iter().map(move |at| (k, at)));
-    let points: Vec<(usize, &Point)> = points.collect();
+    let points: Vec<(usize, &BranchOrbit)> = points.collect();
     report.table(columns(system, name, (is_numbered, &points)).csv("branch", &points)?);
     let rows = numbered().flat_map(|(k, one)| rows(k, one, system, name));
     report.table(special_columns(system, name, is_numbered).csv("special", rows)?);
@@ -257,7 +257,7 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<(Report, Writer), Failu
 fn told(
     number: usize,
     Other { from, branch }: &Other,
-    main: &Branch,
+    main: &WholeBranch,
     system: &System,
     name: &str,
 ) -> (String, Value) {
@@ -269,7 +269,7 @@ fn told(
     let [_, stop] = &branch.stops;
     let end = End::of(stop, system, name);
     let last = branch.points.last();
-    let of_last = last.map_or_else(String::new, |Point { orbit, .. }| {
+    let of_last = last.map_or_else(String::new, |BranchOrbit { orbit, .. }| {
         let [at, period] = [orbit.parameter, orbit.period].map(rounded);
         let stability = orbit.stability();
         format!(", {stability} at its last orbit ({name} = {at}, period {period})")
@@ -294,7 +294,7 @@ fn told(
 
 /// Rows of the special orbits of branch `number`. Ends that are bifurcations come before and after
 /// them.
-fn rows(number: usize, branch: &Branch, system: &System, name: &str) -> Vec<Row> {
+fn rows(number: usize, branch: &WholeBranch, system: &System, name: &str) -> Vec<Row> {
     let [first, last] = branch
         .stops
         .each_ref()
@@ -375,69 +375,49 @@ struct End {
 
 impl End {
     fn of(stop: &Stop, system: &System, name: &str) -> Self {
-        let plain = |stop, words: &str| End {
-            stop,
-            words: words.to_owned(),
-            detail: None,
-            row: None,
-        };
-        let row = |what: &str, parameter, uncertainty, period| {
-            Some(Row {
-                parameter,
-                what: what.to_owned(),
-                uncertainty,
-                period,
-                ..Row::default()
-            })
-        };
-        match *stop {
-            Stop::Range => plain("range", "at an end of the range"),
-            Stop::Points => plain(
-                "points",
-                "after as many orbits as were asked for (--points)",
+        let BranchEnd { word, bifurcation } = stop.into();
+        let (words, detail) = match *stop {
+            Stop::Range => ("at an end of the range".to_owned(), None),
+            Stop::Points => (
+                "after as many orbits as were asked for (--points)".to_owned(),
+                None,
             ),
-            Stop::Closed => plain("closed", "where it began: the branch is closed"),
+            Stop::Closed => ("where it began: the branch is closed".to_owned(), None),
             Stop::Equilibrium {
                 parameter,
                 frequency,
-            } => End {
-                stop: "equilibrium",
-                words: format!(
+            } => (
+                format!(
                     "in an equilibrium: Hopf bifurcation at {name} = {}, frequency {}",
                     rounded(parameter),
                     rounded(frequency)
                 ),
-                detail: Some((
+                Some((
                     "hopf",
                     json!({ "parameter": parameter, "frequency": frequency }),
                 )),
-                row: row("Hopf", parameter, None, Some(TAU / frequency)),
-            },
-            Stop::BoundaryEquilibrium { parameter } => End {
-                stop: "boundary equilibrium",
-                words: format!(
+            ),
+            Stop::BoundaryEquilibrium { parameter } => (
+                format!(
                     "in an equilibrium on the boundary: boundary-equilibrium bifurcation \
                      at {name} = {}",
                     rounded(parameter)
                 ),
-                detail: Some(("boundary_equilibrium", json!(parameter))),
-                row: row("boundary equilibrium", parameter, None, None),
-            },
+                Some(("boundary_equilibrium", json!(parameter))),
+            ),
             Stop::TwoFold {
                 parameter,
                 uncertainty,
-            } => End {
-                stop: "two-fold",
-                words: format!(
+            } => (
+                format!(
                     "in a two-fold, to which it shrinks: at {name} = {}",
                     within(parameter, uncertainty)
                 ),
-                detail: Some((
+                Some((
                     "two_fold",
                     json!({ "parameter": parameter, "uncertainty": uncertainty }),
                 )),
-                row: row("two-fold", parameter, Some(uncertainty), None),
-            },
+            ),
             Stop::Homoclinic {
                 parameter,
                 uncertainty,
@@ -445,22 +425,18 @@ impl End {
                 leaves,
                 comes,
             } => {
-                let (what, orbit) = match saddles.get() {
-                    1 => ("homoclinic", "a homoclinic orbit of a saddle".to_owned()),
-                    number => (
-                        "heteroclinic",
-                        format!("a heteroclinic cycle of {number} saddles"),
-                    ),
+                let orbit = match saddles.get() {
+                    1 => "a homoclinic orbit of a saddle".to_owned(),
+                    number => format!("a heteroclinic cycle of {number} saddles"),
                 };
-                End {
-                    stop: "homoclinic",
-                    words: format!(
+                (
+                    format!(
                         "in {orbit}: at {name} = {}, rates {} and {}",
                         within(parameter, uncertainty),
                         rounded(comes),
                         rounded(leaves)
                     ),
-                    detail: Some((
+                    Some((
                         "homoclinic",
                         json!({
                             "parameter": parameter,
@@ -470,28 +446,38 @@ impl End {
                             "comes": comes,
                         }),
                     )),
-                    row: row(what, parameter, Some(uncertainty), None),
-                }
+                )
             }
-            Stop::Rest => plain(
-                "rest",
-                "where it comes to rest: it moves a thousandth of what it did",
+            Stop::Rest => (
+                "where it comes to rest: it moves a thousandth of what it did".to_owned(),
+                None,
             ),
             Stop::Refused(ref error) => {
-                let told = in_words(error, system);
-                End {
-                    detail: Some(("error", json!(told))),
-                    ..plain("friction", &format!("where {told}"))
-                }
+                let words = in_words(error, system);
+                (format!("where {words}"), Some(("error", json!(words))))
             }
-            Stop::SequenceEnds => plain(
-                "sequence ends",
-                "where its phases change: no orbit with other phases was found next to it",
+            Stop::SequenceEnds => (
+                "where its phases change: no orbit with other phases was found next to it"
+                    .to_owned(),
+                None,
             ),
-            Stop::NoConvergence => plain(
-                "no convergence",
-                "where no further orbit was found; a shorter --step or a smaller --tol may lead on",
+            Stop::NoConvergence => (
+                "where no further orbit was found; a shorter --step or a smaller --tol may lead on"
+                    .to_owned(),
+                None,
             ),
+        };
+        End {
+            stop: word,
+            words,
+            detail,
+            row: bifurcation.map(|end| Row {
+                parameter: end.parameter,
+                what: end.name.to_owned(),
+                uncertainty: end.uncertainty,
+                period: end.period,
+                ..Row::default()
+            }),
         }
     }
 
@@ -569,15 +555,15 @@ fn numbered<'a, R>(is_numbered: bool, number: impl Fn(&R) -> usize + 'a) -> Tabl
 fn columns<'a>(
     system: &'a System,
     parameter: &str,
-    (is_numbered, points): (bool, &[(usize, &Point)]),
-) -> Table<'a, &'a (usize, &'a Point)> {
+    (is_numbered, points): (bool, &[(usize, &BranchOrbit)]),
+) -> Table<'a, &'a (usize, &'a BranchOrbit)> {
     let states = system.file.states.iter().map(|state| &state.name);
     let ends = states.flat_map(|name| ["low", "high"].map(|end| format!("{name}_{end}")));
     let of_points = points.iter().map(|(_, at)| at.orbit.multipliers.len());
     let multipliers = of_points.max();
     let numbers = 1..=multipliers.unwrap_or(0);
     let parts = numbers.flat_map(|k| ["re", "im"].map(|part| format!("multiplier{k}_{part}")));
-    numbered(is_numbered, |(number, _): &&(usize, &Point)| *number)
+    numbered(is_numbered, |(number, _): &&(usize, &BranchOrbit)| *number)
         .column(parameter, |(_, at)| at.orbit.parameter)
         .column("period", |(_, at)| at.orbit.period)
         .column("stability", |(_, at)| at.orbit.stability().to_string())

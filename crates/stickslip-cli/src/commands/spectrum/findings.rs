@@ -5,7 +5,7 @@ use std::fmt::Write;
 use stickslip::error::readable;
 use stickslip_series::{
     Balance, DataExponent, DataSpectrum, Divergence, EmbeddingChoice, Estimator, Neighbourhood,
-    OK_ERRORS, Origin, Reversal, Statistics, Status, SurrogateTest,
+    OK_ERRORS, Origin, Reversal, Statistics, Status, SurrogateTest, status_word,
 };
 
 use crate::render::{self, OutputError};
@@ -64,13 +64,14 @@ pub(super) fn numbers(all: impl IntoIterator<Item = bool>) -> Vec<String> {
 }
 
 impl Findings {
-    /// The status of an exponent in a word. It is that of the estimator, except for spurious
-    /// exponents of the embedding.
+    /// The status of an exponent in a word.
     pub(super) fn status(&self, i: usize) -> &'static str {
-        match self.spectrum.exponents[i].status {
-            _ if self.is_spurious(i) => "spurious",
-            status => status.word(),
-        }
+        let embedded = self.embedded.as_ref();
+        status_word(
+            &self.spectrum,
+            embedded.map(|embedded| &embedded.reversal),
+            i,
+        )
     }
 
     pub(super) fn is_ok(&self, i: usize) -> bool {
@@ -83,12 +84,9 @@ impl Findings {
         embedded.is_some_and(|embedded| embedded.choice.is_noise)
     }
 
-    /// Whether an exponent that the data determine is spurious, that is, due to the embedding.
+    /// Whether an exponent that the data determine is due to the embedding.
     pub(super) fn is_spurious(&self, i: usize) -> bool {
-        let status = self.spectrum.exponents[i].status;
-        let embedded = self.embedded.as_ref();
-        !matches!(status, Status::Unidentified | Status::Annihilated)
-            && embedded.is_some_and(|embedded| embedded.is_spurious(i))
+        self.status(i) == Origin::Spurious.word()
     }
 
     /// The spectrum and its evidence, for the terminal.

@@ -6,12 +6,13 @@ mod json;
 mod warnings;
 
 use std::borrow::Cow;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use stickslip::error::readable;
 use stickslip_series::{
-    DataError, DataSettings, Degree, EmbeddingSettings, Estimator, Neighbourhood, Series,
+    DataError, DataSettings, Degree, EmbeddingSettings, Estimator, Neighbourhood, Progress, Series,
     check_surrogates, data_spectrum_with, divergence, needed_embedding, reversal, surrogate_test,
 };
 
@@ -296,9 +297,12 @@ impl From<DataError> for Failure {
 }
 
 /// Runs `work`, which reports how much is done and how much there is.
-fn counted<T>(what: &str, work: impl FnOnce(&dyn Fn(usize, usize)) -> T) -> T {
+fn counted<T>(what: &str, work: impl FnOnce(Progress<'_>) -> T) -> T {
     let patience = Patience::new(format!("{what} {{bar:40}} {{percent}} %, {{eta}} to go"));
-    let outcome = work(&|done, total| patience.done(done as u64, total.max(1) as u64));
+    let outcome = work(&|done, total| {
+        patience.done(done as u64, total.max(1) as u64);
+        ControlFlow::Continue(())
+    });
     patience.clear();
     outcome
 }
@@ -307,7 +311,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let settings = arguments.settings()?;
     arguments.check()?;
     let source = counted("reading", |report| {
-        table::read(&arguments.file, &arguments.columns, arguments.dt, report)
+        table::read(
+            &arguments.file,
+            &arguments.columns,
+            arguments.dt,
+            &|done, total| {
+                let _ = report(done, total);
+            },
+        )
     })?;
     let series = Series::new(source.values.clone(), source.names.len(), source.dt)?;
     let findings = find(&series, settings, arguments)?;

@@ -2,8 +2,8 @@
 
 use std::ops::ControlFlow;
 
+use crate::kernel::Watcher;
 use stickslip::dynamics::{Step, Vector};
-use stickslip_kernels::kernel::Watcher;
 
 /// Number of points per step at which the states are sampled first.
 const PER_STEP: u32 = 16;
@@ -16,20 +16,20 @@ const SECTIONS: usize = 40;
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 /// Minimum and maximum of every state, also between the ends of steps.
-pub(super) struct Extremes {
+pub struct Extremes {
     ranges: Vec<(f64, f64)>,
 }
 
 impl Extremes {
     /// Starts an orbit at `x`.
-    pub(super) fn from(x: &[f64]) -> Self {
+    pub fn from(x: &[f64]) -> Self {
         Self {
             ranges: x.iter().map(|&x| (x, x)).collect(),
         }
     }
 
     /// Minimum and maximum of each state.
-    pub(super) fn ranges(self) -> Vec<(f64, f64)> {
+    pub fn ranges(self) -> Vec<(f64, f64)> {
         self.ranges
     }
 }

@@ -1,0 +1,146 @@
+//! Errors of the library in words for users of a file or of Python. Contacts have their names, and
+//! options are written as the interface writes them.
+
+use stickslip::Error;
+use stickslip::error::{Point, piled_up, readable};
+
+use super::System;
+
+/// How an interface writes options.
+pub trait Interface {
+    /// An option of the library, such as `longest_step`, by its name here.
+    fn name(&self, option: &str) -> String;
+    /// An option with one of several words.
+    fn choice(&self, option: &str, words: &[&str]) -> String;
+    /// An option with a number.
+    fn value(&self, option: &str, value: f64) -> String;
+    /// What may help after Newton's iteration "start nearer to the solution".
+    fn nearer(&self) -> &'static str;
+
+    /// An error in words, with the names of the system's contacts if it is known.
+    fn words(&self, error: &Error, system: Option<&System>) -> String {
+        let name = |contact: usize| match system.map(|system| system.contact_name(contact)) {
+            Some(name) if !name.is_empty() => format!("`{name}`"),
+            _ => contact.to_string(),
+        };
+        let names = |contacts: &[usize]| {
+            let names: Vec<String> = contacts.iter().map(|&contact| name(contact)).collect();
+            names.join(", ")
+        };
+        let at = |t: &f64, x: &Point| format!("at t = {}, x = {x}", readable(*t));
+        match error {
+            Error::Option { name, value, bound } => format!(
+                "{} is not allowed: it must be {bound}",
+                self.value(name, *value)
+            ),
+            Error::EventPileUp {
+                count,
+                span,
+                t,
+                x,
+                contacts,
+                accumulation,
+            } => {
+                let rest = self.choice("at_pile_up", &["rest"]);
+                let is_held = accumulation.as_ref().is_none_or(|at| at.holds);
+                let is_jump = |&at: &usize| system.is_some_and(|system| at >= system.contacts());
+                let help = match !is_held && contacts.iter().any(is_jump) {
+                    true => "; jumps hold nothing: what comes to rest needs a contact there",
+                    false => "",
+                };
+                format!(
+                    "{count} transitions at {} within {span:e} before t = {}, x = {x}: {}{help}",
+                    names(contacts),
+                    readable(*t),
+                    piled_up(accumulation.as_deref(), *span, &rest)
+                )
+            }
+            Error::NoUniqueMode {
+                t,
+                x,
+                contacts,
+                candidates,
+            } => {
+                let motions = match candidates.len() {
+                    0 => "no motion that follows is consistent with the friction at all of them"
+                        .to_owned(),
+                    count => {
+                        let motions = candidates.join(" or ");
+                        let motions = motions.replace("Slip(Below)", "slip below");
+                        let motions = motions.replace("Slip(Above)", "slip above");
+                        let motions = motions.replace("Stick", "stick");
+                        format!("{count} motions that follow are consistent: {motions}")
+                    }
+                };
+                format!(
+                    "the contacts {} stand at zero {}, and {motions}; friction there may push \
+                     apart, or one contact's force act on another too strongly: look at the field \
+                     with each of them on either side ({} has no effect with several contacts)",
+                    names(contacts),
+                    at(t, x),
+                    self.name("at_repelling")
+                )
+            }
+            Error::TooManyContacts { t, x, contacts } => format!(
+                "the contacts {} stand at zero together {}: more than eight are too many to try \
+                 where friction at one does not resist all of them as Coulomb's does; move their \
+                 boundaries apart, or write their friction without coupling",
+                names(contacts),
+                at(t, x)
+            ),
+            Error::DependentContacts { t, x, contacts } => format!(
+                "the boundaries of the contacts {} have gradients {} that are zero or depend on \
+                 each other; each contact needs a boundary of its own",
+                names(contacts),
+                at(t, x)
+            ),
+            Error::StaticBelowKinetic {
+                t,
+                x,
+                contact,
+                ratio,
+            } => format!(
+                "the static friction of the contact {} {} is {} times the kinetic; it must be at \
+                 least as large",
+                name(*contact),
+                at(t, x),
+                readable(*ratio)
+            ),
+            Error::HoldsElsewhere {
+                t,
+                x,
+                held,
+                slipping,
+            } => format!(
+                "with the contact {} at rest {}, its static friction changes the friction of the \
+                 contact {}, which slips; only contacts at rest have static friction",
+                name(*held),
+                at(t, x),
+                name(*slipping)
+            ),
+            Error::NotAdditive { t, x, pair } => format!(
+                "the friction of the contacts {} and {} does not add {}: what one does depends on \
+                 the side of the other; each contact's friction must depend on its own side only",
+                name(pair.0),
+                name(pair.1),
+                at(t, x)
+            ),
+            Error::Undefined { what, number, t, x } => format!(
+                "{what} {} is not a number {}; write it so that it is defined wherever the orbit \
+                 comes, as by max(…, 0) under a root, or end the run before",
+                name(*number),
+                at(t, x)
+            ),
+            Error::NotConverged { .. } => format!("{error}, {}", self.nearer()),
+            Error::Escaped { .. } => format!("{error} ({})", self.name("escape")),
+            Error::TooMany { name, .. } => format!("{error} ({})", self.name(name)),
+            Error::NoUniqueFuture { t, x } => format!(
+                "the orbit has no unique future after t = {}, x = {x}: both fields lead away from \
+                 the boundary; choose one with {}, or start elsewhere",
+                readable(*t),
+                self.choice("at_repelling", &["below", "above"])
+            ),
+            other => other.to_string(),
+        }
+    }
+}

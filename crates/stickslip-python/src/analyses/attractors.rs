@@ -1,0 +1,293 @@
+//! Attractors: along a parameter, over a plane of two, and from many starts.
+
+use std::ops::ControlFlow;
+
+use numpy::PyReadonlyArray2;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use rayon::prelude::*;
+use stickslip::Error;
+use stickslip::analysis::{attractor_of_many, basin_while};
+use stickslip::dynamics::Vector;
+use stickslip_kernels::file::System as Ready;
+use stickslip_kernels::kernel::{Change, Motion, Outcome};
+use stickslip_kernels::study::{ChangeBetween, Diagram, Largest, recurrence};
+
+use crate::errors::{Failure, failed, no_period, words, wrong};
+use crate::fields::{Fields, array};
+use crate::task::{Report, Task, Tells, computed};
+use crate::{Settings, System};
+
+/// Start state of the orbit: as given, or that of the system.
+fn begins(system: &Ready, given: Option<&[f64]>) -> Result<Vec<f64>, Failure> {
+    let start = given.map(<[f64]>::to_vec);
+    let start = start.or_else(|| system.built.start.clone());
+    start.ok_or_else(|| wrong("the system has no start: give y0").into())
+}
+
+/// Checks whether attractors can be searched.
+fn check(system: &Ready, longest: f64) -> PyResult<()> {
+    system.checked_period().map_err(no_period)?;
+    let settings = recurrence(system, longest);
+    settings
+        .check()
+        .map_err(|error| failed(&error, Some(system)))
+}
+
+/// The motion that an orbit reaches.
+struct Reached {
+    motion: Motion,
+    phases: String,
+    in_stick: f64,
+}
+
+impl Reached {
+    fn of(outcome: &Outcome, system: &Ready) -> Self {
+        Reached {
+            motion: outcome.motion.clone(),
+            phases: system.phases(outcome),
+            in_stick: match outcome.points.is_empty() {
+                true => f64::NAN,
+                false => outcome.in_stick,
+            },
+        }
+    }
+}
+
+impl Reached {
+    /// Why the run failed, if it did.
+    fn reason(&self) -> &str {
+        match &self.motion {
+            Motion::Failure(reason) => reason,
+            _ => "",
+        }
+    }
+}
+
+/// Adds motions, with the reason of each failure. Where an interruption left one out, the texts are
+/// empty.
+fn motions(fields: &Fields<'_>, found: &[Option<Reached>]) -> PyResult<()> {
+    let text = |of: fn(&Reached) -> &str| {
+        let texts = found.iter().map(|one| one.as_ref().map_or("", of));
+        texts.collect::<Vec<_>>()
+    };
+    fields.texts("kind", text(|one| one.motion.word()))?;
+    fields.texts("phases", text(|one| &one.phases))?;
+    fields.texts("reason", text(Reached::reason))?;
+    let cycles = found.iter().map(|one| match one.as_ref()?.motion {
+        Motion::Periodic { period, returns } => Some((period, returns)),
+        _ => None,
+    });
+    fields.known("period", cycles.clone().map(|one| Some(one?.0)))?;
+    fields.integers(
+        "returns",
+        cycles.map(|one| one.map_or(0, |one| one.1 as i64)),
+    )?;
+    let in_stick = found.iter().map(|one| Some(one.as_ref()?.in_stick));
+    fields.known("in_stick", in_stick)
+}
+
+/// Adds outcomes of orbits, with the points of their attractors.
+fn outcomes(fields: &Fields<'_>, system: &Ready, found: &[Outcome]) -> PyResult<()> {
+    let reached = found.iter().map(|one| Some(Reached::of(one, system)));
+    motions(fields, &reached.collect::<Vec<_>>())?;
+    let points = PyList::empty(fields.py());
+    for one in found {
+        let flat: Vec<f64> = one.points.iter().flat_map(|(_, x)| x.clone()).collect();
+        points.append(array(fields.py(), flat, [system.states()])?)?;
+    }
+    fields.put("points", points)
+}
+
+/// Adds largest exponents with their standard errors, NaN where there are none.
+fn exponents(fields: &Fields<'_>, found: impl Iterator<Item = Largest>) -> PyResult<()> {
+    let (values, errors): (Vec<_>, Vec<_>) = found.map(|one| one.numbers()).unzip();
+    fields.known("exponent", values)?;
+    fields.known("std_error", errors)
+}
+
+/// The attractor at each of some values of a parameter, followed from one to the next.
+#[pyfunction]
+pub(crate) fn bifurcation_diagram<'py>(
+    py: Python<'py>,
+    system: &System,
+    x: Option<Vec<f64>>,
+    along: (String, Vec<f64>),
+    how: (f64, Option<f64>, bool),
+    settings: Settings,
+    report: Report,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (parameter, values) = along;
+    let (longest, duration, locates) = how;
+    let (ready, options) = (&system.ready, settings.options()?);
+    check(ready, longest)?;
+    let outcome = computed(py, 0, (&report, Tells::Count), |task| {
+        let (mut found, mut changes, mut last) = (Vec::new(), Vec::new(), None);
+        let follow = || -> Result<(), Failure> {
+            let system = task.system(ready)?;
+            let diagram = Diagram {
+                system: &system,
+                parameter: &parameter,
+                until: longest,
+                duration,
+                locates,
+                options: &options,
+            };
+            let words = |error: &Error| words(error, &system);
+            for value in values {
+                let start = |here: &Ready| begins(here, x.as_deref());
+                let (at, between, end) = diagram.at(value, last.as_ref(), start, &words)?;
+                if task.is_stopped() {
+                    break;
+                }
+                found.push(at);
+                changes.extend(between);
+                last = Some(end);
+                task.count();
+            }
+            Ok(())
+        };
+        let ended = follow();
+        ((found, changes), ended)
+    })?;
+    let ((found, changes), raised) = outcome.partial(|error: Failure| error.raised(ready))?;
+    let fields = Fields::new(py);
+    fields.numbers("parameter", found.iter().map(|at| at.value))?;
+    exponents(&fields, found.iter().map(|at| at.largest))?;
+    let all: Vec<Outcome> = found.into_iter().map(|at| at.outcome).collect();
+    outcomes(&fields, ready, &all)?;
+    fields.fields("changes", located(py, ready, &changes)?)?;
+    fields.ended(raised)
+}
+
+/// Changes of an attractor as a table.
+fn located<'py>(
+    py: Python<'py>,
+    system: &Ready,
+    changes: &[ChangeBetween],
+) -> PyResult<Fields<'py>> {
+    let all = || changes.iter().map(|at| &at.change);
+    let table = Fields::new(py);
+    table.texts("name", all().map(Change::name))?;
+    table.known("parameter", all().map(Change::parameter))?;
+    table.known("uncertainty", all().map(Change::uncertainty))?;
+    table.numbers("from_value", changes.iter().map(|at| at.values.0))?;
+    table.numbers("to_value", changes.iter().map(|at| at.values.1))?;
+    table.known("period", all().map(Change::period))?;
+    let phases = |change: &Change| match change {
+        Change::Sequence { before, after, .. } => (system.sequence(before), system.sequence(after)),
+        _ => (String::new(), String::new()),
+    };
+    table.texts("before", all().map(|change| phases(change).0))?;
+    table.texts("after", all().map(|change| phases(change).1))?;
+    let states = system.states();
+    let x = all().flat_map(|change| change.state().unwrap_or_else(|| vec![f64::NAN; states]));
+    table.array("y", x.collect(), [states])?;
+    Ok(table)
+}
+
+/// The attractor of the orbit from a start, over a plane of two parameters, row by row. Cells that
+/// an interruption left out have the motion "".
+#[pyfunction]
+pub(crate) fn parameter_map<'py>(
+    py: Python<'py>,
+    system: &System,
+    x: Option<Vec<f64>>,
+    plane: [(String, Vec<f64>); 2],
+    how: (f64, Option<f64>, usize),
+    settings: Settings,
+    report: Report,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (longest, duration, workers) = how;
+    let (ready, options) = (&system.ready, settings.options()?);
+    check(ready, longest)?;
+    let [(name, columns), (other, rows)] = &plane;
+    // The memory for a cell must not grow with the number of its points.
+    type Cell = Option<(Reached, Largest)>;
+    let cell = |system: &Ready, task: &Task, index: usize| -> Result<Cell, Failure> {
+        if task.is_stopped() {
+            return Ok(None);
+        }
+        let (column, row) = (columns[index % columns.len()], rows[index / columns.len()]);
+        let here = system.with_values(&[(name, column), (other, row)])?;
+        let start = begins(&here, x.as_deref())?;
+        let recurrence = recurrence(&here, longest);
+        let reached = attractor_of_many(here.dynamics(), &*start, &recurrence, &options)?;
+        let outcome = Outcome::of(&reached, &|error| words(error, &here));
+        let largest = match duration {
+            Some(duration) => Largest::on(&here, &outcome, duration, &options),
+            None => Largest::Unmeasured,
+        };
+        if task.is_stopped() {
+            return Ok(None);
+        }
+        task.count();
+        Ok(Some((Reached::of(&outcome, system), largest)))
+    };
+    let outcome = computed(py, workers, (&report, Tells::Count), |task| {
+        let system = task.system(ready)?;
+        let cells = (0..columns.len() * rows.len()).into_par_iter();
+        let cells = cells
+            .with_max_len(1)
+            .map(|index| cell(&system, task, index));
+        cells.collect::<Result<Vec<Cell>, Failure>>()
+    })?;
+    let raised = outcome.raised;
+    let cells = match outcome.found {
+        Ok(cells) => cells,
+        Err(error) => return Err(raised.unwrap_or_else(|| error.raised(ready))),
+    };
+    let (reached, largest): (Vec<_>, Vec<_>) = cells.into_iter().map(Option::unzip).unzip();
+    let fields = Fields::new(py);
+    motions(&fields, &reached)?;
+    let largest = largest.into_iter();
+    exponents(
+        &fields,
+        largest.map(|one| one.unwrap_or(Largest::Unmeasured)),
+    )?;
+    fields.ended(raised)
+}
+
+/// Index of the attractor of each start; -1 for starts that an interruption left out.
+#[pyfunction]
+pub(crate) fn basins<'py>(
+    py: Python<'py>,
+    system: &System,
+    starts: PyReadonlyArray2<'py, f64>,
+    how: (f64, usize),
+    settings: Settings,
+    report: Report,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (longest, workers) = how;
+    let (ready, options) = (&system.ready, settings.options()?);
+    check(ready, longest)?;
+    let settings = recurrence(ready, longest);
+    let starts = starts.as_array();
+    let states = starts.ncols();
+    let starts: Vec<Vector> = starts
+        .rows()
+        .into_iter()
+        .map(|row| Vector::from_iterator(states, row.iter().copied()))
+        .collect();
+    let outcome = computed(py, workers, (&report, Tells::Count), |task| {
+        let system = task.system(ready)?;
+        let asked = || match task.is_stopped() {
+            true => ControlFlow::Break(()),
+            false => {
+                task.count();
+                ControlFlow::Continue(())
+            }
+        };
+        let found = basin_while(system.dynamics(), starts, &settings, &options, asked);
+        Ok(found?)
+    })?;
+    let found = outcome.found;
+    let (attractors, reached) = found.map_err(|error: Failure| error.raised(ready))?;
+    let attractors = attractors.iter();
+    let attractors = attractors.map(|one| Outcome::of(one, &|error: &Error| words(error, ready)));
+    let fields = Fields::new(py);
+    outcomes(&fields, ready, &attractors.collect::<Vec<_>>())?;
+    let reached = reached.iter().map(|one| one.map_or(-1, |one| one as i64));
+    fields.integers("reached", reached)?;
+    fields.ended(outcome.raised)
+}

@@ -1,0 +1,24 @@
+//! The analyses, a module for each family. Each function calls the library and returns numbers,
+//! texts and arrays.
+
+mod attractors;
+mod branch;
+mod exponents;
+mod orbits;
+
+use pyo3::prelude::*;
+
+/// Time and state at the start.
+type Start = (f64, Vec<f64>);
+
+/// Adds the functions to the module.
+pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(orbits::periodic_orbit, module)?)?;
+    module.add_function(wrap_pyfunction!(orbits::poincare_map, module)?)?;
+    module.add_function(wrap_pyfunction!(branch::continuation, module)?)?;
+    module.add_function(wrap_pyfunction!(exponents::lyapunov_spectrum, module)?)?;
+    module.add_function(wrap_pyfunction!(exponents::lyapunov_from_data, module)?)?;
+    module.add_function(wrap_pyfunction!(attractors::bifurcation_diagram, module)?)?;
+    module.add_function(wrap_pyfunction!(attractors::parameter_map, module)?)?;
+    module.add_function(wrap_pyfunction!(attractors::basins, module)?)
+}

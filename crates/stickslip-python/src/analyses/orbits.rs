@@ -1,0 +1,161 @@
+//! A periodic orbit, and returns to a section.
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use stickslip::analysis::{
+    PeriodicOrbit, PoincareMap, Stability, multipliers, periodic_orbit_forced,
+};
+use stickslip::dynamics::{DynamicsRef, Section, Vector};
+use stickslip::{Ending, Error, Options};
+use stickslip_kernels::file::System as Ready;
+use stickslip_kernels::kernel::{Run, follow};
+use stickslip_kernels::study::{PeriodicSearch, SearchError};
+
+use super::Start;
+use crate::errors::Failure;
+use crate::fields::{Fields, complex};
+use crate::task::{Report, Tells, computed};
+use crate::{Settings, System};
+
+/// Settings of the search for a periodic orbit: duration of the transient, period if given, maximum
+/// time of return, and number of periods of a drive if given.
+pub(super) type Search = (f64, Option<f64>, f64, Option<u32>);
+
+/// The state after a transient.
+fn after(
+    system: &DynamicsRef<'_>,
+    (t, x): (f64, &[f64]),
+    span: f64,
+    options: &Options,
+) -> Result<(f64, Vector), Error> {
+    if span <= 0.0 {
+        return Ok((t, Vector::from_column_slice(x)));
+    }
+    let t_end = t + span;
+    let run = Run {
+        t,
+        x,
+        t_end,
+        options,
+    };
+    let ended = follow(system, &run, &Section::None, &mut ())?;
+    let (t, x) = (ended.t, ended.x);
+    match ended.ending {
+        Ending::EndTime => Ok((t, x)),
+        Ending::Shrunk => Err(Error::Shrunk { t, x: (&x).into() }),
+        _ => Err(Error::NoUniqueFuture { t, x: (&x).into() }),
+    }
+}
+
+/// The periodic orbit that the orbit from a start approaches.
+pub(super) fn approached(
+    system: &Ready,
+    (t, x): (f64, &[f64]),
+    (transient, period, longest, periods): Search,
+    options: &Options,
+) -> Result<PeriodicOrbit, SearchError> {
+    let dynamics = system.dynamics();
+    Ok(match period {
+        Some(period) if system.built.depends_on_time => {
+            let wait = (transient / period).ceil() * period;
+            let (t, x) = after(dynamics, (t, x), wait, options)?;
+            periodic_orbit_forced(dynamics, t, &x, period, options)?
+        }
+        Some(period) => {
+            let (_, x) = after(dynamics, (t, x), transient, options)?;
+            stickslip::analysis::periodic_orbit(dynamics, &x, period, options)?
+        }
+        None => {
+            let search = PeriodicSearch {
+                transient,
+                longest,
+                periods,
+            };
+            search.found(system, (t, x), options)?.0
+        }
+    })
+}
+
+/// A periodic orbit.
+#[pyfunction]
+pub(crate) fn periodic_orbit<'py>(
+    py: Python<'py>,
+    system: &System,
+    start: Start,
+    search: Search,
+    settings: Settings,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (t, x) = start;
+    let (ready, options) = (&system.ready, settings.options()?);
+    let orbit = computed(py, 1, (&None, Tells::Count), |task| {
+        let system = task.system(ready)?;
+        Ok(approached(&system, (t, &x), search, &options)?)
+    })?;
+    let orbit = orbit.whole(|error: Failure| error.raised(ready))?;
+    // The first multiplier of an autonomous system is trivial.
+    let trivial = usize::from(!ready.built.depends_on_time);
+    let all = multipliers(&orbit.monodromy);
+    let stability = Stability::of(all.get(trivial..).unwrap_or_default());
+    let fields = Fields::new(py);
+    fields.put("t", orbit.t)?;
+    fields.numbers("y", orbit.x.iter().copied())?;
+    fields.put("period", orbit.period)?;
+    fields.put("residual", orbit.residual)?;
+    fields.put("family", orbit.family)?;
+    let by_rows = orbit.monodromy.transpose();
+    fields.array("monodromy", by_rows.as_slice().to_vec(), [orbit.x.len()])?;
+    fields.put("multipliers", complex(py, &all))?;
+    fields.put("stability", stability.to_string())?;
+    fields.ended(None)
+}
+
+/// Returns to the section of the system.
+#[pyfunction]
+pub(crate) fn poincare_map<'py>(
+    py: Python<'py>,
+    system: &System,
+    start: Start,
+    how: (usize, f64, bool),
+    settings: Settings,
+    report: Report,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (t, x) = start;
+    let (returns, longest, with_derivative) = how;
+    let (ready, options) = (&system.ready, settings.options()?);
+    let states = x.len();
+    let outcome = computed(py, 1, (&report, Tells::Count), |task| {
+        let mut found = Vec::new();
+        let mut follow = || -> Result<(), Failure> {
+            let system = task.system(ready)?;
+            let start = (t, x.as_slice());
+            let dynamics = &**system.dynamics();
+            let mut map =
+                PoincareMap::at_run_time(dynamics, Section::Own, start, longest, &options)?;
+            for _ in 0..returns {
+                found.push(match with_derivative {
+                    true => {
+                        let (at, derivative) = map.step_with_derivative()?;
+                        (at, Some(derivative))
+                    }
+                    false => (map.step()?, None),
+                });
+                task.count();
+            }
+            Ok(())
+        };
+        let ended = follow();
+        (found, ended)
+    })?;
+    let (found, raised) = outcome.partial(|error: Failure| error.raised(ready))?;
+    let fields = Fields::new(py);
+    fields.numbers("t", found.iter().map(|(at, _)| at.t))?;
+    fields.rows("y", found.iter().map(|(at, _)| &at.x), states)?;
+    fields.texts("mode", found.iter().map(|(at, _)| ready.letters(&at.mode)))?;
+    let derivatives = found
+        .iter()
+        .filter_map(|(_, derivative)| derivative.as_ref());
+    let by_rows = derivatives.map(|derivative| derivative.transpose());
+    let flat = by_rows.flat_map(|matrix| matrix.as_slice().to_vec());
+    fields.array("derivatives", flat.collect(), [states, states])?;
+    fields.ended(raised)
+}

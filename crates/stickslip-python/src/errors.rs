@@ -1,0 +1,183 @@
+//! Failures as Python exceptions, in Python's words.
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use stickslip::Error;
+use stickslip::error::{Point, readable};
+use stickslip_kernels::file::{Interface, PeriodError, SettingError, System};
+use stickslip_kernels::study::SearchError;
+
+pyo3::import_exception!(stickslip._errors, OptionError);
+pyo3::import_exception!(stickslip._errors, StickslipError);
+pyo3::import_exception!(stickslip._errors, SystemError);
+
+/// Options as keywords of Python.
+struct Keywords;
+
+impl Interface for Keywords {
+    fn name(&self, option: &str) -> String {
+        let other = match option {
+            "longest_step" => "max_step",
+            "range" => "bounds",
+            same => same,
+        };
+        other.to_owned()
+    }
+
+    fn choice(&self, option: &str, words: &[&str]) -> String {
+        let quoted = words.iter().map(|word| format!("\"{word}\""));
+        format!(
+            "{}={}",
+            self.name(option),
+            quoted.collect::<Vec<_>>().join(" or ")
+        )
+    }
+
+    fn value(&self, option: &str, value: f64) -> String {
+        format!("{} = {}", self.name(option), readable(value))
+    }
+
+    fn nearer(&self) -> &'static str {
+        "after a longer transient or from another y0; the motion may also be quasi-periodic or \
+            chaotic, which lyapunov_spectrum tells"
+    }
+}
+
+/// An error of the library in words.
+pub(crate) fn words(error: &Error, system: &System) -> String {
+    Keywords.words(error, Some(system))
+}
+
+/// Why a computation failed.
+pub(crate) enum Failure {
+    Run(Error),
+    Setting(SettingError),
+    Search(SearchError),
+    Python(PyErr),
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        Failure::Run(error)
+    }
+}
+
+impl From<SettingError> for Failure {
+    fn from(error: SettingError) -> Self {
+        Failure::Setting(error)
+    }
+}
+
+impl From<SearchError> for Failure {
+    fn from(error: SearchError) -> Self {
+        Failure::Search(error)
+    }
+}
+
+impl From<PyErr> for Failure {
+    fn from(error: PyErr) -> Self {
+        Failure::Python(error)
+    }
+}
+
+impl Failure {
+    /// The Python exception, with the names of the system's contacts.
+    pub(crate) fn raised(self, system: &System) -> PyErr {
+        match self {
+            Failure::Run(error) | Failure::Search(SearchError::Failed(error)) => {
+                failed(&error, Some(system))
+            }
+            Failure::Setting(error) => wrong(error),
+            Failure::Search(error) => match error {
+                SearchError::NoPeriods | SearchError::Setting { .. } => {
+                    PyValueError::new_err(error.to_string())
+                }
+                SearchError::Period(error) => no_period(error),
+                SearchError::TakesLonger { .. } => computation(
+                    "NotFound",
+                    &format!("{error}; give a larger `longest`"),
+                    None,
+                ),
+                other => {
+                    let help = "start elsewhere (y0), or take other parameters";
+                    computation("NotFound", &format!("{other}; {help}"), None)
+                }
+            },
+            Failure::Python(error) => error,
+        }
+    }
+}
+
+/// The Python exception for an invalid system.
+pub(crate) fn wrong(error: impl std::fmt::Display) -> PyErr {
+    SystemError::new_err(error.to_string())
+}
+
+/// The Python exception for a drive without a valid period.
+pub(crate) fn no_period(error: PeriodError) -> PyErr {
+    match error {
+        PeriodError::Missing => wrong(
+            "the system depends on time: what is its period? Give period=… to System, or add \
+                period = \"…\" to [time] of the file",
+        ),
+        PeriodError::Wrong { period } => wrong(format!(
+            "the field or a boundary is not the same after the period {period} of the system; \
+                correct period=… of System, or the period in [time] of the file"
+        )),
+    }
+}
+
+/// The Python exception for a failed computation. A wrong setting is a `ValueError`; an error
+/// within a run has its time and state.
+pub(crate) fn failed(error: &Error, system: Option<&System>) -> PyErr {
+    let message = Keywords.words(error, system);
+    match error {
+        Error::Parameter { name, value, bound } | Error::Option { name, value, bound } => {
+            option(message, &Keywords.name(name), *value, bound)
+        }
+        Error::Interval { .. } => PyValueError::new_err(message),
+        _ => {
+            // The name of the variant, which is what `Debug` begins with.
+            let debug = format!("{error:?}");
+            let kind = debug.split(|letter: char| !letter.is_alphanumeric()).next();
+            computation(kind.unwrap_or_default(), &message, Some(error))
+        }
+    }
+}
+
+/// The Python exception for a setting that is not allowed.
+pub(crate) fn option(message: String, name: &str, value: f64, bound: &str) -> PyErr {
+    OptionError::new_err((message, name.to_owned(), value, bound.to_owned()))
+}
+
+/// A Python exception of a given kind, with time and state of an error of a run.
+pub(crate) fn computation(kind: &str, message: &str, error: Option<&Error>) -> PyErr {
+    let (t, x) = error.map_or((None, None), place);
+    StickslipError::new_err((message.to_owned(), kind.to_owned(), t, x))
+}
+
+/// Time and state of a failure, as far as it has them.
+fn place(error: &Error) -> (Option<f64>, Option<Vec<f64>>) {
+    let at = |t: &f64, x: &Point| (Some(*t), Some(x.0.clone()));
+    match error {
+        Error::StartOutsideDomain { t, x, .. }
+        | Error::Undefined { t, x, .. }
+        | Error::NonFinite { t, x, .. }
+        | Error::StepCollapse { t, x, .. }
+        | Error::TooMany { t, x, .. }
+        | Error::EventPileUp { t, x, .. }
+        | Error::BranchPileUp { t, x, .. }
+        | Error::Escaped { t, x, .. }
+        | Error::NoUniqueMode { t, x, .. }
+        | Error::TooManyContacts { t, x, .. }
+        | Error::DependentContacts { t, x, .. }
+        | Error::StaticBelowKinetic { t, x, .. }
+        | Error::HoldsElsewhere { t, x, .. }
+        | Error::NotAdditive { t, x, .. }
+        | Error::NoUniqueFuture { t, x }
+        | Error::Shrunk { t, x }
+        | Error::TangentSingular { t, x } => at(t, x),
+        Error::NotFound { t, .. } | Error::OutsideOrbit { t, .. } => (Some(*t), None),
+        _ => (None, None),
+    }
+}

@@ -1,0 +1,454 @@
+"""Periodic orbits, returns to a section, and branches."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Unpack
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _core
+from ._arguments import Floats, Options, checked, name_of, pair, real, settings, start
+from ._errors import OptionError
+from ._plot import new_axes
+from ._progress import shown
+from ._results import Result, called, column, kept, structured
+from ._run import Event, Solution, section_of, solve_ivp
+from ._symbols import Expression, Parameter, State, whole
+from ._system import System
+
+
+@dataclass(frozen=True, repr=False)
+class PeriodicOrbit(Result):
+    """A periodic orbit.
+
+    Attributes
+    ----------
+    t : float
+        A time at which it is at `y`.
+    y : ndarray, shape (n,)
+        A state on it.
+    period : float
+        Its period.
+    residual : float
+        Largest component of what a run over one period leaves open.
+    family : int
+        Dimension of the family of periodic orbits that it is one of; 0 of an isolated one.
+    monodromy : ndarray, shape (n, n)
+        Derivative of the state after a period by the state at `t`.
+    multipliers : ndarray of complex, shape (n,)
+        Floquet multipliers; the first of a system that does not depend on time is the trivial one.
+    stability : str
+        As ``"stable"``.
+    system : System
+        The system.
+    """
+
+    t: float
+    y: Floats
+    period: float
+    residual: float
+    family: int
+    monodromy: Floats
+    multipliers: NDArray[np.complex128]
+    stability: str
+    system: System
+
+    def solution(self, points: int = 500) -> Solution:
+        """The orbit over one period.
+
+        Parameters
+        ----------
+        points : int, optional
+            At so many times, equally apart.
+
+        Returns
+        -------
+        Solution
+        """
+        end = self.t + self.period
+        times = np.linspace(self.t, end, whole(points, "points", least=2))
+        return solve_ivp(self.system, (self.t, end), self.y, t_eval=times)
+
+    def plot(self, axes: Any = None) -> Any:
+        """Draws the first two states against each other, stick in another colour."""
+        axes = new_axes(axes)
+        sol = self.solution()
+        names = self.system.states
+        y, name = (sol.y[1], names[1]) if len(names) > 1 else (sol.y[0], names[0])
+        x, label = (sol.y[0], names[0]) if len(names) > 1 else (sol.t, "t")
+        axes.plot(x, y)
+        sticks = np.zeros(len(sol.t), dtype=bool)
+        for phase in sol.phases:
+            if "S" in phase["mode"]:
+                sticks |= (sol.t >= phase["t_start"]) & (sol.t <= phase["t_end"])
+        if sticks.any():
+            axes.plot(np.where(sticks, x, np.nan), y, lw=3, label="stick")
+            axes.legend()
+        axes.set(xlabel=label, ylabel=name)
+        return axes
+
+
+@dataclass(frozen=True, repr=False)
+class PoincareMap(Result):
+    """Returns to a section.
+
+    Attributes
+    ----------
+    t : ndarray, shape (m,)
+        Times of the returns.
+    y : ndarray, shape (m, n)
+        States there.
+    mode : list of str
+        Modes there, in letters.
+    derivatives : ndarray, shape (m, n, n), or None
+        Of each return by the state that it came from, if asked for.
+    system : System
+        The system.
+    """
+
+    t: Floats
+    y: Floats
+    mode: list[str]
+    derivatives: Floats | None
+    system: System
+
+    def plot(self, axes: Any = None) -> Any:
+        """Draws the first two states of the returns; of a single state, each against the last."""
+        axes = new_axes(axes)
+        names = self.system.states
+        if len(names) > 1:
+            axes.plot(self.y[:, 0], self.y[:, 1], ".", ms=3)
+            axes.set(xlabel=names[0], ylabel=names[1])
+        else:
+            axes.plot(self.y[:-1, 0], self.y[1:, 0], ".", ms=3)
+            axes.set(xlabel=names[0], ylabel=f"next {names[0]}")
+        return axes
+
+
+@dataclass(frozen=True, repr=False)
+class Branch(Result):
+    """A branch of periodic orbits, from its lower end along the parameter to its upper one.
+
+    Attributes
+    ----------
+    parameter : ndarray, shape (m,)
+        The parameter of each orbit.
+    period : ndarray, shape (m,)
+        Its period.
+    y_min, y_max : ndarray, shape (m, n)
+        Smallest and largest value of each state along it.
+    t, y : ndarray, shapes (m,) and (m, n)
+        A state on it, and the time at which it is there.
+    multipliers : list of ndarray of complex
+        Its multipliers besides the trivial one.
+    stability : list of str
+        As ``"stable"``.
+    phases : list of str
+        Its phases in letters.
+    special : ndarray, structured
+        What is special on the branch, and bifurcations in which it ends: ``name``, ``parameter``,
+        ``uncertainty``, ``period``, phases ``before`` and ``after``, a state ``y`` (NaN at an end),
+        and ``behind``, the number of orbits of the branch before it.
+    stops : (str, str)
+        Why the branch ends, downwards and upwards: ``"range"`` at a bound, ``"points"`` after
+        `most_points`, ``"closed"`` where it began, ``"equilibrium"`` in a Hopf bifurcation,
+        ``"boundary equilibrium"``, ``"two-fold"``, ``"homoclinic"``, ``"rest"`` of a driven system,
+        ``"friction"`` where static friction falls below kinetic, ``"sequence ends"`` where the
+        phases change and none were found beyond, ``"no convergence"``.
+    name : str
+        The parameter.
+    system : System
+        The system.
+    """
+
+    parameter: Floats
+    period: Floats
+    y_min: Floats
+    y_max: Floats
+    t: Floats
+    y: Floats
+    multipliers: list[NDArray[np.complex128]]
+    stability: list[str]
+    phases: list[str]
+    special: NDArray[np.void]
+    stops: tuple[str, str]
+    name: str
+    system: System
+
+    def plot(self, axes: Any = None, what: int | str | State = 0) -> Any:
+        """Draws the smallest and the largest value of a state along the parameter: stable orbits
+        solid, others dashed, and what is special by its name.
+
+        Parameters
+        ----------
+        what : int, str or State, optional
+            Which state, by number or name; or ``"period"``, which is drawn instead.
+        """
+        axes = new_axes(axes)
+        if what == "period":
+            curves, label = [self.period], "period"
+        else:
+            k, label = column(self.system, what)
+            curves = [self.y_max[:, k], self.y_min[:, k]]
+        stable = np.array([one == "stable" for one in self.stability], dtype=bool)
+        # A line goes on to the first orbit behind a change.
+        for kind, style in ((stable, "-"), (~stable, "--")):
+            reached = kind.copy()
+            reached[1:] |= kind[:-1]
+            for curve in curves:
+                axes.plot(self.parameter, np.where(reached, curve, np.nan), style, color="C0")
+        for name in dict.fromkeys(self.special["name"]):
+            there = self.special[self.special["name"] == name]
+            heights = self._between(curves[0], there)
+            axes.plot(there["parameter"], heights, "o", label=name)
+        if len(self.special):
+            axes.legend()
+        axes.set(xlabel=self.name, ylabel=label)
+        return axes
+
+    def _between(self, curve: Floats, special: NDArray[np.void]) -> Floats:
+        """The curve at special orbits, each from the orbits on both sides."""
+        last = len(self.parameter) - 1
+        one, other = (np.clip(special["behind"] - k, 0, last) for k in (1, 0))
+        way = self.parameter[other] - self.parameter[one]
+        part = (special["parameter"] - self.parameter[one]) / np.where(way == 0, 1.0, way)
+        part = np.clip(part, 0.0, 1.0)
+        found: Floats = (1 - part) * curve[one] + part * curve[other]
+        return found
+
+
+def _search(
+    system: System,
+    transient: float,
+    period: float | None,
+    longest: float,
+    periods: int | None,
+) -> tuple[float, float | None, float, int | None]:
+    if period is not None and not real(period, "period") > 0:
+        raise ValueError(f"period = {period}: it must be positive")
+    if periods is not None and not system._core.depends_on_time:
+        raise ValueError(f"periods = {periods}: the system does not depend on time; leave it out")
+    return (
+        real(transient, "transient"),
+        None if period is None else float(period),
+        real(longest, "longest"),
+        None if periods is None else whole(periods, "periods"),
+    )
+
+
+def periodic_orbit(
+    system: System,
+    y0: ArrayLike | Mapping[State, float] | None = None,
+    *,
+    t0: float = 0.0,
+    period: float | None = None,
+    periods: int | None = None,
+    transient: float = 200.0,
+    longest: float = 100.0,
+    **options: Unpack[Options],
+) -> PeriodicOrbit:
+    """The periodic orbit that the run from a start comes to, refined by shooting.
+
+    Parameters
+    ----------
+    system : System
+        The system.
+    y0 : array_like, shape (n,), or dict, optional
+        State at the start, in order or as ``{x: 1, v: 0}``; that of the system unless given.
+    t0 : float, optional
+        Time at the start.
+    period : float, optional
+        A period near which that of the orbit is; of a driven system it is taken as it is.
+    periods : int, optional
+        Periods of the drive in one of the orbit; the fewest after which the run comes back, at most
+        16, unless given.
+    transient : float, optional
+        How long the run is before the search.
+    longest : float, optional
+        Within what time the orbit comes back, of a system that does not depend on time.
+    **options : Options
+        Tolerances and other settings.
+
+    Returns
+    -------
+    PeriodicOrbit
+
+    Raises
+    ------
+    StickslipError
+        If there is none; the message says what the run comes to instead.
+    Interrupted
+        On Ctrl-C; nothing is kept.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> x, v = ss.states("x v")
+    >>> system = ss.System({x: v, v: (1 - x**2) * v - x})
+    >>> orbit = ss.periodic_orbit(system, [1, 0], transient=50)
+    >>> round(orbit.period, 6), orbit.stability
+    (6.663287, 'stable')
+    """
+    found = called(
+        _core.periodic_orbit,
+        checked(system)._core,
+        start(system, t0, y0),
+        _search(system, transient, period, longest, periods),
+        settings(options),
+    )
+    return kept(found, PeriodicOrbit, system=system)
+
+
+def poincare_map(
+    system: System,
+    section: Event | Expression,
+    y0: ArrayLike | Mapping[State, float] | None = None,
+    *,
+    returns: int = 100,
+    t0: float = 0.0,
+    longest: float = 1000.0,
+    derivative: bool = False,
+    progress: bool = False,
+    **options: Unpack[Options],
+) -> PoincareMap:
+    """The next returns to a section.
+
+    Parameters
+    ----------
+    system : System
+        The system.
+    section : Event or Expression
+        The section, as ``ss.event(v, direction=1)``.
+    y0 : array_like, shape (n,), or dict, optional
+        State at the start, in order or as ``{x: 1, v: 0}``; that of the system unless given.
+    returns : int, optional
+        How many.
+    t0 : float, optional
+        Time at the start.
+    longest : float, optional
+        Within what time each comes.
+    derivative : bool, optional
+        Whether the derivative of the map is wanted.
+    progress : bool, optional
+        Whether to show how many there are.
+    **options : Options
+        Tolerances and other settings.
+
+    Returns
+    -------
+    PoincareMap
+
+    Raises
+    ------
+    StickslipError
+        If the orbit does not return.
+    Interrupted
+        On Ctrl-C; `partial` has the returns until then.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> x, v = ss.states("x v")
+    >>> found = ss.poincare_map(ss.System({x: v, v: -x}), ss.event(x, 1), [0, 1], returns=2)
+    >>> (found.t / (2 * np.pi)).round(12)
+    array([1., 2.])
+    """
+    count = whole(returns, "returns")
+    with shown(progress, "returns", "", total=count) as report:
+        found = called(
+            _core.poincare_map,
+            section_of(checked(system), section),
+            start(system, t0, y0),
+            (count, real(longest, "longest"), bool(derivative)),
+            settings(options),
+            report,
+        )
+    if not derivative:
+        found["derivatives"] = None
+    return kept(found, PoincareMap, system=system)
+
+
+def continuation(
+    system: System,
+    parameter: str | Parameter,
+    bounds: tuple[float, float],
+    y0: ArrayLike | Mapping[State, float] | None = None,
+    *,
+    t0: float = 0.0,
+    period: float | None = None,
+    periods: int | None = None,
+    transient: float = 200.0,
+    longest: float = 100.0,
+    step: float = 0.02,
+    most_points: int = 1000,
+    progress: bool = False,
+    **options: Unpack[Options],
+) -> Branch:
+    """Follows a periodic orbit along a parameter, both ways, stable or not.
+
+    Parameters
+    ----------
+    system : System
+        The system, at a value of the parameter at which `periodic_orbit` finds the orbit.
+    parameter : str or Parameter
+        The parameter.
+    bounds : (float, float)
+        The branch ends where the parameter leaves them.
+    y0, t0, period, periods, transient, longest
+        As for `periodic_orbit`.
+    step : float, optional
+        Longest step, as a part of the bounds and of the orbit's size.
+    most_points : int, optional
+        Most orbits in each direction.
+    progress : bool, optional
+        Whether to show how many orbits there are.
+    **options : Options
+        Tolerances and other settings.
+
+    Returns
+    -------
+    Branch
+
+    Raises
+    ------
+    StickslipError
+        If there is no periodic orbit to begin with.
+    Interrupted
+        On Ctrl-C; `partial` is the branch until then.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> x, y = ss.states("x y")
+    >>> s = x * x + y * y
+    >>> grows = ss.parameter("p", 0.5) + 2 * s - s * s
+    >>> system = ss.System({x: x * grows - y, y: y * grows + x})
+    >>> branch = ss.continuation(system, "p", (-1.5, 1), [1, 0], transient=10)
+    >>> branch.special["name"], branch.special["parameter"].round(6)
+    (array(['Hopf', 'fold'], dtype='<U4'), array([ 0., -1.]))
+    """
+    low, high = sorted(pair(bounds, "bounds"))
+    if not low < high:
+        raise ValueError(f"bounds = ({low:g}, {high:g}): the branch has no room between them")
+    name = name_of(parameter)
+    value = checked(system).parameters.get(name, low)
+    if not low <= value <= high:
+        bound = f"in the bounds {low:g} to {high:g} of the branch"
+        message = f"{name} = {value:g}: it must be {bound}; set it by with_parameters"
+        raise OptionError(message, name, value, bound)
+    with shown(progress, "continuation", "orbits") as report:
+        found = called(
+            _core.continuation,
+            system._core,
+            start(system, t0, y0),
+            _search(system, transient, period, longest, periods),
+            (name, low, high),
+            (real(step, "step"), whole(most_points, "most_points", least=2)),
+            settings(options),
+            report,
+        )
+    found["special"] = structured(found["special"])
+    return kept(found, Branch, name=name, system=system)
