@@ -78,12 +78,12 @@ fn each_goes_on_as_alone(options: &Options, allowed: f64) {
 }
 
 #[test]
-fn oscillators_apart_go_on_as_each_alone_by_slopes() {
+fn oscillators_apart_go_on_as_each_alone_by_runge_kutta() {
     each_goes_on_as_alone(&Options::tol(1e-13), 1e-10);
 }
 
 #[test]
-fn oscillators_apart_go_on_as_each_alone_by_series() {
+fn oscillators_apart_go_on_as_each_alone_by_taylor() {
     each_goes_on_as_alone(&Options::tol(1e-15).method(Method::Taylor), 1e-12);
 }
 

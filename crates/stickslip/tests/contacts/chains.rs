@@ -261,11 +261,11 @@ fn check(seed: u64, count: usize, options: &Options) {
 }
 
 #[test]
-fn modes_energy_and_events_of_five_thousand_chains_by_slopes() {
+fn modes_energy_and_events_of_five_thousand_chains_by_runge_kutta() {
     check(2013, 5_000, &Options::tol(1e-11));
 }
 
 #[test]
-fn modes_energy_and_events_of_five_thousand_chains_by_series() {
+fn modes_energy_and_events_of_five_thousand_chains_by_taylor() {
     check(73, 5_000, &Options::tol(1e-12).method(Method::Taylor));
 }

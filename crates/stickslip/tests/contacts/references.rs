@@ -135,12 +135,12 @@ fn every_reference(options: &Options, allowed: impl Fn(f64) -> f64 + Copy) {
 }
 
 #[test]
-fn event_times_by_slopes() {
+fn event_times_by_runge_kutta() {
     every_reference(&Options::tol(1e-13), |_| 1e-11);
 }
 
 #[test]
-fn event_times_by_series() {
+fn event_times_by_taylor() {
     every_reference(&Options::tol(1e-15).method(Method::Taylor), |t| {
         2e-13 * t.max(1.0)
     });

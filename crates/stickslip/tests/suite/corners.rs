@@ -64,7 +64,7 @@ impl Filippov<2> for CornerOfField {
 }
 
 #[test]
-fn a_stick_that_ends_just_before_a_corner_of_the_field_ends_by_slopes_too() {
+fn a_stick_that_ends_just_before_a_corner_of_the_field_ends_by_runge_kutta_too() {
     let corner = 0.5 * std::f64::consts::PI;
     for digits in [5, 7, 9] {
         let tolerance = math::powi(10.0, -digits);

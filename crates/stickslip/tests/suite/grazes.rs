@@ -170,26 +170,26 @@ fn taylor() -> Options {
     Options::tol(1e-13).method(Method::Taylor)
 }
 
-fn by_slopes() -> Options {
+fn by_runge_kutta() -> Options {
     Options::tol(1e-13)
 }
 
 #[test]
-fn no_graze_at_rest_is_missed_by_series() {
+fn no_graze_at_rest_is_missed_by_taylor() {
     at_rest(&taylor());
 }
 
 #[test]
-fn no_graze_at_rest_is_missed_by_slopes() {
-    at_rest(&by_slopes());
+fn no_graze_at_rest_is_missed_by_runge_kutta() {
+    at_rest(&by_runge_kutta());
 }
 
 #[test]
-fn no_graze_of_a_moving_bent_boundary_is_missed_by_series() {
+fn no_graze_of_a_moving_bent_boundary_is_missed_by_taylor() {
     shaken(&taylor());
 }
 
 #[test]
-fn no_graze_of_a_moving_bent_boundary_is_missed_by_slopes() {
-    shaken(&by_slopes());
+fn no_graze_of_a_moving_bent_boundary_is_missed_by_runge_kutta() {
+    shaken(&by_runge_kutta());
 }

@@ -105,16 +105,20 @@ fn a_normal_force_that_is_clipped_ends_steps_where_it_is() {
         ..fig11()
     };
     let start = State::from([0.1, 0.1, 0.1, 0.1]);
-    let by_series = solve(&model, 0.0, start, 60.0, &taylor(1e-14)).expect("runs");
-    let by_slopes = solve(&model, 0.0, start, 60.0, &Options::tol(1e-14)).expect("runs");
+    let by_taylor = solve(&model, 0.0, start, 60.0, &taylor(1e-14)).expect("runs");
+    let by_runge_kutta = solve(&model, 0.0, start, 60.0, &Options::tol(1e-14)).expect("runs");
     let kinds = |orbit: &Orbit<4>| orbit.transitions.iter().map(|e| e.kind).collect::<Vec<_>>();
-    assert_eq!(kinds(&by_series), kinds(&by_slopes));
-    let lost = kinds(&by_series)
+    assert_eq!(kinds(&by_taylor), kinds(&by_runge_kutta));
+    let lost = kinds(&by_taylor)
         .iter()
         .filter(|k| **k == TransitionKind::ContactLoss)
         .count();
     assert!(lost > 2, "{lost}");
-    for (one, other) in by_series.transitions.iter().zip(&by_slopes.transitions) {
+    for (one, other) in by_taylor
+        .transitions
+        .iter()
+        .zip(&by_runge_kutta.transitions)
+    {
         assert!((one.t - other.t).abs() < 1e-9, "{} {}", one.t, other.t);
     }
 }
@@ -207,7 +211,7 @@ fn tangent_vectors_travel_along_taylor_steps() {
 }
 
 #[test]
-fn the_forced_oscillator_is_the_same_by_series_and_by_slopes() {
+fn the_forced_oscillator_is_the_same_by_taylor_and_by_runge_kutta() {
     let model = ForcedOscillator::default();
     let start = State::from([0.1, 0.2]);
     let end = |options: &Options| solve(&model, 0.0, start, 5.0, options).map(|orbit| orbit.x_end);

@@ -230,10 +230,10 @@ fn an_open_set_of_sliding_orbits_ends_there_at_the_same_time_by_both_methods() {
         })
     };
     for y in [0.3, 0.7, 1.0, 1.6] {
-        let [by_slopes, by_series] = ends([0.0, y, 1.0]);
+        let [by_runge_kutta, by_taylor] = ends([0.0, y, 1.0]);
         assert!(
-            (by_slopes - by_series).abs() < 1e-6,
-            "{by_slopes} {by_series}"
+            (by_runge_kutta - by_taylor).abs() < 1e-6,
+            "{by_runge_kutta} {by_taylor}"
         );
     }
 }
@@ -310,20 +310,23 @@ fn same_way(systems: usize, make: fn(&mut SplitMix) -> Random) -> Counts {
     for number in 0..systems {
         let system = make(&mut random);
         let start = std::array::from_fn(|_| random.between(-1.0, 1.0));
-        let [by_slopes, by_series] = methods().map(|options| {
+        let [by_runge_kutta, by_taylor] = methods().map(|options| {
             solve(&system, 0.0, start, 8.0, &options)
                 .unwrap_or_else(|failure| panic!("{number}: {options:?}: {}", failure.error))
         });
         let what = format!(
             "{number}: {:?} at {} and {:?} at {}",
-            by_slopes.ending, by_slopes.t_end, by_series.ending, by_series.t_end
+            by_runge_kutta.ending, by_runge_kutta.t_end, by_taylor.ending, by_taylor.t_end
         );
-        assert_eq!(by_slopes.ending, by_series.ending, "{what}");
-        assert_eq!(course(&by_slopes), course(&by_series), "{what}");
-        assert!((by_slopes.t_end - by_series.t_end).abs() < 1e-6, "{what}");
-        counts.to_the_end += usize::from(by_slopes.ending == Ending::EndTime);
-        counts.two_folds += usize::from(matches!(by_slopes.ending, Ending::TwoFold(_)));
-        counts.sticks += course(&by_slopes)
+        assert_eq!(by_runge_kutta.ending, by_taylor.ending, "{what}");
+        assert_eq!(course(&by_runge_kutta), course(&by_taylor), "{what}");
+        assert!(
+            (by_runge_kutta.t_end - by_taylor.t_end).abs() < 1e-6,
+            "{what}"
+        );
+        counts.to_the_end += usize::from(by_runge_kutta.ending == Ending::EndTime);
+        counts.two_folds += usize::from(matches!(by_runge_kutta.ending, Ending::TwoFold(_)));
+        counts.sticks += course(&by_runge_kutta)
             .iter()
             .filter(|(kind, _)| *kind == TransitionKind::StickEntry)
             .count();

@@ -23,7 +23,7 @@ fn the_locator_changes_no_bit() {
 }
 
 #[test]
-fn series_and_slopes_find_the_same_events() {
+fn taylor_and_runge_kutta_find_the_same_events() {
     let series = events(&super::tol(TIGHT));
     let slopes = events(&super::tol(TIGHT).method(Method::Dop853));
     assert!(series.len() > 20, "{}", series.len());
