@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use stickslip::dynamics::{Step, Vector};
+use stickslip::dynamics::{OrbitUnderWay, Step, Vector};
 use stickslip_kernels::kernel::Watcher;
 
 /// Number of points per step at which the states are sampled first.
@@ -39,7 +39,8 @@ impl Watcher for Extremes {
         true
     }
 
-    fn step(&mut self, step: &Step, solution: &dyn Fn(f64) -> Vector) -> ControlFlow<()> {
+    fn step(&mut self, step: Step, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
+        let solution = orbit.solution();
         let at = |k: u32| {
             step.t_start + (step.t_end - step.t_start) * f64::from(k) / f64::from(PER_STEP)
         };
