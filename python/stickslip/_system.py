@@ -47,8 +47,6 @@ class System:
     def _set(self, origin: str, text: str, settings: Mapping[str, float]) -> None:
         self._origin, self._text, self._settings = origin, text, dict(settings)
         self._core = _core.System(origin, text, list(settings.items()))
-        #: Contacts and jumps by their numbers in transitions.
-        self._jumping = [name for names in self._core.contacts_and_jumps for name in names]
         self._sections: dict[tuple[str, int], _core.System] = {}
 
     def _section(self, function: str, direction: int) -> _core.System:

@@ -1,9 +1,11 @@
 //! An orbit, its events and its dense output.
 
+use std::collections::HashMap;
+use std::hash::Hash;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use numpy::{PyArray2, PyReadonlyArray1};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stickslip::dynamics::{
@@ -337,6 +339,23 @@ fn kind_name(kind: TransitionKind) -> &'static str {
     }
 }
 
+/// A column of words: the distinct words, and the index of each entry's among them.
+fn words<'py, K: Copy + Eq + Hash, W>(
+    py: Python<'py>,
+    entries: impl Iterator<Item = K>,
+    word: impl Fn(&K) -> W,
+) -> (Vec<W>, Bound<'py, PyArray1<usize>>) {
+    let (mut known, mut all) = (HashMap::new(), Vec::new());
+    let index = |entry: K| {
+        *known.entry(entry).or_insert_with(|| {
+            all.push(word(&entry));
+            all.len() - 1
+        })
+    };
+    let indices = PyArray1::from_iter(py, entries.map(index));
+    (all, indices)
+}
+
 /// The result of a run, for Python.
 fn told<'py>(
     py: Python<'py>,
@@ -379,13 +398,16 @@ fn told<'py>(
     let transitions = PyDict::new(py);
     let all = &recording.transitions;
     transitions.set_item("t", numbers(py, all.iter().map(|at| at.t)))?;
-    let kinds: Vec<&str> = all.iter().map(|at| kind_name(at.kind)).collect();
+    let kinds = words(py, all.iter().map(|at| at.kind), |&kind| kind_name(kind));
     transitions.set_item("kind", kinds)?;
-    let contacts: Vec<usize> = all.iter().map(|at| at.contact).collect();
+    let contacts = words(py, all.iter().map(|at| at.contact), |&number| {
+        system.contact_name(number)
+    });
     transitions.set_item("contact", contacts)?;
-    let modes: Vec<String> = all.iter().map(|at| system.letters(&at.from)).collect();
+    let letters = |modes: &_| system.letters(modes);
+    let modes = words(py, all.iter().map(|at| at.from), letters);
     transitions.set_item("from_mode", modes)?;
-    let modes: Vec<String> = all.iter().map(|at| system.letters(&at.to)).collect();
+    let modes = words(py, all.iter().map(|at| at.to), letters);
     transitions.set_item("to_mode", modes)?;
     transitions.set_item("y", rows(py, all.iter().map(|at| &at.x), states)?)?;
     transitions.set_item("residual", numbers(py, all.iter().map(|at| at.residual)))?;
@@ -397,10 +419,7 @@ fn told<'py>(
         numbers(py, all.iter().map(|phase| phase.t_start)),
     )?;
     phases.set_item("t_end", numbers(py, all.iter().map(|phase| phase.t_end)))?;
-    let modes: Vec<String> = all
-        .iter()
-        .map(|phase| system.letters(&phase.mode))
-        .collect();
+    let modes = words(py, all.iter().map(|phase| phase.mode), letters);
     phases.set_item("mode", modes)?;
     phases.set_item(
         "y_start",
