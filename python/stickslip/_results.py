@@ -78,18 +78,23 @@ def _dtype(fields: tuple[tuple[str, Any, tuple[int, ...]], ...]) -> np.dtype[np.
 
 
 def structured(columns: Mapping[str, Any]) -> NDArray[np.void]:
-    """A structured array of columns: texts, numbers, or rows of numbers."""
+    """A structured array of columns: texts, numbers, or rows of numbers.
+
+    Texts are a list, or a pair: the distinct ones, and for each entry its index among them.
+    """
     types: list[tuple[str, Any, tuple[int, ...]]] = []
     for name, values in columns.items():
-        if isinstance(values, list):
-            types.append((name, f"U{max(map(len, values), default=0) or 1}", ()))
+        words = values[0] if isinstance(values, tuple) else values
+        if isinstance(words, list):
+            types.append((name, f"U{max(map(len, words), default=0) or 1}", ()))
         else:
             types.append((name, values.dtype.str, values.shape[1:]))
-    count = len(next(iter(columns.values())))
+    first = next(iter(columns.values()))
+    count = len(first[1] if isinstance(first, tuple) else first)
     found = np.zeros(count, dtype=_dtype(tuple(types)))
     if count:
         for name, values in columns.items():
-            found[name] = values
+            found[name] = np.array(values[0])[values[1]] if isinstance(values, tuple) else values
     return found
 
 

@@ -1,5 +1,8 @@
 //! Results for Python.
 
+use std::collections::HashMap;
+use std::hash::Hash;
+
 use numpy::{Complex64, IntoPyArray, PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -62,6 +65,24 @@ impl<'py> Fields<'py> {
         texts: impl IntoIterator<Item = T>,
     ) -> PyResult<()> {
         self.put(name, texts.into_iter().collect::<Vec<T>>())
+    }
+
+    /// A column of words: the distinct ones, and for each entry its index among them.
+    pub(crate) fn words<K: Copy + Eq + Hash, W: IntoPyObject<'py>>(
+        &self,
+        name: &str,
+        entries: impl Iterator<Item = K>,
+        word: impl Fn(&K) -> W,
+    ) -> PyResult<()> {
+        let (mut indices, mut words) = (HashMap::new(), Vec::new());
+        let index = |entry: K| {
+            *indices.entry(entry).or_insert_with(|| {
+                words.push(word(&entry));
+                words.len() - 1
+            })
+        };
+        let column = PyArray1::from_iter(self.py(), entries.map(index));
+        self.put(name, (words, column))
     }
 
     /// An array of numbers with a row for each state.

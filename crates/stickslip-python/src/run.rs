@@ -6,7 +6,9 @@ use std::time::Instant;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use stickslip::dynamics::{Passage, Phase, Solution, Step, Summary, Transition, Vector};
+use stickslip::dynamics::{
+    Modes, OrbitUnderWay, Passage, Phase, Solution, Step, Summary, Transition, Vector,
+};
 use stickslip::{Ending, Error, TransitionKind};
 use stickslip_kernels::file::System as Ready;
 use stickslip_kernels::kernel::{Run, Watcher, follow};
@@ -64,16 +66,25 @@ struct Passages<'a> {
 }
 
 impl Passages<'_> {
-    fn passed(&mut self, at: &Passage) -> ControlFlow<()> {
-        if at.t > self.limit {
+    fn passed(&mut self, at: Passage) -> ControlFlow<()> {
+        let t = at.t;
+        if t > self.limit {
             return ControlFlow::Break(());
         }
-        self.found.push(at.clone());
+        self.found.push(at);
         if self.found.len() == self.most {
-            self.limit = at.t;
+            self.limit = t;
             return ControlFlow::Break(());
         }
         ControlFlow::Continue(())
+    }
+
+    /// Ends the run behind the limit, and where a signal asks for it.
+    fn goes_on(&mut self, step: &Step) -> ControlFlow<()> {
+        if step.t_start > self.limit {
+            return ControlFlow::Break(());
+        }
+        self.signals.look(step.t_end)
     }
 }
 
@@ -82,14 +93,11 @@ impl Watcher for Passages<'_> {
         true
     }
 
-    fn step(&mut self, step: &Step, _solution: &dyn Fn(f64) -> Vector) -> ControlFlow<()> {
-        if step.t_start > self.limit {
-            return ControlFlow::Break(());
-        }
-        self.signals.look(step.t_end)
+    fn step(&mut self, step: Step, _orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
+        self.goes_on(&step)
     }
 
-    fn passage(&mut self, at: &Passage) -> ControlFlow<()> {
+    fn passage(&mut self, at: Passage) -> ControlFlow<()> {
         self.passed(at)
     }
 }
@@ -113,14 +121,45 @@ impl Watcher for Recording<'_> {
         true
     }
 
-    fn step(&mut self, step: &Step, solution: &dyn Fn(f64) -> Vector) -> ControlFlow<()> {
-        self.passages.step(step, solution)?;
+    fn step(&mut self, step: Step, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
+        let told = self.passages.goes_on(&step);
+        if told.is_continue() {
+            self.points_of(&step, orbit);
+            self.last = (step.t_end, step.x_end.clone());
+        }
+        if let Some(steps) = &mut self.steps {
+            steps.push((step, orbit.solution()));
+        }
+        told
+    }
+
+    fn phase(&mut self, phase: Phase) -> ControlFlow<()> {
+        self.phases.push(phase);
+        ControlFlow::Continue(())
+    }
+
+    fn transition(&mut self, at: Transition) -> ControlFlow<()> {
+        if at.t <= self.passages.limit {
+            self.transitions.push(at);
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn passage(&mut self, at: Passage) -> ControlFlow<()> {
+        self.passages.passed(at)
+    }
+}
+
+impl Recording<'_> {
+    /// Records the points in a step.
+    fn points_of(&mut self, step: &Step, orbit: &mut dyn OrbitUnderWay) {
         match &mut self.asked {
             Some(asked) => {
+                let mut solution = None;
                 while let Some(t) = asked.pop_if(|t| *t <= step.t_end) {
                     let x = match t == step.t_end {
                         true => step.x_end.clone(),
-                        false => solution(t),
+                        false => solution.get_or_insert_with(|| orbit.solution())(t),
                     };
                     self.points.push((t, x));
                 }
@@ -133,34 +172,8 @@ impl Watcher for Recording<'_> {
                 self.points.push((step.t_end, step.x_end.clone()));
             }
         }
-        self.last = (step.t_end, step.x_end.clone());
-        ControlFlow::Continue(())
     }
 
-    fn keep(&mut self, step: Step, solution: Solution) {
-        if let Some(steps) = &mut self.steps {
-            steps.push((step, solution));
-        }
-    }
-
-    fn phase(&mut self, phase: &Phase) -> ControlFlow<()> {
-        self.phases.push(phase.clone());
-        ControlFlow::Continue(())
-    }
-
-    fn transition(&mut self, at: &Transition) -> ControlFlow<()> {
-        if at.t <= self.passages.limit {
-            self.transitions.push(at.clone());
-        }
-        ControlFlow::Continue(())
-    }
-
-    fn passage(&mut self, at: &Passage) -> ControlFlow<()> {
-        self.passages.passed(at)
-    }
-}
-
-impl Recording<'_> {
     /// Removes what lies after the event that ends the run.
     fn cut(&mut self, at: &Passage) {
         let wants_all = self.asked.is_none();
@@ -363,11 +376,14 @@ fn described<'py>(
     let transitions = Fields::new(py);
     let all = &recording.transitions;
     transitions.numbers("t", all.iter().map(|at| at.t))?;
-    transitions.texts("kind", all.iter().map(|at| kind_name(at.kind)))?;
-    let contacts = all.iter().map(|at| system.contact_name(at.contact));
-    transitions.texts("contact", contacts)?;
-    transitions.texts("from_mode", all.iter().map(|at| system.letters(&at.from)))?;
-    transitions.texts("to_mode", all.iter().map(|at| system.letters(&at.to)))?;
+    transitions.words("kind", all.iter().map(|at| at.kind), |&kind| {
+        kind_name(kind)
+    })?;
+    let contact = |&number: &usize| system.contact_name(number);
+    transitions.words("contact", all.iter().map(|at| at.contact), contact)?;
+    let letters = |modes: &Modes| system.letters(modes);
+    transitions.words("from_mode", all.iter().map(|at| at.from), letters)?;
+    transitions.words("to_mode", all.iter().map(|at| at.to), letters)?;
     transitions.rows("y", all.iter().map(|at| &at.x), states)?;
     transitions.numbers("residual", all.iter().map(|at| at.residual))?;
     fields.fields("transitions", transitions)?;
@@ -375,7 +391,7 @@ fn described<'py>(
     let all = &recording.phases;
     phases.numbers("t_start", all.iter().map(|phase| phase.t_start))?;
     phases.numbers("t_end", all.iter().map(|phase| phase.t_end))?;
-    phases.texts("mode", all.iter().map(|phase| system.letters(&phase.mode)))?;
+    phases.words("mode", all.iter().map(|phase| phase.mode), letters)?;
     phases.rows("y_start", all.iter().map(|phase| &phase.x_start), states)?;
     phases.rows("y_end", all.iter().map(|phase| &phase.x_end), states)?;
     fields.fields("phases", phases)?;

@@ -2,7 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use stickslip::dynamics::{Kink, Modes, Moment, Passage, Phase, Step, Transition, Vector};
+use stickslip::dynamics::{
+    Kink, Modes, Moment, OrbitUnderWay, Passage, Phase, Step, Transition, Vector,
+};
 use stickslip::{Direction, Mode, TransitionKind};
 
 use crate::render::input_name;
@@ -160,7 +162,8 @@ impl Watcher for Recording {
         true
     }
 
-    fn step(&mut self, step: &Step, solution: &dyn Fn(f64) -> Vector) -> ControlFlow<()> {
+    fn step(&mut self, step: Step, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
+        let solution = orbit.solution();
         for ((low, high), &x) in self.extent.iter_mut().zip(&step.x_end) {
             (*low, *high) = (low.min(x), high.max(x));
         }
@@ -173,10 +176,10 @@ impl Watcher for Recording {
         let mut from = at(0);
         let end = Moment {
             t: step.t_end,
-            x: step.x_end.clone(),
+            x: step.x_end,
         };
         for to in (1..PER_STEP).map(at).chain([end]) {
-            self.part(solution, &from, to.clone(), MOST_HALVINGS);
+            self.part(&*solution, &from, to.clone(), MOST_HALVINGS);
             from = to;
         }
         if let Some(last) = self.points.last_mut() {
@@ -189,23 +192,23 @@ impl Watcher for Recording {
         ControlFlow::Continue(())
     }
 
-    fn phase(&mut self, phase: &Phase) -> ControlFlow<()> {
-        self.phases.push(phase.clone());
+    fn phase(&mut self, phase: Phase) -> ControlFlow<()> {
+        self.phases.push(phase);
         ControlFlow::Continue(())
     }
 
-    fn transition(&mut self, at: &Transition) -> ControlFlow<()> {
-        self.transitions.push(Occurrence::Transition(at.clone()));
+    fn transition(&mut self, at: Transition) -> ControlFlow<()> {
+        self.transitions.push(Occurrence::Transition(at));
         ControlFlow::Continue(())
     }
 
-    fn kink(&mut self, at: &Kink) -> ControlFlow<()> {
-        self.transitions.push(Occurrence::Kink(at.clone()));
+    fn kink(&mut self, at: Kink) -> ControlFlow<()> {
+        self.transitions.push(Occurrence::Kink(at));
         ControlFlow::Continue(())
     }
 
-    fn passage(&mut self, at: &Passage) -> ControlFlow<()> {
-        self.passages.push(at.clone());
+    fn passage(&mut self, at: Passage) -> ControlFlow<()> {
+        self.passages.push(at);
         ControlFlow::Continue(())
     }
 }

@@ -17,7 +17,7 @@ pub type Event = (TransitionKind, usize, f64, Vec<f64>);
 pub struct Events(pub Vec<Event>);
 
 impl Watcher for Events {
-    fn transition(&mut self, at: &Transition) -> ControlFlow<()> {
+    fn transition(&mut self, at: Transition) -> ControlFlow<()> {
         self.0
             .push((at.kind, at.contact, at.t, at.x.as_slice().to_vec()));
         ControlFlow::Continue(())

@@ -10,8 +10,8 @@ mod system;
 use std::ops::ControlFlow;
 
 use stickslip::dynamics::{
-    DynamicsRef, Happening, Kink, Moment, OrbitUnderWay, Passage, Phase, Section as Watched,
-    Solution, Step, Summary, Transition, Vector,
+    DynamicsRef, Happening, Kink, Moment, OrbitUnderWay, Passage, Phase, Section as Watched, Step,
+    Summary, Transition, Vector,
 };
 use stickslip::{Ending, Error, Options, TransitionKind};
 
@@ -50,27 +50,25 @@ pub trait Watcher {
     fn watches_steps(&self) -> bool {
         false
     }
-    /// Called after every step, with the solution over it.
-    fn step(&mut self, _step: &Step, _solution: &dyn Fn(f64) -> Vector) -> ControlFlow<()> {
+    /// Called after every step, with the orbit, which gives the solution over it on request.
+    fn step(&mut self, _step: Step, _orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
-    /// Called after [`Watcher::step`], with the same solution to keep.
-    fn keep(&mut self, _step: Step, _solution: Solution) {}
     /// Called after every phase.
-    fn phase(&mut self, _phase: &Phase) -> ControlFlow<()> {
+    fn phase(&mut self, _phase: Phase) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
     /// Called at every transition, after the phase that it ends. With several contacts, called once
     /// for each whose mode changes.
-    fn transition(&mut self, _at: &Transition) -> ControlFlow<()> {
+    fn transition(&mut self, _at: Transition) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
     /// Called at every kink of an input, before its consequences.
-    fn kink(&mut self, _at: &Kink) -> ControlFlow<()> {
+    fn kink(&mut self, _at: Kink) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
     /// Called at every crossing of the section.
-    fn passage(&mut self, _at: &Passage) -> ControlFlow<()> {
+    fn passage(&mut self, _at: Passage) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
 }
@@ -96,15 +94,10 @@ pub fn follow(
     loop {
         let told = match orbit.step() {
             Ok(Happening::Step) if !watcher.watches_steps() => ControlFlow::Continue(()),
-            Ok(Happening::Step) => {
-                let (step, solution) = (orbit.last_step(), orbit.solution());
-                let told = watcher.step(&step, &*solution);
-                watcher.keep(step, solution);
-                told
-            }
-            Ok(Happening::PhaseEnd(phase)) => watcher.phase(&phase),
-            Ok(Happening::Kink(at)) => watcher.kink(&at),
-            Ok(Happening::Passage(at)) => watcher.passage(&at),
+            Ok(Happening::Step) => watcher.step(orbit.last_step(), &mut *orbit),
+            Ok(Happening::PhaseEnd(phase)) => watcher.phase(phase),
+            Ok(Happening::Kink(at)) => watcher.kink(at),
+            Ok(Happening::Passage(at)) => watcher.passage(at),
             Ok(Happening::Transition(at)) => tell(at, watcher),
             Ok(Happening::End(summary)) => return Ok(summary),
             Err(error) => {
@@ -127,22 +120,23 @@ pub fn follow(
 
 /// Reports a transition, and the change of each other contact whose mode changes at the same
 /// instant.
-fn tell(mut at: Transition, watcher: &mut dyn Watcher) -> ControlFlow<()> {
-    watcher.transition(&at)?;
-    let first = at.contact;
-    for (contact, (from, to)) in at.from.iter().zip(at.to.iter()).enumerate() {
-        if contact != first && from != to {
-            (at.kind, at.contact) = (TransitionKind::between(from, to), contact);
-            watcher.transition(&at)?;
-        }
-    }
-    ControlFlow::Continue(())
+fn tell(at: Transition, watcher: &mut dyn Watcher) -> ControlFlow<()> {
+    let modes = at.from.iter().zip(at.to.iter()).enumerate();
+    let others = modes.filter(|(contact, (from, to))| *contact != at.contact && from != to);
+    let of = |(contact, (from, to))| Transition {
+        kind: TransitionKind::between(from, to),
+        contact,
+        ..at.clone()
+    };
+    let others: Vec<Transition> = others.map(of).collect();
+    watcher.transition(at)?;
+    others.into_iter().try_for_each(|at| watcher.transition(at))
 }
 
 /// The current phase also ends where a run stops or fails.
 fn tell_last_phase(orbit: &dyn OrbitUnderWay, watcher: &mut dyn Watcher) {
     if let Some(phase) = orbit.phase() {
         // The run ends whatever the watcher returns.
-        let _ = watcher.phase(&phase);
+        let _ = watcher.phase(phase);
     }
 }

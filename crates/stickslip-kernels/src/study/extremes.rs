@@ -2,8 +2,9 @@
 
 use std::ops::ControlFlow;
 
+use stickslip::dynamics::{OrbitUnderWay, Step, Vector};
+
 use crate::kernel::Watcher;
-use stickslip::dynamics::{Step, Vector};
 
 /// Number of points per step at which the states are sampled first.
 const PER_STEP: u32 = 16;
@@ -39,7 +40,8 @@ impl Watcher for Extremes {
         true
     }
 
-    fn step(&mut self, step: &Step, solution: &dyn Fn(f64) -> Vector) -> ControlFlow<()> {
+    fn step(&mut self, step: Step, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
+        let solution = orbit.solution();
         let at = |k: u32| {
             step.t_start + (step.t_end - step.t_start) * f64::from(k) / f64::from(PER_STEP)
         };

@@ -6,7 +6,7 @@ use stickslip::analysis::{
     Kind, PeriodicOrbit, RecurrenceSettings, attractor, find_periodic_orbit, periodic_orbit,
     periodic_orbit_forced,
 };
-use stickslip::dynamics::{Section, Step, Summary, Vector};
+use stickslip::dynamics::{OrbitUnderWay, Section, Step, Summary, Vector};
 use stickslip::error::Point;
 use stickslip::{Ending, Error, Options};
 
@@ -281,7 +281,8 @@ impl Watcher for Rest {
         true
     }
 
-    fn step(&mut self, step: &Step, solution: &dyn Fn(f64) -> Vector) -> ControlFlow<()> {
+    fn step(&mut self, step: Step, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
+        let solution = orbit.solution();
         let at = |k: u32| {
             step.t_start + (step.t_end - step.t_start) * f64::from(k) / f64::from(PER_STEP)
         };
