@@ -8,7 +8,8 @@ use super::flow::{
 use super::observer::{Transition, TransitionKind};
 use super::options::{AtRepelling, Options};
 use super::rules::{
-    AtRest, Departure, Fate, Leading, LieDerivatives, SAME, Visibility, departure, resting,
+    AtRest, Departure, Fate, Leading, LieDerivatives, SAME, Visibility, departure, on_boundary,
+    resting,
 };
 use super::run::Run;
 use super::switch::{kind, next_mode};
@@ -71,7 +72,7 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
         let Timed { t, x } = &run.at;
         let h = self.boundary(*t, components(x));
         let side = if h < 0.0 { Side::Below } else { Side::Above };
-        if !LieDerivatives::new(self, side, *t, x, run.slack()).on_boundary() {
+        if !on_boundary(self, side, *t, x, run.slack()) {
             return Ok(Some((Mode::Slip(side), [0; GUARDS])));
         }
         let departure = departs(self, run, None)?;

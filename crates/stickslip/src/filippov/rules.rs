@@ -153,11 +153,6 @@ impl LieDerivatives {
             Visibility::Invisible
         }
     }
-
-    /// Whether the point lies on Σ to rounding.
-    pub(crate) fn on_boundary(&self) -> bool {
-        self.values[0].abs() <= self.floors[0]
-    }
 }
 
 /// Whether a derivative is more than rounding. If its rounding overflows, the value decides.
@@ -215,6 +210,19 @@ fn one_derivative<const N: usize>(
     let size = spread + derivative.re.abs() + next.abs() * t.abs();
     let floor = ULPS * f64::EPSILON * size + shift;
     (derivative.re, floor)
+}
+
+/// Whether the point `(t, x)` lies on Σ to rounding.
+pub(crate) fn on_boundary<S: Filippov<N>, const N: usize>(
+    system: &S,
+    side: Side,
+    t: f64,
+    x: &State<N>,
+    slack: f64,
+) -> bool {
+    let along = |t, x: &_| (system.boundary(t, x), system.field(side, t, x));
+    let (height, floor) = one_derivative(t, x, slack, along);
+    height.abs() <= floor
 }
 
 /// Index and sign of the first Lie derivative (from the first on) along one field that does not
