@@ -260,7 +260,8 @@ where
         integration.end_at(t_end.min(kink));
         let is_held = integration.is_held();
         let count = if is_held { 0 } else { jumps.count() };
-        let search = |number| EventSearch::new(view.system, view.when(number), options);
+        let search =
+            |number| EventSearch::new(view.system, view.when(number), options).only_first();
         let jumping = Jumping {
             jumps,
             searches: (0..count).map(search).collect(),

@@ -1,8 +1,10 @@
 //! All sign changes of an event function in a step.
 
+use std::ops::ControlFlow;
+
 use super::over_step::{OverStep, Place};
 use super::{Direction, EventFunctions};
-use crate::filippov::scan::{NARROWEST, far_from_zero, first_bracket, zero_in};
+use crate::filippov::scan::{NARROWEST, NODES, UNIT, far_from_zero, first_bracket, zero_in};
 use crate::filippov::switched::Switched;
 
 /// A function at zero is evaluated again after a fraction of the step that grows by this factor
@@ -18,11 +20,16 @@ const PASSING: f64 = 1024.0;
 /// Iterations allowed: bisection alone takes some fifty.
 const MOST: usize = 100;
 
+/// Receives a crossing, and may end the search.
+type Tell<'a, const N: usize> = dyn FnMut(&Place<N>, Direction) -> ControlFlow<()> + 'a;
+
 /// The search for the sign changes of one function over one step.
 pub(super) struct Crossings<'a, S, V, K, const N: usize, const G: usize, const E: usize> {
     pub over: OverStep<'a, S, V, K, N>,
     /// Last sign of the function beyond rounding; 0 while unknown.
     pub side: f64,
+    /// The function on the dense output at the points of [`UNIT`].
+    pub samples: [f64; NODES],
 }
 
 /// What follows a point where the function has its sign beyond rounding.
@@ -40,34 +47,36 @@ where
     S: Switched<N, G>,
     V: EventFunctions<N, E>,
 {
-    /// Reports every crossing in order of time. [`Crossings::side`] is then the sign at the step's
-    /// end.
+    /// Reports crossings in order of time. [`Crossings::side`] is then the sign at the step's end,
+    /// or behind the crossing that ended the search.
     #[inline(always)]
-    pub(super) fn each(&mut self, tell: &mut dyn FnMut(&Place<N>, Direction)) {
+    pub(super) fn each(&mut self, tell: &mut Tell<'_, N>) -> ControlFlow<()> {
         // Nearly every step returns here.
-        if self.side == 0.0 || !far_from_zero(|s| self.height(s)) {
-            self.search(tell);
+        self.samples = UNIT.map(|s| self.over.sampled(s));
+        if self.side == 0.0 || !far_from_zero(&self.samples.map(|value| self.side * value)) {
+            self.search(tell)?;
         }
+        ControlFlow::Continue(())
     }
 
     #[cold]
     #[inline(never)]
-    fn search(&mut self, tell: &mut dyn FnMut(&Place<N>, Direction)) {
+    fn search(&mut self, tell: &mut Tell<'_, N>) -> ControlFlow<()> {
         let mut from = self.exact(0.0);
         loop {
             if !self.is_clear(&from) {
                 let Some(left) = self.leaves(&from) else {
-                    return;
+                    return ControlFlow::Continue(());
                 };
                 if self.side * left.value < 0.0 && !from.value.is_nan() {
-                    self.pass(&from, tell);
+                    self.pass(&from, tell)?;
                 }
                 self.side = left.value.signum();
                 from = left;
             }
             match self.next(&from) {
                 Next::Crossing(zero, behind) => {
-                    self.pass(&zero, tell);
+                    self.pass(&zero, tell)?;
                     from = behind;
                 }
                 Next::Clear(behind) => {
@@ -83,14 +92,15 @@ where
         let end = self.exact(1.0);
         if self.side * end.value < -end.blur {
             match self.zero(&from, &end, 1.0) {
-                Some(zero) => self.pass(&zero, tell),
+                Some(zero) => self.pass(&zero, tell)?,
                 None => self.side = end.value.signum(),
             }
         } else if !self.is_clear(&end)
             && -self.side * end.rate * self.over.length() > PASSING * end.blur
         {
-            self.pass(&end, tell);
+            self.pass(&end, tell)?;
         }
+        ControlFlow::Continue(())
     }
 
     fn exact(&self, s: f64) -> Place<N> {
@@ -100,7 +110,9 @@ where
     /// The function on the dense output, positive on its last side.
     #[inline(always)]
     fn height(&self, s: f64) -> f64 {
-        self.side * self.over.sampled(s)
+        let known = UNIT.iter().position(|&known| known == s);
+        let value = known.map_or_else(|| self.over.sampled(s), |known| self.samples[known]);
+        self.side * value
     }
 
     /// Whether the function has its last sign, beyond rounding.
@@ -108,14 +120,14 @@ where
         self.side * place.value > place.blur
     }
 
-    fn pass(&mut self, at: &Place<N>, tell: &mut dyn FnMut(&Place<N>, Direction)) {
+    fn pass(&mut self, at: &Place<N>, tell: &mut Tell<'_, N>) -> ControlFlow<()> {
         let direction = if self.side < 0.0 {
             Direction::Rising
         } else {
             Direction::Falling
         };
-        tell(at, direction);
         self.side = -self.side;
+        tell(at, direction)
     }
 
     /// First point where a function that may be at zero is beyond rounding; `None` if there is none

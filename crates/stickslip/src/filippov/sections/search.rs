@@ -1,11 +1,14 @@
 //! The search for the user's own events, a step at a time.
 
+use std::ops::ControlFlow;
+
 use super::crossings::Crossings;
 use super::over_step::OverStep;
 use super::{EventFunctions, EventRecord};
 use crate::filippov::flow::GUARDS;
 use crate::filippov::observer::StepRecord;
 use crate::filippov::options::{Method, Options};
+use crate::filippov::scan::NODES;
 use crate::filippov::switched::{Switched, gradient};
 use crate::filippov::uncertainty::ULPS;
 use crate::ode::Timed;
@@ -59,6 +62,8 @@ pub struct EventSearch<
     /// Recent size of the state's components.
     size: State<N>,
     found: Vec<EventRecord<N, S::Mode>>,
+    /// Whether the search ends at the first event of each function in a step.
+    only_first: bool,
 }
 
 impl<'a, S, V, const N: usize, const E: usize, const G: usize> EventSearch<'a, S, V, N, E, G>
@@ -75,7 +80,14 @@ where
             sides: [0.0; E],
             size: State::zeros(),
             found: Vec::new(),
+            only_first: false,
         }
+    }
+
+    /// The same, but only for the first event of each function in a step.
+    pub(crate) fn only_first(self) -> Self {
+        let only_first = true;
+        EventSearch { only_first, ..self }
     }
 
     /// The events in the next step of the run, in order of time. Terminal events are not treated
@@ -110,7 +122,7 @@ where
 
     fn search(&mut self, step: &StepRecord<N, S::Mode>) {
         self.note_size([&step.x_start, &step.x_end]);
-        let found = &mut self.found;
+        let (found, only_first) = (&mut self.found, self.only_first);
         for number in 0..E {
             let asked = self.events.direction(number);
             let over = OverStep {
@@ -122,8 +134,13 @@ where
                 size: &self.size,
             };
             let side = self.sides[number];
-            let mut crossings = Crossings::<S, V, _, N, G, E> { over, side };
-            crossings.each(&mut |place, direction| {
+            let samples = [0.0; NODES];
+            let mut crossings = Crossings::<S, V, _, N, G, E> {
+                over,
+                side,
+                samples,
+            };
+            let _ = crossings.each(&mut |place, direction| {
                 if asked.includes(direction) {
                     found.push(EventRecord {
                         number,
@@ -133,7 +150,11 @@ where
                         direction,
                         rate: place.rate,
                     });
+                    if only_first {
+                        return ControlFlow::Break(());
+                    }
                 }
+                ControlFlow::Continue(())
             });
             self.sides[number] = crossings.side;
         }
