@@ -54,12 +54,12 @@ fn command<D>(figure: &FigureSpec<D>) -> clap::Command {
         .after_help(format!(
             "Files written:\n  \
              {name}.svg  the figure\n  \
-             {name}.csv  the numbers behind it: id,reading,value,published,unit,agrees and status \
-             where rows have one\n  \
+             {name}.csv  the numbers behind it: id,reading,value,published,unit,agrees\n             \
+             and status where rows have one\n  \
              {name}.png  the figure again, with --png\n\n\
              agrees: whether the value is the published one to its printed digits (a statement: \
-             whether it holds); NO in the table is\n\
-             false in the file, and empty is where the paper says nothing.\n\n\
+             whether it holds).\n\
+             NO in the table is false in the file. It is empty where the paper says nothing.\n\n\
              Examples:\n  \
              {name}\n  \
              {name} --out-dir build/figures --png"

@@ -27,7 +27,7 @@
 //!
 //! let quick = Setup { h: 1e-3, ..Setup::default() };
 //! let outcome = run(&quick);
-//! println!("{:?}: {:?}", outcome.motion, outcome.four_numbers());
+//! println!("{:?}: {:?}", outcome.motion, outcome.stick_numbers());
 //! ```
 
 mod defects;

@@ -7,7 +7,6 @@
 //! curve from a chaotic set. So whether an open section is a curve decides nothing. It is only
 //! shown: the points lie on a curve if hardly any has more than two neighbours in their minimum
 //! spanning tree.
-//! tree of least length that joins them hardly any has more than two neighbours.
 
 use rayon::prelude::*;
 

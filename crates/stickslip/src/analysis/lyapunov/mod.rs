@@ -104,7 +104,6 @@ pub(super) fn spectrum_of(
 /// [`lyapunov_spectrum`] with an observer of the measured part of the run, for minima, sections and
 /// the like in the same integration. If the observer ends the run, the spectrum is that of the part
 /// so far.
-/// far.
 ///
 /// # Errors
 /// As [`lyapunov_spectrum`].

@@ -280,10 +280,9 @@ fn defined_at_end<F: Flow<N>, const N: usize, const G: usize>(
 /// Whether a guard differs from its series at the end of a step over which the series is positive.
 /// A series does not see a bend that is too sharp for it, or the end of the function's domain, even
 /// if the step ends inside the domain again.
-/// begun again.
 ///
+/// # Errors
 /// If the guard is not defined there.
-/// The guard is not defined there.
 #[inline(always)]
 fn strays<F: Flow<N>, const N: usize, const G: usize>(
     run: &Run<N, G>,
