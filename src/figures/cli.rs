@@ -54,8 +54,8 @@ fn command<D>(figure: &FigureSpec<D>) -> clap::Command {
         .after_help(format!(
             "Files written:\n  \
              {name}.svg  the figure\n  \
-             {name}.csv  the numbers behind it: id,reading,value,published,unit,agrees\n             \
-             and status where rows have one\n  \
+             {name}.csv  the numbers behind it: id,reading,value,published,unit,agrees\n\
+             \x20            and status where rows have one\n  \
              {name}.png  the figure again, with --png\n\n\
              agrees: whether the value is the published one to its printed digits (a statement: \
              whether it holds).\n\

@@ -94,7 +94,7 @@ impl Interface for CommandLine {
     }
 
     fn nearer(&self) -> &'static str {
-        "after a longer --transient or by another --start; the motion may also be quasi-periodic or \
-            chaotic, which `stickslip lyapunov` tells"
+        "after a longer --transient or by another --start; the motion may also be quasi-periodic \
+         or chaotic, as `stickslip lyapunov` shows"
     }
 }

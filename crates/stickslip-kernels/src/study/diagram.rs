@@ -3,13 +3,18 @@
 use std::cell::Cell;
 
 use serde::{Deserialize, Serialize};
-use stickslip::analysis::{RecurrenceSettings, SweepSettings, attractor, attractor_of_many, sweep};
+use stickslip::analysis::{
+    RecurrenceSettings, SweepSettings, attractor, attractor_of_many, locate_changes, sweep,
+};
 use stickslip::dynamics::DynamicsRef;
 use stickslip::{Error, Options};
 
 use super::{Largest, recurrence};
 use crate::file::{SettingError, System};
 use crate::kernel::{Change, Motion, Outcome};
+
+/// Tolerance with which changes are located.
+const LOCATING: f64 = 1e-13;
 
 /// How an attractor is followed along a parameter.
 #[derive(Clone, Copy)]
@@ -91,7 +96,7 @@ impl Diagram<'_> {
         let class = here.class(&outcome);
         let mut changes = Vec::new();
         if let Some(last) = last.filter(|last| self.locates && last.class != class) {
-            let found = self.changes::<E>(last, value, &settings)?;
+            let found = self.changes::<E>(last, &here, value, &settings)?;
             let values = (last.value, value);
             let found = found.into_iter();
             changes.extend(found.map(|change| ChangeBetween { values, change }));
@@ -119,6 +124,7 @@ impl Diagram<'_> {
     fn changes<E: From<Error> + From<SettingError>>(
         &self,
         last: &ValueEnd,
+        here: &System,
         value: f64,
         recurrence: &RecurrenceSettings,
     ) -> Result<Vec<Change>, E> {
@@ -140,11 +146,15 @@ impl Diagram<'_> {
         };
         let between = [last.value, value];
         // The orbit may not exist all the way.
-        let found = sweep(family, between, &*last.start, &settings, self.options).ok();
-        let Some(found) = found.filter(|_| complete.get()) else {
+        let points = sweep(family, between, &*last.start, &settings, self.options).ok();
+        let mut parameters = here.file.parameters.iter();
+        let number = parameters.position(|one| one.name == self.parameter);
+        let (Some(points), Some(number), true) = (points, number, complete.get()) else {
             return Ok(vec![Change::Unlocated]);
         };
-        let found = found.changes.iter();
+        let (along, options) = (here.along(number)?, Options::tol(LOCATING));
+        let found = locate_changes(&along, &points, recurrence.forcing, &options)?;
+        let found = found.iter();
         let mut found: Vec<Change> = found.map(|change| Change::from(&change.what)).collect();
         for change in &mut found {
             if let (

@@ -56,12 +56,6 @@ impl Critical {
             multipliers,
         }
     }
-
-    /// Distance of the nearest multiplier from 1.
-    pub fn gap_to_one(&self) -> f64 {
-        let gaps = self.multipliers.iter().map(|value| (value - 1.0).norm());
-        gaps.fold(f64::INFINITY, f64::min)
-    }
 }
 
 /// The zero between two points of opposite sign, by regula falsi with the Illinois rule. At a

@@ -25,7 +25,9 @@ pub use attractors::{
     attractors_of_many, is_same_cycle,
 };
 pub use basin::{Basin, Share, basin, basin_while};
-pub use bifurcation::{AttractorChange, Sweep, SweepPoint, SweepSettings, WhatChanges, sweep};
+pub use bifurcation::{
+    AttractorChange, SweepPoint, SweepSettings, WhatChanges, locate_changes, sweep,
+};
 pub use continuation::{
     Branch, BranchPoint, ContinuationSettings, Curve, CurvePoint, CurveStop,
     EquilibriumBifurcation, EquilibriumBranch, EquilibriumPoint, PartialBranch, Special,

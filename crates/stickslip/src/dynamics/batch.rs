@@ -9,7 +9,8 @@ use super::{Happening, Moment, OrbitUnderWay};
 use crate::error::Error;
 use crate::filippov::{EventFunctions, Integration, Member, Switched};
 
-/// Receives what [`OrbitUnderWay::step`] returns for several orbits, each by the index of its start.
+/// Receives what [`OrbitUnderWay::step`] returns for several orbits, each by the index of its
+/// start.
 /// An orbit is followed until it ends, fails, or the listener breaks.
 pub type Listener<'l> =
     dyn FnMut(usize, Result<Happening, Error>, &mut dyn OrbitUnderWay) -> ControlFlow<()> + 'l;

@@ -4,9 +4,9 @@ use crate::attractors::systems::{
     Backwards, Detour, Driven, Leine, NearWells, Pushed, Rings, Shear, ToZero, Wells,
 };
 use crate::bifurcations::systems::{
-    Area, AtParameter, Beat, BeatFamily, Belt, Dragged, DrivenFamily, DrivenIsland, Ends,
-    FasterBelt, Focus, Grip, Island, Lags, Persists, Pitchfork, Pulse, Resonant, Rough, Shaken,
-    Sheet, Softening, Twisted,
+    Area, AtParameter, Beat, BeatFamily, Belt, DenHartogFamily, Dragged, DrivenFamily,
+    DrivenIsland, Ends, EndsFamily, FasterBelt, Focus, Grip, Island, Lags, Persists, Pitchfork,
+    Pulse, Resonant, Rough, Shaken, Sheet, Softening, Twisted,
 };
 use crate::den_hartog::DenHartog;
 use crate::line::Line;
@@ -21,14 +21,15 @@ traced!(
 traced!(
     2:
     Smooth<Backwards>, BeatFamily, DenHartog, Smooth<Detour>, AtParameter<Dragged>, Driven, Ends,
-    AtParameter<Grip>, FasterBelt, Leine, AtParameter<Persists>, Pushed, AtParameter<Rings>, Shaken,
-    Smooth<Shear>, ToZero, AtParameter<Twisted>, Wells,
+    AtParameter<Grip>, AtParameter<FasterBelt>, Leine, AtParameter<Persists>, Pushed,
+    AtParameter<Rings>, Shaken, Smooth<Shear>, ToZero, AtParameter<Twisted>, Wells,
 );
 
 traced!(
     3:
-    Belt, DrivenIsland, Dragged, DrivenFamily, Focus, Grip, Island, AtParameter<Lags>,
-    Smooth<Lorenz>, Persists, Pulse, Rings, Rough, AtParameter<Sheet>, Smooth<Softening>, Twisted,
+    Belt, DenHartogFamily, DrivenIsland, Dragged, DrivenFamily, EndsFamily, Focus, Grip, FasterBelt,
+    Island, AtParameter<Lags>, Smooth<Lorenz>, Persists, Pulse, Rings, Rough, AtParameter<Sheet>,
+    Smooth<Softening>, Twisted,
 );
 
 traced!(

@@ -1,49 +1,150 @@
 //! Where an attractor changes between two values of a parameter.
 
-use super::follow::Following;
-use super::stability::{NEXT_TO, loss_of_stability};
-use super::{Family, Reached, WhatChanges};
-use crate::analysis::attractors::{Kind, is_same_cycle};
-use crate::analysis::continuation::Special;
-use crate::dynamics::Modes;
+use std::ops::ControlFlow;
+
+use super::{SweepPoint, WhatChanges};
+use crate::analysis::attractors::{Kind, Reached, is_same_cycle};
+use crate::analysis::continuation::{
+    ContinuationSettings, EquilibriumBifurcation, Special, Stop, Walk, continue_equilibrium,
+};
+use crate::analysis::cycle::Extra;
+use crate::dynamics::{Dynamics, DynamicsRef, Modes, Vector};
 use crate::filippov::Options;
 
-/// A value of the parameter and the attractor reached there.
-pub(super) type End<'a> = (f64, &'a Reached);
+/// A change counts as hit by a value of the sweep within this fraction of the interval behind it;
+/// farther on it belongs to another pair.
+const NEXT_TO: f64 = 1e-6;
+
+/// Longest step between the values, as a fraction of the interval and of the orbit's size.
+const STEP: f64 = 0.1;
 
 /// The change of an attractor between two values: where it ends and, if that is a different place,
 /// where the other one begins.
-pub(super) fn locate<'a>(
-    family: &'a Family<'a>,
-    ends: [End<'_>; 2],
+pub(super) fn locate(
+    system: &dyn Dynamics,
+    ends: [&SweepPoint; 2],
     forcing: Option<f64>,
     options: &Options,
 ) -> Vec<WhatChanges> {
     let [one, other] = ends;
-    let first = Located::from(family, (one, other), forcing, options);
-    let second = Located::from(family, (other, one), forcing, options).turned_round();
-    let width = other.0 - one.0;
-    let are_two = match (first.place(), second.place()) {
-        (Some(a), Some(b)) => (a - b).abs() > NEXT_TO * width.abs(),
-        _ => false,
+    let first = Located::from(system, [one, other], forcing, options);
+    let second = Located::from(system, [other, one], forcing, options).turned_round();
+    let width = other.parameter - one.parameter;
+    let phases = ends.map(|end| &end.reached);
+    let places = [first.place(), second.place()];
+    let joins = [&first, &second].map(|one| one.joins(phases));
+    let found = match (joins, places) {
+        ([false, true], _) => [second.named, None],
+        ([false, false], [Some(a), Some(b)]) if (a - b).abs() > NEXT_TO * width.abs() => {
+            [first, second].map(|one| one.named.or(one.smooth))
+        }
+        _ => {
+            let named = first.named.or(second.named);
+            [named.or(first.smooth).or(second.smooth), None]
+        }
     };
-    let phases = ends.map(|end| end.1);
-    if are_two && !first.joins(phases) && !second.joins(phases) {
-        return [first, second]
-            .into_iter()
-            .filter_map(Located::best)
-            .collect();
+    match found {
+        [None, None] => vec![WhatChanges::Unlocated],
+        some => some.into_iter().flatten().collect(),
     }
-    let named = if first.joins(phases) || !second.joins(phases) {
-        first.named.or(second.named)
-    } else {
-        second.named
+}
+
+/// Where the equilibrium at a value loses its stability, or reaches the edge of its mode's domain.
+fn equilibrium(
+    system: &dyn Dynamics,
+    from: &SweepPoint,
+    upwards: bool,
+    settings: &ContinuationSettings,
+    options: &Options,
+) -> Option<Located> {
+    let x = extended(&from.reached.points.first()?.x, from.parameter);
+    let system = DynamicsRef::Borrowed(system);
+    let branch = continue_equilibrium(&system, x, upwards, settings, options).ok()?;
+    let at = branch.special.into_iter().next()?;
+    let (parameter, x) = (at.parameter, states(at.x));
+    let named = match at.what {
+        EquilibriumBifurcation::Boundary { .. } => {
+            WhatChanges::BoundaryEquilibrium { parameter, x }
+        }
+        what => WhatChanges::Equilibrium {
+            parameter,
+            x,
+            frequency: match what {
+                EquilibriumBifurcation::Hopf { frequency } => frequency,
+                _ => 0.0,
+            },
+        },
     };
-    let others = first.smooth.or(second.smooth);
-    vec![named.or(others).unwrap_or(WhatChanges::Unlocated)]
+    Some(Located {
+        named: Some(named),
+        smooth: None,
+    })
+}
+
+/// Where the phases of the orbit at a value change, or where it ends; and the first multiplier to
+/// reach the unit circle before.
+fn orbit(
+    system: &dyn Dynamics,
+    from: &SweepPoint,
+    (period, upwards): (f64, bool),
+    settings: &ContinuationSettings,
+    options: &Options,
+) -> Option<Located> {
+    // Stick forgets the error of a start in slip. With a forcing, the orbit begins at the strobe.
+    let mut phases = from.reached.phases.iter();
+    let slip = phases.find(|phase| settings.forced.is_none() && !phase.mode.any_sticks());
+    let points = || from.reached.points.first().map(|at| &at.x);
+    let x = slip.map(|phase| &phase.x_start).or_else(points)?;
+    let start = (extended(x, from.parameter), period, upwards);
+    let mut walk = Walk::begin(system, start, settings, (Extra::None, options)).ok()?;
+    let ends = |what: &Special| matches!(what, Special::Sequence(_) | Special::Fold);
+    walk.wanted = Some((ends, 0));
+    let stop = walk.go_on(&mut |_| ControlFlow::Continue(()));
+    // Next to a boundary equilibrium a graze would be reported: the whole orbit comes to the
+    // boundary.
+    if stop != Stop::Range
+        && let Some((parameter, x)) = walk.ends_at()
+    {
+        let x = states(x);
+        return Some(Located {
+            named: Some(WhatChanges::BoundaryEquilibrium { parameter, x }),
+            smooth: None,
+        });
+    }
+    let mut located = Located::default();
+    for at in walk.into_branch(stop).special {
+        match at.what {
+            Special::Sequence(mut change) => {
+                change.x = states(change.x);
+                located.named = Some(WhatChanges::Sequence(*change));
+            }
+            what => {
+                located.smooth.get_or_insert(WhatChanges::Multiplier {
+                    parameter: at.parameter,
+                    uncertainty: at.uncertainty,
+                    what,
+                    x: states(at.x),
+                    period: at.period,
+                });
+            }
+        }
+    }
+    Some(located)
+}
+
+/// A state followed by the parameter.
+fn extended(x: &Vector, parameter: f64) -> Vector {
+    x.clone().push(parameter)
+}
+
+/// A state without the parameter that follows it.
+fn states(x: Vector) -> Vector {
+    let last = x.len() - 1;
+    x.remove_row(last)
 }
 
 /// The change located from one side.
+#[derive(Default)]
 struct Located {
     /// By a vanishing event function, or by an equilibrium that loses its stability or reaches the
     /// edge of its mode's domain.
@@ -53,39 +154,30 @@ struct Located {
 }
 
 impl Located {
-    fn from<'a>(
-        family: &'a Family<'a>,
-        (from, to): (End<'_>, End<'_>),
+    /// On the way from one value to another.
+    fn from(
+        system: &dyn Dynamics,
+        [from, to]: [&SweepPoint; 2],
         forcing: Option<f64>,
         options: &Options,
     ) -> Self {
-        let mut located = Located {
-            named: None,
-            smooth: None,
+        let (here, there) = (from.parameter, to.parameter);
+        let settings = ContinuationSettings {
+            step: STEP,
+            ..ContinuationSettings::over(here, there + NEXT_TO * (there - here))
         };
-        let (returns, period) = match from.1.kind {
-            Kind::Periodic { returns, period } => (returns, period),
-            Kind::Equilibrium => {
-                located.named = loss_of_stability(family, from, to.0);
-                return located;
+        let upwards = there > here;
+        let found = match from.reached.kind {
+            Kind::Equilibrium => equilibrium(system, from, upwards, &settings, options),
+            Kind::Periodic { returns, period } => {
+                // The forcing's own period is known exactly.
+                let forced = forcing.map(|one| one * returns as f64);
+                let settings = ContinuationSettings { forced, ..settings };
+                orbit(system, from, (period, upwards), &settings, options)
             }
-            _ => return located,
+            _ => None,
         };
-        // The forcing's own period is known exactly.
-        let forced = forcing.map(|one| one * returns as f64);
-        let Some(following) = Following::begin(family, from, period, forced, options) else {
-            return located;
-        };
-        let way = following.follow(to.0);
-        // Next to a boundary equilibrium a graze would be reported: the whole orbit comes to the
-        // boundary.
-        located.named = following.boundary_equilibrium(&way, to.0);
-        if located.named.is_some() {
-            return located;
-        }
-        located.smooth = following.multiplier(&way);
-        located.named = way.change.map(WhatChanges::Sequence);
-        located
+        found.unwrap_or_default()
     }
 
     /// The same, of which what was before is behind.
@@ -98,16 +190,13 @@ impl Located {
 
     /// A place at which an orbit begins or ends: a change of its phases, or a fold.
     fn place(&self) -> Option<f64> {
-        match (&self.named, &self.smooth) {
-            (Some(WhatChanges::Sequence(change)), _) => Some(change.parameter),
-            (
-                None,
-                Some(WhatChanges::Multiplier {
-                    parameter,
-                    what: Special::Fold,
-                    ..
-                }),
-            ) => Some(*parameter),
+        match self.named.as_ref().or(self.smooth.as_ref())? {
+            WhatChanges::Sequence(change) => Some(change.parameter),
+            WhatChanges::Multiplier {
+                parameter,
+                what: Special::Fold,
+                ..
+            } => Some(*parameter),
             _ => None,
         }
     }
@@ -126,9 +215,5 @@ impl Located {
             Some(_) => true,
             None => false,
         }
-    }
-
-    fn best(self) -> Option<WhatChanges> {
-        self.named.or(self.smooth)
     }
 }

@@ -2,8 +2,6 @@
 //! diagrams, and hysteresis by a second sweep in the opposite direction.
 
 mod change;
-mod follow;
-mod stability;
 
 use super::attractors::{Kind, Reached, RecurrenceSettings, attractor_of};
 use super::continuation::Special;
@@ -23,18 +21,14 @@ pub struct SweepSettings {
     pub recurrence: RecurrenceSettings,
     /// Settings for the largest Lyapunov exponent; without them it is not measured.
     pub spectrum: Option<SpectrumOptions>,
-    /// The solver's settings for locating changes; without them none are located.
-    pub locating: Option<Options>,
 }
 
 impl SweepSettings {
-    /// The defaults with this longest time for each attractor. Changes are located with a tolerance
-    /// of 1e-13, and exponents are not measured.
+    /// The defaults with this longest time for each attractor. Exponents are not measured.
     pub fn within(longest: f64) -> Self {
         SweepSettings {
             recurrence: RecurrenceSettings::within(longest),
             spectrum: None,
-            locating: Some(Options::tol(1e-13)),
         }
     }
 
@@ -112,24 +106,10 @@ pub enum WhatChanges {
     Unlocated,
 }
 
-/// The result of a sweep.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Sweep {
-    /// The attractors, in the order of the parameters.
-    pub points: Vec<SweepPoint>,
-    /// The changes between neighbouring values: those where the kind of motion, the phases or the
-    /// mode of rest differ. There is one; or two, where one orbit ends and an unrelated one begins.
-    pub changes: Vec<AttractorChange>,
-}
-
 /// Follows an attractor through `parameters`, in the given order. Each run starts from the state
 /// reached at the previous value. `family` constructs the system for each parameter.
 ///
-/// Where the phases of a periodic orbit differ between two values, shooting follows the orbit to
-/// the change of its phases. The change is located to 1e-10 of the interval and named by the event
-/// function that vanishes there ([`super::SequenceBifurcation`]). If no event function vanishes,
-/// the orbit is followed to a fold or until a multiplier reaches the unit circle. An equilibrium is
-/// followed to where it loses its stability or its mode ceases to hold.
+/// [`locate_changes`] finds what happens between two values.
 ///
 /// ```
 /// use stickslip::analysis::{SweepSettings, sweep};
@@ -139,11 +119,11 @@ pub struct Sweep {
 /// let speeds = (0..5).map(|k| 0.2 + 0.05 * f64::from(k));
 /// let settings = SweepSettings::within(500.0);
 /// let found = sweep(family, speeds, [0.5, 0.1], &settings, &Options::default())?;
-/// for point in &found.points {
+/// for point in &found {
 ///     let (kind, in_stick) = (&point.reached.kind, point.reached.in_stick);
 ///     println!("{}: {kind}, {in_stick:.3} of the time in stick", point.parameter);
 /// }
-/// assert_eq!(found.points.len(), 5);
+/// assert_eq!(found.len(), 5);
 /// # Ok::<(), stickslip::Error>(())
 /// ```
 ///
@@ -155,7 +135,7 @@ pub fn sweep<S: AsDynamics<Kind>, Kind>(
     x0: impl Components,
     settings: &SweepSettings,
     options: &Options,
-) -> Result<Sweep, Error> {
+) -> Result<Vec<SweepPoint>, Error> {
     let family = |parameter| family(parameter).into_dynamics();
     let mut parameters = parameters.into_iter();
     sweep_of(&family, &mut parameters, x0.vector(), settings, options)
@@ -167,9 +147,8 @@ fn sweep_of<'a>(
     mut x: Vector,
     settings: &SweepSettings,
     options: &Options,
-) -> Result<Sweep, Error> {
-    let mut points: Vec<SweepPoint> = Vec::new();
-    let mut changes = Vec::new();
+) -> Result<Vec<SweepPoint>, Error> {
+    let mut points = Vec::new();
     for parameter in parameters {
         let system = family(parameter);
         let reached = attractor_of(&*system, x.clone(), &settings.recurrence, options)?;
@@ -181,22 +160,89 @@ fn sweep_of<'a>(
             let spectrum = spectrum_of(&*system, Moment { t, x }, &spectrum).ok()?;
             spectrum.exponents.first().copied()
         });
-        if let (Some(before), Some(locating)) = (points.last(), &settings.locating)
-            && is_change(&before.reached, &reached)
-        {
-            let ends = [(before.parameter, &before.reached), (parameter, &reached)];
-            let found = change::locate(family, ends, settings.recurrence.forcing, locating);
-            let between = (before.parameter, parameter);
-            let found = found.into_iter();
-            changes.extend(found.map(|what| AttractorChange { between, what }));
-        }
         points.push(SweepPoint {
             parameter,
             reached,
             exponent,
         });
     }
-    Ok(Sweep { points, changes })
+    Ok(points)
+}
+
+/// Locates the changes between the attractors at neighbouring values of a sweep: where the kind of
+/// motion, the phases or the mode of rest differ. There is one between two values; or two, where
+/// one orbit ends and an unrelated one begins.
+///
+/// **The parameter is the last state of `system`**, as in [`super::continue_periodic_orbit`]. The
+/// orbits and equilibria on both sides are followed towards each other as branches, to the first
+/// change of phases, fold, boundary or loss of stability. `forcing` is the period of the forcing.
+/// The tolerances of `options` bound the precision; 1e-13 is appropriate.
+///
+/// # Errors
+/// [`Error::Parameter`] where `system` does not have one state more than the systems of the sweep.
+///
+/// ```
+/// use stickslip::analysis::{SweepSettings, WhatChanges, locate_changes, sweep};
+/// use stickslip::{Filippov, Options, Scalar, Side};
+///
+/// /// A block on a belt of speed v, with damping 0.1 and friction that falls with the slip speed.
+/// fn rates<T: Scalar>(side: Side, [x, v, belt]: [T; 3]) -> [T; 2] {
+///     let slip_speed = (v - belt) * side.sign();
+///     let friction = ((slip_speed * -2.0).exp() * 0.5 + 0.5) * side.sign();
+///     [v, -x - v * 0.1 - friction]
+/// }
+/// struct AtSpeed(f64);
+/// impl Filippov<2> for AtSpeed {
+///     fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+///         rates(side, [x[0], x[1], T::constant(self.0)])
+///     }
+///     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
+///         x[1] - self.0
+///     }
+/// }
+/// struct AnySpeed;
+/// impl Filippov<3> for AnySpeed {
+///     fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 3]) -> [T; 3] {
+///         let [velocity, acceleration] = rates(side, *x);
+///         [velocity, acceleration, T::constant(0.0)]
+///     }
+///     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
+///         x[1] - x[2]
+///     }
+/// }
+///
+/// let settings = SweepSettings::within(3e3);
+/// let points = sweep(AtSpeed, [1.3, 1.1], [0.55, 0.0], &settings, &Options::default())?;
+/// let found = locate_changes(&AnySpeed, &points, None, &Options::tol(1e-13))?;
+/// // The slope of the friction takes the damping: 0.1 = exp(-2 v).
+/// let WhatChanges::Equilibrium { parameter, .. } = found[0].what else { panic!() };
+/// assert!((parameter - 0.5 * 10.0_f64.ln()).abs() < 1e-12);
+/// # Ok::<(), stickslip::Error>(())
+/// ```
+pub fn locate_changes<Kind>(
+    system: &impl AsDynamics<Kind>,
+    points: &[SweepPoint],
+    forcing: Option<f64>,
+    options: &Options,
+) -> Result<Vec<AttractorChange>, Error> {
+    let system = &*system.dynamics();
+    let mut changes = Vec::new();
+    for ends in points.windows(2) {
+        let [one, other] = ends else { continue };
+        if one.reached.x.len() + 1 != system.states() {
+            return Err(Error::Parameter {
+                name: "the number of states",
+                value: system.states() as f64,
+                bound: "one more than in the sweep: the parameter is the last",
+            });
+        }
+        if is_change(&one.reached, &other.reached) {
+            let between = (one.parameter, other.parameter);
+            let found = change::locate(system, [one, other], forcing, options).into_iter();
+            changes.extend(found.map(|what| AttractorChange { between, what }));
+        }
+    }
+    Ok(changes)
 }
 
 /// The state from which the next parameter's run begins; none after an escape or a failure.

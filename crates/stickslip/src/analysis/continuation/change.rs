@@ -3,10 +3,10 @@
 
 use super::line::Line;
 use super::parameter_of;
-use super::walk::{SHORTEST, Walk};
+use super::walk::Walk;
 use crate::analysis::attractors::is_same_cycle;
 use crate::analysis::cycle::{
-    AT_ONCE, Cycle, Margin, MarginKind, Outline, Path, SequenceChange, Shooting, Zero, describe,
+    Cycle, Margin, MarginKind, Outline, Path, SequenceChange, Shooting, Zero, describe,
 };
 use crate::dynamics::{Happening, Moment, Section, Vector};
 use crate::filippov::Direction;
@@ -22,7 +22,11 @@ pub(super) struct Change {
 }
 
 /// Distance beyond a change at which orbits are sought, as a fraction of a step.
-pub(super) const BEYOND: [f64; 5] = [1e-3, 1e-2, 1e-4, 1e-1, 1e-5];
+pub(super) const BEYOND: f64 = 1e-3;
+
+/// Segments may vanish together if their durations would vanish within this multiple of the
+/// distance to the first that does.
+const AT_ONCE: f64 = 4.0;
 
 /// A segment that begins at a change is shorter than this fraction of the longest.
 const SHORT: f64 = 0.2;
@@ -37,33 +41,58 @@ impl Walk<'_> {
     /// The first margin that is below zero at an orbit on the line, and where; `Err` where the step
     /// is too long to decide.
     pub(super) fn passed(&self, line: &Line, next: &Cycle) -> Result<Option<Change>, ()> {
-        let s = line.place(next);
-        let path = line.orbits(&self.shooting);
-        let found = path.passed((0.0, &self.branch.last), (s, next), 1.0)?;
-        let Some((at, margin)) = found else {
-            return Ok(None);
-        };
-        let at = self.refined(line, at, s, &|one: &Cycle| {
-            Some(one.margin_like(&margin)?.value)
-        });
-        // Near the graze of a jump, orbits with that jump have unbounded derivatives.
-        let ends = margin.is_of_jump;
-        let behind = (!ends).then(|| self.behind(line, &at, s)).flatten();
-        Ok(Some(Change { at, margin, behind }))
+        // On a shorter step orbits differ by one change: a margin that the last one lacks has no
+        // cause before the first zero.
+        const NEAREST: f64 = 1e-5;
+        let (last, length) = (&self.branch.last, line.place(next));
+        let mut first: Option<(Zero, Margin)> = None;
+        let mut is_unclear = false;
+        let violated = next.margins.iter();
+        for margin in violated.filter(|margin| self.shooting.is_violated(margin)) {
+            let Some(before) = last.margin_like(margin) else {
+                is_unclear = true;
+                continue;
+            };
+            let zero = if before.value <= 0.0 {
+                // The last orbit is at the change, to within its error.
+                let slope = (margin.value - before.value) / length;
+                Zero {
+                    s: 0.0,
+                    parameter: parameter_of(last),
+                    solution: last.clone(),
+                    uncertainty: (line.heading() * before.value / slope).abs(),
+                }
+            } else {
+                let value = |one: &Cycle| Some(one.margin_like(margin)?.value);
+                let ends = [(0.0, before.value), (length, margin.value)];
+                self.zero(line, ends, &value).ok_or(())?
+            };
+            let margin = zero.solution.margin_like(margin).ok_or(())?.clone();
+            if first.as_ref().is_none_or(|(first, _)| zero.s < first.s) {
+                first = Some((zero, margin));
+            }
+        }
+        // Another one may come first, if the step is not short enough to decide.
+        if is_unclear && (first.is_none() || length > NEAREST) {
+            return Err(());
+        }
+        Ok(first.map(|(at, margin)| {
+            // Near the graze of a jump, orbits with that jump have unbounded derivatives.
+            let ends = margin.is_of_jump;
+            let behind = (!ends).then(|| self.behind(line, &at, length)).flatten();
+            Change { at, margin, behind }
+        }))
     }
 
     /// The orbits behind a change, in the sequence that the system itself takes from the orbit
     /// slightly beyond it.
     fn behind(&self, line: &Line, at: &Zero, step: f64) -> Option<(Cycle, Line)> {
-        BEYOND.iter().find_map(|part| {
-            let beyond = line.on(&self.shooting, at.s + part * step)?;
-            let outline = self.run_through(&beyond)?;
-            let modes = outline.modes();
-            if is_same_cycle(&modes, &self.branch.last.outline.modes()) {
-                return None;
-            }
-            self.enter(&outline, parameter_of(&at.solution))
-        })
+        let beyond = line.on(&self.shooting, at.s + BEYOND * step)?;
+        let outline = self.run_through(&beyond)?;
+        let is_other = !is_same_cycle(&outline.modes(), &self.branch.last.outline.modes());
+        is_other
+            .then(|| self.enter(&outline, parameter_of(&at.solution)))
+            .flatten()
     }
 
     /// An orbit with a new sequence near an outline, and the line on which it leaves the change.
@@ -96,9 +125,7 @@ impl Walk<'_> {
 
     /// The system's own orbit for one period, from a start that is not on a periodic orbit.
     fn run_through(&self, orbit: &Cycle) -> Option<Outline> {
-        let Shooting {
-            system, options, ..
-        } = self.shooting;
+        let (system, options) = (self.shooting.system, self.shooting.options);
         let start = &orbit.anchor;
         let period = match self.shooting.forced {
             Some(period) => period,
@@ -109,9 +136,7 @@ impl Walk<'_> {
 
     /// The time at which an orbit first returns near one of its states.
     fn comes_back(&self, from: &Moment, orbit: &Cycle) -> Option<f64> {
-        let Shooting {
-            system, options, ..
-        } = self.shooting;
+        let (system, options) = (self.shooting.system, self.shooting.options);
         let mode = system.begin(from, from.t + orbit.period, options, &Section::None);
         let section = Section::Plane {
             point: from.x.clone(),
@@ -132,29 +157,19 @@ impl Walk<'_> {
     }
 
     /// The change at which the durations of segments vanish, of the first at a place on the line.
-    /// Several vanish at once if an orbit without them lies behind; otherwise only that one does.
     pub(super) fn vanishes(&self, line: &Line, place: f64) -> Option<Change> {
         let numbers = line.vanishing(AT_ONCE * place);
         let numbers: Vec<usize> = numbers.into_iter().map(|(k, _)| k).collect();
         let first = &numbers[..1];
-        let several = || (numbers.len() > 1).then(|| self.vanishes_without(line, &numbers, place));
-        let is_behind = |change: &Change| {
-            let [_, apart] = change
-                .at
-                .solution
-                .margins_about(&self.branch.last, &numbers);
-            !apart
-                .into_iter()
-                .any(|margin| self.shooting.is_violated(margin))
-        };
-        let several = several().flatten().filter(is_behind);
+        let several = (numbers.len() > 1).then(|| self.vanishes_without(&numbers, place));
         several
-            .or_else(|| self.vanishes_without(line, first, place))
+            .flatten()
+            .or_else(|| self.vanishes_without(first, place))
             .or_else(|| self.coincides(line, &numbers, place))
     }
 
     /// The change at which some segments vanish, near a place.
-    fn vanishes_without(&self, known: &Line, numbers: &[usize], place: f64) -> Option<Change> {
+    fn vanishes_without(&self, numbers: &[usize], place: f64) -> Option<Change> {
         let outline = &self.branch.last.outline;
         let simple = outline.without(numbers, &self.branch.last.begins)?;
         let n = outline.begin.x.len();
@@ -168,17 +183,6 @@ impl Walk<'_> {
         let line = Line::tangent(&self.shooting, self.branch.units, &first, &row)?;
         let margin = first.margin_about(&self.branch.last, numbers)?;
         let (at, slope) = self.zero_near(&line, margin, place)?;
-        // Only ahead, and near where the segments would vanish; elsewhere it is another change.
-        const TOLD: f64 = 0.1;
-        const FURTHER: f64 = 3.0;
-        let way = at.parameter - parameter_of(&self.branch.last);
-        let expected = known.heading() * place;
-        let is_told = at.uncertainty <= TOLD * way.abs();
-        let least = self.branch.units.width * SHORTEST;
-        let is_ahead = way * expected > 0.0 && way.abs() <= FURTHER * expected.abs();
-        if !is_told || !is_ahead && way.abs() > least {
-            return None;
-        }
         let margin = at.solution.margin_like(margin)?.clone();
         let row = line.across() * slope.signum();
         let behind = Line::tangent(&self.shooting, self.branch.units, &at.solution, &row)?;
@@ -194,20 +198,16 @@ impl Walk<'_> {
     /// it could be computed.
     pub(super) fn vanished(&self, line: &Line, place: f64) -> Option<Change> {
         let (number, _) = *line.vanishing(place).first()?;
-        let is_meant =
-            |margin: &&Margin| margin.key.kind == MarginKind::Duration && margin.key.part == number;
-        let margin = self.branch.last.margins.iter().find(is_meant)?.clone();
-        let here = parameter_of(&self.branch.last);
-        let parameter = here + line.heading() * place;
-        let outline = &self.branch.last.outline;
-        let row = outline.unit(outline.begin.x.len() + number);
-        let by_tolerance =
-            self.by_tolerance(here, outline, (&row, outline.segments[number].duration));
+        let last = &self.branch.last;
+        let margin = duration(last, number)?;
+        let row = last.outline.unit(last.outline.begin.x.len() + number);
+        let by_tolerance = self.by_tolerance(last, &last.outline, (&row, margin.value));
+        let ahead = line.heading() * place;
         let at = Zero {
             s: 0.0,
-            parameter,
-            solution: self.branch.last.clone(),
-            uncertainty: (parameter - here).abs() + by_tolerance,
+            parameter: self.parameter() + ahead,
+            solution: last.clone(),
+            uncertainty: ahead.abs() + by_tolerance,
         };
         let behind = None;
         Some(Change { at, margin, behind })
@@ -215,7 +215,7 @@ impl Walk<'_> {
 
     /// Error of an orbit's parameter due to the tolerances, with the product of the unknowns with a
     /// row held fixed: twice the change caused by a tenth of them.
-    fn by_tolerance(&self, parameter: f64, guess: &Outline, row: (&Vector, f64)) -> f64 {
+    fn by_tolerance(&self, orbit: &Cycle, guess: &Outline, row: (&Vector, f64)) -> f64 {
         const SAFE: f64 = 2.0;
         let finer = Shooting {
             options: &self.shooting.options.finer(),
@@ -223,7 +223,7 @@ impl Walk<'_> {
         };
         let finer = finer.solve(guess, Some(row));
         finer.map_or(f64::NAN, |finer| {
-            SAFE * (parameter_of(&finer) - parameter).abs()
+            SAFE * (parameter_of(&finer) - parameter_of(orbit)).abs()
         })
     }
 
@@ -233,9 +233,7 @@ impl Walk<'_> {
         let path = line.orbits(&self.shooting);
         let [a, b] = path.bracket((0.0, margin.value), step, &value)?;
         let slope = (b.1 - a.1) / (b.0 - a.0);
-        let zero = path.zero([a, b], &value)?;
-        let zero = self.refined(line, zero, b.0 - a.0, &value);
-        Some((zero, slope))
+        Some((self.zero(line, [a, b], &value)?, slope))
     }
 
     /// The change at which two contacts switch in the same instant.
@@ -246,16 +244,14 @@ impl Walk<'_> {
         let n = guess.begin.x.len();
         let row = guess.unit(n + number);
         let cycle = self.shooting.solve(&guess, Some((&row, 0.0)))?;
-        let margin = cycle.margins.iter();
-        let mut margin = margin.filter(|margin| margin.key.kind == MarginKind::Duration);
-        let margin = margin.find(|margin| margin.key.part == number)?.clone();
-        let duration = 0.1 * self.branch.last.outline.segments[number].duration;
+        let margin = duration(&cycle, number)?;
+        let lasts = 0.1 * self.branch.last.outline.segments[number].duration;
         let mut numbers = numbers.iter();
         let swapped = numbers.try_fold(cycle.outline.clone(), |outline, &number| {
-            outline.swapped(number, duration)
+            outline.swapped(number, lasts)
         })?;
         let parameter = parameter_of(&cycle);
-        let uncertainty = self.by_tolerance(parameter, &guess, (&row, 0.0));
+        let uncertainty = self.by_tolerance(&cycle, &guess, (&row, 0.0));
         let behind = self.enter(&swapped, parameter);
         let at = Zero {
             s: line.place(&cycle),
@@ -279,4 +275,10 @@ impl Walk<'_> {
             [self.branch.last.outline.modes(), after],
         )
     }
+}
+
+/// The margin of a segment's duration.
+fn duration(cycle: &Cycle, number: usize) -> Option<Margin> {
+    let is_meant = |margin: &&Margin| margin.kind == MarginKind::Duration && margin.part == number;
+    cycle.margins.iter().find(is_meant).cloned()
 }

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use super::line::{Line, Units};
 use super::walk::{Junction, SHORTEST, Vanishing, Walk};
-use super::{ContinuationSettings, Special, SpecialPoint, critical, parameter_of};
+use super::{ContinuationSettings, Special, SpecialPoint, check_start, critical, parameter_of};
 use crate::analysis::critical::Critical;
 use crate::analysis::cycle::{Cycle, Extra, Margin, Outline, Path, Shooting};
 use crate::dynamics::{AsDynamics, Components, Vector};
@@ -74,13 +74,8 @@ pub fn continue_change<Kind>(
     ContinuationSettings::over(other.0, other.1).check()?;
     let system = &*system.dynamics();
     let x = x.vector();
-    let Some(place) = x.len().checked_sub(2).filter(|place| *place > 0) else {
-        return Err(Error::Parameter {
-            name: "the number of states",
-            value: x.len() as f64,
-            bound: "at least 3: one state, and two parameters behind it",
-        });
-    };
+    check_start(&x, 2, settings)?;
+    let place = x.len() - 2;
     let value = x[place];
     let by_other = Vector::from_fn(place + 1, |i, _| f64::from(u8::from(i == place)));
     let fixed = Extra::Plane(&by_other, value);
@@ -144,17 +139,17 @@ enum Condition {
 
 impl Condition {
     fn of(what: &Special, by: Vanishing) -> Option<Self> {
+        let line = match by {
+            Vanishing::Margin(margin) => return Some(Condition::Margin(margin)),
+            Vanishing::Multiplier(line) => line,
+        };
         let function: fn(&Critical) -> Option<f64> = match what {
             Special::Fold => |of| Some(of.one),
             Special::Flip => |of| Some(of.minus_one),
             Special::NeimarkSacker { .. } => |of| of.circle,
-            Special::BranchPoint | Special::Sequence(_) => |_| None,
+            Special::BranchPoint | Special::Sequence(_) => return None,
         };
-        match by {
-            Vanishing::Margin(margin) => Some(Condition::Margin(margin)),
-            Vanishing::Multiplier(_) if *what == Special::BranchPoint => None,
-            Vanishing::Multiplier(line) => Some(Condition::Multiplier(function, line)),
-        }
+        Some(Condition::Multiplier(function, line))
     }
 }
 
@@ -246,30 +241,27 @@ impl CurveWalk<'_> {
         let Some(mut line) = self.leaves(first, &condition, sign) else {
             return (points, CurveStop::NoConvergence);
         };
+        // Ratio of a step to one in which no orbit was found.
+        const SHORTER: f64 = 0.3;
         let mut step = self.settings.step;
-        // Whether the duration of a segment would have vanished in the last attempt.
-        let mut was_vanishing = false;
         loop {
             if 2 * points.len() >= self.settings.most_points {
                 return (points, CurveStop::Points);
             }
-            let vanishes = !line.vanishing(step).is_empty();
             if step < SHORTEST {
-                let stop = if was_vanishing {
-                    CurveStop::AnotherChange
-                } else {
-                    CurveStop::NoConvergence
+                let stop = match line.vanishing(step / SHORTER).is_empty() {
+                    true => CurveStop::NoConvergence,
+                    false => CurveStop::AnotherChange,
                 };
                 return (points, stop);
             }
-            was_vanishing = vanishes;
             let found = line.plane(step).and_then(|(guess, value)| {
                 let (next, moved) = self.solve(&condition, &guess, (line.across(), value))?;
                 let onward = self.goes_on(&condition, &line, &next)?;
                 line.bends_little(&onward).then_some((next, moved, onward))
             });
             let Some((next, moved, onward)) = found else {
-                step *= 0.3;
+                step *= SHORTER;
                 continue;
             };
             if let Some(end) = self.at_end(&condition, &line, step, &next) {
@@ -278,7 +270,7 @@ impl CurveWalk<'_> {
             }
             if !self.shooting.is_valid(&next) {
                 if step > self.settings.step * 1e-3 {
-                    step *= 0.3;
+                    step *= SHORTER;
                     continue;
                 }
                 return (points, CurveStop::AnotherChange);

@@ -1,9 +1,8 @@
 //! Where a branch ends.
 
 use super::Stop;
-use super::rest::hopf;
 use super::walk::Walk;
-use super::{critical, parameter_of, with_parameter};
+use super::{parameter_of, with_parameter};
 use crate::analysis::attractors::is_same_cycle;
 use crate::analysis::boundary_equilibrium::{Approach, Held, ends_in};
 use crate::analysis::cycle::{Cycle, MarginKind};
@@ -18,22 +17,10 @@ const SMALL: f64 = 0.04;
 /// come to rest.
 const AT_REST: f64 = 1e-3;
 
-/// Within this fraction of the range, the orbit is at that end of it.
-const AT_END: f64 = 1e-10;
-
-/// Two orbits at one parameter are the same if they differ by less than this fraction.
+/// Two orbits at one parameter are the same if they come this near, as a fraction of the extent.
 const SAME: f64 = 1e-6;
 
 impl Walk<'_> {
-    /// Whether the branch has reached an end of the range, to the precision of a located parameter;
-    /// beyond it the system may not exist.
-    pub(super) fn is_at_end(&self) -> bool {
-        let (low, high) = self.settings.range;
-        let [before, here] = [&self.branch.before, &self.branch.last].map(parameter_of);
-        let end = if here > before { high } else { low };
-        here != before && (end - here).abs() <= AT_END * self.branch.units.width
-    }
-
     /// Whether the orbit is about to shrink to an equilibrium or to come to rest.
     pub(super) fn shrinks(&self) -> Option<Stop> {
         let extent = self.branch.last.extent;
@@ -55,17 +42,12 @@ impl Walk<'_> {
         if let Some(two_fold) = two_fold.flatten() {
             return Some(two_fold);
         }
-        let (parameter, frequency) =
-            hopf(self.shooting, &self.branch.last, self.branch.units.width)?;
-        Some(Stop::Equilibrium {
-            parameter,
-            frequency,
-        })
+        self.hopf()
     }
 
     /// A boundary-equilibrium bifurcation that the last two orbits approach in the range.
     pub(super) fn boundary_equilibrium(&self) -> Option<Stop> {
-        let parameter = self.ends_at()?;
+        let (parameter, _) = self.ends_at()?;
         let (low, high) = self.settings.range;
         (low..=high)
             .contains(&parameter)
@@ -73,8 +55,8 @@ impl Walk<'_> {
     }
 
     /// The parameter at which the last two orbits end in an equilibrium that reaches the edge of
-    /// its mode's domain.
-    fn ends_at(&self) -> Option<f64> {
+    /// its mode's domain, and that equilibrium.
+    pub(in crate::analysis) fn ends_at(&self) -> Option<(f64, Vector)> {
         if self.settings.forced.is_some() {
             return None;
         }
@@ -85,7 +67,7 @@ impl Walk<'_> {
         };
         let orbits = [&self.branch.before, &self.branch.last]
             .map(|cycle| Approach::of(parameter_of(cycle), cycle));
-        Some(ends_in(&orbits, self.branch.widest, states, held)?.0)
+        ends_in(&orbits, self.branch.widest, states, held)
     }
 
     /// The parameter at which crossing orbits shrink to a two-fold, as they do if they meet the
@@ -97,24 +79,18 @@ impl Walk<'_> {
         const LIKE: f64 = 0.2;
         let rates = |cycle: &Cycle| {
             let landings = cycle.margins.iter();
-            let landings = landings.filter(|margin| margin.key.kind == MarginKind::Landing);
+            let landings = landings.filter(|margin| margin.kind == MarginKind::Landing);
             landings.map(|margin| margin.scale).collect::<Vec<f64>>()
         };
-        let [before, last] = [&self.branch.before, &self.branch.last].map(rates);
-        let falls = self.branch.last.extent / self.branch.before.extent;
+        let (before, last) = (&self.branch.before, &self.branch.last);
+        let falls = last.extent / before.extent;
         let is_like = |(before, last): (&f64, &f64)| (last / before / falls - 1.0).abs() < LIKE;
-        let is_crossing = !self
-            .branch
-            .last
-            .outline
-            .modes()
-            .iter()
-            .any(Modes::any_sticks);
+        let is_crossing = !last.outline.modes().iter().any(Modes::any_sticks);
         // Near an equilibrium the period would remain finite.
-        let periods = (&self.branch.before.period, &self.branch.last.period);
-        let all =
-            before.len() == last.len() && before.iter().zip(&last).chain([periods]).all(is_like);
-        if !is_crossing || last.is_empty() || !all {
+        let periods = (&before.period, &last.period);
+        let (before, last) = (rates(before), rates(last));
+        let mut all = before.iter().zip(&last).chain([periods]);
+        if !is_crossing || last.is_empty() || before.len() != last.len() || !all.all(is_like) {
             return None;
         }
         // Each is about twice as large as the one before.
@@ -148,15 +124,9 @@ impl Walk<'_> {
 
     /// Whether an orbit one step farther begins where the last one sticks and sticks throughout.
     fn rests_further_on(&self) -> bool {
-        let segments = self
-            .branch
-            .last
-            .outline
-            .segments
-            .iter()
-            .zip(&self.branch.last.begins);
-        let mut sticks = segments.filter(|(segment, _)| segment.mode.any_sticks());
-        let Some((_, stuck)) = sticks.next() else {
+        let last = &self.branch.last;
+        let mut segments = last.outline.segments.iter().zip(&last.begins);
+        let Some((_, stuck)) = segments.find(|(segment, _)| segment.mode.any_sticks()) else {
             return false;
         };
         let way = self.parameter() - parameter_of(&self.branch.before);
@@ -166,11 +136,9 @@ impl Walk<'_> {
             x: with_parameter(stuck.x.clone(), self.parameter() + further),
         };
         let (system, options) = (self.shooting.system, self.shooting.options);
-        let Ok(orbit) = Orbit::solve(system, &start, stuck.t + self.branch.last.period, options)
-        else {
-            return false;
-        };
-        orbit.transitions.is_empty() && orbit.phases.iter().all(|phase| phase.mode.any_sticks())
+        Orbit::solve(system, &start, stuck.t + last.period, options).is_ok_and(|orbit| {
+            orbit.transitions.is_empty() && orbit.phases.iter().all(|one| one.mode.any_sticks())
+        })
     }
 
     /// Whether the branch has returned to the first orbit, which is then its last.
@@ -203,15 +171,8 @@ impl Walk<'_> {
 
     /// Whether an orbit at the first one's parameter is the first one.
     fn is_first(&self, found: &Cycle) -> bool {
-        let first = &self.branch.first;
-        let agree = |a: f64, b: f64| (a - b).abs() <= SAME * (1.0 + b.abs());
-        let [a, b] = [found, first].map(|cycle| critical(cycle, &self.shooting));
-        let alike = agree(found.period / first.period, 1.0)
-            && agree(a.one, b.one)
-            && agree(a.minus_one, b.minus_one);
-        // The mirror image of the first orbit resembles it, but lies elsewhere.
-        let near = SAME * first.extent;
-        alike && self.comes_by(found).is_some_and(|off| off <= near)
+        let near = SAME * self.branch.first.extent;
+        self.comes_by(found).is_some_and(|off| off <= near)
     }
 
     /// The least distance of an orbit from the first one's anchor; of a driven one, at its time.

@@ -284,12 +284,8 @@ impl Path for OnLine<'_> {
         self.walk.options
     }
 
-    fn parameter(&self, _: f64, one: &Equilibrium) -> f64 {
+    fn parameter(&self, one: &Equilibrium) -> f64 {
         one.parameter()
-    }
-
-    fn pace(&self) -> f64 {
-        self.line.heading()
     }
 }
 
@@ -498,10 +494,9 @@ impl Walk<'_> {
             special: Vec::new(),
             stop: Stop::NoConvergence,
         };
-        let Some(line) = self.tangent(&first, row) else {
-            return branch;
-        };
-        branch.stop = self.go_on(&mut branch, first, line);
+        if let Some(line) = self.tangent(&first, row) {
+            branch.stop = self.go_on(&mut branch, first, line);
+        }
         branch
     }
 

@@ -1,8 +1,8 @@
 //! The line along which the next orbit of a branch is sought.
 
 use super::{parameter_of, with_parameter};
-use crate::analysis::cycle::{Cycle, Outline, Path, Shooting};
-use crate::dynamics::Vector;
+use crate::analysis::cycle::{Cycle, Outline, Path, Shooting, unit};
+use crate::dynamics::{Matrix, Vector};
 use crate::filippov::Options;
 
 /// The line through an orbit along which the next one is sought, in the plane across it.
@@ -55,6 +55,15 @@ impl Units {
     }
 }
 
+/// The derivative of an orbit's equations with a row appended.
+pub(super) fn bordered(cycle: &Cycle, row: &Vector) -> Matrix {
+    let rows = cycle.jacobian.nrows();
+    let mut matrix = cycle.jacobian.clone().insert_row(rows, 0.0);
+    let row = row.clone().resize_vertically(matrix.ncols(), 0.0);
+    matrix.set_row(rows, &row.transpose());
+    matrix
+}
+
 impl Line {
     /// The tangent of the branch at an orbit, in the direction in which the product with `row`
     /// grows.
@@ -64,28 +73,22 @@ impl Line {
         cycle: &Cycle,
         row: &Vector,
     ) -> Option<Self> {
-        let rows = cycle.jacobian.nrows();
-        let mut matrix = cycle.jacobian.clone().insert_row(rows, 0.0);
-        let row = row.clone().resize_vertically(matrix.ncols(), 0.0);
-        matrix.set_row(rows, &row.transpose());
-        let mut right = Vector::zeros(rows + 1);
-        right[rows] = 1.0;
-        let way = matrix.lu().solve(&right)?;
-        let weights = units.weights(cycle, shooting.forced.is_some());
-        let length = way.component_mul(&way).dot(&weights).sqrt();
-        let direction = way / length;
-        let is_of_families = shooting.family > 0;
-        let row = if is_of_families {
-            let number = cycle.outline.begin.x.len() - 1;
-            cycle.outline.unit(number)
-        } else {
-            direction.component_mul(&weights)
-        };
-        (length > 0.0 && length.is_finite()).then_some(Line {
-            from: cycle.outline.clone(),
-            direction,
-            row,
-            is_of_families,
+        let matrix = bordered(cycle, row);
+        let rows = matrix.nrows();
+        let line = Line::along(
+            shooting,
+            units,
+            cycle,
+            matrix.lu().solve(&unit(rows, rows - 1))?,
+        )?;
+        if shooting.family == 0 {
+            return Some(line);
+        }
+        let number = cycle.outline.begin.x.len() - 1;
+        Some(Line {
+            row: cycle.outline.unit(number),
+            is_of_families: true,
+            ..line
         })
     }
 
@@ -165,7 +168,12 @@ impl Line {
     /// The segments whose durations would vanish on it by a place, ordered by where they vanish,
     /// and that place.
     pub fn vanishing(&self, by: f64) -> Vec<(usize, f64)> {
-        self.from.vanishing(&self.direction, by)
+        let n = self.from.begin.x.len();
+        let places = self.from.segments.iter().enumerate();
+        let places = places.map(|(k, segment)| (k, -segment.duration / self.direction[n + k]));
+        let mut places: Vec<_> = places.filter(|(_, s)| *s > 0.0 && *s <= by).collect();
+        places.sort_by(|a, b| a.1.total_cmp(&b.1));
+        places
     }
 
     /// The orbits on it.
@@ -196,11 +204,7 @@ impl Path for Orbits<'_> {
         self.shooting.options
     }
 
-    fn parameter(&self, _: f64, cycle: &Cycle) -> f64 {
+    fn parameter(&self, cycle: &Cycle) -> f64 {
         parameter_of(cycle)
-    }
-
-    fn pace(&self) -> f64 {
-        self.line.heading()
     }
 }

@@ -30,7 +30,7 @@ pub use equilibrium::{
 };
 use line::{Line, Units};
 pub use switching::{SwitchedBranch, switch_branches};
-use walk::Walk;
+pub(super) use walk::Walk;
 
 /// The range and the step sizes of a continuation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,28 +71,23 @@ impl ContinuationSettings {
     /// # Errors
     /// [`Error::Option`] for the first one that is out of bounds.
     pub fn check(&self) -> Result<(), Error> {
-        let require = |good: bool, name, value, bound| {
-            if good {
-                Ok(())
-            } else {
-                Err(Error::Option { name, value, bound })
-            }
-        };
         let width = self.range.1 - self.range.0;
         let is_range = width > 0.0 && width.is_finite();
-        require(
-            is_range,
-            "range",
-            width,
-            "a range of positive, finite width",
-        )?;
-        let step = self.step > 0.0 && self.step <= 1.0;
-        require(step, "step", self.step, "positive and at most 1")?;
+        let is_step = self.step > 0.0 && self.step <= 1.0;
         let most = self.most_points;
-        require(most >= 2, "most_points", most as f64, "at least 2")?;
         let forced = self.forced.unwrap_or(1.0);
-        let good = forced > 0.0 && forced.is_finite();
-        require(good, "forced", forced, "positive and finite")
+        let is_forced = forced > 0.0 && forced.is_finite();
+        let wide = "a range of positive, finite width";
+        let checks = [
+            (is_range, "range", width, wide),
+            (is_step, "step", self.step, "positive and at most 1"),
+            (most >= 2, "most_points", most as f64, "at least 2"),
+            (is_forced, "forced", forced, "positive and finite"),
+        ];
+        let failed = checks.into_iter().find(|(is_good, ..)| !is_good);
+        failed.map_or(Ok(()), |(_, name, value, bound)| {
+            Err(Error::Option { name, value, bound })
+        })
     }
 }
 

@@ -4,13 +4,11 @@
 use std::num::NonZeroUsize;
 
 use super::walk::Walk;
-use super::{BranchPoint, Stop, parameter_of, with_parameter};
+use super::{BranchPoint, EquilibriumBifurcation, Stop, continue_equilibrium};
 use crate::analysis::attractors::rest::{ZERO, equilibrium_near, holds};
-use crate::analysis::critical::zero_between;
-use crate::analysis::cycle::{Cycle, Shooting};
 use crate::analysis::monodromy::velocity_in;
 use crate::analysis::multipliers::eigenvalues;
-use crate::dynamics::{Dynamics, Happening, Matrix, Modes, Moment, Section, Vector};
+use crate::dynamics::{DynamicsRef, Happening, Modes, Moment, Section, Vector};
 use crate::math;
 
 /// An orbit passes a saddle if it would move by this fraction of its extent in a period at its
@@ -23,55 +21,6 @@ const CLOSE: f64 = 1e-2;
 /// Best precision of a homoclinic orbit's parameter, as a fraction of the range.
 const RESOLUTION: f64 = 1e-11;
 
-/// The equilibrium of a mode near a moment, and the Jacobian of the states there.
-fn rest_near(system: &dyn Dynamics, mode: Modes, t: f64, x: &Vector) -> Option<(Vector, Matrix)> {
-    let free = x.len() - 1;
-    let rest = equilibrium_near(system, mode, t, x, free)?;
-    let jacobian = rest.jacobian.view((0, 0), (free, free)).into_owned();
-    Some((rest.x, jacobian))
-}
-
-/// The parameter near the orbit's at which the equilibrium inside it has imaginary eigenvalues, and
-/// their absolute value.
-pub(super) fn hopf(
-    Shooting {
-        system, options, ..
-    }: Shooting<'_>,
-    orbit: &Cycle,
-    width: f64,
-) -> Option<(f64, f64)> {
-    let at = &orbit.anchor;
-    let mode = system.begin(at, at.t + orbit.period, options, &Section::None);
-    let mode = mode.ok()?.mode();
-    let mut x = at.x.clone();
-    let mut frequency = 0.0;
-    let mut leading = |parameter: f64| {
-        let (rest, jacobian) = rest_near(system, mode, 0.0, &with_parameter(x.clone(), parameter))?;
-        x = rest;
-        let values = eigenvalues(&jacobian);
-        let pair = values.iter().filter(|value| value.im > 0.0);
-        let first = pair.min_by(|a, b| a.re.abs().total_cmp(&b.re.abs()))?;
-        frequency = first.im;
-        Some(first.re)
-    };
-    let here = parameter_of(orbit);
-    let at_here = leading(here)?;
-    // The nearest change of sign on either side.
-    let mut way = 1e-4 * width;
-    for _ in 0..12 {
-        for there in [here - way, here + way] {
-            let at_there = leading(there)?;
-            if at_here * at_there <= 0.0 {
-                let parameter = zero_between((here, at_here), (there, at_there), &mut leading)?;
-                leading(parameter)?;
-                return Some((parameter, frequency));
-            }
-        }
-        way *= 2.0;
-    }
-    None
-}
-
 /// A saddle, and the slowest rates at which orbits leave and approach it.
 struct Saddle {
     x: Vector,
@@ -80,6 +29,28 @@ struct Saddle {
 }
 
 impl Walk<'_> {
+    /// The nearest Hopf bifurcation of the equilibrium inside the last orbit.
+    pub(super) fn hopf(&self) -> Option<Stop> {
+        let (system, options) = (self.shooting.system, self.shooting.options);
+        let system = DynamicsRef::Borrowed(system);
+        let branch = |upwards| {
+            let x = self.branch.last.anchor.x.clone();
+            continue_equilibrium(&system, x, upwards, self.settings, options).ok()
+        };
+        let special = [false, true].into_iter().filter_map(branch);
+        let special = special.flat_map(|branch| branch.special);
+        let stops = special.filter_map(|at| match at.what {
+            EquilibriumBifurcation::Hopf { frequency } => Some((at.parameter, frequency)),
+            _ => None,
+        });
+        let off = |stop: &(f64, f64)| (stop.0 - self.parameter()).abs();
+        let (parameter, frequency) = stops.min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        Some(Stop::Equilibrium {
+            parameter,
+            frequency,
+        })
+    }
+
     /// Whether the last orbit is about to become homoclinic: it is slower than the one before it,
     /// and close to one or several saddles.
     pub(super) fn homoclinic(&self) -> Option<Stop> {
@@ -159,8 +130,10 @@ impl Walk<'_> {
     /// leave it.
     fn saddle_near(&self, mode: Modes, at: &Moment) -> Option<Saddle> {
         let system = self.shooting.system;
-        let (x, jacobian) = rest_near(system, mode, at.t, &at.x)?;
-        let there = Moment { t: at.t, x };
+        let free = at.x.len() - 1;
+        let rest = equilibrium_near(system, mode, at.t, &at.x, free)?;
+        let jacobian = rest.jacobian.view((0, 0), (free, free)).into_owned();
+        let there = Moment { t: at.t, x: rest.x };
         if !holds(system, mode, &there) {
             return None;
         }

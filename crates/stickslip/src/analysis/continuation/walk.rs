@@ -26,13 +26,13 @@ const BEHIND: f64 = 0.02;
 const OF_EXTENT: f64 = 0.1;
 
 /// A branch that is being followed.
-pub(super) struct Walk<'a> {
+pub(in crate::analysis) struct Walk<'a> {
     pub(super) shooting: Shooting<'a>,
     pub(super) settings: &'a ContinuationSettings,
     pub(super) branch: PartialBranch,
     /// The kind of special orbit at which to stop, the number of such orbits before it, and the
     /// orbit.
-    pub(super) wanted: Option<(IsMeant, usize)>,
+    pub(in crate::analysis) wanted: Option<(IsMeant, usize)>,
     pub(super) junction: Option<Junction>,
 }
 
@@ -117,6 +117,14 @@ impl<'a> Walk<'a> {
             extent: branch.widest,
             ..Shooting::of(system, outline, settings.forced, options)
         };
+        Walk::with(shooting, settings, branch)
+    }
+
+    fn with(
+        shooting: Shooting<'a>,
+        settings: &'a ContinuationSettings,
+        branch: PartialBranch,
+    ) -> Self {
         Walk {
             shooting,
             settings,
@@ -127,30 +135,25 @@ impl<'a> Walk<'a> {
     }
 
     /// Begins at an orbit, along a line.
-    pub fn at(
+    pub(super) fn at(
         shooting: Shooting<'a>,
         settings: &'a ContinuationSettings,
         units: Units,
         (first, line): (Cycle, Option<Line>),
     ) -> Self {
-        let mut walk = Walk {
-            shooting,
-            settings,
-            branch: PartialBranch {
-                units,
-                widest: first.extent,
-                before: first.clone(),
-                first: first.clone(),
-                last: first,
-                line,
-                step: 0.1 * settings.step,
-                points: Vec::new(),
-                extents: Vec::new(),
-                special: Vec::new(),
-            },
-            wanted: None,
-            junction: None,
+        let branch = PartialBranch {
+            units,
+            widest: first.extent,
+            before: first.clone(),
+            first: first.clone(),
+            last: first,
+            line,
+            step: 0.1 * settings.step,
+            points: Vec::new(),
+            extents: Vec::new(),
+            special: Vec::new(),
         };
+        let mut walk = Walk::with(shooting, settings, branch);
         walk.note();
         walk
     }
@@ -176,7 +179,6 @@ impl<'a> Walk<'a> {
             let step = self.shrinks().or_else(|| self.advance());
             match step.or_else(|| self.closes()) {
                 None => {}
-                Some(Stop::NoConvergence) if self.is_at_end() => return Stop::Range,
                 Some(Stop::NoConvergence) => {
                     return self.homoclinic().unwrap_or(Stop::NoConvergence);
                 }
@@ -229,16 +231,9 @@ impl<'a> Walk<'a> {
         let Some(mut next) = line.on(&self.shooting, step) else {
             return self.shorten(step, 0.3);
         };
-        let mut onward = line.goes_on(&self.shooting, self.branch.units, &next);
-        if onward
-            .as_ref()
-            .is_some_and(|onward| !line.bends_little(onward))
-        {
-            return self.shorten(step, 0.5);
-        }
-        let there = parameter_of(&next);
-        let is_outside = !(low..=high).contains(&there);
+        let is_outside = !self.is_in_range(&next);
         if is_outside {
+            let there = parameter_of(&next);
             let end = there.clamp(low, high);
             let part = (end - self.parameter()) / (there - self.parameter());
             let guess = line.guess(part * step);
@@ -246,8 +241,12 @@ impl<'a> Walk<'a> {
             let Some(at_end) = self.shooting.solve(&guess, Some((&row, end))) else {
                 return self.shorten(step, 0.3);
             };
-            onward = line.goes_on(&self.shooting, self.branch.units, &at_end);
             next = at_end;
+        }
+        let onward = line.goes_on(&self.shooting, self.branch.units, &next);
+        let bends = |onward: &Line| !line.bends_little(onward);
+        if onward.as_ref().is_some_and(bends) {
+            return self.shorten(step, 0.5);
         }
         match self.passed(&line, &next) {
             Err(()) => return self.shorten(step, 0.5),
@@ -311,9 +310,7 @@ impl<'a> Walk<'a> {
     /// Whether the system cannot be integrated for a period from a moment of the last orbit, and
     /// why.
     fn refused(&self, start: &Moment) -> Option<Stop> {
-        let Shooting {
-            system, options, ..
-        } = self.shooting;
+        let (system, options) = (self.shooting.system, self.shooting.options);
         let error = run(system, start, start.t + self.branch.last.period, options).err()?;
         let is_of_friction = matches!(
             error,
@@ -362,12 +359,11 @@ impl<'a> Walk<'a> {
         }
         let Some((next, line)) = change.behind else {
             let way = (change.at.parameter - self.parameter()).signum() * self.branch.units.width;
-            let beyond = |at: &Moment, part: &f64| Moment {
+            let beyond = |at: &Moment| Moment {
                 t: at.t,
-                x: with_parameter(at.x.clone(), change.at.parameter + part * way),
+                x: with_parameter(at.x.clone(), change.at.parameter + BEYOND * way),
             };
-            let starts = self.branch.last.begins.iter();
-            let mut starts = starts.flat_map(|at| BEYOND.iter().map(move |part| beyond(at, part)));
+            let mut starts = self.branch.last.begins.iter().map(beyond);
             let refused = starts.find_map(|start| self.refused(&start));
             return refused.or(Some(Stop::SequenceEnds));
         };

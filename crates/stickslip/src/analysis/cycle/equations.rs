@@ -155,8 +155,8 @@ impl Assembly<'_> {
         let (shooting, outline) = (self.shooting, self.outline);
         let found = shooting.margins(outline, &self.pieces);
         let margin = wanted.like(&found, outline.period())?;
-        let number = margin.key.part;
-        if margin.key.kind == MarginKind::Duration {
+        let number = margin.part;
+        if margin.kind == MarginKind::Duration {
             let row = unit(self.of_time.len(), self.at.x.len() + number);
             return Some((margin.value, row, 1.0));
         }
@@ -164,7 +164,7 @@ impl Assembly<'_> {
         let mut bases = bases.filter(|base| base.segment == number && base.at.t <= margin.at.t);
         let base = bases.next()?;
         let segment = &outline.segments[number];
-        let (flow, guard, sign) = match margin.key.kind {
+        let (flow, guard, sign) = match margin.kind {
             MarginKind::Minimum(guard) | MarginKind::Begin(guard) => (
                 shooting.system.flow(segment.mode, &segment.inside),
                 guard,

@@ -25,34 +25,14 @@ pub(crate) enum MarginKind {
     Duration,
 }
 
-impl MarginKind {
-    /// The guard of the phase's own mode whose value it is, if any.
-    pub fn guard(self) -> Option<usize> {
-        match self {
-            MarginKind::Minimum(guard) | MarginKind::End(guard) | MarginKind::Begin(guard) => {
-                Some(guard)
-            }
-            MarginKind::Landing | MarginKind::Arrival | MarginKind::Duration => None,
-        }
-    }
-}
-
-/// Identifies a margin among those of the orbit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Key {
-    pub part: usize,
-    pub kind: MarginKind,
-    /// Index within its kind in the part.
-    pub count: usize,
-}
-
 /// A function that vanishes at a change of the phases and is positive where the orbit has the
 /// phases of its sequence.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Margin {
-    pub key: Key,
+    /// The segment, and what may begin there.
+    pub part: usize,
+    pub kind: MarginKind,
     pub value: f64,
     /// Typical size of such values on this orbit.
     pub scale: f64,
@@ -74,14 +54,9 @@ impl Margin {
         self.value / self.scale
     }
 
-    /// Whether it differs from zero by more than the tolerances.
-    pub fn is_resolved(&self, options: &Options) -> bool {
-        self.relative().abs() > TOLERANCES * options.rtol.max(options.atol)
-    }
-
     /// Whether it is below zero by more than the tolerances allow.
     pub fn is_violated(&self, options: &Options) -> bool {
-        self.value < 0.0 && self.is_resolved(options)
+        self.relative() < -TOLERANCES * options.rtol.max(options.atol)
     }
 
     /// The margin of the same kind at about the same time, among those of an orbit with a period.
@@ -91,8 +66,7 @@ impl Margin {
             let way = (margin.at.t - self.at.t) / period;
             (way - way.round()).abs()
         };
-        let is_alike =
-            |margin: &&Margin| margin.key.part == self.key.part && margin.key.kind == self.key.kind;
+        let is_alike = |margin: &&Margin| (margin.part, margin.kind) == (self.part, self.kind);
         let alike = margins.iter().filter(is_alike);
         let nearest = alike.min_by(|a, b| off(a).total_cmp(&off(b)))?;
         (off(&nearest) <= SAME_TIME).then_some(nearest)
@@ -158,11 +132,8 @@ pub(super) fn at_events(system: &dyn Dynamics, outline: &Outline, pieces: &[Piec
         };
         let at = &piece.begin;
         let margin = |kind, value, scale| Margin {
-            key: Key {
-                part,
-                kind,
-                count: 0,
-            },
+            part,
+            kind,
             value,
             scale,
             incoming: before.mode,

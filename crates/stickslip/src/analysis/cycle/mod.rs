@@ -25,10 +25,6 @@ pub use name::{SequenceBifurcation, SequenceChange};
 pub(super) use path::{Function, Path, Zero, at_least};
 pub(super) use shooting::{Extra, Shooting};
 
-/// Segments may vanish together if their durations would vanish within this multiple of the
-/// distance to the first that does.
-pub(super) const AT_ONCE: f64 = 4.0;
-
 /// What ends a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -223,12 +219,8 @@ impl Outline {
         }
         let time = n + self.segments.len();
         other.begin.t = unknowns[time];
-        for (k, x) in other
-            .cut
-            .iter_mut()
-            .flat_map(|cut| cut.states.iter_mut())
-            .enumerate()
-        {
+        let cuts = other.cut.iter_mut().flat_map(|cut| &mut cut.states);
+        for (k, x) in cuts.enumerate() {
             *x = unknowns.rows(time + 1 + k * n, n).into_owned();
         }
         other
@@ -241,35 +233,19 @@ impl Outline {
 
     /// The orbit traversed twice.
     pub fn twice(&self) -> Self {
-        Outline {
-            segments: self.doubled(),
-            begin: self.begin.clone(),
-            cut: None,
-            extent: self.extent,
-        }
-    }
-
-    fn doubled(&self) -> Vec<Segment> {
-        match self.segments.as_slice() {
+        let segments = match self.segments.as_slice() {
             // Without a transition it remains one segment.
             [only] if only.end.is_none() => vec![Segment {
                 duration: 2.0 * only.duration,
                 ..only.clone()
             }],
             all => [all, all].concat(),
+        };
+        Outline {
+            segments,
+            cut: None,
+            ..self.clone()
         }
-    }
-
-    /// The segments whose durations would vanish by a place if the unknowns change at these rates,
-    /// ordered by where they vanish, and that place.
-    pub fn vanishing(&self, rates: &Vector, by: f64) -> Vec<(usize, f64)> {
-        let n = self.begin.x.len();
-        let places = self.segments.iter().enumerate();
-        let places = places.map(|(k, segment)| (k, -segment.duration / rates[n + k]));
-        let is_ahead = |s: f64| s * by > 0.0 && s.abs() <= by.abs();
-        let mut places: Vec<_> = places.filter(|(_, s)| is_ahead(*s)).collect();
-        places.sort_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-        places
     }
 
     /// The modes in order, with the jumps between them.
@@ -434,16 +410,13 @@ pub(crate) struct Cycle {
     pub monodromy: Matrix,
     /// The margins to each change of its phases.
     pub margins: Vec<Margin>,
-    /// The range of each component, and the largest range.
-    pub sizes: Vector,
+    /// The largest range of a component.
     pub extent: f64,
     /// Where it is cut: the middle of the longest of the segments with the fewest sticking
     /// contacts.
     pub anchor: Moment,
     /// Residual allowed in its equations, in units of length.
     pub closes_to: f64,
-    /// Relative error of its derivatives due to tolerances and rounding.
-    pub known: f64,
     /// Number of iterations.
     pub iterations: usize,
     /// Dimension of the family of orbits to which it belongs.
@@ -465,25 +438,19 @@ impl Cycle {
         other.like(&self.margins, self.period)
     }
 
-    /// The margins near some segments of another orbit, and the others.
-    pub fn margins_about(&self, other: &Cycle, numbers: &[usize]) -> [Vec<&Margin>; 2] {
+    /// The margin nearest to zero among those near some segments of another orbit.
+    pub fn margin_about(&self, other: &Cycle, numbers: &[usize]) -> Option<&Margin> {
         const NEXT_TO: f64 = 1e-2;
-        let (about, apart) = self.margins.iter().partition(|margin| {
+        let about = self.margins.iter().filter(|margin| {
             let is_about = |&k: &usize| {
                 let lasts = other.outline.segments[k].duration;
                 let middle = other.begins[k].t + 0.5 * lasts;
                 let way = (margin.at.t - middle) / other.period;
                 (way - way.round()).abs() <= lasts / other.period + NEXT_TO
             };
-            margin.key.kind != MarginKind::Duration && numbers.iter().any(is_about)
+            margin.kind != MarginKind::Duration && numbers.iter().any(is_about)
         });
-        [about, apart]
-    }
-
-    /// The margin nearest to zero among those near some segments of another orbit.
-    pub fn margin_about(&self, other: &Cycle, numbers: &[usize]) -> Option<&Margin> {
-        let [about, _] = self.margins_about(other, numbers);
         let off = |margin: &Margin| margin.relative().abs();
-        about.into_iter().min_by(|a, b| off(a).total_cmp(&off(b)))
+        about.min_by(|a, b| off(a).total_cmp(&off(b)))
     }
 }

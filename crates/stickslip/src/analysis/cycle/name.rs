@@ -41,8 +41,6 @@ pub enum SequenceBifurcation {
     /// does not jump. On the other it does, with a derivative that grows without bound towards the
     /// graze.
     JumpGrazing,
-    /// None of the event functions explains it.
-    Unnamed,
 }
 
 impl fmt::Display for SequenceBifurcation {
@@ -56,7 +54,6 @@ impl fmt::Display for SequenceBifurcation {
             SequenceBifurcation::ContactGrazing => "grazing of the contact function",
             SequenceBifurcation::Coincidence => "coincidence",
             SequenceBifurcation::JumpGrazing => "grazing of a jump",
-            SequenceBifurcation::Unnamed => "unnamed",
         })
     }
 }
@@ -73,8 +70,8 @@ pub struct SequenceChange {
     pub uncertainty: f64,
     /// The name of the change.
     pub bifurcation: SequenceBifurcation,
-    /// The contacts whose event function vanishes, counted from 0: two at a coincidence, none where
-    /// the change has no name, otherwise one.
+    /// The contacts whose event function vanishes, counted from 0: two at a coincidence, otherwise
+    /// one.
     pub contacts: Vec<usize>,
     /// Where on the orbit, on the boundary to rounding.
     pub x: Vector,
@@ -118,7 +115,7 @@ fn name(system: &dyn Dynamics, margin: &Margin) -> (SequenceBifurcation, Rates) 
         return (SequenceBifurcation::AddingSliding, Rates::none());
     };
     let rates = Rates::at(system, margin.incoming, margin.contact, side, &margin.at);
-    let is_tangent = match margin.key.kind {
+    let is_tangent = match margin.kind {
         MarginKind::Minimum(_) | MarginKind::Arrival => true,
         // Where the fields agree, both are tangent. The last two are coincidences.
         MarginKind::Landing | MarginKind::Duration | MarginKind::End(_) | MarginKind::Begin(_) => {
@@ -146,13 +143,12 @@ pub(crate) fn describe(
     [before, after]: [Vec<Modes>; 2],
 ) -> SequenceChange {
     let (bifurcation, rates) = name(system, margin);
-    let is_named = bifurcation != SequenceBifurcation::Unnamed;
     let contacts = [margin.contact].into_iter().chain(margin.other);
     SequenceChange {
         parameter,
         uncertainty,
         bifurcation,
-        contacts: contacts.filter(|_| is_named).collect(),
+        contacts: contacts.collect(),
         x: margin.at.x.clone(),
         residual: margin.relative().abs(),
         own: rates.own,

@@ -1,6 +1,6 @@
-//! Solutions along a path: of a branch by their arclength, of a sweep by their parameter.
+//! Solutions along a path, by their arclength.
 
-use super::{Cycle, Margin};
+use super::Cycle;
 use crate::analysis::critical::zero_between;
 use crate::filippov::Options;
 
@@ -15,9 +15,8 @@ pub(crate) trait Path {
     /// The options with which it is computed.
     fn options(&self) -> &Options;
 
-    /// The parameter of the solution at a place, and its derivative by the place.
-    fn parameter(&self, place: f64, solution: &Self::Solution) -> f64;
-    fn pace(&self) -> f64;
+    /// The parameter of a solution.
+    fn parameter(&self, solution: &Self::Solution) -> f64;
 
     fn on(&self, place: f64) -> Option<Self::Solution> {
         self.solution(place, self.options())
@@ -54,12 +53,7 @@ pub(crate) trait Path {
         function: &Function<'_, Self::Solution>,
     ) -> Option<(f64, Self::Solution)> {
         let s = zero_between(a, b, |s| function(&self.on(s)?))?;
-        // Where another branch meets this one, no solution can be computed; next to it there is
-        // one.
-        const PARTS: [f64; 5] = [0.0, 1e-10, -1e-10, 1e-9, -1e-9];
-        let place = |part: &f64| s + part * (b.0 - a.0);
-        let found = |s: f64| Some((s, self.on(s)?));
-        let (s, solution) = PARTS.iter().map(place).find_map(found)?;
+        let solution = self.on(s)?;
         // In a family, a function may jump.
         const SMALL: f64 = 1e-3;
         let is_zero = function(&solution)?.abs() <= SMALL * a.1.abs().max(b.1.abs());
@@ -76,7 +70,7 @@ pub(crate) trait Path {
         let uncertainty = self.uncertainty((s, &solution), (b.0 - a.0).abs(), function);
         Some(Zero {
             s,
-            parameter: self.parameter(s, &solution),
+            parameter: self.parameter(&solution),
             solution,
             uncertainty: uncertainty.unwrap_or(f64::NAN),
         })
@@ -101,64 +95,11 @@ pub(crate) trait Path {
         let finer = self.solution(s, &self.options().finer())?;
         let by_tolerance = SAFE * (function(&finer)? - value).abs();
         let lacks = value.abs() + (behind - 2.0 * value + before).abs() + by_tolerance;
-        let parameter = self.parameter(s, solution);
+        let parameter = self.parameter(solution);
         // At a fold the parameter is quadratic in the place.
-        let ways = [(places[0], &one), (places[1], &two)]
-            .map(|(s, one)| (self.parameter(s, one) - parameter).abs());
+        let ways = [&one, &two].map(|one| (self.parameter(one) - parameter).abs());
         let along = ways[0].max(ways[1]) * (2.0 * lacks / (behind - before)).abs();
-        Some(along + SAFE * (self.parameter(s, &finer) - parameter).abs())
-    }
-
-    /// The first margin that is below zero for the orbit at a place behind another one, and where;
-    /// `Err` where they are too far apart to decide, as a fraction of a range of places.
-    fn passed(
-        &self,
-        (from, last): (f64, &Cycle),
-        (to, next): (f64, &Cycle),
-        range: f64,
-    ) -> Result<Option<(Zero, Margin)>, ()>
-    where
-        Self: Path<Solution = Cycle>,
-    {
-        // Orbits nearer than this fraction of the range differ by one change: a margin that the
-        // other one lacks has no cause before the first zero.
-        const NEAREST: f64 = 1e-5;
-        let mut first: Option<(Zero, Margin)> = None;
-        let mut is_unclear = false;
-        let violated = next.margins.iter();
-        for margin in violated.filter(|margin| margin.is_violated(self.options())) {
-            let Some(before) = last.margin_like(margin) else {
-                is_unclear = true;
-                continue;
-            };
-            let value = |one: &Cycle| Some(one.margin_like(margin)?.value);
-            let zero = if before.value <= 0.0 {
-                // The last orbit is at the change, to within its error.
-                let slope = (margin.value - before.value) / (to - from);
-                Zero {
-                    s: from,
-                    parameter: self.parameter(from, last),
-                    solution: last.clone(),
-                    uncertainty: (self.pace() * before.value / slope).abs(),
-                }
-            } else {
-                let ends = [(from, before.value), (to, margin.value)];
-                self.zero(ends, &value).ok_or(())?
-            };
-            let margin = zero.solution.margin_like(margin).ok_or(())?.clone();
-            let way = |zero: &Zero| (zero.s - from).abs();
-            if first
-                .as_ref()
-                .is_none_or(|(first, _)| way(&zero) < way(first))
-            {
-                first = Some((zero, margin));
-            }
-        }
-        // Another one may come first, if the step is not short enough to decide.
-        if is_unclear && (first.is_none() || (to - from).abs() > NEAREST * range) {
-            return Err(());
-        }
-        Ok(first)
+        Some(along + SAFE * (self.parameter(&finer) - parameter).abs())
     }
 }
 

@@ -115,11 +115,11 @@ impl Shooting<'_> {
 
     /// A minimum from a step that ends there: within a step the error is larger than at its ends.
     fn settle(&self, outline: &Outline, pieces: &[Piece], margin: &mut Margin) {
-        let MarginKind::Minimum(guard) = margin.key.kind else {
+        let MarginKind::Minimum(guard) = margin.kind else {
             return;
         };
-        let (segment, t) = (&outline.segments[margin.key.part], margin.at.t);
-        let steps = pieces[margin.key.part].steps.iter();
+        let (segment, t) = (&outline.segments[margin.part], margin.at.t);
+        let steps = pieces[margin.part].steps.iter();
         let mut steps = steps.filter(|(step, _)| step.t_start < t && t < step.t_end);
         let Some((step, _)) = steps.next() else {
             return;

@@ -3,7 +3,7 @@
 use super::equations::Equations;
 use super::newton::newton_solution;
 use super::pieces::Piece;
-use super::{Cut, Cycle, Margin, Outline, to_cut};
+use super::{Cut, Cycle, Margin, Outline, Segment, to_cut};
 use crate::dynamics::{Dynamics, Modes, Moment, Vector};
 use crate::filippov::Options;
 
@@ -102,7 +102,7 @@ impl<'a> Shooting<'a> {
         let equations = self.equations(&outline, &outline, self.options)?;
         let sizes = sizes(&equations.pieces);
         let period = outline.period();
-        self.cycle(outline, equations, (period, sizes), (0, self.family))
+        self.cycle(outline, equations, (period, sizes.amax()), (0, self.family))
     }
 
     /// Solves the equations near a guess. `row` closes the system where a parameter is unknown: the
@@ -116,6 +116,8 @@ impl<'a> Shooting<'a> {
             Some(_) => guess.clone(),
             None => self.cut(guess, &bounded)?,
         };
+        // A segment that vanishes with another one does so to within the tolerances.
+        let lasts = |one: &Segment| one.duration >= -by_tolerance * guessed;
         let mut last_off = f64::INFINITY;
         for iterations in 1..=MOST {
             let equations = self.equations(&outline, guess, &bounded)?;
@@ -150,13 +152,13 @@ impl<'a> Shooting<'a> {
             let solved = newton_solution(matrix, &right, (self.states, free), (scales, known));
             if closes {
                 let family = solved.map_or(0, |(_, free)| free);
-                return self.cycle(outline, equations, (guessed, sizes), (iterations, family));
+                return self.cycle(outline, equations, (guessed, most), (iterations, family));
             }
             last_off = equations.off;
             outline = outline.with(&(unknowns + solved?.0));
             let period = outline.period();
             let is_possible = (period - guessed).abs() < guessed
-                && outline.segments.iter().all(|one| one.duration >= 0.0)
+                && outline.segments.iter().all(lasts)
                 && outline.begin.x.iter().all(|v| v.is_finite());
             if !is_possible {
                 return None;
@@ -190,11 +192,10 @@ impl<'a> Shooting<'a> {
         &self,
         outline: Outline,
         equations: Equations,
-        (guessed, sizes): (f64, Vector),
+        (guessed, extent): (f64, f64),
         (iterations, family): (usize, usize),
     ) -> Option<Cycle> {
         let by_tolerance = TOLERANCES * self.options.atol.max(self.options.rtol);
-        let extent = sizes.amax();
         let period = outline.period();
         let [start, end] = &equations.velocities;
         let is_near = (period - guessed).abs() <= 0.3 * guessed;
@@ -218,11 +219,9 @@ impl<'a> Shooting<'a> {
             jacobian: equations.jacobian,
             monodromy: equations.monodromy,
             margins,
-            sizes,
             extent,
             outline,
             closes_to,
-            known: by_tolerance.max(ULPS * f64::EPSILON * equations.steps as f64),
             iterations,
             family,
         })

@@ -4,11 +4,11 @@ use std::f64::consts::PI;
 
 use stickslip::analysis::{
     ContinuationSettings, Kind, RecurrenceSettings, Stop, SweepSettings, WhatChanges, attractor,
-    continue_periodic_orbit, sweep,
+    continue_periodic_orbit,
 };
 use stickslip::{Fate, Filippov, Mode, Options, Scalar, Side, State, fate, math, solve};
 
-use super::sweeps::leaked;
+use super::sweeps::{leaked, swept};
 use super::systems::{AtParameter, Focus, Lags, Persists};
 use crate::listed::Listed;
 
@@ -60,7 +60,8 @@ fn a_sweep_finds_it_from_the_side_of_the_equilibrium_or_from_that_of_the_orbit()
         let family = |value| leaked(AtParameter { system: ONE, value }).dynamics();
         let start = [0.5, 0.1, 0.3];
         let settings = SweepSettings::within(300.0);
-        let found = sweep(family, values, start, &settings, &Options::tol(1e-10)).unwrap();
+        let (any, options) = (ONE.dynamics(), Options::tol(1e-10));
+        let found = swept((family, &any), values, start, &settings, &options);
         let at: Vec<_> = found.changes.iter().map(|change| &change.what).collect();
         // The equilibrium on the boundary is the same attractor as the one beside it.
         if values[0] == 1.0 {
@@ -87,7 +88,8 @@ fn an_equilibrium_that_goes_over_into_sliding_is_located_there() {
             .dynamics()
         };
         let settings = SweepSettings::within(300.0);
-        let found = sweep(family, values, [-0.4, 0.1], &settings, &Options::tol(1e-10)).unwrap();
+        let (any, start, options) = (Persists.dynamics(), [-0.4, 0.1], Options::tol(1e-10));
+        let found = swept((family, &any), values, start, &settings, &options);
         let [change] = found.changes.as_slice() else {
             panic!("{:?}", found.changes);
         };

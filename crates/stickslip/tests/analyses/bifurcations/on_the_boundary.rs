@@ -4,11 +4,12 @@ use std::f64::consts::PI;
 
 use stickslip::analysis::{
     ContinuationSettings, Kind, SequenceBifurcation, Special, Stop, SweepSettings, WhatChanges,
-    continue_periodic_orbit, find_periodic_orbit, is_same_cycle, multipliers, sweep,
+    continue_periodic_orbit, find_periodic_orbit, is_same_cycle, multipliers,
 };
 use stickslip::{Method, Mode, Options, Side, math};
 
 use super::branches::{is_hopf_at_zero, square_of_radius};
+use super::sweeps::{leaked, swept};
 use super::systems::{AtParameter, Pulse, Shaken, Sheet, SheetVariant};
 use crate::listed::Listed;
 
@@ -167,7 +168,8 @@ fn a_sweep_locates_it_and_tells_the_phases_on_both_sides() {
             };
             let settings = SweepSettings::within(2000.0);
             let (start, options) = ([0.9, 0.0, 0.0], Options::tol(1e-10));
-            let found = sweep(family, ends, start, &settings, &options).unwrap();
+            let any = leaked(Sheet { variant }).dynamics();
+            let found = swept((family, &any), ends, start, &settings, &options);
             for point in &found.points {
                 let kind = &point.reached.kind;
                 assert!(matches!(kind, Kind::Periodic { .. }), "{ends:?}: {kind}");

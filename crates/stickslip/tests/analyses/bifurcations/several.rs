@@ -5,11 +5,12 @@ use std::f64::consts::PI;
 use stickslip::analysis::{
     AttractorChange, ContinuationSettings, Kind, RecurrenceSettings, SequenceBifurcation,
     SequenceChange, Special, Stop, SweepSettings, WhatChanges, attractor, continue_periodic_orbit,
-    is_same_cycle, periodic_orbit_forced, sweep,
+    is_same_cycle, periodic_orbit_forced,
 };
 use stickslip::dynamics::Modes;
 use stickslip::{Mode, Options, Several, Side, State, math, solve};
 
+use super::sweeps::swept;
 use super::systems::{Beat, Duet, DuetFamily, Released, Rhythm, Stack};
 
 const ABOVE: Mode = Mode::Slip(Side::Above);
@@ -28,7 +29,13 @@ fn changes(rhythms: [Rhythm; 2], other: f64, varied: usize, (from, to): (f64, f6
     };
     let settings = SweepSettings::within(400.0).forced(2.0 * PI);
     let start = [-0.5, -0.4];
-    let found = sweep(family, [from, to], start, &settings, &Options::tol(1e-11)).unwrap();
+    let any = Several(DuetFamily {
+        rhythms,
+        p: other,
+        varied,
+    });
+    let options = Options::tol(1e-11);
+    let found = swept((family, &any), [from, to], start, &settings, &options);
     let change = |change: AttractorChange| match change.what {
         WhatChanges::Sequence(change) => change,
         other => panic!("{other:?}"),

@@ -5,12 +5,12 @@ use std::f64::consts::PI;
 
 use stickslip::analysis::{
     ContinuationSettings, SequenceBifurcation, Special, Stop, SweepSettings, WhatChanges,
-    continue_periodic_orbit, sweep,
+    continue_periodic_orbit,
 };
 use stickslip::dynamics::Modes;
 use stickslip::{Mode, Options, Side, math, solve};
 
-use super::sweeps::leaked;
+use super::sweeps::{leaked, swept};
 use super::systems::{AtParameter, Dragged, Grip};
 use crate::listed::Listed;
 
@@ -189,14 +189,8 @@ fn a_sweep_locates_them_however_wide_its_steps() {
         };
         let family = |value| leaked(family(value)).dynamics();
         let settings = SweepSettings::within(500.0);
-        let found = sweep(
-            family,
-            dampings,
-            [1.2, 0.3],
-            &settings,
-            &Options::tol(1e-10),
-        )
-        .unwrap();
+        let (any, options) = (Grip.dynamics(), Options::tol(1e-10));
+        let found = swept((family, &any), dampings, [1.2, 0.3], &settings, &options);
         let places: Vec<f64> = found
             .changes
             .iter()
@@ -244,14 +238,9 @@ fn a_fold_is_reported_beside_the_graze_in_which_another_orbit_begins() {
         leaked(system).dynamics()
     };
     let settings = SweepSettings::within(4000.0).forced(period);
-    let found = sweep(
-        family,
-        [0.26, 0.23],
-        [0.5, 0.3],
-        &settings,
-        &Options::tol(1e-10),
-    )
-    .unwrap();
+    let (any, options) = (Dragged.dynamics(), Options::tol(1e-10));
+    let (values, start) = ([0.26, 0.23], [0.5, 0.3]);
+    let found = swept((family, &any), values, start, &settings, &options);
     let [ends, begins] = found.changes.as_slice() else {
         panic!("{:?}", found.changes);
     };

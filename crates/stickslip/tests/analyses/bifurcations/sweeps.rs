@@ -4,11 +4,15 @@ use std::f64::consts::{LN_10, PI};
 
 use stickslip::analysis::{
     AttractorChange, Exponent, Kind, SequenceBifurcation, SequenceChange, Special, SpectrumOptions,
-    Sweep, SweepSettings, WhatChanges, is_same_cycle, sweep,
+    SweepPoint, SweepSettings, WhatChanges, is_same_cycle, locate_changes, sweep,
 };
+use stickslip::dynamics::{self, Components};
 use stickslip::{Error, Mode, Options, Side, math, solve};
 
-use super::systems::{AtParameter, Beat, End, Ends, FasterBelt, Rhythm, Twisted};
+use super::systems::{
+    AtParameter, Beat, BeatFamily, DenHartogFamily, DrivenFamily, End, Ends, EndsFamily,
+    FasterBelt, Rhythm, Twisted,
+};
 use crate::attractors::systems::{Driven, Rings};
 use crate::den_hartog::DenHartog;
 use crate::listed::Listed;
@@ -21,8 +25,29 @@ pub(super) fn leaked<S>(system: S) -> &'static S {
     Box::leak(Box::new(system))
 }
 
+/// A sweep, and the changes in it.
+pub(super) struct Swept {
+    pub points: Vec<SweepPoint>,
+    pub changes: Vec<AttractorChange>,
+}
+
+/// A sweep through systems with one value of the parameter each, and what changes in it, located on
+/// a system with the parameter as its last state.
+pub(super) fn swept<S: dynamics::AsDynamics<One>, One, Any>(
+    (family, system): (impl Fn(f64) -> S, &impl dynamics::AsDynamics<Any>),
+    values: impl IntoIterator<Item = f64>,
+    start: impl Components,
+    settings: &SweepSettings,
+    options: &Options,
+) -> Swept {
+    let points = sweep(family, values, start, settings, options).unwrap();
+    let (forcing, options) = (settings.recurrence.forcing, Options::tol(1e-13));
+    let changes = locate_changes(system, &points, forcing, &options).unwrap();
+    Swept { points, changes }
+}
+
 /// The only change in a sweep, a change of phases.
-fn only(found: &Sweep) -> &SequenceChange {
+fn only(found: &Swept) -> &SequenceChange {
     let [change] = found.changes.as_slice() else {
         panic!("{:?}", found.changes);
     };
@@ -43,7 +68,9 @@ fn both_ways(rhythm: Rhythm, from: f64, to: f64) -> [SequenceChange; 2] {
         let settings = SweepSettings::within(400.0).forced(2.0 * PI);
         let family = |p| leaked(Beat { rhythm, p }).dynamics();
         let options = Options::tol(1e-11);
-        let found = sweep(family, values(from, to, 3), [-0.5], &settings, &options).unwrap();
+        let any = leaked(BeatFamily(rhythm)).dynamics();
+        let values = values(from, to, 3);
+        let found = swept((family, &any), values, [-0.5], &settings, &options);
         only(&found).clone()
     })
 }
@@ -64,7 +91,8 @@ fn a_change_that_a_value_hits_is_located() {
             } else {
                 [0.95, 1.0 - beyond, 1.05]
             };
-            let found = sweep(family, values, [-0.5], &settings, &options).unwrap();
+            let any = leaked(BeatFamily(rhythm)).dynamics();
+            let found = swept((family, &any), values, [-0.5], &settings, &options);
             check(only(&found), SequenceBifurcation::GrazingSliding, 1.0);
         }
     }
@@ -81,7 +109,7 @@ fn check(change: &SequenceChange, name: SequenceBifurcation, exact: f64) {
 }
 
 /// The only change in a sweep, by a multiplier: its location, uncertainty and kind.
-fn multiplier(found: &Sweep) -> ([f64; 2], &Special) {
+fn multiplier(found: &Swept) -> ([f64; 2], &Special) {
     let [change] = found.changes.as_slice() else {
         panic!("{:?}", found.changes);
     };
@@ -107,7 +135,9 @@ fn a_flip_a_torus_and_a_fold_of_an_attractor_are_located_and_named() {
         };
         let settings = settings.forced(2.0 * PI);
         let family = |value| leaked(system(value)).dynamics();
-        let found = sweep(family, [-0.1, 0.12], [1.01, 0.0], &settings, &options).unwrap();
+        let any = leaked(Twisted { half_turn }).dynamics();
+        let (values, start) = ([-0.1, 0.12], [1.01, 0.0]);
+        let found = swept((family, &any), values, start, &settings, &options);
         let ([parameter, bound], what) = multiplier(&found);
         assert!(
             parameter.abs() <= bound && bound < 1e-9,
@@ -126,7 +156,9 @@ fn a_flip_a_torus_and_a_fold_of_an_attractor_are_located_and_named() {
         value,
     };
     let family = |value| leaked(system(value)).dynamics();
-    let found = sweep(family, [-0.8, -1.1], [1.3, 0.0], &settings, &options).unwrap();
+    let any = leaked(Rings { place: 50.0 }).dynamics();
+    let (values, start) = ([-0.8, -1.1], [1.3, 0.0]);
+    let found = swept((family, &any), values, start, &settings, &options);
     let ([parameter, bound], what) = multiplier(&found);
     let off = (parameter + 1.0).abs();
     assert!(off <= bound && bound < 1e-9, "{off:e} {bound:e}");
@@ -232,7 +264,8 @@ fn den_hartog_s_orbits_have_stops_from_his_edge_on() {
         let settings = SweepSettings::within(2e3).forced(2.0 * PI / frequency);
         let options = Options::tol(1e-10);
         let values = [edge - 0.02, edge + 0.03];
-        let found = sweep(family, values, [1.0, 0.0], &settings, &options).unwrap();
+        let any = leaked(DenHartogFamily { frequency }).dynamics();
+        let found = swept((family, &any), values, [1.0, 0.0], &settings, &options);
         let change = only(&found);
         check(change, SequenceBifurcation::CrossingSliding, edge);
         assert!(is_same_cycle(&change.before, &[ABOVE, BELOW]));
@@ -247,7 +280,9 @@ fn a_loss_of_stability_that_a_value_of_the_sweep_hits_is_located() {
     let family = |vd| leaked(Driven { vd }).dynamics();
     for hit in [focus.next_down(), focus, focus.next_up()] {
         let (settings, options) = (SweepSettings::within(200.0), Options::tol(1e-10));
-        let found = sweep(family, [1.3, hit], [0.55, 0.0], &settings, &options).unwrap();
+        let any = DrivenFamily.dynamics();
+        let (values, start) = ([1.3, hit], [0.55, 0.0]);
+        let found = swept((family, &any), values, start, &settings, &options);
         let [change] = found.changes.as_slice() else {
             panic!("{:?}", found.points);
         };
@@ -264,15 +299,9 @@ fn the_ends_of_bistability_are_found_by_sweeps_up_and_down() {
     let focus = 0.5 * LN_10;
     let family = |vd| leaked(Driven { vd }).dynamics();
     let settings = SweepSettings::within(3e4);
-    let options = Options::tol(1e-10);
-    let down = sweep(
-        family,
-        values(1.3, 1.0, 6),
-        [0.55, 0.0],
-        &settings,
-        &options,
-    )
-    .unwrap();
+    let (any, options) = (DrivenFamily.dynamics(), Options::tol(1e-10));
+    let (values_down, start) = (values(1.3, 1.0, 6), [0.55, 0.0]);
+    let down = swept((family, &any), values_down, start, &settings, &options);
     let [change] = down.changes.as_slice() else {
         panic!("{:?}", down.changes);
     };
@@ -288,20 +317,14 @@ fn the_ends_of_bistability_are_found_by_sweeps_up_and_down() {
     assert!((frequency - 1.0).abs() < 1e-12 && (x[0] - 0.55).abs() < 1e-12);
     // Upwards from there the block continues its stick–slip motion, until the cycle only touches
     // the belt's speed.
-    let up = sweep(
-        family,
-        values(1.0, 2.0, 50),
-        [0.0, 0.0],
-        &settings,
-        &options,
-    )
-    .unwrap();
+    let (values_up, start) = (values(1.0, 2.0, 50), [0.0, 0.0]);
+    let up = swept((family, &any), values_up, start, &settings, &options);
     let touch = only(&up);
     check(touch, SequenceBifurcation::GrazingSliding, touching());
     assert!(is_same_cycle(&touch.before, &[Mode::Stick, BELOW]));
     assert_eq!(touch.after, [BELOW], "the unstable cycle of slip alone");
     // Between the two values the motion depends on the direction of the sweep.
-    let at = |found: &Sweep, vd: f64| {
+    let at = |found: &Swept, vd: f64| {
         let point = found
             .points
             .iter()
@@ -343,9 +366,14 @@ fn with_static_friction_the_graze_that_ends_stick_and_slip_is_located_and_named(
     let settings = SweepSettings::within(3e3);
     let options = Options::tol(1e-11);
     for width in [0.02, 0.1] {
-        let family = |ratio| leaked(FasterBelt { ratio }).dynamics();
+        let system = |value| AtParameter {
+            system: FasterBelt,
+            value,
+        };
+        let family = |ratio| leaked(system(ratio)).dynamics();
         let ends = [exact + 0.6 * width, exact - 0.4 * width];
-        let found = sweep(family, ends, [0.0, 1.0], &settings, &options).unwrap();
+        let any = FasterBelt.dynamics();
+        let found = swept((family, &any), ends, [0.0, 1.0], &settings, &options);
         let kinds = [0, 1].map(|k| found.points[k].reached.kind.clone());
         assert!(matches!(kinds[0], Kind::Periodic { .. }), "{}", kinds[0]);
         assert_eq!(kinds[1], Kind::Equilibrium);
@@ -374,7 +402,8 @@ fn an_orbit_that_ends_or_fails_is_reported_and_the_next_one_begins_anew() {
     for end in [End::TwoFold, End::Pole] {
         let family = |p| leaked(Ends { end, p }).dynamics();
         let start = [-1.0, if end == End::TwoFold { 0.0 } else { 1.0 }];
-        let found = sweep(family, [1.0, -1.0], start, &settings, &options).unwrap();
+        let any = leaked(EndsFamily(end)).dynamics();
+        let found = swept((family, &any), [1.0, -1.0], start, &settings, &options);
         let [ended, escaped] = found.points.as_slice() else {
             panic!("{:?}", found.points);
         };
@@ -430,11 +459,10 @@ pub fn touching() -> f64 {
 }
 
 #[test]
-fn exponents_are_measured_where_they_are_asked_for_and_nothing_is_located_where_not() {
+fn exponents_are_measured_where_they_are_asked_for() {
     let family = |vd| leaked(Driven { vd }).dynamics();
     let mut settings = SweepSettings::within(3e4);
     settings.spectrum = Some(SpectrumOptions::over(50.0, 500.0));
-    settings.locating = None;
     let found = sweep(
         family,
         [1.5, 1.9],
@@ -443,10 +471,21 @@ fn exponents_are_measured_where_they_are_asked_for_and_nothing_is_located_where_
         &Options::tol(1e-9),
     )
     .unwrap();
-    assert_eq!(found.changes, []);
-    let [cycle, rest] = [0, 1].map(|k| found.points[k].exponent);
+    let [cycle, rest] = [0, 1].map(|k| found[k].exponent);
     assert!(matches!(cycle, Some(Exponent::Finite { value, .. }) if value.abs() < 1e-2));
     // Half of the remaining damping: (0.1 - e^(-2 vd))/2.
     let exact = -0.5 * (0.1 - math::exp(-3.8));
     assert!((rest.unwrap().value() - exact).abs() < 1e-3);
+}
+
+#[test]
+fn changes_are_located_on_a_system_with_the_parameter_as_its_last_state_only() {
+    let family = |vd| leaked(Driven { vd }).dynamics();
+    let (settings, options) = (SweepSettings::within(3e4), Options::tol(1e-9));
+    let points = sweep(family, [1.5, 1.9], [0.0, 1.5], &settings, &options).unwrap();
+    let refused = locate_changes(&family(1.5), &points, None, &options).unwrap_err();
+    let Error::Parameter { name, value, .. } = refused else {
+        panic!("{refused}");
+    };
+    assert_eq!((name, value), ("the number of states", 2.0));
 }

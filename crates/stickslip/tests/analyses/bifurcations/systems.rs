@@ -226,26 +226,26 @@ impl Filippov<4> for Pitchfork {
 }
 
 /// `x'' = -x - 2ζ x' + F` on a belt of speed 1 that is faster than the block. The kinetic friction
-/// is F = 1, and `ratio` is the static friction in units of it.
-pub struct FasterBelt {
-    pub ratio: f64,
-}
+/// is F = 1, and the third state is the static friction in units of it.
+pub struct FasterBelt;
 
 impl FasterBelt {
     pub const DAMPING: f64 = 0.05;
+
+    fn rates<T: Scalar>([x, v, _]: [T; 3], friction: T) -> [T; 3] {
+        let damping = v * (2.0 * Self::DAMPING);
+        [v, -x - damping - friction, T::zero()]
+    }
 }
 
-impl Filippov<2> for FasterBelt {
-    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
-        [x[1], -x[0] - x[1] * (2.0 * Self::DAMPING) - side.sign()]
+impl Filippov<3> for FasterBelt {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 3]) -> [T; 3] {
+        FasterBelt::rates(*x, T::constant(side.sign()))
     }
-    fn holding<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
-        [
-            x[1],
-            -x[0] - x[1] * (2.0 * Self::DAMPING) - side.sign() * self.ratio,
-        ]
+    fn holding<T: Scalar>(&self, side: Side, _t: T, x: &[T; 3]) -> [T; 3] {
+        FasterBelt::rates(*x, x[2] * side.sign())
     }
-    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
         x[1] - 1.0
     }
 }
@@ -279,6 +279,37 @@ impl Filippov<2> for Ends {
         }
     }
     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
+        x[1]
+    }
+}
+
+/// [`Ends`] with its parameter as the third state.
+pub struct EndsFamily(pub End);
+
+impl Filippov<3> for EndsFamily {
+    fn field<T: Scalar>(&self, side: Side, _t: T, &[x, _, p]: &[T; 3]) -> [T; 3] {
+        match (self.0, side) {
+            (End::TwoFold, Side::Below) => [p, x * side.sign(), T::zero()],
+            (End::TwoFold, Side::Above) => [p * 2.0, x * side.sign(), T::zero()],
+            (End::Pole, _) => [-p / x, T::zero(), T::zero()],
+        }
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
+        x[1]
+    }
+}
+
+/// [`crate::den_hartog::DenHartog`] with the friction as the third state.
+pub struct DenHartogFamily {
+    pub frequency: f64,
+}
+
+impl Filippov<3> for DenHartogFamily {
+    fn field<T: Scalar>(&self, side: Side, t: T, &[x, v, friction]: &[T; 3]) -> [T; 3] {
+        let push = (t * self.frequency).cos() - friction * side.sign();
+        [v, push - x, T::zero()]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
         x[1]
     }
 }
