@@ -119,9 +119,9 @@ pub enum Mode {
 pub trait Filippov<const N: usize> {
     /// Whether the functions are interpreted, as those of a file: a call then takes longer than its
     /// arithmetic. [`crate::Method::Taylor`] calls interpreted functions once and repeats their
-    /// operations while the mode lasts and the comparisons have the same results. It calls compiled
-    /// functions (the default) once for every order, which is faster for these. The orbits agree to
-    /// rounding.
+    /// operations wherever the mode recurs and the comparisons have the same results. It calls
+    /// compiled functions (the default) once for every order, which is faster for these. The orbits
+    /// agree to rounding.
     const INTERPRETED: bool = false;
 
     /// The vector field of `side` at time `t` and state `x`: dx/dt.

@@ -3,24 +3,20 @@
 //!
 //! A coefficient is then a vector with one number for each orbit. The lengths and ends of the steps
 //! are computed in lanes, too. Everything else is done for each orbit by itself. Each orbit is
-//! bit-for-bit the same as when computed alone.
+//! bit-for-bit the same as when computed alone. Interpreted functions are called for one orbit
+//! alone; their recorded operations are then repeated in all lanes.
 
 use pulp::{Arch, NullaryFnOnce};
 
-use super::ensemble::Start;
 use super::flow::Flow;
-use super::integration::{Integration, Progress};
-use super::observer::Observer;
+use super::integration::Integration;
 use super::options::Options;
-use super::solve::{Failure, Summary, tell};
+use super::recordings::Recordings;
 use super::stepper::Stepper;
 use super::switched::{Switched, UseFlow};
 use super::taylor::{Ends, OfFlow, step_ratio};
-use crate::error::Error;
-use crate::ode::Timed;
-use crate::orbit::Ending;
 use crate::taylor::pass::{AT_ONCE, Rows};
-use crate::taylor::repeated::Repeated;
+use crate::taylor::repeated::Lines;
 use crate::taylor::row::{Lanes, Row};
 use crate::taylor::series::{Expansion, Series, in_rows};
 
@@ -33,85 +29,31 @@ const WORTH_IT: usize = 3;
 /// Number of orbits under way at once. With so many, some are nearly always in the same mode.
 const UNDER_WAY: usize = 32;
 
-type Outcome<const N: usize> = Result<Summary<N>, Failure<Summary<N>>>;
+/// An orbit of a batch.
+pub(crate) trait Member<'a, S: Switched<N, G>, const N: usize, const G: usize> {
+    /// The result of the orbit.
+    type Outcome;
 
-/// An orbit under way.
-struct Member<'a, S: Switched<N, G>, O, const N: usize, const G: usize> {
-    /// Index of its start.
-    number: usize,
-    /// The number of the first orbit whose system is equal to this one's.
-    class: usize,
-    integration: Integration<'a, S, N, G>,
-    observer: &'a mut O,
-    /// Whether its observer watches the next step.
-    is_watched: bool,
-    is_stopping: bool,
+    /// Its integration.
+    fn integration(&mut self) -> &mut Integration<'a, S, N, G>;
+
+    /// Whether the solution over the next step is needed, not only its end.
+    fn watches_step(&mut self) -> bool;
+
+    /// Takes the step that was prepared, if there is one, and continues until the next series is
+    /// needed. Returns the outcome if the orbit ends before.
+    fn go_on(&mut self) -> Option<Self::Outcome>;
 }
 
-impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: usize>
-    Member<'a, S, O, N, G>
-{
-    /// An orbit that needs its first series, or its outcome if it ends before.
-    fn begin(
-        (number, class): (usize, usize),
-        start: &'a Start<S, N>,
-        observer: &'a mut O,
-        t_end: f64,
-        options: &Options,
-        mut stepper: Stepper<N, G>,
-    ) -> Result<Self, Outcome<N>> {
-        stepper.forget();
-        let (t, x) = (start.t, start.x);
-        let begun =
-            Integration::with_stepper(&start.system, (Timed { t, x }, N), t_end, options, stepper);
-        let mut member = Member {
-            number,
-            class,
-            integration: begun.map_err(|error| Err(Failure::new(error, Summary::of_none(t, x))))?,
-            observer,
-            is_watched: true,
-            is_stopping: false,
-        };
-        match member.prepare() {
-            None => Ok(member),
-            Some(outcome) => Err(outcome),
-        }
-    }
-
-    /// Continues until the next series is needed, or to the outcome.
-    fn prepare(&mut self) -> Option<Outcome<N>> {
-        loop {
-            let progress = match self.integration.prepare() {
-                Ok(true) => return None,
-                Ok(false) => self.integration.say(),
-                Err(error) => Err(error),
-            };
-            let outcome = self.tell(progress);
-            if outcome.is_some() {
-                return outcome;
-            }
-        }
-    }
-
-    /// Takes the step by the series that was expanded, and continues to the next one.
-    fn step(&mut self) -> Option<Outcome<N>> {
-        let outcome = match self.integration.advance() {
-            Ok(false) => None,
-            Ok(true) if self.is_watched => self.tell(Ok(Progress::Step)),
-            Ok(true) => None,
-            Err(error) => self.tell(Err(error)),
-        };
-        outcome.or_else(|| self.prepare())
-    }
-
-    /// Informs the observer. Returns the outcome if the run has ended.
-    fn tell(&mut self, progress: Result<Progress<N, S::Mode>, Error>) -> Option<Outcome<N>> {
-        let (integration, is_stopping) = (&mut self.integration, &mut self.is_stopping);
-        let told =
-            progress.and_then(|progress| tell(integration, &progress, self.observer, is_stopping));
-        let failed = |error| Failure::new(error, self.integration.summary(Ending::Failed));
-        told.map_err(failed).transpose()
-    }
+/// An orbit under way.
+struct UnderWay<M> {
+    /// Index of its start.
+    number: usize,
+    /// Class of its system.
+    class: usize,
+    member: M,
+    /// Whether the solution over the next step is needed.
+    watches_step: bool,
 }
 
 /// What orbits must share to be expanded together: the system's class and what decides the flow.
@@ -123,17 +65,12 @@ struct Queue<K, B> {
     members: Vec<usize>,
 }
 
-/// Orbits that are expanded together: what they share, and each one's lane.
-struct Lanewise<'a, F, P, const N: usize> {
-    flow: &'a F,
-    rows: &'a [Row<LANES>],
+/// Where the series of several orbits begin, each in its lane, and their order.
+struct Begin<const N: usize> {
     t: Lanes<LANES>,
     x: [Lanes<LANES>; N],
     h: Lanes<LANES>,
     order: usize,
-    options: &'a Options,
-    /// Chooses the steps by the radii of convergence of the series.
-    plan: &'a mut P,
 }
 
 /// Result of expanding several orbits: the step lengths (relative to the scale of the series) and
@@ -144,16 +81,40 @@ struct Planned<const N: usize, const G: usize> {
     ends: Ends<LANES, N, G>,
 }
 
-/// Expands several orbits in one mode, in the widest vectors of the machine. The width changes no
-/// bit. Without a result they are expanded one by one.
-///
-/// The first rows are an argument because it consists of two references: see [`Rows`].
-struct Together<'a, 'b, F, P, const N: usize, const G: usize> {
-    first: &'a [Row<LANES>; AT_ONCE],
-    of: &'a mut Lanewise<'b, F, P, N>,
+/// The lengths and ends of the steps of expanded orbits.
+struct Plan<'b, P, const N: usize> {
+    begin: &'b Begin<N>,
+    rows: &'b [Row<LANES>],
+    options: &'b Options,
+    /// Chooses the steps by the radii of convergence of the series.
+    choose: &'b mut P,
 }
 
-impl<F, P, const N: usize, const G: usize> NullaryFnOnce for Together<'_, '_, F, P, N, G>
+impl<P: FnMut(Lanes<LANES>) -> Lanes<LANES>, const N: usize> Plan<'_, P, N> {
+    #[inline(always)]
+    fn of<const G: usize>(&mut self, expansion: Expansion<G>) -> Planned<N, G> {
+        let Begin { t, x, h, order } = self.begin;
+        let limits = step_ratio(self.rows, &expansion, *order, self.options, (*t, *h), x);
+        let ratios = (self.choose)(limits);
+        Planned {
+            ends: Ends::of(self.rows, &expansion, *order, ratios),
+            expansion,
+            ratios,
+        }
+    }
+}
+
+/// Expands several orbits in one mode by the functions of its flow, in the widest vectors of the
+/// machine. The width changes no bit. Without a result they are expanded one by one.
+///
+/// The first rows are an argument because it consists of two references: see [`Rows`].
+struct ByFlow<'a, 'b, F, P, const N: usize, const G: usize> {
+    first: &'a [Row<LANES>; AT_ONCE],
+    plan: &'a mut Plan<'b, P, N>,
+    flow: &'a F,
+}
+
+impl<F, P, const N: usize, const G: usize> NullaryFnOnce for ByFlow<'_, '_, F, P, N, G>
 where
     F: Flow<N>,
     P: FnMut(Lanes<LANES>) -> Lanes<LANES>,
@@ -162,180 +123,262 @@ where
 
     #[inline(always)]
     fn call(self) -> Self::Output {
-        let of = self.of;
-        let (order, all) = (of.order, of.rows);
-        let rows = Rows {
-            first: self.first,
-            all,
-        };
-        let (flow, time) = (OfFlow(of.flow), (of.t, of.h));
-        let expansion = in_rows(rows, time, &of.x, order, &flow, &mut Repeated::new())?;
+        let (first, all) = (self.first, self.plan.rows);
+        let Begin { t, x, h, order } = self.plan.begin;
+        let flow = OfFlow(self.flow);
+        let expansion = in_rows(Rows { first, all }, (*t, *h), x, *order, &flow)?;
         if expansion.divided || expansion.value_read || expansion.overflowed {
             return Ok(None);
         }
-        let ratios = (of.plan)(step_ratio(all, &expansion, order, of.options, time, &of.x));
-        let ends = Ends::of(all, &expansion, order, ratios);
-        Ok(Some(Planned {
-            expansion,
-            ratios,
-            ends,
-        }))
+        Ok(Some(self.plan.of(expansion)))
+    }
+}
+
+/// Plans the steps of orbits that were expanded by repetition.
+struct ByRecording<'a, 'b, P, const N: usize, const G: usize> {
+    plan: &'a mut Plan<'b, P, N>,
+    expansion: Expansion<G>,
+}
+
+impl<P, const N: usize, const G: usize> NullaryFnOnce for ByRecording<'_, '_, P, N, G>
+where
+    P: FnMut(Lanes<LANES>) -> Lanes<LANES>,
+{
+    type Output = Planned<N, G>;
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        self.plan.of(self.expansion)
     }
 }
 
 /// The orbits of a thread.
-struct Batch<'a, S: Switched<N, G>, O, const N: usize, const G: usize> {
-    members: Vec<Member<'a, S, O, N, G>>,
+struct Batch<'o, S: Switched<N, G>, M, const N: usize, const G: usize> {
+    members: Vec<UnderWay<M>>,
     waiting: Vec<Queue<S::Mode, S::Branch>>,
     series: Series<LANES>,
-    options: &'a Options,
+    /// Recorded calls of interpreted functions, by class.
+    recordings: Vec<Recordings<S::Mode, S::Branch, N, G>>,
+    lines: Lines<LANES>,
+    options: &'o Options,
 }
 
-impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: usize>
-    Batch<'a, S, O, N, G>
+impl<'a, S, M, const N: usize, const G: usize> Batch<'_, S, M, N, G>
+where
+    S: Switched<N, G> + 'a,
+    M: Member<'a, S, N, G>,
 {
     /// Puts an orbit into the queue of its kind.
-    fn wait(&mut self, number: usize) {
-        let member = &self.members[number];
-        let integration = &member.integration;
-        let kind = (member.class, integration.mode, integration.branch);
+    fn wait(&mut self, i: usize) {
+        let UnderWay { class, member, .. } = &mut self.members[i];
+        let integration = member.integration();
+        let kind = (*class, integration.mode, integration.branch);
         match self.waiting.iter_mut().find(|queue| queue.kind == kind) {
-            Some(queue) => queue.members.push(number),
+            Some(queue) => queue.members.push(i),
             None => self.waiting.push(Queue {
                 kind,
-                members: vec![number],
+                members: vec![i],
             }),
         }
     }
 
     /// Takes the orbits that are expanded next: those of the most frequent kind.
-    fn next(&mut self) -> Option<Vec<usize>> {
+    fn next(&mut self) -> Option<Queue<S::Mode, S::Branch>> {
         let waiting = self.waiting.iter_mut().enumerate();
         let (i, queue) = waiting.max_by_key(|(_, queue)| queue.members.len())?;
         let left = queue.members.len().saturating_sub(LANES);
-        let group = queue.members.split_off(left);
+        let (kind, members) = (queue.kind, queue.members.split_off(left));
         if left == 0 {
             self.waiting.swap_remove(i);
         }
-        Some(group)
+        Some(Queue { kind, members })
     }
 
     /// Expands the orbits' series in lanes. Where that is impossible or does not pay, each step
     /// expands its own.
-    fn expand(&mut self, group: &[usize]) {
-        for &number in group {
-            let member = &mut self.members[number];
-            member.is_watched = member.observer.watches_steps();
+    fn expand(&mut self, kind: Kind<S::Mode, S::Branch>, group: &[usize]) {
+        for &i in group {
+            let orbit = &mut self.members[i];
+            orbit.watches_step = orbit.member.watches_step();
         }
         if group.len() < WORTH_IT {
             return;
         }
-        let first = &self.members[group[0]].integration;
-        let (system, mode, branch) = (first.system, first.mode, first.branch);
-        system.with_flow(mode, branch, Grouped { batch: self, group });
+        let Some(begin) = self.begin(group) else {
+            return;
+        };
+        let planned = if const { S::INTERPRETED } {
+            self.repeat(&begin, kind, group)
+        } else {
+            let (_, mode, branch) = kind;
+            let system = self.members[group[0]].member.integration().system;
+            let by_flow = Grouped {
+                begin: &begin,
+                batch: self,
+                group,
+            };
+            system.with_flow(mode, branch, by_flow)
+        };
+        if let Some(planned) = planned {
+            self.take(&planned, group);
+        }
     }
 
-    fn expand_with<F: Flow<N>>(&mut self, group: &[usize], flow: &F) {
-        let (mut t, mut x, mut h) = ([0.0; LANES], [[0.0; LANES]; N], [0.0; LANES]);
-        let mut order = 0;
+    /// Where the orbits' series begin.
+    fn begin(&mut self, group: &[usize]) -> Option<Begin<N>> {
+        let mut begin = Begin {
+            t: [0.0; LANES],
+            x: [[0.0; LANES]; N],
+            h: [0.0; LANES],
+            order: 0,
+        };
         for lane in 0..LANES {
             // Lanes without an orbit repeat the first one's work.
-            let number = group.get(lane).unwrap_or(&group[0]);
-            let integration = &mut self.members[*number].integration;
-            let Some(stepper) = integration.stepper.series_mut() else {
-                return;
-            };
-            (order, h[lane]) = stepper.order_and_scale();
-            let at = &integration.run.at;
-            t[lane] = at.t;
-            for (x, at) in x.iter_mut().zip(&at.x) {
+            let i = *group.get(lane).unwrap_or(&group[0]);
+            let Integration { stepper, run, .. } = self.members[i].member.integration();
+            (begin.order, begin.h[lane]) = stepper.series_mut()?.order_and_scale();
+            begin.t[lane] = run.at.t;
+            for (x, at) in begin.x.iter_mut().zip(&run.at.x) {
                 x[lane] = *at;
             }
         }
-        let (arch, options, members) = (Arch::new(), self.options, &mut self.members);
-        let mut plan = |mut ratios: Lanes<LANES>| {
-            for (ratio, &number) in ratios.iter_mut().zip(group) {
-                let Integration { stepper, run, .. } = &mut members[number].integration;
-                if let Some(stepper) = stepper.series_mut() {
-                    *ratio = stepper.plan(run, *ratio);
-                }
-            }
-            ratios
+        Some(begin)
+    }
+
+    /// Expands the orbits by a recorded call. `None` if no call serves all of them.
+    fn repeat(
+        &mut self,
+        begin: &Begin<N>,
+        (class, mode, branch): Kind<S::Mode, S::Branch>,
+        group: &[usize],
+    ) -> Option<Planned<N, G>> {
+        let repeated = self.recordings.get(class)?.known(&(mode, branch))?;
+        let Begin { t, x, h, order } = begin;
+        let lines = &mut self.lines;
+        let expansion = self
+            .series
+            .expand_by(|rows| repeated.expand_again(rows, (*t, *h), x, *order, lines))?;
+        let members = &mut self.members;
+        let plan = &mut Plan {
+            begin,
+            rows: self.series.rows(),
+            options: self.options,
+            choose: &mut |limits| choose(members, group, limits),
         };
-        let planned = self.series.expand_by(|rows| {
-            let (first, plan) = (rows.first, &mut plan);
-            let of = &mut Lanewise {
-                flow,
-                rows: rows.all,
-                t,
-                x,
-                h,
-                order,
-                options,
-                plan,
-            };
-            arch.dispatch(Together { first, of })
-        });
-        let Some(Planned {
-            expansion,
-            ratios,
-            ends,
-        }) = planned
-        else {
-            return;
-        };
-        for (lane, &number) in group.iter().enumerate() {
-            let member = &mut self.members[number];
-            let Integration { stepper, run, .. } = &mut member.integration;
-            let is_bare = !member.is_watched && run.orders == [0; G];
-            let end = is_bare.then(|| ends.clear(lane)).flatten();
+        Some(Arch::new().dispatch(ByRecording { plan, expansion }))
+    }
+
+    /// Passes to each orbit what its step needs of the expansion.
+    fn take(&mut self, planned: &Planned<N, G>, group: &[usize]) {
+        for (lane, &i) in group.iter().enumerate() {
+            let orbit = &mut self.members[i];
+            let Integration { stepper, run, .. } = orbit.member.integration();
+            let is_bare = !orbit.watches_step && run.orders == [0; G];
+            let end = is_bare.then(|| planned.ends.clear(lane)).flatten();
             if let Some(stepper) = stepper.series_mut() {
-                let lane = (lane, ratios[lane]);
-                stepper.expanded(&expansion);
-                stepper.take(run, &self.series, lane, end);
+                stepper.expanded(&planned.expansion);
+                stepper.take(run, &self.series, (lane, planned.ratios[lane]), end);
             }
         }
     }
-}
 
-/// Orbits of one kind, with the flow that expands them.
-struct Grouped<'b, 'a, S: Switched<N, G>, O, const N: usize, const G: usize> {
-    batch: &'b mut Batch<'a, S, O, N, G>,
-    group: &'b [usize],
-}
-
-impl<S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: usize> UseFlow<N>
-    for Grouped<'_, '_, S, O, N, G>
-{
-    type Output = ();
-
-    #[inline(always)]
-    fn with<F: Flow<N>>(self, flow: &F) {
-        self.batch.expand_with(self.group, flow);
+    /// Continues an orbit to its next series, with the recorded calls of its class.
+    fn go_on(&mut self, i: usize) -> Option<M::Outcome> {
+        let UnderWay { class, member, .. } = &mut self.members[i];
+        if !const { S::INTERPRETED } {
+            return member.go_on();
+        }
+        if self.recordings.len() <= *class {
+            self.recordings.resize_with(*class + 1, Recordings::default);
+        }
+        let shared = &mut self.recordings[*class];
+        std::mem::swap(&mut member.integration().recordings, shared);
+        let outcome = member.go_on();
+        std::mem::swap(&mut member.integration().recordings, shared);
+        outcome
     }
 }
 
-/// Runs every start with its observer, as [`crate::run`] does with [`crate::Method::Taylor`].
-/// Outcomes are in the order of the starts.
-pub(super) fn side_by_side<S, O, const N: usize, const G: usize>(
-    starts: &[Start<S, N>],
-    observers: &mut [O],
-    t_end: f64,
-    options: &Options,
-) -> Vec<Outcome<N>>
+/// Chooses the orbits' next steps within the limits that their series give.
+fn choose<'a, S, M, const N: usize, const G: usize>(
+    members: &mut [UnderWay<M>],
+    group: &[usize],
+    mut ratios: Lanes<LANES>,
+) -> Lanes<LANES>
 where
-    S: Switched<N, G> + PartialEq,
-    O: Observer<N, S::Mode>,
+    S: Switched<N, G> + 'a,
+    M: Member<'a, S, N, G>,
 {
-    let mut outcomes: Vec<_> = starts.iter().map(|_| None).collect();
-    let classes = classes(starts);
-    let mut waiting = starts.iter().zip(observers).zip(classes).enumerate();
+    for (ratio, &i) in ratios.iter_mut().zip(group) {
+        let Integration { stepper, run, .. } = members[i].member.integration();
+        if let Some(stepper) = stepper.series_mut() {
+            *ratio = stepper.plan(run, *ratio);
+        }
+    }
+    ratios
+}
+
+/// Orbits of one kind that are expanded by its flow.
+struct Grouped<'b, 'o, S: Switched<N, G>, M, const N: usize, const G: usize> {
+    begin: &'b Begin<N>,
+    batch: &'b mut Batch<'o, S, M, N, G>,
+    group: &'b [usize],
+}
+
+impl<'a, S, M, const N: usize, const G: usize> UseFlow<N> for Grouped<'_, '_, S, M, N, G>
+where
+    S: Switched<N, G> + 'a,
+    M: Member<'a, S, N, G>,
+{
+    type Output = Option<Planned<N, G>>;
+
+    #[inline(always)]
+    fn with<F: Flow<N>>(self, flow: &F) -> Self::Output {
+        let (begin, options) = (self.begin, self.batch.options);
+        let members = &mut self.batch.members;
+        let mut choose = |limits| choose(members, self.group, limits);
+        self.batch.series.expand_by(|rows| {
+            let plan = &mut Plan {
+                begin,
+                rows: rows.all,
+                options,
+                choose: &mut choose,
+            };
+            let first = rows.first;
+            Arch::new().dispatch(ByFlow { first, plan, flow })
+        })
+    }
+}
+
+/// Follows the orbit of each start to its outcome, with the bits that it has alone by
+/// [`crate::Method::Taylor`]. Each start comes with the class of its system: orbits of one class
+/// have equal systems. Outcomes are in the order of the starts.
+pub(crate) fn side_by_side<'a, S, M, T, const N: usize, const G: usize>(
+    starts: impl ExactSizeIterator<Item = (usize, T)>,
+    mut begin: impl FnMut(T, Stepper<N, G>) -> Result<M, M::Outcome>,
+    options: &Options,
+) -> Vec<M::Outcome>
+where
+    S: Switched<N, G> + 'a,
+    M: Member<'a, S, N, G>,
+{
+    let mut outcomes: Vec<_> = (0..starts.len()).map(|_| None).collect();
+    let mut starts = starts.enumerate();
     // The next orbit that needs its first series. One that ends before has its outcome already.
     let mut next = |outcomes: &mut [Option<_>], mut room: Option<Stepper<N, G>>| {
-        waiting.find_map(|(number, ((start, observer), class))| {
+        starts.find_map(|(number, (class, start))| {
             let stepper = room.take().unwrap_or_else(|| Stepper::new(options));
-            match Member::begin((number, class), start, observer, t_end, options, stepper) {
-                Ok(member) => Some(member),
+            let begun = begin(start, stepper).and_then(|mut member| match member.go_on() {
+                None => Ok(member),
+                Some(outcome) => Err(outcome),
+            });
+            match begun {
+                Ok(member) => Some(UnderWay {
+                    number,
+                    class,
+                    member,
+                    watches_step: true,
+                }),
                 Err(outcome) => {
                     outcomes[number] = Some(outcome);
                     None
@@ -347,28 +390,31 @@ where
         members: Vec::with_capacity(UNDER_WAY),
         waiting: Vec::new(),
         series: Series::default(),
+        recordings: Vec::new(),
+        lines: Lines::new(),
         options,
     };
     while batch.members.len() < UNDER_WAY
-        && let Some(member) = next(&mut outcomes, None)
+        && let Some(orbit) = next(&mut outcomes, None)
     {
-        batch.members.push(member);
+        batch.members.push(orbit);
     }
     for i in 0..batch.members.len() {
         batch.wait(i);
     }
-    while let Some(group) = batch.next() {
-        batch.expand(&group);
-        for i in group {
-            let member = &mut batch.members[i];
-            let outcome = member.step();
+    while let Some(Queue { kind, members }) = batch.next() {
+        batch.expand(kind, &members);
+        for i in members {
+            let outcome = batch.go_on(i);
             if outcome.is_some() {
-                outcomes[member.number] = outcome;
+                let UnderWay { number, member, .. } = &mut batch.members[i];
+                outcomes[*number] = outcome;
                 // The next orbit reuses the last one's memory.
-                let stepper = &mut member.integration.stepper;
-                let stepper = std::mem::replace(stepper, Stepper::new(options));
+                let stepper = &mut member.integration().stepper;
+                let mut stepper = std::mem::replace(stepper, Stepper::new(options));
+                stepper.forget();
                 match next(&mut outcomes, Some(stepper)) {
-                    Some(next) => *member = next,
+                    Some(next) => batch.members[i] = next,
                     None => continue,
                 }
             }
@@ -376,20 +422,4 @@ where
         }
     }
     outcomes.into_iter().flatten().collect()
-}
-
-/// For every start, the first start with an equal system.
-fn classes<S: PartialEq, const N: usize>(starts: &[Start<S, N>]) -> Vec<usize> {
-    let mut firsts: Vec<usize> = Vec::new();
-    let class = |(number, start): (usize, &Start<S, N>)| {
-        let known = firsts
-            .iter()
-            .copied()
-            .find(|&first| starts[first].system == start.system);
-        known.unwrap_or_else(|| {
-            firsts.push(number);
-            number
-        })
-    };
-    starts.iter().enumerate().map(class).collect()
 }

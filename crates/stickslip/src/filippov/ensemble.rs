@@ -4,11 +4,16 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
-use super::batch::side_by_side;
+use super::batch::{self, side_by_side};
+use super::integration::{Integration, Progress};
 use super::observer::Observer;
 use super::options::{Method, Options};
-use super::solve::{Failure, Summary, run};
+use super::solve::{Failure, Summary, run, tell};
+use super::stepper::Stepper;
 use super::switched::Switched;
+use crate::error::Error;
+use crate::ode::Timed;
+use crate::orbit::Ending;
 use crate::system::State;
 
 /// Number of orbits that run or wait to be reported at one time. It bounds the memory.
@@ -83,7 +88,11 @@ pub fn ensemble<S, O, const N: usize, const G: usize>(
                 let first = first + k * share;
                 let mut observers: Vec<O> = (first..first + starts.len()).map(&observer).collect();
                 let outcomes = if options.method == Method::Taylor {
-                    side_by_side(starts, &mut observers, t_end, options)
+                    let each = starts.iter().zip(&mut observers);
+                    let begin = |(start, observer), stepper| {
+                        Member::begin(start, observer, t_end, options, stepper)
+                    };
+                    side_by_side(classes(starts).into_iter().zip(each), begin, options)
                 } else {
                     let each = starts.iter().zip(&mut observers);
                     each.map(|(start, observer)| {
@@ -104,4 +113,108 @@ pub fn ensemble<S, O, const N: usize, const G: usize>(
         }
         first += wave.len();
     }
+}
+
+type Outcome<const N: usize> = Result<Summary<N>, Failure<Summary<N>>>;
+
+/// An orbit under way, and its observer.
+struct Member<'a, S: Switched<N, G>, O, const N: usize, const G: usize> {
+    integration: Integration<'a, S, N, G>,
+    observer: &'a mut O,
+    /// Whether the next step is prepared.
+    is_ready: bool,
+    /// Whether the observer watches it.
+    is_watched: bool,
+    is_stopping: bool,
+}
+
+impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: usize>
+    Member<'a, S, O, N, G>
+{
+    /// An orbit at its start, or its outcome if it cannot begin.
+    fn begin(
+        start: &'a Start<S, N>,
+        observer: &'a mut O,
+        t_end: f64,
+        options: &Options,
+        stepper: Stepper<N, G>,
+    ) -> Result<Self, Outcome<N>> {
+        let (t, x) = (start.t, start.x);
+        let begun =
+            Integration::with_stepper(&start.system, (Timed { t, x }, N), t_end, options, stepper);
+        Ok(Member {
+            integration: begun.map_err(|error| Err(Failure::new(error, Summary::of_none(t, x))))?,
+            observer,
+            is_ready: false,
+            is_watched: true,
+            is_stopping: false,
+        })
+    }
+
+    /// Informs the observer. Returns the outcome if the run has ended.
+    fn tell(&mut self, progress: Result<Progress<N, S::Mode>, Error>) -> Option<Outcome<N>> {
+        let (integration, is_stopping) = (&mut self.integration, &mut self.is_stopping);
+        let told =
+            progress.and_then(|progress| tell(integration, &progress, self.observer, is_stopping));
+        let failed = |error| Failure::new(error, self.integration.summary(Ending::Failed));
+        told.map_err(failed).transpose()
+    }
+}
+
+impl<'a, S, O, const N: usize, const G: usize> batch::Member<'a, S, N, G> for Member<'a, S, O, N, G>
+where
+    S: Switched<N, G>,
+    O: Observer<N, S::Mode>,
+{
+    type Outcome = Outcome<N>;
+
+    fn integration(&mut self) -> &mut Integration<'a, S, N, G> {
+        &mut self.integration
+    }
+
+    fn watches_step(&mut self) -> bool {
+        self.is_watched = self.observer.watches_steps();
+        self.is_watched
+    }
+
+    fn go_on(&mut self) -> Option<Outcome<N>> {
+        loop {
+            let progress = if std::mem::take(&mut self.is_ready) {
+                match self.integration.advance() {
+                    Ok(true) if self.is_watched => Ok(Progress::Step),
+                    Ok(_) => continue,
+                    Err(error) => Err(error),
+                }
+            } else {
+                match self.integration.prepare() {
+                    Ok(true) => {
+                        self.is_ready = true;
+                        return None;
+                    }
+                    Ok(false) => self.integration.say(),
+                    Err(error) => Err(error),
+                }
+            };
+            let outcome = self.tell(progress);
+            if outcome.is_some() {
+                return outcome;
+            }
+        }
+    }
+}
+
+/// For every start, the first start with an equal system.
+fn classes<S: PartialEq, const N: usize>(starts: &[Start<S, N>]) -> Vec<usize> {
+    let mut firsts: Vec<usize> = Vec::new();
+    let class = |(number, start): (usize, &Start<S, N>)| {
+        let known = firsts
+            .iter()
+            .copied()
+            .find(|&first| starts[first].system == start.system);
+        known.unwrap_or_else(|| {
+            firsts.push(number);
+            number
+        })
+    };
+    starts.iter().enumerate().map(class).collect()
 }

@@ -5,6 +5,7 @@ use super::flow::{Flow, GUARDS};
 use super::observer::{Phase, StepRecord, Transition, TransitionKind};
 use super::options::{AtPileUp, Options};
 use super::pile_up::PileUp;
+use super::recordings::Recordings;
 use super::run::{Run, Trial};
 use super::solve::Summary;
 use super::stepper::{Stepper, Work};
@@ -13,6 +14,7 @@ use crate::error::Error;
 use crate::ode::Timed;
 use crate::orbit::{Counters, Ending};
 use crate::system::{IntoState, Mode, State, components};
+use crate::taylor::repeated::Repeated;
 
 /// What happened in an integration; see [`Integration::step`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,6 +64,8 @@ pub struct Integration<'a, S: Switched<N, G>, const N: usize, const G: usize = G
     pub(super) pile_up: PileUp<N, S::Mode>,
     /// How the run goes on where transitions accumulate, while it is led there.
     pub(super) rest: Option<Rest<S::Mode, S::Branch, N, G>>,
+    /// Recorded calls of the system's functions, if these are interpreted.
+    pub(super) recordings: Recordings<S::Mode, S::Branch, N, G>,
     pub(super) due: Due,
 }
 
@@ -133,6 +137,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             last_mode: mode,
             pile_up: PileUp::new(&start, mode),
             rest: None,
+            recordings: Recordings::default(),
             due,
         })
     }
@@ -160,6 +165,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             last_mode: mode,
             pile_up: PileUp::new(inside, mode),
             rest: None,
+            recordings: Recordings::default(),
             due: Due::Begin,
         })
     }
@@ -280,8 +286,12 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     /// Does what depends on the mode, with the flow of the mode.
     #[inline(always)]
     fn work(&mut self, work: Work) -> Result<Trial, Error> {
+        let is_series = matches!((work, &self.stepper), (Work::Advance, Stepper::Taylor(_)));
+        let expands = S::INTERPRETED && is_series;
+        let repeated = expands.then(|| self.recordings.of((self.mode, self.branch)));
         let on_flow = OnFlow {
             work,
+            repeated,
             stepper: &mut self.stepper,
             run: &mut self.run,
         };
@@ -401,6 +411,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
 /// Work on the flow of the mode.
 struct OnFlow<'a, const N: usize, const G: usize> {
     work: Work,
+    repeated: Option<&'a mut Repeated<N, G>>,
     stepper: &'a mut Stepper<N, G>,
     run: &'a mut Run<N, G>,
 }
@@ -410,7 +421,7 @@ impl<const N: usize, const G: usize> UseFlow<N> for OnFlow<'_, N, G> {
 
     #[inline(always)]
     fn with<F: Flow<N>>(self, flow: &F) -> Self::Output {
-        self.stepper.work(self.work, self.run, flow)
+        self.stepper.work(self.work, self.run, flow, self.repeated)
     }
 }
 

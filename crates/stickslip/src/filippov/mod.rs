@@ -17,6 +17,7 @@ mod observer;
 mod one_contact;
 mod options;
 mod pile_up;
+mod recordings;
 mod rules;
 mod run;
 mod scan;

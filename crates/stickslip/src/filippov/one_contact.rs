@@ -27,6 +27,7 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
     /// Sign of the contact function.
     type Branch = f64;
     const UNDECIDED: Mode = Mode::Stick;
+    const INTERPRETED: bool = S::INTERPRETED;
 
     fn check(&self, start: &Timed<N>, t_end: f64, options: &Options) -> Result<(), Error> {
         check(self, start, t_end, options)

@@ -7,6 +7,7 @@ use super::slopes::Slopes;
 use super::taylor::TaylorStepper;
 use crate::error::Error;
 use crate::ode::{Dop853, Rk4};
+use crate::taylor::repeated::Repeated;
 
 /// The state of a method between steps.
 pub(crate) enum Stepper<const N: usize, const G: usize> {
@@ -67,12 +68,15 @@ impl<const N: usize, const G: usize> Stepper<N, G> {
         matches!(self, Stepper::Taylor(_))
     }
 
+    /// Does work on a flow. `repeated` holds the recorded calls of its functions, if they are
+    /// interpreted.
     #[inline(always)]
     pub(crate) fn work<F: Flow<N>>(
         &mut self,
         work: Work,
         run: &mut Run<N, G>,
         flow: &F,
+        repeated: Option<&mut Repeated<N, G>>,
     ) -> Result<Trial, Error> {
         match (work, self) {
             (Work::NoteDepartures, _) => run.note_departures(flow),
@@ -85,7 +89,7 @@ impl<const N: usize, const G: usize> Stepper<N, G> {
                 return slopes.advance::<Dop853, F, G>(run, flow);
             }
             (Work::Advance, Stepper::Rk4(slopes)) => return slopes.advance::<Rk4, F, G>(run, flow),
-            (Work::Advance, Stepper::Taylor(series)) => return series.advance(run, flow),
+            (Work::Advance, Stepper::Taylor(series)) => return series.advance(run, flow, repeated),
         }
         Ok(Trial::NoStep)
     }

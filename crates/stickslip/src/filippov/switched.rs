@@ -36,6 +36,10 @@ pub trait Switched<const N: usize, const G: usize> {
     #[doc(hidden)]
     type Branch: Copy + Default + PartialEq + Debug + Send + Sync;
 
+    /// Whether the user's functions are interpreted.
+    #[doc(hidden)]
+    const INTERPRETED: bool;
+
     /// Whether a run can begin.
     #[doc(hidden)]
     fn check(&self, start: &Timed<N>, t_end: f64, options: &Options) -> Result<(), Error>;

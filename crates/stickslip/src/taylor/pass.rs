@@ -44,7 +44,7 @@ pub(crate) struct Pass<'a, const L: usize> {
     /// Whether there was a division by an overflowed number.
     pub(super) overflowed: Cell<bool>,
     /// The recording of the operations, if they are recorded.
-    recording: Option<&'a RefCell<Recording<L>>>,
+    recording: Option<&'a RefCell<Recording>>,
 }
 
 impl<'a, const L: usize> Pass<'a, L> {
@@ -61,38 +61,6 @@ impl<'a, const L: usize> Pass<'a, L> {
             divided: Cell::new(false),
             overflowed: Cell::new(false),
             recording: None,
-        }
-    }
-
-    /// The pass at order 0 with its operations recorded.
-    #[inline(always)]
-    pub(super) fn recorded(rows: Rows<'a, L>, recording: &'a RefCell<Recording<L>>) -> Self {
-        Pass {
-            recording: Some(recording),
-            ..Pass::new(rows, 0)
-        }
-    }
-
-    /// Performs an operation at order 0 and records it.
-    #[inline(never)]
-    pub(super) fn record(
-        &'a self,
-        operation: Operation,
-        [a, b]: [Recorded<'a, L>; 2],
-        constant: f64,
-    ) -> Recorded<'a, L> {
-        match self.recording {
-            Some(recording) => recording
-                .borrow_mut()
-                .record(operation, [a, b], constant, self),
-            None => Recorded::constant_of(operation.of(a.number, b.number, constant)),
-        }
-    }
-
-    /// Records the result of a comparison.
-    pub(super) fn check(&'a self, operation: Operation, of: [Recorded<'a, L>; 2]) {
-        if let Some(recording) = self.recording {
-            recording.borrow_mut().check(operation, of, self);
         }
     }
 
@@ -190,5 +158,39 @@ impl<'a, const L: usize> Pass<'a, L> {
     #[inline(always)]
     pub(super) fn slope(&self, newest: Lanes<L>) -> Lanes<L> {
         lanes(|l| newest[l] * self.order as f64)
+    }
+}
+
+impl<'a> Pass<'a, 1> {
+    /// The pass at order 0 with its operations recorded.
+    #[inline(always)]
+    pub(super) fn recorded(rows: Rows<'a, 1>, recording: &'a RefCell<Recording>) -> Self {
+        Pass {
+            recording: Some(recording),
+            ..Pass::new(rows, 0)
+        }
+    }
+
+    /// Performs an operation at order 0 and records it.
+    #[inline(never)]
+    pub(super) fn record(
+        &'a self,
+        operation: Operation,
+        [a, b]: [Recorded<'a>; 2],
+        constant: f64,
+    ) -> Recorded<'a> {
+        match self.recording {
+            Some(recording) => recording
+                .borrow_mut()
+                .record(operation, [a, b], constant, self),
+            None => Recorded::constant_of(operation.of(a.number, b.number, constant)),
+        }
+    }
+
+    /// Records the result of a comparison.
+    pub(super) fn check(&'a self, operation: Operation, of: [Recorded<'a>; 2]) {
+        if let Some(recording) = self.recording {
+            recording.borrow_mut().check(operation, of, self);
+        }
     }
 }

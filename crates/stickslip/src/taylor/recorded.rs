@@ -1,4 +1,5 @@
-//! A number whose operations are recorded; see [`super::recording`].
+//! A number whose operations are recorded; see [`super::recording`]. It has one lane; the recording
+//! can be repeated in several.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -10,22 +11,22 @@ use crate::scalar::Scalar;
 
 /// A number at order 0.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Recorded<'a, const L: usize> {
-    pub(super) number: Jet<'a, L>,
+pub(super) struct Recorded<'a> {
+    pub(super) number: Jet<'a, 1>,
     /// The number's place, unless it is constant.
-    place: Option<(Place, &'a Pass<'a, L>)>,
+    place: Option<(Place, &'a Pass<'a, 1>)>,
 }
 
-impl<'a, const L: usize> Recorded<'a, L> {
+impl<'a> Recorded<'a> {
     /// The number that a pass has at a place.
-    pub(super) fn at(place: Place, number: Jet<'a, L>, pass: &'a Pass<'a, L>) -> Self {
+    pub(super) fn at(place: Place, number: Jet<'a, 1>, pass: &'a Pass<'a, 1>) -> Self {
         let place = Some((place, pass));
         Recorded { number, place }
     }
 
     /// A constant.
     #[inline(always)]
-    pub(super) fn constant_of(number: Jet<'a, L>) -> Self {
+    pub(super) fn constant_of(number: Jet<'a, 1>) -> Self {
         let place = None;
         Recorded { number, place }
     }
@@ -37,7 +38,7 @@ impl<'a, const L: usize> Recorded<'a, L> {
 
     /// The pass of either number, unless both are constant.
     #[inline(always)]
-    fn pass(self, other: Self) -> Option<&'a Pass<'a, L>> {
+    fn pass(self, other: Self) -> Option<&'a Pass<'a, 1>> {
         self.place.or(other.place).map(|(_, pass)| pass)
     }
 
@@ -75,7 +76,7 @@ impl<'a, const L: usize> Recorded<'a, L> {
 /// An operator between two numbers, and with a constant on the right.
 macro_rules! operator {
     ($name:ident, $method:ident, $operation:ident, $with_constant:ident) => {
-        impl<const L: usize> $name for Recorded<'_, L> {
+        impl $name for Recorded<'_> {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
@@ -83,7 +84,7 @@ macro_rules! operator {
             }
         }
 
-        impl<const L: usize> $name<f64> for Recorded<'_, L> {
+        impl $name<f64> for Recorded<'_> {
             type Output = Self;
             #[inline(always)]
             fn $method(self, constant: f64) -> Self {
@@ -98,7 +99,7 @@ operator!(Sub, sub, Subtract, SubtractConstant);
 operator!(Mul, mul, Multiply, MultiplyConstant);
 operator!(Div, div, Divide, DivideByConstant);
 
-impl<const L: usize> Neg for Recorded<'_, L> {
+impl Neg for Recorded<'_> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
@@ -106,7 +107,7 @@ impl<const L: usize> Neg for Recorded<'_, L> {
     }
 }
 
-impl<const L: usize> Scalar for Recorded<'_, L> {
+impl Scalar for Recorded<'_> {
     #[inline(always)]
     fn constant(value: f64) -> Self {
         Recorded::constant_of(Jet::constant(value))

@@ -6,8 +6,8 @@
 //! arithmetic. So it is called once for many series, and its operations on numbers that are not
 //! constant are recorded. Zeros, comparisons and dual numbers are resolved, and common
 //! subexpressions are shared. Every order of every series repeats the recording until a comparison
-//! changes its result.
-//! out otherwise.
+//! changes its result. The call has one lane; several lanes repeat it together if their
+//! comparisons agree.
 
 use std::collections::HashMap;
 
@@ -91,7 +91,7 @@ pub(super) struct Made {
 
 /// A number that is linear in time, or constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Line<const L: usize> {
+pub(crate) struct Line<const L: usize> {
     pub(super) value: Lanes<L>,
     pub(super) slope: Lanes<L>,
     pub(super) is_constant: bool,
@@ -99,15 +99,22 @@ pub(super) struct Line<const L: usize> {
 
 /// The recorded operations.
 #[derive(Debug, Default)]
-pub(crate) struct Recording<const L: usize> {
+pub(crate) struct Recording {
     calls: Vec<Made>,
     /// Index into `calls` for every call that has a result.
     known: HashMap<Call, usize>,
     /// Time is the first entry.
-    lines: Vec<Line<L>>,
+    lines: Vec<Line<1>>,
     /// Steps for the orders above 0.
     steps: Steps,
     is_complete: bool,
+}
+
+/// A recording as it is repeated in `L` lanes, with its lines there.
+#[derive(Clone, Copy)]
+pub(super) struct Replay<'r, const L: usize> {
+    pub(super) recording: &'r Recording,
+    pub(super) lines: &'r [Line<L>],
 }
 
 impl Operation {
@@ -169,20 +176,13 @@ impl<const L: usize> Line<L> {
     }
 }
 
-impl<const L: usize> Recording<L> {
-    /// Begins a new recording. Time is the first line, and the state's components have the first
-    /// rows.
-    pub(super) fn begin(&mut self, time: Jet<'_, L>) {
-        self.forget();
-        self.calls.clear();
-        self.known.clear();
-        self.lines.clear();
-        self.lines.push(Line::of(time));
-    }
-
-    /// Marks the recording as unusable.
-    pub(crate) fn forget(&mut self) {
-        self.is_complete = false;
+impl Recording {
+    /// Begins a recording. Time is the first line, and the state's components have the first rows.
+    pub(super) fn begin(time: Jet<'_, 1>) -> Self {
+        Recording {
+            lines: vec![Line::of(time)],
+            ..Recording::default()
+        }
     }
 
     /// Whether the recording can be repeated.
@@ -191,7 +191,7 @@ impl<const L: usize> Recording<L> {
     }
 
     /// The place of a number. A constant is added to the lines unless it is there already.
-    pub(super) fn place(&mut self, number: Recorded<'_, L>) -> Place {
+    pub(super) fn place(&mut self, number: Recorded<'_>) -> Place {
         if let Some(place) = number.place() {
             return place;
         }
@@ -201,7 +201,7 @@ impl<const L: usize> Recording<L> {
         Place::Line(place as u32)
     }
 
-    fn push(&mut self, line: Line<L>) -> usize {
+    fn push(&mut self, line: Line<1>) -> usize {
         self.lines.push(line);
         self.lines.len() - 1
     }
@@ -210,10 +210,10 @@ impl<const L: usize> Recording<L> {
     pub(super) fn record<'a>(
         &mut self,
         operation: Operation,
-        [a, b]: [Recorded<'a, L>; 2],
+        [a, b]: [Recorded<'a>; 2],
         constant: f64,
-        pass: &'a Pass<'a, L>,
-    ) -> Recorded<'a, L> {
+        pass: &'a Pass<'a, 1>,
+    ) -> Recorded<'a> {
         let of = [self.place(a), self.place(b)];
         let bits = constant.to_bits();
         let call = Call {
@@ -228,7 +228,7 @@ impl<const L: usize> Recording<L> {
                 ..
             } = self.calls[known]
         {
-            let number = self.number(place, pass).linear(is_linear);
+            let number = number_at(place, &self.lines, pass).linear(is_linear);
             return Recorded::at(place, number, pass);
         }
         let first = pass.next();
@@ -259,8 +259,8 @@ impl<const L: usize> Recording<L> {
     pub(super) fn check(
         &mut self,
         operation: Operation,
-        of: [Recorded<'_, L>; 2],
-        pass: &Pass<'_, L>,
+        of: [Recorded<'_>; 2],
+        pass: &Pass<'_, 1>,
     ) {
         let of = of.map(|number| self.place(number));
         let call = Call {
@@ -276,21 +276,111 @@ impl<const L: usize> Recording<L> {
         });
     }
 
+    /// Completes the recording; the numbers at the places `wanted` are needed.
+    pub(super) fn end(&mut self, wanted: impl Iterator<Item = Place>, pass: &Pass<'_, 1>) {
+        let is_constant = |line: u32| self.lines[line as usize].is_constant;
+        self.steps
+            .make(&self.calls, wanted, is_constant, pass.next());
+        self.is_complete = !pass.value_read.get();
+    }
+
+    /// The lines in `L` lanes. Constants are set; [`Recording::repeat_first`] computes the others.
+    pub(super) fn spread<const L: usize>(&self, lines: &mut Vec<Line<L>>) {
+        lines.clear();
+        lines.extend(self.lines.iter().map(|line| Line {
+            value: [line.value[0]; L],
+            slope: [line.slope[0]; L],
+            is_constant: line.is_constant,
+        }));
+    }
+
+    /// Repeats order 0 at another time and state. Returns whether all comparisons gave the recorded
+    /// results. Not inlined: all operations are in it.
+    #[inline(never)]
+    pub(super) fn repeat_first<'a, const L: usize>(
+        &self,
+        lines: &mut [Line<L>],
+        time: Jet<'_, L>,
+        pass: &'a Pass<'a, L>,
+    ) -> bool {
+        lines[0] = Line::of(time);
+        for made in &self.calls {
+            let Made {
+                call,
+                first,
+                result,
+                ..
+            } = *made;
+            let [a, b] = call.of.map(|place| number_at(place, lines, pass));
+            pass.taken.set(first as usize);
+            let is_alike = match call.operation {
+                Operation::Exceeds => a.exceeds(b),
+                Operation::ExceedsNot => !a.exceeds(b),
+                Operation::IsNotZero => !a.is_zero(),
+                Operation::IsSteep(flat) => a.bound_before(flat).is_none(),
+                _ => {
+                    let number = call.operation.of(a, b, call.constant());
+                    number.keep();
+                    if let Some(Place::Line(line)) = result {
+                        lines[line as usize] = Line::of(number);
+                    }
+                    true
+                }
+            };
+            if !is_alike {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// The same in one lane, with the recording's own lines.
+    pub(super) fn repeat_first_alone<'a>(
+        &mut self,
+        time: Jet<'_, 1>,
+        pass: &'a Pass<'a, 1>,
+    ) -> bool {
+        let mut lines = std::mem::take(&mut self.lines);
+        let is_alike = self.repeat_first(&mut lines, time, pass);
+        self.lines = lines;
+        is_alike
+    }
+
+    /// The recording as one lane repeats it.
+    pub(super) fn alone(&self) -> Replay<'_, 1> {
+        Replay {
+            recording: self,
+            lines: &self.lines,
+        }
+    }
+}
+
+/// The number at a place, for a pass that has computed it.
+#[inline(always)]
+fn number_at<'a, const L: usize>(
+    place: Place,
+    lines: &[Line<L>],
+    pass: &'a Pass<'a, L>,
+) -> Jet<'a, L> {
+    match place {
+        Place::Row(row) => pass.known(row as usize),
+        Place::Line(line) => {
+            let Line {
+                value,
+                slope,
+                is_constant,
+            } = lines[line as usize];
+            let pass = (!is_constant).then_some(pass);
+            Jet::Line(Straight { value, slope, pass })
+        }
+    }
+}
+
+impl<const L: usize> Replay<'_, L> {
     /// The number at a place, for a pass that has computed it.
     #[inline(always)]
     pub(super) fn number<'a>(&self, place: Place, pass: &'a Pass<'a, L>) -> Jet<'a, L> {
-        match place {
-            Place::Row(row) => pass.known(row as usize),
-            Place::Line(line) => {
-                let Line {
-                    value,
-                    slope,
-                    is_constant,
-                } = self.lines[line as usize];
-                let pass = (!is_constant).then_some(pass);
-                Jet::Line(Straight { value, slope, pass })
-            }
-        }
+        number_at(place, self.lines, pass)
     }
 
     /// Coefficient `k` of the number at a place, for a pass of higher order.
@@ -308,58 +398,16 @@ impl<const L: usize> Recording<L> {
         &self.lines[line as usize]
     }
 
-    /// Completes the recording; the numbers at the places `wanted` are needed.
-    pub(super) fn end(&mut self, wanted: impl Iterator<Item = Place>, pass: &Pass<'_, L>) {
-        let is_constant = |line: u32| self.lines[line as usize].is_constant;
-        self.steps
-            .make(&self.calls, wanted, is_constant, pass.next());
-        self.is_complete = !pass.value_read.get();
-    }
-
-    /// Repeats order 0 at another time and state. Returns whether all comparisons gave the recorded
-    /// results.
-    pub(super) fn repeat_first<'a>(&mut self, time: Jet<'_, L>, pass: &'a Pass<'a, L>) -> bool {
-        self.lines[0] = Line::of(time);
-        for i in 0..self.calls.len() {
-            let Made {
-                call,
-                first,
-                result,
-                ..
-            } = self.calls[i];
-            let [a, b] = call.of.map(|place| self.number(place, pass));
-            pass.taken.set(first as usize);
-            let is_alike = match call.operation {
-                Operation::Exceeds => a.exceeds(b),
-                Operation::ExceedsNot => !a.exceeds(b),
-                Operation::IsNotZero => !a.is_zero(),
-                Operation::IsSteep(flat) => a.bound_before(flat).is_none(),
-                _ => {
-                    let number = call.operation.of(a, b, call.constant());
-                    number.keep();
-                    if let Some(Place::Line(line)) = result {
-                        self.lines[line as usize] = Line::of(number);
-                    }
-                    true
-                }
-            };
-            if !is_alike {
-                return false;
-            }
-        }
-        true
-    }
-
     /// Repeats an order above 0.
     #[inline(always)]
     pub(super) fn repeat<'a>(&self, pass: &'a Pass<'a, L>) {
-        self.steps.repeat(self, pass);
+        self.recording.steps.repeat(self, pass);
     }
 
     /// Repeats one call at an order above 0.
     #[inline(never)]
     pub(super) fn repeat_call<'a>(&self, call: usize, pass: &'a Pass<'a, L>) {
-        let call = self.calls[call].call;
+        let call = self.recording.calls[call].call;
         let [a, b] = call.of.map(|place| self.number(place, pass));
         call.operation.of(a, b, call.constant()).keep();
     }

@@ -3,7 +3,6 @@
 use super::inverse;
 use super::jet::{Coefficient, Jet};
 use super::pass::{AT_ONCE, Pass, Rows};
-use super::repeated::Repeated;
 use super::row::{Lanes, Row, lanes};
 use crate::scalar::Scalar;
 
@@ -16,10 +15,6 @@ pub(crate) struct Series<const L: usize> {
 
 /// A field, and functions that are evaluated along its solutions.
 pub(crate) trait Functions<const N: usize, const W: usize> {
-    /// Whether the functions are interpreted. Such functions are called once for many series; see
-    /// [`super::recording`].
-    const INTERPRETED: bool = false;
-
     fn at<T: Scalar>(&self, t: T, x: &[T; N]) -> ([T; N], [T; W]);
 }
 
@@ -150,11 +145,7 @@ pub(crate) fn in_rows<F: Functions<N, W>, const L: usize, const N: usize, const 
     x: &[Lanes<L>; N],
     order: usize,
     functions: &F,
-    repeated: &mut Repeated<L, N, W>,
 ) -> Result<Expansion<W>, usize> {
-    if const { F::INTERPRETED } {
-        return repeated.expand(into, (t, h), x, order, functions);
-    }
     let mut newest = *x;
     let mut k = 0;
     let mut overflowed = false;

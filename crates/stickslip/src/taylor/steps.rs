@@ -5,7 +5,7 @@
 
 use super::functions::unless_overflowed;
 use super::pass::Pass;
-use super::recording::{Call, Made, Operation, Place, Recording};
+use super::recording::{Call, Made, Operation, Place, Replay};
 use super::row::{Row, lanes, lanes_of, product, quotient};
 
 /// The kinds of steps at each order.
@@ -192,11 +192,8 @@ impl Steps {
     }
 
     /// Performs all steps at one order.
-    pub(super) fn repeat<'a, const L: usize>(
-        &self,
-        recording: &Recording<L>,
-        pass: &'a Pass<'a, L>,
-    ) {
+    #[inline(always)]
+    pub(super) fn repeat<'a, const L: usize>(&self, replay: &Replay<'_, L>, pass: &'a Pass<'a, L>) {
         let order = pass.order;
         let first = |row: Source| {
             let row = pass.row_of_all(row.first);
@@ -214,7 +211,7 @@ impl Steps {
             } = *step;
             match way {
                 Way::SineCosine => {
-                    let slope = recording.line(a.above).slope;
+                    let slope = replay.line(a.above).slope;
                     if let (Some(sine), Some(cosine)) =
                         (pass.row_of_all(row), pass.row_of_all(row + 1))
                     {
@@ -226,7 +223,7 @@ impl Steps {
                 }
                 Way::Any => {
                     pass.taken.set(row as usize);
-                    recording.repeat_call(a.above as usize, pass);
+                    replay.repeat_call(a.above as usize, pass);
                     continue;
                 }
                 _ => {}

@@ -1,11 +1,11 @@
 //! Tests of the series against references with 30 digits, exact identities, and each other.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 
 use pulp::{Arch, NullaryFnOnce};
 
 use super::MOST_ORDER;
-use super::repeated::Repeated;
+use super::repeated::{Lines, Repeated};
 use super::row::{Lanes, Row};
 use super::series::{Expansion, Functions, Series, Watched, in_rows};
 use crate::dual::Dual;
@@ -19,14 +19,13 @@ fn expand<const L: usize, const N: usize, const W: usize>(
     order: usize,
     functions: &impl Functions<N, W>,
 ) -> Expansion<W> {
-    series.expand_by(|rows| in_rows(rows, time, &x, order, functions, &mut Repeated::new()))
+    series.expand_by(|rows| in_rows(rows, time, &x, order, functions))
 }
 
-/// Functions declared as interpreted that count their calls.
+/// Functions that count their calls.
 struct Interpreted<'a, F>(&'a F, Cell<usize>);
 
 impl<F: Functions<N, W>, const N: usize, const W: usize> Functions<N, W> for Interpreted<'_, F> {
-    const INTERPRETED: bool = true;
     fn at<T: Scalar>(&self, t: T, x: &[T; N]) -> ([T; N], [T; W]) {
         self.1.set(self.1.get() + 1);
         self.0.at(t, x)
@@ -50,7 +49,7 @@ fn coefficients<const N: usize, const W: usize>(
     };
     let linear = |of: &Expansion<W>| of.watched.map(|watched| watched.map(|row| row.is_linear));
     // One call serves series at other times and states, and of other lengths.
-    let (interpreted, mut repeated) = (Interpreted(functions, Cell::new(0)), Repeated::new());
+    let (interpreted, mut repeated) = (Interpreted(functions, Cell::new(0)), Repeated::default());
     let mut found = [const { Vec::new() }; W];
     let mut series = Series::<1>::default();
     expand(
@@ -69,8 +68,8 @@ fn coefficients<const N: usize, const W: usize>(
         let (time, x) = (([t], [length]), x.map(|x| [x + shift]));
         let mut by_calls = Series::<1>::default();
         let wanted = expand(&mut by_calls, time, x, MOST_ORDER, functions);
-        let again = series
-            .expand_by(|rows| in_rows(rows, time, &x, MOST_ORDER, &interpreted, &mut repeated));
+        let again =
+            series.expand_by(|rows| repeated.expand(rows, time, &x, MOST_ORDER, &interpreted));
         assert_eq!(linear(&again), linear(&wanted));
         found = read(&by_calls, wanted);
         let again: [Vec<f64>; W] = read(&series, again);
@@ -248,51 +247,93 @@ impl<F: Functions<2, 3>, const L: usize> NullaryFnOnce for Widest<'_, F, L> {
     }
 }
 
-#[test]
-fn neither_lanes_nor_the_width_of_vectors_change_a_bit() {
-    lanes_and_widths_change_no_bit(&Everything);
-    lanes_and_widths_change_no_bit(&Interpreted(&Everything, Cell::new(0)));
+const LANES: usize = 4;
+
+/// Where the series begin in each lane: time, length, state.
+fn begin() -> (Lanes<LANES>, Lanes<LANES>, [Lanes<LANES>; 2]) {
+    let t: [f64; LANES] = std::array::from_fn(|l| 0.1 * l as f64);
+    let x = [t.map(|t| 0.3 + t), t.map(|t| 0.7 - t)];
+    (t, t.map(|t| 0.3 + 0.2 * t), x)
 }
 
-fn lanes_and_widths_change_no_bit(functions: &impl Functions<2, 3>) {
-    const LANES: usize = 4;
-    let t: [f64; LANES] = std::array::from_fn(|l| 0.1 * l as f64);
-    let h = t.map(|t| 0.3 + 0.2 * t);
-    let x = [t.map(|t| 0.3 + t), t.map(|t| 0.7 - t)];
+#[test]
+fn neither_lanes_nor_the_width_of_vectors_change_a_bit() {
+    let (t, h, x) = begin();
     for arch in [Arch::Scalar, Arch::new()] {
         let mut wide = Series::<LANES>::default();
         let together = arch.dispatch(Widest {
-            functions,
+            functions: &Everything,
             series: &mut wide,
             time: (t, h),
             x,
         });
         assert!(!together.divided && !together.value_read);
-        for l in 0..LANES {
-            let mut alone = Series::<1>::default();
-            let expansion = expand(
-                &mut alone,
-                ([t[l]], [h[l]]),
-                x.map(|x| [x[l]]),
-                MOST_ORDER,
-                functions,
-            );
-            assert_eq!((expansion.choices, together.choices), (1, 1));
-            let rows = |watched: &[Option<Watched>]| -> Vec<usize> {
-                let watched = watched.iter().flatten().map(|watched| watched.row);
-                (0..2).chain(watched).collect()
-            };
-            assert_eq!(rows(&expansion.watched), rows(&together.watched));
-            let rows = rows(&expansion.watched);
-            let choices = alone.choices(&expansion).iter();
-            let rows_alone = rows.iter().map(|&row| &alone.rows()[row]).chain(choices);
-            let choices = wide.choices(&together).iter();
-            let in_lane = rows.iter().map(|&row| &wide.rows()[row]).chain(choices);
-            for (row, (alone, wide)) in rows_alone.zip(in_lane).enumerate() {
-                for k in 0..=MOST_ORDER {
-                    let bits = [alone.lane(0, k), wide.lane(l, k)].map(f64::to_bits);
-                    assert_eq!(bits[0], bits[1], "lane {l}, row {row}, order {k}");
-                }
+        assert_lanes_are_alone(&wide, &together, |time, x, alone| {
+            expand(alone, time, x, MOST_ORDER, &Everything)
+        });
+    }
+}
+
+#[test]
+fn a_call_recorded_in_one_lane_is_repeated_in_several_with_the_same_bits() {
+    let (t, h, x) = begin();
+    let interpreted = Interpreted(&Everything, Cell::new(0));
+    let repeated = RefCell::new(Repeated::default());
+    let alone = |time: (Lanes<1>, Lanes<1>), x: [Lanes<1>; 2], alone: &mut Series<1>| {
+        let mut repeated = repeated.borrow_mut();
+        alone.expand_by(|rows| repeated.expand(rows, time, &x, MOST_ORDER, &interpreted))
+    };
+    let mut wide = Series::<LANES>::default();
+    let mut lines = Lines::new();
+    let mut together = |x: [Lanes<LANES>; 2]| {
+        let repeated = repeated.borrow();
+        wide.expand_by(|rows| repeated.expand_again(rows, (t, h), &x, MOST_ORDER, &mut lines))
+    };
+    // Nothing is recorded yet, and then nothing for the lane whose comparison differs.
+    assert!(together(x).is_none());
+    alone(([0.5], [0.1]), [[0.2], [0.4]], &mut Series::default());
+    let mut divided = x;
+    divided[0][2] = 1.5;
+    assert!(together(divided).is_none());
+    let expansion = together(x).expect("all comparisons agree");
+    let calls = interpreted.1.get();
+    assert_lanes_are_alone(&wide, &expansion, alone);
+    assert_eq!(interpreted.1.get(), calls);
+    // Both results of the comparison are kept.
+    let at = |x: f64| alone(([0.5], [0.1]), [[x], [0.4]], &mut Series::default());
+    at(1.5);
+    let calls = interpreted.1.get();
+    for x in [0.2, 1.4, 0.3] {
+        at(x);
+    }
+    assert_eq!(interpreted.1.get(), calls);
+}
+
+/// Asserts that every lane has the bits that it has alone.
+fn assert_lanes_are_alone(
+    wide: &Series<LANES>,
+    together: &Expansion<3>,
+    expand_alone: impl Fn((Lanes<1>, Lanes<1>), [Lanes<1>; 2], &mut Series<1>) -> Expansion<3>,
+) {
+    let (t, h, x) = begin();
+    for l in 0..LANES {
+        let mut alone = Series::<1>::default();
+        let expansion = expand_alone(([t[l]], [h[l]]), x.map(|x| [x[l]]), &mut alone);
+        assert_eq!((expansion.choices, together.choices), (1, 1));
+        let rows = |watched: &[Option<Watched>]| -> Vec<usize> {
+            let watched = watched.iter().flatten().map(|watched| watched.row);
+            (0..2).chain(watched).collect()
+        };
+        assert_eq!(rows(&expansion.watched), rows(&together.watched));
+        let rows = rows(&expansion.watched);
+        let choices = alone.choices(&expansion).iter();
+        let rows_alone = rows.iter().map(|&row| &alone.rows()[row]).chain(choices);
+        let choices = wide.choices(together).iter();
+        let in_lane = rows.iter().map(|&row| &wide.rows()[row]).chain(choices);
+        for (row, (alone, wide)) in rows_alone.zip(in_lane).enumerate() {
+            for k in 0..=MOST_ORDER {
+                let bits = [alone.lane(0, k), wide.lane(l, k)].map(f64::to_bits);
+                assert_eq!(bits[0], bits[1], "lane {l}, row {row}, order {k}");
             }
         }
     }
@@ -316,19 +357,11 @@ fn lanes_that_compare_differently_are_not_expanded_together() {
 
 #[test]
 fn functions_are_called_again_where_a_comparison_comes_out_otherwise() {
-    let (interpreted, mut repeated) = (Interpreted(&Chosen, Cell::new(0)), Repeated::new());
+    let (interpreted, mut repeated) = (Interpreted(&Chosen, Cell::new(0)), Repeated::default());
     let mut series = Series::<1>::default();
     for (x, calls) in [(-0.25, 1), (-0.2, 1), (0.25, 2), (0.2, 2), (-0.6, 3)] {
-        let expansion = series.expand_by(|rows| {
-            in_rows(
-                rows,
-                ([0.0], [0.125]),
-                &[[x]],
-                8,
-                &interpreted,
-                &mut repeated,
-            )
-        });
+        let expansion = series
+            .expand_by(|rows| repeated.expand(rows, ([0.0], [0.125]), &[[x]], 8, &interpreted));
         assert_eq!(interpreted.1.get(), calls, "at {x}");
         let mut wanted = Series::<1>::default();
         let of_calls = expand(&mut wanted, ([0.0], [0.125]), [[x]], 8, &Chosen);

@@ -23,6 +23,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
     /// Whether holding contacts share their loads, since some do not affect their own rates.
     type Branch = bool;
     const UNDECIDED: [Mode; M] = [Mode::Stick; M];
+    const INTERPRETED: bool = S::INTERPRETED;
 
     fn check(&self, start: &Timed<N>, t_end: f64, options: &Options) -> Result<(), Error> {
         options.check()?;

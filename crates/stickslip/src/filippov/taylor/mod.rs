@@ -40,8 +40,6 @@ const PAST_TIE: f64 = 16.0;
 /// The Taylor stepper: the series and its workspace.
 pub(crate) struct TaylorStepper<const N: usize, const G: usize> {
     series: Series<1>,
-    /// Recorded operations of the phase's functions, if these are interpreted.
-    repeated: Repeated<1, N, G>,
     /// Description of the latest expansion.
     expansion: Expansion<G>,
     /// The next step if its series is expanded already, otherwise the last step.
@@ -79,8 +77,6 @@ pub(crate) struct TaylorStepper<const N: usize, const G: usize> {
 pub(super) struct OfFlow<'a, F>(pub(super) &'a F);
 
 impl<F: Flow<N>, const N: usize, const G: usize> Functions<N, G> for OfFlow<'_, F> {
-    const INTERPRETED: bool = F::INTERPRETED;
-
     #[inline(always)]
     fn at<T: Scalar>(&self, t: T, x: &[T; N]) -> ([T; N], [T; G]) {
         self.0.field_and_guards(t, x)
@@ -96,9 +92,16 @@ fn expand_alone<F: Flow<N>, const N: usize, const G: usize>(
     x: &[Lanes<1>; N],
     order: usize,
     flow: &F,
-    (repeated, expansion): (&mut Repeated<1, N, G>, &mut Expansion<G>),
+    (repeated, expansion): (&mut Option<&mut Repeated<N, G>>, &mut Expansion<G>),
 ) -> Result<(), usize> {
-    *expansion = in_rows(Rows { first, all }, time, x, order, &OfFlow(flow), repeated)?;
+    let (into, flow) = (Rows { first, all }, OfFlow(flow));
+    *expansion = if const { F::INTERPRETED } {
+        let mut unkept = Repeated::default();
+        let repeated = repeated.as_deref_mut().unwrap_or(&mut unkept);
+        repeated.expand(into, time, x, order, &flow)?
+    } else {
+        in_rows(into, time, x, order, &flow)?
+    };
     Ok(())
 }
 
@@ -110,7 +113,6 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         let order = (0.5 * -math::ln(tolerance) + 8.0) as usize;
         TaylorStepper {
             series: Series::default(),
-            repeated: Repeated::new(),
             expansion: Expansion::default(),
             piece: Piece {
                 t: 0.0,
@@ -148,15 +150,21 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     }
 
     /// Expands the series at the end of the last step.
-    fn expand<F: Flow<N>>(&mut self, run: &mut Run<N, G>, flow: &F) {
+    fn expand<F: Flow<N>>(
+        &mut self,
+        run: &mut Run<N, G>,
+        flow: &F,
+        mut repeated: Option<&mut Repeated<N, G>>,
+    ) {
         let Timed { t, x } = run.at;
         let x = std::array::from_fn(|i| [x[i]]);
         let (scale, order) = (self.scale, self.piece.order);
         let mut series = std::mem::take(&mut self.series);
-        let (repeated, expansion) = (&mut self.repeated, &mut self.expansion);
+        let expansion = &mut self.expansion;
         let time = ([t], [scale]);
         series.expand_by(|Rows { first, all }| {
-            expand_alone(first, all, time, &x, order, flow, (repeated, expansion))
+            let into = (&mut repeated, &mut *expansion);
+            expand_alone(first, all, time, &x, order, flow, into)
         });
         self.plan_and_take(run, &series, time, &x);
         self.series = series;
@@ -257,7 +265,6 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
 impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     /// Discards everything that belongs to the previous phase.
     pub(super) fn begin(&mut self) {
-        self.repeated.forget();
         self.is_new = true;
         self.past_tie = 0.0;
     }
@@ -311,11 +318,12 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         &mut self,
         run: &mut Run<N, G>,
         flow: &F,
+        repeated: Option<&mut Repeated<N, G>>,
     ) -> Result<Trial, Error> {
         // If a guard differs from its series at the end of the step, the coefficients are needed
         // too.
         if !self.is_expanded || self.is_clear && !self.holds_at_end(run, flow) {
-            self.expand(run, flow);
+            self.expand(run, flow, repeated);
         }
         let (piece, end) = (&self.piece, &self.end_of_step);
         let (Timed { t, x }, h, is_last) = (run.at, piece.h, self.is_last);
