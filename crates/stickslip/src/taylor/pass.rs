@@ -83,12 +83,6 @@ impl<'a, const L: usize> Pass<'a, L> {
         }
     }
 
-    /// A row whose index the compiler does not know.
-    #[inline(always)]
-    pub(super) fn row_of_all(&self, row: u32) -> Option<&'a Row<L>> {
-        self.rows.get(row as usize)
-    }
-
     /// Stores a coefficient of this order in the next row. It is dropped if there is no room, which
     /// the first pass reports.
     #[inline(always)]

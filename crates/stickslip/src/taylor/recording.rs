@@ -13,9 +13,9 @@ use std::collections::HashMap;
 
 use super::functions::Flat;
 use super::jet::{Jet, Straight};
-use super::pass::Pass;
+use super::pass::{Pass, Rows};
 use super::recorded::Recorded;
-use super::row::Lanes;
+use super::row::{Lanes, Row};
 use super::steps::Steps;
 use crate::scalar::Scalar;
 
@@ -383,11 +383,13 @@ impl<const L: usize> Replay<'_, L> {
         number_at(place, self.lines, pass)
     }
 
-    /// Coefficient `k` of the number at a place, for a pass of higher order.
+    /// Coefficient `k` of the number at a place, if it is computed.
     #[inline(always)]
-    pub(super) fn coefficient(&self, place: Place, k: usize, pass: &Pass<'_, L>) -> Lanes<L> {
+    pub(super) fn coefficient(&self, place: Place, k: usize, rows: &[Row<L>]) -> Lanes<L> {
         match place {
-            Place::Row(row) => pass.row_of_all(row).map_or([f64::NAN; L], |row| row.at(k)),
+            Place::Row(row) => rows
+                .get(row as usize)
+                .map_or([f64::NAN; L], |row| row.at(k)),
             Place::Line(line) => self.lines[line as usize].coefficient(k),
         }
     }
@@ -400,15 +402,26 @@ impl<const L: usize> Replay<'_, L> {
 
     /// Repeats an order above 0.
     #[inline(always)]
-    pub(super) fn repeat<'a>(&self, pass: &'a Pass<'a, L>) {
-        self.recording.steps.repeat(self, pass);
+    pub(super) fn repeat(&self, rows: Rows<'_, L>, order: usize) {
+        self.recording.steps.repeat(self, rows, order);
     }
 
-    /// Repeats one call at an order above 0.
+    /// Repeats one call at an order above 0. So many rows and comparisons come before it. Returns
+    /// the number of comparisons up to its end.
     #[inline(never)]
-    pub(super) fn repeat_call<'a>(&self, call: usize, pass: &'a Pass<'a, L>) {
+    pub(super) fn repeat_call(
+        &self,
+        call: usize,
+        rows: Rows<'_, L>,
+        order: usize,
+        (taken, choices): (usize, usize),
+    ) -> usize {
+        let pass = Pass::new(rows, order);
+        pass.taken.set(taken);
+        pass.choices.set(choices);
         let call = self.recording.calls[call].call;
-        let [a, b] = call.of.map(|place| self.number(place, pass));
+        let [a, b] = call.of.map(|place| self.number(place, &pass));
         call.operation.of(a, b, call.constant()).keep();
+        pass.choices.get()
     }
 }

@@ -4,12 +4,12 @@ use std::cell::RefCell;
 
 use pulp::{Arch, NullaryFnOnce};
 
-use super::inverse;
 use super::pass::{Pass, Rows};
 use super::recorded::Recorded;
 use super::recording::{Line, Place, Recording, Replay};
 use super::row::{Lanes, lanes};
 use super::series::{Expansion, Functions, outcome, watched_rows};
+use super::{MOST_ORDER, inverse};
 
 /// Maximum number of calls that are kept for one flow.
 const MOST_CALLS: usize = 8;
@@ -245,16 +245,17 @@ struct Above<'a, const L: usize> {
 impl<const L: usize> Above<'_, L> {
     #[inline(always)]
     fn expand(&self) {
-        for k in 1..=self.order {
-            let pass = Pass::new(self.into, k);
+        let rows = self.into.all;
+        for k in 1..=self.order.min(MOST_ORDER) {
             let per_order = inverse(k);
-            for (i, place) in self.field.iter().enumerate() {
-                let slope = self.replay.coefficient(*place, k - 1, &pass);
-                let newest = lanes(|l| slope[l] * (self.h[l] * per_order));
-                pass.put(i, newest);
+            for (place, row) in self.field.iter().zip(rows) {
+                let slope = self.replay.coefficient(*place, k - 1, rows);
+                row.set(k, lanes(|l| slope[l] * (self.h[l] * per_order)));
             }
-            self.replay.repeat(&pass);
-            self.keep_watched(&pass);
+            self.replay.repeat(self.into, k);
+            if !self.watched.is_empty() {
+                self.keep_watched(&Pass::new(self.into, k));
+            }
         }
     }
 

@@ -4,9 +4,10 @@
 //! and is skipped, unless its row is needed. Unused results are omitted.
 
 use super::functions::unless_overflowed;
-use super::pass::Pass;
+use super::pass::Rows;
 use super::recording::{Call, Made, Operation, Place, Replay};
-use super::row::{Row, lanes, lanes_of, product, quotient};
+use super::row::{Lanes, Row, lanes, lanes_of, product, quotient};
+use super::{MOST_ORDER, inverse};
 
 /// The kinds of steps at each order.
 #[derive(Clone, Copy, Debug)]
@@ -193,98 +194,154 @@ impl Steps {
 
     /// Performs all steps at one order.
     #[inline(always)]
-    pub(super) fn repeat<'a, const L: usize>(&self, replay: &Replay<'_, L>, pass: &'a Pass<'a, L>) {
-        let order = pass.order;
-        let first = |row: Source| {
-            let row = pass.row_of_all(row.first);
-            row.map_or([f64::NAN; L], |row| row.at(0))
+    pub(super) fn repeat<const L: usize>(
+        &self,
+        replay: &Replay<'_, L>,
+        rows: Rows<'_, L>,
+        order: usize,
+    ) {
+        // The bound spares the checks of every access to a row.
+        let order = order.min(MOST_ORDER);
+        let mut at_order = AtOrder {
+            rows,
+            order,
+            choices: 0,
         };
-        let newest = |row: &'a Row<L>| row.at(order);
-        let scaled = |row: &'a Row<L>, of: Source| lanes_of(row.at(order), |a| of.factor * a);
         for step in &self.0 {
-            let Step {
-                way,
-                row,
-                a,
-                b,
-                constant,
-            } = *step;
-            match way {
-                Way::SineCosine => {
-                    let slope = replay.line(a.above).slope;
-                    if let (Some(sine), Some(cosine)) =
-                        (pass.row_of_all(row), pass.row_of_all(row + 1))
-                    {
-                        let (s, c) = (sine.at(order - 1), cosine.at(order - 1));
-                        sine.set(order, pass.integral(lanes(|l| slope[l] * c[l])));
-                        cosine.set(order, pass.integral(lanes(|l| -slope[l] * s[l])));
-                    }
-                    continue;
-                }
-                Way::Any => {
-                    pass.taken.set(row as usize);
-                    replay.repeat_call(a.above as usize, pass);
-                    continue;
-                }
-                _ => {}
+            // No row is missing: the first pass has made room.
+            let _ = at_order.perform(step, replay);
+        }
+    }
+}
+
+/// The steps at one order.
+struct AtOrder<'r, const L: usize> {
+    rows: Rows<'r, L>,
+    order: usize,
+    /// Number of comparisons so far.
+    choices: usize,
+}
+
+impl<const L: usize> AtOrder<'_, L> {
+    #[inline(always)]
+    fn row(&self, row: u32) -> Option<&Row<L>> {
+        self.rows.all.get(row as usize)
+    }
+
+    /// The newest coefficient.
+    #[inline(always)]
+    fn newest(&self, of: Source) -> Option<Lanes<L>> {
+        Some(self.row(of.above)?.at(self.order))
+    }
+
+    /// The same times its factor.
+    #[inline(always)]
+    fn scaled(&self, of: Source) -> Option<Lanes<L>> {
+        Some(lanes_of(self.newest(of)?, |a| of.factor * a))
+    }
+
+    /// The coefficient of order 0 and the newest one.
+    #[inline(always)]
+    fn ends(&self, of: Source) -> Option<(Lanes<L>, Lanes<L>)> {
+        Some((self.row(of.first)?.at(0), self.newest(of)?))
+    }
+
+    /// The newest coefficient of an integral.
+    #[inline(always)]
+    fn integral(&self, slope: Lanes<L>) -> Lanes<L> {
+        lanes_of(slope, |slope| slope * inverse(self.order))
+    }
+
+    /// As [`super::pass::Pass::choose`].
+    #[inline(always)]
+    fn choose(&mut self, ahead: Lanes<L>) {
+        if let Some(row) = self.rows.all.iter().nth_back(self.choices) {
+            row.set(self.order, ahead);
+        }
+        self.choices += 1;
+    }
+
+    /// Performs a step. `None` if a row is missing. Each arm looks up only the rows that it needs,
+    /// since a look-up takes as long as an addition.
+    #[inline(always)]
+    fn perform(&mut self, step: &Step, replay: &Replay<'_, L>) -> Option<()> {
+        let Step {
+            way,
+            row,
+            a,
+            b,
+            constant,
+        } = *step;
+        let order = self.order;
+        match way {
+            Way::Copy => self.row(row)?.set(order, self.newest(a)?),
+            Way::Scale => {
+                let newest = lanes_of(self.scaled(a)?, |a| a * constant);
+                self.row(row)?.set(order, newest);
             }
-            let [Some(into), Some(of_a), Some(of_b)] =
-                [row, a.above, b.above].map(|row| pass.row_of_all(row))
-            else {
-                continue;
-            };
-            // Each arm stores its own result; a common store would need an additional copy.
-            match way {
-                Way::Copy => into.set(order, newest(of_a)),
-                Way::Scale => into.set(order, lanes_of(scaled(of_a, a), |a| a * constant)),
-                Way::Combine => {
-                    let (a, b) = (scaled(of_a, a), scaled(of_b, b));
-                    into.set(order, lanes(|l| a[l] + b[l]));
-                }
-                Way::Add => {
-                    let (a, b) = (newest(of_a), newest(of_b));
-                    into.set(order, lanes(|l| a[l] + b[l]));
-                }
-                Way::Subtract => {
-                    let (a, b) = (newest(of_a), newest(of_b));
-                    into.set(order, lanes(|l| a[l] - b[l]));
-                }
-                Way::Multiply => {
-                    let inner = if a.above == b.above {
-                        of_a.square(order)
-                    } else {
-                        of_a.convolution(of_b, order)
-                    };
-                    let (a, b) = ((first(a), newest(of_a)), (first(b), newest(of_b)));
-                    into.set(order, product(inner, a, b));
-                }
-                Way::Divide => {
-                    let inner = of_b.convolution(into, order);
-                    let b = (first(b), newest(of_b));
-                    into.set(order, quotient(inner, scaled(of_a, a), b, into.at(0)));
-                }
-                Way::Invert => {
-                    let inner = of_b.convolution(into, order);
-                    let b = (first(b), newest(of_b));
-                    into.set(order, quotient(inner, [0.0; L], b, into.at(0)));
-                }
-                Way::Exponential => {
-                    if let Some(slopes) = pass.row_of_all(row - 1) {
-                        let slope = pass.slope(scaled(of_a, a));
-                        slopes.set(order, slope);
-                        let (inner, e0) = (slopes.convolution(into, order), into.at(0));
-                        let newest = pass.integral(lanes(|l| inner[l] + slope[l] * e0[l]));
-                        into.set(order, unless_overflowed(newest, e0));
-                    }
-                }
-                Way::Ahead => {
-                    let (a, b) = (scaled(of_a, a), scaled(of_b, b));
-                    pass.choose(lanes(|l| constant * (a[l] - b[l])));
-                }
-                Way::AheadOfConstant => pass.choose(lanes_of(scaled(of_a, a), |a| constant * a)),
-                Way::SineCosine | Way::Any => {}
+            Way::Combine => {
+                let (a, b) = (self.scaled(a)?, self.scaled(b)?);
+                self.row(row)?.set(order, lanes(|l| a[l] + b[l]));
+            }
+            Way::Add => {
+                let (a, b) = (self.newest(a)?, self.newest(b)?);
+                self.row(row)?.set(order, lanes(|l| a[l] + b[l]));
+            }
+            Way::Subtract => {
+                let (a, b) = (self.newest(a)?, self.newest(b)?);
+                self.row(row)?.set(order, lanes(|l| a[l] - b[l]));
+            }
+            Way::Multiply => {
+                let (of_a, of_b) = (self.row(a.above)?, self.row(b.above)?);
+                let inner = if a.above == b.above {
+                    of_a.square(order)
+                } else {
+                    of_a.convolution(of_b, order)
+                };
+                let newest = product(inner, self.ends(a)?, self.ends(b)?);
+                self.row(row)?.set(order, newest);
+            }
+            Way::Divide => {
+                let into = self.row(row)?;
+                let inner = self.row(b.above)?.convolution(into, order);
+                let newest = quotient(inner, self.scaled(a)?, self.ends(b)?, into.at(0));
+                into.set(order, newest);
+            }
+            Way::Invert => {
+                let into = self.row(row)?;
+                let inner = self.row(b.above)?.convolution(into, order);
+                let newest = quotient(inner, [0.0; L], self.ends(b)?, into.at(0));
+                into.set(order, newest);
+            }
+            Way::Exponential => {
+                let (slopes, into) = (self.row(row - 1)?, self.row(row)?);
+                let slope = lanes_of(self.scaled(a)?, |a| a * order as f64);
+                slopes.set(order, slope);
+                let (inner, e0) = (slopes.convolution(into, order), into.at(0));
+                let newest = self.integral(lanes(|l| inner[l] + slope[l] * e0[l]));
+                into.set(order, unless_overflowed(newest, e0));
+            }
+            Way::SineCosine => {
+                let slope = replay.line(a.above).slope;
+                let (sine, cosine) = (self.row(row)?, self.row(row + 1)?);
+                let (s, c) = (sine.at(order - 1), cosine.at(order - 1));
+                sine.set(order, self.integral(lanes(|l| slope[l] * c[l])));
+                cosine.set(order, self.integral(lanes(|l| -slope[l] * s[l])));
+            }
+            Way::Ahead => {
+                let (a, b) = (self.scaled(a)?, self.scaled(b)?);
+                self.choose(lanes(|l| constant * (a[l] - b[l])));
+            }
+            Way::AheadOfConstant => {
+                let a = self.scaled(a)?;
+                self.choose(lanes_of(a, |a| constant * a));
+            }
+            Way::Any => {
+                let taken = (row as usize, self.choices);
+                self.choices = replay.repeat_call(a.above as usize, self.rows, order, taken);
             }
         }
+        Some(())
     }
 }
 
