@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 use stickslip::Options;
-use stickslip::analysis::{RecurrenceSettings, attractor_of_many};
+use stickslip::analysis::{RecurrenceSettings, attractor_of_many, attractors_of_many};
 
 use crate::failure::{Failure, in_words};
 use crate::render::{Table, by_state, known, place as within, state_words};
@@ -20,6 +20,20 @@ pub(super) fn reached_from_one_of_many(
     let reached = attractor_of_many(system.dynamics(), x, settings, options);
     let reached = reached.map_err(|error| Failure::from(error).of(system))?;
     Ok(Outcome::of(&reached, &|error| in_words(error, system)))
+}
+
+/// The same for several starts, whose orbits are computed side by side.
+pub(super) fn reached_from_many(
+    system: &System,
+    starts: &[Vec<f64>],
+    settings: &RecurrenceSettings,
+    options: &Options,
+) -> Result<Vec<Outcome>, Failure> {
+    let starts = starts.iter().map(Vec::as_slice);
+    let reached = attractors_of_many(system.dynamics(), starts, settings, options);
+    let reached = reached.map_err(|error| Failure::from(error).of(system))?;
+    let outcome = |reached| Outcome::of(reached, &|error| in_words(error, system));
+    Ok(reached.iter().map(outcome).collect())
 }
 
 /// Appends the phases to a text, if there are any.

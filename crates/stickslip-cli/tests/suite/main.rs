@@ -12,6 +12,7 @@ mod pile_ups;
 mod public_cases;
 mod random_hybrid;
 mod recorded;
+mod side_by_side;
 mod spectrum;
 mod spectrum_embedding;
 mod tables;

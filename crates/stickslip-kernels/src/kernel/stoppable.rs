@@ -1,11 +1,12 @@
 //! Systems whose orbits can be ended from another thread.
 
+use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use stickslip::dynamics::{
-    Dynamics, DynamicsRef, Happening, KinkShift, Modes, Moment, OrbitUnderWay, Phase, Reset,
-    Section, SmoothFlow, Solution, Step, Transition, Vector,
+    Dynamics, DynamicsRef, Happening, KinkShift, Listener, Modes, Moment, OrbitUnderWay, Phase,
+    Reset, Section, SmoothFlow, Solution, Step, Transition, Vector,
 };
 use stickslip::orbit::Counters;
 use stickslip::{Error, Options};
@@ -36,6 +37,12 @@ impl Stop {
     /// Whether it was raised.
     pub fn is_raised(&self) -> bool {
         self.is_raised.load(Ordering::Relaxed)
+    }
+
+    fn note_time(&self, t: f64) {
+        if let Some(time) = &self.time {
+            time.store(t.to_bits(), Ordering::Relaxed);
+        }
     }
 
     /// The time that the last step has reached, if it is kept.
@@ -93,6 +100,27 @@ impl Dynamics for Stoppable {
         section: &Section,
     ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error> {
         self.orbit(self.system.begin(start, t_end, options, section))
+    }
+
+    fn follow_all(
+        &self,
+        starts: &[Moment],
+        t_end: f64,
+        options: &Options,
+        section: &Section,
+        listener: &mut Listener<'_>,
+    ) -> Vec<Result<(), Error>> {
+        let listener = &mut |number, happened, orbit: &mut dyn OrbitUnderWay| {
+            let stopped = self.stop.is_raised().then(|| stopped(&orbit.now()));
+            self.stop.note_time(orbit.t());
+            let is_stopped = stopped.is_some();
+            match listener(number, stopped.map_or(happened, Err), orbit) {
+                ControlFlow::Continue(()) if !is_stopped => ControlFlow::Continue(()),
+                _ => ControlFlow::Break(()),
+            }
+        };
+        let system = &self.system;
+        system.follow_all(starts, t_end, options, section, listener)
     }
 
     fn begin_in<'a>(
@@ -158,6 +186,16 @@ impl Dynamics for Stoppable {
     }
 }
 
+/// The error of an orbit that was stopped. The thread that raised the stop expects no result.
+fn stopped(at: &Moment) -> Error {
+    Error::TooMany {
+        name: "most_steps",
+        most: 0,
+        t: at.t,
+        x: (&at.x).into(),
+    }
+}
+
 struct StoppableOrbit<'a> {
     orbit: Box<dyn OrbitUnderWay + 'a>,
     stop: &'a Stop,
@@ -166,19 +204,10 @@ struct StoppableOrbit<'a> {
 impl OrbitUnderWay for StoppableOrbit<'_> {
     fn step(&mut self) -> Result<Happening, Error> {
         if self.stop.is_raised() {
-            // The thread that raised it expects no result.
-            let Moment { t, x } = self.orbit.now();
-            return Err(Error::TooMany {
-                name: "most_steps",
-                most: 0,
-                t,
-                x: (&x).into(),
-            });
+            return Err(stopped(&self.orbit.now()));
         }
         let happened = self.orbit.step();
-        if let Some(time) = &self.stop.time {
-            time.store(self.orbit.t().to_bits(), Ordering::Relaxed);
-        }
+        self.stop.note_time(self.orbit.t());
         happened
     }
 

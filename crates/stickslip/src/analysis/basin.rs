@@ -5,13 +5,17 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::attractors::{Attractors, Reached, RecurrenceSettings, one_of_many};
+use super::attractors::{Attractors, Reached, RecurrenceSettings, attractors_of};
 use crate::dynamics::{AsDynamics, Components};
 use crate::error::Error;
 use crate::filippov::Options;
 
 /// Number of starts whose outcomes are stored at one time. It bounds the memory.
 const WAVE: usize = 4096;
+/// Number of starts that a thread takes at once: enough to fill the lanes, and few enough that no
+/// thread waits long for the others.
+const MOST: usize = 128;
+const LEAST: usize = 16;
 
 /// The attractor reached from each start.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,24 +107,29 @@ pub fn basin_while<Kind>(
         if wave.is_empty() {
             break;
         }
+        let share = wave.len() / (4 * rayon::current_num_threads());
         let outcomes: Vec<_> = wave
-            .into_par_iter()
-            .with_max_len(16)
-            .map(|x| {
+            .par_chunks(share.clamp(LEAST, MOST))
+            .map(|starts| {
                 if is_enough.load(Ordering::Relaxed) {
-                    return None;
+                    return Ok(vec![None; starts.len()]);
                 }
-                let outcome = one_of_many(&*dynamics, x, settings, options);
-                if asked().is_break() {
-                    is_enough.store(true, Ordering::Relaxed);
-                    return None;
-                }
-                Some(outcome)
+                let mut asked = || {
+                    if is_enough.load(Ordering::Relaxed) {
+                        return ControlFlow::Break(());
+                    }
+                    let asked = asked();
+                    is_enough.fetch_or(asked.is_break(), Ordering::Relaxed);
+                    asked
+                };
+                attractors_of(&*dynamics, starts, settings, options, &mut asked)
             })
             .collect();
-        for outcome in outcomes {
-            let outcome = outcome.transpose()?;
-            reached.push(outcome.map(|outcome| known.number(outcome)));
+        for outcomes in outcomes {
+            for outcome in outcomes? {
+                let outcome = outcome.transpose()?;
+                reached.push(outcome.map(|outcome| known.number(outcome)));
+            }
         }
     }
     Ok((known.into_found(), reached))

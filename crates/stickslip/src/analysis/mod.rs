@@ -22,7 +22,7 @@ mod tangent;
 
 pub use attractors::{
     Attractors, Kind, Reached, RecurrenceSettings, attractor, attractor_of_many, attractor_on,
-    is_same_cycle,
+    attractors_of_many, is_same_cycle,
 };
 pub use basin::{Basin, Share, basin, basin_while};
 pub use bifurcation::{AttractorChange, Sweep, SweepPoint, SweepSettings, WhatChanges, sweep};

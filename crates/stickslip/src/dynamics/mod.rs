@@ -3,6 +3,7 @@
 //! Typed systems ([`Filippov`] or [`Several`]) and systems known only at run time are both
 //! [`Dynamics`]. The cost is one virtual call per step, not one per evaluation of the field.
 
+mod batch;
 mod flow;
 mod jumps;
 mod modes;
@@ -10,6 +11,7 @@ mod run;
 mod section;
 mod typed;
 
+use batch::one_by_one;
 use nalgebra::{DMatrix, DVector};
 
 use crate::error::{Error, Point};
@@ -19,6 +21,7 @@ use crate::interval::Interval;
 use crate::orbit::{Counters, Ending};
 use crate::system::{Filippov, State};
 
+pub use batch::Listener;
 pub use jumps::{Jumps, KinkShift, NoJumps, Reset, WithJumps};
 pub use modes::Modes;
 pub(crate) use run::{observed, watched};
@@ -198,6 +201,25 @@ pub trait Dynamics: Send + Sync {
         options: &Options,
         section: &Section,
     ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error>;
+
+    /// Follows the orbit from each start, as [`Dynamics::begin`] begins it, and reports it to the
+    /// listener. Items of one orbit come in order, between those of others. An orbit is at an end
+    /// when the listener breaks. Returns the error of each orbit that cannot begin.
+    ///
+    /// With [`Method::Taylor`], orbits of a system from formulas are computed side by side in
+    /// vectors. Each is bit-for-bit the same as alone. The solution over a step is available to the
+    /// listener only where a section is watched.
+    fn follow_all(
+        &self,
+        starts: &[Moment],
+        t_end: f64,
+        options: &Options,
+        section: &Section,
+        listener: &mut Listener<'_>,
+    ) -> Vec<Result<(), Error>> {
+        let begin = |start: &Moment| self.begin(start, t_end, options, section);
+        one_by_one(begin, starts, listener)
+    }
 
     /// Begins an orbit that stays in a mode to its end regardless of the guards, with contact lost
     /// or kept as at `inside`.

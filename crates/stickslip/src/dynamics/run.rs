@@ -25,10 +25,26 @@ where
         options: &Options,
         section: &Section,
     ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error> {
-        let integration = self.integration(start, t_end, options);
+        let with = (section, Stepper::new(options));
+        Ok(Box::new(self.begun(start, t_end, options, with)?))
+    }
+
+    /// An orbit at its start. The stepper may have served another orbit.
+    pub(super) fn begun(
+        self,
+        start: &Moment,
+        t_end: f64,
+        options: &Options,
+        (section, stepper): (&Section, Stepper<N, G>),
+    ) -> Result<Run<'a, S, V, J, N, G>, Error> {
+        let start = self.timed(start);
+        let checked = self.check_inputs(&start);
+        let start = (start, self.states);
+        let integration = checked
+            .and_then(|()| Integration::with_stepper(self.system, start, t_end, options, stepper));
         let mut run = self.run(integration, t_end, options)?;
         run.watch(section);
-        Ok(Box::new(run))
+        Ok(run)
     }
 
     pub(super) fn begin_in(
@@ -42,17 +58,6 @@ where
         let start = (self.timed(start), self.states);
         let integration = Integration::held(self.system, held, start, t_end, options);
         Ok(Box::new(self.run(integration, t_end, options)?))
-    }
-
-    fn integration(
-        self,
-        start: &Moment,
-        t_end: f64,
-        options: &Options,
-    ) -> Result<Integration<'a, S, N, G>, Error> {
-        let (start, stepper) = (self.timed(start), Stepper::new(options));
-        self.check_inputs(&start)?;
-        Integration::with_stepper(self.system, (start, self.states), t_end, options, stepper)
     }
 
     fn run(
@@ -72,6 +77,7 @@ where
             options: *options,
             search: None,
             reported: 0,
+            is_ready: false,
             observer: None,
             unobserved: None,
             is_stopping: false,
@@ -97,7 +103,8 @@ where
         states: N,
         contacts: S::CONTACTS,
     };
-    let mut run = view.run(view.integration(start, t_end, options), t_end, options)?;
+    let with = (&Section::None, Stepper::new(options));
+    let mut run = view.begun(start, t_end, options, with)?;
     run.observer = Some(observer);
     Ok(Box::new(run))
 }
@@ -123,7 +130,7 @@ where
 }
 
 /// An integration under way, with the search for passages of a section.
-struct Run<'a, S: Switched<N, G>, V, J, const N: usize, const G: usize> {
+pub(super) struct Run<'a, S: Switched<N, G>, V, J, const N: usize, const G: usize> {
     of: View<'a, S, V, J, N, G>,
     integration: Integration<'a, S, N, G>,
     /// Of a system with jumps or inputs.
@@ -134,18 +141,92 @@ struct Run<'a, S: Switched<N, G>, V, J, const N: usize, const G: usize> {
     search: Option<EventSearch<'a, S, TypedSection<'a, S, V, J, N, G>, N, 1, G>>,
     /// How many passages of the last step have been reported.
     reported: usize,
+    /// Whether the next step is prepared.
+    is_ready: bool,
     observer: Option<&'a mut dyn Observer<N, S::Mode>>,
     /// Items that the observer has not received yet.
     unobserved: Option<Progress<N, S::Mode>>,
     is_stopping: bool,
 }
 
-impl<S, V, J, const N: usize, const G: usize> Run<'_, S, V, J, N, G>
+impl<'a, S, V, J, const N: usize, const G: usize> Run<'a, S, V, J, N, G>
 where
     S: Switched<N, G>,
     V: EventFunctions<N, 1>,
     J: Jumps<N>,
 {
+    pub(super) fn integration(&mut self) -> &mut Integration<'a, S, N, G> {
+        &mut self.integration
+    }
+
+    /// Whether the solution over a step is needed, not only its end.
+    pub(super) fn watches_steps(&self) -> bool {
+        self.search.is_some() || self.jumping.is_some()
+    }
+
+    /// Takes the step that was prepared, if there is one, or continues until the next one is
+    /// prepared. Returns what is to be reported, or `None` if a step was prepared.
+    pub(super) fn go_on(&mut self) -> Option<Result<Happening, Error>> {
+        let happened = self.next().transpose()?;
+        Some(happened.map_err(|error| error.of_states(self.of.states)))
+    }
+
+    fn next(&mut self) -> Result<Option<Happening>, Error> {
+        let is_ready = std::mem::take(&mut self.is_ready);
+        if !is_ready && let Some(happening) = self.before_step()? {
+            return Ok(Some(happening));
+        }
+        let progress = if is_ready && self.integration.advance()? {
+            Progress::Step
+        } else if self.integration.prepare()? {
+            self.is_ready = true;
+            return Ok(None);
+        } else {
+            self.integration.say()?
+        };
+        self.unobserved = self.observer.is_some().then_some(progress);
+        Ok(Some(match &progress {
+            Progress::Step => {
+                if let Some(jumping) = &mut self.jumping {
+                    jumping.look(&mut self.integration)?;
+                }
+                if let Some(search) = &mut self.search {
+                    search.in_step(&self.integration.last_step());
+                    self.reported = 0;
+                }
+                Happening::Step
+            }
+            Progress::PhaseEnd(phase) => {
+                let until = self.jumping.as_ref().and_then(Jumping::due);
+                Happening::PhaseEnd(self.of.phase(phase, until))
+            }
+            Progress::Transition(at) => Happening::Transition(self.of.transition(at)),
+            Progress::End(summary) => Happening::End(self.of.summary(summary)),
+        }))
+    }
+
+    /// What is reported before the integration continues.
+    fn before_step(&mut self) -> Result<Option<Happening>, Error> {
+        if let Some(search) = &self.search
+            && let Some(passage) = search.found().get(self.reported)
+            && !self.is_settling(passage.t)
+        {
+            self.reported += 1;
+            let mut passage = *passage;
+            if passage.t == self.integration.t() && self.has_kinked(passage.t) {
+                (passage.x, passage.mode) = (*self.integration.x(), self.integration.mode());
+            }
+            return Ok(Some(Happening::Passage(self.of.passage(&passage))));
+        }
+        if let (Some(observer), Some(progress)) = (&mut self.observer, self.unobserved.take()) {
+            let (integration, is_stopping) = (&mut self.integration, &mut self.is_stopping);
+            if let Some(summary) = tell(integration, &progress, *observer, is_stopping)? {
+                return Ok(Some(Happening::End(self.of.summary(&summary))));
+            }
+        }
+        self.leap()
+    }
+
     fn has_kinked(&self, t: f64) -> bool {
         let jumping = self.jumping.as_ref();
         jumping.is_some_and(|jumping| jumping.has_kinked(t))
@@ -200,52 +281,11 @@ where
     J: Jumps<N>,
 {
     fn step(&mut self) -> Result<Happening, Error> {
-        if let Some(search) = &self.search
-            && let Some(passage) = search.found().get(self.reported)
-            && !self.is_settling(passage.t)
-        {
-            self.reported += 1;
-            let mut passage = *passage;
-            if passage.t == self.integration.t() && self.has_kinked(passage.t) {
-                (passage.x, passage.mode) = (*self.integration.x(), self.integration.mode());
-            }
-            return Ok(Happening::Passage(self.of.passage(&passage)));
-        }
-        if let (Some(observer), Some(progress)) = (&mut self.observer, self.unobserved.take()) {
-            let (integration, is_stopping) = (&mut self.integration, &mut self.is_stopping);
-            let told = tell(integration, &progress, *observer, is_stopping);
-            if let Some(summary) = told.map_err(|error| error.of_states(self.of.states))? {
-                return Ok(Happening::End(self.of.summary(&summary)));
+        loop {
+            if let Some(happened) = self.go_on() {
+                return happened;
             }
         }
-        if let Some(happening) = self
-            .leap()
-            .map_err(|error| error.of_states(self.of.states))?
-        {
-            return Ok(happening);
-        }
-        let progress = self.integration.step();
-        let progress = progress.map_err(|error| error.of_states(self.of.states))?;
-        self.unobserved = self.observer.is_some().then_some(progress);
-        Ok(match &progress {
-            Progress::Step => {
-                if let Some(jumping) = &mut self.jumping {
-                    let looked = jumping.look(&mut self.integration);
-                    looked.map_err(|error| error.of_states(self.of.states))?;
-                }
-                if let Some(search) = &mut self.search {
-                    search.in_step(&self.integration.last_step());
-                    self.reported = 0;
-                }
-                Happening::Step
-            }
-            Progress::PhaseEnd(phase) => {
-                let until = self.jumping.as_ref().and_then(Jumping::due);
-                Happening::PhaseEnd(self.of.phase(phase, until))
-            }
-            Progress::Transition(at) => Happening::Transition(self.of.transition(at)),
-            Progress::End(summary) => Happening::End(self.of.summary(summary)),
-        })
     }
 
     fn watch(&mut self, section: &Section) {

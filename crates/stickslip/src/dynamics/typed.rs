@@ -1,8 +1,10 @@
 //! Systems whose numbers of states and contacts are part of their type, as [`Dynamics`].
 
 use std::borrow::Borrow;
+use std::cell::RefCell;
 use std::marker::PhantomData;
 
+use super::batch::{Heard, Listener, one_by_one};
 use super::flow::TypedFlow;
 use super::jumps::{Jumps, NoJumps, Reset};
 use super::section::NoSection;
@@ -13,8 +15,8 @@ use super::{
 use crate::dual::Dual;
 use crate::error::{Error, Point};
 use crate::filippov::{
-    EventFunctions, EventOf, EventRecord, Integration, Options, PhaseOf, SummaryOf, Switched,
-    TransitionKind, TransitionOf, gradient,
+    EventFunctions, EventOf, EventRecord, Integration, Method, Options, PhaseOf, SummaryOf,
+    Switched, TransitionKind, TransitionOf, gradient, side_by_side,
 };
 use crate::ode::Timed;
 use crate::system::{State, components};
@@ -251,6 +253,36 @@ where
         section: &Section,
     ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error> {
         self.view().begin(start, t_end, options, section)
+    }
+
+    fn follow_all(
+        &self,
+        starts: &[Moment],
+        t_end: f64,
+        options: &Options,
+        section: &Section,
+        listener: &mut Listener<'_>,
+    ) -> Vec<Result<(), Error>> {
+        let of = self.view();
+        // Compiled functions would be compiled once more for the lanes. Jumps and inputs need the
+        // solution over every step, so that lanes do not pay.
+        let has_jumps = self.jumps.count() + self.jumps.inputs() > 0;
+        if const { !S::INTERPRETED } || has_jumps || options.method != Method::Taylor {
+            let begin = |start: &Moment| of.begin(start, t_end, options, section);
+            return one_by_one(begin, starts, listener);
+        }
+        let listener = &RefCell::new(listener);
+        let begin = |(number, start): (usize, &Moment), stepper| {
+            let run = of.begun(start, t_end, options, (section, stepper));
+            Ok(Heard {
+                number,
+                run: run.map_err(Err)?,
+                listener,
+            })
+        };
+        // All have one system.
+        let starts = starts.iter().enumerate().map(|start| (0, start));
+        side_by_side(starts, begin, options)
     }
 
     fn begin_in<'a>(

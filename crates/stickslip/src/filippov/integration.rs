@@ -209,7 +209,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     /// Goes on to where a step is taken next, or to where something is to be said before; returns
     /// whether it is a step.
     #[inline(always)]
-    pub(super) fn prepare(&mut self) -> Result<bool, Error> {
+    pub(crate) fn prepare(&mut self) -> Result<bool, Error> {
         match self.due {
             Due::Step => {}
             Due::Begin => {
@@ -243,7 +243,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
 
     /// Tries a step, and says whether it was taken.
     #[inline(always)]
-    pub(super) fn advance(&mut self) -> Result<bool, Error> {
+    pub(crate) fn advance(&mut self) -> Result<bool, Error> {
         self.due = match self.work(Work::Advance) {
             Ok(Trial::NoStep) => return Ok(false),
             Ok(Trial::Step) => Due::Passed,
@@ -258,7 +258,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     }
 
     /// What is to be said before the next step, one thing a call.
-    pub(super) fn say(&mut self) -> Result<Progress<N, S::Mode>, Error> {
+    pub(crate) fn say(&mut self) -> Result<Progress<N, S::Mode>, Error> {
         if let (Due::Event | Due::Switch, Some(event)) = (self.due, self.run.event) {
             match self.conclude(&event) {
                 Err(error) => {

@@ -31,6 +31,7 @@ mod taylor;
 mod two_fold;
 mod uncertainty;
 
+pub(crate) use batch::{Member, side_by_side};
 pub use contacts::{Contacts, Several};
 pub use ensemble::{Start, ensemble};
 pub(crate) use flow::{Flow, flow_path};

@@ -173,13 +173,14 @@ impl Sweep for Basin {
     ) -> Result<Vec<u8>, BlockError> {
         let settings = recurrence(system, self.until);
         let options = self.solver.options()?;
-        let (mut known, mut starts) = (Vec::new(), Vec::new());
-        for point in self.points.of_block(index) {
-            let start = self.start(point);
-            let outcome =
-                attractors::reached_from_one_of_many(system, &start, &settings, &options)?;
-            starts.push(number(&mut known, outcome, system, &settings, &options));
-        }
+        let points = self.points.of_block(index);
+        let starts: Vec<Vec<f64>> = points.map(|point| self.start(point)).collect();
+        let reached = attractors::reached_from_many(system, &starts, &settings, &options)?;
+        let mut known = Vec::new();
+        let starts = reached
+            .into_iter()
+            .map(|outcome| number(&mut known, outcome, system, &settings, &options))
+            .collect();
         to_content(&Block {
             attractors: known,
             starts,

@@ -67,8 +67,10 @@ impl History {
         (whole > 0.0).then_some(stuck / whole)
     }
 
-    pub fn into_parts(self) -> (Vec<Phase>, Vec<(TransitionKind, usize)>) {
-        (exact(self.phases), exact(self.transitions))
+    /// Takes the phases and transitions out.
+    pub fn take(&mut self) -> (Vec<Phase>, Vec<(TransitionKind, usize)>) {
+        let phases = std::mem::take(&mut self.phases);
+        (exact(phases), exact(std::mem::take(&mut self.transitions)))
     }
 }
 

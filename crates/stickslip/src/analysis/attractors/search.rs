@@ -57,6 +57,8 @@ pub(super) struct Search<'a> {
     before: Vector,
     /// Steps since the last transition.
     quiet: usize,
+    /// Whether the extrema of the first state are recorded once there has been no event for long.
+    may_be_quiet: bool,
     /// Delay in steps before an equilibrium is sought again, and what remains of it.
     patience: (usize, usize),
     /// Steps since the last transition at which a trap is sought next.
@@ -102,6 +104,7 @@ impl<'a> Search<'a> {
             ever: Extent::of(x.as_slice()),
             before: x.clone(),
             quiet: 0,
+            may_be_quiet: *section == Section::None && settings.forcing.is_none(),
             patience: (1, 0),
             asked_at: CALM,
             trap: None,
@@ -111,35 +114,34 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Follows the orbit to the end.
-    pub fn follow(mut self, mut orbit: Box<dyn OrbitUnderWay + 'a>) -> Reached {
-        let mut may_be_quiet = self.by == By::Transitions && self.settings.forcing.is_none();
-        loop {
-            let done = match orbit.step() {
-                Ok(Happening::Passage(at)) => self.event(Moment { t: at.t, x: at.x }, at.mode),
-                Ok(Happening::Step) => {
-                    self.quiet += 1;
-                    if may_be_quiet && self.quiet > QUIET {
-                        // There has been no event for long.
-                        may_be_quiet = false;
-                        orbit.watch(&Section::Turning);
-                        continue;
-                    }
-                    self.step(orbit.mode(), orbit.t(), orbit.x())
+    /// Records what happens to the orbit next. Returns the outcome once it is known.
+    pub fn hear(
+        &mut self,
+        happened: Result<Happening, Error>,
+        orbit: &mut dyn OrbitUnderWay,
+    ) -> Option<Reached> {
+        let done = match happened {
+            Ok(Happening::Passage(at)) => self.event(Moment { t: at.t, x: at.x }, at.mode),
+            Ok(Happening::Step) => {
+                self.quiet += 1;
+                if self.may_be_quiet && self.quiet > QUIET {
+                    // There has been no event for long.
+                    self.may_be_quiet = false;
+                    orbit.watch(&Section::Turning);
+                    return None;
                 }
-                Ok(Happening::PhaseEnd(phase)) => {
-                    self.history.phase(phase);
-                    None
-                }
-                Ok(Happening::Kink(_)) => None,
-                Ok(Happening::Transition(at)) => self.transition(&at),
-                Ok(Happening::End(summary)) => Some(self.ended(summary, orbit.mode())),
-                Err(error) => Some(self.failed(error, &*orbit)),
-            };
-            if let Some((kind, points)) = done {
-                return self.reached(kind, points, &*orbit);
+                self.step(orbit.mode(), orbit.t(), orbit.x())
             }
-        }
+            Ok(Happening::PhaseEnd(phase)) => {
+                self.history.phase(phase);
+                None
+            }
+            Ok(Happening::Kink(_)) => None,
+            Ok(Happening::Transition(at)) => self.transition(&at),
+            Ok(Happening::End(summary)) => Some(self.ended(summary, orbit.mode())),
+            Err(error) => Some(self.failed(error, orbit)),
+        };
+        done.map(|(kind, points)| self.reached(kind, points, orbit))
     }
 
     fn step(&mut self, mode: Modes, t: f64, x: &[f64]) -> Option<(Kind, Vec<Moment>)> {
@@ -336,14 +338,15 @@ impl<'a> Search<'a> {
         }
     }
 
-    fn reached(self, kind: Kind, points: Vec<Moment>, orbit: &dyn OrbitUnderWay) -> Reached {
-        let (left, mode) = self.left_at.unwrap_or((orbit.now(), orbit.mode()));
+    fn reached(&mut self, kind: Kind, points: Vec<Moment>, orbit: &dyn OrbitUnderWay) -> Reached {
+        let left_at = self.left_at.take();
+        let (left, mode) = left_at.unwrap_or_else(|| (orbit.now(), orbit.mode()));
         let rests = matches!(kind, Kind::Equilibrium | Kind::EquilibriumSet);
         let by_phases = self.history.in_stick(|mode| mode.any_sticks());
         let in_stick = by_phases
             .filter(|_| !rests)
             .unwrap_or_else(|| f64::from(u8::from(mode.any_sticks())));
-        let (phases, transitions) = self.history.into_parts();
+        let (phases, transitions) = self.history.take();
         Reached {
             kind,
             period_uncertainty: self.uncertainty,
