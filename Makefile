@@ -28,7 +28,7 @@ report: build-replication ## The verdict on every claim: report/index.html, repo
 	$(CARGO) run $(REPLICATION) --release --bin report
 
 # All packages that are tested without Python. `cargo test` alone is the check of the replication.
-TESTED := --locked --workspace --exclude stickslip-python
+TESTED := --locked --workspace --exclude stickslip-python --features stickslip-replication/peers
 
 test: ## Run all tests; the test profile is optimised, see Cargo.toml
 	$(CARGO) test $(TESTED)
@@ -90,13 +90,13 @@ PEERS_INSTALL := { cmp -s $(PEERS_WANTED) $(PEERS_STAMP) \
     && cp $(PEERS_WANTED) $(PEERS_STAMP); }; }
 
 bench-peers: ## Error against run time beside SciPy, numba, heyoka and pydiffsol, and bench-spectra; ours alone without Python
-	$(CARGO) build --locked --release -p stickslip-replication --bin peers
+	$(CARGO) build --locked --release -p stickslip-replication --features peers --bin peers
 	@if $(PEERS_INSTALL); then \
-	    $(CARGO) run --locked --release --quiet -p stickslip-replication --bin peers -- --python $(PEERS_VENV)/bin/python $(PEERS_ARGS); \
+	    $(CARGO) run --locked --release --quiet -p stickslip-replication --features peers --bin peers -- --python $(PEERS_VENV)/bin/python $(PEERS_ARGS); \
 	else \
 	    echo "no peers: Python 3.11 or later ($(PYTHON)) with venv, and a network to install $(PEERS_WANTED) from," \
 	        "are needed; measuring ours alone" >&2; \
-	    $(CARGO) run --locked --release --quiet -p stickslip-replication --bin peers -- $(PEERS_ARGS); \
+	    $(CARGO) run --locked --release --quiet -p stickslip-replication --features peers --bin peers -- $(PEERS_ARGS); \
 	fi
 	@! cmp -s $(PEERS_WANTED) $(PEERS_STAMP) || $(MAKE) bench-spectra
 

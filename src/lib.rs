@@ -4,7 +4,7 @@ pub mod figures;
 mod numbers;
 mod orbit_records;
 pub mod paper;
-#[cfg(feature = "report")]
+#[cfg(feature = "peers")]
 pub mod peers;
 #[cfg(feature = "report")]
 pub mod readings;

@@ -6,6 +6,7 @@ mod cli;
 mod common;
 mod goldens;
 mod listing;
+#[cfg(feature = "peers")]
 mod peers;
 mod readings;
 mod report;

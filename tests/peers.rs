@@ -74,10 +74,7 @@ fn the_committed_picture_is_that_of_the_committed_table() {
     let drawn = std::fs::read_to_string(folder.path().join("bench.svg")).unwrap();
     let committed = std::fs::read_to_string(top.join("figures/bench.svg")).unwrap();
     // assert_eq would print both pictures.
-    assert!(
-        drawn == committed,
-        "run `cargo run --release --bin peers -- redraw`"
-    );
+    assert!(drawn == committed, "run `peers redraw`");
 }
 
 #[test]

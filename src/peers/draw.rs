@@ -8,7 +8,7 @@ use crate::text::distinct;
 use plot::*;
 use stickslip::math;
 
-const LINE_STYLES: [(Color, Dash, Shape); 8] = [
+const LINE_STYLES: [(Color, Dash, Shape); 9] = [
     (BLACK, Dash::Solid, Shape::Circle),
     (BLUE, Dash::Solid, Shape::Square),
     (VERMILLION, Dash::Solid, Shape::Up),
@@ -17,6 +17,7 @@ const LINE_STYLES: [(Color, Dash, Shape); 8] = [
     (ORANGE, Dash::Dashed, Shape::Circle),
     (SKY, Dash::Solid, Shape::Square),
     (GREY, Dash::Dashed, Shape::Up),
+    (BLACK, Dash::Dashed, Shape::Diamond),
 ];
 const PANELS_IN_ROW: usize = 2;
 /// Height of a row, px. Panels are a little wider than high.

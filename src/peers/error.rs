@@ -33,6 +33,12 @@ pub enum PeersError {
         /// The solver's error.
         source: stickslip::Error,
     },
+    /// A problem that cannot be written as formulas.
+    #[error("problem {problem} branches on values, which formulas cannot say")]
+    Formulas {
+        /// Problem.
+        problem: &'static str,
+    },
     /// A program cannot be started.
     #[error(
         "cannot start {}: {source}; check --python, or leave it out to measure without peers",

@@ -107,8 +107,23 @@ pub(super) fn parse(problem: &'static str, text: &str) -> Result<Vec<Event>, Pee
 mod tests {
     use super::*;
 
-    use crate::peers::problem::{Problem, System, problems};
+    use crate::peers::problem::{Problem, SOLVERS, System, problems};
     use stickslip::filippov::{Method, Options};
+
+    #[test]
+    fn every_solver_meets_every_reference() {
+        for problem in problems().unwrap() {
+            let reference = problem.reference().unwrap();
+            for solver in SOLVERS {
+                let mut events = Vec::new();
+                let ready = solver.ready(&problem).unwrap();
+                ready.solve(&solver.options(1e-12), &mut events).unwrap();
+                let (solver, problem) = (solver.name, problem.name);
+                let error = event_time_error(&events, &reference).unwrap();
+                assert!(error < 1e-8, "{solver} on {problem}: {error:e}");
+            }
+        }
+    }
 
     /// Our events and the reference's, for every problem.
     fn solved(options: &Options) -> Vec<(Problem, Vec<Event>, Vec<Event>)> {

@@ -39,7 +39,7 @@ pub fn problem(
     versions: &mut Vec<(String, String)>,
 ) -> Result<Vec<Measurement>, PeersError> {
     let reference = problem.reference()?;
-    let mut entries = ours(problem, &reference);
+    let mut entries = ours(problem, &reference)?;
     let mut peers = peers;
     if let Some(peers) = &mut peers {
         for answer in peers.ask(&format!("prepare {}", problem.name))? {
@@ -74,9 +74,13 @@ pub fn problem(
     Ok(entries.into_iter().map(named).collect())
 }
 
-fn ours(problem: &Problem, reference: &[Event]) -> Vec<(Measurement, TimedSolver)> {
+fn ours(
+    problem: &Problem,
+    reference: &[Event],
+) -> Result<Vec<(Measurement, TimedSolver)>, PeersError> {
     let mut entries = Vec::new();
     for solver in SOLVERS {
+        let ready = solver.ready(problem)?;
         for &tolerance in solver.tolerances {
             let row = Measurement {
                 solver: solver.name.into(),
@@ -87,7 +91,7 @@ fn ours(problem: &Problem, reference: &[Event]) -> Vec<(Measurement, TimedSolver
                 ..Measurement::default()
             };
             let mut events = Vec::new();
-            let solved = problem.solve(&solver.options(tolerance), &mut events);
+            let solved = ready.solve(&solver.options(tolerance), &mut events);
             entries.push(match solved {
                 Ok(()) => {
                     let timed = TimedSolver::Ours(solver, tolerance);
@@ -100,7 +104,7 @@ fn ours(problem: &Problem, reference: &[Event]) -> Vec<(Measurement, TimedSolver
             });
         }
     }
-    entries
+    Ok(entries)
 }
 
 /// The row with the error of its events against those of the reference.
@@ -115,12 +119,12 @@ fn with_error(mut row: Measurement, events: &[Event], reference: &[Event]) -> Me
 
 /// Seconds per run of our solver.
 fn time(problem: &Problem, solver: &Solver, tolerance: f64) -> Result<f64, PeersError> {
-    let options = solver.options(tolerance);
+    let (ready, options) = (solver.ready(problem)?, solver.options(tolerance));
     let mut events = Vec::new();
     let begin = Instant::now();
     let mut calls = 0_u32;
     loop {
-        black_box(problem).solve(black_box(&options), &mut events)?;
+        black_box(&ready).solve(black_box(&options), &mut events)?;
         black_box(&events);
         calls += 1;
         let spent = begin.elapsed().as_secs_f64();

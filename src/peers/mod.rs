@@ -302,7 +302,8 @@ const OWN_SOLVER: &str = "stickslip Taylor";
 fn solve_one(one: &SolveArguments) -> Result<String, PeersError> {
     let mut events = Vec::new();
     let options = one.solver.options(one.tolerance);
-    one.problem.solve(&options, &mut events)?;
+    let ready = one.solver.ready(&one.problem)?;
+    ready.solve(&options, &mut events)?;
     let line = |event: &Event| format!("{:?},{:e}\n", event.kind, event.t).to_lowercase();
     Ok(events.iter().map(line).collect())
 }

@@ -6,10 +6,13 @@ use std::ops::ControlFlow;
 use super::error::PeersError;
 use super::event::{self, Event, EventKind};
 use crate::text::joined;
+use stickslip::dynamics::{DynamicsRef, Section, Transition as AnyTransition};
 use stickslip::models::{BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading};
 use stickslip::{
     Filippov, Method, Observer, Options, Scalar, Side, State, Transition, TransitionKind, run,
 };
+use stickslip_kernels::kernel::{Equations, Run, Switching, Watcher, dynamics, follow};
+use stickslip_kernels::trace::trace;
 
 /// Problem with a moving boundary: `x' = a` below, `−a` above, boundary `x − sin t`. Between events
 /// the solution has a closed form.
@@ -178,6 +181,30 @@ impl Problem {
         })
     }
 
+    /// The problem by its formulas, as a system from a file is.
+    ///
+    /// # Errors
+    /// [`PeersError::Formulas`].
+    fn by_formulas(&self) -> Result<Ready<'_>, PeersError> {
+        fn traced<S: Filippov<N>, const N: usize>(
+            system: &S,
+            start: [f64; N],
+        ) -> Option<(DynamicsRef<'static>, Vec<f64>)> {
+            let equations = Equations::OneContact(Box::new(trace(system)?));
+            let system = dynamics(equations, None, Switching::none(N), (N, 1))?;
+            Some((system, start.to_vec()))
+        }
+        let traced = match &self.system {
+            System::Belt(system, start) => traced(system, *start),
+            System::Forced(system, start) => traced(system, *start),
+            System::Moving(system, start) => traced(system, *start),
+            System::Bracket(system, start) => traced(system, *start),
+        };
+        let problem = self.name;
+        let (system, start) = traced.ok_or(PeersError::Formulas { problem })?;
+        Ok(Ready::ByFormulas(self, system, start))
+    }
+
     fn events<S: Filippov<N>, const N: usize>(
         &self,
         system: &S,
@@ -192,11 +219,46 @@ impl Problem {
     }
 }
 
+/// A problem that can be solved any number of times.
+pub enum Ready<'a> {
+    /// By its compiled functions.
+    Compiled(&'a Problem),
+    /// By its formulas, from a start.
+    ByFormulas(&'a Problem, DynamicsRef<'static>, Vec<f64>),
+}
+
+impl Ready<'_> {
+    /// As [`Problem::solve`].
+    ///
+    /// # Errors
+    /// As [`Problem::solve`].
+    pub fn solve(&self, options: &Options, events: &mut Vec<Event>) -> Result<(), PeersError> {
+        let (problem, system, x) = match self {
+            Ready::Compiled(problem) => return problem.solve(options, events),
+            Ready::ByFormulas(problem, system, x) => (problem, system, x),
+        };
+        events.clear();
+        let (t, t_end) = (problem.t_start, problem.t_end);
+        let run = Run {
+            t,
+            x,
+            t_end,
+            options,
+        };
+        let ended = follow(system, &run, &Section::None, &mut EventRecorder(events));
+        ended.map(drop).map_err(|source| PeersError::Solve {
+            problem: problem.name,
+            tolerance: options.rtol,
+            source,
+        })
+    }
+}
+
 struct EventRecorder<'a>(&'a mut Vec<Event>);
 
-impl<const N: usize> Observer<N> for EventRecorder<'_> {
-    fn transition(&mut self, at: &Transition<N>) -> ControlFlow<()> {
-        let kind = match at.kind {
+impl EventRecorder<'_> {
+    fn record(&mut self, kind: TransitionKind, t: f64) -> ControlFlow<()> {
+        let kind = match kind {
             TransitionKind::Crossing => EventKind::Crossing,
             TransitionKind::StickEntry => EventKind::Entry,
             TransitionKind::StickExit => EventKind::Exit,
@@ -206,8 +268,20 @@ impl<const N: usize> Observer<N> for EventRecorder<'_> {
             | TransitionKind::ContactGain
             | TransitionKind::Jump => return ControlFlow::Continue(()),
         };
-        self.0.push(Event { kind, t: at.t });
+        self.0.push(Event { kind, t });
         ControlFlow::Continue(())
+    }
+}
+
+impl Watcher for EventRecorder<'_> {
+    fn transition(&mut self, at: AnyTransition) -> ControlFlow<()> {
+        self.record(at.kind, at.t)
+    }
+}
+
+impl<const N: usize> Observer<N> for EventRecorder<'_> {
+    fn transition(&mut self, at: &Transition<N>) -> ControlFlow<()> {
+        self.record(at.kind, at.t)
     }
     fn watches_steps(&self) -> bool {
         false
@@ -221,6 +295,8 @@ pub struct Solver {
     pub name: &'static str,
     /// Its integrator.
     pub method: Method,
+    /// Whether it takes the problems by their formulas.
+    pub by_formulas: bool,
     /// The tolerances for which it is run.
     pub tolerances: &'static [f64],
 }
@@ -234,13 +310,21 @@ pub const SOLVERS: &[Solver] = &[
     Solver {
         name: "stickslip Taylor",
         method: Method::Taylor,
+        by_formulas: false,
         tolerances: &LADDER,
     },
     Solver {
         name: "stickslip Dop853",
         method: Method::Dop853,
+        by_formulas: false,
         // Rounding limits the accuracy of Runge–Kutta steps.
         tolerances: LADDER.split_at(11).0,
+    },
+    Solver {
+        name: "stickslip formulas",
+        method: Method::Taylor,
+        by_formulas: true,
+        tolerances: &LADDER,
     },
 ];
 
@@ -257,6 +341,17 @@ impl Solver {
     /// A message, if there is none.
     pub fn named(name: &str) -> Result<&'static Solver, String> {
         find_by_name(SOLVERS, |one| one.name, name)
+    }
+
+    /// A problem in the form that it takes.
+    ///
+    /// # Errors
+    /// [`PeersError::Formulas`].
+    pub fn ready<'a>(&self, problem: &'a Problem) -> Result<Ready<'a>, PeersError> {
+        match self.by_formulas {
+            true => problem.by_formulas(),
+            false => Ok(Ready::Compiled(problem)),
+        }
     }
 
     /// Its options for a tolerance.

@@ -145,17 +145,16 @@ impl Diagram<'_> {
             })
         };
         let between = [last.value, value];
+        let (number, options) = (here.file.parameter(self.parameter)?, Options::tol(LOCATING));
+        let along = here.along(number)?;
         // The orbit may not exist all the way.
-        let points = sweep(family, between, &*last.start, &settings, self.options).ok();
-        let mut parameters = here.file.parameters.iter();
-        let number = parameters.position(|one| one.name == self.parameter);
-        let (Some(points), Some(number), true) = (points, number, complete.get()) else {
+        let located = sweep(family, between, &*last.start, &settings, self.options)
+            .and_then(|points| locate_changes(&along, &points, recurrence.forcing, &options));
+        let Some(located) = located.ok().filter(|_| complete.get()) else {
             return Ok(vec![Change::Unlocated]);
         };
-        let (along, options) = (here.along(number)?, Options::tol(LOCATING));
-        let found = locate_changes(&along, &points, recurrence.forcing, &options)?;
-        let found = found.iter();
-        let mut found: Vec<Change> = found.map(|change| Change::from(&change.what)).collect();
+        let located = located.iter();
+        let mut found: Vec<Change> = located.map(|change| Change::from(&change.what)).collect();
         for change in &mut found {
             if let (
                 Change::Sequence {

@@ -286,7 +286,8 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     /// Does what depends on the mode, with the flow of the mode.
     #[inline(always)]
     fn work(&mut self, work: Work) -> Result<Trial, Error> {
-        let expands = S::INTERPRETED && matches!(work, Work::Advance);
+        let is_series = matches!((work, &self.stepper), (Work::Advance, Stepper::Taylor(_)));
+        let expands = S::INTERPRETED && is_series;
         let repeated = expands.then(|| self.recordings.of((self.mode, self.branch)));
         let on_flow = OnFlow {
             work,
