@@ -38,7 +38,7 @@ const AFTER_SHORT: &str = "\
 One column is embedded; several are the state as they are, unless they lack one. \
 A column named t or time gives --dt.
 Example: stickslip spectrum lorenz.dat --dt 0.02 --columns 1
-What the statuses of exponents and the columns of the table mean, which files are read, \
+What the statuses of exponents and the columns of the table mean, which files are read,
 more examples: --help";
 
 /// Lyapunov exponents of a time series from a file, without equations
