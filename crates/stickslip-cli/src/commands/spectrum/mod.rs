@@ -50,7 +50,9 @@ pub(super) struct Arguments {
     /// Commas, semicolons, tabs or spaces separate the columns. The first line may hold names.
     file: PathBuf,
 
-    /// Time between two lines, 1 for a map [default: by the column t or time]
+    /// Time between two lines [default: of the column t or time]
+    ///
+    /// 1 for a map.
     #[arg(long, value_parser = number, value_name = "TIME")]
     dt: Option<f64>,
 
@@ -68,9 +70,10 @@ pub(super) struct Arguments {
     #[arg(long, value_parser = neighbours, value_name = "MIN-MAX|K")]
     neighbours: Option<Neighbours>,
 
-    /// Delayed values of each column in a state; 1 for the columns as they are
+    /// Delayed values of each column in a state
     ///
-    /// [default: for one column the first number with less than 1 % false neighbours]
+    /// 1 takes the columns as they are. [default: for one column the first number with less than
+    /// 1 % false neighbours]
     #[arg(long, value_parser = count, value_name = "VALUES")]
     dimension: Option<usize>,
 
@@ -81,7 +84,9 @@ pub(super) struct Arguments {
     #[arg(long, value_parser = count, value_name = "POINTS")]
     delay: Option<usize>,
 
-    /// Points that a map goes ahead [default: 1, the delay for delayed values]
+    /// Points that a map goes ahead
+    ///
+    /// [default: 1; the delay for delayed values]
     #[arg(long, value_parser = count, value_name = "D")]
     step: Option<usize>,
 
@@ -91,7 +96,7 @@ pub(super) struct Arguments {
     #[arg(long, value_parser = count, value_name = "POINTS")]
     theiler: Option<usize>,
 
-    /// Fit a constant beside the linear map, which is Eq. (25) as it stands
+    /// Fit a constant beside the linear map of Eq. (25)
     #[arg(long)]
     affine: bool,
 
@@ -123,7 +128,7 @@ pub(super) struct Arguments {
     #[arg(long, value_parser = number, value_name = "VALUE")]
     divergence: Option<f64>,
 
-    /// Tikhonov regularisation, as a fraction of the largest singular value
+    /// Tikhonov term over the largest singular value
     #[arg(long, value_parser = number, value_name = "FRACTION", default_value_t = 0.0)]
     ridge: f64,
 
@@ -138,7 +143,9 @@ pub(super) struct Arguments {
     #[arg(long, value_parser = count, value_name = "POINTS")]
     stride: Option<usize>,
 
-    /// Most reference points, at least 20, from the first on [default: all]
+    /// Most reference points, from the first on [default: all]
+    ///
+    /// At least 20.
     #[arg(long, value_parser = count, value_name = "COUNT")]
     references: Option<usize>,
 
@@ -156,7 +163,9 @@ pub(super) struct Arguments {
     #[arg(long)]
     csv: bool,
 
-    /// Folder for a picture, spectrum.svg; made if it does not exist
+    /// Folder for a picture, spectrum.svg
+    ///
+    /// It is made if it does not exist.
     #[arg(long, value_name = "DIR", visible_alias = "out-dir")]
     out: Option<String>,
 }
