@@ -47,8 +47,13 @@ impl SystemArguments {
 /// Splits `name=value` into a name and a number.
 fn assignment(option: &str, text: &str) -> Result<(String, f64), Failure> {
     let Some((name, value)) = text.split_once('=') else {
+        let example = if option == "--start" {
+            "x=0.5"
+        } else {
+            "mu0=0.4"
+        };
         return Err(Failure::Usage(format!(
-            "{option} {text}: a name, `=` and a value are expected, as in {option} mu0=0.4"
+            "{option} {text}: a name, `=` and a value are expected, as in {option} {example}"
         )));
     };
     let value = number(value).map_err(|message| {

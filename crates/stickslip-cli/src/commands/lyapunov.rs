@@ -16,13 +16,12 @@ use stickslip_kernels::file::System;
 /// Writes exponents.csv, convergence.csv and convergence.svg.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
-    /// Time before measuring; default 200, or 1000 periods of a drive that is faster than 0.2
+    /// Time before measuring; default 200, or 1000 periods of a drive with a period below 0.2
     #[arg(long, value_name = "TIME")]
     transient: Option<f64>,
-    /// Time measured; default 2000, or 10000 periods of a drive that is faster than 0.2
+    /// Time measured; default 2000, or 10000 periods of a drive with a period below 0.2
     ///
-    /// Exponents are printed with four standard errors. The error is never below what a direction
-    /// that grows without a rate shows in this time.
+    /// Exponents are printed ± four standard errors, and at least ± ln 30 over this time.
     #[arg(long, value_name = "TIME")]
     duration: Option<f64>,
     #[command(flatten)]

@@ -19,7 +19,7 @@ use crate::terminal::patiently;
 #[derive(Debug, clap::Args, Serialize)]
 pub(super) struct SearchArguments {
     /// How long the run before is; 0 to shoot from the start. Default 200, or 1000 periods of a
-    /// drive that is faster than 0.2
+    /// drive with a period below 0.2
     #[arg(long, value_name = "TIME")]
     transient: Option<f64>,
     /// How long the orbit may take to come back, of a system that does not depend on time; default

@@ -34,7 +34,7 @@ pub(super) struct SweepArguments {
 #[derive(Debug, clap::Args)]
 pub(super) struct UntilArguments {
     /// Time after which an orbit that has come to no attractor is called undecided; default 2000,
-    /// or 10000 periods of a drive that is faster than 0.2
+    /// or 10000 periods of a drive with a period below 0.2
     #[arg(long, value_name = "TIME")]
     until: Option<f64>,
 }
@@ -49,7 +49,7 @@ impl UntilArguments {
 #[derive(Debug, clap::Args)]
 pub(super) struct ExponentArguments {
     /// Time over which the Lyapunov exponent is measured, on the attractor; default 500, or 2500
-    /// periods of a drive that is faster than 0.2
+    /// periods of a drive with a period below 0.2
     #[arg(long, value_name = "TIME")]
     duration: Option<f64>,
 }

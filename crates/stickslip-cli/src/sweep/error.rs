@@ -55,7 +55,7 @@ pub enum SweepError {
     },
     /// The folder holds another sweep.
     #[error("{} holds another sweep: {what} was {old} there and is {new} now; old and new blocks \
-        are not mixed: give the old value to go on with it, or choose another folder \
+        are not mixed: give the old value to go on with it, delete the folder, or choose another \
         with --out", folder.display())]
     Differs {
         /// The folder of the sweep.

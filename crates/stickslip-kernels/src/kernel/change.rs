@@ -66,9 +66,6 @@ impl Change {
     /// Name of the change.
     pub fn name(&self) -> String {
         match self {
-            Change::Sequence { name, .. } if name == "unnamed" => {
-                "a change of the phases that has no name".to_owned()
-            }
             Change::Sequence { name, .. } | Change::Multiplier { name, .. } => name.clone(),
             Change::Equilibrium { frequency, .. } if *frequency > 0.0 => {
                 "Hopf bifurcation of the equilibrium".to_owned()
