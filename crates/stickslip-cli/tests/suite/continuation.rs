@@ -999,7 +999,7 @@ fn another_branch_in_the_same_folder_is_refused_and_a_failed_search_leaves_nothi
         .stderr(contains(
             "the argument `step` was 0.02 there and is 0.01 now",
         ))
-        .stderr(contains("choose another folder with --out"));
+        .stderr(contains("choose another with --out"));
     assert_eq!(std::fs::read(&table).unwrap(), whole);
     run(&range).success();
     assert_eq!(std::fs::read(&table).unwrap(), whole);
