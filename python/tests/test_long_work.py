@@ -36,6 +36,8 @@ def test_processes_do_not_hang(method):
 
 LONG = """
 import signal, threading, time, numpy as np, stickslip as ss
+# A shell in the background makes its children ignore the signal.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 x, y = ss.states("x y")
 p, q = ss.parameters(p=1.0, q=1.0)
 system = ss.System({x: y, y: -p * x * x * x + 0.01 * q * np.cos(ss.t)}, period=2 * np.pi)
