@@ -371,7 +371,7 @@ def basins_of_attraction(
 
 
 def _is_meshgrid(starts: Any) -> bool:
-    """Whether it is what np.meshgrid returns for two axes. Its last axis may be as long as states."""
+    """Whether np.meshgrid returns it for two axes. Its last axis may be as long as states."""
     if not isinstance(starts, (list, tuple)) or len(starts) != 2:
         return False
     a, b = starts

@@ -223,7 +223,9 @@ def expression(value: Any) -> Expression:
     if isinstance(value, np.ndarray) and value.ndim == 0:
         return expression(value.item())
     if isinstance(value, (bool, np.bool_)):
-        raise TypeError(f"{value!r} cannot stand in a formula: write 0 or 1, and compare no symbols")
+        raise TypeError(
+            f"{value!r} cannot stand in a formula: write 0 or 1, and compare no symbols"
+        )
     if isinstance(value, numbers.Real):
         value = number(value, "a number in a formula")
         return Expression(written(value), _ATOM if np.copysign(1.0, value) > 0 else _SIGN)

@@ -313,7 +313,7 @@ fn warnings(system: &System) -> Vec<String> {
         (Some(false), Err(failure)) => Some(failure.to_string()),
         _ => None,
     };
-    let contacts = (0..system.contacts()).flat_map(|contact| doubts_of(system, contact));
+    let contacts = (0..system.contacts()).flat_map(|contact| warnings_of(system, contact));
     let dependent = system.dependent_boundaries();
     let dependent = dependent.map(|(contacts, x)| {
         let (t, x) = (system.built.t_start, Point(x));
@@ -323,7 +323,7 @@ fn warnings(system: &System) -> Vec<String> {
     warnings.chain(dependent).collect()
 }
 
-fn doubts_of(system: &System, contact: usize) -> Vec<String> {
+fn warnings_of(system: &System, contact: usize) -> Vec<String> {
     let described = &system.file.contacts[contact];
     let Some(start) = system.built.start.as_deref() else {
         return Vec::new();

@@ -6,8 +6,13 @@ use stickslip::dynamics::{OrbitUnderWay, Step, Vector};
 
 use crate::kernel::Watcher;
 
-/// Number of points per step at which the states are sampled first.
-const PER_STEP: u32 = 16;
+/// Number of equal parts of a step at whose ends motion is sampled.
+pub(super) const PER_STEP: u32 = 16;
+
+/// Time at the end of one of them.
+pub(super) fn time_in(step: &Step, part: u32) -> f64 {
+    step.t_start + (step.t_end - step.t_start) * f64::from(part) / f64::from(PER_STEP)
+}
 
 /// Number of golden sections of the interval around an extremum. The value is accurate to rounding
 /// long before its position is.
@@ -42,9 +47,7 @@ impl Watcher for Extremes {
 
     fn step(&mut self, step: Step, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
         let solution = orbit.solution();
-        let at = |k: u32| {
-            step.t_start + (step.t_end - step.t_start) * f64::from(k) / f64::from(PER_STEP)
-        };
+        let at = |k: u32| time_in(&step, k);
         let samples: Vec<Vector> = (0..=PER_STEP).map(|k| solution(at(k))).collect();
         for (i, (low, high)) in self.ranges.iter_mut().enumerate() {
             for sign in [-1.0, 1.0] {

@@ -10,6 +10,7 @@ use stickslip::dynamics::{OrbitUnderWay, Section, Step, Summary, Vector};
 use stickslip::error::Point;
 use stickslip::{Ending, Error, Options};
 
+use super::extremes::{PER_STEP, time_in};
 use crate::file::{PeriodError, System};
 use crate::kernel::{Run, Watcher, follow};
 
@@ -267,9 +268,6 @@ impl Search<'_> {
     }
 }
 
-/// Number of equal parts of a step at whose ends motion is checked.
-const PER_STEP: u32 = 16;
-
 /// Whether the state stays constant.
 struct Rest {
     x: Vector,
@@ -283,10 +281,7 @@ impl Watcher for Rest {
 
     fn step(&mut self, step: Step, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
         let solution = orbit.solution();
-        let at = |k: u32| {
-            step.t_start + (step.t_end - step.t_start) * f64::from(k) / f64::from(PER_STEP)
-        };
-        self.lasts = (0..=PER_STEP).all(|k| solution(at(k)) == self.x);
+        self.lasts = (0..=PER_STEP).all(|k| solution(time_in(&step, k)) == self.x);
         match self.lasts {
             true => ControlFlow::Continue(()),
             false => ControlFlow::Break(()),

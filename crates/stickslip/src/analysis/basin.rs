@@ -8,14 +8,7 @@ use rayon::prelude::*;
 use super::attractors::{Attractors, Reached, RecurrenceSettings, attractors_of};
 use crate::dynamics::{AsDynamics, Components};
 use crate::error::Error;
-use crate::filippov::Options;
-
-/// Number of starts whose outcomes are stored at one time. It bounds the memory.
-const WAVE: usize = 4096;
-/// Number of starts that a thread takes at once: enough to fill the lanes, and few enough that no
-/// thread waits long for the others.
-const MOST: usize = 128;
-const LEAST: usize = 16;
+use crate::filippov::{Options, WAVE, share};
 
 /// The attractor reached from each start.
 #[derive(Clone, Debug, PartialEq)]
@@ -107,9 +100,8 @@ pub fn basin_while<Kind>(
         if wave.is_empty() {
             break;
         }
-        let share = wave.len() / (4 * rayon::current_num_threads());
         let outcomes: Vec<_> = wave
-            .par_chunks(share.clamp(LEAST, MOST))
+            .par_chunks(share(wave.len()))
             .map(|starts| {
                 if is_enough.load(Ordering::Relaxed) {
                     return Ok(vec![None; starts.len()]);

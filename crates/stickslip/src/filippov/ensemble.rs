@@ -17,11 +17,15 @@ use crate::orbit::Ending;
 use crate::system::State;
 
 /// Number of orbits that run or wait to be reported at one time. It bounds the memory.
-const WAVE: usize = 4096;
-/// Number of orbits that a thread takes at once: enough to fill the lanes, and few enough that no
-/// thread waits long for the others.
-const MOST: usize = 128;
-const LEAST: usize = 16;
+pub(crate) const WAVE: usize = 4096;
+
+/// Number of orbits that a thread takes at once, of so many: enough to fill the lanes, and few
+/// enough that no thread waits long for the others.
+pub(crate) fn share(orbits: usize) -> usize {
+    const MOST: usize = 128;
+    const LEAST: usize = 16;
+    (orbits / (4 * rayon::current_num_threads())).clamp(LEAST, MOST)
+}
 
 /// The start of an orbit of an ensemble, and its system.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,8 +84,7 @@ pub fn ensemble<S, O, const N: usize, const G: usize>(
         if wave.is_empty() {
             return;
         }
-        let share = wave.len() / (4 * rayon::current_num_threads());
-        let share = share.clamp(LEAST, MOST);
+        let share = share(wave.len());
         wave.par_chunks(share)
             .enumerate()
             .map(|(k, starts)| {

@@ -34,6 +34,7 @@ mod uncertainty;
 pub(crate) use batch::{Member, side_by_side};
 pub use contacts::{Contacts, Several};
 pub use ensemble::{Start, ensemble};
+pub(crate) use ensemble::{WAVE, share};
 pub(crate) use flow::{Flow, flow_path};
 pub use flow::{boundary_gradient, normal_component, sliding_field};
 pub use integration::{Integration, Progress};

@@ -107,7 +107,8 @@ where
         self.over.exact(s)
     }
 
-    /// The function on the dense output, positive on its last side.
+    /// The function on the dense output, positive on its last side. At the points of [`UNIT`] its
+    /// values are known.
     #[inline(always)]
     fn height(&self, s: f64) -> f64 {
         let known = UNIT.iter().position(|&known| known == s);
