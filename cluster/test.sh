@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# A sweep on a real Slurm of one node: a job array of eight, one task killed, one requeued, and the merge. Every file of blocks and the
-# table must be those of a single run, byte for byte.
+# A sweep on a real Slurm of one node: a job array of eight, one task killed, one requeued, and the
+# merge. Every file of blocks and the table must be those of a single run, byte for byte.
 # usage: test.sh STICKSLIP      (the program; absolute path)
 set -euo pipefail
 for need in sbatch slurmctld slurmd munged; do
@@ -28,13 +28,14 @@ await() {
     shift
     until "$@" >/dev/null 2>&1; do
         tries=$((tries + 1))
-        [ "$tries" -lt 300 ] || fail "waited for 60 s: $what"
-        sleep 0.2
+        [ "$tries" -lt 1200 ] || fail "waited for 60 s: $what"
+        sleep 0.05
     done
 }
 
 out=$folder/out
-sweep=(basin basins --grid 128x96)
+# Large enough that a share lasts far longer than the polls that wait for its first blocks.
+sweep=(basin basins --grid 512x384)
 timeout 60 "$STICKSLIP" "${sweep[@]}" --out "$folder/single" >/dev/null
 "$here/loopback/up.sh" "$slurm"
 export SLURM_CONF=$slurm/slurm.conf
