@@ -23,7 +23,7 @@ __all__ = [
 __version__: str
 
 _Start = tuple[float, Sequence[float]]
-_Search = tuple[float, float | None, float, int | None]
+_Search = tuple[float | None, float | None, float, int | None]
 _Along = tuple[str, Sequence[float]]
 _Settings = dict[str, Any]
 _Report = Callable[[float], None] | None

@@ -222,17 +222,17 @@ class Branch(Result):
 
 def _search(
     system: System,
-    transient: float,
+    transient: float | None,
     period: float | None,
     longest: float,
     periods: int | None,
-) -> tuple[float, float | None, float, int | None]:
+) -> tuple[float | None, float | None, float, int | None]:
     if period is not None and not real(period, "period") > 0:
         raise ValueError(f"period = {period}: it must be positive")
     if periods is not None and not system._core.depends_on_time:
         raise ValueError(f"periods = {periods}: the system does not depend on time; leave it out")
     return (
-        real(transient, "transient"),
+        None if transient is None else real(transient, "transient"),
         None if period is None else float(period),
         real(longest, "longest"),
         None if periods is None else whole(periods, "periods"),
@@ -246,7 +246,7 @@ def periodic_orbit(
     t0: float = 0.0,
     period: float | None = None,
     periods: int | None = None,
-    transient: float = 200.0,
+    transient: float | None = None,
     longest: float = 100.0,
     **options: Unpack[Options],
 ) -> PeriodicOrbit:
@@ -266,7 +266,8 @@ def periodic_orbit(
         Periods of the drive in one of the orbit; the fewest after which the run comes back, at most
         16, unless given.
     transient : float, optional
-        How long the run is before the search.
+        How long the run is before the search. Unless given 200, or 1000 periods of the drive, or
+        1000 transitions of a system without a drive if that is shorter.
     longest : float, optional
         Within what time the orbit comes back, of a system that does not depend on time.
     **options : Options
@@ -380,7 +381,7 @@ def continuation(
     t0: float = 0.0,
     period: float | None = None,
     periods: int | None = None,
-    transient: float = 200.0,
+    transient: float | None = None,
     longest: float = 100.0,
     step: float = 0.02,
     most_points: int = 1000,

@@ -1,9 +1,9 @@
 //! Options of the search for a periodic orbit.
 
 use serde::Serialize;
-use stickslip::Options;
 use stickslip::analysis::{PeriodicOrbit, RecurrenceSettings, attractor};
 use stickslip::error::Point;
+use stickslip::{Error, Options};
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::{Motion, Outcome};
 use stickslip_kernels::study::{PeriodicSearch, SearchError, UNTIL};
@@ -18,8 +18,8 @@ use crate::terminal::patiently;
 /// How a periodic orbit is looked for.
 #[derive(Debug, clap::Args, Serialize)]
 pub(super) struct SearchArguments {
-    /// How long the run before is; 0 to shoot from the start. Default 200, or 1000 periods of a
-    /// drive with a period below 0.2
+    /// How long the run before is; 0 to shoot from the start. Default 200, or 1000 periods of the
+    /// drive, or 1000 transitions of a system without a drive if that is shorter
     #[arg(long, value_name = "TIME")]
     transient: Option<f64>,
     /// How long the orbit may take to come back, of a system that does not depend on time; default
@@ -46,7 +46,8 @@ impl SearchArguments {
     ) -> Result<(PeriodicOrbit, Option<u32>), Failure> {
         check_period(system)?;
         let search = PeriodicSearch {
-            transient: time_or(self.transient, 200.0, system),
+            transient: self.transient,
+            period: None,
             longest: self.longest.unwrap_or(LONGEST),
             periods: self.periods,
         };
@@ -139,6 +140,10 @@ fn in_words(error: SearchError) -> Failure {
         SearchError::TakesLonger { .. } => {
             Failure::NoPeriodicOrbit(format!("{error}; give a longer time (--longest)"))
         }
+        SearchError::Failed(Error::NotFound { .. }) => Failure::NoPeriodicOrbit(format!(
+            "{error}; give a longer time (--longest), a longer run before (--transient), or start \
+             elsewhere (--start)"
+        )),
         SearchError::Failed(error) => error.clone().into(),
     }
 }

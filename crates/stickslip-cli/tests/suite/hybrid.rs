@@ -635,6 +635,45 @@ fn json_of(text: &str, arguments: &[&str]) -> serde_json::Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
+/// A relay with hysteresis, and a block on a belt, in units of time in which they are fast.
+#[test]
+fn an_orbit_is_found_by_default_on_a_short_time_scale() {
+    let room = |tau: f64| {
+        format!(
+            "name = \"room\"\n[states]\nT = \"\"\n[parameters]\n[discrete]\nh = 1\n[field]\n\
+             T = \"(5 + 30*h - T)/{tau}\"\n[jumps.on]\nwhen = \"T - 19\"\n\
+             direction = \"falling\"\nset = {{ h = \"1\" }}\n[jumps.off]\nwhen = \"T - 21\"\n\
+             direction = \"rising\"\nset = {{ h = \"0\" }}\n[start]\nT = 19\n"
+        )
+    };
+    let tau = 2e-4;
+    let exact = tau * (math::ln(16.0 / 14.0) + math::ln(16.0 / 14.0));
+    let found = json_of(&room(tau), &["orbit", "system.toml"]);
+    let period = found["period"].as_f64().unwrap();
+    assert!(
+        (period / exact - 1.0).abs() < 1e-12,
+        "{period:e}, {exact:e}"
+    );
+
+    let block = |w: f64| {
+        format!(
+            "name = \"block\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\n[field]\nx = \"v\"\n\
+             v = \"-{w}^2*x - friction(belt)\"\n[contacts.belt]\nboundary = \"v - 0.2*{w}\"\n\
+             friction = \"0.4*{w}^2/(1 + 3*belt*(v - 0.2*{w})/{w})\"\n[start]\nx = 0\nv = 0\n"
+        )
+    };
+    let [slow, fast] = [1.0, 1e4].map(|w| json_of(&block(w), &["orbit", "system.toml"]));
+    let [period, shorter] = [&slow, &fast].map(|one| one["period"].as_f64().unwrap());
+    assert!(
+        (1e4 * shorter / period - 1.0).abs() < 1e-10,
+        "{shorter:e}, {period}"
+    );
+    for one in [slow, fast] {
+        assert_eq!(one["family_dimension"], 0, "{one}");
+        assert_eq!(one["stability"], "stable");
+    }
+}
+
 #[test]
 fn a_kick_by_the_clock_changes_no_multiplier() {
     // In each period the flow contracts areas by exp(−0.6), whatever kicks it at a fixed time.

@@ -6,7 +6,7 @@ use stickslip::analysis::{
     Kind, PeriodicOrbit, RecurrenceSettings, attractor, find_periodic_orbit, periodic_orbit,
     periodic_orbit_forced,
 };
-use stickslip::dynamics::{OrbitUnderWay, Section, Step, Summary, Vector};
+use stickslip::dynamics::{OrbitUnderWay, Section, Step, Summary, Transition, Vector};
 use stickslip::error::Point;
 use stickslip::{Ending, Error, Options};
 
@@ -20,14 +20,24 @@ pub const UNTIL: f64 = 2000.0;
 /// Largest number of drive periods that is tried as the period of the orbit.
 pub const MOST_PERIODS: u32 = 16;
 
+/// Default length of the transient.
+const TRANSIENT: f64 = 200.0;
+
+/// Transitions, or periods of the drive, after which the default transient ends if that is earlier.
+/// So it fits systems of every time scale: the decay per cycle has none.
+const CYCLES: u32 = 1000;
+
 /// A fraction of the period is a period if the state returns within this relative distance.
 const RETURNED: f64 = 1e-6;
 
 /// Settings of the search for a periodic orbit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PeriodicSearch {
-    /// Length of the preceding transient; 0 to shoot from the start.
-    pub transient: f64,
+    /// Length of the preceding transient; 0 to shoot from the start. By default 200, or 1000
+    /// periods of the drive, or 1000 transitions of an autonomous system if that is shorter.
+    pub transient: Option<f64>,
+    /// Period of the orbit. For an autonomous system it is a guess. By default it is found.
+    pub period: Option<f64>,
     /// Longest return time for an autonomous system.
     pub longest: f64,
     /// Period of the orbit in periods of the drive, for a driven system. By default it is the
@@ -86,8 +96,8 @@ pub enum SearchError {
 }
 
 impl PeriodicSearch {
-    /// The orbit that the run from a time and state reaches. For a driven system, also its period
-    /// in periods of the drive.
+    /// The orbit that the run from a time and state reaches. For a driven system whose period is
+    /// not given, also its period in periods of the drive.
     ///
     /// # Errors
     /// [`SearchError`].
@@ -97,23 +107,33 @@ impl PeriodicSearch {
         (t, x): (f64, &[f64]),
         options: &Options,
     ) -> Result<(PeriodicOrbit, Option<u32>), SearchError> {
-        let times = [("transient", self.transient), ("longest", self.longest)];
+        let transient = self.transient.unwrap_or(TRANSIENT);
+        let times = [("transient", transient), ("longest", self.longest)];
         if let Some((name, value)) = times
             .into_iter()
             .find(|(_, value)| !(*value >= 0.0 && value.is_finite()))
         {
             return Err(SearchError::Setting { name, value });
         }
-        let drive = system.checked_period()?;
-        let drive = drive.filter(|_| system.built.depends_on_time);
         let search = Search {
             system,
             options,
             settings: self,
         };
-        match drive {
+        let dynamics = system.dynamics();
+        if let Some(period) = self.period {
+            let drive = Some(period).filter(|_| system.built.depends_on_time);
+            let (t, x) = search.settled(t, x, drive)?;
+            let orbit = match drive {
+                Some(period) => periodic_orbit_forced(dynamics, t, &x, period, options),
+                None => periodic_orbit(dynamics, &x, period, options),
+            };
+            return Ok((orbit?, None));
+        }
+        let drive = system.checked_period()?;
+        match drive.filter(|_| system.built.depends_on_time) {
             Some(period) => search.driven(t, x, period),
-            None => match search.free(x) {
+            None => match search.free(t, x) {
                 Ok(orbit) => Ok((orbit, None)),
                 Err(error) => Err(search.instead(error, x)),
             },
@@ -145,13 +165,15 @@ impl Search<'_> {
     }
 
     /// The orbit of an autonomous system.
-    fn free(&self, x: &[f64]) -> Result<PeriodicOrbit, Error> {
-        let system = self.system.dynamics();
-        let PeriodicSearch {
-            transient, longest, ..
-        } = *self.settings;
-        let orbit = find_periodic_orbit(system, x, transient, longest, self.options)?;
-        self.shortest(orbit)
+    fn free(&self, t: f64, x: &[f64]) -> Result<PeriodicOrbit, Error> {
+        let (t, x) = self.settled(t, x, None)?;
+        let (system, longest) = (self.system.dynamics(), self.settings.longest);
+        // Its clock begins at the end of the transient.
+        let found = find_periodic_orbit(system, &x, 0.0, longest, self.options);
+        self.shortest(found.map_err(|error| match error {
+            Error::NotFound { what, span, .. } => Error::NotFound { what, t, span },
+            other => other,
+        })?)
     }
 
     /// The same orbit with its shortest period. If stick makes all returns equal to rounding, a
@@ -183,13 +205,7 @@ impl Search<'_> {
         if self.settings.periods == Some(0) {
             return Err(SearchError::NoPeriods);
         }
-        let wait = (self.settings.transient / period).ceil() * period;
-        let x = Vector::from_column_slice(x);
-        let (t, x) = if wait > 0.0 {
-            self.strobed(t, &x, wait)?
-        } else {
-            (t, x)
-        };
+        let (t, x) = self.settled(t, x, Some(period))?;
         let count = match self.settings.periods {
             Some(count) => count,
             None => self.comes_back(t, &x, period)?,
@@ -218,9 +234,8 @@ impl Search<'_> {
                 | Error::EventPileUp { .. }
                 | Error::Shrunk { .. }
         );
-        let PeriodicSearch {
-            transient, longest, ..
-        } = *self.settings;
+        let longest = self.settings.longest;
+        let transient = self.settings.transient.unwrap_or(TRANSIENT);
         let settings = RecurrenceSettings::within(UNTIL.max(transient + longest));
         let reached = looked
             .then(|| attractor(self.system.dynamics(), x, &settings, self.options))
@@ -240,15 +255,35 @@ impl Search<'_> {
         }
     }
 
-    fn strobed(&self, t: f64, x: &Vector, span: f64) -> Result<(f64, Vector), Error> {
-        let ended = self.follow((t, x), span, &mut ())?;
+    /// The time and state after the transient, which is an integer number of periods of the drive.
+    fn settled(&self, t: f64, x: &[f64], drive: Option<f64>) -> Result<(f64, Vector), Error> {
+        let given = self.settings.transient;
+        let cycles = f64::from(CYCLES);
+        let span =
+            given.unwrap_or(drive.map_or(TRANSIENT, |period| TRANSIENT.min(cycles * period)));
+        let span = drive.map_or(span, |period| (span / period).ceil() * period);
+        let x = Vector::from_column_slice(x);
+        if span == 0.0 {
+            return Ok((t, x));
+        }
+        let is_counted = given.is_none() && drive.is_none();
+        let mut left = TransitionsLeft(is_counted.then_some(CYCLES));
+        self.at_end(self.follow((t, &x), span, &mut left)?)
+    }
+
+    /// The time and state after a period.
+    fn strobed(&self, t: f64, x: &Vector, period: f64) -> Result<(f64, Vector), Error> {
+        self.at_end(self.follow((t, x), period, &mut ())?)
+    }
+
+    /// The end of a run, which other runs go on from.
+    fn at_end(&self, ended: Summary) -> Result<(f64, Vector), Error> {
         let (t, x) = (ended.t, Point::from(&ended.x));
         match ended.ending {
-            Ending::Shrunk => return Err(Error::Shrunk { t, x }),
-            ending if ending.is_final() => return Err(Error::NoUniqueFuture { t, x }),
-            _ => {}
+            Ending::Shrunk => Err(Error::Shrunk { t, x }),
+            ending if ending.is_final() => Err(Error::NoUniqueFuture { t, x }),
+            _ => Ok((ended.t, ended.x)),
         }
-        Ok((ended.t, ended.x))
     }
 
     /// Number of periods after which the run returns about as near as it ever does.
@@ -265,6 +300,20 @@ impl Search<'_> {
         let near = (10.0 * nearest).max(1e-9);
         let first = distances.iter().position(|&distance| distance <= near);
         Ok(first.map_or(1, |first| first as u32 + 1))
+    }
+}
+
+/// How many transitions pass until the run is ended, if it is.
+struct TransitionsLeft(Option<u32>);
+
+impl Watcher for TransitionsLeft {
+    fn transition(&mut self, _: Transition) -> ControlFlow<()> {
+        match &mut self.0 {
+            Some(0) => return ControlFlow::Break(()),
+            Some(left) => *left -= 1,
+            None => {}
+        }
+        ControlFlow::Continue(())
     }
 }
 

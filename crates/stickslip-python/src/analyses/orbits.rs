@@ -2,13 +2,10 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use stickslip::analysis::{
-    PeriodicOrbit, PoincareMap, Stability, multipliers, periodic_orbit_forced,
-};
-use stickslip::dynamics::{DynamicsRef, Section, Vector};
-use stickslip::{Ending, Error, Options};
+use stickslip::Options;
+use stickslip::analysis::{PeriodicOrbit, PoincareMap, Stability, multipliers};
+use stickslip::dynamics::Section;
 use stickslip_kernels::file::System as Ready;
-use stickslip_kernels::kernel::{Run, follow};
 use stickslip_kernels::study::{PeriodicSearch, SearchError};
 
 use super::Start;
@@ -17,63 +14,24 @@ use crate::fields::{Fields, complex};
 use crate::task::{Report, Tells, computed};
 use crate::{Settings, System};
 
-/// Settings of the search for a periodic orbit: duration of the transient, period if given, maximum
-/// time of return, and number of periods of a drive if given.
-pub(super) type Search = (f64, Option<f64>, f64, Option<u32>);
-
-/// The state after a transient.
-fn after(
-    system: &DynamicsRef<'_>,
-    (t, x): (f64, &[f64]),
-    span: f64,
-    options: &Options,
-) -> Result<(f64, Vector), Error> {
-    if span <= 0.0 {
-        return Ok((t, Vector::from_column_slice(x)));
-    }
-    let t_end = t + span;
-    let run = Run {
-        t,
-        x,
-        t_end,
-        options,
-    };
-    let ended = follow(system, &run, &Section::None, &mut ())?;
-    let (t, x) = (ended.t, ended.x);
-    match ended.ending {
-        Ending::EndTime => Ok((t, x)),
-        Ending::Shrunk => Err(Error::Shrunk { t, x: (&x).into() }),
-        _ => Err(Error::NoUniqueFuture { t, x: (&x).into() }),
-    }
-}
+/// Settings of the search for a periodic orbit: duration of the transient and period if given,
+/// maximum time of return, and number of periods of a drive if given.
+pub(super) type Search = (Option<f64>, Option<f64>, f64, Option<u32>);
 
 /// The periodic orbit that the orbit from a start approaches.
 pub(super) fn approached(
     system: &Ready,
-    (t, x): (f64, &[f64]),
+    start: (f64, &[f64]),
     (transient, period, longest, periods): Search,
     options: &Options,
 ) -> Result<PeriodicOrbit, SearchError> {
-    let dynamics = system.dynamics();
-    Ok(match period {
-        Some(period) if system.built.depends_on_time => {
-            let wait = (transient / period).ceil() * period;
-            let (t, x) = after(dynamics, (t, x), wait, options)?;
-            periodic_orbit_forced(dynamics, t, &x, period, options)?
-        }
-        Some(period) => {
-            let (_, x) = after(dynamics, (t, x), transient, options)?;
-            stickslip::analysis::periodic_orbit(dynamics, &x, period, options)?
-        }
-        None => {
-            let search = PeriodicSearch {
-                transient,
-                longest,
-                periods,
-            };
-            search.found(system, (t, x), options)?.0
-        }
-    })
+    let search = PeriodicSearch {
+        transient,
+        period,
+        longest,
+        periods,
+    };
+    Ok(search.found(system, start, options)?.0)
 }
 
 /// A periodic orbit.

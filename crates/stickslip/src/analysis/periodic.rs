@@ -166,10 +166,18 @@ pub fn find_periodic_orbit<Kind>(
         normal: velocity_in(system, mode, &start),
         direction: Direction::Rising,
     });
+    // Below the tolerance, all returns are equally good.
+    let blurred = TOLERANCES * (options.atol + options.rtol * start.x.norm());
     let mut returns = Vec::new();
     loop {
         match orbit.step()? {
-            Happening::Passage(at) => returns.push((at.t - start.t, (at.x - &start.x).norm())),
+            Happening::Passage(at) => {
+                let distance = (at.x - &start.x).norm();
+                returns.push((at.t - start.t, distance));
+                if distance <= blurred {
+                    break;
+                }
+            }
             Happening::End(summary) if summary.ending == Ending::EndTime => break,
             Happening::End(summary) => return Err(summary.goes_no_further()),
             Happening::Step
@@ -179,9 +187,7 @@ pub fn find_periodic_orbit<Kind>(
         }
     }
     let nearest = returns.iter().map(|r| r.1).fold(f64::INFINITY, f64::min);
-    // Below the tolerance, all returns are equally good.
-    let blurred = options.atol + options.rtol * start.x.norm();
-    let near = 2.0 * nearest.max(TOLERANCES * blurred);
+    let near = 2.0 * nearest.max(blurred);
     let first = returns.iter().find(|r| r.1 <= near);
     let &(period, _) = first.ok_or_else(not_found)?;
     let start = Moment { t: 0.0, ..start };

@@ -22,14 +22,21 @@ pub(super) fn newton_solution(
         scaled.row_mut(k).unscale_mut(*size);
         right_scaled[k] /= *size;
     }
-    // Other unknowns and equations are scaled by their entries.
+    // Other unknowns and equations are scaled by their entries: equations first, so that their units
+    // do not decide which unknowns count.
+    let by_rows = |scaled: &mut Matrix, right: &mut Vector| {
+        for k in states..count {
+            let row = scaled.row(k).norm().max(f64::MIN_POSITIVE);
+            scaled.row_mut(k).unscale_mut(row);
+            right[k] /= row;
+        }
+    };
+    by_rows(&mut scaled, &mut right_scaled);
     for k in states..count {
         units[k] = scaled.column(k).norm().max(f64::MIN_POSITIVE).recip();
         scaled.column_mut(k).scale_mut(units[k]);
-        let row = scaled.row(k).norm().max(f64::MIN_POSITIVE);
-        scaled.row_mut(k).unscale_mut(row);
-        right_scaled[k] /= row;
     }
+    by_rows(&mut scaled, &mut right_scaled);
     if !scaled.iter().all(|v| v.is_finite()) {
         return None;
     }
