@@ -31,7 +31,7 @@ const FINENESS: f64 = 1000.0;
 pub(super) struct Point {
     pub(super) t: f64,
     pub(super) x: Vector,
-    /// Whether the point is the end of a step.
+    /// Whether the point is the end of a step, or the state behind a jump.
     pub(super) ends_step: bool,
 }
 
@@ -56,6 +56,10 @@ impl Occurrence {
             Occurrence::Transition(at) => &at.x,
             Occurrence::Kink(at) => &at.x,
         }
+    }
+
+    fn is_jump(&self) -> bool {
+        matches!(self, Occurrence::Transition(at) if at.kind == TransitionKind::Jump)
     }
 
     /// The modes before and after it.
@@ -174,6 +178,13 @@ impl Watcher for Recording {
             Moment { t, x }
         };
         let mut from = at(0);
+        // Behind a jump the curve begins anew, so that its edge is vertical.
+        let at_start = self.transitions.iter().rev();
+        let mut at_start = at_start.take_while(|at| at.t() == step.t_start);
+        if at_start.any(Occurrence::is_jump) {
+            let (Moment { t, x }, ends_step) = (from.clone(), true);
+            self.points.push(Point { t, x, ends_step });
+        }
         let end = Moment {
             t: step.t_end,
             x: step.x_end,
