@@ -221,12 +221,12 @@ pub enum Error {
         accumulation: Option<Box<Accumulation>>,
     },
     /// A field with comparisons ([`crate::Scalar::exceeds`] and what uses it) reverses where they
-    /// change and holds the orbit there, as a discontinuity boundary does.
+    /// change and holds the orbit there, as a discontinuity boundary does. A field that only turns
+    /// so often needs a larger [`crate::Options::pile_up_count`].
     #[error(
         "the field turned round {count} times within {span:e} before t = {t}, x = {x}: comparisons \
             in it hold the orbit where they come out otherwise; write the difference of what they \
-            compare as the boundary function, with a side for each branch; or raise pile_up_count, \
-            if it only turns so often", t = readable(*t)
+            compare as the boundary function, with a side for each branch", t = readable(*t)
     )]
     BranchPileUp {
         /// Steps that ended where a comparison reverses the field.
