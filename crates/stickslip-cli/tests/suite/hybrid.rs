@@ -635,6 +635,22 @@ fn json_of(text: &str, arguments: &[&str]) -> serde_json::Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
+/// The state between kicks is so smooth that a step would last many of their periods.
+#[test]
+fn a_slow_state_is_kicked_by_a_fast_clock_every_time() {
+    let text = "name = \"slow\"\n[states]\nx = \"\"\n[field]\nx = \"-0.001*x\"\n[jumps.kick]\n\
+                when = \"sin(2*pi*t)\"\ndirection = \"rising\"\nset = { x = \"x + 1\" }\n\
+                [start]\nx = 0\n[time]\nend = 2000.5\n";
+    let decay = math::exp(-0.001);
+    let exact = (1.0 - decay.powi(2000)) / (1.0 - decay) * math::exp(-0.0005);
+    for method in METHODS {
+        let (found, transitions) = simulated(text, method, &[]);
+        assert_eq!(transitions.len(), 2000, "{method}");
+        let x = end(&found, "x");
+        assert!((x / exact - 1.0).abs() < 1e-11, "{method}: {x}, {exact}");
+    }
+}
+
 /// A relay with hysteresis, and a block on a belt, in units of time in which they are fast.
 #[test]
 fn an_orbit_is_found_by_default_on_a_short_time_scale() {

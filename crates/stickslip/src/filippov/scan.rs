@@ -10,6 +10,8 @@
 //! A feature between all samples is found if the function has interval bounds. An interval that
 //! samples call clear is halved until its bounds confirm that.
 
+use std::cell::Cell;
+
 /// An interval with a positive value at its start and none at its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Bracket {
@@ -70,7 +72,8 @@ pub(crate) fn is_defined(value: impl Fn(f64) -> f64) -> bool {
     UNIT.iter().all(|&s| value(s).is_finite())
 }
 
-/// A bracket of the first zero of `value` in `[lo, hi]`, or `None`, by samples alone.
+/// A bracket of the first zero of `value` in `[lo, hi]`, or `None`, by samples alone. A function
+/// that varies faster than they resolve may have a zero that they do not see.
 pub(crate) fn first_bracket(
     value: &mut dyn FnMut(f64) -> f64,
     lo: f64,
@@ -88,6 +91,51 @@ pub(crate) enum Bounds {
     Open,
     /// Nothing: samples decide.
     Unknown,
+}
+
+/// Largest number of parts of an interval whose bounds are computed in one search.
+const MOST_ASKED: u32 = 256;
+
+/// After so many, it is checked whether the bounds are of use.
+const FEW_ASKED: u32 = 4;
+
+/// Where, and in how narrow a part of the interval, that is checked. A function that reads values,
+/// or compares equal numbers, has no bounds.
+const GLIMPSES: [f64; 5] = [0.0, 0.0117, 0.1234, 0.5678, 0.9119];
+const GLIMPSE: f64 = 1e-9;
+
+/// Number of parts of the unit interval whose bounds were computed in one search.
+#[derive(Default)]
+pub(crate) struct Asked(Cell<u32>);
+
+impl Asked {
+    /// Whether there were none.
+    pub fn is_none(&self) -> bool {
+        self.0.get() == 0
+    }
+
+    /// Samples decide from now on.
+    pub fn no_more(&self) {
+        self.0.set(MOST_ASKED);
+    }
+
+    /// What bounds prove of a function between two places, if `is_clear` says whether they exclude
+    /// a zero there.
+    pub fn bounds(&self, (from, to): (f64, f64), is_clear: &dyn Fn(f64, f64) -> bool) -> Bounds {
+        let asked = self.0.get();
+        if asked >= MOST_ASKED {
+            return Bounds::Unknown;
+        }
+        self.0.set(asked + 1);
+        if is_clear(from, to) {
+            return Bounds::Clear;
+        }
+        if asked == FEW_ASKED && !GLIMPSES.iter().any(|&s| is_clear(s, s + GLIMPSE)) {
+            self.no_more();
+            return Bounds::Unknown;
+        }
+        Bounds::Open
+    }
 }
 
 /// Closer than this to a sampled zero, no earlier zero is searched for (fraction of the step).

@@ -9,7 +9,7 @@ use super::leaving::leaving;
 use super::locate::{Again, Limits, OnDense, Origin};
 use super::options::Locator;
 use super::run::{Run, Trial};
-use super::scan::is_defined;
+use super::scan::{Asked, is_defined};
 use super::uncertainty::uncertainty;
 use crate::error::Error;
 use crate::interval::Interval;
@@ -302,7 +302,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
                 dense,
                 guard: i,
                 start,
-                asked: Cell::new(0),
+                asked: Asked::default(),
             })
         } else {
             None

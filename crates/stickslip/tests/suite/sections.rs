@@ -25,6 +25,8 @@ pub enum Function {
     Level(usize, f64),
     /// `sin ωt`, with this ω.
     Wave(f64),
+    /// `sin (ω x + 0.1)` of the first component, with this ω.
+    Fine(f64),
 }
 
 /// Event functions, the directions searched for, and the terminal event.
@@ -39,6 +41,7 @@ impl<const N: usize, const E: usize> EventFunctions<N, E> for EventSet<E> {
         self.functions.map(|function| match function {
             Function::Level(i, level) => x[i] - level,
             Function::Wave(omega) => (t * omega).sin(),
+            Function::Fine(omega) => (x[0] * omega + 0.1).sin(),
         })
     }
     fn direction(&self, number: usize) -> Direction {
@@ -282,6 +285,27 @@ fn a_function_that_is_zero_during_stick_passes_at_its_ends() {
         for (event, at) in found.events.iter().zip(&found.orbit.transitions).step_by(2) {
             assert_eq!(event.t, at.t);
         }
+    }
+}
+
+#[test]
+fn no_zero_of_a_function_far_faster_than_the_steps_is_missed() {
+    let events = EventSet {
+        functions: [Function::Wave(600.0), Function::Fine(1000.0)],
+        directions: [Both, Both],
+        terminal: None,
+    };
+    for method in [Method::Taylor, Method::Dop853] {
+        let options = Options::tol(1e-12).method(method);
+        let found = solve_with_events(&Floor, &events, 0.0, START, 20.0, &options).unwrap();
+        let count = |number| found.events.iter().filter(|at| at.number == number).count();
+        assert_eq!(count(0), (600.0 * 20.0 / PI) as usize, "{method:?}");
+        let fine = |k: u32| {
+            let x = found.orbit.at(f64::from(k) * 5e-5).unwrap();
+            math::sin(x[0] * 1000.0 + 0.1) > 0.0
+        };
+        let changes = (0..400_000).filter(|&k| fine(k) != fine(k + 1)).count();
+        assert_eq!(count(1), changes, "{method:?}");
     }
 }
 

@@ -11,7 +11,7 @@ use super::flow::Flow;
 use super::guard::{Fall, Probe, StepGuard};
 use super::leaving::Leaving;
 use super::options::Locator;
-use super::scan::{Bounds, Bracket, first_bracket_within};
+use super::scan::{Asked, Bounds, Bracket, first_bracket_within};
 use crate::interval::Interval;
 use crate::ode::{Dense, RungeKutta, Timed, henon_step, step_end};
 use crate::system::State;
@@ -84,20 +84,9 @@ pub(crate) struct OnDense<'a, F, const N: usize> {
     pub guard: usize,
     /// Its zero at the start, if it has one there.
     pub start: Option<Leaving>,
-    /// Number of parts of the step whose bounds were computed.
-    pub asked: Cell<u32>,
+    /// Parts of the step whose bounds were computed.
+    pub asked: Asked,
 }
-
-/// Largest number of such parts in a step.
-const MOST_ASKED: u32 = 256;
-
-/// After so many, it is checked whether the bounds are of use.
-const FEW_ASKED: u32 = 4;
-
-/// Where, and in how narrow a part of the step, that is checked. A function that reads values, or
-/// compares equal numbers, has no bounds.
-const GLIMPSES: [f64; 5] = [0.0, 0.0117, 0.1234, 0.5678, 0.9119];
-const GLIMPSE: f64 = 1e-9;
 
 /// Up to this part of the step, samples decide for a guard that is zero at the start.
 const LEAVING: f64 = 0.0625;
@@ -145,30 +134,19 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for OnDense<'_, F, N> {
 impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
     /// What interval bounds prove of the guard between two parts of the step.
     fn bounds(&self, from: f64, to: f64) -> Bounds {
-        let asked = self.asked.get();
         let first = if self.start.is_some() { LEAVING } else { 0.0 };
-        if asked >= MOST_ASKED || to <= first {
+        if to <= first {
             return Bounds::Unknown;
         }
-        if asked == 0 && !self.origin.is_free && !self.depends_on_time() {
+        if self.asked.is_none() && !self.origin.is_free && !self.depends_on_time() {
             // Error control has resolved the path of the state.
-            self.asked.set(MOST_ASKED);
-            return Bounds::Unknown;
+            self.asked.no_more();
         }
-        self.asked.set(asked + 1);
-        // The bounds of the whole step were open; that is why this is called.
-        if asked > 0 && self.is_clear(from.max(first), to) {
-            return if from < first {
-                Bounds::Unknown
-            } else {
-                Bounds::Clear
-            };
+        let is_clear = |from, to| self.is_clear(from, to);
+        match self.asked.bounds((from.max(first), to), &is_clear) {
+            Bounds::Clear if from < first => Bounds::Unknown,
+            bounds => bounds,
         }
-        if asked == FEW_ASKED && !self.is_bounded() {
-            self.asked.set(MOST_ASKED);
-            return Bounds::Unknown;
-        }
-        Bounds::Open
     }
 
     /// Whether the guard changes with time alone, or may.
@@ -177,11 +155,6 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
         let states = std::array::from_fn(|i| Interval::new(x[i], x[i]));
         let range = flow.range(self.guard, Interval::new(*t, t + h), &states);
         range.is_none_or(|range| range.low != range.high)
-    }
-
-    /// Whether bounds prove anything of it anywhere.
-    fn is_bounded(&self) -> bool {
-        GLIMPSES.iter().any(|&s| self.is_clear(s, s + GLIMPSE))
     }
 
     /// Whether the guard is certain to be positive between two parts of the step.

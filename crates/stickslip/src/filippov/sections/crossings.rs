@@ -4,7 +4,9 @@ use std::ops::ControlFlow;
 
 use super::over_step::{OverStep, Place};
 use super::{Direction, EventFunctions};
-use crate::filippov::scan::{NARROWEST, NODES, UNIT, far_from_zero, first_bracket, zero_in};
+use crate::filippov::scan::{
+    Asked, Bracket, NARROWEST, NODES, UNIT, far_from_zero, first_bracket_within, zero_in,
+};
 use crate::filippov::switched::Switched;
 
 /// A function at zero is evaluated again after a fraction of the step that grows by this factor
@@ -52,11 +54,16 @@ where
     #[inline(always)]
     pub(super) fn each(&mut self, tell: &mut Tell<'_, N>) -> ControlFlow<()> {
         // Nearly every step returns here.
-        self.samples = UNIT.map(|s| self.over.sampled(s));
-        if self.side == 0.0 || !far_from_zero(&self.samples.map(|value| self.side * value)) {
-            self.search(tell)?;
+        if self.side != 0.0 && self.over.is_clear(self.side, (0.0, 1.0)) {
+            return ControlFlow::Continue(());
         }
-        ControlFlow::Continue(())
+        self.samples = UNIT.map(|s| self.over.sampled(s));
+        let is_far = || far_from_zero(&self.samples.map(|value| self.side * value));
+        // Samples do not see a function that varies faster than they resolve.
+        if self.side != 0.0 && is_far() && self.first_bracket(0.0).is_none() {
+            return ControlFlow::Continue(());
+        }
+        self.search(tell)
     }
 
     #[cold]
@@ -150,9 +157,18 @@ where
         None
     }
 
+    /// A bracket of the first zero of the dense output behind a part of the step.
+    fn first_bracket(&self, from: f64) -> Option<Bracket> {
+        let (asked, is_clear) = (Asked::default(), |from, to| {
+            self.over.is_clear(self.side, (from, to))
+        });
+        let bounds = &mut |from, to| asked.bounds((from, to), &is_clear);
+        first_bracket_within(&mut |s| self.height(s), bounds, from, 1.0)
+    }
+
     fn next(&self, from: &Place<N>) -> Next<N> {
         let height = &mut |s: f64| self.height(s);
-        let Some(bracket) = first_bracket(height, from.s, 1.0) else {
+        let Some(bracket) = self.first_bracket(from.s) else {
             return Next::End;
         };
         let estimate = zero_in(height, bracket);

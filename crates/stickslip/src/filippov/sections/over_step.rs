@@ -8,6 +8,7 @@ use crate::filippov::observer::StepRecord;
 use crate::filippov::options::Method;
 use crate::filippov::switched::{Switched, UseFlow, Velocity, gradient};
 use crate::filippov::uncertainty::ULPS;
+use crate::interval::Interval;
 use crate::ode::{Dop853, Rk4, RungeKutta, Timed, step_end};
 use crate::system::{State, components};
 
@@ -50,6 +51,19 @@ impl<'a, S, V, K: Copy, const N: usize> OverStep<'a, S, V, K, N> {
         let part = s * self.length();
         let x = dense.at(part / dense.h);
         self.events.values(t_start + part, components(&x))[self.number]
+    }
+
+    /// Whether bounds prove that the function has the sign `side` between two parts of the step.
+    pub(super) fn is_clear<const E: usize>(&self, side: f64, (from, to): (f64, f64)) -> bool
+    where
+        V: EventFunctions<N, E>,
+    {
+        let StepRecord { t_start, dense, .. } = self.step;
+        let (from, to) = (from * self.length(), to * self.length());
+        let times = Interval::new(t_start + from, t_start + to);
+        let states = dense.enclosure_between(from / dense.h, to / dense.h);
+        let values = Interval::decided(|| self.events.values(times, &states));
+        values.is_some_and(|values| (values[self.number] * side).low > 0.0)
     }
 
     /// State and function as exactly as the step gives them.
