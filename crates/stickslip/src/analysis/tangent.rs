@@ -96,7 +96,8 @@ impl<'a> Tangent<'a> {
         let kick = after - &reset.by_state * &before - &reset.by_time;
         let rate = reset.in_time + reset.gradient.dot(&before);
         // If its function is not zero, another jump triggered it and decides its time.
-        let size = reset.gradient.abs().dot(&at.x.abs()) + rate.abs();
+        let in_time = reset.in_time.abs() * at.t.abs();
+        let size = reset.gradient.abs().dot(&at.x.abs()) + in_time + rate.abs();
         let is_set_off =
             self.system.kink(&here).is_none() && reset.value.abs() > self.carrying.tolerance * size;
         if is_set_off && kick.amax() > f64::EPSILON * before.amax() {
