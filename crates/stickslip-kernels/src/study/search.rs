@@ -317,7 +317,7 @@ impl Watcher for TransitionsLeft {
     }
 }
 
-/// Whether the state stays constant.
+/// Whether friction holds the state.
 struct Rest {
     x: Vector,
     lasts: bool,
@@ -330,7 +330,8 @@ impl Watcher for Rest {
 
     fn step(&mut self, step: Step, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
         let solution = orbit.solution();
-        self.lasts = (0..=PER_STEP).all(|k| solution(time_in(&step, k)) == self.x);
+        let is_at_x = |k| solution(time_in(&step, k)) == self.x;
+        self.lasts = step.mode.any_sticks() && (0..=PER_STEP).all(is_at_x);
         match self.lasts {
             true => ControlFlow::Continue(()),
             false => ControlFlow::Break(()),
