@@ -144,6 +144,8 @@ def test_what_is_missing_is_named():
         ss.System({x: v, v: -belt.side})
     with pytest.raises(ValueError, match="two different things are called k"):
         ss.System({x: ss.parameter("k", 1.0) * v, v: ss.parameter("k", 2.0) * x})
+    with pytest.raises(ValueError, match="two different things are called k"):
+        ss.System({x: ss.parameter("k", 1.0) * x + ss.parameter("k", 2.0)})
 
 
 def test_one_contact_or_jump_needs_no_list_and_directions_are_words_or_signs():

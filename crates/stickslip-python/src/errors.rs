@@ -121,8 +121,8 @@ pub(crate) fn no_period(error: PeriodError) -> PyErr {
                 period = \"…\" to [time] of the file",
         ),
         PeriodError::Wrong { period } => wrong(format!(
-            "the field or a boundary is not the same after the period {period} of the system; \
-                correct period=… of System, or the period in [time] of the file"
+            "the field, a boundary or a jump is not the same after the period {period} of the \
+                system; correct period=… of System, or the period in [time] of the file"
         )),
     }
 }

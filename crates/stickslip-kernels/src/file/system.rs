@@ -53,8 +53,8 @@ pub enum PeriodError {
     Missing,
     /// The given period is not a period.
     #[error(
-        "the field or a boundary is not the same after the file's period {period}; correct the \
-            period in [time]"
+        "the field, a boundary or a jump is not the same after the file's period {period}; correct \
+            the period in [time]"
     )]
     Wrong {
         /// The period given.
