@@ -1,0 +1,73 @@
+//! Places on branches: one name and one order of the phases, wherever a branch is begun.
+
+use std::f64::consts::PI;
+use std::path::Path;
+
+use assert_cmd::Command;
+use serde_json::Value;
+use stickslip::math;
+
+fn json_of(folder: &Path, arguments: &[&str]) -> Value {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
+    let command = command.current_dir(folder).args(arguments).arg("--json");
+    let output = command.assert().success();
+    serde_json::from_slice(&output.get_output().stdout).unwrap()
+}
+
+/// Den Hartog's oscillator with a wall that it does not reach at small amplitudes of the force.
+const WALL: &str = r#"
+name = "wall"
+[time]
+period = "2*pi/w"
+[states]
+x = ""
+v = ""
+[parameters]
+A = 0.4
+w = 0.6
+[contacts.floor]
+boundary = "v"
+friction = "0.1"
+[field]
+x = "v"
+v = "-x + A*cos(w*t) - friction(floor)"
+[jumps.wall]
+when = "0.8 - x"
+direction = "falling"
+set = { v = "-0.8*v" }
+[start]
+x = 0
+v = 0
+"#;
+
+/// The block turns back at its amplitude. So the wall's function and the velocity of the contact
+/// are zero at once, and rounding decides on which side of that moment the least distance lies.
+#[test]
+fn a_graze_of_a_wall_where_the_velocity_is_zero_has_one_name() {
+    let top = tempfile::tempdir().unwrap();
+    std::fs::write(top.path().join("wall.toml"), WALL).unwrap();
+    let half = PI / 0.6;
+    let v = 1.0 / (1.0 - 0.36);
+    let u = math::sin(half) / (0.6 * (1.0 + math::cos(half)));
+    let exact = (0.8 * 0.8 + 0.1 * 0.1 * u * u).sqrt() / v;
+    for (k, start) in ["A=0.3", "A=0.33", "A=0.35", "A=0.38", "A=0.4", "A=0.42"]
+        .into_iter()
+        .enumerate()
+    {
+        let range = ["--set", start, "--parameter", "A=0.2:0.9"];
+        let out = k.to_string();
+        let arguments = [&["continue", "wall.toml", "--out", &out], &range[..]].concat();
+        let json = json_of(top.path(), &arguments);
+        let [graze] = json["special"].as_array().unwrap().as_slice() else {
+            panic!("{start}: {json:#}");
+        };
+        assert_eq!(graze["what"], "grazing of a jump", "{start}");
+        let [at, uncertainty] =
+            ["parameter", "uncertainty"].map(|key| graze[key].as_f64().unwrap());
+        let off = (at - exact).abs();
+        assert!(
+            off <= uncertainty && uncertainty < 1e-8,
+            "{start}: {at} for {exact}, {uncertainty:e}"
+        );
+    }
+}
