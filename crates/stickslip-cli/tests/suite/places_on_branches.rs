@@ -71,3 +71,38 @@ fn a_graze_of_a_wall_where_the_velocity_is_zero_has_one_name() {
         );
     }
 }
+
+/// A heater warms a room towards 1 and goes off at p. The warming takes `ln(0.8/(1 - p))`.
+const THERMOSTAT: &str = r#"
+name = "thermostat"
+[states]
+T = ""
+[discrete]
+heater = 1
+[parameters]
+p = 0.5
+[field]
+T = "heater - T"
+[jumps.off]
+when = "T - p"
+direction = "rising"
+set = { heater = "0" }
+[jumps.on]
+when = "T - 0.2"
+direction = "falling"
+set = { heater = "1" }
+[start]
+T = 0.3
+"#;
+
+#[test]
+fn a_threshold_at_an_equilibrium_ends_the_branch_by_name() {
+    let top = tempfile::tempdir().unwrap();
+    std::fs::write(top.path().join("thermostat.toml"), THERMOSTAT).unwrap();
+    let arguments = ["continue", "thermostat.toml", "--parameter", "p=0.3:1.2"];
+    let json = json_of(top.path(), &arguments);
+    let end = &json["ends"][1];
+    assert_eq!(end["stop"], "boundary equilibrium", "{json:#}");
+    let at = end["boundary_equilibrium"].as_f64().unwrap();
+    assert!((at - 1.0).abs() < 1e-9, "{at}");
+}

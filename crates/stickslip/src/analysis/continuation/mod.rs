@@ -189,8 +189,8 @@ pub enum Stop {
         frequency: f64,
     },
     /// A boundary-equilibrium bifurcation: the orbit shrinks to an equilibrium or approaches one.
-    /// At this parameter the equilibrium reaches the discontinuity boundary, or the edge of its
-    /// sliding region.
+    /// At this parameter the equilibrium reaches the discontinuity boundary, the edge of its
+    /// sliding region, or the function of a jump.
     BoundaryEquilibrium {
         /// The parameter.
         parameter: f64,
