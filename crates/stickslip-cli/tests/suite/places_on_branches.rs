@@ -72,6 +72,33 @@ fn a_graze_of_a_wall_where_the_velocity_is_zero_has_one_name() {
     }
 }
 
+/// Wherever an orbit is begun, its phases are written in one order.
+#[test]
+fn orbits_and_branches_write_phases_in_one_order() {
+    let top = tempfile::tempdir().unwrap();
+    let set = ["den-hartog", "--set", "S=0.5", "--set", "O=0.4"];
+    let mut all = Vec::new();
+    for start in ["x=0", "x=1.5", "x=-1.5"] {
+        let from = [&set[..], &["--start", start, "--out", start]].concat();
+        let orbit = json_of(top.path(), &[&["orbit"], &from[..]].concat());
+        all.push(orbit["phases"].as_str().unwrap().to_owned());
+        let along = ["--parameter", "O=0.4:0.41", "--points", "2"];
+        let out = format!("branch-{start}");
+        let from = [&set[..], &["--start", start, "--out", &out], &along].concat();
+        json_of(top.path(), &[&["continue"], &from[..]].concat());
+        let mut table = csv::Reader::from_path(top.path().join(&out).join("branch.csv")).unwrap();
+        let column = table
+            .headers()
+            .unwrap()
+            .iter()
+            .position(|name| name == "phases");
+        let row = table.records().next().unwrap().unwrap();
+        all.push(row[column.unwrap()].to_owned());
+    }
+    assert!(all[0].contains('S'), "{all:?}");
+    assert!(all.iter().all(|phases| *phases == all[0]), "{all:?}");
+}
+
 /// A heater warms a room towards 1 and goes off at p. The warming takes `ln(0.8/(1 - p))`.
 const THERMOSTAT: &str = r#"
 name = "thermostat"

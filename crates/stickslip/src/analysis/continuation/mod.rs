@@ -107,7 +107,7 @@ pub struct BranchPoint {
     /// The multipliers in descending order of modulus, without the trivial one of an autonomous
     /// system.
     pub multipliers: Vec<Complex<f64>>,
-    /// The modes in one period, in order.
+    /// The modes in one period as [`Modes::cycle`].
     pub sequence: Vec<Modes>,
 }
 
