@@ -90,7 +90,7 @@ pub struct Reached {
 }
 
 impl Reached {
-    /// The modes of the phases as [`Modes::cycle`]; where no phase ended, the mode at the end alone.
+    /// The modes of the phases as [`Modes::cycle`]; where no phase ended, the mode at the end.
     pub fn sequence(&self) -> Vec<Modes> {
         if self.phases.is_empty() {
             return vec![self.mode];

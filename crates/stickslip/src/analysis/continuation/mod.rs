@@ -172,6 +172,7 @@ pub struct SpecialPoint {
 
 /// Why the continuation of a branch stopped.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Stop {
     /// The parameter has reached an end of its range.
     Range,
@@ -230,7 +231,8 @@ pub enum Stop {
     /// another period.
     SequenceEnds,
     /// Behind the last orbit the solver cannot follow the friction law, such as static below
-    /// kinetic friction.
+    /// kinetic friction. It cannot be written to a file.
+    #[cfg_attr(feature = "serde", serde(skip))]
     Refused(Error),
     /// No further orbit could be computed within the shortest step behind the last one.
     NoConvergence,
@@ -238,6 +240,7 @@ pub enum Stop {
 
 /// A branch of periodic orbits.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Branch {
     /// The orbits, in the order in which they were computed.
     pub points: Vec<BranchPoint>,

@@ -21,7 +21,8 @@ const CLOSE: f64 = 1e-2;
 /// Best precision of a homoclinic orbit's parameter, as a fraction of the range.
 const RESOLUTION: f64 = 1e-11;
 
-/// An equilibrium that an orbit passes, and the slowest rates at which orbits leave and approach it.
+/// An equilibrium that an orbit passes, and the slowest rates at which orbits leave and approach
+/// it.
 struct Saddle {
     x: Vector,
     /// Infinite at an equilibrium that attracts: only an event next to it ends the passage.
