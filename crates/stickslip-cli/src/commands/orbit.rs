@@ -101,6 +101,7 @@ fn report(ready: &Ready, search: &SearchArguments) -> Result<Report, Failure> {
     {
         modes.pop();
     }
+    let modes = Modes::cycle(modes);
     let sticks = |phase: &&Phase| phase.mode.any_sticks();
     let sticks = recording.phases.iter().filter(sticks).map(Phase::duration);
     let stick = sticks.fold(0.0, |sum, duration| sum + duration);

@@ -100,7 +100,7 @@ fn both_ends_of_the_cycle_beside_the_fixed_point_are_located() {
     assert!((number(end, "period") * frequency - 2.0 * PI).abs() < 1e-12);
     assert_eq!(number(&rows[0], "vd"), 1.1);
     let stable = rows.iter().filter(|row| row["stability"] == "stable");
-    assert!(stable.clone().all(|row| row["phases"] == "S -"));
+    assert!(stable.clone().all(|row| row["phases"] == "- S"));
     assert!(stable.count() > 20 && rows.last().unwrap()["stability"] == "unstable");
 }
 

@@ -1177,7 +1177,7 @@ fn a_stick_that_a_kink_ends_is_part_of_an_orbit() {
     let found = json_of(text, &["orbit", "system.toml", "--t-start", "7.5"]);
     let x = [&found["x"]["x"], &found["x"]["v"]].map(|x| x.as_f64().unwrap());
     let t = found["t"].as_f64().unwrap();
-    assert_eq!(found["phases"], "- S + S");
+    assert_eq!(found["phases"], "+ S - S");
     // Its derivative by differences, in a time in which it begins at 0.
     let shifted = text
         .replace("width = 0.2\nphase = 0.5", "width = 0.2\nphase = 0.25")

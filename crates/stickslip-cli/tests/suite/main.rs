@@ -9,6 +9,7 @@ mod hybrid;
 mod known_answers;
 mod model_2_page;
 mod pile_ups;
+mod places_on_branches;
 mod public_cases;
 mod random_hybrid;
 mod recorded;

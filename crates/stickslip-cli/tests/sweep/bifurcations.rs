@@ -70,7 +70,7 @@ fn up_and_down_show_the_hysteresis() {
     let (lower, ..) = change("down", "Hopf bifurcation of the equilibrium");
     assert!((lower - born).abs() < 1e-12, "{lower}");
     let (upper, uncertainty, before) = change("up", "grazing-sliding");
-    assert!(uncertainty < 1e-10 && before == "S -", "{uncertainty}");
+    assert!(uncertainty < 1e-10 && before == "- S", "{uncertainty}");
     assert!((last_cycle..last_cycle + 0.025).contains(&upper), "{upper}");
 
     let sticks = text(top.path().join("d/sticks.csv"));

@@ -1,5 +1,6 @@
 //! A sweep that is killed at random times and resumed.
 
+use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -215,6 +216,94 @@ fn a_branch_killed_as_it_grows_goes_on_by_the_same_command() {
     std::fs::write(&block, &bytes[..bytes.len() / 2]).unwrap();
     run("killed");
     assert!(files(&out("killed")) == whole);
+}
+
+/// `u' = p + q u - u³` about `cos t` has two folds over p.
+const CUSP: &str = r#"
+name = "Cusp"
+[time]
+period = "2*pi"
+[states]
+y = ""
+[parameters]
+p = 0
+q = 0.75
+[definitions]
+u = "y - cos(t)"
+[field]
+y = "p + q*u - u*u*u - sin(t)"
+[start]
+y = 1.9
+"#;
+
+/// An orbit about `cos t` doubles its period at p = 0.
+const FLIP: &str = r#"
+name = "Flip"
+[time]
+period = "2*pi"
+[states]
+x = ""
+y = ""
+[parameters]
+p = -0.1
+[definitions]
+a = "x - cos(t)"
+b = "y - sin(t)"
+u = "cos(t/2)*a + sin(t/2)*b"
+w = "cos(t/2)*b - sin(t/2)*a"
+along = "p*u - u*u*u"
+[field]
+x = "-sin(t) - b/2 + cos(t/2)*along + sin(t/2)*w"
+y = "cos(t) + a/2 + sin(t/2)*along - cos(t/2)*w"
+[start]
+x = 1
+y = 0
+"#;
+
+/// Each takes a second part, which is killed when the first of its results is saved.
+#[test]
+fn curves_and_other_branches_are_kept_over_a_kill() {
+    let top = folder();
+    for (name, text, arguments) in [
+        ("cusp", CUSP, ["p=-1:1", "--also=q=-0.5:1"].as_slice()),
+        ("flip", FLIP, &["p=-0.2:0.3", "--branches"]),
+    ] {
+        let file = format!("{name}.toml");
+        std::fs::write(top.path().join(&file), text).unwrap();
+        let out = |of: &str| top.path().join(format!("{name}-{of}"));
+        let run = |of: &str| {
+            let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
+            command.current_dir(top.path()).args(["continue", &file]);
+            command
+                .args(["--periods", "1", "--parameter"])
+                .args(arguments);
+            command.arg("--out").arg(out(of)).stdout(Stdio::null());
+            command
+        };
+        assert!(run("whole").status().unwrap().success());
+        let whole = files(&out("whole"));
+        let kept = || {
+            let blocks = std::fs::read_dir(out("killed").join("sweep/blocks"));
+            let blocks = blocks.into_iter().flatten().map(|block| block.unwrap());
+            let blocks = blocks.filter(|block| block.file_name() > *"00000001.block");
+            let times = blocks.map(|block| (block.path(), block.metadata().unwrap().modified()));
+            times
+                .map(|(path, time)| (path, time.unwrap()))
+                .collect::<BTreeMap<_, _>>()
+        };
+        let mut child = run("killed").spawn().unwrap();
+        while kept().is_empty() {
+            sleep(Duration::from_millis(1));
+        }
+        let _ = child.kill();
+        child.wait().unwrap();
+        let before = kept();
+        assert!(run("killed").status().unwrap().success());
+        assert!(files(&out("killed")) == whole, "{name}");
+        // What was saved is used, not computed anew.
+        let after = kept();
+        assert!(before.iter().all(|(path, time)| after[path] == *time));
+    }
 }
 
 #[test]

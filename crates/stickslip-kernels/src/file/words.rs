@@ -53,14 +53,7 @@ impl System {
     /// modes of an equilibrium. Empty for other motions, whose phases are only the last ones.
     pub fn phases(&self, outcome: &Outcome) -> String {
         match outcome.motion {
-            Motion::Periodic { .. } => {
-                let phases = outcome.sequence();
-                let turned = |by: usize| {
-                    let (end, begin) = phases.split_at(by);
-                    self.sequence(&[begin, end].concat())
-                };
-                (0..phases.len()).map(turned).min().unwrap_or_default()
-            }
+            Motion::Periodic { .. } => self.sequence(&outcome.sequence()),
             Motion::Equilibrium | Motion::EquilibriumSet => self.letters(&outcome.modes),
             _ => String::new(),
         }

@@ -146,13 +146,12 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// The modes of the phases, or the final modes if no phase ended.
+    /// The modes of the phases as [`Modes::cycle`], or the final modes if no phase ended.
     pub fn sequence(&self) -> Vec<Modes> {
         if self.phases.is_empty() {
-            vec![self.modes]
-        } else {
-            self.phases.iter().map(|phase| phase.modes).collect()
+            return vec![self.modes];
         }
+        Modes::cycle(self.phases.iter().map(|phase| phase.modes))
     }
 
     /// Converts the library's result. `told` formats the error of a failed integration.

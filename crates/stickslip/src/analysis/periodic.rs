@@ -1,6 +1,5 @@
 //! Periodic orbits by shooting.
 
-use super::attractors::is_same_cycle;
 use super::cycle::{Cycle, Outline, Shooting};
 use super::monodromy::{turn, velocity_in};
 use crate::dynamics::{
@@ -223,10 +222,9 @@ fn orbit_near(
     for _ in 0..SEQUENCES {
         let outline = Outline::of_run(system, &from, period, options)?;
         let shooting = Shooting::of(system, &outline, forced, options);
-        let is_own = |modes: &Vec<Modes>| is_same_cycle(modes, &outline.modes());
         let found = shooting.nearest(&outline, None);
         match found {
-            Some(cycle) if shooting.is_valid(&cycle) || wrong.as_ref().is_some_and(is_own) => {
+            Some(cycle) if shooting.is_valid(&cycle) || wrong == Some(outline.modes()) => {
                 return whole(&shooting, &cycle, start);
             }
             Some(cycle) => {

@@ -79,6 +79,18 @@ impl Modes {
         usize::from(self.until).checked_sub(1)
     }
 
+    /// The phases of a cycle, in an order that does not depend on where it is begun: their letters
+    /// come first in the alphabet.
+    pub fn cycle(phases: impl IntoIterator<Item = Modes>) -> Vec<Modes> {
+        let phases: Vec<Modes> = phases.into_iter().collect();
+        let turned = |by: usize| [&phases[by..], &phases[..by]].concat();
+        let letters = |modes: &Vec<Modes>| -> Vec<String> {
+            modes.iter().map(|modes| String::from(*modes)).collect()
+        };
+        let all = (0..phases.len()).map(turned);
+        all.min_by_key(letters).unwrap_or_default()
+    }
+
     /// The modes in order of the contacts, as a list.
     pub fn to_vec(&self) -> Vec<Mode> {
         self.iter().collect()

@@ -3,6 +3,7 @@
 use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
+use serde_json::json;
 use stickslip::analysis::{
     Branch, ContinuationSettings, Curve, EquilibriumBranch, PartialBranch, PeriodicOrbit, Special,
     SpecialPoint, Stop, SwitchedBranch, continue_change, continue_equilibrium, switch_branches,
@@ -12,11 +13,16 @@ use stickslip::{Error, Options};
 use stickslip_kernels::study::{Along, WholeBranch, only_once};
 
 use super::super::range::ParameterRange;
-use super::saving::{Saving, saved};
+use super::saving::{Saving, kept, saved};
 use crate::failure::Failure;
 use crate::sweep::Writer;
 use crate::terminal::Status;
 use stickslip_kernels::file::System;
+
+/// The blocks behind those of both directions: for each special orbit, its curve in two parameters
+/// and the branches that begin there.
+const CURVES: usize = super::WAYS.get();
+const BRANCHES: usize = CURVES + 1;
 
 /// A branch that begins at a special orbit of another one.
 pub(super) struct Other {
@@ -149,8 +155,8 @@ impl<'a> Begin<'a> {
         also: &Also,
         (orbit, periods): (&PeriodicOrbit, Option<u32>),
         branch: &WholeBranch,
-        settings: &ContinuationSettings,
-        options: &Options,
+        (settings, options): (&ContinuationSettings, &Options),
+        writer: &Writer,
     ) -> Result<Vec<(SpecialPoint, Option<Curve>)>, Failure> {
         let settings = ContinuationSettings {
             forced: periods.map(|_| orbit.period),
@@ -160,29 +166,29 @@ impl<'a> Begin<'a> {
         let x = [x.as_slice(), &[also.value, self.along.value]].concat();
         let is_above = |at: &SpecialPoint| at.behind > branch.first;
         let below = branch.special.iter().filter(|at| !is_above(at)).count();
+        let by = json!(also.range).to_string();
         let curve = |(k, at): (usize, &SpecialPoint)| {
             // In each direction, orbits are counted from the one that the branch was started from.
             let upwards = is_above(at);
             let number = if upwards { k - below } else { below - 1 - k };
             let ranges = (&settings, (also.range.low, also.range.high));
             let way = (orbit.period, upwards, number);
-            let found = continue_change(&also.both, &*x, way, ranges, options);
-            let told = match found {
-                Ok(mut curve) => {
-                    for point in &mut curve.points {
-                        let pace = self.along.pace(&[
-                            (&also.range.name, point.parameters[0]),
-                            (&self.range.name, point.parameters[1]),
-                        ])?;
-                        point.period *= pace;
-                        point.t *= pace;
-                    }
-                    Some(curve)
+            let mut found = kept(writer, (CURVES + 2 * k, &by), || {
+                match continue_change(&also.both, &*x, way, ranges, options) {
+                    Ok(curve) => Ok(Some(curve)),
+                    Err(Error::NotFound { .. }) => Ok(None),
+                    Err(error) => Err(Failure::from(error)),
                 }
-                Err(Error::NotFound { .. }) => None,
-                Err(error) => return Err(Failure::from(error)),
-            };
-            Ok((at.clone(), told))
+            })?;
+            for point in found.iter_mut().flat_map(|curve| &mut curve.points) {
+                let pace = self.along.pace(&[
+                    (&also.range.name, point.parameters[0]),
+                    (&self.range.name, point.parameters[1]),
+                ])?;
+                point.period *= pace;
+                point.t *= pace;
+            }
+            Ok((at.clone(), found))
         };
         let followed = branch.special.iter().enumerate();
         let followed: Vec<_> = followed
@@ -196,8 +202,8 @@ impl<'a> Begin<'a> {
         &self,
         (orbit, periods): (&PeriodicOrbit, Option<u32>),
         branch: &WholeBranch,
-        settings: &ContinuationSettings,
-        options: &Options,
+        (settings, options): (&ContinuationSettings, &Options),
+        writer: &Writer,
     ) -> Result<Vec<Other>, Failure> {
         let settings = ContinuationSettings {
             forced: periods.map(|_| orbit.period),
@@ -214,11 +220,17 @@ impl<'a> Begin<'a> {
             let upwards = is_above(at);
             let number = if upwards { k - below } else { below - 1 - k };
             let way = (orbit.period, upwards, number);
-            let found = match switch_branches(&self.along.dynamics, &*x, way, &settings, options) {
-                Ok(SwitchedBranch { branches, .. }) => branches,
-                Err(Error::NotFound { .. }) => Vec::new(),
-                Err(error) => return Err(Failure::from(error)),
-            };
+            let found = kept(writer, (BRANCHES + 2 * from, ""), || match switch_branches(
+                &self.along.dynamics,
+                &*x,
+                way,
+                &settings,
+                options,
+            ) {
+                Ok(SwitchedBranch { branches, .. }) => Ok(branches),
+                Err(Error::NotFound { .. }) => Ok(Vec::new()),
+                Err(error) => Err(Failure::from(error)),
+            })?;
             // On one side, the branch ends with its first orbit.
             let begin = |way: &Branch| Branch {
                 points: way.points.iter().take(1).cloned().collect(),

@@ -45,8 +45,9 @@ use branch::{Begin, Other};
 ///
 /// Writes branch.csv, special.csv and continue.svg; with --also curves.csv and curves.svg; with
 /// --equilibrium equilibria.csv, equilibria-special.csv and equilibria.svg. The branch is saved in
-/// sweep/ as it is followed: after a kill the same command goes on from there, and --also or
-/// --branches added to a finished command use the branch that is saved.
+/// sweep/ as it is followed, and so is each curve and each other branch when it is complete: after
+/// a kill the same command goes on from there, and --also or --branches added to a finished command
+/// use what is saved.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// The parameter and the range in which the branch is followed
@@ -158,7 +159,7 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<(Report, Writer), Failu
     })?;
     let others = arguments.branches.then(|| {
         patiently("following the other branches", |_| {
-            begin.others((&orbit, periods), &branch, &settings, options)
+            begin.others((&orbit, periods), &branch, (&settings, options), &writer)
         })
     });
     let others = others.transpose()?;
@@ -246,7 +247,8 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<(Report, Writer), Failu
     report.figure("continue", &figure::diagram(system, &range, &branches))?;
     if let Some(also) = also {
         let curves = patiently("following the special orbits in two parameters", |_| {
-            begin.curves(&also, (&orbit, periods), &branch, &settings, options)
+            let how = (&settings, options);
+            begin.curves(&also, (&orbit, periods), &branch, how, &writer)
         })?;
         curves::report(&mut report, system, &range, &also, &curves)?;
     }

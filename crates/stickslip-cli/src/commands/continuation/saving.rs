@@ -1,20 +1,45 @@
-//! Saves a branch while it is followed, so that the computation resumes after a kill.
+//! Saves a branch while it is followed, and what begins at its special orbits, so that the
+//! computation resumes after a kill.
 
 use std::ops::ControlFlow;
 use std::time::Instant;
 
+use serde::{Serialize, de::DeserializeOwned};
 use stickslip::analysis::PartialBranch;
 
 use super::super::sweeping::{from_content, to_content};
+use crate::failure::Failure;
 use crate::sweep::{SweepError, Writer};
 
 /// Reads what was saved in a block. `None` if there is no complete block.
-pub(super) fn saved(writer: &Writer, block: usize) -> Result<Option<PartialBranch>, SweepError> {
+pub(super) fn saved<T: DeserializeOwned>(
+    writer: &Writer,
+    block: usize,
+) -> Result<Option<T>, SweepError> {
     let failed = |source| SweepError::Block { block, source };
     match writer.store.find(block)? {
         Some(Ok(content)) => from_content(&content).map(Some).map_err(failed),
         _ => Ok(None),
     }
+}
+
+/// A result by a block in which it is saved once it is complete. In addition to the plan of the
+/// sweep it depends on `by`: a result of something else is replaced.
+pub(super) fn kept<T: Serialize + DeserializeOwned>(
+    writer: &Writer,
+    (block, by): (usize, &str),
+    compute: impl FnOnce() -> Result<T, Failure>,
+) -> Result<T, Failure> {
+    let kept = saved::<(String, T)>(writer, block)?;
+    if let Some((_, found)) = kept.filter(|(of, _)| of == by) {
+        return Ok(found);
+    }
+    let found = compute()?;
+    // A branch that the solver refuses to follow ends in an error, which has no form in a file.
+    if let Ok(content) = to_content(&(by, &found)) {
+        writer.put(block, &content)?;
+    }
+    Ok(found)
 }
 
 /// Saves one direction along a branch in a block.

@@ -90,12 +90,12 @@ pub struct Reached {
 }
 
 impl Reached {
-    /// The modes of the phases in order; where no phase ended, the mode at the end alone.
+    /// The modes of the phases as [`Modes::cycle`]; where no phase ended, the mode at the end.
     pub fn sequence(&self) -> Vec<Modes> {
         if self.phases.is_empty() {
             return vec![self.mode];
         }
-        self.phases.iter().map(|phase| phase.mode).collect()
+        Modes::cycle(self.phases.iter().map(|phase| phase.mode))
     }
 
     /// The period of a periodic orbit; zero of other kinds of motion.
@@ -108,8 +108,7 @@ impl Reached {
 
     /// Whether two periodic orbits have the same cycle of phases and transitions.
     pub fn has_sequence_of(&self, other: &Self) -> bool {
-        is_same_cycle(&self.sequence(), &other.sequence())
-            && is_same_cycle(&self.transitions, &other.transitions)
+        self.sequence() == other.sequence() && is_same_cycle(&self.transitions, &other.transitions)
     }
 }
 

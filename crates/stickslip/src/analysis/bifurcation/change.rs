@@ -3,12 +3,12 @@
 use std::ops::ControlFlow;
 
 use super::{SweepPoint, WhatChanges};
-use crate::analysis::attractors::{Kind, Reached, is_same_cycle};
+use crate::analysis::attractors::{Kind, Reached};
 use crate::analysis::continuation::{
     ContinuationSettings, EquilibriumBifurcation, Special, Stop, Walk, continue_equilibrium,
 };
 use crate::analysis::cycle::Extra;
-use crate::dynamics::{Dynamics, DynamicsRef, Modes, Vector};
+use crate::dynamics::{Dynamics, DynamicsRef, Vector};
 use crate::filippov::Options;
 
 /// A change counts as hit by a value of the sweep within this fraction of the interval behind it;
@@ -207,10 +207,8 @@ impl Located {
         match &self.named {
             Some(WhatChanges::Sequence(change)) => {
                 let sides = [&change.before, &change.after];
-                sides.into_iter().zip(ends).all(|(modes, end)| {
-                    let phases: Vec<Modes> = end.phases.iter().map(|phase| phase.mode).collect();
-                    is_same_cycle(modes, &phases)
-                })
+                let mut sides = sides.into_iter().zip(ends);
+                sides.all(|(modes, end)| *modes == end.sequence())
             }
             Some(_) => true,
             None => false,

@@ -4,7 +4,6 @@
 use super::line::Line;
 use super::parameter_of;
 use super::walk::Walk;
-use crate::analysis::attractors::is_same_cycle;
 use crate::analysis::cycle::{
     Cycle, Margin, MarginKind, Outline, Path, SequenceChange, Shooting, Zero, describe,
 };
@@ -89,7 +88,7 @@ impl Walk<'_> {
     fn behind(&self, line: &Line, at: &Zero, step: f64) -> Option<(Cycle, Line)> {
         let beyond = line.on(&self.shooting, at.s + BEYOND * step)?;
         let outline = self.run_through(&beyond)?;
-        let is_other = !is_same_cycle(&outline.modes(), &self.branch.last.outline.modes());
+        let is_other = outline.modes() != self.branch.last.outline.modes();
         is_other
             .then(|| self.enter(&outline, parameter_of(&at.solution)))
             .flatten()

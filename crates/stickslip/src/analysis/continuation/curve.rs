@@ -13,6 +13,7 @@ use crate::filippov::Options;
 
 /// An orbit on a curve of special ones.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CurvePoint {
     /// The two parameters, which are the last two states; the branch parameter comes last.
     pub parameters: [f64; 2],
@@ -26,6 +27,7 @@ pub struct CurvePoint {
 
 /// Why the continuation of a curve stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum CurveStop {
     /// One of the parameters has reached an end of its range.
     Range,
@@ -39,6 +41,7 @@ pub enum CurveStop {
 
 /// A curve of special periodic orbits in two parameters.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Curve {
     /// The orbit at which it begins.
     pub at: SpecialPoint,

@@ -3,7 +3,6 @@
 use super::Stop;
 use super::walk::Walk;
 use super::{parameter_of, with_parameter};
-use crate::analysis::attractors::is_same_cycle;
 use crate::analysis::boundary_equilibrium::{Approach, Held, ends_in};
 use crate::analysis::cycle::{Cycle, MarginKind};
 use crate::analysis::lagrange::weights;
@@ -148,7 +147,7 @@ impl Walk<'_> {
         let passes = (from - begin) * (to - begin) <= 0.0 && from != to;
         let [one, first] =
             [&self.branch.last, &self.branch.first].map(|cycle| cycle.outline.modes());
-        if self.branch.points.len() <= 3 || !passes || !is_same_cycle(&one, &first) {
+        if self.branch.points.len() <= 3 || !passes || one != first {
             return None;
         }
         let row = self.branch.last.outline.unit(self.place());

@@ -107,7 +107,7 @@ pub struct BranchPoint {
     /// The multipliers in descending order of modulus, without the trivial one of an autonomous
     /// system.
     pub multipliers: Vec<Complex<f64>>,
-    /// The modes in one period, in order.
+    /// The modes in one period as [`Modes::cycle`].
     pub sequence: Vec<Modes>,
 }
 
@@ -172,6 +172,7 @@ pub struct SpecialPoint {
 
 /// Why the continuation of a branch stopped.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Stop {
     /// The parameter has reached an end of its range.
     Range,
@@ -189,8 +190,8 @@ pub enum Stop {
         frequency: f64,
     },
     /// A boundary-equilibrium bifurcation: the orbit shrinks to an equilibrium or approaches one.
-    /// At this parameter the equilibrium reaches the discontinuity boundary, or the edge of its
-    /// sliding region.
+    /// At this parameter the equilibrium reaches the discontinuity boundary, the edge of its
+    /// sliding region, or the function of a jump.
     BoundaryEquilibrium {
         /// The parameter.
         parameter: f64,
@@ -230,7 +231,8 @@ pub enum Stop {
     /// another period.
     SequenceEnds,
     /// Behind the last orbit the solver cannot follow the friction law, such as static below
-    /// kinetic friction.
+    /// kinetic friction. It cannot be written to a file.
+    #[cfg_attr(feature = "serde", serde(skip))]
     Refused(Error),
     /// No further orbit could be computed within the shortest step behind the last one.
     NoConvergence,
@@ -238,6 +240,7 @@ pub enum Stop {
 
 /// A branch of periodic orbits.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Branch {
     /// The orbits, in the order in which they were computed.
     pub points: Vec<BranchPoint>,

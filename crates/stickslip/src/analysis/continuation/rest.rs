@@ -21,9 +21,11 @@ const CLOSE: f64 = 1e-2;
 /// Best precision of a homoclinic orbit's parameter, as a fraction of the range.
 const RESOLUTION: f64 = 1e-11;
 
-/// A saddle, and the slowest rates at which orbits leave and approach it.
+/// An equilibrium that an orbit passes, and the slowest rates at which orbits leave and approach
+/// it.
 struct Saddle {
     x: Vector,
+    /// Infinite at an equilibrium that attracts: only an event next to it ends the passage.
     leaves: f64,
     comes: f64,
 }
@@ -51,8 +53,8 @@ impl Walk<'_> {
         })
     }
 
-    /// Whether the last orbit is about to become homoclinic: it is slower than the one before it,
-    /// and close to one or several saddles.
+    /// Whether the period is about to grow without bound: the last orbit is slower than the one
+    /// before it, and close to one or several saddles, or to an equilibrium that reaches an event.
     pub(super) fn homoclinic(&self) -> Option<Stop> {
         if self.settings.forced.is_some() || self.branch.last.period <= self.branch.before.period {
             return None;
@@ -64,6 +66,9 @@ impl Walk<'_> {
             .iter()
             .map(|saddle| saddle.leaves.min(-saddle.comes).recip());
         let (parameter, uncertainty) = self.at_infinity(times.sum::<f64>().recip());
+        if saddles.iter().any(|saddle| saddle.leaves.is_infinite()) {
+            return Some(Stop::BoundaryEquilibrium { parameter });
+        }
         let leaves = saddles.iter().map(|saddle| saddle.leaves);
         let comes = saddles.iter().map(|saddle| saddle.comes);
         Some(Stop::Homoclinic {
@@ -126,8 +131,7 @@ impl Walk<'_> {
         }
     }
 
-    /// The equilibrium of a mode near a state, if the mode holds there and orbits both approach and
-    /// leave it.
+    /// The equilibrium of a mode near a state, if the mode holds there and orbits approach it.
     fn saddle_near(&self, mode: Modes, at: &Moment) -> Option<Saddle> {
         let system = self.shooting.system;
         let free = at.x.len() - 1;
@@ -143,15 +147,16 @@ impl Walk<'_> {
             let rates = values.iter().map(|value| sign * value.re);
             rates.filter(|&rate| rate > zero).min_by(f64::total_cmp)
         };
+        let (leaves, comes) = match (nearest(1.0), nearest(-1.0)) {
+            (leaves, Some(rate)) => (leaves.unwrap_or(f64::INFINITY), -rate),
+            // On the boundary, orbits reach it from across in finite time.
+            (Some(leaves), None) if mode.any_sticks() => (leaves, f64::NEG_INFINITY),
+            _ => return None,
+        };
         Some(Saddle {
             x: there.x,
-            leaves: nearest(1.0)?,
-            // On the boundary, orbits reach it from across in finite time.
-            comes: match nearest(-1.0) {
-                Some(rate) => -rate,
-                None if mode.any_sticks() => f64::NEG_INFINITY,
-                None => return None,
-            },
+            leaves,
+            comes,
         })
     }
 }

@@ -4,7 +4,9 @@
 use super::Outline;
 use super::margin::{Margin, MarginKind};
 use super::pieces::Piece;
+use super::shooting::TOLERANCES;
 use crate::dynamics::{Dynamics, Moment};
+use crate::filippov::Options;
 
 /// Samples per step for locating the minima of its guards.
 const SAMPLES: usize = 8;
@@ -21,7 +23,12 @@ struct Sample {
 
 /// The smallest values of all guards within the segments, and at those ends that belong to another
 /// contact.
-pub(super) fn minima(system: &dyn Dynamics, outline: &Outline, pieces: &[Piece]) -> Vec<Margin> {
+pub(super) fn minima(
+    system: &dyn Dynamics,
+    outline: &Outline,
+    pieces: &[Piece],
+    options: &Options,
+) -> Vec<Margin> {
     let mut found: Vec<Margin> = Vec::new();
     let count = outline.segments.len();
     for (part, (segment, piece)) in outline.segments.iter().zip(pieces).enumerate() {
@@ -55,6 +62,11 @@ pub(super) fn minima(system: &dyn Dynamics, outline: &Outline, pieces: &[Piece])
                 continue;
             };
             let last = samples.len() - 1;
+            // A rate that is zero to within the tolerances has no sign. So a minimum at which the
+            // velocity of another contact is zero, too, is one wherever rounding puts it.
+            let rates = samples.iter().map(|one| one.jet[1].abs());
+            let still = TOLERANCES * options.rtol.max(options.atol) * rates.fold(0.0, f64::max);
+            let falls = |one: &Sample| one.jet[1] < -still;
             let mut places = Vec::new();
             // A jump does not occur at a zero that its function passed before the phase: it must
             // have been positive since.
@@ -68,17 +80,17 @@ pub(super) fn minima(system: &dyn Dynamics, outline: &Outline, pieces: &[Piece])
             };
             if let Some(other) = by_other(0)
                 && may_come(0)
-                && begin.jet[1] > 0.0
+                && begin.jet[1] > still
             {
                 places.push((MarginKind::Begin(number), Some(other), (0, 0.0)));
             }
             if let Some(other) = by_other(1)
                 && may_come(last - 1)
-                && end.jet[1] < 0.0
+                && falls(end)
             {
                 places.push((MarginKind::End(number), Some(other), (end.step, 1.0)));
             }
-            let turns = |a: &Sample, b: &Sample| a.jet[1] < 0.0 && b.jet[1] >= 0.0;
+            let turns = |a: &Sample, b: &Sample| falls(a) && !falls(b);
             let minimum = MarginKind::Minimum(number);
             // An orbit without transitions continues from its end to its beginning.
             if segment.end.is_none() && may_come(last) && turns(end, begin) {

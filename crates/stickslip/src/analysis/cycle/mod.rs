@@ -248,7 +248,7 @@ impl Outline {
         }
     }
 
-    /// The modes in order, with the jumps between them.
+    /// The modes as [`Modes::cycle`], with the jumps between them.
     pub fn modes(&self) -> Vec<Modes> {
         let modes = self.segments.iter().map(|segment| {
             let end = segment.end.filter(|end| end.is_of_jump);
@@ -256,7 +256,7 @@ impl Outline {
                 .mode
                 .until(end.map(|end| end.contact - segment.mode.len()))
         });
-        modes.collect()
+        Modes::cycle(modes)
     }
 
     /// The segment before one.

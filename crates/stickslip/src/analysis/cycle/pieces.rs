@@ -105,7 +105,7 @@ impl Shooting<'_> {
 
     /// The margins of the orbit to each change of its phases.
     pub(super) fn margins(&self, outline: &Outline, pieces: &[Piece]) -> Vec<Margin> {
-        let mut margins = minima(self.system, outline, pieces);
+        let mut margins = minima(self.system, outline, pieces, self.options);
         for margin in &mut margins {
             self.settle(outline, pieces, margin);
         }

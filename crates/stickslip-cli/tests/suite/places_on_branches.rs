@@ -1,0 +1,135 @@
+//! Places on branches: one name and one order of the phases, wherever a branch is begun.
+
+use std::f64::consts::PI;
+use std::path::Path;
+
+use assert_cmd::Command;
+use serde_json::Value;
+use stickslip::math;
+
+fn json_of(folder: &Path, arguments: &[&str]) -> Value {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
+    let command = command.current_dir(folder).args(arguments).arg("--json");
+    let output = command.assert().success();
+    serde_json::from_slice(&output.get_output().stdout).unwrap()
+}
+
+/// Den Hartog's oscillator with a wall that it does not reach at small amplitudes of the force.
+const WALL: &str = r#"
+name = "wall"
+[time]
+period = "2*pi/w"
+[states]
+x = ""
+v = ""
+[parameters]
+A = 0.4
+w = 0.6
+[contacts.floor]
+boundary = "v"
+friction = "0.1"
+[field]
+x = "v"
+v = "-x + A*cos(w*t) - friction(floor)"
+[jumps.wall]
+when = "0.8 - x"
+direction = "falling"
+set = { v = "-0.8*v" }
+[start]
+x = 0
+v = 0
+"#;
+
+/// The block turns back at its amplitude. So the wall's function and the velocity of the contact
+/// are zero at once, and rounding decides on which side of that moment the least distance lies.
+#[test]
+fn a_graze_of_a_wall_where_the_velocity_is_zero_has_one_name() {
+    let top = tempfile::tempdir().unwrap();
+    std::fs::write(top.path().join("wall.toml"), WALL).unwrap();
+    let half = PI / 0.6;
+    let v = 1.0 / (1.0 - 0.36);
+    let u = math::sin(half) / (0.6 * (1.0 + math::cos(half)));
+    let exact = (0.8 * 0.8 + 0.1 * 0.1 * u * u).sqrt() / v;
+    for (k, start) in ["A=0.3", "A=0.33", "A=0.35", "A=0.38", "A=0.4", "A=0.42"]
+        .into_iter()
+        .enumerate()
+    {
+        let range = ["--set", start, "--parameter", "A=0.2:0.9"];
+        let out = k.to_string();
+        let arguments = [&["continue", "wall.toml", "--out", &out], &range[..]].concat();
+        let json = json_of(top.path(), &arguments);
+        let [graze] = json["special"].as_array().unwrap().as_slice() else {
+            panic!("{start}: {json:#}");
+        };
+        assert_eq!(graze["what"], "grazing of a jump", "{start}");
+        let [at, uncertainty] =
+            ["parameter", "uncertainty"].map(|key| graze[key].as_f64().unwrap());
+        let off = (at - exact).abs();
+        assert!(
+            off <= uncertainty && uncertainty < 1e-8,
+            "{start}: {at} for {exact}, {uncertainty:e}"
+        );
+    }
+}
+
+/// Wherever an orbit is begun, its phases are written in one order.
+#[test]
+fn orbits_and_branches_write_phases_in_one_order() {
+    let top = tempfile::tempdir().unwrap();
+    let set = ["den-hartog", "--set", "S=0.5", "--set", "O=0.4"];
+    let mut all = Vec::new();
+    for start in ["x=0", "x=1.5", "x=-1.5"] {
+        let from = [&set[..], &["--start", start, "--out", start]].concat();
+        let orbit = json_of(top.path(), &[&["orbit"], &from[..]].concat());
+        all.push(orbit["phases"].as_str().unwrap().to_owned());
+        let along = ["--parameter", "O=0.4:0.41", "--points", "2"];
+        let out = format!("branch-{start}");
+        let from = [&set[..], &["--start", start, "--out", &out], &along].concat();
+        json_of(top.path(), &[&["continue"], &from[..]].concat());
+        let mut table = csv::Reader::from_path(top.path().join(&out).join("branch.csv")).unwrap();
+        let column = table
+            .headers()
+            .unwrap()
+            .iter()
+            .position(|name| name == "phases");
+        let row = table.records().next().unwrap().unwrap();
+        all.push(row[column.unwrap()].to_owned());
+    }
+    assert!(all[0].contains('S'), "{all:?}");
+    assert!(all.iter().all(|phases| *phases == all[0]), "{all:?}");
+}
+
+/// A heater warms a room towards 1 and goes off at p. The warming takes `ln(0.8/(1 - p))`.
+const THERMOSTAT: &str = r#"
+name = "thermostat"
+[states]
+T = ""
+[discrete]
+heater = 1
+[parameters]
+p = 0.5
+[field]
+T = "heater - T"
+[jumps.off]
+when = "T - p"
+direction = "rising"
+set = { heater = "0" }
+[jumps.on]
+when = "T - 0.2"
+direction = "falling"
+set = { heater = "1" }
+[start]
+T = 0.3
+"#;
+
+#[test]
+fn a_threshold_at_an_equilibrium_ends_the_branch_by_name() {
+    let top = tempfile::tempdir().unwrap();
+    std::fs::write(top.path().join("thermostat.toml"), THERMOSTAT).unwrap();
+    let arguments = ["continue", "thermostat.toml", "--parameter", "p=0.3:1.2"];
+    let json = json_of(top.path(), &arguments);
+    let end = &json["ends"][1];
+    assert_eq!(end["stop"], "boundary equilibrium", "{json:#}");
+    let at = end["boundary_equilibrium"].as_f64().unwrap();
+    assert!((at - 1.0).abs() < 1e-9, "{at}");
+}
