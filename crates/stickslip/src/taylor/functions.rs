@@ -10,7 +10,7 @@ use Jet::Line;
 
 /// A function that is constant to rounding beyond some bound. Its series there does not show where
 /// that range ends. So the bound is treated as a comparison, which ends the step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Flat {
     HyperbolicTangent,
     Exponential,

@@ -9,7 +9,7 @@
 //! changes its result. The call has one lane; several lanes repeat it together if their
 //! comparisons agree.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use super::functions::Flat;
 use super::jet::{Jet, Straight};
@@ -20,7 +20,7 @@ use super::steps::Steps;
 use crate::scalar::Scalar;
 
 /// Where a number is: in a row, or among the lines, which are linear in time or constant.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Place {
     Row(u32),
     Line(u32),
@@ -34,7 +34,7 @@ impl Place {
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Operation {
     Add,
     Subtract,
@@ -65,7 +65,7 @@ pub(super) enum Operation {
 }
 
 /// An operation and its operands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Call {
     pub(super) operation: Operation,
     pub(super) of: [Place; 2],
@@ -102,7 +102,7 @@ pub(crate) struct Line<const L: usize> {
 pub(crate) struct Recording {
     calls: Vec<Made>,
     /// Index into `calls` for every call that has a result.
-    known: HashMap<Call, usize>,
+    known: BTreeMap<Call, usize>,
     /// Time is the first entry.
     lines: Vec<Line<1>>,
     /// Steps for the orders above 0.
@@ -167,7 +167,7 @@ impl<const L: usize> Line<L> {
     }
 
     #[inline(always)]
-    fn coefficient(&self, k: usize) -> Lanes<L> {
+    pub(super) fn coefficient(&self, k: usize) -> Lanes<L> {
         match k {
             0 => self.value,
             1 => self.slope,

@@ -19,6 +19,10 @@ enum Way {
     Subtract,
     /// The sum of `a` and `b`, each times its factor.
     Combine,
+    /// The sum of `a` and this line times the constant.
+    AddLine(u32),
+    /// This line minus `a`.
+    SubtractFromLine(u32),
     Multiply,
     Divide,
     /// A constant over `b`.
@@ -123,6 +127,9 @@ fn way(call: &Call, is_constant: impl Fn(u32) -> bool) -> Option<(Way, [u32; 2],
         (Op::Add | Op::Subtract, [Row(a), Line(b)]) if is_constant(b) => (Way::Copy, [a; 2], 0.0),
         (Op::Add, [Line(a), Row(b)]) if is_constant(a) => (Way::Copy, [b; 2], 0.0),
         (Op::Subtract, [Line(a), Row(b)]) if is_constant(a) => (Way::Scale, [b; 2], -1.0),
+        (Op::Add, [Row(a), Line(b)] | [Line(b), Row(a)]) => (Way::AddLine(b), [a; 2], 1.0),
+        (Op::Subtract, [Row(a), Line(b)]) => (Way::AddLine(b), [a; 2], -1.0),
+        (Op::Subtract, [Line(a), Row(b)]) => (Way::SubtractFromLine(a), [b; 2], 0.0),
         (Op::AddConstant | Op::SubtractConstant, [Row(a), _]) => (Way::Copy, [a; 2], 0.0),
         (Op::Negate, [Row(a), _]) => (Way::Scale, [a; 2], -1.0),
         (Op::MultiplyConstant, [Row(a), _]) => (Way::Scale, [a; 2], call.constant()),
@@ -290,6 +297,15 @@ impl<const L: usize> AtOrder<'_, L> {
             Way::Subtract => {
                 let (a, b) = (self.newest(a)?, self.newest(b)?);
                 self.row(row)?.set(order, lanes(|l| a[l] - b[l]));
+            }
+            Way::AddLine(line) => {
+                let (a, line) = (self.scaled(a)?, replay.line(line).coefficient(order));
+                self.row(row)?
+                    .set(order, lanes(|l| a[l] + constant * line[l]));
+            }
+            Way::SubtractFromLine(line) => {
+                let (a, line) = (self.scaled(a)?, replay.line(line).coefficient(order));
+                self.row(row)?.set(order, lanes(|l| line[l] - a[l]));
             }
             Way::Multiply => {
                 let (of_a, of_b) = (self.row(a.above)?, self.row(b.above)?);

@@ -150,7 +150,7 @@ impl Functions<1, 6> for OfTangent {
             x.atan(),
             sine * sine + cosine * cosine + t,
             (x + 2.0).ln().exp(),
-            (x + 2.0).powf(0.5) - (x + 2.0).sqrt() + t,
+            t - ((x + 2.0).sqrt() - (x + 2.0).powf(0.5)),
         ];
         ([x * x + 1.0], watched)
     }

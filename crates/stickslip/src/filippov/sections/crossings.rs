@@ -97,13 +97,14 @@ where
         }
         // A zero at the end is reported there: the motion behind it may be another one.
         let end = self.exact(1.0);
-        if self.side * end.value < -end.blur {
+        let blur = self.over.blur(&end);
+        if self.side * end.value < -blur {
             match self.zero(&from, &end, 1.0) {
                 Some(zero) => self.pass(&zero, tell)?,
                 None => self.side = end.value.signum(),
             }
-        } else if !self.is_clear(&end)
-            && -self.side * end.rate * self.over.length() > PASSING * end.blur
+        } else if self.side * end.value <= blur
+            && -self.side * end.rate * self.over.length() > PASSING * blur
         {
             self.pass(&end, tell)?;
         }
@@ -125,7 +126,7 @@ where
 
     /// Whether the function has its last sign, beyond rounding.
     fn is_clear(&self, place: &Place<N>) -> bool {
-        self.side * place.value > place.blur
+        self.side * place.value > self.over.blur(place)
     }
 
     fn pass(&mut self, at: &Place<N>, tell: &mut Tell<'_, N>) -> ControlFlow<()> {
@@ -141,7 +142,7 @@ where
     /// First point where a function that may be at zero is beyond rounding; `None` if there is none
     /// in this step.
     fn leaves(&self, from: &Place<N>) -> Option<Place<N>> {
-        let has_left = |place: &Place<N>| place.value.abs() > place.blur;
+        let has_left = |place: &Place<N>| place.value.abs() > self.over.blur(place);
         if has_left(from) {
             return Some(*from);
         }
@@ -188,12 +189,11 @@ where
         if behind.value.is_nan() {
             return Next::Clear(behind);
         }
-        let before = self.exact(bracket.a);
-        let before = if self.side * before.value > 0.0 {
-            before
-        } else {
-            *from
-        };
+        let before = Some(bracket.a)
+            .filter(|a| *a > from.s)
+            .map(|a| self.exact(a));
+        let before = before.filter(|before| self.side * before.value > 0.0);
+        let before = before.unwrap_or(*from);
         match self.zero(&before, &behind, estimate) {
             Some(zero) => Next::Crossing(zero, behind),
             None => Next::Clear(behind),
@@ -204,7 +204,7 @@ where
     /// where the function grows to a pole instead.
     fn zero(&self, before: &Place<N>, behind: &Place<N>, estimate: f64) -> Option<Place<N>> {
         // At the end of a phase it has the bits of that end.
-        if behind.s >= 1.0 && behind.value.abs() <= behind.blur {
+        if behind.s >= 1.0 && behind.value.abs() <= self.over.blur(behind) {
             return Some(*behind);
         }
         let (mut a, mut b) = (before.s, behind.s);

@@ -32,8 +32,6 @@ pub(super) struct Place<const N: usize> {
     pub value: f64,
     /// Rate in time, along the motion.
     pub rate: f64,
-    /// Rounding of the function at a zero.
-    pub blur: f64,
 }
 
 impl<'a, S, V, K: Copy, const N: usize> OverStep<'a, S, V, K, N> {
@@ -84,15 +82,21 @@ impl<'a, S, V, K: Copy, const N: usize> OverStep<'a, S, V, K, N> {
         let along = std::array::from_fn(|i| Dual::new(x[i], velocity[i]));
         let function = |t, x: &[Dual<f64>; N]| self.events.values(t, x)[self.number];
         let Dual { re, eps } = function(Dual::new(at.t, 1.0), &along);
-        let (slopes, in_time) = gradient(function, &at);
-        let blur = slopes.abs().dot(self.size) + in_time.abs() * at.t.abs();
         Place {
             s,
             at,
             value: re,
             rate: eps,
-            blur: ULPS * f64::EPSILON * blur,
         }
+    }
+
+    /// Rounding of the function at a zero near a place.
+    pub(super) fn blur<const E: usize>(&self, Place { at, .. }: &Place<N>) -> f64
+    where
+        V: EventFunctions<N, E>,
+    {
+        let (slopes, in_time) = gradient(|t, x| self.events.values(t, x)[self.number], at);
+        ULPS * f64::EPSILON * (slopes.abs().dot(self.size) + in_time.abs() * at.t.abs())
     }
 }
 
