@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use stickslip::Options;
-use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum};
+use stickslip::analysis::{Exponent, SpectrumOptions, largest_exponent};
 
 use crate::file::System;
 use crate::kernel::Outcome;
@@ -58,13 +58,12 @@ impl Largest {
             return Largest::Unmeasured;
         }
         let (t, x) = &outcome.left_at;
-        // The orbit is on the attractor already; only the tangent frame has to align.
+        // The orbit is on the attractor already; only the tangent vector has to align.
         let settings = SpectrumOptions::over(0.1 * duration, duration).solver(*options);
-        let spectrum = lyapunov_spectrum(system.dynamics(), (*t, x.as_slice()), &settings).ok();
-        match spectrum.as_ref().and_then(|found| found.exponents.first()) {
-            Some(&Exponent::Finite { value, std_error }) => Largest::Finite { value, std_error },
-            Some(Exponent::Annihilated) => Largest::Annihilated,
-            None => Largest::Unmeasured,
+        match largest_exponent(system.dynamics(), (*t, x.as_slice()), &settings) {
+            Ok(Exponent::Finite { value, std_error }) => Largest::Finite { value, std_error },
+            Ok(Exponent::Annihilated) => Largest::Annihilated,
+            Err(_) => Largest::Unmeasured,
         }
     }
 }

@@ -37,7 +37,7 @@ pub use continuation::{
 pub use cycle::{SequenceBifurcation, SequenceChange};
 pub use destination::{Destination, destination};
 pub use lyapunov::{
-    Exponent, Growth, Running, Spectrum, SpectrumOptions, lyapunov_spectrum,
+    Exponent, Growth, Running, Spectrum, SpectrumOptions, largest_exponent, lyapunov_spectrum,
     lyapunov_spectrum_watched,
 };
 pub use monodromy::{Monodromy, monodromy};

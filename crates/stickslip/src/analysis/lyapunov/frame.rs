@@ -8,9 +8,9 @@ use crate::math;
 /// in 1e12 entries into stick.
 const IN_SPAN: f64 = 1e-12;
 
-/// Orthonormal vectors, as many as there are states, some of which may have been annihilated. The
-/// surviving ones are in the order of their exponents. The annihilated ones complete the basis and
-/// carry only the normal of the space of the others.
+/// Orthonormal vectors, at most as many as there are states. Some may have been annihilated. The
+/// surviving ones are in the order of their exponents. The annihilated ones continue the basis; in
+/// a full frame they carry only the normal of the space of the others.
 #[derive(Clone, Debug)]
 pub(super) struct Frame {
     columns: Vec<Vector>,
@@ -18,20 +18,21 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// A frame in general position, the same every time. A frame along the axes could lie in
-    /// invariant subspaces of a decoupled system, and miss the largest exponent.
-    pub(super) fn generic(states: usize) -> Self {
+    /// The first `count` vectors of a frame in general position, the same every time. A frame along
+    /// the axes could lie in invariant subspaces of a decoupled system, and miss the largest
+    /// exponent.
+    pub(super) fn generic(states: usize, count: usize) -> Self {
         let entry = |i: usize, j: usize| {
             let k = (1 + i + states * j) as f64;
             math::sin(k * k)
         };
         let column = |j| Vector::from_fn(states, |i, _| entry(i, j));
         let mut frame = Frame {
-            columns: (0..states).map(column).collect(),
-            alive: vec![true; states],
+            columns: (0..count).map(column).collect(),
+            alive: vec![true; count],
         };
         if frame.orthonormalise().is_none() {
-            frame.columns = (0..states).map(|j| axis(states, j)).collect();
+            frame.columns = (0..count).map(|j| axis(states, j)).collect();
         }
         frame
     }
@@ -127,10 +128,10 @@ impl Frame {
         None
     }
 
-    /// Replaces the removed vectors by ones that complete the surviving ones to an orthonormal
+    /// Replaces the removed vectors by ones that continue the surviving ones to an orthonormal
     /// basis.
     fn complete(&mut self) {
-        let states = self.len();
+        let states = self.columns.first().map_or(0, Vector::len);
         let living = self.living();
         let dead = self.order().split_off(living.len());
         let mut known: Vec<Vector> = living.iter().map(|&j| self.columns[j].clone()).collect();
@@ -179,7 +180,7 @@ mod tests {
 
     #[test]
     fn gram_schmidt_finds_lengths_and_leaves_an_orthonormal_frame() {
-        let mut frame = Frame::generic(3);
+        let mut frame = Frame::generic(3, 3);
         for q in frame.columns_mut() {
             *q = Vector::from_column_slice(&[2.0 * q[0] + q[2], 3.0 * q[1], 0.5 * q[2]]);
         }
@@ -196,7 +197,7 @@ mod tests {
 
     #[test]
     fn a_full_frame_loses_its_last_vector_and_then_none() {
-        let mut frame = Frame::generic(3);
+        let mut frame = Frame::generic(3, 3);
         let kernel = unit([0.2, -1.0, 0.4]);
         assert_eq!(frame.collapse(&kernel), Some(2));
         frame.orthonormalise_living().unwrap();
@@ -204,8 +205,20 @@ mod tests {
     }
 
     #[test]
+    fn the_first_vector_alone_is_that_of_a_full_frame() {
+        let full = Frame::generic(3, 3);
+        let mut alone = Frame::generic(3, 1);
+        assert_eq!(alone.columns[0], full.columns[0]);
+        // Only a kernel along it annihilates it; another direction continues the basis then.
+        assert_eq!(alone.collapse(&unit([0.2, -1.0, 0.4])), None);
+        assert_eq!(alone.collapse(&full.columns[0]), Some(0));
+        assert_eq!(alone.orthonormalise_living().unwrap().len(), 1);
+        approx::assert_relative_eq!(alone.columns[0].norm(), 1.0, max_relative = 1e-14);
+    }
+
+    #[test]
     fn a_kernel_within_the_span_of_the_first_vectors_takes_one_of_them() {
-        let mut frame = Frame::generic(3);
+        let mut frame = Frame::generic(3, 3);
         let kernel = &frame.columns[0] * 0.6 - &frame.columns[1] * 0.8;
         assert_eq!(frame.collapse(&kernel), Some(1));
         assert!(frame.is_alive(0) && frame.is_alive(2));
@@ -213,7 +226,7 @@ mod tests {
 
     #[test]
     fn dead_vectors_are_completed_to_a_basis() {
-        let mut frame = Frame::generic(3);
+        let mut frame = Frame::generic(3, 3);
         frame.alive = vec![true, false, false];
         frame.columns[1] = frame.columns[0].clone();
         frame.columns[2].fill(0.0);
@@ -226,7 +239,7 @@ mod tests {
 
     #[test]
     fn a_vanished_vector_is_reported() {
-        let mut frame = Frame::generic(3);
+        let mut frame = Frame::generic(3, 3);
         frame.columns_mut()[1].fill(0.0);
         assert_eq!(frame.orthonormalise(), None);
     }

@@ -6,7 +6,7 @@ use super::frame::Frame;
 use super::settings::SpectrumOptions;
 use super::spectrum::Spectrum;
 use super::volume::growth;
-use crate::dynamics::{Dynamics, Modes, Moment, Step, Summary, Transition, Vector};
+use crate::dynamics::{Dynamics, Modes, Moment, OrbitUnderWay, Step, Summary, Transition, Vector};
 use crate::error::Error;
 use crate::filippov::TransitionKind;
 use crate::math;
@@ -24,7 +24,8 @@ pub(super) struct Measurement<'a> {
     settings: &'a SpectrumOptions,
     frame: Frame,
     growth: Growth,
-    /// Logarithm of the volume spanned by the surviving vectors, by Liouville's formula.
+    /// Logarithm of the volume spanned by the surviving vectors, by Liouville's formula. It has a
+    /// meaning for a full frame only.
     log_volume: f64,
     /// Integral of the divergence.
     divergence: f64,
@@ -38,12 +39,17 @@ pub(super) struct Measurement<'a> {
 }
 
 impl<'a> Measurement<'a> {
-    pub(super) fn new(system: &'a dyn Dynamics, settings: &'a SpectrumOptions) -> Self {
+    /// A measurement of the largest exponents, so many of them.
+    pub(super) fn new(
+        system: &'a dyn Dynamics,
+        settings: &'a SpectrumOptions,
+        count: usize,
+    ) -> Self {
         Measurement {
             tangent: Tangent::new(system, &settings.solver),
             settings,
-            frame: Frame::generic(system.states()),
-            growth: Growth::new(system.states(), 0.0, settings),
+            frame: Frame::generic(system.states(), count),
+            growth: Growth::new(count, 0.0, settings),
             log_volume: 0.0,
             divergence: 0.0,
             stick_time: 0.0,
@@ -221,16 +227,17 @@ impl Measurement<'_> {
         });
     }
 
-    fn take(&mut self, step: &Step, solution: &dyn Fn(f64) -> Vector) -> Option<()> {
+    fn take(&mut self, step: &Step, orbit: &mut dyn OrbitUnderWay) -> Option<()> {
         let is_stick = step.mode.any_sticks();
         if std::mem::take(&mut self.is_fresh) && is_stick {
             self.begin_on_boundary(step)?;
         }
         self.tangent.carry(step, self.frame.columns_mut());
-        let growth = if self.is_settling {
+        let is_full = self.frame.len() == self.tangent.system.states();
+        let growth = if self.is_settling || !is_full {
             0.0
         } else {
-            growth(self.tangent.system, step, solution)
+            growth(self.tangent.system, step, &*orbit.solution())
         };
         self.divergence += growth;
         if is_stick {
@@ -240,13 +247,9 @@ impl Measurement<'_> {
         self.book(growth)
     }
 
-    /// Carries the frame over a step.
-    pub(super) fn step(
-        &mut self,
-        step: &Step,
-        solution: &dyn Fn(f64) -> Vector,
-    ) -> Result<(), Error> {
-        self.take(step, solution)
+    /// Carries the frame over the last step of an orbit.
+    pub(super) fn step(&mut self, step: &Step, orbit: &mut dyn OrbitUnderWay) -> Result<(), Error> {
+        self.take(step, orbit)
             .ok_or_else(|| singular(step.t_end, &step.x_end))?;
         if !self.is_settling {
             self.growth.tick(step.t_end);

@@ -95,10 +95,49 @@ pub(super) fn spectrum_of(
     start: Moment,
     settings: &SpectrumOptions,
 ) -> Result<Spectrum, Error> {
+    measured_alone(system, start, settings, system.states())
+}
+
+/// The spectrum of so many vectors, without an observer.
+fn measured_alone(
+    system: &dyn Dynamics,
+    start: Moment,
+    settings: &SpectrumOptions,
+    count: usize,
+) -> Result<Spectrum, Error> {
     let begin = |at: &Moment, t_end: f64, options: &Options| {
         system.begin(at, t_end, options, &Section::None)
     };
-    measured(system, start, settings, begin)
+    measured(system, start, (settings, count), begin)
+}
+
+/// The largest exponent alone, from one tangent vector: the first of [`lyapunov_spectrum`] in a
+/// fraction of its time.
+///
+/// Where exponents are equal, as in a spiral, the spectrum puts first the vector that grew most
+/// over the measured time; here it is the only one.
+///
+/// # Errors
+/// As [`lyapunov_spectrum`].
+///
+/// ```
+/// use stickslip::analysis::{SpectrumOptions, largest_exponent};
+/// use stickslip::models::BeltOscillator;
+///
+/// let belt = BeltOscillator { belt_speed: 0.2, ..BeltOscillator::default() };
+/// let settings = SpectrumOptions::over(50.0, 500.0);
+/// let largest = largest_exponent(&belt, (0.0, [0.5, 0.1]), &settings)?;
+/// assert!(largest.value().abs() < 0.02);
+/// # Ok::<(), stickslip::Error>(())
+/// ```
+pub fn largest_exponent<Kind>(
+    system: &impl AsDynamics<Kind>,
+    (t, x): (f64, impl Components),
+    settings: &SpectrumOptions,
+) -> Result<Exponent, Error> {
+    let start = Moment { t, x: x.vector() };
+    // One vector has one exponent.
+    Ok(measured_alone(&*system.dynamics(), start, settings, 1)?.exponents[0])
 }
 
 /// [`lyapunov_spectrum`] with an observer of the measured part of the run, for minima, sections and
@@ -119,16 +158,16 @@ where
 {
     let start = Moment { t, x: x.vector() };
     let dynamics = Typed::<&S, S, _, _, N, G>::new(system);
-    measured(&dynamics, start, settings, |at, t_end, options| {
+    measured(&dynamics, start, (settings, N), |at, t_end, options| {
         observed(system, (at, t_end), options, &mut watcher)
     })
 }
 
-/// The spectrum; `begin` begins the measured part of the run.
+/// The spectrum of so many vectors; `begin` begins the measured part of the run.
 fn measured<'a>(
     system: &dyn Dynamics,
     mut start: Moment,
-    settings: &SpectrumOptions,
+    (settings, count): (&SpectrumOptions, usize),
     begin: impl FnOnce(&Moment, f64, &Options) -> Result<Box<dyn OrbitUnderWay + 'a>, Error>,
 ) -> Result<Spectrum, Error> {
     settings.check()?;
@@ -136,7 +175,7 @@ fn measured<'a>(
     let block = settings.duration / settings.blocks as f64;
     let solver = settings.solver;
     let settings = &settings.solver(solver.longest_step(solver.longest_step.min(block)));
-    let mut measurement = Measurement::new(system, settings);
+    let mut measurement = Measurement::new(system, settings, count);
     if settings.transient > 0.0 {
         let t_end = start.t + settings.transient;
         let orbit = system.begin(&start, t_end, &settings.solver, &Section::None)?;
@@ -156,7 +195,7 @@ fn follow(
 ) -> Result<Summary, Error> {
     loop {
         match orbit.step()? {
-            Happening::Step => measurement.step(&orbit.last_step(), &*orbit.solution())?,
+            Happening::Step => measurement.step(&orbit.last_step(), &mut *orbit)?,
             Happening::Transition(at) => measurement.transition(&at)?,
             Happening::PhaseEnd(_) | Happening::Passage(_) | Happening::Kink(_) => {}
             Happening::End(summary) if summary.ending.is_final() => {
