@@ -82,14 +82,3 @@ fn greatest(function: &impl Fn(f64) -> f64, (mut a, mut b): (f64, f64)) -> f64 {
     }
     at_c.max(at_d)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::greatest;
-
-    #[test]
-    fn a_maximum_inside_is_found_to_rounding() {
-        let parabola = |t: f64| 2.0 - (t - 0.3) * (t - 0.3);
-        assert_eq!(greatest(&parabola, (0.0, 1.0)), 2.0);
-    }
-}

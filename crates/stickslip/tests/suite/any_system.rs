@@ -20,8 +20,8 @@ use crate::pulses::{Overflowing, Pushed, Slippery, Spike};
 use crate::sections::EventSet;
 use crate::smooth::{Lorenz, Smooth};
 use crate::solver::systems::{
-    BlowUp, Breathing, Ceiling, ComesToRest, Dip, Floor, Ledge, MovingLine, Parabola, Reversed,
-    Spiral, StaticFriction, TurningLine, TwiceRound, TwoFold, Wall, Window, Zeno,
+    BlowUp, Breathing, Ceiling, ComesToRest, Dip, Floor, Ledge, MovingLine, Pair, Parabola,
+    Reversed, Spiral, StaticFriction, TurningLine, TwiceRound, TwoFold, Wall, Window, Zeno,
 };
 use crate::taylor::{
     Bilinear, Brink, Cup, Dent, Gate, Kink, Knee, Pit, Push, Ramp, Rectified, SoftStop, Steep,
@@ -94,7 +94,7 @@ traced!(
 
 traced!(
     4:
-    BlockAndBracket, Pressed, Weaker,
+    BlockAndBracket, Pair, Pressed, Weaker,
 );
 
 pub fn solve<S: Listed<N>, const N: usize>(

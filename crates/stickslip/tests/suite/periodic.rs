@@ -199,7 +199,15 @@ fn a_forced_orbit_comes_to_den_hartog_s_in_one_period() {
     let options = Options::tol(1e-12);
     // The start is not at time zero: the compared states are whole periods after it.
     let t0 = 0.3;
-    let found = destination(&system, (t0, [1.0, 0.0]), period, 200, 1e-6, &options).unwrap();
+    let found = destination(
+        &system.dynamics(),
+        (t0, [1.0, 0.0]),
+        period,
+        200,
+        1e-6,
+        &options,
+    )
+    .unwrap();
     let Destination::Periodic {
         period: 1,
         sticks: 0,

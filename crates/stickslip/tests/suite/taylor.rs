@@ -10,6 +10,7 @@ use stickslip::{
 };
 
 use crate::any_system::{lyapunov_spectrum, solve};
+use crate::ensemble::Oscillator;
 use crate::listed::Listed;
 use crate::solver::systems::{Floor, Parabola};
 
@@ -178,11 +179,11 @@ fn dense_output_is_as_exact_as_the_steps() {
 
 #[test]
 fn a_longer_run_allocates_no_more() {
-    let belt = BeltOscillator {
+    let belt = Oscillator::Belt(BeltOscillator {
         belt_speed: 0.2,
         mu0: 0.5,
         ..BeltOscillator::default()
-    };
+    });
     let count = |t_end: f64| {
         let info = allocation_counter::measure(|| {
             let start = State::from([0.1, 0.2]);

@@ -5,12 +5,14 @@ use stickslip::TransitionKind::StickEntry;
 use stickslip::analysis::multipliers;
 use stickslip::dynamics::Matrix;
 use stickslip::models::BeltOscillator;
-use stickslip::{Filippov, Mode, Scalar, Side, State, math};
+use stickslip::{Mode, Side, State, math};
 
 use super::check::{TIGHT, kinds};
 use crate::any_system::{monodromy, periodic_orbit, solve};
 use crate::listed::Listed;
-use crate::solver::systems::{Dip, Floor, MovingLine, Spiral, StaticFriction, decaying_friction};
+use crate::solver::systems::{
+    Dip, Floor, MovingLine, Pair, Spiral, StaticFriction, decaying_friction,
+};
 
 /// Differences over five points with this change err by its fourth power times the fifth
 /// derivative, and by the tolerance over it (1e-8).
@@ -232,25 +234,11 @@ fn a_start_in_stick_forgets_what_is_across_the_boundary() {
     assert!((one.re - 1.0).abs() < 1e-13 && none.norm() < 1e-13);
 }
 
-/// Two blocks with only friction between them. Friction shares a change of one velocity by
-/// momentum. A projection across the boundary at a right angle would not.
-struct Pair;
-
-impl Filippov<4> for Pair {
-    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 4]) -> [T; 4] {
-        let friction = T::constant(side.sign());
-        [x[1], -friction, x[3], friction / 3.0]
-    }
-    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 4]) -> T {
-        x[1] - x[3]
-    }
-}
-
 #[test]
 fn a_start_in_stick_comes_back_to_the_boundary_along_the_friction() {
     let start = State::from([0.1, 0.7, -0.2, 0.7]);
     let t_end = 2.0;
-    let found = stickslip::analysis::monodromy(&Pair, 0.0, start, t_end, &super::tol(TIGHT));
+    let found = monodromy(&Pair, 0.0, start, t_end, &super::tol(TIGHT));
     let found = found.expect("runs").matrix;
     let mut exact = SMatrix::<f64, 4, 4>::identity();
     // Masses of 1 and 3.

@@ -10,7 +10,7 @@ use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::{Mode, Observer, Orbit, Side, State, Transition, TransitionKind};
 
 use super::check::{assert_consistent, changes, ulp_of_boundary};
-use crate::any_system::{run, solve};
+use crate::any_system::{monodromy, run, solve};
 use crate::listed::Listed;
 use crate::solver::systems::Reversed;
 
@@ -170,7 +170,7 @@ fn assert_streams_alike<S: Listed<2>>(system: &S, x0: State<2>, orbit: &Orbit<2>
 /// run succeeds: an infinite bound would allow anything.
 fn growth<S: Listed<2>>(system: &S, t0: f64, x0: State<2>, t_end: f64) -> f64 {
     let options = super::tol(TOLERANCE).escape(20.0);
-    stickslip::analysis::monodromy(&system.any(), t0, x0, t_end, &options)
+    monodromy(system, t0, x0, t_end, &options)
         .expect("runs")
         .matrix
         .amax()

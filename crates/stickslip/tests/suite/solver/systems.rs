@@ -312,3 +312,17 @@ impl Filippov<3> for TwiceRound {
         T::constant(-1.0)
     }
 }
+
+/// Two blocks with only friction between them. Friction shares a change of one velocity by
+/// momentum. A projection across the boundary at a right angle would not.
+pub struct Pair;
+
+impl Filippov<4> for Pair {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 4]) -> [T; 4] {
+        let friction = T::constant(side.sign());
+        [x[1], -friction, x[3], friction / 3.0]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 4]) -> T {
+        x[1] - x[3]
+    }
+}

@@ -1,0 +1,6 @@
+//! Tests of expressions and of systems from files.
+
+mod extremes;
+mod parse;
+mod sizes;
+mod tape;

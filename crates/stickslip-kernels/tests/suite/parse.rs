@@ -1,0 +1,115 @@
+//! From text to trees of expressions.
+
+use stickslip_kernels::expression::{Binary, Expression, Kind, parse};
+
+/// The expression with all parentheses written.
+fn printed(expression: &Expression) -> String {
+    match &expression.kind {
+        Kind::Number(value) => value.to_string(),
+        Kind::Name(name) => name.clone(),
+        Kind::Negative(inner) => format!("(-{})", printed(inner)),
+        Kind::Binary(operator, a, b) => {
+            let sign = match operator {
+                Binary::Sum => "+",
+                Binary::Difference => "-",
+                Binary::Product => "*",
+                Binary::Quotient => "/",
+                Binary::Power => "^",
+            };
+            format!("({}{sign}{})", printed(a), printed(b))
+        }
+        Kind::Call {
+            function,
+            arguments,
+            ..
+        } => {
+            let arguments: Vec<String> = arguments.iter().map(printed).collect();
+            format!("{function}[{}]", arguments.join(","))
+        }
+    }
+}
+
+#[test]
+fn operators_bind_as_in_mathematics() {
+    for (text, wanted) in [
+        ("a + b*c", "(a+(b*c))"),
+        ("a - b - c", "((a-b)-c)"),
+        ("a/b/c", "((a/b)/c)"),
+        ("a/b*c", "((a/b)*c)"),
+        ("-x^2", "(-(x^2))"),
+        ("(-x)^2", "((-x)^2)"),
+        ("2^3^2", "(2^(3^2))"),
+        ("x^-1", "(x^(-1))"),
+        ("2*-x", "(2*(-x))"),
+        ("--x", "(-(-x))"),
+        ("+x", "x"),
+        ("a - -b", "(a-(-b))"),
+        ("sin(x)^2", "(sin[x]^2)"),
+        ("min(a, b + 1)", "min[a,(b+1)]"),
+        ("f()", "f[]"),
+        ("μ₀·x² − ½", ""),
+        ("μ₀·x² − 1", "((μ₀*(x^2))-1)"),
+        ("µ", "μ"),
+        ("1e-3*x", "(0.001*x)"),
+        (".5 + 5.", "(0.5+5)"),
+        ("1.5E+2", "150"),
+        ("Δθ_1", "Δθ_1"),
+    ] {
+        let parsed = parse(text);
+        if wanted.is_empty() {
+            assert!(parsed.is_err(), "{text}");
+        } else {
+            assert_eq!(parsed.map(|e| printed(&e)), Ok(wanted.to_owned()), "{text}");
+        }
+    }
+}
+
+#[test]
+fn every_branch_knows_its_place() {
+    let text = "a + (b - θ)*2";
+    let whole = parse(text).unwrap();
+    assert_eq!(whole.span, 0..text.len());
+    let Kind::Binary(_, _, product) = &whole.kind else {
+        panic!("a sum")
+    };
+    assert_eq!(&text[product.span.clone()], "(b - θ)*2");
+}
+
+#[test]
+fn what_cannot_be_read_is_told_with_its_place() {
+    for (text, place, message) in [
+        ("", 0..0, "no expression"),
+        ("a +", 3..3, "something is missing"),
+        ("(a", 0..1, "not closed"),
+        ("sin(a", 3..4, "not closed"),
+        ("a)", 1..2, "`)` is not expected"),
+        ("2x", 1..2, "the name `x` is not expected"),
+        ("(2 x)", 3..4, "not expected"),
+        ("a**2", 1..3, "no operator"),
+        ("1.2.3", 3..5, "the number 0.3 is not expected"),
+        ("1e999", 0..5, "is no number"),
+        (".", 0..1, "is no number"),
+        ("a $ b", 2..3, "does not belong"),
+        ("|v|", 0..1, "does not belong"),
+        ("v > 0", 2..3, "does not belong"),
+        ("* a", 0..1, "is expected here, not `*`"),
+        ("3,5", 1..2, "`,` is not expected"),
+    ] {
+        let error = parse(text).unwrap_err();
+        assert_eq!(error.span, place, "{text}: {error}");
+        assert!(error.message.contains(message), "{text}: {error}");
+    }
+}
+
+#[test]
+fn depth_is_bounded_before_the_stack_is() {
+    let nested = |depth: usize| format!("{}x{}", "(".repeat(depth), ")".repeat(depth));
+    assert!(parse(&nested(50)).is_ok());
+    assert!(
+        parse(&nested(100_000))
+            .unwrap_err()
+            .message
+            .contains("deeper")
+    );
+    assert!(parse(&"-".repeat(100_000)).is_err());
+}
