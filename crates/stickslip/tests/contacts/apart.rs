@@ -6,6 +6,7 @@ use stickslip::{
 };
 
 use super::rig::Rig;
+use super::two_states::TwoStates;
 use std::ops::ControlFlow;
 
 /// Three driven blocks on a floor, each with its own spring and friction.
@@ -88,7 +89,7 @@ fn oscillators_apart_go_on_as_each_alone_by_taylor() {
 }
 
 /// The first of them with a contact that is never at zero.
-struct WithIdle<'a>(&'a Rig<3>);
+pub struct WithIdle<'a>(&'a Rig<3>);
 
 impl Contacts<2, 2> for WithIdle<'_> {
     fn field<T: Scalar>(&self, sides: &[Side; 2], t: T, x: &[T; 2]) -> [T; 2] {
@@ -108,7 +109,14 @@ fn a_contact_that_never_acts_changes_nothing() {
     ] {
         let start = [START[0], START[3]];
         let alone = solve(&SingleOscillator(&rig, 0), 0.0, start, 40.0, &options).unwrap();
-        let beside = solve(&Several(WithIdle(&rig)), 0.0, start, 40.0, &options).unwrap();
+        let beside = solve(
+            &Several(TwoStates::WithIdle(WithIdle(&rig))),
+            0.0,
+            start,
+            40.0,
+            &options,
+        )
+        .unwrap();
         assert_eq!(alone.transitions.len(), beside.transitions.len());
         assert!(alone.transitions.len() > 8);
         for (alone, beside) in alone.transitions.iter().zip(&beside.transitions) {
@@ -146,7 +154,14 @@ fn a_contact_at_the_limit_of_what_holds_it_does_as_by_the_rules_of_one_boundary(
             Options::tol(1e-14).method(Method::Taylor),
         ] {
             let alone = solve(&SingleOscillator(&rig, 0), 0.0, [x, 0.0], 1.0, &options).unwrap();
-            let several = solve(&Several(WithIdle(&rig)), 0.0, [x, 0.0], 1.0, &options).unwrap();
+            let several = solve(
+                &Several(TwoStates::WithIdle(WithIdle(&rig))),
+                0.0,
+                [x, 0.0],
+                1.0,
+                &options,
+            )
+            .unwrap();
             let first = alone.phases[0].mode;
             assert_eq!(first == Mode::Stick, sticks, "{rig:?}");
             assert_eq!(several.phases[0].mode[0], first, "{rig:?}");

@@ -3,12 +3,13 @@
 use stickslip::{Contacts, Ending, Error, Method, Options, Scalar, Several, Side, solve};
 
 use super::references::stacked;
+use super::two_states::TwoStates;
 
 /// Two bodies with contacts that depend on the case.
-struct InvalidContacts(Case);
+pub struct InvalidContacts(Case);
 
 #[derive(Clone, Copy)]
-enum Case {
+pub enum Case {
     /// Both boundaries are equal.
     Coincide,
     /// The gradient of the second boundary function vanishes.
@@ -68,7 +69,7 @@ impl Contacts<2, 2> for InvalidContacts {
 
 fn error(case: Case, start: [f64; 2]) -> Error {
     let failure = solve(
-        &Several(InvalidContacts(case)),
+        &Several(TwoStates::Invalid(InvalidContacts(case))),
         0.0,
         start,
         2.0,
@@ -112,7 +113,7 @@ fn a_boundary_that_ends_on_the_way_ends_the_run_there() {
         Options::tol(1e-10),
         Options::tol(1e-10).method(Method::Taylor),
     ] {
-        let system = Several(InvalidContacts(Case::Ends));
+        let system = Several(TwoStates::Invalid(InvalidContacts(Case::Ends)));
         let failure = solve(&system, 0.0, [1.5, 0.5], 1.0, &options).unwrap_err();
         let Error::StepCollapse { ref x, .. } = failure.error else {
             panic!("{}", failure.error);

@@ -15,3 +15,4 @@ mod references;
 mod rig;
 mod spectra;
 mod static_friction;
+mod two_states;

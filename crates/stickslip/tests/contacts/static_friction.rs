@@ -7,6 +7,7 @@ use stickslip::{
 
 use super::references::stacked;
 use super::rig::Rig;
+use super::two_states::TwoStates;
 
 const STEP: f64 = 1e-5;
 const T_END: f64 = 40.0;
@@ -191,7 +192,7 @@ fn static_friction_at_two_contacts_agrees_with_a_scan() {
 /// One block on another on the ground, of mass 1 each, pulled by t. The ground releases at 2 and
 /// brakes with 1 afterwards. Together both would then start at 1/2, but the upper one is held with
 /// 0.2 only.
-struct Stacked;
+pub struct Stacked;
 
 impl Stacked {
     fn with<T: Scalar>(ground: f64, sides: &[Side; 2], t: T) -> [T; 2] {
@@ -216,7 +217,14 @@ impl Contacts<2, 2> for Stacked {
 fn a_contact_that_another_one_lets_go_is_among_those_that_change() {
     for method in [Method::Taylor, Method::Dop853] {
         let options = Options::tol(1e-13).method(method);
-        let orbit = solve(&Several(Stacked), 0.0, [0.0, 0.0], 3.0, &options).unwrap();
+        let orbit = solve(
+            &Several(TwoStates::Stacked(Stacked)),
+            0.0,
+            [0.0, 0.0],
+            3.0,
+            &options,
+        )
+        .unwrap();
         let [at] = &orbit.transitions[..] else {
             panic!("{:?}", orbit.transitions);
         };
