@@ -83,7 +83,7 @@ class System:
 
     @classmethod
     def from_toml(cls, source: str | os.PathLike[str]) -> System:
-        """The system of a file, of a shipped model by its name, or of a text."""
+        """The system of a file, of a shipped model by its name, or of a text of several lines."""
         if isinstance(source, str) and "\n" in source:
             return cls._of("text", source, {})
         path = os.fspath(source)

@@ -40,13 +40,24 @@ pub(super) fn locate(
         }
         _ => {
             let named = first.named.or(second.named);
-            [named.or(first.smooth).or(second.smooth), None]
+            [named.or(primary([first.smooth, second.smooth])), None]
         }
     };
     match found {
         [None, None] => vec![WhatChanges::Unlocated],
         some => some.into_iter().flatten().collect(),
     }
+}
+
+/// Of two names of one place, that by the orbit of the shorter period. An orbit of a multiple of
+/// its period is born there; its own multiplier 1 does not tell a flip from a fold.
+fn primary(changes: [Option<WhatChanges>; 2]) -> Option<WhatChanges> {
+    let period = |change: &WhatChanges| match change {
+        WhatChanges::Multiplier { period, .. } => *period,
+        _ => f64::INFINITY,
+    };
+    let changes = changes.into_iter().flatten();
+    changes.min_by(|one, other| period(one).total_cmp(&period(other)))
 }
 
 /// Where the equilibrium at a value loses its stability, or reaches the edge of its mode's domain.

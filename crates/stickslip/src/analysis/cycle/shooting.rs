@@ -203,7 +203,9 @@ impl<'a> Shooting<'a> {
         let has_events = outline.segments.iter().any(|one| one.end.is_some());
         let is_same = self.forced.is_some() || has_events || (end - start).norm() <= within;
         let is_finite = equations.monodromy.iter().all(|entry| entry.is_finite());
-        if !is_near || !is_same || !is_finite || extent <= by_tolerance {
+        // An orbit without extent is an equilibrium, unless it is that of a driven system.
+        let is_point = self.forced.is_none() && extent <= by_tolerance;
+        if !is_near || !is_same || !is_finite || is_point {
             return None;
         }
         let margins = self.margins(&outline, &equations.pieces);
