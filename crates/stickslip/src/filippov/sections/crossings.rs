@@ -53,14 +53,12 @@ where
     /// or behind the crossing that ended the search.
     #[inline(always)]
     pub(super) fn each(&mut self, tell: &mut Tell<'_, N>) -> ControlFlow<()> {
-        // Nearly every step returns here.
-        if self.side != 0.0 && self.over.is_clear(self.side, (0.0, 1.0)) {
-            return ControlFlow::Continue(());
-        }
         self.samples = UNIT.map(|s| self.over.sampled(s));
-        let is_far = || far_from_zero(&self.samples.map(|value| self.side * value));
-        // Samples do not see a function that varies faster than they resolve.
-        if self.side != 0.0 && is_far() && self.first_bracket(0.0).is_none() {
+        let is_far = self.side != 0.0 && far_from_zero(&self.samples.map(|v| self.side * v));
+        // Nearly every step returns here. Samples do not see a function that varies faster than
+        // they resolve; bounds do.
+        let is_clear = || self.over.is_clear(self.side, (0.0, 1.0));
+        if is_far && (is_clear() || self.first_bracket(0.0).is_none()) {
             return ControlFlow::Continue(());
         }
         self.search(tell)
