@@ -635,6 +635,55 @@ fn json_of(text: &str, arguments: &[&str]) -> serde_json::Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
+/// Its multipliers have the product exp(−0.4·2π), by Liouville.
+#[test]
+fn a_driven_system_that_comes_to_rest_has_a_periodic_orbit() {
+    let text = "name = \"decays\"\n[states]\nx = \"\"\nv = \"\"\n[field]\nx = \"v\"\n\
+                v = \"-(1 + 0.1*cos(t))*x - 0.4*v\"\n[start]\nx = 1\nv = 0\n[time]\n\
+                period = \"2*pi\"\n";
+    for transient in ["0", "20", "200"] {
+        let arguments = ["orbit", "system.toml", "--transient", transient];
+        let found = json_of(text, &arguments);
+        let part = |k: usize, of: usize| found["multipliers"][k][of].as_f64().unwrap();
+        let determinant = part(0, 0) * part(1, 0) - part(0, 1) * part(1, 1);
+        assert!(
+            (determinant - math::exp(-0.8 * PI)).abs() < 1e-10,
+            "{transient}: {found}"
+        );
+        let [low, high] = [0, 1].map(|end| found["extremes"]["x"][end].as_f64().unwrap());
+        assert!(
+            low.abs() < 1e-10 && high.abs() < 1e-10,
+            "{transient}: {found}"
+        );
+    }
+}
+
+/// The logistic map as a jump once in a period. Its period doubles at 1 + √6 in both directions.
+#[test]
+fn a_flip_has_one_name_in_both_directions_of_a_sweep() {
+    let text = "name = \"logistic\"\n[states]\nx = \"\"\n[parameters]\nr = 3.3\n[jumps.map]\n\
+                when = \"sin(2*pi*(t - 0.3))\"\ndirection = \"rising\"\n\
+                set = { x = \"exp(0.05)*r*x*(1 - x)\" }\n[field]\nx = \"-0.05*x\"\n[start]\n\
+                x = 0.3\n[time]\nperiod = 1\n";
+    let arguments = [
+        "bifurcation",
+        "system.toml",
+        "--parameter",
+        "r=3.4:3.48",
+        "--values",
+        "3",
+    ];
+    let found = json_of(text, &arguments);
+    for sweep in ["up", "down"] {
+        let changes = found[sweep]["changes"].as_array().unwrap();
+        assert_eq!(changes.len(), 1, "{found}");
+        let change = &changes[0]["change"]["multiplier"];
+        assert_eq!(change["name"], "flip", "{sweep}: {found}");
+        let place = change["parameter"].as_f64().unwrap();
+        assert!((place - (1.0 + 6.0_f64.sqrt())).abs() < 1e-12, "{change}");
+    }
+}
+
 /// The state between kicks is so smooth that a step would last many of their periods.
 #[test]
 fn a_slow_state_is_kicked_by_a_fast_clock_every_time() {

@@ -137,7 +137,7 @@ impl<'a> Shooting<'a> {
             let wanted = self.closes_to(&equations);
             let closes = equations.off <= wanted
                 && is_on
-                && (equations.off >= 0.5 * last_off || equations.off == 0.0);
+                && (equations.off >= 0.5 * last_off || equations.off <= f64::EPSILON * wanted);
             let sizes = sizes(&equations.pieces);
             let most = sizes.amax();
             let other = if most > by_tolerance { most } else { 1.0 };
