@@ -22,8 +22,8 @@ pub(super) fn newton_solution(
         scaled.row_mut(k).unscale_mut(*size);
         right_scaled[k] /= *size;
     }
-    // Other unknowns and equations are scaled by their entries: equations first, so that their units
-    // do not decide which unknowns count.
+    // Other unknowns and equations are scaled by their entries: equations first, so that their
+    // units do not decide which unknowns count.
     let by_rows = |scaled: &mut Matrix, right: &mut Vector| {
         for k in states..count {
             let row = scaled.row(k).norm().max(f64::MIN_POSITIVE);
