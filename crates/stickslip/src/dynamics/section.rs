@@ -116,4 +116,12 @@ where
             What::Jump(number) => self.jumps.direction(number),
         }
     }
+
+    fn is_as_smooth_as_state(&self, number: usize) -> bool {
+        match self.what {
+            What::Nothing | What::Plane { .. } | What::Turning => true,
+            What::Own => self.own.is_as_smooth_as_state(number),
+            What::Strobe(_) | What::Jump(_) => false,
+        }
+    }
 }

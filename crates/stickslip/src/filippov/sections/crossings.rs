@@ -57,7 +57,7 @@ where
         let is_far = self.side != 0.0 && far_from_zero(&self.samples.map(|v| self.side * v));
         // Nearly every step returns here. Samples do not see a function that varies faster than
         // they resolve; bounds do.
-        let is_clear = || self.over.is_clear(self.side, (0.0, 1.0));
+        let is_clear = || self.over.is_smooth() || self.over.is_clear(self.side, (0.0, 1.0));
         if is_far && (is_clear() || self.first_bracket(0.0).is_none()) {
             return ControlFlow::Continue(());
         }
@@ -158,9 +158,11 @@ where
 
     /// A bracket of the first zero of the dense output behind a part of the step.
     fn first_bracket(&self, from: f64) -> Option<Bracket> {
-        let (asked, is_clear) = (Asked::default(), |from, to| {
-            self.over.is_clear(self.side, (from, to))
-        });
+        let asked = Asked::default();
+        if self.over.is_smooth() {
+            asked.no_more();
+        }
+        let is_clear = |from, to| self.over.is_clear(self.side, (from, to));
         let bounds = &mut |from, to| asked.bounds((from, to), &is_clear);
         first_bracket_within(&mut |s| self.height(s), bounds, from, 1.0)
     }

@@ -81,6 +81,13 @@ pub trait EventFunctions<const N: usize, const E: usize> {
     fn is_terminal(&self, _number: usize) -> bool {
         false
     }
+
+    /// Whether function `number` is as smooth over a step as the state, as a component of it is.
+    /// Error control then resolves it. Others are also bounded over the step, so that none of
+    /// their zeros is missed; the default.
+    fn is_as_smooth_as_state(&self, _number: usize) -> bool {
+        false
+    }
 }
 
 impl<V: EventFunctions<N, E>, const N: usize, const E: usize> EventFunctions<N, E> for &V {
@@ -93,6 +100,9 @@ impl<V: EventFunctions<N, E>, const N: usize, const E: usize> EventFunctions<N, 
     }
     fn is_terminal(&self, number: usize) -> bool {
         (**self).is_terminal(number)
+    }
+    fn is_as_smooth_as_state(&self, number: usize) -> bool {
+        (**self).is_as_smooth_as_state(number)
     }
 }
 

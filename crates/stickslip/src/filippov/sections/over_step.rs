@@ -51,6 +51,13 @@ impl<'a, S, V, K: Copy, const N: usize> OverStep<'a, S, V, K, N> {
         self.events.values(t_start + part, components(&x))[self.number]
     }
 
+    pub(super) fn is_smooth<const E: usize>(&self) -> bool
+    where
+        V: EventFunctions<N, E>,
+    {
+        self.events.is_as_smooth_as_state(self.number)
+    }
+
     /// Whether bounds prove that the function has the sign `side` between two parts of the step.
     pub(super) fn is_clear<const E: usize>(&self, side: f64, (from, to): (f64, f64)) -> bool
     where

@@ -25,4 +25,8 @@ impl<const N: usize> EventFunctions<N, 1> for Plane<N> {
     fn direction(&self, _number: usize) -> Direction {
         self.direction
     }
+
+    fn is_as_smooth_as_state(&self, _number: usize) -> bool {
+        true
+    }
 }
