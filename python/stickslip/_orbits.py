@@ -266,8 +266,8 @@ def periodic_orbit(
         Periods of the drive in one of the orbit; the fewest after which the run comes back, at most
         16, unless given.
     transient : float, optional
-        How long the run is before the search. Unless given 200, or 1000 periods of the drive, or
-        1000 transitions of a system without a drive if that is shorter.
+        How long the run is before the search. The default is 200, or less: at most 1000 periods
+        of a drive, and without a drive 1000 transitions.
     longest : float, optional
         Within what time the orbit comes back, of a system that does not depend on time.
     **options : Options

@@ -274,8 +274,9 @@ class Symbol(Expression):
 
     def __eq__(self, other: object) -> bool:
         # Two of one name that differ stay apart, so that a system refuses them.
-        same = type(other) is type(self) and self.__reduce__()[1] == other.__reduce__()[1]
-        return other is self or same
+        return other is self or (
+            type(other) is type(self) and repr(self.__reduce__()[1]) == repr(other.__reduce__()[1])
+        )
 
     def __hash__(self) -> int:
         return hash((type(self), self.name))

@@ -18,8 +18,8 @@ use crate::terminal::patiently;
 /// How a periodic orbit is looked for.
 #[derive(Debug, clap::Args, Serialize)]
 pub(super) struct SearchArguments {
-    /// How long the run before is; 0 to shoot from the start. Default 200, or 1000 periods of the
-    /// drive, or 1000 transitions of a system without a drive if that is shorter
+    /// How long the run before is; 0 to shoot from the start. Default 200, or less: at most 1000
+    /// periods of a drive, and without a drive 1000 transitions
     #[arg(long, value_name = "TIME")]
     transient: Option<f64>,
     /// How long the orbit may take to come back, of a system that does not depend on time; default
@@ -140,10 +140,16 @@ fn in_words(error: SearchError) -> Failure {
         SearchError::TakesLonger { .. } => {
             Failure::NoPeriodicOrbit(format!("{error}; give a longer time (--longest)"))
         }
-        SearchError::Failed(Error::NotFound { .. }) => Failure::NoPeriodicOrbit(format!(
-            "{error}; give a longer time (--longest), a longer run before (--transient), or start \
-             elsewhere (--start)"
-        )),
+        SearchError::Failed(Error::NotFound { what, .. }) => {
+            let longer = match *what {
+                "a return of the orbit" => "a longer time (--longest), ",
+                _ => "",
+            };
+            Failure::NoPeriodicOrbit(format!(
+                "{error}; give {longer}another run before (--transient), or start elsewhere \
+                 (--start)"
+            ))
+        }
         SearchError::Failed(error) => error.clone().into(),
     }
 }

@@ -1,7 +1,9 @@
 //! Results known in closed form, or to many digits from other sources.
 
 use assert_cmd::Command;
-use stickslip::analysis::{Exponent, SpectrumOptions, Visibility, lyapunov_spectrum};
+use stickslip::analysis::{
+    Exponent, SpectrumOptions, Visibility, largest_exponent, lyapunov_spectrum,
+};
 use stickslip::models::BeltOscillator;
 use stickslip::{Method, Options, Side, math};
 use stickslip_cli::tangents::{Kind, Line, OnLine};
@@ -10,6 +12,26 @@ use super::recorded::{open, read, run};
 
 fn taylor() -> Options {
     Options::tol(1e-13).method(Method::Taylor)
+}
+
+/// Of a chaotic orbit, of a cycle with stick, and where stick annihilates the only direction.
+#[test]
+fn the_largest_exponent_alone_is_the_first_of_the_spectrum() {
+    let sticks = "name = \"sticks\"\n[states]\nv = \"\"\n[contacts.belt]\nboundary = \"v - 1\"\n\
+                  friction = \"1\"\n[field]\nv = \"-friction(belt)\"\n[start]\nv = 0\n";
+    let forced = open("forced");
+    let start = forced.built.start.clone().unwrap();
+    for (system, start) in [
+        (forced, start),
+        (open("belt"), vec![0.5, 0.1]),
+        (crate::hybrid::system(sticks), vec![0.0]),
+    ] {
+        let settings = SpectrumOptions::over(50.0, 400.0).solver(taylor());
+        let start = (0.0, start.as_slice());
+        let all = lyapunov_spectrum(system.dynamics(), start, &settings).unwrap();
+        let alone = largest_exponent(system.dynamics(), start, &settings).unwrap();
+        assert_eq!(alone, all.exponents[0], "{}", system.file.name);
+    }
 }
 
 /// P17: without stops the amplitude from `orbit` is Den Hartog's.

@@ -292,7 +292,7 @@ fn curves_and_other_branches_are_kept_over_a_kill() {
                 .collect::<BTreeMap<_, _>>()
         };
         let mut child = run("killed").spawn().unwrap();
-        while kept().is_empty() {
+        while kept().is_empty() && child.try_wait().unwrap().is_none() {
             sleep(Duration::from_millis(1));
         }
         let _ = child.kill();

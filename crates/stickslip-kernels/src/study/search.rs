@@ -33,8 +33,8 @@ const RETURNED: f64 = 1e-6;
 /// Settings of the search for a periodic orbit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PeriodicSearch {
-    /// Length of the preceding transient; 0 to shoot from the start. By default 200, or 1000
-    /// periods of the drive, or 1000 transitions of an autonomous system if that is shorter.
+    /// Length of the preceding transient; 0 to shoot from the start. The default is 200, or less:
+    /// at most 1000 periods of a drive, and without a drive 1000 transitions.
     pub transient: Option<f64>,
     /// Period of the orbit. For an autonomous system it is a guess. By default it is found.
     pub period: Option<f64>,
@@ -267,8 +267,12 @@ impl Search<'_> {
             return Ok((t, x));
         }
         let is_counted = given.is_none() && drive.is_none();
-        let mut left = TransitionsLeft(is_counted.then_some(CYCLES));
-        self.at_end(self.follow((t, &x), span, &mut left)?)
+        let mut counted = Counted {
+            left: is_counted.then_some(CYCLES),
+            end: None,
+        };
+        let ended = self.follow((t, &x), span, &mut counted)?;
+        counted.end.map_or_else(|| self.at_end(ended), Ok)
     }
 
     /// The time and state after a period.
@@ -280,9 +284,14 @@ impl Search<'_> {
     fn at_end(&self, ended: Summary) -> Result<(f64, Vector), Error> {
         let (t, x) = (ended.t, Point::from(&ended.x));
         match ended.ending {
+            Ending::EndTime => Ok((ended.t, ended.x)),
             Ending::Shrunk => Err(Error::Shrunk { t, x }),
-            ending if ending.is_final() => Err(Error::NoUniqueFuture { t, x }),
-            _ => Ok((ended.t, ended.x)),
+            Ending::Stopped => Err(Error::NotFound {
+                what: "a return of the orbit, which a jump stops",
+                t,
+                span: 0.0,
+            }),
+            _ => Err(Error::NoUniqueFuture { t, x }),
         }
     }
 
@@ -303,16 +312,31 @@ impl Search<'_> {
     }
 }
 
-/// How many transitions pass until the run is ended, if it is.
-struct TransitionsLeft(Option<u32>);
+/// Ends a run after a number of transitions.
+struct Counted {
+    /// How many are left, if they are counted.
+    left: Option<u32>,
+    /// Where the run was ended.
+    end: Option<(f64, Vector)>,
+}
 
-impl Watcher for TransitionsLeft {
-    fn transition(&mut self, _: Transition) -> ControlFlow<()> {
-        match &mut self.0 {
-            Some(0) => return ControlFlow::Break(()),
-            Some(left) => *left -= 1,
-            None => {}
+impl Watcher for Counted {
+    fn watches_steps(&self) -> bool {
+        self.left.is_some()
+    }
+
+    // A step may end at the next transition; in its middle there is none.
+    fn step(&mut self, step: Step, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
+        let t = 0.5 * (step.t_start + step.t_end);
+        if self.left != Some(0) || t == step.t_end {
+            return ControlFlow::Continue(());
         }
+        self.end = Some((t, orbit.solution()(t)));
+        ControlFlow::Break(())
+    }
+
+    fn transition(&mut self, _: Transition) -> ControlFlow<()> {
+        self.left = self.left.map(|left| left.saturating_sub(1));
         ControlFlow::Continue(())
     }
 }

@@ -79,8 +79,8 @@ impl Modes {
         usize::from(self.until).checked_sub(1)
     }
 
-    /// The phases of a cycle, in an order that does not depend on where it is begun: their letters
-    /// come first in the alphabet.
+    /// The phases of a cycle in an order that does not depend on where it is begun: the rotation
+    /// whose letters are least (`+` before `-` before `S`).
     pub fn cycle(phases: impl IntoIterator<Item = Modes>) -> Vec<Modes> {
         let phases: Vec<Modes> = phases.into_iter().collect();
         let turned = |by: usize| [&phases[by..], &phases[..by]].concat();

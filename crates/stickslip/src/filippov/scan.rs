@@ -99,8 +99,8 @@ const MOST_ASKED: u32 = 256;
 /// After so many, it is checked whether the bounds are of use.
 const FEW_ASKED: u32 = 4;
 
-/// Where, and in how narrow a part of the interval, that is checked. A function that reads values,
-/// or compares equal numbers, has no bounds.
+/// Where in the rest of the unit interval, and in how narrow a part, that is checked. A function
+/// that reads values, or compares equal numbers, has no bounds.
 const GLIMPSES: [f64; 5] = [0.0, 0.0117, 0.1234, 0.5678, 0.9119];
 const GLIMPSE: f64 = 1e-9;
 
@@ -130,7 +130,8 @@ impl Asked {
         if is_clear(from, to) {
             return Bounds::Clear;
         }
-        if asked == FEW_ASKED && !GLIMPSES.iter().any(|&s| is_clear(s, s + GLIMPSE)) {
+        let glimpses = GLIMPSES.map(|part| from + part * (1.0 - from));
+        if asked == FEW_ASKED && !glimpses.iter().any(|&s| is_clear(s, s + GLIMPSE)) {
             self.no_more();
             return Bounds::Unknown;
         }

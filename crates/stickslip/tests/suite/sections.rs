@@ -27,6 +27,8 @@ pub enum Function {
     Wave(f64),
     /// `sin (ω x + 0.1)` of the first component, with this ω.
     Fine(f64),
+    /// It falls through zero at this time, with a narrow bump 0.2 later.
+    Bump(f64),
 }
 
 /// Event functions, the directions searched for, and the terminal event.
@@ -42,6 +44,10 @@ impl<const N: usize, const E: usize> EventFunctions<N, E> for EventSet<E> {
             Function::Level(i, level) => x[i] - level,
             Function::Wave(omega) => (t * omega).sin(),
             Function::Fine(omega) => (x[0] * omega + 0.1).sin(),
+            Function::Bump(fall) => {
+                let late = (t - (fall + 0.2)) * 1e3;
+                -t + fall + (-late * late).exp() * 2.0
+            }
         })
     }
     fn direction(&self, number: usize) -> Direction {
@@ -306,6 +312,21 @@ fn no_zero_of_a_function_far_faster_than_the_steps_is_missed() {
         };
         let changes = (0..400_000).filter(|&k| fine(k) != fine(k + 1)).count();
         assert_eq!(count(1), changes, "{method:?}");
+    }
+}
+
+#[test]
+fn a_narrow_bump_behind_a_zero_is_seen() {
+    for method in [Method::Taylor, Method::Dop853] {
+        let options = Options::tol(1e-12).method(method);
+        for fall in [0.21, 0.5, 0.93] {
+            let bump = watch(Function::Bump(fall), Both);
+            let found = solve_with_events(&Floor, &bump, 0.0, START, 2.0, &options).unwrap();
+            let times: Vec<f64> = found.events.iter().map(|event| event.t).collect();
+            assert_eq!(times.len(), 3, "{method:?}: {times:?}");
+            assert!((times[0] - fall).abs() < 1e-12, "{method:?}: {times:?}");
+            assert!(times[1..].iter().all(|t| (t - fall - 0.2).abs() < 2e-3));
+        }
     }
 }
 

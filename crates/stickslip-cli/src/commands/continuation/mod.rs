@@ -401,8 +401,8 @@ impl End {
             ),
             Stop::BoundaryEquilibrium { parameter } => (
                 format!(
-                    "in an equilibrium on the boundary: boundary-equilibrium bifurcation \
-                     at {name} = {}",
+                    "in an equilibrium on the boundary or at a jump: boundary-equilibrium \
+                     bifurcation at {name} = {}",
                     rounded(parameter)
                 ),
                 Some(("boundary_equilibrium", json!(parameter))),

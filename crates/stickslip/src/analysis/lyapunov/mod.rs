@@ -136,8 +136,13 @@ pub fn largest_exponent<Kind>(
     settings: &SpectrumOptions,
 ) -> Result<Exponent, Error> {
     let start = Moment { t, x: x.vector() };
-    // One vector has one exponent.
-    Ok(measured_alone(&*system.dynamics(), start, settings, 1)?.exponents[0])
+    let system = &*system.dynamics();
+    let alone = measured_alone(system, start.clone(), settings, 1)?.exponents[0];
+    match alone {
+        // Other vectors may survive the one that is annihilated.
+        Exponent::Annihilated => Ok(spectrum_of(system, start, settings)?.exponents[0]),
+        Exponent::Finite { .. } => Ok(alone),
+    }
 }
 
 /// [`lyapunov_spectrum`] with an observer of the measured part of the run, for minima, sections and

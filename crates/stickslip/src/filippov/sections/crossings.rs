@@ -82,7 +82,9 @@ where
             match self.next(&from) {
                 Next::Crossing(zero, behind) => {
                     self.pass(&zero, tell)?;
-                    from = behind;
+                    // It may turn back before the end of the bracket.
+                    let soon = self.exact((zero.s + NARROWEST).min(behind.s));
+                    from = if self.is_clear(&soon) { soon } else { behind };
                 }
                 Next::Clear(behind) => {
                     if !behind.value.is_nan() {

@@ -82,9 +82,9 @@ pub trait EventFunctions<const N: usize, const E: usize> {
         false
     }
 
-    /// Whether function `number` is as smooth over a step as the state, as a component of it is.
-    /// Error control then resolves it. Others are also bounded over the step, so that none of
-    /// their zeros is missed; the default.
+    /// Whether error control resolves function `number` over a step as it does the state: a
+    /// component of the state, or a linear function of it. Others are also bounded over the step,
+    /// so that no zero is missed however fast they vary. The default is to bound.
     fn is_as_smooth_as_state(&self, _number: usize) -> bool {
         false
     }

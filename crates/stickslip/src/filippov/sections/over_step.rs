@@ -51,6 +51,7 @@ impl<'a, S, V, K: Copy, const N: usize> OverStep<'a, S, V, K, N> {
         self.events.values(t_start + part, components(&x))[self.number]
     }
 
+    /// Whether samples of the step resolve the function.
     pub(super) fn is_smooth<const E: usize>(&self) -> bool
     where
         V: EventFunctions<N, E>,
