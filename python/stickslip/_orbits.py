@@ -428,7 +428,7 @@ def continuation(
     >>> grows = ss.parameter("p", 0.5) + 2 * s - s * s
     >>> system = ss.System({x: x * grows - y, y: y * grows + x})
     >>> branch = ss.continuation(system, "p", (-1.5, 1), [1, 0], transient=10)
-    >>> branch.special["name"], branch.special["parameter"].round(6)
+    >>> branch.special["name"], branch.special["parameter"].round(6) + 0
     (array(['Hopf', 'fold'], dtype='<U4'), array([ 0., -1.]))
     """
     low, high = sorted(pair(bounds, "bounds"))
