@@ -56,7 +56,7 @@ impl SearchArguments {
         let found = patiently("looking for a periodic orbit", |_| {
             search.found(system, (t, x), options)
         });
-        found.map_err(in_words)
+        found.map_err(|error| in_words(error, drive.is_some()))
     }
 
     /// The equilibrium that the run from `x` approaches, or `x` itself without a run.
@@ -109,7 +109,7 @@ impl SearchArguments {
 }
 
 /// Why the search failed, and what to change.
-fn in_words(error: SearchError) -> Failure {
+fn in_words(error: SearchError, is_driven: bool) -> Failure {
     let comes_to = |rest: &str| {
         Failure::NoPeriodicOrbit(format!(
             "no periodic orbit was found: the run comes to {rest}; start elsewhere (--start), or \
@@ -140,13 +140,13 @@ fn in_words(error: SearchError) -> Failure {
         SearchError::TakesLonger { .. } => {
             Failure::NoPeriodicOrbit(format!("{error}; give a longer time (--longest)"))
         }
-        SearchError::Failed(Error::NotFound { what, .. }) => {
-            let longer = match *what {
-                "a return of the orbit" => "a longer time (--longest), ",
-                _ => "",
+        SearchError::Failed(Error::NotFound { .. }) => {
+            let other = match is_driven {
+                true => "another period (--periods)",
+                false => "a longer time (--longest)",
             };
             Failure::NoPeriodicOrbit(format!(
-                "{error}; give {longer}another run before (--transient), or start elsewhere \
+                "{error}; give {other}, another run before (--transient), or start elsewhere \
                  (--start)"
             ))
         }

@@ -802,28 +802,7 @@ y = 0.4
 
 /// About `(cos t, sin t)`, in a frame that rotates half as fast, deviations have the rates `p u -
 /// u³` and `-w`. At p = 0 the period doubles, to orbits at `u² = p`.
-const DOUBLED: &str = r#"
-name = "Doubled"
-[time]
-period = "2*pi"
-[states]
-x = ""
-y = ""
-[parameters]
-p = -0.1
-[definitions]
-a = "x - cos(t)"
-b = "y - sin(t)"
-u = "cos(t/2)*a + sin(t/2)*b"
-w = "cos(t/2)*b - sin(t/2)*a"
-along = "p*u - u*u*u"
-[field]
-x = "-sin(t) - b/2 + cos(t/2)*along + sin(t/2)*w"
-y = "cos(t) + a/2 + sin(t/2)*along - cos(t/2)*w"
-[start]
-x = 1
-y = 0
-"#;
+const DOUBLED: &str = include_str!("../data/doubled.toml");
 
 #[test]
 fn the_branch_of_twice_the_period_is_followed_along_its_closed_form() {
@@ -880,22 +859,7 @@ fn the_branch_of_twice_the_period_is_followed_along_its_closed_form() {
 }
 
 /// `u' = p + q u - u³` about `cos t`, without a contact: folds where `p² = 4 (q/3)³`.
-const CUSP: &str = r#"
-name = "Cusp"
-[time]
-period = "2*pi"
-[states]
-y = ""
-[parameters]
-p = 0
-q = 0.75
-[definitions]
-u = "y - cos(t)"
-[field]
-y = "p + q*u - u*u*u - sin(t)"
-[start]
-y = 1.9
-"#;
+const CUSP: &str = include_str!("../data/cusp.toml");
 
 #[test]
 fn folds_are_followed_in_two_parameters_round_their_cusp() {

@@ -623,7 +623,7 @@ fn kicked(input: &str, when: &str) -> String {
     )
 }
 
-fn json_of(text: &str, arguments: &[&str]) -> serde_json::Value {
+pub(crate) fn json_of(text: &str, arguments: &[&str]) -> serde_json::Value {
     let (_top, mut command) = program(text);
     let output = command
         .args(arguments)

@@ -1,18 +1,11 @@
 //! Places on branches: one name and one order of the phases, wherever a branch is begun.
 
 use std::f64::consts::PI;
-use std::path::Path;
 
 use assert_cmd::Command;
-use serde_json::Value;
 use stickslip::math;
 
-fn json_of(folder: &Path, arguments: &[&str]) -> Value {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
-    let command = command.current_dir(folder).args(arguments).arg("--json");
-    let output = command.assert().success();
-    serde_json::from_slice(&output.get_output().stdout).unwrap()
-}
+use crate::hybrid::json_of;
 
 /// Den Hartog's oscillator with a wall that it does not reach at small amplitudes of the force.
 const WALL: &str = r#"
@@ -44,20 +37,13 @@ v = 0
 /// are zero at once, and rounding decides on which side of that moment the least distance lies.
 #[test]
 fn a_graze_of_a_wall_where_the_velocity_is_zero_has_one_name() {
-    let top = tempfile::tempdir().unwrap();
-    std::fs::write(top.path().join("wall.toml"), WALL).unwrap();
     let half = PI / 0.6;
     let v = 1.0 / (1.0 - 0.36);
     let u = math::sin(half) / (0.6 * (1.0 + math::cos(half)));
     let exact = (0.8 * 0.8 + 0.1 * 0.1 * u * u).sqrt() / v;
-    for (k, start) in ["A=0.3", "A=0.33", "A=0.35", "A=0.38", "A=0.4", "A=0.42"]
-        .into_iter()
-        .enumerate()
-    {
+    for start in ["A=0.3", "A=0.33", "A=0.35", "A=0.38", "A=0.4", "A=0.42"] {
         let range = ["--set", start, "--parameter", "A=0.2:0.9"];
-        let out = k.to_string();
-        let arguments = [&["continue", "wall.toml", "--out", &out], &range[..]].concat();
-        let json = json_of(top.path(), &arguments);
+        let json = json_of(WALL, &[&["continue", "system.toml"], &range[..]].concat());
         let [graze] = json["special"].as_array().unwrap().as_slice() else {
             panic!("{start}: {json:#}");
         };
@@ -79,13 +65,15 @@ fn orbits_and_branches_write_phases_in_one_order() {
     let set = ["den-hartog", "--set", "S=0.5", "--set", "O=0.4"];
     let mut all = Vec::new();
     for start in ["x=0", "x=1.5", "x=-1.5"] {
-        let from = [&set[..], &["--start", start, "--out", start]].concat();
-        let orbit = json_of(top.path(), &[&["orbit"], &from[..]].concat());
+        let orbit = [&["orbit"], &set[..], &["--start", start]].concat();
+        let orbit = json_of("", &orbit);
         all.push(orbit["phases"].as_str().unwrap().to_owned());
         let along = ["--parameter", "O=0.4:0.41", "--points", "2"];
         let out = format!("branch-{start}");
         let from = [&set[..], &["--start", start, "--out", &out], &along].concat();
-        json_of(top.path(), &[&["continue"], &from[..]].concat());
+        let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
+        let command = command.current_dir(top.path()).arg("continue").args(from);
+        command.assert().success();
         let mut table = csv::Reader::from_path(top.path().join(&out).join("branch.csv")).unwrap();
         let column = table
             .headers()
@@ -124,10 +112,8 @@ T = 0.3
 
 #[test]
 fn a_threshold_at_an_equilibrium_ends_the_branch_by_name() {
-    let top = tempfile::tempdir().unwrap();
-    std::fs::write(top.path().join("thermostat.toml"), THERMOSTAT).unwrap();
-    let arguments = ["continue", "thermostat.toml", "--parameter", "p=0.3:1.2"];
-    let json = json_of(top.path(), &arguments);
+    let arguments = ["continue", "system.toml", "--parameter", "p=0.3:1.2"];
+    let json = json_of(THERMOSTAT, &arguments);
     let end = &json["ends"][1];
     assert_eq!(end["stop"], "boundary equilibrium", "{json:#}");
     let at = end["boundary_equilibrium"].as_f64().unwrap();

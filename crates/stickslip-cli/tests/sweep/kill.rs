@@ -219,46 +219,10 @@ fn a_branch_killed_as_it_grows_goes_on_by_the_same_command() {
 }
 
 /// `u' = p + q u - u³` about `cos t` has two folds over p.
-const CUSP: &str = r#"
-name = "Cusp"
-[time]
-period = "2*pi"
-[states]
-y = ""
-[parameters]
-p = 0
-q = 0.75
-[definitions]
-u = "y - cos(t)"
-[field]
-y = "p + q*u - u*u*u - sin(t)"
-[start]
-y = 1.9
-"#;
+const CUSP: &str = include_str!("../data/cusp.toml");
 
 /// An orbit about `cos t` doubles its period at p = 0.
-const FLIP: &str = r#"
-name = "Flip"
-[time]
-period = "2*pi"
-[states]
-x = ""
-y = ""
-[parameters]
-p = -0.1
-[definitions]
-a = "x - cos(t)"
-b = "y - sin(t)"
-u = "cos(t/2)*a + sin(t/2)*b"
-w = "cos(t/2)*b - sin(t/2)*a"
-along = "p*u - u*u*u"
-[field]
-x = "-sin(t) - b/2 + cos(t/2)*along + sin(t/2)*w"
-y = "cos(t) + a/2 + sin(t/2)*along - cos(t/2)*w"
-[start]
-x = 1
-y = 0
-"#;
+const FLIP: &str = include_str!("../data/doubled.toml");
 
 /// Each takes a second part, which is killed when the first of its results is saved.
 #[test]

@@ -272,27 +272,12 @@ impl Search<'_> {
             end: None,
         };
         let ended = self.follow((t, &x), span, &mut counted)?;
-        counted.end.map_or_else(|| self.at_end(ended), Ok)
+        counted.end.map_or_else(|| at_end(ended, t), Ok)
     }
 
     /// The time and state after a period.
     fn strobed(&self, t: f64, x: &Vector, period: f64) -> Result<(f64, Vector), Error> {
-        self.at_end(self.follow((t, x), period, &mut ())?)
-    }
-
-    /// The end of a run, which other runs go on from.
-    fn at_end(&self, ended: Summary) -> Result<(f64, Vector), Error> {
-        let (t, x) = (ended.t, Point::from(&ended.x));
-        match ended.ending {
-            Ending::EndTime => Ok((ended.t, ended.x)),
-            Ending::Shrunk => Err(Error::Shrunk { t, x }),
-            Ending::Stopped => Err(Error::NotFound {
-                what: "a return of the orbit, which a jump stops",
-                t,
-                span: 0.0,
-            }),
-            _ => Err(Error::NoUniqueFuture { t, x }),
-        }
+        at_end(self.follow((t, x), period, &mut ())?, t)
     }
 
     /// Number of periods after which the run returns about as near as it ever does.
@@ -309,6 +294,21 @@ impl Search<'_> {
         let near = (10.0 * nearest).max(1e-9);
         let first = distances.iter().position(|&distance| distance <= near);
         Ok(first.map_or(1, |first| first as u32 + 1))
+    }
+}
+
+/// The end of a run from a time `begun`, which other runs go on from.
+fn at_end(ended: Summary, begun: f64) -> Result<(f64, Vector), Error> {
+    let (t, x) = (ended.t, Point::from(&ended.x));
+    match ended.ending {
+        Ending::EndTime => Ok((ended.t, ended.x)),
+        Ending::Shrunk => Err(Error::Shrunk { t, x }),
+        Ending::Stopped => Err(Error::NotFound {
+            what: "a return of the orbit before a jump stops it",
+            t: begun,
+            span: t - begun,
+        }),
+        _ => Err(Error::NoUniqueFuture { t, x }),
     }
 }
 

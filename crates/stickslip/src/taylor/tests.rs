@@ -140,8 +140,8 @@ fn every_function_has_the_coefficients_that_it_is_known_to_have() {
 /// `x' = x² + 1` from 0, whose solution is the tangent, and functions whose values follow from it.
 struct OfTangent;
 
-impl Functions<1, 6> for OfTangent {
-    fn at<T: Scalar>(&self, t: T, x: &[T; 1]) -> ([T; 1], [T; 6]) {
+impl Functions<1, 9> for OfTangent {
+    fn at<T: Scalar>(&self, t: T, x: &[T; 1]) -> ([T; 1], [T; 9]) {
         let x = x[0];
         let (sine, cosine) = (t * 2.0).sin_cos();
         let watched = [
@@ -151,6 +151,9 @@ impl Functions<1, 6> for OfTangent {
             sine * sine + cosine * cosine + t,
             (x + 2.0).ln().exp(),
             t - ((x + 2.0).sqrt() - (x + 2.0).powf(0.5)),
+            x + t * 3.0,
+            x - t * 3.0,
+            t * 3.0 - x,
         ];
         ([x * x + 1.0], watched)
     }
@@ -181,7 +184,8 @@ fn what_is_linear_in_time_stays_so_until_it_is_multiplied() {
 #[test]
 fn functions_of_a_solution_keep_their_identities() {
     let h = 0.5;
-    let [x, tangent, angle, one, exp_of_ln, none] = coefficients(&OfTangent, [0.0], h);
+    let [x, tangent, angle, one, exp_of_ln, none, sum, less, rest] =
+        coefficients(&OfTangent, [0.0], h);
     for k in 0..=MOST_ORDER {
         let at = |order: usize, value: f64| if k == order { value } else { 0.0 };
         for (found, exact, what) in [
@@ -190,6 +194,9 @@ fn functions_of_a_solution_keep_their_identities() {
             (one[k], at(0, 1.0) + at(1, h), "sin² + cos²"),
             (exp_of_ln[k], x[k] + at(0, 2.0), "exp ln"),
             (none[k], at(1, h), "two roots"),
+            (sum[k], x[k] + at(1, 3.0 * h), "with a line"),
+            (less[k], x[k] - at(1, 3.0 * h), "less a line"),
+            (rest[k], at(1, 3.0 * h) - x[k], "a line less it"),
         ] {
             assert!(
                 (found - exact).abs() <= 2e-15,

@@ -1,5 +1,5 @@
 //! Where a branch of periodic orbits ends at an equilibrium: the orbits shrink to one, or pass ever
-//! nearer to a saddle.
+//! nearer to one.
 
 use std::num::NonZeroUsize;
 
@@ -11,11 +11,11 @@ use crate::analysis::multipliers::eigenvalues;
 use crate::dynamics::{DynamicsRef, Happening, Modes, Moment, Section, Vector};
 use crate::math;
 
-/// An orbit passes a saddle if it would move by this fraction of its extent in a period at its
+/// An orbit passes an equilibrium if it moved by this fraction of its extent in a period at its
 /// least speed.
 const SLOW: f64 = 1e-1;
 
-/// Largest distance of the saddle, as a fraction of the orbit's extent.
+/// Largest distance of the equilibrium, as a fraction of the orbit's extent.
 const CLOSE: f64 = 1e-2;
 
 /// Best precision of a homoclinic orbit's parameter, as a fraction of the range.
@@ -23,7 +23,7 @@ const RESOLUTION: f64 = 1e-11;
 
 /// An equilibrium that an orbit passes, and the slowest rates at which orbits leave and approach
 /// it.
-struct Saddle {
+struct Equilibrium {
     x: Vector,
     /// Infinite at an equilibrium that attracts: only an event next to it ends the passage.
     leaves: f64,
@@ -55,26 +55,26 @@ impl Walk<'_> {
 
     /// Whether the period is about to grow without bound: the last orbit is slower than the one
     /// before it, and close to one or several saddles, or to an equilibrium that reaches an event.
-    pub(super) fn homoclinic(&self) -> Option<Stop> {
+    pub(super) fn slow_end(&self) -> Option<Stop> {
         if self.settings.forced.is_some() || self.branch.last.period <= self.branch.before.period {
             return None;
         }
-        let saddles = self.saddles()?;
-        // The time of a passage is the logarithm of the distance over the slower of the saddle's
+        let equilibria = self.equilibria()?;
+        // The time of a passage is the logarithm of the distance over the slower of its
         // rates.
-        let times = saddles
+        let times = equilibria
             .iter()
-            .map(|saddle| saddle.leaves.min(-saddle.comes).recip());
+            .map(|one| one.leaves.min(-one.comes).recip());
         let (parameter, uncertainty) = self.at_infinity(times.sum::<f64>().recip());
-        if saddles.iter().any(|saddle| saddle.leaves.is_infinite()) {
+        if equilibria.iter().any(|one| one.leaves.is_infinite()) {
             return Some(Stop::BoundaryEquilibrium { parameter });
         }
-        let leaves = saddles.iter().map(|saddle| saddle.leaves);
-        let comes = saddles.iter().map(|saddle| saddle.comes);
+        let leaves = equilibria.iter().map(|one| one.leaves);
+        let comes = equilibria.iter().map(|one| one.comes);
         Some(Stop::Homoclinic {
             parameter,
             uncertainty,
-            saddles: NonZeroUsize::new(saddles.len())?,
+            saddles: NonZeroUsize::new(equilibria.len())?,
             leaves: leaves.fold(f64::INFINITY, f64::min),
             comes: comes.fold(f64::NEG_INFINITY, f64::max),
         })
@@ -99,8 +99,8 @@ impl Walk<'_> {
         )
     }
 
-    /// The saddles that the last orbit passes slowly.
-    fn saddles(&self) -> Option<Vec<Saddle>> {
+    /// The equilibria that the last orbit passes slowly.
+    fn equilibria(&self) -> Option<Vec<Equilibrium>> {
         let cycle = &self.branch.last;
         let (system, options) = (self.shooting.system, self.shooting.options);
         let slow = SLOW * cycle.extent / cycle.period;
@@ -108,31 +108,31 @@ impl Walk<'_> {
         let start = &cycle.anchor;
         let t_end = start.t + cycle.period;
         let mut orbit = system.begin(start, t_end, options, &Section::None).ok()?;
-        let mut saddles: Vec<Saddle> = Vec::new();
+        let mut equilibria: Vec<Equilibrium> = Vec::new();
         loop {
             match orbit.step().ok()? {
                 Happening::Step => {
                     let (mode, at) = (orbit.mode(), orbit.now());
-                    let away = |saddle: &Saddle| (&saddle.x - &at.x).norm();
+                    let away = |one: &Equilibrium| (&one.x - &at.x).norm();
                     if velocity_in(system, mode, &at).norm() < slow
-                        && saddles.iter().all(|saddle| away(saddle) > 2.0 * near)
-                        && let Some(saddle) = self.saddle_near(mode, &at)
-                        && away(&saddle) <= near
+                        && equilibria.iter().all(|one| away(one) > 2.0 * near)
+                        && let Some(equilibrium) = self.equilibrium_near(mode, &at)
+                        && away(&equilibrium) <= near
                     {
-                        saddles.push(saddle);
+                        equilibria.push(equilibrium);
                     }
                 }
                 Happening::Transition(_)
                 | Happening::PhaseEnd(_)
                 | Happening::Passage(_)
                 | Happening::Kink(_) => {}
-                Happening::End(_) => return Some(saddles),
+                Happening::End(_) => return Some(equilibria),
             }
         }
     }
 
     /// The equilibrium of a mode near a state, if the mode holds there and orbits approach it.
-    fn saddle_near(&self, mode: Modes, at: &Moment) -> Option<Saddle> {
+    fn equilibrium_near(&self, mode: Modes, at: &Moment) -> Option<Equilibrium> {
         let system = self.shooting.system;
         let free = at.x.len() - 1;
         let rest = equilibrium_near(system, mode, at.t, &at.x, free)?;
@@ -153,7 +153,7 @@ impl Walk<'_> {
             (Some(leaves), None) if mode.any_sticks() => (leaves, f64::NEG_INFINITY),
             _ => return None,
         };
-        Some(Saddle {
+        Some(Equilibrium {
             x: there.x,
             leaves,
             comes,

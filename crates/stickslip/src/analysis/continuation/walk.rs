@@ -180,7 +180,7 @@ impl<'a> Walk<'a> {
             match step.or_else(|| self.closes()) {
                 None => {}
                 Some(Stop::NoConvergence) => {
-                    return self.homoclinic().unwrap_or(Stop::NoConvergence);
+                    return self.slow_end().unwrap_or(Stop::NoConvergence);
                 }
                 Some(stop) => return stop,
             }
