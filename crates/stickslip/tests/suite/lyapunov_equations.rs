@@ -123,6 +123,23 @@ fn a_state_at_rest_does_not_mislead_the_tangent_vectors() {
 }
 
 #[test]
+fn exponents_of_a_state_at_rest_do_not_drown_in_the_largest() {
+    // A step of the state is as long as a block, 50 and more: exp(-50) is below rounding.
+    let matrix = [[-1.0, 1.0, 0.0], [0.0, -3.0, 0.0], [0.0, 0.0, -10.0]];
+    for transient in [0.0, 500.0] {
+        let settings = SpectrumOptions::over(transient, 1000.0).solver(Options::tol(1e-12));
+        let start = (0.0, State::from([0.0; 3]));
+        let spectrum = lyapunov_spectrum(&Smooth(Linear(matrix)), start, &settings).unwrap();
+        // Without a transient, the frame turns towards the directions over a time of one.
+        let allowed = if transient > 0.0 { 1e-8 } else { 1e-2 };
+        for (found, wanted) in values::<3>(&spectrum).iter().zip([-1.0, -3.0, -10.0]) {
+            close(*found, wanted, allowed);
+        }
+        close(spectrum.defect(), 0.0, 1e-8);
+    }
+}
+
+#[test]
 fn lorenz() {
     let settings = SpectrumOptions::over(50.0, 3000.0);
     let start = (0.0, State::from([1.0, 1.0, 20.0]));

@@ -76,26 +76,35 @@ impl Frame {
     /// Modified Gram–Schmidt: returns the length that remains of each vector after subtracting its
     /// projections on those before it. `None` if one of them is zero or not finite.
     pub(super) fn orthonormalise(&mut self) -> Option<Vec<f64>> {
-        self.gram_schmidt(self.len())
+        self.gram_schmidt(self.len(), 0.0)
+    }
+
+    /// The same; `None` also if rounding is a large part of what remains of a vector. The frame is
+    /// then of no use.
+    pub(super) fn orthonormalise_resolved(&mut self) -> Option<Vec<f64>> {
+        self.gram_schmidt(self.len(), f64::EPSILON.sqrt())
     }
 
     /// The same for the surviving vectors; the others are replaced by a completion of the basis.
     pub(super) fn orthonormalise_living(&mut self) -> Option<Vec<f64>> {
-        let lengths = self.gram_schmidt(self.living().len())?;
+        let lengths = self.gram_schmidt(self.living().len(), 0.0)?;
         self.complete();
         Some(lengths)
     }
 
-    fn gram_schmidt(&mut self, count: usize) -> Option<Vec<f64>> {
+    /// Of the first `count` vectors in order, each of which must keep more than the fraction
+    /// `least` of its length.
+    fn gram_schmidt(&mut self, count: usize, least: f64) -> Option<Vec<f64>> {
         let mut lengths = vec![0.0; self.len()];
         let order = self.order();
         for (place, &j) in order.iter().take(count).enumerate() {
             let mut column = std::mem::take(&mut self.columns[j]);
+            let size = column.norm();
             for &i in &order[..place] {
                 take_out(&self.columns[i], &mut column);
             }
             let length = column.norm();
-            if !(length > 0.0 && length.is_finite()) {
+            if !(length > least * size && length.is_finite()) {
                 return None;
             }
             self.columns[j] = column / length;

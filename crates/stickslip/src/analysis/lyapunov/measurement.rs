@@ -88,11 +88,10 @@ impl<'a> Measurement<'a> {
         }
     }
 
-    /// Makes the frame orthonormal and adds the logarithms of the lengths. `log_determinant`
-    /// belongs to the map that was applied to the whole frame; the share of the annihilated vectors
-    /// is subtracted.
-    fn book(&mut self, log_determinant: f64) -> Option<()> {
-        let lengths = self.frame.orthonormalise()?;
+    /// Adds the logarithms of the lengths that remained when the frame was made orthonormal.
+    /// `log_determinant` belongs to the map that was applied to the whole frame; the share of the
+    /// annihilated vectors is subtracted.
+    fn book(&mut self, lengths: &[f64], log_determinant: f64) {
         self.log_volume += log_determinant;
         for (j, length) in lengths.iter().enumerate() {
             let log = math::ln(*length);
@@ -102,7 +101,6 @@ impl<'a> Measurement<'a> {
                 self.log_volume -= log;
             }
         }
-        Some(())
     }
 
     /// Removes the direction that a projection along the unit vector `kernel` annihilates, if the
@@ -232,7 +230,34 @@ impl Measurement<'_> {
         if std::mem::take(&mut self.is_fresh) && is_stick {
             self.begin_on_boundary(step)?;
         }
+        if is_stick {
+            self.stick_time += step.t_end - step.t_start;
+        }
+        self.carry(step, orbit)
+    }
+
+    /// Carries the frame over a step or a part of it.
+    ///
+    /// Near an equilibrium a step may be so long that the vectors are parallel to rounding at its
+    /// end. It is then halved, until no two exponents differ by much more than its length allows.
+    fn carry(&mut self, step: &Step, orbit: &mut dyn OrbitUnderWay) -> Option<()> {
+        let before = self.frame.clone();
         self.tangent.carry(step, self.frame.columns_mut());
+        if step.mode.any_sticks() {
+            self.stay_on_boundary(step);
+        }
+        let Some(lengths) = self.frame.orthonormalise_resolved() else {
+            let t = 0.5 * (step.t_start + step.t_end);
+            if !(step.t_start < t && t < step.t_end) {
+                return None;
+            }
+            self.frame = before;
+            let x = orbit.solution()(t);
+            let mut second = step.clone();
+            let first = second.cut(&Moment { t, x });
+            self.carry(&first, orbit)?;
+            return self.carry(&second, orbit);
+        };
         let is_full = self.frame.len() == self.tangent.system.states();
         let growth = if self.is_settling || !is_full {
             0.0
@@ -240,11 +265,8 @@ impl Measurement<'_> {
             growth(self.tangent.system, step, &*orbit.solution())
         };
         self.divergence += growth;
-        if is_stick {
-            self.stay_on_boundary(step);
-            self.stick_time += step.t_end - step.t_start;
-        }
-        self.book(growth)
+        self.book(&lengths, growth);
+        Some(())
     }
 
     /// Carries the frame over the last step of an orbit.
@@ -273,7 +295,8 @@ impl Measurement<'_> {
             for q in self.frame.columns_mut() {
                 *q = &jump.matrix * &*q;
             }
-            self.book(math::ln(jump.determinant.abs()))
+            let lengths = self.frame.orthonormalise();
+            lengths.map(|lengths| self.book(&lengths, math::ln(jump.determinant.abs())))
         };
         passed.ok_or_else(|| singular(at.t, &at.x))
     }
