@@ -205,6 +205,45 @@ fn what_rests_leaves_when_all_contacts_together_cannot_hold() {
 }
 
 #[test]
+fn a_jump_or_a_kink_leaves_what_rests_at_rest() {
+    let rates = [
+        ("x", "v"),
+        ("v", "-by_side(place, -10, 10) - by_side(speed, -3, 3)"),
+        ("u", "1"),
+    ];
+    let contacts = [("place", "x"), ("speed", "v")];
+    let clock = "[jumps.clock]\nwhen = \"u - 13\"\nset = { u = \"0\" }\n";
+    let step = "[inputs.step]\nshape = \"table\"\ntimes = [0, 13]\nvalues = [1, 0]\n\
+                between = \"constant\"\n";
+    for start in [[10.0, 10.0, 0.0], [0.0; 3]] {
+        let case = system(20.5, &contacts, &rates, &start);
+        let kinked = case.replace("u = \"1\"", "u = \"step\"");
+        for (text, u) in [
+            (format!("{case}{clock}"), 7.5),
+            (format!("{kinked}{step}"), 13.0),
+        ] {
+            for method in METHODS {
+                let (found, _) = simulated(&text, method, &["--at-pile-up", "rest"]);
+                assert_eq!(found["ending"], "end time", "{method}: {found}");
+                assert_eq!((end(&found, "x"), end(&found, "v")), (0.0, 0.0), "{method}");
+                assert!((end(&found, "u") - u).abs() < 1e-11, "{method}: {found}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_fast_clock_does_not_pile_up() {
+    let clock = "[jumps.clock]\nwhen = \"u - 1e-9\"\nset = { u = \"u - 1e-9\", n = \"n + 1\" }\n";
+    let text = system(1.0005e-6, &[], &[("u", "1")], &[0.0]);
+    let text = format!("{text}{clock}[discrete]\nn = 0\n");
+    for method in METHODS {
+        let (found, _) = simulated(&text, method, &[]);
+        assert_eq!(end(&found, "n"), 1000.0, "{method}: {found}");
+    }
+}
+
+#[test]
 fn a_body_beside_what_rests_slips_and_sticks_as_without_it() {
     let rates = [
         ("x", "v"),

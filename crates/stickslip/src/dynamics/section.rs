@@ -4,6 +4,7 @@ use super::Section;
 use super::jumps::Jumps;
 use super::typed::View;
 use crate::filippov::{Direction, EventFunctions, Strobe, Switched, Velocity};
+use crate::ode::Timed;
 use crate::scalar::Scalar;
 use crate::system::State;
 
@@ -96,9 +97,13 @@ where
             }
             What::Strobe(strobe) => strobe.values(t, x),
             What::Turning => {
-                let state = State::from(x.map(Scalar::value));
-                let mode = self.system.mode_by_side(t.value(), &state);
-                let branch = S::Branch::default();
+                let (t_here, x_here) = (t.value(), State::from(x.map(Scalar::value)));
+                let mode = self.system.mode_by_side(t_here, &x_here);
+                let here = Timed {
+                    t: t_here,
+                    x: x_here,
+                };
+                let branch = self.system.branch_of_field(mode, &here);
                 let velocity = self.system.with_flow(mode, branch, Velocity(t, x));
                 [velocity[0]]
             }

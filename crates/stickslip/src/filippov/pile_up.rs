@@ -143,7 +143,7 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         velocity: &State<N>,
         options: &Options,
     ) -> bool {
-        let (count, _) = self.burst.note(at.t, options);
+        self.burst.note(at.t, options);
         let before = self.back(0).at;
         let time = at.t - before.t;
         // A body on a floor is at rest at either end of a slip. So its motion decides, not its
@@ -166,12 +166,23 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
             to,
         };
         self.count += 1;
-        count.max(self.unresolved) >= options.pile_up_count
+        self.bursts(options) || self.unresolved >= options.pile_up_count
+    }
+
+    /// Whether so many transitions have happened within no time, ever faster or as fast as rounding
+    /// allows. A fast clock is no pile-up.
+    fn bursts(&self, options: &Options) -> bool {
+        let half = self.kept().saturating_sub(1) / 2;
+        let t = |back: usize| self.back(back).at.t;
+        let (latest, before) = (t(0) - t(half), t(half) - t(2 * half));
+        let by_rounding = half as f64 * blur(t(0));
+        self.burst.count >= options.pile_up_count
+            && (latest <= LASTS * before || latest <= by_rounding)
     }
 
     /// Whether the transitions come ever faster and the state moves.
     pub(crate) fn accumulates(&self, options: &Options) -> bool {
-        self.burst.count >= options.pile_up_count || !self.shrinks()
+        self.bursts(options) || !self.shrinks()
     }
 
     /// Whether the last transition was of this contact at this time.
@@ -269,7 +280,7 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         options: &Options,
     ) -> Error {
         let kept = self.kept();
-        let (count, span) = if self.burst.count >= options.pile_up_count {
+        let (count, span) = if self.bursts(options) {
             (self.burst.count, at.t - self.burst.since)
         } else {
             (kept, at.t - self.back(kept.saturating_sub(1)).at.t)

@@ -48,6 +48,17 @@ pub trait Switched<const N: usize, const G: usize> {
     #[doc(hidden)]
     fn branch(&self, mode: Self::Mode, at: &Timed<N>) -> Self::Branch;
 
+    /// The branch for the field alone. The field of one contact does not depend on it.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn branch_of_field(&self, mode: Self::Mode, at: &Timed<N>) -> Self::Branch {
+        if Self::CONTACTS > 1 {
+            self.branch(mode, at)
+        } else {
+            Self::Branch::default()
+        }
+    }
+
     /// Passes the flow of a mode to `work`.
     #[doc(hidden)]
     fn with_flow<U: UseFlow<N>>(

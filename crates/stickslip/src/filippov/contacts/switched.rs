@@ -9,7 +9,7 @@ use crate::filippov::check::check_run;
 use crate::filippov::event::Event;
 use crate::filippov::flow::Flow;
 use crate::filippov::observer::{Transition, TransitionKind};
-use crate::filippov::options::Options;
+use crate::filippov::options::{AtPileUp, Options};
 use crate::filippov::run::Run;
 use crate::filippov::switch::kind;
 use crate::filippov::switched::{Next, Rest, Switch, Switched, UseFlow, Vanishes};
@@ -87,7 +87,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
     }
 
     /// Off its boundary a contact's side decides. Contacts on their boundaries, to rounding, are
-    /// decided together.
+    /// decided together. If that decides nothing, they may hold as where transitions accumulate.
     fn first_mode(&self, run: &mut Run<N, M>) -> Result<Option<([Mode; M], [usize; M])>, Error> {
         let Timed { t, x } = run.at;
         let modes = self
@@ -102,7 +102,26 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
             open: self.at_zero(run, &modes),
             released: None,
         };
-        decision.mode(run).map(Some)
+        let undecided = match decision.mode(run) {
+            Err(error) if run.options.at_pile_up == AtPileUp::Rest => error,
+            decided => return decided.map(Some),
+        };
+        let rest = match &undecided {
+            Error::NoUniqueMode {
+                contacts,
+                candidates,
+                ..
+            } if candidates.is_empty() => {
+                let at = run.at;
+                self.rest(run, modes, contacts, &at)
+            }
+            _ => None,
+        };
+        let stays = |rest: &Rest<_, _, N, M>| (rest.at.x - x).amax() <= run.slack();
+        match rest.filter(stays) {
+            Some(rest) => Ok(Some((rest.to, rest.orders))),
+            None => Err(undecided),
+        }
     }
 
     fn passed(&self, _guard: usize, _branch: &mut bool) -> Option<TransitionKind> {

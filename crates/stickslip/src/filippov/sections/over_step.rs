@@ -78,7 +78,17 @@ impl<'a, S, V, K: Copy, const N: usize> OverStep<'a, S, V, K, N> {
         S: Switched<N, G, Mode = K>,
         V: EventFunctions<N, E>,
     {
-        let (mode, branch) = (self.step.mode, S::Branch::default());
+        let StepRecord {
+            mode,
+            t_start,
+            x_start,
+            ..
+        } = *self.step;
+        let start = Timed {
+            t: t_start,
+            x: x_start,
+        };
+        let branch = self.system.branch_of_field(mode, &start);
         let reach = Reach {
             step: self.step,
             s,
