@@ -84,9 +84,10 @@ fn portrait(system: &System, recording: &Recording) -> Figure {
     let label = |k: usize| with_unit(&states[k].name, &states[k].unit);
     let mut panel = Panel::new(axis(&label(0), component(0)), axis(&label(1), component(1)))
         .legend(Legend::Below);
-    let curve = |keep: &dyn Fn(f64) -> bool| {
-        let points = recording.points.iter();
-        Curve::new(points.map(|point| match keep(point.t) {
+    let times: Vec<f64> = recording.points.iter().map(|point| point.t).collect();
+    let curve = |keep: &dyn Fn(usize) -> bool| {
+        let points = recording.points.iter().enumerate();
+        Curve::new(points.map(|(k, point)| match keep(k) {
             true => (point.x[0], point.x[1]),
             false => (f64::NAN, f64::NAN),
         }))
@@ -98,9 +99,12 @@ fn portrait(system: &System, recording: &Recording) -> Figure {
         if sticks.is_empty() {
             continue;
         }
-        let is_stuck = |t: f64| {
-            let next = sticks.partition_point(|stick| stick.1 < t);
-            sticks.get(next).is_some_and(|stick| stick.0 <= t)
+        let is_stuck = |k: usize| {
+            // Of two points of one time the second is behind a jump, which may end the stick.
+            let is_behind_jump = k > 0 && times[k - 1] == times[k];
+            let is_over = |end: f64| end < times[k] || is_behind_jump && end == times[k];
+            let next = sticks.partition_point(|stick| is_over(stick.1));
+            sticks.get(next).is_some_and(|stick| stick.0 <= times[k])
         };
         let name = match contacts.len() {
             1 => "stick".to_owned(),

@@ -121,7 +121,7 @@ pub struct Options {
     /// crossings. The solution itself is known no better. Default 10.
     pub touch: f64,
     /// So many consecutive transitions are a pile-up if they happen within `pile_up_span · max(1,
-    /// |t|)`, or if no component moves by more than 100 tolerances between any of them. With
+    /// |t|)` and all others would, at the ratio of their durations, or if no component moves by more than 100 tolerances between any of them. With
     /// [`Method::Taylor`] this also counts reversals of the field by a comparison. Default 100.
     /// Fewer transitions are a pile-up if their durations are a geometric series and the steps
     /// collapse behind them, or if the tolerance no longer separates the contacts' boundaries.

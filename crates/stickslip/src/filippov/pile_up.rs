@@ -169,15 +169,16 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         self.bursts(options) || self.unresolved >= options.pile_up_count
     }
 
-    /// Whether so many transitions have happened within no time, ever faster or as fast as rounding
-    /// allows. A fast clock is no pile-up.
+    /// Whether so many transitions have happened within no time, and at their ratio all others will,
+    /// or as fast as rounding allows. A fast clock is no pile-up.
     fn bursts(&self, options: &Options) -> bool {
         let half = self.kept().saturating_sub(1) / 2;
         let t = |back: usize| self.back(back).at.t;
         let (latest, before) = (t(0) - t(half), t(half) - t(2 * half));
+        let left = latest * latest / (before - latest);
         let by_rounding = half as f64 * blur(t(0));
         self.burst.count >= options.pile_up_count
-            && (latest <= LASTS * before || latest <= by_rounding)
+            && ((0.0..=no_time(t(0), options)).contains(&left) || latest <= by_rounding)
     }
 
     /// Whether the transitions come ever faster and the state moves.
