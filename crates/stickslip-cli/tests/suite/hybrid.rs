@@ -483,14 +483,20 @@ fn by_differences(of: &DynamicsRef<'_>, start: &[f64], t_end: f64, free: &[usize
 
 #[test]
 fn derivatives_go_through_jumps_of_each_kind() {
-    // A moving wall; a value that is stored when it is read; a relay; a switch by time.
+    // A moving wall; a value that is stored when it is read; a relay; a switch by time; a block
+    // that sticks to a belt and hits a wall.
     let wall = IMPACTS
         .replace("when = \"x\"", "when = \"x - 0.1*sin(t)\"")
         .replace("v = \"-r*v\"", "v = \"-r*v + (1 + r)*0.1*cos(t)\"");
     let held = "name = \"held\"\n[states]\nx = \"\"\nv = \"\"\n[discrete]\nkept = 0.3\n[field]\n\
                 x = \"v\"\nv = \"-x - 0.4*kept + 0.3*cos(t)\"\n[jumps.read]\nwhen = \"v - 0.05\"\n\
                 set = { kept = \"x*x + v\" }\n[start]\nx = 1\nv = 0\n";
+    let belt = "name = \"belt\"\n[states]\nx = \"\"\nv = \"\"\n[contacts.belt]\n\
+                boundary = \"v - 0.4\"\nfriction = \"0.5\"\nstatic = \"0.7\"\n[jumps.wall]\n\
+                when = \"x - 0.5\"\ndirection = \"rising\"\nset = { v = \"-0.6*v\" }\n[field]\n\
+                x = \"v\"\nv = \"-x + 0.2*cos(t) - friction(belt)\"\n[start]\nx = -0.2\nv = 0\n";
     let cases = [
+        (belt.to_owned(), vec![-0.2, 0.0], vec![0, 1]),
         (wall, vec![-0.3, 0.0], vec![0, 1]),
         (held.to_owned(), vec![1.0, 0.0, 0.3], vec![0, 1, 2]),
         (relay([-1.0, 1.0]), vec![0.3, 1.0, -1.0], vec![0, 1]),
@@ -529,22 +535,29 @@ fn derivatives_go_through_jumps_of_each_kind() {
 
 #[test]
 fn exponents_of_an_impacting_orbit_are_those_of_its_multipliers() {
+    // Next to the flip both multipliers are real.
+    let (w, r) = (2.651, 0.8);
+    let (half, period) = (0.5 * trace_of_impacts(w, r), 2.0 * PI / w);
+    let width = (half * half - r * r).sqrt();
+    let exact = [half - width, half + width].map(|of: f64| math::ln(of.abs()) / period);
     for method in METHODS {
         let (_top, mut command) = program(IMPACTS);
         command.args(["lyapunov", "system.toml", "--json", "--method", method]);
+        // Whole periods, after the orbit has been reached to 1e-12 or so.
+        let time = |periods: f64| (periods * period).to_string();
+        command.args(["--set", &format!("w={w}"), "--transient", &time(500.0)]);
         let output = command
-            .args(["--duration", "500"])
+            .args(["--duration", &time(100.0)])
             .assert()
-            .success()
-            .get_output()
-            .clone();
-        let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-        let exponents = found["exponents"].as_array().unwrap();
-        let value = |at: &serde_json::Value| at["value"].as_f64().or(at.as_f64()).unwrap();
-        let sum: f64 = exponents.iter().map(value).sum();
-        // The determinant of each impact is r²: its saltation and the map contribute r each.
-        let exact = 2.0 * math::ln(0.8) * 2.5 / (2.0 * PI);
-        assert!((sum - exact).abs() < 2e-3, "{method}: {sum} and {exact}");
+            .success();
+        let found: serde_json::Value = serde_json::from_slice(&output.get_output().stdout).unwrap();
+        for (k, exact) in exact.iter().enumerate() {
+            let value = found["exponents"][k]["value"].as_f64().unwrap();
+            assert!(
+                (value - exact).abs() < 1e-9,
+                "{method}: {value} and {exact}"
+            );
+        }
     }
 }
 

@@ -390,6 +390,91 @@ fn a_system_without_contacts_is_smooth() {
         .stderr(reported);
 }
 
+/// The results of another command for the system in `text`.
+fn results(text: &str, arguments: &[&str]) -> Value {
+    let (_top, mut command) = program(text);
+    let output = command.args(arguments).arg("--json").assert().success();
+    serde_json::from_slice(&output.get_output().stdout).unwrap()
+}
+
+/// A block on a belt with other people's smooth models in place of the contact (C6).
+#[test]
+fn smooth_models_of_friction_have_cycles_of_their_own() {
+    let arctan = "name = \"arctan\"\n[states]\nx = \"\"\nv = \"\"\n[definitions]\n\
+                  g = \"v - 0.2\"\n[field]\nx = \"v\"\n\
+                  v = \"-x - 2/pi*atan(1000*g)/(1 + 3*abs(g))\"\n[start]\nx = 0\nv = 0\n";
+    let lugre = "name = \"LuGre\"\n[states]\nx = \"\"\nv = \"\"\nz = \"\"\n[definitions]\n\
+                 g = \"v - 0.2\"\nrate = \"g - 100*abs(g)*(1 + 3*abs(g))*z\"\n[field]\nx = \"v\"\n\
+                 v = \"-x - 100*z - 20*rate\"\nz = \"rate\"\n[start]\nx = 0\nv = 0\nz = 0\n";
+    // By an implicit method of order 5 with a tolerance of 1e-12.
+    for (text, exact) in [(arctan, 11.298_150_66), (lugre, 11.013_411_14)] {
+        for method in METHODS {
+            let found = results(text, &["orbit", "system.toml", "--method", method]);
+            let period = found["period"].as_f64().unwrap();
+            assert!((period - exact).abs() < 1e-8, "{method}: {period}");
+        }
+    }
+}
+
+/// A driven Hopf oscillator without contacts (C18): the sum of its exponents is the mean of the
+/// divergence, integrated here as a third state.
+#[test]
+fn a_driven_smooth_oscillator_has_two_negative_exponents() {
+    let text = "name = \"driven\"\n[states]\nx = \"\"\ny = \"\"\n[definitions]\nr = \"x^2 + y^2\"\n\
+                w = \"2*pi\"\n[field]\nx = \"x + w*y - r*x - 3*sin(w*t)\"\n\
+                y = \"-w*x + y - r*y\"\n[start]\nx = 0\ny = 0.1\n[time]\nperiod = 1\n";
+    let summed = text
+        .replace("[definitions]", "q = \"\"\n[definitions]")
+        .replace("[start]", "q = \"2 - 4*r\"\n[start]\nq = 0");
+    let until = |end: &str| {
+        let (found, _) = simulated(&summed, "taylor", &["--t-end", end]);
+        self::end(&found, "q")
+    };
+    let exact = until("41") - until("40");
+    for method in METHODS {
+        let lyapunov = [
+            "lyapunov",
+            "system.toml",
+            "--duration",
+            "100",
+            "--method",
+            method,
+        ];
+        let found = results(text, &lyapunov);
+        let value = |k: usize| found["exponents"][k]["value"].as_f64().unwrap();
+        assert!(value(1) < value(0) && value(0) < 0.0, "{method}: {found}");
+        let sum = value(0) + value(1);
+        assert!((sum - exact).abs() < 1e-9, "{method}: {sum} and {exact}");
+    }
+}
+
+/// An integrator of `2 cos t` between limits of one: it waits at a limit until its input turns.
+#[test]
+fn an_integrator_stays_at_its_limits() {
+    let text = "name = \"limits\"\n[states]\nu = \"\"\n[discrete]\nat = 0\n[definitions]\n\
+                e = \"2*cos(t)\"\n[field]\nu = \"(1 - abs(at))*e\"\n\
+                [jumps.high]\nwhen = \"u - 1\"\ndirection = \"rising\"\nset = { at = \"1\" }\n\
+                [jumps.low]\nwhen = \"u + 1\"\ndirection = \"falling\"\nset = { at = \"-1\" }\n\
+                [jumps.turn]\nwhen = \"e\"\nset = { at = \"0\" }\n[start]\nu = 0\n\
+                [time]\nend = 6\n";
+    for method in METHODS {
+        let (found, transitions) = simulated(text, method, &[]);
+        let exact = [
+            (PI / 6.0, "high"),
+            (PI / 2.0, "turn"),
+            (PI, "low"),
+            (1.5 * PI, "turn"),
+        ];
+        assert_eq!(transitions.len(), exact.len(), "{transitions:?}");
+        for ((t, _, name), (expected, jump)) in transitions.iter().zip(exact) {
+            assert!((t - expected).abs() < 1e-11, "{method}: {name} at {t}");
+            assert_eq!(name, jump);
+        }
+        let exact = 1.0 + 2.0 * math::sin(6.0);
+        assert!((end(&found, "u") - exact).abs() < 1e-11, "{method}");
+    }
+}
+
 /// Crossing cycles about a two-fold (C24). Above the boundary the field is tangent to it where `p =
 /// sin(x) + x^2`, below where `x = 1/10`. At one parameter both are at the same position.
 #[test]
