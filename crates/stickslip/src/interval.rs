@@ -55,7 +55,7 @@ impl Interval {
         Interval { low, high }
     }
 
-    /// All numbers nearer to one than a radius.
+    /// All numbers within a radius of one.
     #[inline(always)]
     pub fn around(middle: f64, radius: f64) -> Self {
         Interval::new(middle - radius, middle + radius)
@@ -108,7 +108,7 @@ impl Mul for Interval {
             self.high * other.low,
             self.high * other.high,
         ];
-        // The library's min and max would take a number over what is none.
+        // The standard library's min and max would prefer a number to a NaN.
         if products.iter().any(|p| p.is_nan()) {
             return NOWHERE;
         }
@@ -261,7 +261,7 @@ mod tests {
 
     use super::*;
 
-    /// Everything that a scalar can do.
+    /// Every function of a scalar.
     fn everything<T: Scalar>(x: T, y: T) -> [T; 13] {
         [
             x * y - y / (x * x + 1.5),
@@ -320,7 +320,7 @@ mod tests {
     }
 
     #[test]
-    fn a_branch_that_the_range_leaves_open_is_told() {
+    fn a_branch_that_the_range_does_not_decide_is_reported() {
         let (low, high) = (Interval::new(0.0, 1.0), Interval::new(2.0, 3.0));
         let open = Interval::new(0.5, 2.5);
         assert_eq!(Interval::decided(|| high.exceeds(low)), Some(true));

@@ -244,7 +244,7 @@ pub trait Dynamics: Send + Sync {
     fn normals(&self, mode: Modes, at: &Moment) -> Vec<(usize, Vector)>;
 
     /// The guard whose zero a transition is, where the field jumps there.
-    fn jumps_at(&self, at: &Transition) -> Option<usize>;
+    fn discontinuity_guard(&self, at: &Transition) -> Option<usize>;
 
     /// Whether no second contact comes to zero in the same instant.
     fn is_one_at_a_time(&self, at: &Transition) -> bool;

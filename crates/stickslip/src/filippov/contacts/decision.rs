@@ -3,20 +3,14 @@
 use super::Contacts;
 use super::complementarity::solutions;
 use super::equations::principal_minor;
-use super::joint::{Joint, gradients};
+use super::joint::{Joint, NEGLIGIBLE_FRICTION, gradients};
 use crate::error::{Error, Point};
 use crate::filippov::flow::{Flow, flow_path};
-use crate::filippov::rules::{LieDerivatives, SAME};
+use crate::filippov::rules::LieDerivatives;
 use crate::filippov::run::Run;
-use crate::filippov::uncertainty::{ULPS, Uncertainty, uncertainties};
+use crate::filippov::uncertainty::{RELATIVE_ROUNDING, STATE_ROUNDING, Uncertainty, uncertainties};
 use crate::ode::Timed;
 use crate::system::{Mode, Side, components};
-
-/// If two contacts share less than this fraction of their friction, their frictions add.
-const COUPLING: f64 = 1e-9;
-
-/// Boundaries whose gradients span a volume below this fraction of the largest coincide.
-const DEPENDENT: f64 = 1e-12;
 
 /// A point at which a mode is decided.
 pub(super) struct Decision<'a, S, const N: usize, const M: usize> {
@@ -108,15 +102,15 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
             let joint = Joint::new(self.system, &tried);
             run.counters.field_calls += joint.field_calls();
             let (t, x) = (self.at.t, &self.at.x);
-            let Some(found) = solutions(&joint, &self.modes, t, x) else {
+            let Some(consistent) = solutions(&joint, &self.modes, t, x) else {
                 return Err(Error::TooManyContacts {
                     t,
                     x: Point::from(x),
                     contacts: joint.held().to_vec(),
                 });
             };
-            let [outcomes] = found[..] else {
-                return Err(self.unsolved(joint.held(), &found));
+            let [outcomes] = consistent[..] else {
+                return Err(self.unsolved(joint.held(), &consistent));
             };
             let held: Vec<usize> = joint.held().to_vec();
             let mut changes_the_rest = false;
@@ -215,7 +209,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     /// Whether a contact's friction at rest exceeds that in slip.
     pub(super) fn has_static_friction(&self, i: usize) -> bool {
         let (at_rest, in_slip) = (self.friction(i, true), self.friction(i, false));
-        (at_rest - in_slip).abs() > SAME * in_slip.abs()
+        (at_rest - in_slip).abs() > RELATIVE_ROUNDING * in_slip.abs()
     }
 
     /// Checks that the contacts to be decided form a well-posed problem.
@@ -237,13 +231,14 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
                 gram[i][j] = normals[i].dot(&normals[j]) / (size * normals[j].norm());
             }
         }
-        if principal_minor(&gram, contacts) <= DEPENDENT {
+        // Of boundaries that coincide, the gradients span no volume.
+        if principal_minor(&gram, contacts) <= RELATIVE_ROUNDING {
             return Err(dependent(contacts));
         }
         let slipping: [f64; M] = std::array::from_fn(|i| self.friction(i, false));
         for (place, &i) in contacts.iter().enumerate() {
             let (at_rest, in_slip) = (self.friction(i, true), slipping[i]);
-            if at_rest < in_slip - SAME * in_slip.abs() {
+            if at_rest < in_slip - RELATIVE_ROUNDING * in_slip.abs() {
                 let x = Point::from(&x);
                 return Err(Error::StaticBelowKinetic {
                     t,
@@ -256,7 +251,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
                 let mut rests = [false; M];
                 rests[i] = true;
                 let (beside, alone) = (self.friction_with(j, &rests), slipping[j]);
-                if (beside - alone).abs() > COUPLING * (alone.abs() + in_slip.abs()) {
+                if (beside - alone).abs() > NEGLIGIBLE_FRICTION * (alone.abs() + in_slip.abs()) {
                     let x = Point::from(&x);
                     return Err(Error::HoldsElsewhere {
                         t,
@@ -290,13 +285,13 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
             let size = none[k].abs() + both[k].abs();
             // Forces that cancel leave their rounding; a real dependence on the other side has the
             // size of the forces.
-            let allowed = COUPLING * step + ULPS * f64::EPSILON * size;
+            let allowed = NEGLIGIBLE_FRICTION * step + STATE_ROUNDING * size;
             (none[k] - first[k] - second[k] + both[k]).abs() <= allowed
         })
     }
 
-    fn unsolved(&self, contacts: &[usize], found: &[[Mode; M]]) -> Error {
-        let candidates = found
+    fn unsolved(&self, contacts: &[usize], consistent: &[[Mode; M]]) -> Error {
+        let candidates = consistent
             .iter()
             .map(|outcomes| format!("{:?}", &outcomes[..contacts.len()]))
             .collect();

@@ -1,5 +1,6 @@
 //! Small linear systems on any scalar.
 
+use crate::filippov::uncertainty::RELATIVE_ROUNDING;
 use crate::scalar::Scalar;
 
 /// Solves `a x = b` for the first `count` unknowns, in place; `b` becomes `x`.
@@ -46,15 +47,12 @@ pub(super) fn principal_minor<const M: usize>(a: &[[f64; M]; M], chosen: &[usize
     product
 }
 
-/// Pivots below this part of a diagonal entry are rounding.
-const SINGULAR: f64 = 1e-12;
-
 /// Whether elimination finds all pivots positive, beyond rounding: of a symmetric matrix, whether
 /// it is positive definite.
 pub(super) fn has_positive_pivots<const M: usize>(a: &[[f64; M]; M], count: usize) -> bool {
     let mut left = *a;
     for k in 0..count {
-        let is_positive = left[k][k] > SINGULAR * a[k][k];
+        let is_positive = left[k][k] > RELATIVE_ROUNDING * a[k][k];
         if !is_positive {
             return false;
         }

@@ -9,9 +9,14 @@ use crate::ode::{Linear, Timed};
 use crate::scalar::Scalar;
 use crate::system::{Mode, Side, State, components};
 
-/// Number of Newton iterations for a multi-affine combination, from the affine solution. Each
-/// squares the error, also in every coefficient of a series.
-const NEWTON: usize = 7;
+/// Number of Newton steps for a multi-affine combination, from the affine solution. Each squares
+/// the error: seven reach rounding from an error of 0.75. The number is fixed, so that each
+/// coefficient of a series converges, too.
+const NEWTON_STEPS: usize = 7;
+
+/// An effect below this fraction of that of friction is none: of one contact on another, and on a
+/// rate after Newton's iteration. Chosen between the rounding of the forces and any coupling meant.
+pub(super) const NEGLIGIBLE_FRICTION: f64 = 1e-9;
 
 /// Contacts that hold or slip, and the resulting field. Guard `i` belongs to contact `i`. In slip
 /// it is the boundary function times the sign of the side. In stick it is `w (1 − w)` with `w` the
@@ -190,7 +195,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         }
         solve(&mut matrix, &mut shares, self.count);
         if S::MULTI_AFFINE && self.count > 1 {
-            for _ in 0..NEWTON {
+            for _ in 0..NEWTON_STEPS {
                 self.newton(t, x, &mut shares);
             }
             let field = self.multi_affine(t, x, &shares).0;
@@ -217,10 +222,10 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
     }
 
     /// The combination for holding contacts of which some do not affect their own rates, as a
-    /// position and its velocity: such a rate is zero and stays so by the others. The weights are
-    /// then not determined. Those nearest to the middle are taken, each scaled by its contact's
-    /// strength. So no contact alone reaches its limit while others that act on the same rate do
-    /// not.
+    /// position and its velocity. Such a rate is zero, and the other contacts keep it so. The
+    /// weights are then not unique. Those nearest to the middle are taken, each scaled by its
+    /// contact's strength. So no contact alone reaches its limit while others that act on the same
+    /// rate do not.
     #[inline(never)]
     fn shared<T: Scalar, const N: usize>(&self, affine: Affine<T, N, M>) -> Combination<T, N, M> {
         let held = self.held();
@@ -340,15 +345,15 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
                 }
                 weight
             };
-            let whole = weight(None);
+            let product = weight(None);
             for k in 0..N {
-                field[k] = field[k] + whole * value[k];
+                field[k] = field[k] + product * value[k];
             }
             for (place, change) in changes.iter_mut().enumerate().take(self.count) {
                 let sign = if is_above(place) { 1.0 } else { -1.0 };
-                let rest = weight(Some(place)) * sign;
+                let slope = weight(Some(place)) * sign;
                 for k in 0..N {
-                    change[k] = change[k] + rest * value[k];
+                    change[k] = change[k] + slope * value[k];
                 }
             }
         }
@@ -436,7 +441,7 @@ pub(super) fn gradients<S: Contacts<N, M>, const N: usize, const M: usize>(
 }
 
 /// The numbers of the first 64 contacts, of which a system uses the first ones.
-const NUMBERS: [usize; 64] = {
+const CONTACT_NUMBERS: [usize; 64] = {
     let mut numbers = [0; 64];
     let mut i = 0;
     while i < 64 {
@@ -449,10 +454,10 @@ const NUMBERS: [usize; 64] = {
 impl<S: Contacts<N, M>, const N: usize, const M: usize> Flow<N> for Joint<'_, S, M> {
     const GUARDS: &'static [usize] = {
         assert!(
-            1 <= M && M <= NUMBERS.len(),
+            1 <= M && M <= CONTACT_NUMBERS.len(),
             "a system has 1 to 64 contacts"
         );
-        NUMBERS.split_at(M).0
+        CONTACT_NUMBERS.split_at(M).0
     };
     const TOGETHER: bool = M > 1;
     const INTERPRETED: bool = S::INTERPRETED;
@@ -462,7 +467,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Flow<N> for Joint<'_, S,
         let around = self.count as u64 + 1;
         if S::MULTI_AFFINE && self.count > 1 {
             around.saturating_add(
-                (NEWTON as u64 + 1).saturating_mul(2_u64.saturating_pow(self.count as u32)),
+                (NEWTON_STEPS as u64 + 1).saturating_mul(2_u64.saturating_pow(self.count as u32)),
             )
         } else {
             around

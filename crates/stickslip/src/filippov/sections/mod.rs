@@ -1,21 +1,19 @@
 //! Events of the user's own: zeros of functions that do not affect the motion, searched in every
 //! step after it was taken.
 
+mod common;
 mod crossings;
 mod over_step;
-mod plane;
 mod search;
 mod solve;
-mod strobe;
 mod watched;
 
 use crate::scalar::Scalar;
 use crate::system::{Mode, State};
 
-pub use plane::Plane;
+pub use common::{Plane, Strobe};
 pub use search::EventSearch;
 pub use solve::{OrbitWithEvents, solve_with_events};
-pub use strobe::Strobe;
 pub use watched::{Happening, Watched};
 
 /// Which way a function passes through zero.
@@ -40,9 +38,9 @@ impl Direction {
 /// They do not affect the motion.
 ///
 /// An event is a change of sign by more than rounding. A function that touches zero and turns back
-/// has no event. One that stays at zero for a while (a boundary function during stick) passes
-/// through it where it reaches zero with a rate, or else where it leaves for the other side. A
-/// start at zero is no event. A function that is not a number has none.
+/// has no event. A function may stay at zero for a while, as a boundary function does during stick.
+/// It passes through zero where it reaches it with a rate, or else where it leaves for the other
+/// side. A start at zero is no event. A function that is not a number has none.
 ///
 /// ```
 /// use stickslip::models::BeltOscillator;
