@@ -146,7 +146,7 @@ pub enum Error {
     Undefined {
         /// Of what, in words.
         what: &'static str,
-        /// Its number: behind those of the contacts come the jumps, and behind these the inputs.
+        /// Its number, counted from the contacts through the jumps to the inputs.
         number: usize,
         /// Time.
         t: f64,
@@ -215,7 +215,7 @@ pub enum Error {
         t: f64,
         /// State reached.
         x: Point,
-        /// The contacts at which they happen, counted from 0; behind these come the jumps.
+        /// The contacts at which they happen, counted from 0; the jumps follow them.
         contacts: Vec<usize>,
         /// Where they accumulate, if they are a geometric series.
         accumulation: Option<Box<Accumulation>>,

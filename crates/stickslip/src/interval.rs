@@ -20,7 +20,7 @@ pub struct Interval {
     pub high: f64,
 }
 
-const NOWHERE: Interval = Interval {
+const UNDEFINED: Interval = Interval {
     low: f64::NAN,
     high: f64::NAN,
 };
@@ -44,7 +44,7 @@ impl Interval {
         let bounds = [self.low, self.high, other.low, other.high];
         // The standard library's min and max would prefer a number to a NaN.
         if bounds.iter().any(|bound| bound.is_nan()) {
-            return NOWHERE;
+            return UNDEFINED;
         }
         Interval::new(f(self.low, other.low), f(self.high, other.high))
     }
@@ -70,7 +70,7 @@ impl Interval {
     fn wave(self, f: impl Fn(f64) -> f64) -> Self {
         let radius = 0.5 * (self.high - self.low);
         if radius.is_nan() {
-            return NOWHERE;
+            return UNDEFINED;
         }
         let middle = f(0.5 * (self.low + self.high));
         Interval::new((middle - radius).max(-1.0), (middle + radius).min(1.0))
@@ -110,7 +110,7 @@ impl Mul for Interval {
         ];
         // The standard library's min and max would prefer a number to a NaN.
         if products.iter().any(|p| p.is_nan()) {
-            return NOWHERE;
+            return UNDEFINED;
         }
         let (mut low, mut high) = (products[0], products[0]);
         for p in &products[1..] {
@@ -127,7 +127,7 @@ impl Div for Interval {
         if other.low > 0.0 || other.high < 0.0 {
             self * Interval::new(1.0 / other.high, 1.0 / other.low)
         } else {
-            NOWHERE
+            UNDEFINED
         }
     }
 }
@@ -217,7 +217,7 @@ impl Scalar for Interval {
     fn powf(self, p: f64) -> Self {
         // NaN for a negative number or a NaN.
         if !(self.low >= 0.0 && self.high >= 0.0) {
-            return NOWHERE;
+            return UNDEFINED;
         }
         let image = self.rising(|x| Scalar::powf(x, p));
         if p < 0.0 {
@@ -233,7 +233,7 @@ impl Scalar for Interval {
         } else if high <= 0.0 {
             -self
         } else if low.is_nan() || high.is_nan() {
-            NOWHERE
+            UNDEFINED
         } else {
             Interval::new(0.0, f64::max(-low, high))
         }

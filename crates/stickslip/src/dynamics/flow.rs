@@ -42,15 +42,15 @@ where
     }
 
     /// The velocity of one contact does not depend on branches.
-    fn of_field<U: UseFlow<N>>(&self, user: U) -> U::Output {
+    fn with_flow_of_field<U: UseFlow<N>>(&self, user: U) -> U::Output {
         if S::CONTACTS > 1 {
-            return self.of_guards(user);
+            return self.with_flow_of_guards(user);
         }
         let branch = S::Branch::default();
         self.view.system.with_flow(self.mode, branch, user)
     }
 
-    fn of_guards<U: UseFlow<N>>(&self, user: U) -> U::Output {
+    fn with_flow_of_guards<U: UseFlow<N>>(&self, user: U) -> U::Output {
         let system = self.view.system;
         let branch = *self
             .branch
@@ -60,7 +60,7 @@ where
 
     /// The velocity, with held inputs as stored in the state.
     pub(super) fn velocity_at(&self, at: &Timed<N>) -> Vector {
-        let velocity = self.of_field(Velocity(at.t, components(&at.x)));
+        let velocity = self.with_flow_of_field(Velocity(at.t, components(&at.x)));
         self.view.vector(&State::from(velocity))
     }
 
@@ -101,12 +101,12 @@ where
         let Timed { t, x } = self.view.timed(at);
         let along = self.view.state(along.as_slice());
         let seeded: [_; N] = std::array::from_fn(|i| Dual::new(x[i], along[i]));
-        let velocity = self.of_field(Velocity(Dual::new(t, 0.0), &seeded));
+        let velocity = self.with_flow_of_field(Velocity(Dual::new(t, 0.0), &seeded));
         Vector::from_fn(self.view.states, |i, _| velocity[i].eps)
     }
 
     fn settled(&self, at: &Moment) -> Vector {
-        let settled = self.of_field(Settled(self.view.timed(at)));
+        let settled = self.with_flow_of_field(Settled(self.view.timed(at)));
         self.view.vector(&settled)
     }
 
@@ -115,10 +115,12 @@ where
         let guard = |number: usize| Guard {
             number,
             contact: S::contact_of(number),
-            goes_on: system.passed(number, &mut S::Branch::default()).is_some(),
+            goes_on: system
+                .event_within_mode(number, &mut S::Branch::default())
+                .is_some(),
             is_of_jump: false,
         };
-        let guards = self.of_field(Guards).iter().copied().map(guard);
+        let guards = self.with_flow_of_field(Guards).iter().copied().map(guard);
         let guards = guards.filter(|guard| guard.contact < self.view.contacts);
         let jumps = (0..self.view.jumps.count()).map(|jump| Guard {
             number: G + jump,
@@ -134,7 +136,7 @@ where
             let Timed { t, x } = self.view.timed(at);
             return jump.guard(t, components(&x));
         }
-        self.of_guards(Value(number, self.view.timed(at)))
+        self.with_flow_of_guards(Value(number, self.view.timed(at)))
     }
 
     fn guard_gradient(&self, number: usize, at: &Moment) -> (Vector, f64) {
@@ -142,15 +144,16 @@ where
             let (slopes, in_time) = gradient(|t, x| jump.guard(t, x), &self.view.timed(at));
             return (self.view.vector(&slopes), in_time);
         }
-        let (gradient, in_time) = self.of_guards(GuardGradient(number, self.view.timed(at)));
+        let (gradient, in_time) =
+            self.with_flow_of_guards(GuardGradient(number, self.view.timed(at)));
         (self.view.vector(&gradient), in_time)
     }
 
     fn guard_jet(&self, number: usize, at: &Moment) -> [f64; 4] {
         if let Some(jump) = self.jump(number) {
-            return self.of_field(JumpJet(&jump, self.view.timed(at)));
+            return self.with_flow_of_field(JumpJet(&jump, self.view.timed(at)));
         }
-        self.of_guards(Jet(number, self.view.timed(at)))
+        self.with_flow_of_guards(Jet(number, self.view.timed(at)))
     }
 
     fn carried(&self, step: &Step, vector: &Vector, how: Carrying) -> Vector {
@@ -164,20 +167,18 @@ where
         let tolerance = how.tolerance;
         // A Taylor step is longer than one of DOP853 would be; halving covers that as well. A fixed
         // step is kept.
-        let carried = match how.method {
-            Method::Dop853 | Method::Taylor => self.of_field(Carried::<Dop853, N>::new(
-                piece,
-                vector,
-                MAX_HALVINGS,
-                tolerance,
-            )),
-            Method::Dop853Fixed { .. } => {
-                self.of_field(Carried::<Dop853, N>::new(piece, vector, 0, tolerance))
-            }
-            Method::Rk4 { .. } => {
-                self.of_field(Carried::<Rk4, N>::new(piece, vector, 0, tolerance))
-            }
-        };
+        let carried =
+            match how.method {
+                Method::Dop853 | Method::Taylor => self.with_flow_of_field(
+                    Carried::<Dop853, N>::new(piece, vector, MAX_HALVINGS, tolerance),
+                ),
+                Method::Dop853Fixed { .. } => {
+                    self.with_flow_of_field(Carried::<Dop853, N>::new(piece, vector, 0, tolerance))
+                }
+                Method::Rk4 { .. } => {
+                    self.with_flow_of_field(Carried::<Rk4, N>::new(piece, vector, 0, tolerance))
+                }
+            };
         self.view.vector(&carried)
     }
 
@@ -187,7 +188,7 @@ where
             let over = Interval::decided(|| self.view.jumps.when(jump, t, &x));
             over.is_some_and(|over| over.low > 0.0 || over.high < 0.0)
         };
-        self.of_guards(StaysClear(t, &x)) && (0..self.view.jumps.count()).all(is_clear)
+        self.with_flow_of_guards(StaysClear(t, &x)) && (0..self.view.jumps.count()).all(is_clear)
     }
 
     fn velocity_over(&self, t: Interval, x: &[Interval]) -> Option<Vec<Interval>> {
@@ -304,9 +305,9 @@ struct Piece<const N: usize> {
 /// Carries a tangent vector over a piece by method `M`: the piece is integrated again on dual
 /// numbers.
 ///
-/// The step-size control saw the error of the state. It may say nothing of the vector's error: a
-/// state near an equilibrium allows steps of any length. The piece is then halved, up to a given
-/// number of times, until the vector is accurate, too.
+/// Step-size control bounds the error of the state, which may not bound the vector's error: a state
+/// near an equilibrium allows steps of any length. The piece is then halved, up to a given number
+/// of times, until the vector is accurate, too.
 struct Carried<M, const N: usize> {
     piece: Piece<N>,
     vector: State<N>,

@@ -259,7 +259,7 @@ where
         let count = if is_prescribed { 0 } else { jumps.count() };
         let search =
             |number| EventSearch::new(view.system, view.when(number), options).only_first();
-        let jumping = JumpSearch {
+        let jump_search = JumpSearch {
             jumps,
             searches: (0..count).map(search).collect(),
             counts: vec![0; count],
@@ -273,8 +273,8 @@ where
             has_jumped: false,
             is_prescribed,
         };
-        jumping.check(integration)?;
-        Ok(Some(jumping))
+        jump_search.check(integration)?;
+        Ok(Some(jump_search))
     }
 
     /// Whether the functions of all jumps are defined.
@@ -296,7 +296,10 @@ where
     ///
     /// # Errors
     /// [`Error::Undefined`].
-    pub(super) fn look(&mut self, integration: &mut Integration<'a, S, N, G>) -> Result<(), Error> {
+    pub(super) fn shorten_step(
+        &mut self,
+        integration: &mut Integration<'a, S, N, G>,
+    ) -> Result<(), Error> {
         self.has_jumped = false;
         if self.searches.is_empty() {
             return Ok(());
@@ -349,7 +352,7 @@ where
     }
 
     /// Whether a run has reached a kink. A kink at the end of the run is passed, too: a run from
-    /// there continues behind it.
+    /// there continues after it.
     pub(super) fn is_at_kink(&self, integration: &Integration<'a, S, N, G>) -> bool {
         integration.is_at_end() && integration.t() >= self.next_kink
     }

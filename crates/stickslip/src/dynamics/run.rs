@@ -27,11 +27,11 @@ where
         section: &Section,
     ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error> {
         let with = (section, Stepper::new(options));
-        Ok(Box::new(self.begun(start, t_end, options, with)?))
+        Ok(Box::new(self.start_run(start, t_end, options, with)?))
     }
 
     /// An orbit at its start. The stepper may have served another orbit.
-    pub(super) fn begun(
+    pub(super) fn start_run(
         self,
         start: &Moment,
         t_end: f64,
@@ -69,10 +69,10 @@ where
     ) -> Result<Run<'a, S, V, J, N, G>, Error> {
         let truncated = |error: Error| error.truncated(self.states);
         let mut integration = integration.map_err(truncated)?;
-        let jumping = JumpSearch::of(&self, &mut integration, options, t_end);
+        let jump_search = JumpSearch::of(&self, &mut integration, options, t_end);
         Ok(Run {
             view: self,
-            jumping: jumping.map_err(truncated)?,
+            jump_search: jump_search.map_err(truncated)?,
             pending: VecDeque::new(),
             integration,
             options: *options,
@@ -105,7 +105,7 @@ where
         contacts: S::CONTACTS,
     };
     let with = (&Section::None, Stepper::new(options));
-    let mut run = view.begun(start, t_end, options, with)?;
+    let mut run = view.start_run(start, t_end, options, with)?;
     run.observer = Some(observer);
     Ok(Box::new(run))
 }
@@ -135,7 +135,7 @@ pub(super) struct Run<'a, S: Switched<N, G>, V, J, const N: usize, const G: usiz
     view: View<'a, S, V, J, N, G>,
     integration: Integration<'a, S, N, G>,
     /// Of a system with jumps or inputs.
-    jumping: Option<JumpSearch<'a, S, V, J, N, G>>,
+    jump_search: Option<JumpSearch<'a, S, V, J, N, G>>,
     /// Items to report before the run continues.
     pending: VecDeque<Happening>,
     options: Options,
@@ -162,7 +162,7 @@ where
 
     /// Whether the solution over a step is needed, not only its end.
     pub(super) fn watches_steps(&self) -> bool {
-        self.search.is_some() || self.jumping.is_some()
+        self.search.is_some() || self.jump_search.is_some()
     }
 
     /// Takes the step that was prepared, if there is one, or continues until the next one is
@@ -188,8 +188,8 @@ where
         self.unobserved = self.observer.is_some().then_some(progress);
         Ok(Some(match &progress {
             Progress::Step => {
-                if let Some(jumping) = &mut self.jumping {
-                    jumping.look(&mut self.integration)?;
+                if let Some(jump_search) = &mut self.jump_search {
+                    jump_search.shorten_step(&mut self.integration)?;
                 }
                 if let Some(search) = &mut self.search {
                     search.in_step(&self.integration.last_step());
@@ -198,7 +198,7 @@ where
                 Happening::Step
             }
             Progress::PhaseEnd(phase) => {
-                let until = self.jumping.as_ref().and_then(JumpSearch::due);
+                let until = self.jump_search.as_ref().and_then(JumpSearch::due);
                 Happening::PhaseEnd(self.view.phase(phase, until))
             }
             Progress::Transition(at) => Happening::Transition(self.view.transition(at)),
@@ -229,47 +229,47 @@ where
     }
 
     fn has_kinked(&self, t: f64) -> bool {
-        let jumping = self.jumping.as_ref();
-        jumping.is_some_and(|jumping| jumping.has_kinked(t))
+        let jump_search = self.jump_search.as_ref();
+        jump_search.is_some_and(|jump_search| jump_search.has_kinked(t))
     }
 
     /// Whether an input kinks here with its consequences still pending. The state at such a time is
     /// that after the kink, from which a run continues.
     fn is_settling(&self, t: f64) -> bool {
-        let is_here = |jumping: &JumpSearch<'_, S, V, J, N, G>| {
-            let is_under_way = jumping.has_kinked(t) && jumping.is_due();
-            t == self.integration.t() && (jumping.is_at_kink(&self.integration) || is_under_way)
+        let is_here = |jump_search: &JumpSearch<'_, S, V, J, N, G>| {
+            let is_under_way = jump_search.has_kinked(t) && jump_search.is_due();
+            t == self.integration.t() && (jump_search.is_at_kink(&self.integration) || is_under_way)
         };
-        self.jumping.as_ref().is_some_and(is_here) || !self.pending.is_empty()
+        self.jump_search.as_ref().is_some_and(is_here) || !self.pending.is_empty()
     }
 
     /// Carries out what is due between two steps of a run with jumps or inputs.
     fn process_jumps(&mut self) -> Result<Option<Happening>, Error> {
-        let Some(jumping) = &mut self.jumping else {
+        let Some(jump_search) = &mut self.jump_search else {
             return Ok(None);
         };
         while self.pending.is_empty() {
-            if jumping.is_due() {
+            if jump_search.is_due() {
                 // The phase before it is reported first.
                 if self.integration.ends_phase() {
                     return Ok(None);
                 }
-                if jumping.takes_empty_phase() {
+                if jump_search.takes_empty_phase() {
                     let phase = self
                         .view
-                        .phase(&self.integration.phase_so_far(), jumping.due());
+                        .phase(&self.integration.phase_so_far(), jump_search.due());
                     return Ok(Some(Happening::PhaseEnd(phase)));
                 }
-                let jump = jumping.jump(&mut self.integration)?;
+                let jump = jump_search.jump(&mut self.integration)?;
                 if let Some(search) = &mut self.search {
                     search.set_side(0.0);
                 }
                 return Ok(jump.map(|at| Happening::Transition(self.view.transition(&at))));
             }
-            if !jumping.is_at_kink(&self.integration) {
+            if !jump_search.is_at_kink(&self.integration) {
                 return Ok(None);
             }
-            jumping.pass_kink(&mut self.integration, &self.view, &mut self.pending)?;
+            jump_search.pass_kink(&mut self.integration, &self.view, &mut self.pending)?;
         }
         Ok(self.pending.pop_front())
     }

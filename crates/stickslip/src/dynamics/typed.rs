@@ -273,7 +273,7 @@ where
         }
         let listener = &RefCell::new(listener);
         let begin = |(number, start): (usize, &Moment), stepper| {
-            let run = of.begun(start, t_end, options, (section, stepper));
+            let run = of.start_run(start, t_end, options, (section, stepper));
             Ok(BatchOrbit {
                 number,
                 run: run.map_err(Err)?,

@@ -21,13 +21,14 @@ use crate::taylor::series::{Expansion, Series, in_rows};
 use crate::taylor::sweep::{CoefficientRows, MIN_ROWS};
 
 /// Number of orbits that are expanded together: one vector of the widest machines, two of others.
-const LANES: usize = 8;
+pub(super) const LANES: usize = 8;
 
 /// Fewer orbits than this are expanded one by one, which was measured to take no longer.
 const MIN_GROUP: usize = 3;
 
-/// Number of orbits under way at once. Chosen: with so many, eight are nearly always in one mode.
-const ACTIVE_ORBITS: usize = 32;
+/// Number of orbits under way at once. Chosen: with so many, one mode nearly always has enough of
+/// them to fill the lanes.
+const ACTIVE_ORBITS: usize = 4 * LANES;
 
 /// An orbit of a batch.
 pub(crate) trait Member<'a, S: Switched<N, G>, const N: usize, const G: usize> {

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
-use super::batch::{self, side_by_side};
+use super::batch::{self, LANES, side_by_side};
 use super::integration::{Integration, Progress};
 use super::observer::Observer;
 use super::options::{Method, Options};
@@ -20,12 +20,10 @@ use crate::system::State;
 /// is enough tasks for a hundred threads.
 pub(crate) const ORBITS_AT_ONCE: usize = 4096;
 
-/// Number of orbits that a thread takes at once. They are enough to fill the lanes, and few enough
-/// that no thread waits long for the others. Each thread gets about four such tasks.
+/// Number of orbits that a thread takes at once: about a quarter of its share. They are enough to
+/// fill the lanes, and few enough that no thread waits long for the others.
 pub(crate) fn task_size(orbits: usize) -> usize {
-    const LARGEST_TASK: usize = 128;
-    const SMALLEST_TASK: usize = 16;
-    (orbits / (4 * rayon::current_num_threads())).clamp(SMALLEST_TASK, LARGEST_TASK)
+    (orbits / (4 * rayon::current_num_threads())).clamp(2 * LANES, 16 * LANES)
 }
 
 /// The start of an orbit of an ensemble, and its system.

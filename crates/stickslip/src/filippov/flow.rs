@@ -198,7 +198,7 @@ pub trait Flow<const N: usize> {
 
     /// Slope of time and state with guard `i` as independent variable: `(1, f)/rate`.
     #[inline(always)]
-    fn swapped(&self, i: usize, at: &Timed<N>) -> Timed<N> {
+    fn henon_slope(&self, i: usize, at: &Timed<N>) -> Timed<N> {
         let x = components(&at.x);
         let f = self.field(at.t, x);
         let per_guard = 1.0 / self.rate(i, at.t, x, &f);

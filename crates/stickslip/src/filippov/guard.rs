@@ -36,7 +36,7 @@ pub(crate) trait StepGuard<const N: usize> {
     /// State and guard at `s` as exactly as the step gives them, with the offset.
     fn probe(&self, s: f64) -> Probe<N>;
 
-    /// Brackets the first zero behind `from` by resolving the values over the rest of the step.
+    /// Brackets the first zero after `from` by resolving the values over the rest of the step.
     fn first_zero(&self, from: f64) -> Option<Bracket> {
         first_bracket(&mut |s| self.value(s), from, 1.0)
     }
@@ -113,7 +113,7 @@ impl<const N: usize> ZeroKind<N> {
     pub(crate) fn classify(zero: &Probe<N>, guard: &dyn StepGuard<N>, depth: f64) -> Self {
         if zero.bend > 0.0 && zero.rate * zero.rate <= 2.0 * depth * zero.bend {
             let turn = turning_point(guard, zero.s);
-            // Behind a corner the guard may continue to fall, whatever its curvature before.
+            // After a corner the guard may continue to fall, whatever its curvature before.
             if turn.guard.abs() <= depth {
                 return ZeroKind::classify_turn(turn, guard, depth);
             }

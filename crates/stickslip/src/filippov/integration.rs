@@ -77,7 +77,7 @@ pub(super) enum Due {
     /// Another step.
     Step,
     /// Another step after one without an event.
-    Passed,
+    AfterStep,
     /// The event at the end of the last step.
     Event,
     /// The mode that follows the event at which the phase has ended.
@@ -111,8 +111,8 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         Self::with_stepper(system, (start, N), t_end, options, Stepper::new(options))
     }
 
-    /// [`Integration::new`] of a system of so many states, which may be fewer than its type has
-    /// room for. The stepper may have served another integration with the same options.
+    /// [`Integration::new`] of a system with that number of states, which may be fewer than its
+    /// type has room for. The stepper may have served another integration with the same options.
     pub(crate) fn with_stepper(
         system: &'a S,
         (start, states): (Timed<N>, usize),
@@ -217,7 +217,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
                 self.stepper.begin();
                 self.due = Due::Step;
             }
-            Due::Passed => {
+            Due::AfterStep => {
                 self.run.check_escape()?;
                 if self.run.orders != [0; G] {
                     self.work(Work::RecordDepartures)?;
@@ -246,7 +246,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     pub(crate) fn advance(&mut self) -> Result<bool, Error> {
         self.due = match self.work(Work::Advance) {
             Ok(Trial::NoStep) => return Ok(false),
-            Ok(Trial::Step) => Due::Passed,
+            Ok(Trial::Step) => Due::AfterStep,
             Ok(Trial::Event) => Due::Event,
             Err(error) => {
                 self.due = self.resolve_failure(error)?;
@@ -323,7 +323,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             return Ok(self.transition(touch, mode, residual));
         }
         let mut branch = self.branch;
-        let Some(kind) = self.system.passed(guard, &mut branch) else {
+        let Some(kind) = self.system.event_within_mode(guard, &mut branch) else {
             self.due = Due::Switch;
             return Ok(Progress::PhaseEnd(self.phase_so_far()));
         };

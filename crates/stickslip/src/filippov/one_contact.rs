@@ -81,7 +81,7 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
         Ok(departure.next_mode(run.options.at_repelling))
     }
 
-    fn passed(&self, guard: usize, contact: &mut f64) -> Option<TransitionKind> {
+    fn event_within_mode(&self, guard: usize, contact: &mut f64) -> Option<TransitionKind> {
         if guard != CONTACT {
             return None;
         }

@@ -118,7 +118,7 @@ pub struct Options {
     /// What to do where transitions accumulate; default stop.
     pub at_pile_up: AtPileUp,
     /// A contact with Σ that reaches no deeper than this many tolerances is a touch, not a pair of
-    /// crossings. The solution itself is known no better. Default 10.
+    /// crossings. The solution itself is not more accurate. Default 10.
     pub touch: f64,
     /// Number of consecutive transitions that are a pile-up if they happen within `pile_up_span ·
     /// max(1, |t|)`. They also are if no component moves by more than 100 tolerances between any

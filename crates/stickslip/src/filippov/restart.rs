@@ -25,7 +25,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
 
     /// Whether the end time is reached and nothing else is to be reported first.
     pub(crate) fn is_at_end(&self) -> bool {
-        let goes_on = matches!(self.due, Due::Begin | Due::Step | Due::Passed);
+        let goes_on = matches!(self.due, Due::Begin | Due::Step | Due::AfterStep);
         goes_on && self.run.at.t >= self.run.t_end
     }
 

@@ -255,7 +255,7 @@ pub(crate) struct LeadingDerivative {
 
 impl LeadingDerivative {
     /// Of `side`'s field at `(t, x)`; `slack` as for [`LieDerivatives::new`]. `tangent`: the first
-    /// derivative is known to vanish, whatever its rounding.
+    /// derivative vanishes by construction, so that its rounding does not count.
     pub(crate) fn new<S: Filippov<N>, const N: usize>(
         system: &S,
         side: Side,
@@ -334,7 +334,7 @@ pub(crate) fn departure(
     Departure { fate, orders }
 }
 
-/// The system with static friction: its fields are those of rest.
+/// A system whose fields are those of static friction.
 pub(crate) struct WithStaticFriction<'a, S>(pub &'a S);
 
 impl<S: Filippov<N>, const N: usize> Filippov<N> for WithStaticFriction<'_, S> {

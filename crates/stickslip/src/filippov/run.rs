@@ -59,7 +59,7 @@ pub enum Trial {
 }
 
 impl<const N: usize, const G: usize> Run<N, G> {
-    /// A run that has not begun, of a system of so many states.
+    /// A run that has not begun, of a system with that number of states.
     ///
     /// # Errors
     /// Those of a run that cannot begin.

@@ -217,10 +217,10 @@ impl<const N: usize, const G: usize> Run<N, G> {
         if !may_be || self.orders != [0; G] {
             return false;
         }
-        let reach = step.reach::<M>(&self.at.x, h);
+        let states = step.enclosure::<M>(&self.at.x, h);
         let times = Interval::new(self.at.t, self.at.t + h);
-        let is_finite = reach.iter().all(|reach| reach.high.is_finite());
-        is_finite && flow.are_clear(times, &reach) == [true; G]
+        let is_finite = states.iter().all(|range| range.high.is_finite());
+        is_finite && flow.are_clear(times, &states) == [true; G]
     }
 
     /// The first guard that fails in the step, and where.

@@ -128,8 +128,8 @@ impl BoundsBudget {
         self.0.set(MAX_BOUNDS);
     }
 
-    /// What bounds prove of a function between two places, if `is_clear` says whether they exclude
-    /// a zero there.
+    /// What bounds prove of a function between two places, if `is_clear` returns whether they
+    /// exclude a zero there.
     pub fn bounds(&self, (from, to): (f64, f64), is_clear: &dyn Fn(f64, f64) -> bool) -> Bounds {
         let used = self.0.get();
         if used >= MAX_BOUNDS {
@@ -306,7 +306,7 @@ pub(crate) fn zero_in(value: &mut dyn FnMut(f64) -> f64, bracket: Bracket) -> f6
         let middle = if inside { falsi } else { 0.5 * (a + b) };
         let at_middle = value(middle);
         let moves_a = at_middle > 0.0;
-        // An end that has stayed twice gets half its weight, or it would stay for ever.
+        // An end that has stayed twice gets half its weight, or it would stay without end.
         let again = last_moved_a == Some(moves_a);
         if moves_a {
             (a, at_a) = (middle, at_middle);

@@ -26,7 +26,7 @@ pub struct SummaryOf<X> {
 
 impl<X> SummaryOf<X> {
     /// The error of an analysis that needs the orbit to continue after this ending.
-    pub(crate) fn goes_no_further(&self) -> Error
+    pub(crate) fn no_future_error(&self) -> Error
     where
         for<'x> Point: From<&'x X>,
     {

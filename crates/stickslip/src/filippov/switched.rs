@@ -70,7 +70,7 @@ pub trait Switched<const N: usize, const G: usize> {
     /// The kind of an event that does not end the mode; the branch may change. `None` if the event
     /// ends the mode.
     #[doc(hidden)]
-    fn passed(&self, guard: usize, branch: &mut Self::Branch) -> Option<TransitionKind>;
+    fn event_within_mode(&self, guard: usize, branch: &mut Self::Branch) -> Option<TransitionKind>;
 
     /// The mode that follows the end of a mode; the branch may change.
     #[doc(hidden)]
@@ -146,7 +146,7 @@ pub trait Switched<const N: usize, const G: usize> {
     #[doc(hidden)]
     const CONTACTS: usize;
 
-    /// The modes of the first so many contacts.
+    /// The modes of the first `contacts` contacts.
     #[doc(hidden)]
     fn erased(mode: Self::Mode, contacts: usize) -> Modes;
 

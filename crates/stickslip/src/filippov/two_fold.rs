@@ -2,7 +2,7 @@
 //!
 //! In three dimensions sliding orbits reach them from open sets, and so can crossings that spiral
 //! in (Teixeira, *J. Math. Anal. Appl.* 145 (1990) 65; Colombo & Jeffrey, *SIAM J. Appl. Dyn.
-//! Syst.* 10 (2011) 423). Behind one the future is not unique.
+//! Syst.* 10 (2011) 423). After one the future is not unique.
 
 use super::flow::{boundary_gradient, normal_component};
 use super::rules::{LieDerivatives, Visibility};

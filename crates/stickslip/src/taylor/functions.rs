@@ -195,7 +195,7 @@ impl<const L: usize> Jet<'_, L> {
 
     /// The hyperbolic sine and cosine, without the comparison where 1 is lost beside them.
     #[inline(always)]
-    pub(super) fn sinh_cosh_alone(self) -> (Self, Self) {
+    pub(super) fn sinh_cosh_unchecked(self) -> (Self, Self) {
         match self.in_row() {
             Ok(a) => a.pair(1.0, sinh_cosh),
             Err(a) => {
@@ -207,7 +207,7 @@ impl<const L: usize> Jet<'_, L> {
 
     /// The hyperbolic tangent, without the comparison at its bound.
     #[inline(always)]
-    pub(super) fn tanh_alone(self) -> Self {
+    pub(super) fn tanh_unchecked(self) -> Self {
         match self.in_row() {
             Ok(a) => a.tangent(-1.0, math::tanh),
             Err(a) => Self::constant(math::tanh(a)),
@@ -216,7 +216,7 @@ impl<const L: usize> Jet<'_, L> {
 
     /// The exponential function, without the comparison at its bound.
     #[inline(always)]
-    pub(super) fn exp_alone(self) -> Self {
+    pub(super) fn exp_unchecked(self) -> Self {
         match self.in_row() {
             Ok(a) => a.exponential(),
             Err(a) => Self::constant(math::exp(a)),
@@ -326,17 +326,17 @@ impl<const L: usize> Scalar for Jet<'_, L> {
     #[inline(always)]
     fn sinh(self) -> Self {
         self.check_flat(Flat::Exponential);
-        self.sinh_cosh_alone().0
+        self.sinh_cosh_unchecked().0
     }
     #[inline(always)]
     fn cosh(self) -> Self {
         self.check_flat(Flat::Exponential);
-        self.sinh_cosh_alone().1
+        self.sinh_cosh_unchecked().1
     }
     #[inline(always)]
     fn tanh(self) -> Self {
         self.check_flat(Flat::HyperbolicTangent);
-        self.tanh_alone()
+        self.tanh_unchecked()
     }
     #[inline(always)]
     fn powf(self, p: f64) -> Self {
@@ -355,7 +355,7 @@ impl<const L: usize> Scalar for Jet<'_, L> {
     #[inline(always)]
     fn exp(self) -> Self {
         self.check_flat(Flat::Exponential);
-        self.exp_alone()
+        self.exp_unchecked()
     }
     #[inline(always)]
     fn ln(self) -> Self {

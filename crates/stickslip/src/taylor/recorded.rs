@@ -68,7 +68,7 @@ impl<'a> Recorded<'a> {
     }
 
     #[inline(always)]
-    fn alone(self, operation: Operation, constant: f64) -> Self {
+    fn unary(self, operation: Operation, constant: f64) -> Self {
         self.recorded(operation, self, constant)
     }
 }
@@ -88,7 +88,7 @@ macro_rules! operator {
             type Output = Self;
             #[inline(always)]
             fn $method(self, constant: f64) -> Self {
-                self.alone(Operation::$with_constant, constant)
+                self.unary(Operation::$with_constant, constant)
             }
         }
     };
@@ -103,7 +103,7 @@ impl Neg for Recorded<'_> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        self.alone(Operation::Negate, 0.0)
+        self.unary(Operation::Negate, 0.0)
     }
 }
 
@@ -149,7 +149,7 @@ impl Scalar for Recorded<'_> {
     }
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        let sine = self.alone(Operation::SineCosine, 0.0);
+        let sine = self.unary(Operation::SineCosine, 0.0);
         let cosine = match sine.location {
             Some((Location::InRow(row), sweep)) => Recorded::at(
                 Location::InRow(row + 1),
@@ -170,42 +170,42 @@ impl Scalar for Recorded<'_> {
     }
     #[inline(always)]
     fn tan(self) -> Self {
-        self.alone(Operation::Tangent, 0.0)
+        self.unary(Operation::Tangent, 0.0)
     }
     #[inline(always)]
     fn atan(self) -> Self {
-        self.alone(Operation::ArcTangent, 0.0)
+        self.unary(Operation::ArcTangent, 0.0)
     }
     #[inline(always)]
     fn sinh(self) -> Self {
         self.check_flat(Flat::Exponential);
-        self.alone(Operation::HyperbolicSine, 0.0)
+        self.unary(Operation::HyperbolicSine, 0.0)
     }
     #[inline(always)]
     fn cosh(self) -> Self {
         self.check_flat(Flat::Exponential);
-        self.alone(Operation::HyperbolicCosine, 0.0)
+        self.unary(Operation::HyperbolicCosine, 0.0)
     }
     #[inline(always)]
     fn tanh(self) -> Self {
         self.check_flat(Flat::HyperbolicTangent);
-        self.alone(Operation::HyperbolicTangent, 0.0)
+        self.unary(Operation::HyperbolicTangent, 0.0)
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
-        self.alone(Operation::Root, 0.0)
+        self.unary(Operation::Root, 0.0)
     }
     #[inline(always)]
     fn exp(self) -> Self {
         self.check_flat(Flat::Exponential);
-        self.alone(Operation::Exponential, 0.0)
+        self.unary(Operation::Exponential, 0.0)
     }
     #[inline(always)]
     fn ln(self) -> Self {
-        self.alone(Operation::Logarithm, 0.0)
+        self.unary(Operation::Logarithm, 0.0)
     }
     #[inline(always)]
     fn powf(self, p: f64) -> Self {
-        self.alone(Operation::Power, p)
+        self.unary(Operation::Power, p)
     }
 }

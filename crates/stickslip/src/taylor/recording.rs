@@ -139,12 +139,12 @@ impl Operation {
             Operation::SineCosine => a.sin_cos().0,
             Operation::Tangent => a.tan(),
             Operation::ArcTangent => a.atan(),
-            Operation::HyperbolicSine => a.sinh_cosh_alone().0,
-            Operation::HyperbolicCosine => a.sinh_cosh_alone().1,
-            Operation::HyperbolicTangent => a.tanh_alone(),
+            Operation::HyperbolicSine => a.sinh_cosh_unchecked().0,
+            Operation::HyperbolicCosine => a.sinh_cosh_unchecked().1,
+            Operation::HyperbolicTangent => a.tanh_unchecked(),
             Operation::Power => a.powf(constant),
             Operation::Root => a.sqrt(),
-            Operation::Exponential => a.exp_alone(),
+            Operation::Exponential => a.exp_unchecked(),
             Operation::Logarithm => a.ln(),
             Operation::Exceeds | Operation::ExceedsNot => {
                 a.choose(b, self == Operation::Exceeds);

@@ -278,7 +278,7 @@ fn newton(c: &[f64], bracket: Bracket, guess: f64) -> f64 {
         // last.
         let is_close = change <= CONVERGED_CHANGE * s
             || change * change * change <= ROUNDED_CHANGE * s * (last * last);
-        // If the slope is positive, the nearby zero is another one, behind the bracket.
+        // If the slope is positive, the nearby zero is another one, after the bracket.
         if slope < 0.0 && is_close {
             return next.clamp(a, b);
         }

@@ -89,8 +89,8 @@ fn is_consistent<S: Contacts<N, M>, const N: usize, const M: usize>(
 ) -> bool {
     let mut modes = *modes;
     let mut at_rest = [false; M];
-    for (place, &contact) in joint.held().iter().enumerate() {
-        (modes[contact], at_rest[contact]) = (outcomes[place], true);
+    for (index, &contact) in joint.held().iter().enumerate() {
+        (modes[contact], at_rest[contact]) = (outcomes[index], true);
     }
     let joint_then = Joint::new(joint.system, &modes).with_static_friction_at(&at_rest);
     let x = components(x);
@@ -159,9 +159,9 @@ impl<const M: usize> Problem<M> {
             rates: [0.0; M],
             slopes: [[0.0; M]; M],
         };
-        for (place, &contact) in joint.held().iter().enumerate() {
-            problem.rates[place] = affine.rates[contact];
-            problem.slopes[place] = affine.slopes[contact];
+        for (index, &contact) in joint.held().iter().enumerate() {
+            problem.rates[index] = affine.rates[contact];
+            problem.slopes[index] = affine.slopes[contact];
         }
         problem
     }

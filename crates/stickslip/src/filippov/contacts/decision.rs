@@ -26,15 +26,15 @@ pub(super) struct Decision<'a, S, const N: usize, const M: usize> {
 }
 
 /// How a contact starts to move from zero.
-enum Start {
-    /// So many derivatives of its guard vanish.
+enum FirstMotion {
+    /// Number of derivatives of its guard that vanish.
     Order(usize),
-    /// It does not: the contact has this outcome instead.
+    /// It does not move by the mode; the contact has this outcome instead.
     Instead(Mode),
 }
 
 /// Derivatives of a motion at its beginning, for each contact.
-struct Beginning<const M: usize> {
+struct InitialDerivatives<const M: usize> {
     /// Lie derivatives of the guards along the motion.
     derivatives: [LieDerivatives; M],
     blurs: [Uncertainty; M],
@@ -64,11 +64,11 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
             let mut orders = [0; M];
             let mut change = None;
             let joint = Joint::new(self.system, &self.modes);
-            let beginning = self.beginning(run, &joint);
+            let initial = self.initial_derivatives(run, &joint);
             for &i in &decided {
-                match self.start(&joint, &beginning, i) {
-                    Start::Order(order) => orders[i] = order,
-                    Start::Instead(mode) => {
+                match self.first_motion(&joint, &initial, i) {
+                    FirstMotion::Order(order) => orders[i] = order,
+                    FirstMotion::Instead(mode) => {
                         change = Some((i, mode));
                         break;
                     }
@@ -86,7 +86,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
                 self.complement(run)?;
             }
         }
-        Err(self.unsolved(&decided, &[]))
+        Err(self.no_unique_mode(&decided, &[]))
     }
 
     /// Solves the complementarity problem of the contacts to be decided. With static above kinetic
@@ -110,7 +110,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
                 });
             };
             let [outcomes] = consistent[..] else {
-                return Err(self.unsolved(joint.held(), &consistent));
+                return Err(self.no_unique_mode(joint.held(), &consistent));
             };
             let held: Vec<usize> = joint.held().to_vec();
             let mut changes_the_rest = false;
@@ -129,11 +129,15 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     }
 
     /// Derivatives of the motion in the decided mode.
-    fn beginning(&self, run: &mut Run<N, M>, joint: &Joint<'_, S, M>) -> Beginning<M> {
+    fn initial_derivatives(
+        &self,
+        run: &mut Run<N, M>,
+        joint: &Joint<'_, S, M>,
+    ) -> InitialDerivatives<M> {
         let Timed { t, x } = self.at;
         // Four passes through the field, and one for the rounding in each direction.
         run.counters.field_calls += joint.field_calls() * 5 * (N as u64 + 1);
-        Beginning {
+        InitialDerivatives {
             derivatives: LieDerivatives::along(t, &x, run.slack(), |t, x| {
                 let path = flow_path(t, x, |t, x| joint.field(t, x));
                 joint.field_and_guards(path.0, &path.1).1
@@ -145,14 +149,21 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     /// How a contact starts to move in the decided mode, by the first derivative of its guard that
     /// does not vanish. If all vanish, it holds. An equilibrium on one side, which one contact may
     /// have, is not considered.
-    fn start(&self, joint: &Joint<'_, S, M>, beginning: &Beginning<M>, i: usize) -> Start {
+    fn first_motion(
+        &self,
+        joint: &Joint<'_, S, M>,
+        initial: &InitialDerivatives<M>,
+        i: usize,
+    ) -> FirstMotion {
         let Timed { t, x } = self.at;
-        let derivatives = &beginning.derivatives[i];
+        let derivatives = &initial.derivatives[i];
         match self.modes[i] {
-            Mode::Stick if derivatives.values[0] > beginning.blurs[i].zero() => Start::Order(0),
+            Mode::Stick if derivatives.values[0] > initial.blurs[i].zero() => FirstMotion::Order(0),
             Mode::Stick => match derivatives.leading(false) {
-                (_, sign) if sign < 0.0 => Start::Instead(Mode::Slip(joint.nearest_side(i, t, &x))),
-                (order, _) => Start::Order(order.min(3)),
+                (_, sign) if sign < 0.0 => {
+                    FirstMotion::Instead(Mode::Slip(joint.nearest_side(i, t, &x)))
+                }
+                (order, _) => FirstMotion::Order(order.min(3)),
             },
             Mode::Slip(_) => {
                 // Its holding has just reached its limit: the rate is zero, whatever its rounding.
@@ -160,13 +171,13 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
                     && !self.has_static_friction(i)
                     && (0..M).all(|j| j == i || self.modes[j] == self.before[j]);
                 match (derivatives.leading(is_tangent), self.modes[i]) {
-                    ((order, sign), _) if sign > 0.0 => Start::Order(order),
+                    ((order, sign), _) if sign > 0.0 => FirstMotion::Order(order),
                     // It stays.
-                    ((_, 0.0), _) if !self.can_hold(i) => Start::Order(3),
+                    ((_, 0.0), _) if !self.can_hold(i) => FirstMotion::Order(3),
                     (_, Mode::Slip(side)) if !self.can_hold(i) => {
-                        Start::Instead(Mode::Slip(side.opposite()))
+                        FirstMotion::Instead(Mode::Slip(side.opposite()))
                     }
-                    _ => Start::Instead(Mode::Stick),
+                    _ => FirstMotion::Instead(Mode::Stick),
                 }
             }
         }
@@ -236,7 +247,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
             return Err(dependent(contacts));
         }
         let slipping: [f64; M] = std::array::from_fn(|i| self.friction(i, false));
-        for (place, &i) in contacts.iter().enumerate() {
+        for (index, &i) in contacts.iter().enumerate() {
             let (at_rest, in_slip) = (self.friction(i, true), slipping[i]);
             if at_rest < in_slip - RELATIVE_ROUNDING * in_slip.abs() {
                 let x = Point::from(&x);
@@ -261,7 +272,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
                     });
                 }
             }
-            for &j in &contacts[place + 1..] {
+            for &j in &contacts[index + 1..] {
                 if !S::MULTI_AFFINE && !self.adds_up(i, j) {
                     let x = Point::from(&x);
                     return Err(Error::NotAdditive { t, x, pair: (i, j) });
@@ -276,7 +287,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     fn adds_up(&self, i: usize, j: usize) -> bool {
         let joint = self.corners_of(&[i, j]);
         let corner = |above: [bool; 2]| {
-            joint.corner(|place| above[place], self.at.t, components(&self.at.x))
+            joint.corner(|index| above[index], self.at.t, components(&self.at.x))
         };
         let [none, first, second, both] =
             [[false, false], [true, false], [false, true], [true, true]].map(corner);
@@ -290,7 +301,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         })
     }
 
-    fn unsolved(&self, contacts: &[usize], consistent: &[[Mode; M]]) -> Error {
+    fn no_unique_mode(&self, contacts: &[usize], consistent: &[[Mode; M]]) -> Error {
         let candidates = consistent
             .iter()
             .map(|outcomes| format!("{:?}", &outcomes[..contacts.len()]))

@@ -32,14 +32,14 @@ pub(super) fn solve<T: Scalar, const M: usize>(a: &mut [[T; M]; M], b: &mut [T; 
 pub(super) fn principal_minor<const M: usize>(a: &[[f64; M]; M], chosen: &[usize]) -> f64 {
     let mut a = *a;
     let mut product = 1.0;
-    for (place, &k) in chosen.iter().enumerate() {
+    for (index, &k) in chosen.iter().enumerate() {
         product *= a[k][k];
         if a[k][k] == 0.0 {
             return 0.0;
         }
-        for &i in &chosen[place + 1..] {
+        for &i in &chosen[index + 1..] {
             let factor = a[i][k] / a[k][k];
-            for &j in &chosen[place + 1..] {
+            for &j in &chosen[index + 1..] {
                 a[i][j] -= factor * a[k][j];
             }
         }

@@ -120,7 +120,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         &self.held[..self.count]
     }
 
-    /// The field with holding contacts above where `above` says so.
+    /// The field with each holding contact above or below, by `above`.
     #[inline(always)]
     pub(super) fn corner<T: Scalar, const N: usize>(
         &self,
@@ -132,12 +132,12 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         S: Contacts<N, M>,
     {
         let mut sides = self.sides;
-        for (place, &contact) in self.held().iter().enumerate() {
-            if above(place) {
+        for (index, &contact) in self.held().iter().enumerate() {
+            if above(index) {
                 sides[contact] = Side::Above;
             }
         }
-        // In slip the field itself counts, whatever `holding` gives with no contact at rest.
+        // With no contact at rest, `holding` does not count.
         if self.at_rest.contains(&true) {
             self.system.holding(&sides, &self.at_rest, t, x)
         } else {
@@ -157,9 +157,9 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
             rates: rates(self.system, (t, T::one()), x, &base),
             slopes: [[T::zero(); M]; M],
         };
-        for place in 0..self.count {
-            let above = self.corner(|other| other == place, t, x);
-            let change = &mut affine.changes[place];
+        for index in 0..self.count {
+            let above = self.corner(|other| other == index, t, x);
+            let change = &mut affine.changes[index];
             for k in 0..N {
                 if !above[k].is_same(base[k]) {
                     change[k] = above[k] - base[k];
@@ -167,7 +167,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
             }
             let slopes = rates(self.system, (t, T::zero()), x, change);
             for (row, slope) in affine.slopes.iter_mut().zip(slopes) {
-                row[place] = slope;
+                row[index] = slope;
             }
         }
         affine
@@ -231,9 +231,9 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         let held = self.held();
         // Strength of each contact, by which its column is divided.
         let mut weights = [T::zero(); M];
-        for (place, weight) in weights.iter_mut().enumerate().take(self.count) {
+        for (index, weight) in weights.iter_mut().enumerate().take(self.count) {
             for &contact in held {
-                *weight = *weight + Scalar::abs(affine.slopes[contact][place]);
+                *weight = *weight + Scalar::abs(affine.slopes[contact][index]);
             }
             *weight = T::one().divided_or(*weight, 0.0);
         }
@@ -241,11 +241,11 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         for (j, &row) in held.iter().enumerate() {
             let slopes = &affine.slopes[row];
             loads[j] = -affine.rates[row];
-            for place in 0..self.count {
-                loads[j] = loads[j] - slopes[place] * 0.5;
-                let weighted = slopes[place] * weights[place];
+            for index in 0..self.count {
+                loads[j] = loads[j] - slopes[index] * 0.5;
+                let weighted = slopes[index] * weights[index];
                 for (k, &column) in held.iter().enumerate() {
-                    matrix[j][k] = matrix[j][k] + weighted * affine.slopes[column][place];
+                    matrix[j][k] = matrix[j][k] + weighted * affine.slopes[column][index];
                 }
             }
             // A rate that no contact affects is left as it is.
@@ -254,10 +254,10 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         }
         solve(&mut matrix, &mut loads, self.count);
         let mut shares = [T::constant(0.5); M];
-        for place in 0..self.count {
+        for index in 0..self.count {
             for (j, &row) in held.iter().enumerate() {
-                shares[place] =
-                    shares[place] + weights[place] * affine.slopes[row][place] * loads[j];
+                shares[index] =
+                    shares[index] + weights[index] * affine.slopes[row][index] * loads[j];
             }
         }
         self.combined(affine, shares)
@@ -307,16 +307,16 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         let off = rates(self.system, (t, T::one()), x, &field);
         let mut matrix = [[T::zero(); M]; M];
         let mut step = [T::zero(); M];
-        for place in 0..self.count {
-            let slopes = rates(self.system, (t, T::zero()), x, &changes[place]);
+        for index in 0..self.count {
+            let slopes = rates(self.system, (t, T::zero()), x, &changes[index]);
             for (j, &contact) in self.held().iter().enumerate() {
-                matrix[j][place] = slopes[contact];
+                matrix[j][index] = slopes[contact];
                 step[j] = off[contact];
             }
         }
         solve(&mut matrix, &mut step, self.count);
-        for place in 0..self.count {
-            shares[place] = shares[place] - step[place];
+        for index in 0..self.count {
+            shares[index] = shares[index] - step[index];
         }
     }
 
@@ -334,14 +334,14 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         let mut field = [T::zero(); N];
         let mut changes = [[T::zero(); N]; M];
         for corner in 0..1_usize << self.count {
-            let is_above = |place: usize| corner >> place & 1 == 1;
+            let is_above = |index: usize| corner >> index & 1 == 1;
             let value = self.corner(is_above, t, x);
             // The corner's coefficient without the factor of one contact, or of none.
             let weight = |without: Option<usize>| {
                 let mut weight = T::one();
-                for place in (0..self.count).filter(|&place| Some(place) != without) {
-                    let share = shares[place];
-                    weight = weight * if is_above(place) { share } else { -share + 1.0 };
+                for index in (0..self.count).filter(|&index| Some(index) != without) {
+                    let share = shares[index];
+                    weight = weight * if is_above(index) { share } else { -share + 1.0 };
                 }
                 weight
             };
@@ -349,9 +349,9 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
             for k in 0..N {
                 field[k] = field[k] + product * value[k];
             }
-            for (place, change) in changes.iter_mut().enumerate().take(self.count) {
-                let sign = if is_above(place) { 1.0 } else { -1.0 };
-                let slope = weight(Some(place)) * sign;
+            for (index, change) in changes.iter_mut().enumerate().take(self.count) {
+                let sign = if is_above(index) { 1.0 } else { -1.0 };
+                let slope = weight(Some(index)) * sign;
                 for k in 0..N {
                     change[k] = change[k] + slope * value[k];
                 }
@@ -362,7 +362,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
 
     /// The index of a contact among the holding ones.
     #[inline(always)]
-    fn place(&self, contact: usize) -> usize {
+    fn index_among_held(&self, contact: usize) -> usize {
         self.held()
             .iter()
             .position(|&held| held == contact)
@@ -375,7 +375,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         S: Contacts<N, M>,
     {
         let shares = self.combination(t, components(x)).shares;
-        if shares[self.place(contact)] > 0.5 {
+        if shares[self.index_among_held(contact)] > 0.5 {
             Side::Above
         } else {
             Side::Below
@@ -486,7 +486,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Flow<N> for Joint<'_, S,
     #[inline(always)]
     fn guard<T: Scalar>(&self, i: usize, t: T, x: &[T; N]) -> T {
         if self.holds[i] {
-            let share = self.combination(t, x).shares[self.place(i)];
+            let share = self.combination(t, x).shares[self.index_among_held(i)];
             share * (-share + 1.0)
         } else {
             self.slip_guard(i, &self.system.boundaries(t, x))
@@ -506,7 +506,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Flow<N> for Joint<'_, S,
         let Combination { field, shares } = self.combination(t, x);
         for (i, guard) in guards.iter_mut().enumerate().take(M) {
             *guard = if self.holds[i] {
-                let share = shares[self.place(i)];
+                let share = shares[self.index_among_held(i)];
                 share * (-share + 1.0)
             } else {
                 self.slip_guard(i, &h)

@@ -106,7 +106,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
         decision.mode(run).map(Some)
     }
 
-    fn passed(&self, _guard: usize, _branch: &mut bool) -> Option<TransitionKind> {
+    fn event_within_mode(&self, _guard: usize, _branch: &mut bool) -> Option<TransitionKind> {
         None
     }
 
@@ -271,7 +271,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
 }
 
 impl<S> Several<S> {
-    /// The mode behind an event of one contact while others share their loads, if these continue to
+    /// The mode after an event of one contact while others share their loads, if these continue to
     /// hold in any case.
     fn with_shared_load_kept<const N: usize, const M: usize>(
         &self,

@@ -13,7 +13,7 @@ impl<F: Flow<N>, const N: usize> DenseGuard<'_, F, N> {
     fn henon(&self, method: StepMethod<N>, from: &Timed<N>, change: f64) -> Timed<N> {
         self.origin.count(method.calls);
         let flow = self.origin.flow;
-        (method.henon_step)(&mut |at| flow.swapped(self.guard, at), from, change)
+        (method.henon_step)(&mut |at| flow.henon_slope(self.guard, at), from, change)
     }
 
     /// One Hénon step from a state near the zero onto it, of order 4 if the rest is short. Another

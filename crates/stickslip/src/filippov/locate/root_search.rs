@@ -13,7 +13,7 @@ pub(super) enum SearchResult<const N: usize> {
 
 impl<F: Flow<N>, const N: usize> DenseGuard<'_, F, N> {
     /// Newton's iteration on re-integrated steps, held in a bracket by bisection. If the guard
-    /// jumps through zero, the result lies behind the jump.
+    /// jumps through zero, the result lies after the jump.
     pub(super) fn search(&self, bracket: Bracket, estimate: f64, rounding: f64) -> SearchResult<N> {
         let (mut a, mut b) = (bracket.a, bracket.b);
         let end = self.probe(b);

@@ -39,7 +39,7 @@ pub(super) struct Crossings<'a, S, V, K, const N: usize, const G: usize, const E
 
 /// What follows a point where the function has its sign beyond rounding.
 enum NextCrossing<const N: usize> {
-    /// A zero, and a point behind it with the other sign, or without one.
+    /// A zero, and a point after it with the other sign, or without one.
     Crossing(EventProbe<N>, EventProbe<N>),
     /// A zero of the dense output alone, or a pole, which ends here.
     Clear(EventProbe<N>),
@@ -53,7 +53,7 @@ where
     V: EventFunctions<N, E>,
 {
     /// Reports crossings in order of time. [`Crossings::side`] is then the sign at the step's end,
-    /// or behind the crossing that ended the search.
+    /// or after the crossing that ended the search.
     #[inline(always)]
     pub(super) fn each(&mut self, on_crossing: &mut OnCrossing<'_, N>) -> ControlFlow<()> {
         self.samples = UNIT_NODES.map(|s| self.over.sampled(s));
@@ -98,7 +98,7 @@ where
                 NextCrossing::End => break,
             }
         }
-        // A zero at the end is reported there: the motion behind it may be another one.
+        // A zero at the end is reported there: the motion after it may be another one.
         let end = self.exact(1.0);
         let blur = self.over.rounding_at(&end);
         if self.side * end.value < -blur {
@@ -165,7 +165,7 @@ where
         None
     }
 
-    /// A bracket of the first zero of the dense output behind a part of the step.
+    /// A bracket of the first zero of the dense output after a part of the step.
     fn first_bracket(&self, from: f64) -> Option<Bracket> {
         let budget = BoundsBudget::default();
         if self.over.is_smooth() {

@@ -75,7 +75,7 @@ pub trait EventFunctions<const N: usize, const E: usize> {
         Direction::Both
     }
 
-    /// Whether the run ends at an event of function `number`; the default goes on.
+    /// Whether the run ends at an event of function `number`; by default it continues.
     fn is_terminal(&self, _number: usize) -> bool {
         false
     }
@@ -115,7 +115,7 @@ impl<const N: usize> EventFunctions<N, 0> for () {
 /// An event of the user's own, of a system of `N` states.
 pub type EventRecord<const N: usize, K = Mode> = EventOf<State<N>, K>;
 
-/// An event of the user's own; `X` is a state, `K` what says the mode.
+/// An event of the user's own; `X` is a state, `K` a mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EventOf<X, K> {
     /// Number of the function, from 0.

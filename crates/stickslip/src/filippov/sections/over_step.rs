@@ -19,8 +19,8 @@ pub(super) struct OverStep<'a, S, V, K, const N: usize> {
     pub number: usize,
     pub step: &'a StepRecord<N, K>,
     pub method: Method,
-    /// Recent size of the state's components. A component that passes through zero is known no
-    /// better there.
+    /// Recent size of the state's components. A component that passes through zero is not more
+    /// accurate there.
     pub size: &'a State<N>,
 }
 

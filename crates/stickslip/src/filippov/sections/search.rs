@@ -211,7 +211,7 @@ where
         }
     }
 
-    /// Forgets the last step behind a state in it, at which that was cut.
+    /// Forgets the part of the last step after the state at which the step is cut.
     pub(crate) fn cut(&mut self, before: SearchState<N>, start: &State<N>, at: &State<N>) {
         (self.sides[0], self.size) = (before.side, before.size);
         self.note_size([start, at]);

@@ -68,7 +68,7 @@ where
     S: Switched<N, G>,
     V: EventFunctions<N, E>,
 {
-    /// Watches `integration` from where it stands.
+    /// Watches `integration` from its present state on.
     pub fn new(integration: Integration<'a, S, N, G>, events: &'a V) -> Self {
         Watched {
             search: EventSearch::new(integration.system, events, &integration.run.options),

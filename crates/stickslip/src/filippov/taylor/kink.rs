@@ -18,16 +18,16 @@ const REVERSAL: f64 = 1e-3;
 /// Where two compared numbers are equal (fractions of the step).
 #[derive(Clone, Copy)]
 pub(super) struct Kink {
-    /// The series holds up to here: slightly before the equality, or slightly behind it if the
+    /// The series holds up to here: slightly before the equality, or slightly after it if the
     /// numbers are equal from the start.
     pub(super) before: f64,
-    /// Slightly behind the equality, where the next series sees the new result.
+    /// Slightly after the equality, where the next series sees the new result.
     pub(super) after: f64,
 }
 
 impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     /// The first change of a comparison in the step that the series depends on. Also returns
-    /// whether two compared numbers are equal at the start and the result changes behind it.
+    /// whether two compared numbers are equal at the start and the result changes after it.
     pub(super) fn first_kink(&self) -> (Option<Kink>, bool) {
         let step_series = &self.step_series;
         let (mut first, mut is_tie): (Option<Kink>, _) = (None, false);
@@ -72,7 +72,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     }
 }
 
-/// The event of a guard that is negative at `at`, behind a kink: it has jumped there.
+/// The event of a guard that is negative at `at`, after a kink: it has jumped there.
 #[cold]
 pub(super) fn guard_jump<F: Flow<N>, const N: usize>(
     flow: &F,
@@ -92,8 +92,8 @@ pub(super) fn guard_jump<F: Flow<N>, const N: usize>(
 }
 
 /// Counts a step that ends at `at` because a comparison changes, if the field reverses there. The
-/// slope of the series before and the field behind show this. Such a reversal is a transition at an
-/// undeclared boundary, and it can pile up as others do.
+/// slope of the series before and the field after it show this. Such a reversal is a transition at
+/// an undeclared boundary, and it can pile up as others do.
 #[cold]
 pub(super) fn record_reversal<const N: usize>(
     reversals: &mut Burst,

@@ -18,7 +18,7 @@ use super::pile_up::Burst;
 use super::run::{Run, Trial};
 use crate::error::Error;
 use crate::math;
-use crate::ode::Timed;
+use crate::ode::{Dop853, RungeKutta, Timed};
 use crate::scalar::Scalar;
 use crate::system::State;
 use crate::taylor::recorded_calls::RecordedCalls;
@@ -27,9 +27,9 @@ use crate::taylor::series::{Expansion, Functions, Series, in_rows};
 use crate::taylor::sweep::{CoefficientRows, MIN_ROWS};
 use crate::taylor::{MAX_COEFFICIENTS, MAX_ORDER};
 
-/// Lowest order of a series. Chosen as that of the Runge–Kutta method; loose tolerances would give
-/// a lower one.
-const MIN_ORDER: usize = 8;
+/// Lowest order of a series: that of the Runge–Kutta method. Loose tolerances would give a lower
+/// one.
+const MIN_ORDER: usize = Dop853::ORDER as usize;
 
 /// Factor on the step of a series that is not finite. Rejection shrinks the step by a further
 /// factor of ten. Chosen: coefficients of order 24 then shrink by up to 72 decades, a quarter of
@@ -371,8 +371,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
                     event = None;
                 }
             } else if located.s >= step_series.to_end {
-                // A touch turns back at or behind the end time, and the guard is negative at the
-                // end of the step.
+                // A touch turns back at or after the end time, and the guard is negative at the end
+                // of the step.
                 part = located.s;
                 (at, remainder) = (located.event.at, located.remainder);
                 (at.t, remainder.t) = (run.t_end, 0.0);
