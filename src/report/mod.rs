@@ -72,7 +72,7 @@ fn until_escape<S: Filippov<2>>(
     match solve(system, t0, x, t0 + span, &bounded(tolerance)) {
         Ok(orbit) => Ok((orbit, false)),
         Err(failure) if matches!(failure.error, Error::Escaped { .. }) => {
-            Ok((*failure.reached, true))
+            Ok((*failure.partial, true))
         }
         Err(failure) => Err(failure.into()),
     }

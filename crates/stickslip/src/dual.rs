@@ -1,9 +1,8 @@
 //! Dual numbers: a value with its derivatives, carried through any function that is written for a
 //! [`Scalar`].
 //!
-//! They are built over any scalar, one of their own kind among them, and every rule is written here
-//! once. The elementary functions come from [`crate::math`], so that derivatives have the same bits
-//! on every machine.
+//! They are built over any scalar, also over another dual number. The elementary functions come
+//! from [`crate::math`], so that derivatives have the same bits on every machine.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -398,7 +397,7 @@ impl<T: Scalar> Scalar for Dual3<T> {
 mod tests {
     use super::*;
 
-    /// Every function there is, written once for every scalar.
+    /// A combination of all functions, for every scalar.
     fn f<T: Scalar>(t: T) -> T {
         let waves = t.sin().exp() + t.cos() + t.tan().atan() + 2.0;
         let others = t.sinh() * t.tanh() - t.cosh() + t.powf(1.7) + (-t.sin()).exp() + (-t).abs();

@@ -1,4 +1,4 @@
-//! What can go wrong, each case with the values that explain it.
+//! Every failure, with the values that explain it.
 
 use std::fmt;
 
@@ -29,8 +29,8 @@ impl<const N: usize> From<&crate::system::State<N>> for Point {
     }
 }
 
-/// The possible motions and their number, in words.
-fn told(candidates: &[String]) -> String {
+/// The consistent outcomes and their number, in words.
+fn candidates_in_words(candidates: &[String]) -> String {
     if candidates.is_empty() {
         "no motion that follows is consistent with the friction at all of them".to_owned()
     } else {
@@ -48,8 +48,8 @@ fn told(candidates: &[String]) -> String {
 pub struct Accumulation {
     /// Time.
     pub t: f64,
-    /// Uncertainty of that time by two rounds of transitions and by rounding. The errors of the
-    /// steps before are not in it.
+    /// Uncertainty of that time by two rounds of transitions and by rounding. It does not include
+    /// the errors of earlier steps.
     pub uncertainty: f64,
     /// State.
     pub x: Point,
@@ -61,7 +61,7 @@ pub struct Accumulation {
 
 /// A pile-up within a span of time, in words; `option` is the name of
 /// [`crate::Options::at_pile_up`].
-pub fn piled_up(accumulation: Option<&Accumulation>, span: f64, option: &str) -> String {
+pub fn pile_up_in_words(accumulation: Option<&Accumulation>, span: f64, option: &str) -> String {
     if span == 0.0 {
         return "they set each other off at once, without end; a jump must lead to where neither it \
                 nor another one happens again"
@@ -146,7 +146,7 @@ pub enum Error {
     Undefined {
         /// Of what, in words.
         what: &'static str,
-        /// Its number: behind those of the contacts come the jumps, and behind these the inputs.
+        /// Its number, counted from the contacts through the jumps to the inputs.
         number: usize,
         /// Time.
         t: f64,
@@ -204,7 +204,7 @@ pub enum Error {
     /// Transitions pile up (Zeno): infinitely many of them in finite time.
     #[error(
         "{count} transitions at contacts {contacts:?} within {span:e} before t = {t}, x = {x}: {}",
-        piled_up(accumulation.as_deref(), *span, "Options::at_pile_up"), t = readable(*t)
+        pile_up_in_words(accumulation.as_deref(), *span, "Options::at_pile_up"), t = readable(*t)
     )]
     EventPileUp {
         /// Transitions counted.
@@ -215,7 +215,7 @@ pub enum Error {
         t: f64,
         /// State reached.
         x: Point,
-        /// The contacts at which they happen, counted from 0; behind these come the jumps.
+        /// The contacts at which they happen, counted from 0; the jumps follow them.
         contacts: Vec<usize>,
         /// Where they accumulate, if they are a geometric series.
         accumulation: Option<Box<Accumulation>>,
@@ -224,7 +224,7 @@ pub enum Error {
     /// change and holds the orbit there, as a discontinuity boundary does. A field that only turns
     /// so often needs a larger [`crate::Options::pile_up_count`].
     #[error(
-        "the field turned round {count} times within {span:e} before t = {t}, x = {x}: comparisons \
+        "the field reversed {count} times within {span:e} before t = {t}, x = {x}: comparisons \
             in it hold the orbit where they come out otherwise; write the difference of what they \
             compare as the boundary function, with a side for each branch", t = readable(*t)
     )]
@@ -256,7 +256,7 @@ pub enum Error {
         "contacts {contacts:?} stand at zero at t = {t}, x = {x}, and {}; friction there may push \
             apart, or one contact's force act on another too strongly: look at the field with each \
             of them on either side (Options::at_repelling has no say for several contacts)",
-        told(candidates), t = readable(*t)
+        candidates_in_words(candidates), t = readable(*t)
     )]
     NoUniqueMode {
         /// Time.
@@ -423,8 +423,8 @@ pub enum Error {
     },
 }
 
-/// A number for messages and headings: with an exponent where it would be a row of zeros, and zero
-/// without a sign.
+/// A number for messages and headings. Very large and very small ones have an exponent; zero has no
+/// sign.
 pub fn readable(value: f64) -> String {
     if value == 0.0 {
         "0".to_owned()
@@ -436,8 +436,8 @@ pub fn readable(value: f64) -> String {
 }
 
 impl Error {
-    /// The error with states cut to so many components: further ones only fill up a type.
-    pub(crate) fn of_states(mut self, states: usize) -> Self {
+    /// The error with states cut to so many components. Further ones only fill up a type.
+    pub(crate) fn truncated(mut self, states: usize) -> Self {
         if let Error::EventPileUp {
             accumulation: Some(accumulation),
             ..

@@ -20,7 +20,7 @@ pub struct Interval {
     pub high: f64,
 }
 
-const NOWHERE: Interval = Interval {
+const UNDEFINED: Interval = Interval {
     low: f64::NAN,
     high: f64::NAN,
 };
@@ -44,7 +44,7 @@ impl Interval {
         let bounds = [self.low, self.high, other.low, other.high];
         // The standard library's min and max would prefer a number to a NaN.
         if bounds.iter().any(|bound| bound.is_nan()) {
-            return NOWHERE;
+            return UNDEFINED;
         }
         Interval::new(f(self.low, other.low), f(self.high, other.high))
     }
@@ -55,7 +55,7 @@ impl Interval {
         Interval { low, high }
     }
 
-    /// All numbers nearer to one than a radius.
+    /// All numbers within a radius of one.
     #[inline(always)]
     pub fn around(middle: f64, radius: f64) -> Self {
         Interval::new(middle - radius, middle + radius)
@@ -70,7 +70,7 @@ impl Interval {
     fn wave(self, f: impl Fn(f64) -> f64) -> Self {
         let radius = 0.5 * (self.high - self.low);
         if radius.is_nan() {
-            return NOWHERE;
+            return UNDEFINED;
         }
         let middle = f(0.5 * (self.low + self.high));
         Interval::new((middle - radius).max(-1.0), (middle + radius).min(1.0))
@@ -108,9 +108,9 @@ impl Mul for Interval {
             self.high * other.low,
             self.high * other.high,
         ];
-        // The library's min and max would take a number over what is none.
+        // The standard library's min and max would prefer a number to a NaN.
         if products.iter().any(|p| p.is_nan()) {
-            return NOWHERE;
+            return UNDEFINED;
         }
         let (mut low, mut high) = (products[0], products[0]);
         for p in &products[1..] {
@@ -127,7 +127,7 @@ impl Div for Interval {
         if other.low > 0.0 || other.high < 0.0 {
             self * Interval::new(1.0 / other.high, 1.0 / other.low)
         } else {
-            NOWHERE
+            UNDEFINED
         }
     }
 }
@@ -217,7 +217,7 @@ impl Scalar for Interval {
     fn powf(self, p: f64) -> Self {
         // NaN for a negative number or a NaN.
         if !(self.low >= 0.0 && self.high >= 0.0) {
-            return NOWHERE;
+            return UNDEFINED;
         }
         let image = self.rising(|x| Scalar::powf(x, p));
         if p < 0.0 {
@@ -233,7 +233,7 @@ impl Scalar for Interval {
         } else if high <= 0.0 {
             -self
         } else if low.is_nan() || high.is_nan() {
-            NOWHERE
+            UNDEFINED
         } else {
             Interval::new(0.0, f64::max(-low, high))
         }
@@ -261,7 +261,7 @@ mod tests {
 
     use super::*;
 
-    /// Everything that a scalar can do.
+    /// Every function of a scalar.
     fn everything<T: Scalar>(x: T, y: T) -> [T; 13] {
         [
             x * y - y / (x * x + 1.5),
@@ -320,7 +320,7 @@ mod tests {
     }
 
     #[test]
-    fn a_branch_that_the_range_leaves_open_is_told() {
+    fn a_branch_that_the_range_does_not_decide_is_reported() {
         let (low, high) = (Interval::new(0.0, 1.0), Interval::new(2.0, 3.0));
         let open = Interval::new(0.5, 2.5);
         assert_eq!(Interval::decided(|| high.exceeds(low)), Some(true));

@@ -198,7 +198,7 @@
 //!     match solve(&BeltOscillator::default(), 0.0, [0.5, 0.9], 50.0, &tight) {
 //!         Err(failure) => {
 //!             assert!(matches!(failure.error, Error::Escaped { .. }));
-//!             println!("{failure}; it came to t = {}", failure.reached.t_end);
+//!             println!("{failure}; it came to t = {}", failure.partial.t_end);
 //!         }
 //!         Ok(_) => unreachable!("the belt takes the block further than that"),
 //!     }

@@ -1,8 +1,8 @@
 //! Elementary functions with the same bits on every platform.
 //!
-//! `+ - * /` and `sqrt` are exact to the last bit by IEEE 754 and rustc never contracts them, but
-//! the standard library's `sin`, `exp`, … call whatever C library the platform has. Everything in
-//! this project that needs one calls it here; the lint `disallowed-methods` bans the others.
+//! `+ - * /` and `sqrt` are exact to the last bit by IEEE 754, and rustc never contracts them. The
+//! standard library's `sin`, `exp`, … call the C library of the platform. This project calls the
+//! functions below instead; the lint `disallowed-methods` bans the others.
 
 use std::cell::Cell;
 
@@ -15,8 +15,8 @@ struct Angle {
 }
 
 thread_local! {
-    // A forcing or a moving boundary is asked for many times in a row at one time: at an event ten
-    // times.
+    // A forcing or a moving boundary is evaluated many times in a row at one time: ten times at an
+    // event.
     static LAST: Cell<Angle> = const {
         Cell::new(Angle {
             x: 0.0,
@@ -38,21 +38,21 @@ pub fn cos(x: f64) -> f64 {
     sin_cos(x).1
 }
 
-/// Sine and cosine of `x` in radians, for little more than one of them. The last ones are
-/// remembered.
+/// Sine and cosine of `x` in radians, in little more time than one of them. The last ones are
+/// stored.
 #[inline]
 pub fn sin_cos(x: f64) -> (f64, f64) {
     let last = LAST.get();
-    // Of zero there are two.
+    // The two zeros have different sines.
     if last.x == x && x != 0.0 {
         (last.sine, last.cosine)
     } else {
-        another(x)
+        computed(x)
     }
 }
 
 #[inline(never)]
-fn another(x: f64) -> (f64, f64) {
+fn computed(x: f64) -> (f64, f64) {
     let (sine, cosine) = libm::sincos(x);
     LAST.set(Angle { x, sine, cosine });
     (sine, cosine)

@@ -1,4 +1,4 @@
-//! The result of a run: phases, transitions, the solution on any grid.
+//! The result of a run: phases, transitions, and the solution at any time.
 
 use crate::error::Error;
 use crate::filippov::{Phase, StepRecord, Transition, TwoFold};
@@ -33,7 +33,7 @@ pub enum Ending {
     /// The orbit has reached a two-fold, where both fields are tangent to Σ and the future is not
     /// unique (see [`crate::AtRepelling`]).
     TwoFold(TwoFold),
-    /// The orbit has shrunk to a point of Σ. It circles there for ever, and no phase moves the
+    /// The orbit has shrunk to a point of Σ. It circles there without end, and no phase moves the
     /// state by more than the tolerance.
     Shrunk,
     /// The observer stopped the run, or a terminal event did
@@ -80,7 +80,7 @@ pub struct Orbit<const N: usize, K = Mode> {
 
 impl<const N: usize, K> Orbit<N, K> {
     /// The orbit of a run before its first step.
-    pub(crate) fn of_none(t: f64, x: State<N>) -> Self {
+    pub(crate) fn before_first_step(t: f64, x: State<N>) -> Self {
         Orbit {
             phases: Vec::new(),
             transitions: Vec::new(),
@@ -95,8 +95,8 @@ impl<const N: usize, K> Orbit<N, K> {
     }
 
     /// The state at time `t`, from the dense output. At the steps' ends it is as accurate as the
-    /// run; between them it may err by up to some hundred tolerances where those are tight (not
-    /// with [`crate::Method::Taylor`]).
+    /// run. Between them it may err by up to some hundred tolerances where those are tight, except
+    /// with [`crate::Method::Taylor`].
     ///
     /// # Errors
     /// [`Error::OutsideOrbit`] when the orbit does not cover `t`.

@@ -1,4 +1,4 @@
-//! The number type a model is written in: `f64`, or dual numbers when a derivative is wanted.
+//! The number type of a model: `f64`, or dual numbers if a derivative is needed.
 
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -10,16 +10,17 @@ use crate::math;
 
 /// A real number with the operations that a vector field may use.
 ///
-/// Models are generic over it, so that the library can run the same two functions on `f64` for
-/// values, on dual numbers for Jacobians, normal components and Lie derivatives, and on
-/// coefficients for Taylor series. It asks for little on purpose: any type with arithmetic and
-/// these few functions (an interval, say) can implement it.
+/// Models are generic over it, so that the library can run the same two functions on several types:
+/// `f64` for values, dual numbers for Jacobians, normal components and Lie derivatives, and
+/// coefficients for Taylor series. It requires little: any type with arithmetic and these few
+/// functions, such as an interval, can implement it.
 ///
 /// Constants enter through the `f64` operators (`x * 2.0`) or [`Scalar::constant`]. They stand on
-/// the right: `0.5 * x` and `1.0 - x` are refused with "cannot multiply `f64` by `T`", for a trait
-/// cannot promise operators of `f64`. Write `x * 0.5`, `-x + 1.0`, and `x.recip()` for `1.0 / x`.
+/// the right: the compiler rejects `0.5 * x` and `1.0 - x` with "cannot multiply `f64` by `T`",
+/// because a trait cannot require operators of `f64`. Write `x * 0.5`, `-x + 1.0`, and `x.recip()`
+/// for `1.0 / x`.
 ///
-/// There is no `signum`: friction is written by [`crate::Side`], one smooth formula on each.
+/// There is no `signum`: friction has one smooth formula on each [`crate::Side`].
 pub trait Scalar:
     Copy
     + Debug
@@ -35,23 +36,23 @@ pub trait Scalar:
 {
     /// The number `value` with no derivative.
     fn constant(value: f64) -> Self;
-    /// The number 0, which a number that folds constants knows without looking at it.
+    /// The number 0. A type that folds constants knows it without a look at the value.
     #[inline(always)]
     fn zero() -> Self {
         Self::constant(0.0)
     }
-    /// The number 1, likewise.
+    /// The number 1; as [`Scalar::zero`].
     #[inline(always)]
     fn one() -> Self {
         Self::constant(1.0)
     }
-    /// The value, derivatives dropped; comparisons are made on it.
+    /// The value without derivatives, which comparisons use.
     fn value(self) -> f64;
     /// Sine (radians).
     fn sin(self) -> Self;
     /// Cosine (radians).
     fn cos(self) -> Self;
-    /// Sine and cosine, for less than each alone where they share work.
+    /// Sine and cosine, faster than each alone where they share work.
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         (self.sin(), self.cos())
@@ -64,7 +65,7 @@ pub trait Scalar:
     fn sinh(self) -> Self;
     /// Hyperbolic cosine.
     fn cosh(self) -> Self;
-    /// Hyperbolic tangent: a sign that is smooth.
+    /// Hyperbolic tangent, a smooth sign.
     fn tanh(self) -> Self;
     /// Real power of a positive number.
     fn powf(self, p: f64) -> Self;
@@ -94,21 +95,20 @@ pub trait Scalar:
         }
         if n < 0 { product.recip() } else { product }
     }
-    /// Whether both are known to be the same number by how they came about: none knows that only by
-    /// its values.
+    /// Whether both are certain to be the same number by their origin, whatever their values.
     #[inline(always)]
     fn is_same(self, _other: Self) -> bool {
         false
     }
-    /// Whether the value is known to have overflowed: then it carries no derivatives, as `1/x` and
-    /// the like have none there.
+    /// Whether the value has overflowed. It then carries no derivatives, so that those of `1/x` and
+    /// the like are zero there.
     #[inline(always)]
     fn has_overflowed(self) -> bool {
         false
     }
-    /// Whether it is the larger by value: the comparison behind [`Scalar::max`] and
-    /// [`Scalar::min`]. To branch on it is better than on [`Scalar::value`]: where the answer
-    /// changes within a step, [`crate::Method::Taylor`] ends the step there.
+    /// Whether it is the larger by value: the comparison of [`Scalar::max`] and [`Scalar::min`].
+    /// Branch on it rather than on [`Scalar::value`]: [`crate::Method::Taylor`] ends a step where
+    /// the result changes.
     #[inline(always)]
     fn exceeds(self, other: Self) -> bool {
         self.value() > other.value()
@@ -123,7 +123,7 @@ pub trait Scalar:
     fn min(self, other: Self) -> Self {
         if self.exceeds(other) { other } else { self }
     }
-    /// The absolute value, which chooses its sign as [`Scalar::exceeds`] does.
+    /// The absolute value, by [`Scalar::exceeds`].
     #[inline(always)]
     fn abs(self) -> Self {
         if Self::zero().exceeds(self) {

@@ -1,4 +1,4 @@
-//! Small tools of statistics that the library and those who use it need alike.
+//! Power laws and random numbers, for the library and its users.
 
 use crate::math;
 
@@ -34,9 +34,9 @@ impl PowerLaw {
         let above: f64 = logs.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
         let below: f64 = logs.iter().map(|p| (p.0 - x) * (p.0 - x)).sum();
         let exponent = above / below;
-        let left = |p: &(f64, f64)| p.1 - y - exponent * (p.0 - x);
-        let rest: f64 = logs.iter().map(|p| left(p) * left(p)).sum();
-        let std_error = (rest / (n - 2.0) / below).sqrt();
+        let residual = |p: &(f64, f64)| p.1 - y - exponent * (p.0 - x);
+        let squares: f64 = logs.iter().map(|p| residual(p) * residual(p)).sum();
+        let std_error = (squares / (n - 2.0) / below).sqrt();
         PowerLaw {
             exponent,
             std_error,
@@ -48,8 +48,8 @@ impl PowerLaw {
 #[derive(Clone, Debug)]
 pub struct SplitMix(u64);
 
-/// What the state of the generator grows by from one number to the next.
-const STEP: u64 = 0x9E37_79B9_7F4A_7C15;
+/// Increment of the generator's state from one number to the next: 2⁶⁴ over the golden ratio.
+const GOLDEN_GAMMA: u64 = 0x9E37_79B9_7F4A_7C15;
 
 impl SplitMix {
     /// The sequence of a seed.
@@ -57,14 +57,14 @@ impl SplitMix {
         SplitMix(seed)
     }
 
-    /// The sequence of a seed from its number `index` on, counted from 0.
-    pub fn behind(seed: u64, index: u64) -> Self {
-        SplitMix(seed.wrapping_add(index.wrapping_mul(STEP)))
+    /// The sequence of a seed from number `index` on, counted from 0.
+    pub fn from_index(seed: u64, index: u64) -> Self {
+        SplitMix(seed.wrapping_add(index.wrapping_mul(GOLDEN_GAMMA)))
     }
 
     /// The next number, in [0, 1).
     pub fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(STEP);
+        self.0 = self.0.wrapping_add(GOLDEN_GAMMA);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);

@@ -1,4 +1,4 @@
-//! What a user writes: a smooth field on either side of a discontinuity boundary.
+//! The system that a user writes: a smooth field on either side of a discontinuity boundary.
 
 use nalgebra::{DVector, SVector};
 
@@ -9,7 +9,7 @@ use crate::scalar::Scalar;
 /// function asks for one.
 pub type State<const N: usize> = SVector<f64, N>;
 
-/// The components of a state, as the functions of a [`Filippov`] system take them.
+/// The components of a state as an array, which the functions of a [`Filippov`] system take.
 #[inline(always)]
 pub fn components<const N: usize>(x: &State<N>) -> &[f64; N] {
     &x.data.0[0]
@@ -17,7 +17,7 @@ pub fn components<const N: usize>(x: &State<N>) -> &[f64; N] {
 
 /// The components of a state of `N`: an array, a vector of fixed length, or one of run-time length
 /// as the analyses return them. A vector of another length gives NaN components, which every run
-/// refuses.
+/// rejects.
 pub trait IntoState<const N: usize> {
     /// The state.
     fn into_state(self) -> State<N>;
@@ -89,15 +89,15 @@ pub enum Mode {
 
 /// A Filippov system of dimension `N`: two smooth fields and the boundary between them.
 ///
-/// The two functions are all that is needed. The sliding field, where sliding starts and ends,
-/// tangent points and their visibility, Jacobians and saltation matrices are derived from them by
-/// running them on dual numbers, so they must be written for any [`Scalar`].
+/// The two functions are all that is needed, written for any [`Scalar`]. The library runs them on
+/// dual numbers. So it derives the sliding field, where sliding starts and ends, tangent points and
+/// their visibility, Jacobians and saltation matrices.
 ///
-/// Marked `#[inline(always)]` they are compiled into the solver's loops: with
+/// Mark them `#[inline(always)]` to compile them into the solver's loops. With
 /// [`crate::Method::Taylor`] that saves a third of the time.
 ///
-/// `field` is also evaluated a little beyond Σ (by a step that has not yet noticed the crossing),
-/// so each side's formula should extend smoothly across it: write friction by `side`, not by the
+/// A step that crosses Σ evaluates `field` a little beyond it, before the crossing is located. So
+/// the formula of each side should extend smoothly across Σ: write friction by `side`, not by the
 /// sign of a velocity.
 ///
 /// ```
@@ -118,8 +118,8 @@ pub enum Mode {
 /// ```
 pub trait Filippov<const N: usize> {
     /// Whether the functions are interpreted, as those of a file: a call then takes longer than its
-    /// arithmetic. [`crate::Method::Taylor`] calls interpreted functions once and repeats their
-    /// operations wherever the mode recurs and the comparisons have the same results. It calls
+    /// arithmetic. [`crate::Method::Taylor`] calls interpreted functions once. It repeats their
+    /// operations where the mode recurs and the comparisons have the same results. It calls
     /// compiled functions (the default) once for every order, which is faster for these. The orbits
     /// agree to rounding.
     const INTERPRETED: bool = false;
@@ -128,7 +128,7 @@ pub trait Filippov<const N: usize> {
     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; N]) -> [T; N];
 
     /// The boundary function h: negative on [`Side::Below`], positive on [`Side::Above`], zero on
-    /// Σ. It may depend on time: Σ then moves. It must be a number along the whole orbit: a step at
+    /// Σ. It may depend on time: Σ then moves. It must be defined along the whole orbit: a step at
     /// whose end it is NaN is shortened, until the run ends with an error.
     fn boundary<T: Scalar>(&self, t: T, x: &[T; N]) -> T;
 
@@ -169,10 +169,9 @@ pub trait Filippov<const N: usize> {
     }
 
     /// A function whose sign is that of the normal force (in any unit), for systems that can lose
-    /// contact. Its zeros are located like all events and recorded as
-    /// [`crate::TransitionKind::ContactLoss`] and [`crate::TransitionKind::ContactGain`], so that a
-    /// field that is clipped there is never stepped across its kink. The default, `None`, never
-    /// loses contact.
+    /// contact. Its zeros are located like all events, so that no step crosses the kink of a field
+    /// that is clipped there. They are recorded as [`crate::TransitionKind::ContactLoss`] and
+    /// [`crate::TransitionKind::ContactGain`]. The default, `None`, never loses contact.
     #[inline(always)]
     fn contact<T: Scalar>(&self, _t: T, _x: &[T; N]) -> Option<T> {
         None
@@ -224,7 +223,7 @@ impl<const N: usize, S: Filippov<N>> Filippov<N> for &S {
 }
 
 /// A system whose parameters are not checked, for values that [`Filippov::check_parameters`]
-/// refuses on purpose, such as friction of the other sign.
+/// rejects, such as friction of the other sign.
 ///
 /// ```
 /// use stickslip::{Ending, Options, models::BeltOscillator, solve, system::Unchecked};

@@ -2,7 +2,7 @@
 //! options are written as the interface writes them.
 
 use stickslip::Error;
-use stickslip::error::{Point, piled_up, readable};
+use stickslip::error::{Point, pile_up_in_words, readable};
 
 use super::System;
 
@@ -52,7 +52,7 @@ pub trait Interface {
                     "{count} transitions at {} within {span:e} before t = {}, x = {x}: {}{help}",
                     names(contacts),
                     readable(*t),
-                    piled_up(accumulation.as_deref(), *span, &rest)
+                    pile_up_in_words(accumulation.as_deref(), *span, &rest)
                 )
             }
             Error::NoUniqueMode {

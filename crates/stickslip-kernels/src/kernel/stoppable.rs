@@ -145,8 +145,8 @@ impl Dynamics for Stoppable {
         self.system.normals(mode, at)
     }
 
-    fn jumps_at(&self, at: &Transition) -> Option<usize> {
-        self.system.jumps_at(at)
+    fn discontinuity_guard(&self, at: &Transition) -> Option<usize> {
+        self.system.discontinuity_guard(at)
     }
 
     fn is_one_at_a_time(&self, at: &Transition) -> bool {

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::attractors::{Attractors, Reached, RecurrenceSettings, attractors_of};
 use crate::dynamics::{AsDynamics, Components};
 use crate::error::Error;
-use crate::filippov::{Options, WAVE, share};
+use crate::filippov::{ORBITS_AT_ONCE, Options, task_size};
 
 /// The attractor reached from each start.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,12 +96,12 @@ pub fn basin_while<Kind>(
     let mut starts = starts.into_iter().map(Components::vector);
     let is_enough = AtomicBool::new(false);
     loop {
-        let wave: Vec<_> = starts.by_ref().take(WAVE).collect();
+        let wave: Vec<_> = starts.by_ref().take(ORBITS_AT_ONCE).collect();
         if wave.is_empty() {
             break;
         }
         let outcomes: Vec<_> = wave
-            .par_chunks(share(wave.len()))
+            .par_chunks(task_size(wave.len()))
             .map(|starts| {
                 if is_enough.load(Ordering::Relaxed) {
                     return Ok(vec![None; starts.len()]);

@@ -61,7 +61,7 @@ pub fn destination<Kind>(
     // A little beyond the last whole period, so that rounding cannot omit it.
     let t_end = t0 + (periods as f64 + 1e-6) * period;
     match strobe.follow(&*system.dynamics(), &start, t_end, options) {
-        Ok(summary) if summary.ending.is_final() => Err(summary.goes_no_further()),
+        Ok(summary) if summary.ending.is_final() => Err(summary.no_future_error()),
         Ok(_) => Ok(strobe.verdict(closeness)),
         Err(Error::Escaped { t, .. }) => Ok(Destination::Escapes { t }),
         Err(error) => Err(error),

@@ -153,7 +153,7 @@ pub fn find_periodic_orbit<Kind>(
                 orbit = system.begin(&here.0, t_end, options, &Section::None)?;
                 break here;
             }
-            Happening::End(summary) => return Err(summary.goes_no_further()),
+            Happening::End(summary) => return Err(summary.no_future_error()),
             Happening::PhaseEnd(_)
             | Happening::Transition(_)
             | Happening::Passage(_)
@@ -178,7 +178,7 @@ pub fn find_periodic_orbit<Kind>(
                 }
             }
             Happening::End(summary) if summary.ending == Ending::EndTime => break,
-            Happening::End(summary) => return Err(summary.goes_no_further()),
+            Happening::End(summary) => return Err(summary.no_future_error()),
             Happening::Step
             | Happening::PhaseEnd(_)
             | Happening::Transition(_)
@@ -251,7 +251,7 @@ fn a_period_later(
     let ended = run(system, from, t, options)?;
     match ended.ending {
         Ending::EndTime => Ok(Moment { t, x: ended.x }),
-        _ => Err(ended.goes_no_further()),
+        _ => Err(ended.no_future_error()),
     }
 }
 
@@ -277,7 +277,7 @@ fn whole(shooting: &Shooting<'_>, cycle: &Cycle, start: &Moment) -> Result<Perio
     let t_end = at.t + cycle.period;
     let found = turn(system, &at, t_end, options, is_autonomous)?;
     if found.summary.ending != Ending::EndTime {
-        return Err(found.summary.goes_no_further());
+        return Err(found.summary.no_future_error());
     }
     let residual = (&found.summary.x - &at.x).amax();
     // The closing error of every segment is carried to the end of the period.

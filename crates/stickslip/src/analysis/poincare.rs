@@ -234,7 +234,7 @@ impl<'a> PoincareMap<'a> {
                     }
                 }
                 Happening::PhaseEnd(_) | Happening::Passage(_) | Happening::Kink(_) => {}
-                Happening::End(summary) => return Err(summary.goes_no_further()),
+                Happening::End(summary) => return Err(summary.no_future_error()),
             }
         }
     }

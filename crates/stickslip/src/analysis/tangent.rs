@@ -128,7 +128,7 @@ impl<'a> Tangent<'a> {
         if at.kind == TransitionKind::Jump {
             return self.reset(at).map(Some);
         }
-        let Some(guard) = self.system.jumps_at(at) else {
+        let Some(guard) = self.system.discontinuity_guard(at) else {
             return Ok(None);
         };
         // The consequence of a kink occurs at the time of the kink, wherever the state is.

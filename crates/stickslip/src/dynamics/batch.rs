@@ -35,14 +35,14 @@ pub(super) fn one_by_one<'a>(
 }
 
 /// An orbit of a batch with its listener.
-pub(super) struct Heard<'r, 'l, R> {
+pub(super) struct BatchOrbit<'r, 'l, R> {
     pub(super) number: usize,
     pub(super) run: R,
     pub(super) listener: &'r RefCell<&'r mut Listener<'l>>,
 }
 
 impl<'a, S, V, J, const N: usize, const G: usize> Member<'a, S, N, G>
-    for Heard<'_, '_, Run<'a, S, V, J, N, G>>
+    for BatchOrbit<'_, '_, Run<'a, S, V, J, N, G>>
 where
     S: Switched<N, G>,
     V: EventFunctions<N, 1>,

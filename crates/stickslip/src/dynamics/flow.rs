@@ -19,7 +19,7 @@ use crate::system::{State, components};
 
 /// The flow of one mode of a typed system.
 pub(super) struct TypedFlow<'a, S: Switched<N, G>, V, J, const N: usize, const G: usize> {
-    of: View<'a, S, V, J, N, G>,
+    view: View<'a, S, V, J, N, G>,
     mode: S::Mode,
     /// The moment that decides whether contact is lost or kept.
     at: Timed<N>,
@@ -32,26 +32,26 @@ where
     J: Jumps<N>,
 {
     /// The flow of a mode, with contact lost or kept as at a moment.
-    pub(super) fn new(of: View<'a, S, V, J, N, G>, mode: Modes, at: &Moment) -> Self {
+    pub(super) fn new(view: View<'a, S, V, J, N, G>, mode: Modes, at: &Moment) -> Self {
         TypedFlow {
-            of,
+            view,
             mode: S::restored(mode),
-            at: of.timed(at),
+            at: view.timed(at),
             branch: OnceCell::new(),
         }
     }
 
     /// The velocity of one contact does not depend on branches.
-    fn of_field<U: UseFlow<N>>(&self, user: U) -> U::Output {
+    fn with_flow_of_field<U: UseFlow<N>>(&self, user: U) -> U::Output {
         if S::CONTACTS > 1 {
-            return self.of_guards(user);
+            return self.with_flow_of_guards(user);
         }
         let branch = S::Branch::default();
-        self.of.system.with_flow(self.mode, branch, user)
+        self.view.system.with_flow(self.mode, branch, user)
     }
 
-    fn of_guards<U: UseFlow<N>>(&self, user: U) -> U::Output {
-        let system = self.of.system;
+    fn with_flow_of_guards<U: UseFlow<N>>(&self, user: U) -> U::Output {
+        let system = self.view.system;
         let branch = *self
             .branch
             .get_or_init(|| system.branch(self.mode, &self.at));
@@ -60,13 +60,13 @@ where
 
     /// The velocity, with held inputs as stored in the state.
     pub(super) fn velocity_at(&self, at: &Timed<N>) -> Vector {
-        let velocity = self.of_field(Velocity(at.t, components(&at.x)));
-        self.of.vector(&State::from(velocity))
+        let velocity = self.with_flow_of_field(Velocity(at.t, components(&at.x)));
+        self.view.vector(&State::from(velocity))
     }
 
     /// The function of a guard's jump, if the guard belongs to one.
     fn jump(&self, guard: usize) -> Option<JumpGuard<'_, J>> {
-        let (jumps, number) = (self.of.jumps, guard.checked_sub(G)?);
+        let (jumps, number) = (self.view.jumps, guard.checked_sub(G)?);
         let value = jumps.when(number, self.at.t, components(&self.at.x));
         let sign = match jumps.direction(number) {
             Direction::Rising => -1.0,
@@ -94,35 +94,37 @@ where
     J: Jumps<N>,
 {
     fn velocity(&self, at: &Moment) -> Vector {
-        self.velocity_at(&self.of.timed(at))
+        self.velocity_at(&self.view.timed(at))
     }
 
     fn derivative(&self, at: &Moment, along: &Vector) -> Vector {
-        let Timed { t, x } = self.of.timed(at);
-        let along = self.of.state(along.as_slice());
+        let Timed { t, x } = self.view.timed(at);
+        let along = self.view.state(along.as_slice());
         let seeded: [_; N] = std::array::from_fn(|i| Dual::new(x[i], along[i]));
-        let velocity = self.of_field(Velocity(Dual::new(t, 0.0), &seeded));
-        Vector::from_fn(self.of.states, |i, _| velocity[i].eps)
+        let velocity = self.with_flow_of_field(Velocity(Dual::new(t, 0.0), &seeded));
+        Vector::from_fn(self.view.states, |i, _| velocity[i].eps)
     }
 
     fn settled(&self, at: &Moment) -> Vector {
-        let settled = self.of_field(Settled(self.of.timed(at)));
-        self.of.vector(&settled)
+        let settled = self.with_flow_of_field(Settled(self.view.timed(at)));
+        self.view.vector(&settled)
     }
 
     fn guards(&self) -> Vec<Guard> {
-        let system = self.of.system;
+        let system = self.view.system;
         let guard = |number: usize| Guard {
             number,
             contact: S::contact_of(number),
-            goes_on: system.passed(number, &mut S::Branch::default()).is_some(),
+            goes_on: system
+                .event_within_mode(number, &mut S::Branch::default())
+                .is_some(),
             is_of_jump: false,
         };
-        let guards = self.of_field(Guards).iter().copied().map(guard);
-        let guards = guards.filter(|guard| guard.contact < self.of.contacts);
-        let jumps = (0..self.of.jumps.count()).map(|jump| Guard {
+        let guards = self.with_flow_of_field(Guards).iter().copied().map(guard);
+        let guards = guards.filter(|guard| guard.contact < self.view.contacts);
+        let jumps = (0..self.view.jumps.count()).map(|jump| Guard {
             number: G + jump,
-            contact: self.of.contacts + jump,
+            contact: self.view.contacts + jump,
             goes_on: false,
             is_of_jump: true,
         });
@@ -131,70 +133,69 @@ where
 
     fn guard(&self, number: usize, at: &Moment) -> f64 {
         if let Some(jump) = self.jump(number) {
-            let Timed { t, x } = self.of.timed(at);
+            let Timed { t, x } = self.view.timed(at);
             return jump.guard(t, components(&x));
         }
-        self.of_guards(Value(number, self.of.timed(at)))
+        self.with_flow_of_guards(Value(number, self.view.timed(at)))
     }
 
     fn guard_gradient(&self, number: usize, at: &Moment) -> (Vector, f64) {
         if let Some(jump) = self.jump(number) {
-            let (slopes, in_time) = gradient(|t, x| jump.guard(t, x), &self.of.timed(at));
-            return (self.of.vector(&slopes), in_time);
+            let (slopes, in_time) = gradient(|t, x| jump.guard(t, x), &self.view.timed(at));
+            return (self.view.vector(&slopes), in_time);
         }
-        let (gradient, in_time) = self.of_guards(GuardGradient(number, self.of.timed(at)));
-        (self.of.vector(&gradient), in_time)
+        let (gradient, in_time) =
+            self.with_flow_of_guards(GuardGradient(number, self.view.timed(at)));
+        (self.view.vector(&gradient), in_time)
     }
 
     fn guard_jet(&self, number: usize, at: &Moment) -> [f64; 4] {
         if let Some(jump) = self.jump(number) {
-            return self.of_field(JumpJet(&jump, self.of.timed(at)));
+            return self.with_flow_of_field(JumpJet(&jump, self.view.timed(at)));
         }
-        self.of_guards(Jet(number, self.of.timed(at)))
+        self.with_flow_of_guards(Jet(number, self.view.timed(at)))
     }
 
     fn carried(&self, step: &Step, vector: &Vector, how: Carrying) -> Vector {
         let piece = Piece {
             t: step.t_start,
-            x: self.of.timed(&step.start()).x,
+            x: self.view.timed(&step.start()).x,
             h: step.t_end - step.t_start,
-            states: self.of.states,
+            states: self.view.states,
         };
-        let vector = self.of.state(vector.as_slice());
+        let vector = self.view.state(vector.as_slice());
         let tolerance = how.tolerance;
         // A Taylor step is longer than one of DOP853 would be; halving covers that as well. A fixed
         // step is kept.
-        let carried = match how.method {
-            Method::Dop853 | Method::Taylor => self.of_field(Carried::<Dop853, N>::new(
-                piece,
-                vector,
-                MOST_HALVINGS,
-                tolerance,
-            )),
-            Method::Dop853Fixed { .. } => {
-                self.of_field(Carried::<Dop853, N>::new(piece, vector, 0, tolerance))
-            }
-            Method::Rk4 { .. } => {
-                self.of_field(Carried::<Rk4, N>::new(piece, vector, 0, tolerance))
-            }
-        };
-        self.of.vector(&carried)
+        let carried =
+            match how.method {
+                Method::Dop853 | Method::Taylor => self.with_flow_of_field(
+                    Carried::<Dop853, N>::new(piece, vector, MAX_HALVINGS, tolerance),
+                ),
+                Method::Dop853Fixed { .. } => {
+                    self.with_flow_of_field(Carried::<Dop853, N>::new(piece, vector, 0, tolerance))
+                }
+                Method::Rk4 { .. } => {
+                    self.with_flow_of_field(Carried::<Rk4, N>::new(piece, vector, 0, tolerance))
+                }
+            };
+        self.view.vector(&carried)
     }
 
     fn is_clear(&self, t: Interval, x: &[Interval]) -> bool {
         let x = self.ranges(x);
         let is_clear = |jump: usize| {
-            let over = Interval::decided(|| self.of.jumps.when(jump, t, &x));
+            let over = Interval::decided(|| self.view.jumps.when(jump, t, &x));
             over.is_some_and(|over| over.low > 0.0 || over.high < 0.0)
         };
-        self.of_guards(StaysClear(t, &x)) && (0..self.of.jumps.count()).all(is_clear)
+        self.with_flow_of_guards(StaysClear(t, &x)) && (0..self.view.jumps.count()).all(is_clear)
     }
 
     fn velocity_over(&self, t: Interval, x: &[Interval]) -> Option<Vec<Interval>> {
         let x = self.ranges(x);
-        let velocity = || self.of.system.slip_field(self.mode, t, &x);
+        let velocity = || self.view.system.slip_field(self.mode, t, &x);
         let mut velocity = Vec::from(Interval::decided(velocity).flatten()?);
-        velocity.truncate(self.of.states);
+        velocity.truncate(self.view.states);
         Some(velocity)
     }
 
@@ -203,9 +204,9 @@ where
         let [zero, one] = [0.0, 1.0].map(|value| Interval::around(value, 0.0));
         let seeded = std::array::from_fn(|i| Dual::new(x[i], if i == by { one } else { zero }));
         let time = Dual::new(t, zero);
-        let velocity = || self.of.system.slip_field(self.mode, time, &seeded);
+        let velocity = || self.view.system.slip_field(self.mode, time, &seeded);
         let velocity = Interval::decided(velocity).flatten()?;
-        let derivatives = velocity.iter().take(self.of.states);
+        let derivatives = velocity.iter().take(self.view.states);
         Some(derivatives.map(|component| component.eps).collect())
     }
 }
@@ -284,12 +285,13 @@ impl<const N: usize> UseFlow<N> for StaysClear<'_, N> {
     }
 }
 
-/// Allowed error of a tangent vector per step, in tolerances. A step that is accurate for the state
-/// mostly keeps it below ten or so.
-const SLACK: f64 = 100.0;
+/// Allowed error of a tangent vector per step, in tolerances. Chosen: a step that is accurate for
+/// the state mostly keeps it below ten.
+const TANGENT_ERROR: f64 = 100.0;
 
-/// Halvings of a step allowed for the accuracy of a tangent vector.
-const MOST_HALVINGS: u32 = 30;
+/// Largest number of times that a step is halved for the accuracy of a tangent vector. Chosen: it
+/// bounds the recursion where no step is accurate.
+const MAX_HALVINGS: u32 = 30;
 
 /// A piece of a step: start and length.
 struct Piece<const N: usize> {
@@ -303,9 +305,9 @@ struct Piece<const N: usize> {
 /// Carries a tangent vector over a piece by method `M`: the piece is integrated again on dual
 /// numbers.
 ///
-/// The step-size control saw the error of the state. It may say nothing of the vector's error: a
-/// state near an equilibrium allows steps of any length. The piece is then halved, up to a given
-/// number of times, until the vector is accurate, too.
+/// Step-size control bounds the error of the state, which may not bound the vector's error: a state
+/// near an equilibrium allows steps of any length. The piece is then halved, up to a given number
+/// of times, until the vector is accurate, too.
 struct Carried<M, const N: usize> {
     piece: Piece<N>,
     vector: State<N>,
@@ -368,7 +370,7 @@ fn advanced<M: RungeKutta, F: Flow<N>, const N: usize>(
     };
     let error = squared_error::<M, N>(&of_vector, vector, piece.h, (&allowed, piece.states));
     // NaN where the piece is so long that its stages overflow.
-    if error <= SLACK * SLACK {
+    if error <= TANGENT_ERROR * TANGENT_ERROR {
         return end;
     }
     let half = 0.5 * piece.h;

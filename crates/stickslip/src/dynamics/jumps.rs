@@ -7,8 +7,8 @@ use super::typed::View;
 use super::{Happening, Vector};
 use crate::error::{Error, Point};
 use crate::filippov::{
-    Direction, EventFunctions, EventSearch, Integration, Options, Switched, Transition,
-    TransitionKind,
+    Direction, EventFunctions, EventSearch, Integration, Options, Switched, TIME_ROUNDING,
+    Transition, TransitionKind,
 };
 use crate::ode::Timed;
 use crate::orbit::Ending;
@@ -197,7 +197,7 @@ pub struct Reset {
     pub in_time: f64,
 }
 
-/// The effect of an input's kink at the end of a step on tangent vectors: the time of the kink
+/// The effect on tangent vectors of an input's kink at the end of a step. The time of the kink
 /// depends on the state if its clock does.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KinkShift {
@@ -209,11 +209,8 @@ pub struct KinkShift {
     pub rate: f64,
 }
 
-/// Units in the last place by which simultaneous times may differ.
-const SAME_TIME: f64 = 4.0 * f64::EPSILON;
-
 /// The search for jumps along a run, and their execution.
-pub(super) struct Jumping<'a, S: Switched<N, G>, V, J, const N: usize, const G: usize> {
+pub(super) struct JumpSearch<'a, S: Switched<N, G>, V, J, const N: usize, const G: usize> {
     jumps: &'a J,
     /// One for each jump.
     searches: Vec<EventSearch<'a, S, TypedSection<'a, S, V, J, N, G>, N, 1, G>>,
@@ -223,8 +220,8 @@ pub(super) struct Jumping<'a, S: Switched<N, G>, V, J, const N: usize, const G: 
     /// End of the run.
     t_end: f64,
     /// The times of the next and of the last kink of an input.
-    kink: f64,
-    kinked: f64,
+    next_kink: f64,
+    last_kink: f64,
     /// Number of kinks so far, and the largest number allowed.
     kinks: u64,
     most_kinks: u64,
@@ -232,10 +229,10 @@ pub(super) struct Jumping<'a, S: Switched<N, G>, V, J, const N: usize, const G: 
     due: VecDeque<usize>,
     /// Whether no step has been taken since the last jump.
     has_jumped: bool,
-    is_held: bool,
+    is_prescribed: bool,
 }
 
-impl<'a, S, V, J, const N: usize, const G: usize> Jumping<'a, S, V, J, N, G>
+impl<'a, S, V, J, const N: usize, const G: usize> JumpSearch<'a, S, V, J, N, G>
 where
     S: Switched<N, G>,
     V: EventFunctions<N, 1>,
@@ -258,26 +255,26 @@ where
             return Ok(None);
         }
         integration.end_at(t_end.min(kink));
-        let is_held = integration.is_held();
-        let count = if is_held { 0 } else { jumps.count() };
+        let is_prescribed = integration.is_prescribed();
+        let count = if is_prescribed { 0 } else { jumps.count() };
         let search =
             |number| EventSearch::new(view.system, view.when(number), options).only_first();
-        let jumping = Jumping {
+        let jump_search = JumpSearch {
             jumps,
             searches: (0..count).map(search).collect(),
             counts: vec![0; count],
             contacts: view.contacts,
             t_end,
-            kink,
-            kinked: f64::NEG_INFINITY,
+            next_kink: kink,
+            last_kink: f64::NEG_INFINITY,
             kinks: 0,
             most_kinks: options.most_events,
             due: VecDeque::new(),
             has_jumped: false,
-            is_held,
+            is_prescribed,
         };
-        jumping.check(integration)?;
-        Ok(Some(jumping))
+        jump_search.check(integration)?;
+        Ok(Some(jump_search))
     }
 
     /// Whether the functions of all jumps are defined.
@@ -299,26 +296,32 @@ where
     ///
     /// # Errors
     /// [`Error::Undefined`].
-    pub(super) fn look(&mut self, integration: &mut Integration<'a, S, N, G>) -> Result<(), Error> {
+    pub(super) fn shorten_step(
+        &mut self,
+        integration: &mut Integration<'a, S, N, G>,
+    ) -> Result<(), Error> {
         self.has_jumped = false;
         if self.searches.is_empty() {
             return Ok(());
         }
         let step = integration.last_step();
-        let memories: Vec<_> = self.searches.iter().map(EventSearch::memory).collect();
+        let states: Vec<_> = self.searches.iter().map(EventSearch::state).collect();
         for search in &mut self.searches {
             search.in_step(&step);
         }
-        let firsts = self.searches.iter().map(|search| search.found().first());
+        let firsts = self
+            .searches
+            .iter()
+            .map(|search| search.last_events().first());
         let earliest = firsts.flatten().min_by(|a, b| a.t.total_cmp(&b.t));
         let Some(Timed { t, x }) = earliest.map(|at| Timed { t: at.t, x: at.x }) else {
             return self.check(integration);
         };
         integration.stop_at(Timed { t, x });
-        for (number, (search, memory)) in self.searches.iter_mut().zip(memories).enumerate() {
-            let found = search.found().first();
-            let is_due = found.is_some_and(|at| at.t - t <= SAME_TIME * t.abs());
-            search.cut(memory, &step.x_start, &x);
+        for (number, (search, state)) in self.searches.iter_mut().zip(states).enumerate() {
+            let event = search.last_events().first();
+            let is_due = event.is_some_and(|at| at.t - t <= TIME_ROUNDING * t.abs());
+            search.cut(state, &step.x_start, &x);
             if is_due {
                 self.due.push_back(number);
                 continue;
@@ -344,19 +347,19 @@ where
 
     /// Whether the next jump follows another one in the same instant. A phase of zero length then
     /// lies between them; the answer is yes only once.
-    pub(super) fn takes_between(&mut self) -> bool {
+    pub(super) fn takes_empty_phase(&mut self) -> bool {
         std::mem::take(&mut self.has_jumped) && self.is_due()
     }
 
     /// Whether a run has reached a kink. A kink at the end of the run is passed, too: a run from
-    /// there continues behind it.
+    /// there continues after it.
     pub(super) fn is_at_kink(&self, integration: &Integration<'a, S, N, G>) -> bool {
-        integration.is_at_end() && integration.t() >= self.kink
+        integration.is_at_end() && integration.t() >= self.next_kink
     }
 
     /// Whether an input has kinked at this time.
     pub(super) fn has_kinked(&self, t: f64) -> bool {
-        self.kinked == t
+        self.last_kink == t
     }
 
     /// Carries out the next pending jump.
@@ -382,12 +385,12 @@ where
         let most = self.jumps.most(number);
         if most.is_some_and(|most| self.counts[number] >= most) {
             self.due.clear();
-            integration.leap(self.contacts + number, after, Some(Ending::Stopped))?;
+            integration.restart_at(self.contacts + number, after, Some(Ending::Stopped))?;
         } else {
-            integration.leap(self.contacts + number, after, None)?;
-            let side = self.leaves_to(number, integration);
+            integration.restart_at(self.contacts + number, after, None)?;
+            let side = self.side_after(number, integration);
             self.searches[number].set_side(side);
-            self.find_edges(t, [&before, &after], Some(number));
+            self.detect_jumps(t, [&before, &after], Some(number));
         }
         Ok(Some(Transition {
             t,
@@ -401,7 +404,7 @@ where
     }
 
     /// The sign of a jump's function just after it; 0 where its rate does not decide.
-    fn leaves_to(&self, number: usize, integration: &Integration<'a, S, N, G>) -> f64 {
+    fn side_after(&self, number: usize, integration: &Integration<'a, S, N, G>) -> f64 {
         let (t, x) = (integration.t(), *integration.x());
         let search = &self.searches[number];
         match search.sign_at(&Timed { t, x }) {
@@ -419,42 +422,42 @@ where
         &mut self,
         integration: &mut Integration<'a, S, N, G>,
         view: &View<'a, S, V, J, N, G>,
-        told: &mut VecDeque<Happening>,
+        pending: &mut VecDeque<Happening>,
     ) -> Result<(), Error> {
         let (t, before) = (integration.t(), *integration.x());
-        let after = view.held(t, before);
+        let after = view.with_inputs(t, before);
         if after.iter().any(|held| held.is_nan()) {
             view.check_inputs(&Timed { t, x: before })?;
         }
-        self.kinked = t;
+        self.last_kink = t;
         self.kinks += 1;
         if self.kinks > self.most_kinks {
             let (name, most, x) = ("most_events", self.most_kinks, Point::from(&before));
             return Err(Error::TooMany { name, most, t, x });
         }
-        self.kink = self.jumps.next_kink(t, components(&after), self.t_end);
-        integration.end_at(self.t_end.min(self.kink));
-        if !self.is_held {
+        self.next_kink = self.jumps.next_kink(t, components(&after), self.t_end);
+        integration.end_at(self.t_end.min(self.next_kink));
+        if !self.is_prescribed {
             let kinks = |&input: &usize| self.jumps.kinks(input, t, components(&after));
             let inputs = (0..self.jumps.inputs()).filter(kinks);
-            told.extend(inputs.map(|input| Happening::Kink(view.kink(input, integration))));
+            pending.extend(inputs.map(|input| Happening::Kink(view.kink(input, integration))));
         }
         let phase = integration.phase();
-        let changed = integration.kink(after)?;
-        self.find_edges(t, [&before, &after], None);
+        let changed = integration.restart_at_kink(after)?;
+        self.detect_jumps(t, [&before, &after], None);
         if changed.is_some() || self.is_due() || integration.phase().is_none() {
             let phase = phase.map(|phase| view.phase(&phase, self.due()));
-            told.extend(phase.map(Happening::PhaseEnd));
+            pending.extend(phase.map(Happening::PhaseEnd));
             integration.begin_phase();
         }
-        told.extend(changed.map(|at| Happening::Transition(view.transition(&at))));
+        pending.extend(changed.map(|at| Happening::Transition(view.transition(&at))));
         Ok(())
     }
 
     /// Detects the jumps whose functions have passed through zero between two states of one
     /// instant.
-    fn find_edges(&mut self, t: f64, [before, after]: [&State<N>; 2], but: Option<usize>) {
-        if self.is_held {
+    fn detect_jumps(&mut self, t: f64, [before, after]: [&State<N>; 2], but: Option<usize>) {
+        if self.is_prescribed {
             return;
         }
         for (number, search) in self.searches.iter_mut().enumerate() {

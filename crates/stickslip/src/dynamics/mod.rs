@@ -244,7 +244,7 @@ pub trait Dynamics: Send + Sync {
     fn normals(&self, mode: Modes, at: &Moment) -> Vec<(usize, Vector)>;
 
     /// The guard whose zero a transition is, where the field jumps there.
-    fn jumps_at(&self, at: &Transition) -> Option<usize>;
+    fn discontinuity_guard(&self, at: &Transition) -> Option<usize>;
 
     /// Whether no second contact comes to zero in the same instant.
     fn is_one_at_a_time(&self, at: &Transition) -> bool;
@@ -559,7 +559,7 @@ impl Orbit {
         t_end: f64,
         options: &Options,
     ) -> Result<Self, Error> {
-        match Orbit::begun(dynamics, start, t_end, options)? {
+        match Orbit::solve_to_failure(dynamics, start, t_end, options)? {
             (orbit, None) => Ok(orbit),
             (_, Some(error)) => Err(error),
         }
@@ -569,7 +569,7 @@ impl Orbit {
     ///
     /// # Errors
     /// Those of [`crate::Integration::new`].
-    pub fn begun(
+    pub fn solve_to_failure(
         dynamics: &dyn Dynamics,
         start: &Moment,
         t_end: f64,

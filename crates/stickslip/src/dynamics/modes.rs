@@ -4,9 +4,9 @@ use std::fmt;
 
 use crate::system::{Mode, Side};
 
-/// The mode of each contact, of at most [`Modes::MOST`] contacts; for a phase that a jump ends,
-/// with that jump. Written as one letter per contact: `-` for slip below, `+` for slip above, `S`
-/// for stick.
+/// The mode of each contact, of at most [`Modes::MAX_CONTACTS`] contacts; for a phase that a jump
+/// ends, with that jump. Written as one letter per contact: `-` for slip below, `+` for slip above,
+/// `S` for stick.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(into = "String", try_from = "String"))]
@@ -19,12 +19,12 @@ pub struct Modes {
 }
 
 impl Modes {
-    /// Largest number of contacts of a system.
-    pub const MOST: usize = 64;
+    /// Largest number of contacts of a system: one bit of a word each.
+    pub const MAX_CONTACTS: usize = 64;
 
-    /// The modes of these contacts; of the first [`Modes::MOST`] if there are more.
+    /// The modes of these contacts; of the first [`Modes::MAX_CONTACTS`] if there are more.
     pub fn new(of: &[Mode]) -> Self {
-        let count = of.len().min(Modes::MOST);
+        let count = of.len().min(Modes::MAX_CONTACTS);
         let none = Modes {
             sticks: 0,
             above: 0,
@@ -37,7 +37,7 @@ impl Modes {
 
     /// The mode of a contact; stick where there is no such contact.
     pub fn get(&self, contact: usize) -> Mode {
-        let is_set = |bits: u64| bits >> (contact % Modes::MOST) & 1 == 1;
+        let is_set = |bits: u64| bits >> (contact % Modes::MAX_CONTACTS) & 1 == 1;
         match (
             contact < self.len(),
             is_set(self.sticks),
@@ -79,15 +79,15 @@ impl Modes {
         usize::from(self.until).checked_sub(1)
     }
 
-    /// The phases of a cycle in an order that does not depend on where it is begun: the rotation
-    /// whose letters are least (`+` before `-` before `S`).
+    /// The phases of a cycle in an order that does not depend on where it begins. It is the
+    /// rotation whose letters are least (`+` before `-` before `S`).
     pub fn cycle(phases: impl IntoIterator<Item = Modes>) -> Vec<Modes> {
         let phases: Vec<Modes> = phases.into_iter().collect();
-        let turned = |by: usize| [&phases[by..], &phases[..by]].concat();
+        let rotated = |by: usize| [&phases[by..], &phases[..by]].concat();
         let letters = |modes: &Vec<Modes>| -> Vec<String> {
             modes.iter().map(|modes| String::from(*modes)).collect()
         };
-        let all = (0..phases.len()).map(turned);
+        let all = (0..phases.len()).map(rotated);
         all.min_by_key(letters).unwrap_or_default()
     }
 
@@ -193,11 +193,11 @@ impl TryFrom<String> for Modes {
         });
         let jump = jump.transpose()?;
         let modes: Vec<Mode> = letters.chars().map(mode).collect::<Result<_, String>>()?;
-        if modes.len() > Modes::MOST {
+        if modes.len() > Modes::MAX_CONTACTS {
             return Err(format!(
                 "`{text}` has {} modes: at most {} contacts are possible",
                 modes.len(),
-                Modes::MOST
+                Modes::MAX_CONTACTS
             ));
         }
         Ok(Modes::new(&modes).until(jump))

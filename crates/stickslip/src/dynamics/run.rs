@@ -2,13 +2,14 @@
 
 use std::collections::VecDeque;
 
-use super::jumps::{Jumping, Jumps, NoJumps};
+use super::jumps::{JumpSearch, Jumps, NoJumps};
 use super::section::{NoSection, TypedSection};
 use super::typed::{Typed, View};
 use super::{Happening, Modes, Moment, OrbitUnderWay, Phase, Section, Solution, Step, Vector};
 use crate::error::Error;
 use crate::filippov::{
-    EventFunctions, EventSearch, Integration, Observer, Options, Progress, Stepper, Switched, tell,
+    EventFunctions, EventSearch, Integration, Observer, Options, Progress, Stepper, Switched,
+    notify,
 };
 use crate::orbit::Counters;
 
@@ -26,11 +27,11 @@ where
         section: &Section,
     ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error> {
         let with = (section, Stepper::new(options));
-        Ok(Box::new(self.begun(start, t_end, options, with)?))
+        Ok(Box::new(self.start_run(start, t_end, options, with)?))
     }
 
     /// An orbit at its start. The stepper may have served another orbit.
-    pub(super) fn begun(
+    pub(super) fn start_run(
         self,
         start: &Moment,
         t_end: f64,
@@ -54,9 +55,9 @@ where
         t_end: f64,
         options: &Options,
     ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error> {
-        let held = (S::restored(mode), &self.timed(inside));
+        let in_mode = (S::restored(mode), &self.timed(inside));
         let start = (self.timed(start), self.states);
-        let integration = Integration::held(self.system, held, start, t_end, options);
+        let integration = Integration::in_mode(self.system, in_mode, start, t_end, options);
         Ok(Box::new(self.run(integration, t_end, options)?))
     }
 
@@ -66,13 +67,13 @@ where
         t_end: f64,
         options: &Options,
     ) -> Result<Run<'a, S, V, J, N, G>, Error> {
-        let of_states = |error: Error| error.of_states(self.states);
-        let mut integration = integration.map_err(of_states)?;
-        let jumping = Jumping::of(&self, &mut integration, options, t_end);
+        let truncated = |error: Error| error.truncated(self.states);
+        let mut integration = integration.map_err(truncated)?;
+        let jump_search = JumpSearch::of(&self, &mut integration, options, t_end);
         Ok(Run {
-            of: self,
-            jumping: jumping.map_err(of_states)?,
-            told: VecDeque::new(),
+            view: self,
+            jump_search: jump_search.map_err(truncated)?,
+            pending: VecDeque::new(),
             integration,
             options: *options,
             search: None,
@@ -104,7 +105,7 @@ where
         contacts: S::CONTACTS,
     };
     let with = (&Section::None, Stepper::new(options));
-    let mut run = view.begun(start, t_end, options, with)?;
+    let mut run = view.start_run(start, t_end, options, with)?;
     run.observer = Some(observer);
     Ok(Box::new(run))
 }
@@ -131,12 +132,12 @@ where
 
 /// An integration under way, with the search for passages of a section.
 pub(super) struct Run<'a, S: Switched<N, G>, V, J, const N: usize, const G: usize> {
-    of: View<'a, S, V, J, N, G>,
+    view: View<'a, S, V, J, N, G>,
     integration: Integration<'a, S, N, G>,
     /// Of a system with jumps or inputs.
-    jumping: Option<Jumping<'a, S, V, J, N, G>>,
+    jump_search: Option<JumpSearch<'a, S, V, J, N, G>>,
     /// Items to report before the run continues.
-    told: VecDeque<Happening>,
+    pending: VecDeque<Happening>,
     options: Options,
     search: Option<EventSearch<'a, S, TypedSection<'a, S, V, J, N, G>, N, 1, G>>,
     /// How many passages of the last step have been reported.
@@ -161,14 +162,14 @@ where
 
     /// Whether the solution over a step is needed, not only its end.
     pub(super) fn watches_steps(&self) -> bool {
-        self.search.is_some() || self.jumping.is_some()
+        self.search.is_some() || self.jump_search.is_some()
     }
 
     /// Takes the step that was prepared, if there is one, or continues until the next one is
     /// prepared. Returns what is to be reported, or `None` if a step was prepared.
     pub(super) fn go_on(&mut self) -> Option<Result<Happening, Error>> {
         let happened = self.next().transpose()?;
-        Some(happened.map_err(|error| error.of_states(self.of.states)))
+        Some(happened.map_err(|error| error.truncated(self.view.states)))
     }
 
     fn next(&mut self) -> Result<Option<Happening>, Error> {
@@ -182,13 +183,13 @@ where
             self.is_ready = true;
             return Ok(None);
         } else {
-            self.integration.say()?
+            self.integration.report()?
         };
         self.unobserved = self.observer.is_some().then_some(progress);
         Ok(Some(match &progress {
             Progress::Step => {
-                if let Some(jumping) = &mut self.jumping {
-                    jumping.look(&mut self.integration)?;
+                if let Some(jump_search) = &mut self.jump_search {
+                    jump_search.shorten_step(&mut self.integration)?;
                 }
                 if let Some(search) = &mut self.search {
                     search.in_step(&self.integration.last_step());
@@ -197,18 +198,18 @@ where
                 Happening::Step
             }
             Progress::PhaseEnd(phase) => {
-                let until = self.jumping.as_ref().and_then(Jumping::due);
-                Happening::PhaseEnd(self.of.phase(phase, until))
+                let until = self.jump_search.as_ref().and_then(JumpSearch::due);
+                Happening::PhaseEnd(self.view.phase(phase, until))
             }
-            Progress::Transition(at) => Happening::Transition(self.of.transition(at)),
-            Progress::End(summary) => Happening::End(self.of.summary(summary)),
+            Progress::Transition(at) => Happening::Transition(self.view.transition(at)),
+            Progress::End(summary) => Happening::End(self.view.summary(summary)),
         }))
     }
 
     /// What is reported before the integration continues.
     fn before_step(&mut self) -> Result<Option<Happening>, Error> {
         if let Some(search) = &self.search
-            && let Some(passage) = search.found().get(self.reported)
+            && let Some(passage) = search.last_events().get(self.reported)
             && !self.is_settling(passage.t)
         {
             self.reported += 1;
@@ -216,61 +217,61 @@ where
             if passage.t == self.integration.t() && self.has_kinked(passage.t) {
                 (passage.x, passage.mode) = (*self.integration.x(), self.integration.mode());
             }
-            return Ok(Some(Happening::Passage(self.of.passage(&passage))));
+            return Ok(Some(Happening::Passage(self.view.passage(&passage))));
         }
         if let (Some(observer), Some(progress)) = (&mut self.observer, self.unobserved.take()) {
             let (integration, is_stopping) = (&mut self.integration, &mut self.is_stopping);
-            if let Some(summary) = tell(integration, &progress, *observer, is_stopping)? {
-                return Ok(Some(Happening::End(self.of.summary(&summary))));
+            if let Some(summary) = notify(integration, &progress, *observer, is_stopping)? {
+                return Ok(Some(Happening::End(self.view.summary(&summary))));
             }
         }
-        self.leap()
+        self.process_jumps()
     }
 
     fn has_kinked(&self, t: f64) -> bool {
-        let jumping = self.jumping.as_ref();
-        jumping.is_some_and(|jumping| jumping.has_kinked(t))
+        let jump_search = self.jump_search.as_ref();
+        jump_search.is_some_and(|jump_search| jump_search.has_kinked(t))
     }
 
     /// Whether an input kinks here with its consequences still pending. The state at such a time is
     /// that after the kink, from which a run continues.
     fn is_settling(&self, t: f64) -> bool {
-        let is_here = |jumping: &Jumping<'_, S, V, J, N, G>| {
-            let is_under_way = jumping.has_kinked(t) && jumping.is_due();
-            t == self.integration.t() && (jumping.is_at_kink(&self.integration) || is_under_way)
+        let is_here = |jump_search: &JumpSearch<'_, S, V, J, N, G>| {
+            let is_under_way = jump_search.has_kinked(t) && jump_search.is_due();
+            t == self.integration.t() && (jump_search.is_at_kink(&self.integration) || is_under_way)
         };
-        self.jumping.as_ref().is_some_and(is_here) || !self.told.is_empty()
+        self.jump_search.as_ref().is_some_and(is_here) || !self.pending.is_empty()
     }
 
     /// Carries out what is due between two steps of a run with jumps or inputs.
-    fn leap(&mut self) -> Result<Option<Happening>, Error> {
-        let Some(jumping) = &mut self.jumping else {
+    fn process_jumps(&mut self) -> Result<Option<Happening>, Error> {
+        let Some(jump_search) = &mut self.jump_search else {
             return Ok(None);
         };
-        while self.told.is_empty() {
-            if jumping.is_due() {
+        while self.pending.is_empty() {
+            if jump_search.is_due() {
                 // The phase before it is reported first.
                 if self.integration.ends_phase() {
                     return Ok(None);
                 }
-                if jumping.takes_between() {
+                if jump_search.takes_empty_phase() {
                     let phase = self
-                        .of
-                        .phase(&self.integration.phase_so_far(), jumping.due());
+                        .view
+                        .phase(&self.integration.phase_so_far(), jump_search.due());
                     return Ok(Some(Happening::PhaseEnd(phase)));
                 }
-                let jump = jumping.jump(&mut self.integration)?;
+                let jump = jump_search.jump(&mut self.integration)?;
                 if let Some(search) = &mut self.search {
                     search.set_side(0.0);
                 }
-                return Ok(jump.map(|at| Happening::Transition(self.of.transition(&at))));
+                return Ok(jump.map(|at| Happening::Transition(self.view.transition(&at))));
             }
-            if !jumping.is_at_kink(&self.integration) {
+            if !jump_search.is_at_kink(&self.integration) {
                 return Ok(None);
             }
-            jumping.pass_kink(&mut self.integration, &self.of, &mut self.told)?;
+            jump_search.pass_kink(&mut self.integration, &self.view, &mut self.pending)?;
         }
-        Ok(self.told.pop_front())
+        Ok(self.pending.pop_front())
     }
 }
 
@@ -291,7 +292,7 @@ where
     fn watch(&mut self, section: &Section) {
         self.reported = 0;
         self.search = (*section != Section::None)
-            .then(|| EventSearch::new(self.of.system, self.of.section(section), &self.options));
+            .then(|| EventSearch::new(self.view.system, self.view.section(section), &self.options));
     }
 
     fn t(&self) -> f64 {
@@ -299,16 +300,16 @@ where
     }
 
     fn x(&self) -> &[f64] {
-        &self.integration.x().as_slice()[..self.of.states]
+        &self.integration.x().as_slice()[..self.view.states]
     }
 
     fn mode(&self) -> Modes {
-        self.of.modes(self.integration.mode())
+        self.view.modes(self.integration.mode())
     }
 
     fn phase(&self) -> Option<Phase> {
         let phase = self.integration.phase()?;
-        Some(self.of.phase(&phase, None))
+        Some(self.view.phase(&phase, None))
     }
 
     fn counters(&self) -> Counters {
@@ -318,17 +319,17 @@ where
     fn last_step(&mut self) -> Step {
         let step = self.integration.last_step();
         Step {
-            mode: self.of.modes(step.mode),
+            mode: self.view.modes(step.mode),
             t_start: step.t_start,
             t_end: step.t_end,
-            x_start: self.of.vector(&step.x_start),
-            x_end: self.of.vector(&step.x_end),
+            x_start: self.view.vector(&step.x_start),
+            x_end: self.view.vector(&step.x_end),
         }
     }
 
     fn solution(&mut self) -> Solution {
         let dense = self.integration.last_step().dense;
-        let states = self.of.states;
+        let states = self.view.states;
         Box::new(move |t| Vector::from_column_slice(&dense.at_time(t).as_slice()[..states]))
     }
 }

@@ -25,36 +25,36 @@ where
     J: Jumps<N>,
 {
     pub(super) fn section(&self, section: &Section) -> TypedSection<'a, S, V, J, N, G> {
-        let what = match section {
-            Section::None => What::Nothing,
+        let kind = match section {
+            Section::None => FunctionKind::Nothing,
             Section::Plane {
                 point,
                 normal,
                 direction,
-            } => What::Plane {
+            } => FunctionKind::Plane {
                 point: self.state(point.as_slice()),
                 normal: self.state(normal.as_slice()),
                 direction: *direction,
             },
-            Section::Strobe(strobe) => What::Strobe(*strobe),
-            Section::Turning => What::Turning,
-            Section::Own => What::Own,
+            Section::Strobe(strobe) => FunctionKind::Strobe(*strobe),
+            Section::Turning => FunctionKind::Turning,
+            Section::Own => FunctionKind::Own,
         };
-        self.function(what)
+        self.function(kind)
     }
 
-    fn function(&self, what: What<N>) -> TypedSection<'a, S, V, J, N, G> {
+    fn function(&self, kind: FunctionKind<N>) -> TypedSection<'a, S, V, J, N, G> {
         TypedSection {
             system: self.system,
             own: self.own,
             jumps: self.jumps,
-            what,
+            kind,
         }
     }
 
     /// The function of a jump.
     pub(super) fn when(&self, jump: usize) -> TypedSection<'a, S, V, J, N, G> {
-        self.function(What::Jump(jump))
+        self.function(FunctionKind::Jump(jump))
     }
 }
 
@@ -63,11 +63,11 @@ pub(super) struct TypedSection<'a, S, V, J, const N: usize, const G: usize> {
     system: &'a S,
     own: &'a V,
     jumps: &'a J,
-    what: What<N>,
+    kind: FunctionKind<N>,
 }
 
 #[derive(Clone, Copy)]
-enum What<const N: usize> {
+enum FunctionKind<const N: usize> {
     Nothing,
     Plane {
         point: State<N>,
@@ -89,44 +89,43 @@ where
 {
     #[inline(always)]
     fn values<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; 1] {
-        match self.what {
-            What::Nothing => [T::one()],
-            What::Plane { point, normal, .. } => {
+        match self.kind {
+            FunctionKind::Nothing => [T::one()],
+            FunctionKind::Plane { point, normal, .. } => {
                 let height = |sum: T, i: usize| sum + (x[i] - point[i]) * normal[i];
                 [(0..N).fold(T::zero(), height)]
             }
-            What::Strobe(strobe) => strobe.values(t, x),
-            What::Turning => {
-                let (t_here, x_here) = (t.value(), State::from(x.map(Scalar::value)));
-                let mode = self.system.mode_by_side(t_here, &x_here);
+            FunctionKind::Strobe(strobe) => strobe.values(t, x),
+            FunctionKind::Turning => {
                 let here = Timed {
-                    t: t_here,
-                    x: x_here,
+                    t: t.value(),
+                    x: State::from(x.map(Scalar::value)),
                 };
+                let mode = self.system.mode_by_side(here.t, &here.x);
                 let branch = self.system.branch_of_field(mode, &here);
                 let velocity = self.system.with_flow(mode, branch, Velocity(t, x));
                 [velocity[0]]
             }
-            What::Own => self.own.values(t, x),
-            What::Jump(number) => [self.jumps.when(number, t, x)],
+            FunctionKind::Own => self.own.values(t, x),
+            FunctionKind::Jump(number) => [self.jumps.when(number, t, x)],
         }
     }
 
     fn direction(&self, number: usize) -> Direction {
-        match self.what {
-            What::Plane { direction, .. } => direction,
-            What::Turning => Direction::Falling,
-            What::Nothing | What::Strobe(_) => Direction::Both,
-            What::Own => self.own.direction(number),
-            What::Jump(number) => self.jumps.direction(number),
+        match self.kind {
+            FunctionKind::Plane { direction, .. } => direction,
+            FunctionKind::Turning => Direction::Falling,
+            FunctionKind::Nothing | FunctionKind::Strobe(_) => Direction::Both,
+            FunctionKind::Own => self.own.direction(number),
+            FunctionKind::Jump(number) => self.jumps.direction(number),
         }
     }
 
     fn is_as_smooth_as_state(&self, number: usize) -> bool {
-        match self.what {
-            What::Nothing | What::Plane { .. } | What::Turning => true,
-            What::Own => self.own.is_as_smooth_as_state(number),
-            What::Strobe(_) | What::Jump(_) => false,
+        match self.kind {
+            FunctionKind::Nothing | FunctionKind::Plane { .. } | FunctionKind::Turning => true,
+            FunctionKind::Own => self.own.is_as_smooth_as_state(number),
+            FunctionKind::Strobe(_) | FunctionKind::Jump(_) => false,
         }
     }
 }

@@ -4,7 +4,7 @@ use std::borrow::Borrow;
 use std::cell::RefCell;
 use std::marker::PhantomData;
 
-use super::batch::{Heard, Listener, one_by_one};
+use super::batch::{BatchOrbit, Listener, one_by_one};
 use super::flow::TypedFlow;
 use super::jumps::{Jumps, NoJumps, Reset};
 use super::section::NoSection;
@@ -119,12 +119,12 @@ where
 
     /// With the held values of inputs at that time.
     pub(super) fn timed(&self, at: &Moment) -> Timed<N> {
-        let (t, x) = (at.t, self.held(at.t, self.state(at.x.as_slice())));
+        let (t, x) = (at.t, self.with_inputs(at.t, self.state(at.x.as_slice())));
         Timed { t, x }
     }
 
     /// A state with the values that inputs hold from a time on.
-    pub(super) fn held(&self, t: f64, mut x: State<N>) -> State<N> {
+    pub(super) fn with_inputs(&self, t: f64, mut x: State<N>) -> State<N> {
         (0..self.jumps.inputs()).for_each(|input| self.jumps.hold(input, t, x.as_mut_slice()));
         x
     }
@@ -273,8 +273,8 @@ where
         }
         let listener = &RefCell::new(listener);
         let begin = |(number, start): (usize, &Moment), stepper| {
-            let run = of.begun(start, t_end, options, (section, stepper));
-            Ok(Heard {
+            let run = of.start_run(start, t_end, options, (section, stepper));
+            Ok(BatchOrbit {
                 number,
                 run: run.map_err(Err)?,
                 listener,
@@ -315,9 +315,9 @@ where
         normals.map(|(i, normal)| (i, of.vector(&normal))).collect()
     }
 
-    fn jumps_at(&self, at: &Transition) -> Option<usize> {
+    fn discontinuity_guard(&self, at: &Transition) -> Option<usize> {
         let of = self.view();
-        of.system.jumps_at(&of.typed_transition(at))
+        of.system.discontinuity_guard(&of.typed_transition(at))
     }
 
     fn is_one_at_a_time(&self, at: &Transition) -> bool {
@@ -349,7 +349,7 @@ where
             return shifts;
         }
         let flow = TypedFlow::new(of, step.mode, &step.end());
-        let mut x = of.held(step.t_start, of.state(step.x_end.as_slice()));
+        let mut x = of.with_inputs(step.t_start, of.state(step.x_end.as_slice()));
         for input in 0..inputs {
             let before = Timed { t, x };
             self.jumps.hold(input, t, x.as_mut_slice());

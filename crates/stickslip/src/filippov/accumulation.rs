@@ -1,31 +1,31 @@
-//! Where transitions of an integration accumulate: what follows, and the way there.
+//! Accumulation of transitions: the way to the accumulation point, and what follows.
 
-use super::event::Event;
+use super::guard::Event;
 use super::integration::{Due, Integration, Progress};
 use super::observer::TransitionKind;
 use super::options::AtPileUp;
-use super::pile_up::Series;
+use super::pile_up::GeometricSeries;
 use super::switched::Switched;
 use crate::error::Error;
 use crate::ode::{Dense, Timed};
 use crate::orbit::Ending;
 
 impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G> {
-    /// What a step that has failed means: an event that no step resolves, a pile-up or an ending;
-    /// if it is none, the error.
+    /// What a failed step means: an event that no step resolves, a pile-up or an ending. Otherwise
+    /// returns the error.
     #[cold]
-    pub(super) fn after(&mut self, error: Error) -> Result<Due, Error> {
+    pub(super) fn resolve_failure(&mut self, error: Error) -> Result<Due, Error> {
         let (t, options) = (self.run.at.t, &self.run.options);
-        // Near an accumulation point contacts are not told apart by tolerance any more, nor steps
-        // by rounding.
+        // Near an accumulation point, the tolerance does not separate contacts, and rounding does
+        // not separate steps.
         let series = match &error {
-            Error::EventPileUp { .. } => return self.piled_up(self.pile_up.series()),
-            Error::StepCollapse { .. } => self.pile_up.under_way(t, options),
-            Error::NoUniqueMode { contacts, .. } => self.pile_up.of_contacts(t, contacts),
+            Error::EventPileUp { .. } => return self.resolve_pile_up(self.pile_up.series()),
+            Error::StepCollapse { .. } => self.pile_up.series_reached_at(t, options),
+            Error::NoUniqueMode { contacts, .. } => self.pile_up.series_of_contacts(t, contacts),
             _ => None,
         };
         if series.is_some() {
-            return self.piled_up(series);
+            return self.resolve_pile_up(series);
         }
         if let Error::StepCollapse { .. } = error
             && let Some(guard) = self.system.guard_at_collapse(&self.run, self.mode)
@@ -41,20 +41,20 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
         Err(error)
     }
 
-    /// What follows transitions that pile up: rest where they accumulate, an ending, or the error.
-    fn piled_up(&mut self, series: Option<Series<N>>) -> Result<Due, Error> {
-        let rest = series.as_ref().and_then(|series| {
+    /// What follows a pile-up: stick at the accumulation point, an ending, or the error.
+    fn resolve_pile_up(&mut self, series: Option<GeometricSeries<N>>) -> Result<Due, Error> {
+        let point = series.as_ref().and_then(|series| {
             let run = &mut self.run;
-            let rest = self
-                .system
-                .rest(run, self.mode, &series.contacts, &series.at)?;
-            let off = (rest.at.x - series.at.x).amax();
-            (off <= series.distance + run.slack()).then_some(rest)
+            let point =
+                self.system
+                    .stick_at_accumulation(run, self.mode, &series.contacts, &series.at)?;
+            let distance = (point.at.x - series.at.x).amax();
+            (distance <= series.distance + run.slack()).then_some(point)
         });
-        let holds = rest.is_some();
+        let holds = point.is_some();
         if holds && self.run.options.at_pile_up == AtPileUp::Rest {
-            self.rest = rest;
-            return Ok(Due::Rest);
+            self.sticking_point = point;
+            return Ok(Due::Accumulation);
         }
         let two_fold = self.system.ending_of_pile_up(&self.run, self.mode);
         let shrinks = series.is_none() && self.pile_up.shrinks();
@@ -69,8 +69,11 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
         })
     }
 
-    /// The transition at an event behind which the run is led to where transitions accumulate.
-    pub(super) fn on_the_way(&mut self, event: &Event<N>) -> Progress<N, S::Mode> {
+    /// The transition at the event after which the run goes to the accumulation point.
+    pub(super) fn transition_towards_accumulation(
+        &mut self,
+        event: &Event<N>,
+    ) -> Progress<N, S::Mode> {
         let from = self.mode;
         self.mode = self.pile_up.mode_after(event.at.t).unwrap_or(from);
         self.run.from = self.run.at;
@@ -80,15 +83,15 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
         self.transition((kind, contact), from, event.residual)
     }
 
-    /// The step to where transitions accumulate, or as far as the run goes.
-    pub(super) fn come_to_rest(&mut self) -> Progress<N, S::Mode> {
+    /// The step to the accumulation point, or as far as the run goes.
+    pub(super) fn step_to_accumulation(&mut self) -> Progress<N, S::Mode> {
         let from = self.run.at;
-        let Some(rest) = &self.rest else {
+        let Some(point) = &self.sticking_point else {
             return Progress::End(self.summary(Ending::Failed));
         };
         let to = Timed {
-            t: rest.at.t.max(from.t),
-            x: rest.at.x,
+            t: point.at.t.max(from.t),
+            x: point.at.x,
         };
         self.stepper.begin();
         self.run.dense = Dense::straight(&from, &to);
@@ -102,7 +105,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
             return Progress::Step;
         }
         let event = Event {
-            guard: rest.contact,
+            guard: point.contact,
             at: to,
             is_touch: false,
             residual: 0.0,

@@ -15,19 +15,20 @@ use super::recordings::Recordings;
 use super::stepper::Stepper;
 use super::switched::{Switched, UseFlow};
 use super::taylor::{Ends, OfFlow, step_ratio};
-use crate::taylor::pass::{AT_ONCE, Rows};
-use crate::taylor::repeated::Lines;
-use crate::taylor::row::{Lanes, Row};
+use crate::taylor::recorded_calls::LinearNumbers;
+use crate::taylor::row::{CoefficientRow, Lanes};
 use crate::taylor::series::{Expansion, Series, in_rows};
+use crate::taylor::sweep::{CoefficientRows, MIN_ROWS};
 
-/// Number of orbits that are expanded together.
-const LANES: usize = 8;
+/// Number of orbits that are expanded together: one vector of the widest machines, two of others.
+pub(super) const LANES: usize = 8;
 
-/// Fewer orbits than this are expanded one by one, which takes no longer.
-const WORTH_IT: usize = 3;
+/// Fewer orbits than this are expanded one by one, which was measured to take no longer.
+const MIN_GROUP: usize = 3;
 
-/// Number of orbits under way at once. With so many, some are nearly always in the same mode.
-const UNDER_WAY: usize = 32;
+/// Number of orbits under way at once. Chosen: with so many, one mode nearly always has enough of
+/// them to fill the lanes.
+const ACTIVE_ORBITS: usize = 4 * LANES;
 
 /// An orbit of a batch.
 pub(crate) trait Member<'a, S: Switched<N, G>, const N: usize, const G: usize> {
@@ -46,7 +47,7 @@ pub(crate) trait Member<'a, S: Switched<N, G>, const N: usize, const G: usize> {
 }
 
 /// An orbit under way.
-struct UnderWay<M> {
+struct ActiveOrbit<M> {
     /// Index of its start.
     number: usize,
     /// Class of its system.
@@ -57,16 +58,16 @@ struct UnderWay<M> {
 }
 
 /// What orbits must share to be expanded together: the system's class and what decides the flow.
-type Kind<K, B> = (usize, K, B);
+type GroupKey<K, B> = (usize, K, B);
 
-/// Orbits of one kind that wait for a series.
+/// Orbits with the same key that wait for a series.
 struct Queue<K, B> {
-    kind: Kind<K, B>,
+    key: GroupKey<K, B>,
     members: Vec<usize>,
 }
 
 /// Where the series of several orbits begin, each in its lane, and their order.
-struct Begin<const N: usize> {
+struct SeriesStarts<const N: usize> {
     t: Lanes<LANES>,
     x: [Lanes<LANES>; N],
     h: Lanes<LANES>,
@@ -75,28 +76,28 @@ struct Begin<const N: usize> {
 
 /// Result of expanding several orbits: the step lengths (relative to the scale of the series) and
 /// the states at the steps' ends.
-struct Planned<const N: usize, const G: usize> {
+struct PlannedSteps<const N: usize, const G: usize> {
     expansion: Expansion<G>,
     ratios: Lanes<LANES>,
     ends: Ends<LANES, N, G>,
 }
 
 /// The lengths and ends of the steps of expanded orbits.
-struct Plan<'b, P, const N: usize> {
-    begin: &'b Begin<N>,
-    rows: &'b [Row<LANES>],
+struct StepPlanner<'b, P, const N: usize> {
+    begin: &'b SeriesStarts<N>,
+    rows: &'b [CoefficientRow<LANES>],
     options: &'b Options,
     /// Chooses the steps by the radii of convergence of the series.
     choose: &'b mut P,
 }
 
-impl<P: FnMut(Lanes<LANES>) -> Lanes<LANES>, const N: usize> Plan<'_, P, N> {
+impl<P: FnMut(Lanes<LANES>) -> Lanes<LANES>, const N: usize> StepPlanner<'_, P, N> {
     #[inline(always)]
-    fn of<const G: usize>(&mut self, expansion: Expansion<G>) -> Planned<N, G> {
-        let Begin { t, x, h, order } = self.begin;
+    fn of<const G: usize>(&mut self, expansion: Expansion<G>) -> PlannedSteps<N, G> {
+        let SeriesStarts { t, x, h, order } = self.begin;
         let limits = step_ratio(self.rows, &expansion, *order, self.options, (*t, *h), x);
         let ratios = (self.choose)(limits);
-        Planned {
+        PlannedSteps {
             ends: Ends::of(self.rows, &expansion, *order, ratios),
             expansion,
             ratios,
@@ -107,10 +108,10 @@ impl<P: FnMut(Lanes<LANES>) -> Lanes<LANES>, const N: usize> Plan<'_, P, N> {
 /// Expands several orbits in one mode by the functions of its flow, in the widest vectors of the
 /// machine. The width changes no bit. Without a result they are expanded one by one.
 ///
-/// The first rows are an argument because it consists of two references: see [`Rows`].
+/// The first rows are an argument because it consists of two references: see [`CoefficientRows`].
 struct ByFlow<'a, 'b, F, P, const N: usize, const G: usize> {
-    first: &'a [Row<LANES>; AT_ONCE],
-    plan: &'a mut Plan<'b, P, N>,
+    first: &'a [CoefficientRow<LANES>; MIN_ROWS],
+    plan: &'a mut StepPlanner<'b, P, N>,
     flow: &'a F,
 }
 
@@ -119,15 +120,15 @@ where
     F: Flow<N>,
     P: FnMut(Lanes<LANES>) -> Lanes<LANES>,
 {
-    type Output = Result<Option<Planned<N, G>>, usize>;
+    type Output = Result<Option<PlannedSteps<N, G>>, usize>;
 
     #[inline(always)]
     fn call(self) -> Self::Output {
         let (first, all) = (self.first, self.plan.rows);
-        let Begin { t, x, h, order } = self.plan.begin;
+        let SeriesStarts { t, x, h, order } = self.plan.begin;
         let flow = OfFlow(self.flow);
-        let expansion = in_rows(Rows { first, all }, (*t, *h), x, *order, &flow)?;
-        if expansion.divided || expansion.value_read || expansion.overflowed {
+        let expansion = in_rows(CoefficientRows { first, all }, (*t, *h), x, *order, &flow)?;
+        if expansion.lanes_differ || expansion.value_read || expansion.overflowed {
             return Ok(None);
         }
         Ok(Some(self.plan.of(expansion)))
@@ -136,7 +137,7 @@ where
 
 /// Plans the steps of orbits that were expanded by repetition.
 struct ByRecording<'a, 'b, P, const N: usize, const G: usize> {
-    plan: &'a mut Plan<'b, P, N>,
+    plan: &'a mut StepPlanner<'b, P, N>,
     expansion: Expansion<G>,
 }
 
@@ -144,7 +145,7 @@ impl<P, const N: usize, const G: usize> NullaryFnOnce for ByRecording<'_, '_, P,
 where
     P: FnMut(Lanes<LANES>) -> Lanes<LANES>,
 {
-    type Output = Planned<N, G>;
+    type Output = PlannedSteps<N, G>;
 
     #[inline(always)]
     fn call(self) -> Self::Output {
@@ -154,12 +155,12 @@ where
 
 /// The orbits of a thread.
 struct Batch<'o, S: Switched<N, G>, M, const N: usize, const G: usize> {
-    members: Vec<UnderWay<M>>,
+    members: Vec<ActiveOrbit<M>>,
     waiting: Vec<Queue<S::Mode, S::Branch>>,
     series: Series<LANES>,
     /// Recorded calls of interpreted functions, by class.
     recordings: Vec<Recordings<S::Mode, S::Branch, N, G>>,
-    lines: Lines<LANES>,
+    linear_numbers: LinearNumbers<LANES>,
     options: &'o Options,
 }
 
@@ -168,51 +169,51 @@ where
     S: Switched<N, G> + 'a,
     M: Member<'a, S, N, G>,
 {
-    /// Puts an orbit into the queue of its kind.
-    fn wait(&mut self, i: usize) {
-        let UnderWay { class, member, .. } = &mut self.members[i];
+    /// Puts an orbit into the queue with its key.
+    fn enqueue(&mut self, i: usize) {
+        let ActiveOrbit { class, member, .. } = &mut self.members[i];
         let integration = member.integration();
-        let kind = (*class, integration.mode, integration.branch);
-        match self.waiting.iter_mut().find(|queue| queue.kind == kind) {
+        let key = (*class, integration.mode, integration.branch);
+        match self.waiting.iter_mut().find(|queue| queue.key == key) {
             Some(queue) => queue.members.push(i),
             None => self.waiting.push(Queue {
-                kind,
+                key,
                 members: vec![i],
             }),
         }
     }
 
-    /// Takes the orbits that are expanded next: those of the most frequent kind.
+    /// Takes the orbits that are expanded next: those with the most frequent key.
     fn next(&mut self) -> Option<Queue<S::Mode, S::Branch>> {
         let waiting = self.waiting.iter_mut().enumerate();
         let (i, queue) = waiting.max_by_key(|(_, queue)| queue.members.len())?;
         let left = queue.members.len().saturating_sub(LANES);
-        let (kind, members) = (queue.kind, queue.members.split_off(left));
+        let (key, members) = (queue.key, queue.members.split_off(left));
         if left == 0 {
             self.waiting.swap_remove(i);
         }
-        Some(Queue { kind, members })
+        Some(Queue { key, members })
     }
 
     /// Expands the orbits' series in lanes. Where that is impossible or does not pay, each step
     /// expands its own.
-    fn expand(&mut self, kind: Kind<S::Mode, S::Branch>, group: &[usize]) {
+    fn expand(&mut self, key: GroupKey<S::Mode, S::Branch>, group: &[usize]) {
         for &i in group {
             let orbit = &mut self.members[i];
             orbit.watches_step = orbit.member.watches_step();
         }
-        if group.len() < WORTH_IT {
+        if group.len() < MIN_GROUP {
             return;
         }
         let Some(begin) = self.begin(group) else {
             return;
         };
         let planned = if const { S::INTERPRETED } {
-            self.repeat(&begin, kind, group)
+            self.repeat(&begin, key, group)
         } else {
-            let (_, mode, branch) = kind;
+            let (_, mode, branch) = key;
             let system = self.members[group[0]].member.integration().system;
-            let by_flow = Grouped {
+            let by_flow = GroupByFlow {
                 begin: &begin,
                 batch: self,
                 group,
@@ -220,13 +221,13 @@ where
             system.with_flow(mode, branch, by_flow)
         };
         if let Some(planned) = planned {
-            self.take(&planned, group);
+            self.distribute(&planned, group);
         }
     }
 
     /// Where the orbits' series begin.
-    fn begin(&mut self, group: &[usize]) -> Option<Begin<N>> {
-        let mut begin = Begin {
+    fn begin(&mut self, group: &[usize]) -> Option<SeriesStarts<N>> {
+        let mut begin = SeriesStarts {
             t: [0.0; LANES],
             x: [[0.0; LANES]; N],
             h: [0.0; LANES],
@@ -248,18 +249,18 @@ where
     /// Expands the orbits by a recorded call. `None` if no call serves all of them.
     fn repeat(
         &mut self,
-        begin: &Begin<N>,
-        (class, mode, branch): Kind<S::Mode, S::Branch>,
+        begin: &SeriesStarts<N>,
+        (class, mode, branch): GroupKey<S::Mode, S::Branch>,
         group: &[usize],
-    ) -> Option<Planned<N, G>> {
-        let repeated = self.recordings.get(class)?.known(&(mode, branch))?;
-        let Begin { t, x, h, order } = begin;
-        let lines = &mut self.lines;
+    ) -> Option<PlannedSteps<N, G>> {
+        let repeated = self.recordings.get(class)?.get(&(mode, branch))?;
+        let SeriesStarts { t, x, h, order } = begin;
+        let linear_numbers = &mut self.linear_numbers;
         let expansion = self
             .series
-            .expand_by(|rows| repeated.expand_again(rows, (*t, *h), x, *order, lines))?;
+            .expand_by(|rows| repeated.expand_again(rows, (*t, *h), x, *order, linear_numbers))?;
         let members = &mut self.members;
-        let plan = &mut Plan {
+        let plan = &mut StepPlanner {
             begin,
             rows: self.series.rows(),
             options: self.options,
@@ -269,7 +270,7 @@ where
     }
 
     /// Passes to each orbit what its step needs of the expansion.
-    fn take(&mut self, planned: &Planned<N, G>, group: &[usize]) {
+    fn distribute(&mut self, planned: &PlannedSteps<N, G>, group: &[usize]) {
         for (lane, &i) in group.iter().enumerate() {
             let orbit = &mut self.members[i];
             let Integration { stepper, run, .. } = orbit.member.integration();
@@ -284,7 +285,7 @@ where
 
     /// Continues an orbit to its next series, with the recorded calls of its class.
     fn go_on(&mut self, i: usize) -> Option<M::Outcome> {
-        let UnderWay { class, member, .. } = &mut self.members[i];
+        let ActiveOrbit { class, member, .. } = &mut self.members[i];
         if !const { S::INTERPRETED } {
             return member.go_on();
         }
@@ -301,7 +302,7 @@ where
 
 /// Chooses the orbits' next steps within the limits that their series give.
 fn choose<'a, S, M, const N: usize, const G: usize>(
-    members: &mut [UnderWay<M>],
+    members: &mut [ActiveOrbit<M>],
     group: &[usize],
     mut ratios: Lanes<LANES>,
 ) -> Lanes<LANES>
@@ -318,19 +319,19 @@ where
     ratios
 }
 
-/// Orbits of one kind that are expanded by its flow.
-struct Grouped<'b, 'o, S: Switched<N, G>, M, const N: usize, const G: usize> {
-    begin: &'b Begin<N>,
+/// Orbits with the same key, expanded by the functions of its flow.
+struct GroupByFlow<'b, 'o, S: Switched<N, G>, M, const N: usize, const G: usize> {
+    begin: &'b SeriesStarts<N>,
     batch: &'b mut Batch<'o, S, M, N, G>,
     group: &'b [usize],
 }
 
-impl<'a, S, M, const N: usize, const G: usize> UseFlow<N> for Grouped<'_, '_, S, M, N, G>
+impl<'a, S, M, const N: usize, const G: usize> UseFlow<N> for GroupByFlow<'_, '_, S, M, N, G>
 where
     S: Switched<N, G> + 'a,
     M: Member<'a, S, N, G>,
 {
-    type Output = Option<Planned<N, G>>;
+    type Output = Option<PlannedSteps<N, G>>;
 
     #[inline(always)]
     fn with<F: Flow<N>>(self, flow: &F) -> Self::Output {
@@ -338,7 +339,7 @@ where
         let members = &mut self.batch.members;
         let mut choose = |limits| choose(members, self.group, limits);
         self.batch.series.expand_by(|rows| {
-            let plan = &mut Plan {
+            let plan = &mut StepPlanner {
                 begin,
                 rows: rows.all,
                 options,
@@ -373,7 +374,7 @@ where
                 Some(outcome) => Err(outcome),
             });
             match begun {
-                Ok(member) => Some(UnderWay {
+                Ok(member) => Some(ActiveOrbit {
                     number,
                     class,
                     member,
@@ -387,27 +388,27 @@ where
         })
     };
     let mut batch = Batch {
-        members: Vec::with_capacity(UNDER_WAY),
+        members: Vec::with_capacity(ACTIVE_ORBITS),
         waiting: Vec::new(),
         series: Series::default(),
         recordings: Vec::new(),
-        lines: Lines::new(),
+        linear_numbers: LinearNumbers::new(),
         options,
     };
-    while batch.members.len() < UNDER_WAY
+    while batch.members.len() < ACTIVE_ORBITS
         && let Some(orbit) = next(&mut outcomes, None)
     {
         batch.members.push(orbit);
     }
     for i in 0..batch.members.len() {
-        batch.wait(i);
+        batch.enqueue(i);
     }
-    while let Some(Queue { kind, members }) = batch.next() {
-        batch.expand(kind, &members);
+    while let Some(Queue { key, members }) = batch.next() {
+        batch.expand(key, &members);
         for i in members {
             let outcome = batch.go_on(i);
             if outcome.is_some() {
-                let UnderWay { number, member, .. } = &mut batch.members[i];
+                let ActiveOrbit { number, member, .. } = &mut batch.members[i];
                 outcomes[*number] = outcome;
                 // The next orbit reuses the last one's memory.
                 let stepper = &mut member.integration().stepper;
@@ -418,7 +419,7 @@ where
                     None => continue,
                 }
             }
-            batch.wait(i);
+            batch.enqueue(i);
         }
     }
     outcomes.into_iter().flatten().collect()

@@ -4,11 +4,11 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
-use super::batch::{self, side_by_side};
+use super::batch::{self, LANES, side_by_side};
 use super::integration::{Integration, Progress};
 use super::observer::Observer;
 use super::options::{Method, Options};
-use super::solve::{Failure, Summary, run, tell};
+use super::solve::{Failure, Summary, notify, run};
 use super::stepper::Stepper;
 use super::switched::Switched;
 use crate::error::Error;
@@ -16,15 +16,14 @@ use crate::ode::Timed;
 use crate::orbit::Ending;
 use crate::system::State;
 
-/// Number of orbits that run or wait to be reported at one time. It bounds the memory.
-pub(crate) const WAVE: usize = 4096;
+/// Number of orbits that run or wait to be reported at one time. Chosen: it bounds the memory, and
+/// is enough tasks for a hundred threads.
+pub(crate) const ORBITS_AT_ONCE: usize = 4096;
 
-/// Number of orbits that a thread takes at once, of so many: enough to fill the lanes, and few
-/// enough that no thread waits long for the others.
-pub(crate) fn share(orbits: usize) -> usize {
-    const MOST: usize = 128;
-    const LEAST: usize = 16;
-    (orbits / (4 * rayon::current_num_threads())).clamp(LEAST, MOST)
+/// Number of orbits that a thread takes at once: about a quarter of its share. They are enough to
+/// fill the lanes, and few enough that no thread waits long for the others.
+pub(crate) fn task_size(orbits: usize) -> usize {
+    (orbits / (4 * rayon::current_num_threads())).clamp(2 * LANES, 16 * LANES)
 }
 
 /// The start of an orbit of an ensemble, and its system.
@@ -76,19 +75,19 @@ pub fn ensemble<S, O, const N: usize, const G: usize>(
 {
     let mut starts = starts.into_iter();
     let mut first = 0;
-    let mut wave = Vec::with_capacity(WAVE);
+    let mut wave = Vec::with_capacity(ORBITS_AT_ONCE);
     let mut outcomes = Vec::new();
     loop {
         wave.clear();
-        wave.extend(starts.by_ref().take(WAVE));
+        wave.extend(starts.by_ref().take(ORBITS_AT_ONCE));
         if wave.is_empty() {
             return;
         }
-        let share = share(wave.len());
-        wave.par_chunks(share)
+        let size = task_size(wave.len());
+        wave.par_chunks(size)
             .enumerate()
             .map(|(k, starts)| {
-                let first = first + k * share;
+                let first = first + k * size;
                 let mut observers: Vec<O> = (first..first + starts.len()).map(&observer).collect();
                 let outcomes = if options.method == Method::Taylor {
                     let each = starts.iter().zip(&mut observers);
@@ -146,7 +145,8 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
         let begun =
             Integration::with_stepper(&start.system, (Timed { t, x }, N), t_end, options, stepper);
         Ok(Member {
-            integration: begun.map_err(|error| Err(Failure::new(error, Summary::of_none(t, x))))?,
+            integration: begun
+                .map_err(|error| Err(Failure::new(error, Summary::before_first_step(t, x))))?,
             observer,
             is_ready: false,
             is_watched: true,
@@ -155,12 +155,12 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
     }
 
     /// Informs the observer. Returns the outcome if the run has ended.
-    fn tell(&mut self, progress: Result<Progress<N, S::Mode>, Error>) -> Option<Outcome<N>> {
+    fn notify(&mut self, progress: Result<Progress<N, S::Mode>, Error>) -> Option<Outcome<N>> {
         let (integration, is_stopping) = (&mut self.integration, &mut self.is_stopping);
-        let told =
-            progress.and_then(|progress| tell(integration, &progress, self.observer, is_stopping));
+        let notified = progress
+            .and_then(|progress| notify(integration, &progress, self.observer, is_stopping));
         let failed = |error| Failure::new(error, self.integration.summary(Ending::Failed));
-        told.map_err(failed).transpose()
+        notified.map_err(failed).transpose()
     }
 }
 
@@ -194,11 +194,11 @@ where
                         self.is_ready = true;
                         return None;
                     }
-                    Ok(false) => self.integration.say(),
+                    Ok(false) => self.integration.report(),
                     Err(error) => Err(error),
                 }
             };
-            let outcome = self.tell(progress);
+            let outcome = self.notify(progress);
             if outcome.is_some() {
                 return outcome;
             }
@@ -210,11 +210,11 @@ where
 fn classes<S: PartialEq, const N: usize>(starts: &[Start<S, N>]) -> Vec<usize> {
     let mut firsts: Vec<usize> = Vec::new();
     let class = |(number, start): (usize, &Start<S, N>)| {
-        let known = firsts
+        let earlier = firsts
             .iter()
             .copied()
             .find(|&first| starts[first].system == start.system);
-        known.unwrap_or_else(|| {
+        earlier.unwrap_or_else(|| {
             firsts.push(number);
             number
         })

@@ -25,8 +25,8 @@ pub fn normal_component<S: Filippov<N>, T: Scalar, const N: usize>(
 }
 
 /// Filippov's sliding field on Σ: the convex combination of the two fields ([`Filippov::holding`])
-/// that is tangent to Σ, `f₁ + λ (f₂ − f₁)` with `λ = a₁/(a₁ − a₂)` and `a₁`, `a₂` the fields'
-/// normal components (Filippov 1988, Sect. 4).
+/// that is tangent to Σ. It is `f₁ + λ (f₂ − f₁)` with `λ = a₁/(a₁ − a₂)`, where `a₁` and `a₂` are
+/// the fields' normal components (Filippov 1988, Sect. 4).
 ///
 /// Components that both fields share come out exactly as they are. Where both normal components
 /// vanish (a two-fold) or agree, every combination is as tangent as any other; the mean is taken.
@@ -106,20 +106,20 @@ fn contact_guard<S: Filippov<N>, T: Scalar, const N: usize>(
     }
 }
 
-/// Margin of [`is_positive`] relative to the width of the range. The box holds the dense output.
-/// The solution differs from it by less than a thousandth of a step's motion at the loosest
+/// Margin of [`is_positive`] relative to the width of the range. The box contains the dense output,
+/// from which the solution differs by less than a thousandth of a step's motion at the loosest
 /// tolerance.
-const OF_WIDTH: f64 = 1e-3;
+const DENSE_MARGIN: f64 = 1e-3;
 
-/// Margin relative to the size of the values. Bounds are not rounded outward; a billionth is four
-/// million roundings.
-const OF_SIZE: f64 = 1e-9;
+/// Margin of [`is_positive`] relative to the size of the values, for bounds that are not rounded
+/// outward. Chosen: it covers four million roundings and hides no guard that matters.
+const ROUNDING_MARGIN: f64 = 1e-9;
 
 /// Whether a range of values lies above zero by more than the error of the dense output and
 /// rounding.
 #[inline(always)]
 fn is_positive(range: Interval) -> bool {
-    range.low > OF_WIDTH * (range.high - range.low) && range.low > OF_SIZE * range.high
+    range.low > DENSE_MARGIN * (range.high - range.low) && range.low > ROUNDING_MARGIN * range.high
 }
 
 /// A smooth flow that lasts while all its guards are positive.
@@ -198,7 +198,7 @@ pub trait Flow<const N: usize> {
 
     /// Slope of time and state with guard `i` as independent variable: `(1, f)/rate`.
     #[inline(always)]
-    fn swapped(&self, i: usize, at: &Timed<N>) -> Timed<N> {
+    fn henon_slope(&self, i: usize, at: &Timed<N>) -> Timed<N> {
         let x = components(&at.x);
         let f = self.field(at.t, x);
         let per_guard = 1.0 / self.rate(i, at.t, x, &f);

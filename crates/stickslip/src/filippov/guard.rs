@@ -1,14 +1,25 @@
 //! A guard over one step of any method, and the search for its first event.
 
-use super::event::Event;
-use super::scan::{Bracket, NARROWEST, first_bracket, zero_in};
+use super::scan::{Bracket, NARROWEST_INTERVAL, first_bracket, zero_in};
 use crate::ode::Timed;
+
+/// Where a guard reaches zero first.
+#[derive(Clone, Copy, Debug)]
+pub struct Event<const N: usize> {
+    pub guard: usize,
+    pub at: Timed<N>,
+    /// Whether the guard turns back there, within the touch tolerance, instead of passing through
+    /// zero.
+    pub is_touch: bool,
+    /// Size of the guard that remains at that state.
+    pub residual: f64,
+}
 
 /// A guard as a function of the part `s` of a step: 0 at the start of the step, 1 at its end.
 pub(crate) trait StepGuard<const N: usize> {
     /// Part of the step up to which probes are valid. A touch that the step's end cuts in two turns
     /// back beyond 1.
-    fn beyond(&self) -> f64;
+    fn probe_end(&self) -> f64;
 
     /// Length of the step in the time unit of the probes' rates.
     fn length(&self) -> f64;
@@ -16,8 +27,8 @@ pub(crate) trait StepGuard<const N: usize> {
     /// Whether the guard is zero at the start, where the state has touched or left its boundary.
     fn starts_at_zero(&self) -> bool;
 
-    /// Offset of a guard that starts flat at zero; see [`super::leaving::Leaving`].
-    fn lift(&self) -> f64;
+    /// Offset of a guard that starts flat at zero; see [`super::deflation::DeflatedGuard`].
+    fn offset(&self) -> f64;
 
     /// The guard. A zero at the start is divided out.
     fn value(&self, s: f64) -> f64;
@@ -25,7 +36,7 @@ pub(crate) trait StepGuard<const N: usize> {
     /// State and guard at `s` as exactly as the step gives them, with the offset.
     fn probe(&self, s: f64) -> Probe<N>;
 
-    /// Brackets the first zero behind `from` by resolving the values over the rest of the step.
+    /// Brackets the first zero after `from` by resolving the values over the rest of the step.
     fn first_zero(&self, from: f64) -> Option<Bracket> {
         first_bracket(&mut |s| self.value(s), from, 1.0)
     }
@@ -81,42 +92,42 @@ pub(crate) fn first_event<E, const N: usize>(
             };
             return locate(rest, 1.0, true);
         };
-        from = back.b.max(from + NARROWEST);
+        from = back.b.max(from + NARROWEST_INTERVAL);
     }
     None
 }
 
 /// What a zero of a guard is.
-pub(crate) enum Fall<const N: usize> {
+pub(crate) enum ZeroKind<const N: usize> {
     /// The guard passes through zero.
     Exit,
     /// The guard turns back.
     Touch(Probe<N>),
     /// The guard has not left the zero of the start.
-    Nothing,
+    StillAtStart,
 }
 
-impl<const N: usize> Fall<N> {
+impl<const N: usize> ZeroKind<N> {
     /// Classifies a guard that is zero at the probe and falls: does it turn back no deeper than
     /// `depth`?
-    pub(crate) fn behind(zero: &Probe<N>, guard: &dyn StepGuard<N>, depth: f64) -> Self {
+    pub(crate) fn classify(zero: &Probe<N>, guard: &dyn StepGuard<N>, depth: f64) -> Self {
         if zero.bend > 0.0 && zero.rate * zero.rate <= 2.0 * depth * zero.bend {
             let turn = turning_point(guard, zero.s);
-            // Behind a corner the guard may continue to fall, whatever its curvature before.
+            // After a corner the guard may continue to fall, whatever its curvature before.
             if turn.guard.abs() <= depth {
-                return Fall::turning(turn, guard, depth);
+                return ZeroKind::classify_turn(turn, guard, depth);
             }
         }
-        Fall::Exit
+        ZeroKind::Exit
     }
 
     /// Classifies a guard that turns back here, within `depth` of zero.
-    pub(crate) fn turning(turn: Probe<N>, guard: &dyn StepGuard<N>, depth: f64) -> Self {
+    pub(crate) fn classify_turn(turn: Probe<N>, guard: &dyn StepGuard<N>, depth: f64) -> Self {
         let is_near = |s: f64| guard.probe(s).guard.abs() <= depth;
         if guard.starts_at_zero() && is_near(0.5 * turn.s) {
-            Fall::Nothing
+            ZeroKind::StillAtStart
         } else {
-            Fall::Touch(turn)
+            ZeroKind::Touch(turn)
         }
     }
 }
@@ -130,7 +141,7 @@ pub(crate) fn turning_point<const N: usize>(guard: &dyn StepGuard<N>, s: f64) ->
             break;
         }
         let change = (-here.rate / (here.bend * guard.length())).clamp(-0.5, 0.5);
-        let next = (s + change).clamp(0.0, guard.beyond());
+        let next = (s + change).clamp(0.0, guard.probe_end());
         if next == s {
             break;
         }

@@ -1,20 +1,20 @@
-//! The one loop: an integration that goes on step by step and says what happens.
+//! An integration under way: takes one step at a time and reports what happens.
 
-use super::event::Event;
 use super::flow::{Flow, GUARDS};
+use super::guard::Event;
 use super::observer::{Phase, StepRecord, Transition, TransitionKind};
 use super::options::{AtPileUp, Options};
-use super::pile_up::PileUp;
+use super::pile_up::PileUpDetector;
 use super::recordings::Recordings;
 use super::run::{Run, Trial};
 use super::solve::Summary;
 use super::stepper::{Stepper, Work};
-use super::switched::{Next, Rest, Settled, Switched, UseFlow, Velocity};
+use super::switched::{Next, Settled, StickingPoint, Switched, UseFlow, Velocity};
 use crate::error::Error;
 use crate::ode::Timed;
 use crate::orbit::{Counters, Ending};
 use crate::system::{IntoState, Mode, State, components};
-use crate::taylor::repeated::Repeated;
+use crate::taylor::recorded_calls::RecordedCalls;
 
 /// What happened in an integration; see [`Integration::step`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,11 +25,11 @@ pub enum Progress<const N: usize, K = Mode> {
     PhaseEnd(Phase<N, K>),
     /// The mode changes, or Σ was touched, or contact lost or gained, at the end of the last step.
     Transition(Transition<N, K>),
-    /// The run has ended; further calls say the same.
+    /// The run has ended; further calls report the same.
     End(Summary<N>),
 }
 
-/// An integration under way: a system, where it stands, and what it does next.
+/// An integration under way: a system, its present time and state, and what follows.
 ///
 /// [`crate::solve`], [`crate::run`], [`crate::ensemble`] and everything in [`crate::analysis`] that
 /// follows an orbit are loops over [`Integration::step`].
@@ -57,42 +57,42 @@ pub struct Integration<'a, S: Switched<N, G>, const N: usize, const G: usize = G
     pub(super) run: Run<N, G>,
     pub(super) stepper: Stepper<N, G>,
     pub(super) mode: S::Mode,
-    /// What besides the mode decides the flow.
+    /// What decides the flow besides the mode.
     pub(super) branch: S::Branch,
     /// The last step's mode.
     pub(super) last_mode: S::Mode,
-    pub(super) pile_up: PileUp<N, S::Mode>,
-    /// How the run goes on where transitions accumulate, while it is led there.
-    pub(super) rest: Option<Rest<S::Mode, S::Branch, N, G>>,
+    pub(super) pile_up: PileUpDetector<N, S::Mode>,
+    /// The point where transitions accumulate, while the run is on its way there.
+    pub(super) sticking_point: Option<StickingPoint<S::Mode, S::Branch, N, G>>,
     /// Recorded calls of the system's functions, if these are interpreted.
     pub(super) recordings: Recordings<S::Mode, S::Branch, N, G>,
     pub(super) due: Due,
 }
 
-/// What the next call begins with.
+/// What the next call of [`Integration::step`] begins with.
 #[derive(Clone, Copy)]
 pub(super) enum Due {
-    /// The first step of a phase, or of the rest of one.
+    /// The first step of a phase, or of its continuation after an event that does not end it.
     Begin,
     /// Another step.
     Step,
-    /// Another step, after one without an event.
-    Passed,
-    /// The event that the last step has come to.
+    /// Another step after one without an event.
+    AfterStep,
+    /// The event at the end of the last step.
     Event,
-    /// The phase has ended at the event; the rules decide what follows.
+    /// The mode that follows the event at which the phase has ended.
     Switch,
-    /// The way to where transitions accumulate.
-    Rest,
-    /// Nothing but to say that the phase under way has ended with the run.
+    /// The step to the point where transitions accumulate.
+    Accumulation,
+    /// The report that the phase under way has ended with the run.
     PhaseEnd(Ending),
-    /// Nothing: the run has ended.
+    /// The report that the run has ended.
     End(Ending),
 }
 
 impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N, G> {
-    /// An integration of `system` from `(t0, x0)` to `t_end`. The start may lie anywhere: on either
-    /// side, on Σ, at a tangent point.
+    /// An integration of `system` from `(t0, x0)` to `t_end`. The start may lie on either side, on
+    /// Σ, or at a tangent point.
     ///
     /// # Errors
     /// [`Error::Option`], [`Error::Interval`], [`Error::Parameter`], [`Error::StartOutsideDomain`]
@@ -111,8 +111,8 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         Self::with_stepper(system, (start, N), t_end, options, Stepper::new(options))
     }
 
-    /// [`Integration::new`] of a system of so many states, which may be fewer than its type has
-    /// room for. It takes a stepper's room that another integration with the same options has left.
+    /// [`Integration::new`] of a system with that number of states, which may be fewer than its
+    /// type has room for. The stepper may have served another integration with the same options.
     pub(crate) fn with_stepper(
         system: &'a S,
         (start, states): (Timed<N>, usize),
@@ -135,19 +135,19 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             mode,
             branch: system.branch(mode, &start),
             last_mode: mode,
-            pile_up: PileUp::new(&start, mode),
-            rest: None,
+            pile_up: PileUpDetector::new(&start, mode),
+            sticking_point: None,
             recordings: Recordings::default(),
             due,
         })
     }
 
-    /// An integration that stays in a mode to its end, whatever the guards do. Contact is lost or
+    /// An integration that stays in a mode to its end regardless of the guards. Contact is lost or
     /// kept as at `inside`.
     ///
     /// # Errors
     /// Those of [`Integration::new`].
-    pub(crate) fn held(
+    pub(crate) fn in_mode(
         system: &'a S,
         (mode, inside): (S::Mode, &Timed<N>),
         start: (Timed<N>, usize),
@@ -155,7 +155,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         options: &Options,
     ) -> Result<Self, Error> {
         let mut run = Run::checked(system, start, t_end, options)?;
-        run.is_held = true;
+        run.is_prescribed = true;
         Ok(Integration {
             system,
             run,
@@ -163,27 +163,27 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             mode,
             branch: system.branch(mode, inside),
             last_mode: mode,
-            pile_up: PileUp::new(inside, mode),
-            rest: None,
+            pile_up: PileUpDetector::new(inside, mode),
+            sticking_point: None,
             recordings: Recordings::default(),
             due: Due::Begin,
         })
     }
 
-    /// Takes the next step and says so, or says what the last one has led to, one thing a call: the
-    /// end of a phase, then the transition behind it.
+    /// Takes the next step and reports it, or reports a consequence of the last one. Each call
+    /// reports one item: the end of a phase, then the transition that follows.
     ///
     /// # Errors
     /// [`Error::NonFinite`], [`Error::StepCollapse`], [`Error::EventPileUp`],
     /// [`Error::BranchPileUp`], [`Error::TooMany`] and [`Error::Escaped`];
     /// [`Error::StaticBelowKinetic`]; of several contacts [`Error::NoUniqueMode`],
     /// [`Error::TooManyContacts`], [`Error::DependentContacts`], [`Error::HoldsElsewhere`] and
-    /// [`Error::NotAdditive`]. The integration stays where it has come to.
+    /// [`Error::NotAdditive`]. The integration stays at the last state.
     #[inline]
     pub fn step(&mut self) -> Result<Progress<N, S::Mode>, Error> {
         loop {
             if !self.prepare()? {
-                return self.say();
+                return self.report();
             }
             if self.advance()? {
                 return Ok(Progress::Step);
@@ -191,23 +191,23 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         }
     }
 
-    /// The last step, with the solution over it; of no length before the first.
+    /// The last step, with the solution over it; of zero length before the first.
     ///
-    /// By [`crate::Method::Dop853`] a step far from all events has no dense output before it is
-    /// asked for here, which saves a fifth of the field's calls. It is then taken again, and the
-    /// next one has its dense output at once: asking every time costs no more than that, asking now
-    /// and then two steps each time.
+    /// With [`crate::Method::Dop853`], a step far from all events has no dense output until this
+    /// call requests it, which saves a fifth of the field's calls. The call repeats the step, and
+    /// the next step has its dense output at once. Requests for every step cost no more than that.
+    /// A request now and then costs two steps.
     #[inline]
     pub fn last_step(&mut self) -> StepRecord<N, S::Mode> {
-        // The mode of a step without dense output is still the run's: only events change that. This
+        // A step without dense output is in the run's mode, since only events change that. This
         // work cannot fail.
         let _ = self.work(Work::Complete);
         self.run.wants_dense = true;
         self.run.last_step(self.last_mode)
     }
 
-    /// Goes on to where a step is taken next, or to where something is to be said before; returns
-    /// whether it is a step.
+    /// Continues until a step is to be taken, or an item is to be reported first. Returns whether
+    /// it is a step.
     #[inline(always)]
     pub(crate) fn prepare(&mut self) -> Result<bool, Error> {
         match self.due {
@@ -217,10 +217,10 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
                 self.stepper.begin();
                 self.due = Due::Step;
             }
-            Due::Passed => {
+            Due::AfterStep => {
                 self.run.check_escape()?;
                 if self.run.orders != [0; G] {
-                    self.work(Work::NoteDepartures)?;
+                    self.work(Work::RecordDepartures)?;
                 }
                 self.due = Due::Step;
             }
@@ -228,7 +228,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
                 self.run.check_escape()?;
                 return Ok(false);
             }
-            Due::Event | Due::Switch | Due::Rest | Due::End(_) => return Ok(false),
+            Due::Event | Due::Switch | Due::Accumulation | Due::End(_) => return Ok(false),
         }
         if self.run.at.t >= self.run.t_end {
             self.due = Due::PhaseEnd(Ending::EndTime);
@@ -241,15 +241,15 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         Ok(true)
     }
 
-    /// Tries a step, and says whether it was taken.
+    /// Tries a step. Returns whether it was taken.
     #[inline(always)]
     pub(crate) fn advance(&mut self) -> Result<bool, Error> {
         self.due = match self.work(Work::Advance) {
             Ok(Trial::NoStep) => return Ok(false),
-            Ok(Trial::Step) => Due::Passed,
+            Ok(Trial::Step) => Due::AfterStep,
             Ok(Trial::Event) => Due::Event,
             Err(error) => {
-                self.due = self.after(error)?;
+                self.due = self.resolve_failure(error)?;
                 return Ok(false);
             }
         };
@@ -257,22 +257,22 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         Ok(true)
     }
 
-    /// What is to be said before the next step, one thing a call.
-    pub(crate) fn say(&mut self) -> Result<Progress<N, S::Mode>, Error> {
+    /// The next item to be reported before the next step.
+    pub(crate) fn report(&mut self) -> Result<Progress<N, S::Mode>, Error> {
         if let (Due::Event | Due::Switch, Some(event)) = (self.due, self.run.event) {
             match self.conclude(&event) {
                 Err(error) => {
                     let is_between = matches!(self.due, Due::Switch);
-                    self.due = self.after(error)?;
-                    if is_between && let Due::Rest = self.due {
-                        return Ok(self.on_the_way(&event));
+                    self.due = self.resolve_failure(error)?;
+                    if is_between && let Due::Accumulation = self.due {
+                        return Ok(self.transition_towards_accumulation(&event));
                     }
                 }
-                said => return said,
+                reported => return reported,
             }
         }
         match self.due {
-            Due::Rest => Ok(self.come_to_rest()),
+            Due::Accumulation => Ok(self.step_to_accumulation()),
             Due::PhaseEnd(ending) => {
                 let phase = self.phase_so_far();
                 self.due = Due::End(ending);
@@ -283,12 +283,12 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         }
     }
 
-    /// Does what depends on the mode, with the flow of the mode.
+    /// Does work on the flow of the mode.
     #[inline(always)]
     fn work(&mut self, work: Work) -> Result<Trial, Error> {
         let is_series = matches!((work, &self.stepper), (Work::Advance, Stepper::Taylor(_)));
         let expands = S::INTERPRETED && is_series;
-        let repeated = expands.then(|| self.recordings.of((self.mode, self.branch)));
+        let repeated = expands.then(|| self.recordings.get_or_insert((self.mode, self.branch)));
         let on_flow = OnFlow {
             work,
             repeated,
@@ -298,7 +298,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         self.system.with_flow(self.mode, self.branch, on_flow)
     }
 
-    /// A stick phase begins on Σ.
+    /// Projects the state onto Σ if a stick phase begins.
     fn land(&mut self) {
         if S::any_sticks(self.mode) {
             let settled = Settled(self.run.at);
@@ -306,7 +306,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         }
     }
 
-    /// What the event that the last step has come to leads to.
+    /// The consequence of the event at the end of the last step.
     #[cold]
     fn conclude(&mut self, event: &Event<N>) -> Result<Progress<N, S::Mode>, Error> {
         self.run.check_escape()?;
@@ -316,42 +316,44 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         let mode = self.mode;
         let (guard, residual) = (event.guard, event.residual);
         if event.is_touch {
-            self.note_event(S::contact_of(guard), mode)?;
+            self.record_event(S::contact_of(guard), mode)?;
             self.run.orders[guard] = 2;
             self.due = Due::Step;
             let touch = (TransitionKind::Touch, S::contact_of(guard));
             return Ok(self.transition(touch, mode, residual));
         }
         let mut branch = self.branch;
-        let Some(kind) = self.system.passed(guard, &mut branch) else {
+        let Some(kind) = self.system.event_within_mode(guard, &mut branch) else {
             self.due = Due::Switch;
             return Ok(Progress::PhaseEnd(self.phase_so_far()));
         };
-        self.note_event(S::contact_of(guard), mode)?;
+        self.record_event(S::contact_of(guard), mode)?;
         self.branch = branch;
         self.run.orders[guard] = 1;
         self.due = Due::Begin;
         Ok(self.transition((kind, S::contact_of(guard)), mode, residual))
     }
 
-    /// From the end of a phase to the next mode or to the end of the run.
+    /// Continues from the end of a phase to the next mode or to the end of the run.
     fn switch(&mut self, event: &Event<N>) -> Result<Progress<N, S::Mode>, Error> {
         let from = self.mode;
-        if let Some(rest) = self.rest.take() {
-            self.pile_up = PileUp::new(&self.run.at, rest.to);
-            self.note_event(rest.contact, rest.to)?;
-            (self.mode, self.branch) = (rest.to, rest.branch);
-            self.run.orders = rest.orders;
+        if let Some(point) = self.sticking_point.take() {
+            self.pile_up = PileUpDetector::new(&self.run.at, point.to);
+            self.record_event(point.contact, point.to)?;
+            (self.mode, self.branch) = (point.to, point.branch);
+            self.run.orders = point.orders;
             self.run.from = self.run.at;
             self.due = Due::Begin;
-            let entry = (TransitionKind::StickEntry, rest.contact);
+            let entry = (TransitionKind::StickEntry, point.contact);
             return Ok(self.transition(entry, from, 0.0));
         }
-        // At a two-fold of one contact the rules would end the run, or let it stick as far as
-        // rounding does.
+        // At a two-fold of one contact the rules would end the run, or rounding would decide how
+        // long it sticks.
         if self.run.options.at_pile_up == AtPileUp::Rest
             && self.system.ending_of_pile_up(&self.run, from).is_some()
-            && let Some(series) = self.pile_up.under_way(event.at.t, &self.run.options)
+            && let Some(series) = self
+                .pile_up
+                .series_reached_at(event.at.t, &self.run.options)
         {
             return Err(self
                 .pile_up
@@ -367,7 +369,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
                 return Ok(Progress::End(self.summary(ending)));
             }
         };
-        self.note_event(next.contact, next.to)?;
+        self.record_event(next.contact, next.to)?;
         self.mode = next.to;
         self.run.orders = next.orders;
         self.run.from = self.run.at;
@@ -375,7 +377,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         Ok(self.transition((next.kind, next.contact), from, event.residual))
     }
 
-    /// A transition here, into the mode that the run is in now.
+    /// A transition at the present state into the present mode.
     pub(super) fn transition(
         &self,
         (kind, contact): (TransitionKind, usize),
@@ -395,13 +397,13 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     }
 
     /// Counts a transition of a contact into `mode`.
-    pub(super) fn note_event(&mut self, contact: usize, mode: S::Mode) -> Result<(), Error> {
-        self.run.note_event()?;
+    pub(super) fn record_event(&mut self, contact: usize, mode: S::Mode) -> Result<(), Error> {
+        self.run.record_event()?;
         let Timed { t, x } = self.run.at;
         let velocity = Velocity(t, components(&x));
         let velocity = self.system.with_flow(mode, self.branch, velocity).into();
         let (at, options) = (&self.run.at, &self.run.options);
-        if self.pile_up.note(at, (contact, mode), &velocity, options) {
+        if self.pile_up.record(at, (contact, mode), &velocity, options) {
             return Err(self.pile_up.error(at, None, false, options));
         }
         Ok(())
@@ -411,7 +413,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
 /// Work on the flow of the mode.
 struct OnFlow<'a, const N: usize, const G: usize> {
     work: Work,
-    repeated: Option<&'a mut Repeated<N, G>>,
+    repeated: Option<&'a mut RecordedCalls<N, G>>,
     stepper: &'a mut Stepper<N, G>,
     run: &'a mut Run<N, G>,
 }
@@ -426,28 +428,28 @@ impl<const N: usize, const G: usize> UseFlow<N> for OnFlow<'_, N, G> {
 }
 
 impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G> {
-    /// The time reached.
+    /// Present time.
     pub fn t(&self) -> f64 {
         self.run.at.t
     }
 
-    /// The state reached.
+    /// Present state.
     pub fn x(&self) -> &State<N> {
         &self.run.at.x
     }
 
-    /// The mode that the next step is taken in.
+    /// The mode of the next step.
     pub fn mode(&self) -> S::Mode {
         self.mode
     }
 
-    /// The phase under way as far as it has come; `None` between phases.
+    /// The phase under way so far; `None` between phases.
     pub fn phase(&self) -> Option<Phase<N, S::Mode>> {
         let is_open = !matches!(self.due, Due::Switch | Due::End(_));
         (is_open && self.run.from.t < self.run.at.t).then(|| self.phase_so_far())
     }
 
-    /// The work done so far.
+    /// Work done so far.
     pub fn counters(&self) -> &Counters {
         &self.run.counters
     }

@@ -5,27 +5,25 @@ mod accumulation;
 mod batch;
 mod check;
 mod contacts;
+mod deflation;
 mod ensemble;
-mod event;
 mod flow;
 mod guard;
 mod integration;
-mod leap;
-mod leaving;
 mod locate;
 mod observer;
 mod one_contact;
 mod options;
 mod pile_up;
 mod recordings;
+mod restart;
 mod rules;
 mod run;
+mod runge_kutta;
 mod scan;
 mod sections;
-mod slopes;
 mod solve;
 mod stepper;
-mod switch;
 mod switched;
 mod taylor;
 mod two_fold;
@@ -33,8 +31,8 @@ mod uncertainty;
 
 pub(crate) use batch::{Member, side_by_side};
 pub use contacts::{Contacts, Several};
+pub(crate) use ensemble::{ORBITS_AT_ONCE, task_size};
 pub use ensemble::{Start, ensemble};
-pub(crate) use ensemble::{WAVE, share};
 pub(crate) use flow::{Flow, flow_path};
 pub use flow::{boundary_gradient, normal_component, sliding_field};
 pub use integration::{Integration, Progress};
@@ -44,12 +42,13 @@ pub use observer::{
 pub use options::{AtPileUp, AtRepelling, Locator, Method, Options};
 pub(crate) use rules::LieDerivatives;
 pub use rules::{Fate, Visibility, fate};
+pub(crate) use run::TIME_ROUNDING;
 pub use scan::first_zero;
 pub use sections::{
     Direction, EventFunctions, EventOf, EventRecord, EventSearch, Happening, OrbitWithEvents,
     Plane, Strobe, Watched, solve_with_events,
 };
-pub(crate) use solve::tell;
+pub(crate) use solve::notify;
 pub use solve::{Failure, Summary, SummaryOf, run, solve};
 pub(crate) use stepper::Stepper;
 pub use switched::Switched;

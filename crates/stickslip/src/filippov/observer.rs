@@ -2,7 +2,6 @@
 
 use std::ops::{ControlFlow, Sub};
 
-use super::switch::kind;
 use crate::ode::Dense;
 use crate::system::{Mode, State};
 
@@ -66,7 +65,12 @@ impl TransitionKind {
     /// Kind of a change of one contact's mode. At a transition of several contacts, others may be
     /// released or stop, too.
     pub fn between(from: Mode, to: Mode) -> Self {
-        kind(from, to)
+        match (from, to) {
+            (Mode::Slip(before), Mode::Slip(after)) if before != after => TransitionKind::Crossing,
+            (Mode::Slip(_), Mode::Stick) => TransitionKind::StickEntry,
+            (Mode::Stick, Mode::Slip(_)) => TransitionKind::StickExit,
+            _ => TransitionKind::Touch,
+        }
     }
 }
 

@@ -1,20 +1,22 @@
 //! A Filippov system of one boundary as a switched system: slip below, slip above, stick.
 
 use super::check::check;
-use super::event::Event;
 use super::flow::{
     CONTACT, GUARDS, Slip, Stick, boundary_gradient, flow_path, normal_component, sliding_field,
 };
+use super::guard::Event;
 use super::observer::{Transition, TransitionKind};
 use super::options::{AtRepelling, Options};
 use super::rules::{
-    AtRest, Departure, Fate, Leading, LieDerivatives, SAME, Visibility, departure, on_boundary,
-    resting,
+    Departure, Fate, LeadingDerivative, LieDerivatives, Visibility, WithStaticFriction, departure,
+    equilibrium_side, on_boundary,
 };
 use super::run::Run;
-use super::switch::{kind, next_mode};
-use super::switched::{Next, Rest, Switch, Switched, UseFlow, Vanishes, gradient};
+use super::switched::{
+    Next, PROJECTION_STEPS, StickingPoint, Switch, Switched, UseFlow, Vanishes, gradient,
+};
 use super::two_fold::two_fold;
+use super::uncertainty::RELATIVE_ROUNDING;
 use crate::dual::Dual;
 use crate::dynamics::Modes;
 use crate::error::{Error, Point};
@@ -75,11 +77,11 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
         if !on_boundary(self, side, *t, x, run.slack()) {
             return Ok(Some((Mode::Slip(side), [0; GUARDS])));
         }
-        let departure = departs(self, run, None)?;
-        Ok(next_mode(departure, run.options.at_repelling))
+        let departure = departure_at(self, run, None)?;
+        Ok(departure.next_mode(run.options.at_repelling))
     }
 
-    fn passed(&self, guard: usize, contact: &mut f64) -> Option<TransitionKind> {
+    fn event_within_mode(&self, guard: usize, contact: &mut f64) -> Option<TransitionKind> {
         if guard != CONTACT {
             return None;
         }
@@ -111,7 +113,7 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
                 return Ok(Next::Mode(Switch {
                     to,
                     orders: [2, 0, 0],
-                    kind: kind(from, to),
+                    kind: TransitionKind::between(from, to),
                     contact: 0,
                 }));
             }
@@ -123,13 +125,13 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
                 Vanishes(event, &run.options),
             );
         let tangent = vanishes.then(|| Stick::<S>::side_of_guard(event.guard));
-        let departure = departs(self, run, tangent)?;
-        let next = next_mode(departure, run.options.at_repelling);
+        let departure = departure_at(self, run, tangent)?;
+        let next = departure.next_mode(run.options.at_repelling);
         Ok(match next {
             Some((to, orders)) => Next::Mode(Switch {
                 to,
                 orders,
-                kind: kind(from, to),
+                kind: TransitionKind::between(from, to),
                 contact: 0,
             }),
             None => Next::End(Ending::Repelling),
@@ -144,20 +146,20 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
         two_fold(self, run, mode).map(Ending::TwoFold)
     }
 
-    fn rest(
+    fn stick_at_accumulation(
         &self,
         run: &mut Run<N, GUARDS>,
         _mode: Mode,
         _contacts: &[usize],
         at: &Timed<N>,
-    ) -> Option<Rest<Mode, f64, N, GUARDS>> {
+    ) -> Option<StickingPoint<Mode, f64, N, GUARDS>> {
         let at = Timed {
             t: at.t,
             x: onto_two_fold(self, at),
         };
-        let held = AtRest(self);
+        let held = WithStaticFriction(self);
         let slack = run.slack();
-        let of = |side| Leading::new(&held, side, at.t, &at.x, slack, false);
+        let of = |side| LeadingDerivative::new(&held, side, at.t, &at.x, slack, false);
         let [below, above] = [Side::Below, Side::Above].map(of);
         run.counters.field_calls += below.calls + above.calls;
         let departure = departure(below, above, None);
@@ -170,7 +172,7 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
         let [below, above] = [Side::Below, Side::Above]
             .map(|side| LieDerivatives::new(&held, side, at.t, &at.x, slack));
         let holds = departure.fate == Fate::Stick && along.holds_beside([&below, &above]);
-        holds.then(|| Rest {
+        holds.then(|| StickingPoint {
             at,
             to: Mode::Stick,
             branch: self.branch(Mode::Stick, &at),
@@ -179,13 +181,13 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
         })
     }
 
-    fn jumps_at(&self, at: &Transition<N>) -> Option<usize> {
+    fn discontinuity_guard(&self, at: &Transition<N>) -> Option<usize> {
         match at.kind {
             TransitionKind::Crossing | TransitionKind::StickEntry => Some(0),
             // If the holding field ends as the slipping one begins, the fields agree.
             TransitionKind::StickExit => {
                 let here = Timed { t: at.t, x: at.x };
-                let jumps = static_over_kinetic(self, &here) > 1.0 + SAME;
+                let jumps = static_over_kinetic(self, &here) > 1.0 + RELATIVE_ROUNDING;
                 jumps.then_some(match at.to {
                     Mode::Slip(Side::Above) => 1,
                     Mode::Slip(Side::Below) | Mode::Stick => 0,
@@ -220,7 +222,7 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
     }
 
     fn change(from: Mode, to: Mode) -> (TransitionKind, usize) {
-        (kind(from, to), 0)
+        (TransitionKind::between(from, to), 0)
     }
 
     const CONTACTS: usize = 1;
@@ -241,7 +243,7 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
 /// rates along both fields.
 fn onto_two_fold<S: Filippov<N>, const N: usize>(system: &S, at: &Timed<N>) -> State<N> {
     let mut here = *at;
-    for _ in 0..ONTO {
+    for _ in 0..PROJECTION_STEPS {
         let (normal, _) = gradient(|t, x| system.boundary(t, x), &here);
         let (slope, _) = gradient(
             |t, x| {
@@ -262,7 +264,7 @@ fn onto_two_fold<S: Filippov<N>, const N: usize>(system: &S, at: &Timed<N>) -> S
             normal.dot(&slope),
         );
         let determinant = aa * bb - ab * ab;
-        if determinant <= SAME * aa * bb {
+        if determinant <= RELATIVE_ROUNDING * aa * bb {
             break;
         }
         here.x = here
@@ -272,9 +274,6 @@ fn onto_two_fold<S: Filippov<N>, const N: usize>(system: &S, at: &Timed<N>) -> S
     }
     here.x
 }
-
-/// Newton steps from an extrapolated point onto boundaries. Each squares the distance.
-const ONTO: usize = 3;
 
 /// Ratio of static to kinetic friction at a point of Σ. Each is the difference of the normal
 /// components of its two fields. The ratio is 1 where the fields agree.
@@ -295,14 +294,14 @@ fn static_over_kinetic<S: Filippov<N>, const N: usize>(system: &S, at: &Timed<N>
 
 /// The fate of a point of Σ. `tangent` names the side whose normal component, by the holding
 /// fields, is known to vanish: a stick phase has just ended there.
-fn departs<S: Filippov<N>, const N: usize>(
+fn departure_at<S: Filippov<N>, const N: usize>(
     system: &S,
     run: &mut Run<N, GUARDS>,
     tangent: Option<Side>,
 ) -> Result<Departure, Error> {
     let ratio = static_over_kinetic(system, &run.at);
     if ratio == 1.0 {
-        return Ok(departs_by(system, run, tangent));
+        return Ok(departure_by(system, run, tangent));
     }
     let Timed { t, x } = run.at;
     let too_weak = |ratio| Error::StaticBelowKinetic {
@@ -311,14 +310,14 @@ fn departs<S: Filippov<N>, const N: usize>(
         contact: 0,
         ratio,
     };
-    if ratio < 1.0 - SAME {
+    if ratio < 1.0 - RELATIVE_ROUNDING {
         return Err(too_weak(ratio));
     }
-    let held = departs_by(&AtRest(system), run, tangent);
+    let held = departure_by(&WithStaticFriction(system), run, tangent);
     if held.fate == Fate::Stick {
         return Ok(held);
     }
-    let slip = departs_by(system, run, None);
+    let slip = departure_by(system, run, None);
     if slip.fate == Fate::Stick {
         return Err(too_weak(ratio));
     }
@@ -326,18 +325,18 @@ fn departs<S: Filippov<N>, const N: usize>(
 }
 
 /// The same by the fields of one kind of friction.
-fn departs_by<S: Filippov<N>, const N: usize>(
+fn departure_by<S: Filippov<N>, const N: usize>(
     system: &S,
     run: &mut Run<N, GUARDS>,
     tangent: Option<Side>,
 ) -> Departure {
     let (slack, Timed { t, x }) = (run.slack(), run.at);
     let mut of = |side| {
-        let leading = Leading::new(system, side, t, &x, slack, tangent == Some(side));
+        let leading = LeadingDerivative::new(system, side, t, &x, slack, tangent == Some(side));
         run.counters.field_calls += leading.calls;
         leading
     };
     let [below, above] = [Side::Below, Side::Above].map(&mut of);
-    let rests = resting(system, t, &x, [&below, &above]);
+    let rests = equilibrium_side(system, t, &x, [&below, &above]);
     departure(below, above, rests)
 }

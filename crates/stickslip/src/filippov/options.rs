@@ -21,9 +21,9 @@ pub enum Method {
     ///
     /// Events are zeros of the boundary function's series, isolated with certainty, so that
     /// `locator` has no effect. Where a field or boundary uses `max`, `min`, `abs` or
-    /// [`crate::Scalar::exceeds`], a step ends where the comparison changes. It also ends where
-    /// `tanh`, `exp`, `cosh` and `sinh` cease to be flat to rounding, or to be negligible beside
-    /// one (from −17 to 17 for `tanh`, from −37 to 37 for the others).
+    /// [`crate::Scalar::exceeds`], a step ends where the comparison changes. It also ends at the
+    /// bounds of the range in which `tanh` (−17 to 17), or `exp`, `cosh` and `sinh` (−37 to 37),
+    /// are neither flat to rounding nor negligible beside one.
     ///
     /// Other flat and narrow features (a high power of `1/(1 + x²)`) need
     /// [`Options::longest_step`]. A function that branches on [`crate::Scalar::value`] is sampled,
@@ -48,15 +48,15 @@ pub enum Locator {
     Auto,
     /// The paper's method: one Hénon step from the start of the integration step that crosses.
     /// Further ones follow while a curved Σ leaves more than rounding. [`Locator::RootSearch`]
-    /// takes over if the slope is nearly singular, or if in adaptive steps an ordinary step of that
-    /// length misses by more than the tolerance.
+    /// takes over if the slope is nearly singular. With adaptive steps it also does if an ordinary
+    /// step of that length misses by more than the tolerance.
     Henon,
     /// A safeguarded root search (Newton within a bracket) on re-integrated steps.
     RootSearch,
 }
 
-/// What to do where the future is not unique: where Σ repels (both fields lead away), and at a
-/// two-fold (both fields are tangent to Σ) that the orbit slides into. At a two-fold a side is
+/// What to do where the future is not unique. This is where Σ repels (both fields lead away), and
+/// at a two-fold (both fields are tangent to Σ) that the orbit slides into. At a two-fold a side is
 /// chosen if its field is visible there; otherwise the run continues by the rules. With several
 /// contacts ([`crate::Several`]) nothing is chosen: the run ends with an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -105,8 +105,8 @@ pub struct Options {
     /// Event location; default [`Locator::Auto`].
     pub locator: Locator,
     /// Longest step; default unbounded (the last step may be 1 % longer). Error control samples the
-    /// field at a few places of each step. A push in slip, or a feature of a boundary in the state,
-    /// that is much narrower than the solution's own features needs a bound here.
+    /// field at a few places of each step. Set a bound for a push in slip, or a feature of a
+    /// boundary, that is much narrower than the solution's own features.
     pub longest_step: f64,
     /// First step; default chosen from the field.
     pub first_step: Option<f64>,
@@ -118,13 +118,14 @@ pub struct Options {
     /// What to do where transitions accumulate; default stop.
     pub at_pile_up: AtPileUp,
     /// A contact with Σ that reaches no deeper than this many tolerances is a touch, not a pair of
-    /// crossings. The solution itself is known no better. Default 10.
+    /// crossings. The solution itself is not more accurate. Default 10.
     pub touch: f64,
-    /// So many consecutive transitions are a pile-up if they happen within `pile_up_span · max(1,
-    /// |t|)` and all others would, at the ratio of their durations, or if no component moves by more than 100 tolerances between any of them. With
-    /// [`Method::Taylor`] this also counts reversals of the field by a comparison. Default 100.
-    /// Fewer transitions are a pile-up if their durations are a geometric series and the steps
-    /// collapse behind them, or if the tolerance no longer separates the contacts' boundaries.
+    /// Number of consecutive transitions that are a pile-up if they happen within `pile_up_span ·
+    /// max(1, |t|)`, and all others would at the ratio of their durations. They also are if no
+    /// component moves by more than 100 tolerances between any two. With [`Method::Taylor`] this
+    /// also counts reversals of the field by a comparison. Default 100. Fewer transitions are a
+    /// pile-up if their durations are a geometric series and the steps after them collapse. They
+    /// also are if the tolerance does not separate the contacts' boundaries.
     pub pile_up_count: usize,
     /// See `pile_up_count`; default 1e-7.
     pub pile_up_span: f64,
@@ -155,10 +156,10 @@ impl Default for Options {
     }
 }
 
-/// Tolerances below this cannot be met in double precision.
-const TIGHTEST: f64 = 1e-15;
-/// Tolerances above this make no sense for a method of order 8.
-const LOOSEST: f64 = 0.1;
+/// Smallest tolerance: a few units in the last place of a double.
+const MIN_TOLERANCE: f64 = 1e-15;
+/// Largest tolerance. Chosen: above it a method of order 8 does not follow the solution.
+const MAX_TOLERANCE: f64 = 0.1;
 
 impl Options {
     /// The defaults with both tolerances set to `tolerance`.
@@ -220,7 +221,7 @@ impl Options {
 
     /// With a tenth of the tolerances, as far as double precision allows.
     pub(crate) fn finer(self) -> Self {
-        let finer = |tolerance: f64| (0.1 * tolerance).max(TIGHTEST);
+        let finer = |tolerance: f64| (0.1 * tolerance).max(MIN_TOLERANCE);
         Options {
             rtol: finer(self.rtol),
             atol: finer(self.atol),
@@ -257,7 +258,7 @@ impl Options {
             }
         };
         let tolerances = "between 1e-15 and 0.1";
-        let allowed = |tol: f64| (TIGHTEST..=LOOSEST).contains(&tol);
+        let allowed = |tol: f64| (MIN_TOLERANCE..=MAX_TOLERANCE).contains(&tol);
         require(allowed(self.rtol), "rtol", self.rtol, tolerances)?;
         require(allowed(self.atol), "atol", self.atol, tolerances)?;
         if let Some(step) = self.fixed_step() {

@@ -5,30 +5,31 @@
 //! durations are a geometric series, and Aitken's extrapolation gives its limit.
 
 use super::options::Options;
+use super::run::TIME_ROUNDING;
 use crate::error::{Accumulation, Error, Point};
 use crate::ode::Timed;
 use crate::system::State;
 
-/// A phase over which no component moves by more than so many tolerances is not resolved.
-const UNRESOLVED: f64 = 100.0;
+/// A phase is resolved if some component moves by more than so many tolerances. Chosen: the errors
+/// of the two events that bound it are then below a hundredth of the motion.
+const RESOLVED_MOTION: f64 = 100.0;
 
-/// An orbit shrinks to a point if it has so many unresolved phases that last …
-const FEWEST: usize = 10;
+/// Number of lasting phases after which an orbit counts as shrinking to a point. Chosen: so
+/// many phases of a pile-up last only if its ratio exceeds 0.99.
+const SHRINKING_PHASES: usize = 10;
 
-/// … at least this fraction of the first of them.
-const LASTS: f64 = 0.9;
+/// An unresolved phase is lasting if it takes at least this part of the time of the first one.
+/// Chosen between 1, the limit as an orbit shrinks to a point, and the ratio of a pile-up.
+const LASTING_PART: f64 = 0.9;
 
-/// Number of transitions that are kept: three rounds of up to 15.
-const KEPT: usize = 46;
+/// Number of transitions that are kept: the ends of three rounds of up to 15 phases.
+const HISTORY: usize = 3 * 15 + 1;
 
-/// The extrapolations of two rounds must agree to this fraction of the remaining time. Durations
-/// that are no geometric series differ by about all of it.
-const AGREEING: f64 = 0.1;
+/// Largest difference between the extrapolations of two rounds, as a part of the remaining time.
+/// Chosen: durations that are no geometric series differ by about all of it.
+const SERIES_AGREEMENT: f64 = 0.1;
 
-/// Rounding of a transition's time, in units in the last place.
-const ULPS: f64 = 4.0;
-
-/// Counts events that happen within no time.
+/// Counts events within a span of time that counts as none.
 pub struct Burst {
     since: f64,
     count: usize,
@@ -42,10 +43,10 @@ impl Burst {
         }
     }
 
-    /// Counts one more, at time `t`. Returns how many there are, and within what time.
+    /// Counts an event at time `t`. Returns the number of events and the time that they took.
     #[inline]
-    pub(crate) fn note(&mut self, t: f64, options: &Options) -> (usize, f64) {
-        if t - self.since > no_time(t, options) {
+    pub(crate) fn record(&mut self, t: f64, options: &Options) -> (usize, f64) {
+        if t - self.since > negligible_span(t, options) {
             (self.since, self.count) = (t, 0);
         }
         self.count += 1;
@@ -53,26 +54,26 @@ impl Burst {
     }
 }
 
-/// The span that counts as no time at `t`.
-fn no_time(t: f64, options: &Options) -> f64 {
+/// Length of the span of time that counts as none at `t`.
+fn negligible_span(t: f64, options: &Options) -> f64 {
     options.pile_up_span * t.abs().max(1.0)
 }
 
 /// Rounding of a time.
-fn blur(t: f64) -> f64 {
-    ULPS * f64::EPSILON * t.abs()
+fn time_rounding(t: f64) -> f64 {
+    TIME_ROUNDING * t.abs()
 }
 
-/// A recorded transition.
+/// A transition of the past.
 #[derive(Clone, Copy)]
-struct Passage<const N: usize, K> {
+struct PastTransition<const N: usize, K> {
     at: Timed<N>,
     contact: usize,
     to: K,
 }
 
 /// The geometric series that the last transitions form.
-pub struct Series<const N: usize> {
+pub struct GeometricSeries<const N: usize> {
     /// Where it accumulates.
     pub at: Timed<N>,
     /// Uncertainty of that time.
@@ -85,82 +86,82 @@ pub struct Series<const N: usize> {
     pub contacts: Vec<usize>,
 }
 
-/// Transitions pile up if many of them happen within no time. They also do if many phases in a row
-/// are too short for error control to separate their ends: then a loose tolerance has stopped the
-/// orbit before the accumulation point.
-pub struct PileUp<const N: usize, K> {
+/// Transitions pile up if many of them happen within a span of time that counts as none. They also
+/// do if error control does not separate the ends of many phases in a row. A loose tolerance then
+/// stops the orbit before the accumulation point.
+pub struct PileUpDetector<const N: usize, K> {
     burst: Burst,
-    /// Unresolved phases in a row, the length of the first, and how many last as long.
+    /// Number of unresolved phases in a row, length of the first, and number of lasting ones.
     unresolved: usize,
-    first: f64,
+    first_unresolved: f64,
     lasting: usize,
-    /// The number of transitions, and the last of them: number `i` at index `i % KEPT`.
+    /// The number of transitions, and the last of them: number `i` at index `i % HISTORY`.
     count: usize,
-    last: [Passage<N, K>; KEPT],
+    last: [PastTransition<N, K>; HISTORY],
 }
 
-impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
-    /// Before any transition; `at` and `mode` are placeholders.
+impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
+    /// A detector before any transition; `at` and `mode` are placeholders.
     pub(crate) fn new(at: &Timed<N>, mode: K) -> Self {
-        let nowhere = Passage {
+        let nowhere = PastTransition {
             at: *at,
             contact: 0,
             to: mode,
         };
-        PileUp {
+        PileUpDetector {
             burst: Burst::new(),
             unresolved: 0,
-            first: 0.0,
+            first_unresolved: 0.0,
             lasting: 0,
             count: 0,
-            last: [nowhere; KEPT],
+            last: [nowhere; HISTORY],
         }
     }
 
-    fn kept(&self) -> usize {
-        self.count.min(KEPT)
+    fn recorded(&self) -> usize {
+        self.count.min(HISTORY)
     }
 
-    /// The last recorded transition but so many.
-    fn back(&self, back: usize) -> &Passage<N, K> {
-        &self.last[(self.count + KEPT - 1 - back) % KEPT]
+    /// The `n`-th last transition, counted from 0.
+    fn nth_last(&self, n: usize) -> &PastTransition<N, K> {
+        &self.last[(self.count + HISTORY - 1 - n) % HISTORY]
     }
 
-    /// The contacts of so many of the last transitions, in order.
+    /// The contacts of the last `count` transitions, in ascending order.
     fn contacts(&self, count: usize) -> Vec<usize> {
-        let mut contacts: Vec<usize> = (0..count).map(|back| self.back(back).contact).collect();
+        let mut contacts: Vec<usize> = (0..count).map(|back| self.nth_last(back).contact).collect();
         contacts.sort_unstable();
         contacts.dedup();
         contacts
     }
 
-    /// Counts a transition of a contact into the mode `to`, where the state moves with `velocity`.
+    /// Records a transition of a contact into the mode `to`, where the state moves with `velocity`.
     /// Returns whether it belongs to a pile-up.
-    pub(crate) fn note(
+    pub(crate) fn record(
         &mut self,
         at: &Timed<N>,
         (contact, to): (usize, K),
         velocity: &State<N>,
         options: &Options,
     ) -> bool {
-        self.burst.note(at.t, options);
-        let before = self.back(0).at;
+        self.burst.record(at.t, options);
+        let before = self.nth_last(0).at;
         let time = at.t - before.t;
-        // A body on a floor is at rest at either end of a slip. So its motion decides, not its
-        // velocity.
+        // A body on a floor has no velocity at either end of a slip, so that its motion counts,
+        // too.
         let is_resolved = |i: usize| {
             let by_rate = time * velocity[i].abs();
             let moved = f64::max((at.x[i] - before.x[i]).abs(), by_rate);
-            moved > UNRESOLVED * (options.atol + options.rtol * at.x[i].abs())
+            moved > RESOLVED_MOTION * (options.atol + options.rtol * at.x[i].abs())
         };
         let resolved = self.count == 0 || (0..N).any(is_resolved);
         self.unresolved = if resolved { 0 } else { self.unresolved + 1 };
         if self.unresolved == 1 {
-            (self.first, self.lasting) = (time, 0);
-        } else if time >= LASTS * self.first {
+            (self.first_unresolved, self.lasting) = (time, 0);
+        } else if time >= LASTING_PART * self.first_unresolved {
             self.lasting += 1;
         }
-        self.last[self.count % KEPT] = Passage {
+        self.last[self.count % HISTORY] = PastTransition {
             at: *at,
             contact,
             to,
@@ -172,13 +173,13 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
     /// Whether so many transitions have happened within no time, and at their ratio all others will,
     /// or as fast as rounding allows. A fast clock is no pile-up.
     fn bursts(&self, options: &Options) -> bool {
-        let half = self.kept().saturating_sub(1) / 2;
-        let t = |back: usize| self.back(back).at.t;
+        let half = self.recorded().saturating_sub(1) / 2;
+        let t = |back: usize| self.nth_last(back).at.t;
         let (latest, before) = (t(0) - t(half), t(half) - t(2 * half));
         let left = latest * latest / (before - latest);
-        let by_rounding = half as f64 * blur(t(0));
+        let by_rounding = half as f64 * time_rounding(t(0));
         self.burst.count >= options.pile_up_count
-            && ((0.0..=no_time(t(0), options)).contains(&left) || latest <= by_rounding)
+            && ((0.0..=negligible_span(t(0), options)).contains(&left) || latest <= by_rounding)
     }
 
     /// Whether the transitions come ever faster and the state moves.
@@ -186,40 +187,40 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         self.bursts(options) || !self.shrinks()
     }
 
-    /// Whether the last transition was of this contact at this time.
-    pub(crate) fn was_at(&self, contact: usize, t: f64) -> bool {
-        let last = self.back(0);
+    /// Whether the last transition belongs to this contact and this time.
+    pub(crate) fn is_last(&self, contact: usize, t: f64) -> bool {
+        let last = self.nth_last(0);
         self.count > 0 && last.at.t == t && last.contact == contact
     }
 
     /// The geometric series of the last transitions, if they form one: three rounds in a row with
     /// the same ratio. Of all rounds, the one with the least uncertainty of the remaining time
     /// counts. The very last rounds may be rounding.
-    pub(crate) fn series(&self) -> Option<Series<N>> {
-        let best = |best: Option<Series<N>>, (newest, round)| {
-            let one = self.by_rounds_of(round, newest);
+    pub(crate) fn series(&self) -> Option<GeometricSeries<N>> {
+        let best = |best: Option<GeometricSeries<N>>, (newest, round)| {
+            let one = self.series_by_rounds(round, newest);
             match (&best, &one) {
-                (Some(found), Some(other)) if other.uncertainty >= found.uncertainty => best,
+                (Some(old), Some(new)) if new.uncertainty >= old.uncertainty => best,
                 (_, None) => best,
                 _ => one,
             }
         };
-        let phases = self.kept().saturating_sub(1);
-        // Phases as short as rounding have no ratio.
-        let blur = blur(self.back(0).at.t) / (AGREEING * AGREEING);
-        let lasts = |k: usize| self.back(k).at.t - self.back(k + 1).at.t;
-        let newest = (0..phases).find(|&k| lasts(k) > blur)?;
+        let phases = self.recorded().saturating_sub(1);
+        // Rounding may change the ratio of shorter phases by more than the agreement required.
+        let shortest = time_rounding(self.nth_last(0).at.t) / (SERIES_AGREEMENT * SERIES_AGREEMENT);
+        let lasts = |k: usize| self.nth_last(k).at.t - self.nth_last(k + 1).at.t;
+        let newest = (0..phases).find(|&k| lasts(k) > shortest)?;
         let rounds = 1..=(phases - newest) / 3;
         rounds.map(|round| (newest, round)).fold(None, best)
     }
 
-    /// The series by three rounds of so many transitions before the last but so many.
-    fn by_rounds_of(&self, round: usize, newest: usize) -> Option<Series<N>> {
-        let contact = |back: usize| self.back(newest + back).contact;
+    /// The series by three rounds of `round` transitions, the last of them the `newest`-th last.
+    fn series_by_rounds(&self, round: usize, newest: usize) -> Option<GeometricSeries<N>> {
+        let contact = |back: usize| self.nth_last(newest + back).contact;
         if !(0..2 * round).all(|back| contact(back) == contact(back + round)) {
             return None;
         }
-        let at = |rounds: usize| &self.back(newest + rounds * round).at;
+        let at = |rounds: usize| &self.nth_last(newest + rounds * round).at;
         let [d0, d1, d2] = [0, 1, 2].map(|rounds| at(rounds).t - at(rounds + 1).t);
         let [moved, moved_before] = [0, 1].map(|rounds| at(rounds).x - at(rounds + 1).x);
         let (ratio, before) = (d0 / d1, d1 / d2);
@@ -233,14 +234,14 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         let rounds_left = |ratio: f64| ratio / (1.0 - ratio);
         let left = d0 * rounds_left(ratio);
         let now = at(0);
-        let by_rounding = blur(now.t) * (1.0 + 2.0 / ((1.0 - ratio) * (1.0 - ratio)));
+        let by_rounding = time_rounding(now.t) * (1.0 + 2.0 / ((1.0 - ratio) * (1.0 - ratio)));
         let uncertainty = (left - d0 * rounds_left(before)).abs() + by_rounding;
-        let is_behind = now.t + left + uncertainty >= self.back(0).at.t;
-        if uncertainty > AGREEING * left || !is_behind {
+        let is_behind = now.t + left + uncertainty >= self.nth_last(0).at.t;
+        if uncertainty > SERIES_AGREEMENT * left || !is_behind {
             return None;
         }
         // No component converges slower than time does. One that oscillates has a negative ratio.
-        let rest = State::from(std::array::from_fn::<_, N, _>(|i| {
+        let remaining = State::from(std::array::from_fn::<_, N, _>(|i| {
             let own = moved[i] / moved_before[i];
             if own.is_finite() {
                 moved[i] * rounds_left(own.clamp(-ratio, ratio))
@@ -248,10 +249,10 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
                 0.0
             }
         }));
-        Some(Series {
+        Some(GeometricSeries {
             at: Timed {
                 t: now.t + left,
-                x: now.x + rest,
+                x: now.x + remaining,
             },
             uncertainty,
             distance: rounds_left(ratio) * moved.amax(),
@@ -260,38 +261,42 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         })
     }
 
-    /// The mode after the present transition at time `t`: as recorded, or as it was the last time
-    /// that the previous one led to the same mode.
+    /// The mode after the present transition at time `t`, as recorded. If it is not recorded yet:
+    /// the mode that followed the last time that the previous transition led to the same mode.
     pub(crate) fn mode_after(&self, t: f64) -> Option<K> {
-        let newest = self.back(0);
+        let newest = self.nth_last(0);
         if newest.at.t == t {
             return Some(newest.to);
         }
-        let mut earlier = 1..self.kept();
-        let like_it = earlier.find(|&back| self.back(back).to == newest.to)?;
-        Some(self.back(like_it - 1).to)
+        let mut earlier = 1..self.recorded();
+        let same_mode = earlier.find(|&back| self.nth_last(back).to == newest.to)?;
+        Some(self.nth_last(same_mode - 1).to)
     }
 
-    /// The pile-up of the transitions up to `(t, x)`; `holds` as in [`Accumulation`].
+    /// The error for a pile-up of the transitions up to `at`; `holds` as in [`Accumulation`].
     pub(crate) fn error(
         &self,
         at: &Timed<N>,
-        series: Option<&Series<N>>,
+        series: Option<&GeometricSeries<N>>,
         holds: bool,
         options: &Options,
     ) -> Error {
-        let kept = self.kept();
+        let recorded = self.recorded();
         let (count, span) = if self.bursts(options) {
             (self.burst.count, at.t - self.burst.since)
         } else {
-            (kept, at.t - self.back(kept.saturating_sub(1)).at.t)
+            (
+                recorded,
+                at.t - self.nth_last(recorded.saturating_sub(1)).at.t,
+            )
         };
         Error::EventPileUp {
             count,
             span,
             t: at.t,
             x: Point::from(&at.x),
-            contacts: series.map_or_else(|| self.contacts(kept), |series| series.contacts.clone()),
+            contacts: series
+                .map_or_else(|| self.contacts(recorded), |series| series.contacts.clone()),
             accumulation: series.map(|series| {
                 Box::new(Accumulation {
                     t: series.at.t,
@@ -304,21 +309,29 @@ impl<const N: usize, K: Copy + PartialEq> PileUp<N, K> {
         }
     }
 
-    /// Whether unresolved phases last as long as the first of them: the orbit approaches a point in
-    /// infinite time.
+    /// Whether the orbit approaches a point in infinite time: unresolved phases last as long as the
+    /// first of them.
     pub(crate) fn shrinks(&self) -> bool {
-        self.unresolved >= FEWEST && self.lasting >= FEWEST
+        self.unresolved >= SHRINKING_PHASES && self.lasting >= SHRINKING_PHASES
     }
 
-    /// The pile-up at time `t` of a run whose steps have become too short.
-    pub(crate) fn under_way(&self, t: f64, options: &Options) -> Option<Series<N>> {
+    /// The series of the last transitions, if it accumulates within no time of `t`.
+    pub(crate) fn series_reached_at(
+        &self,
+        t: f64,
+        options: &Options,
+    ) -> Option<GeometricSeries<N>> {
         let series = self.series()?;
-        (series.at.t - t <= no_time(t, options)).then_some(series)
+        (series.at.t - t <= negligible_span(t, options)).then_some(series)
     }
 
-    /// The pile-up in which contacts reach zero together. All of them are among these; others may
-    /// stick meanwhile.
-    pub(crate) fn of_contacts(&self, t: f64, contacts: &[usize]) -> Option<Series<N>> {
+    /// The series of the last transitions, if all its contacts are among those that reach zero
+    /// together at time `t`.
+    pub(crate) fn series_of_contacts(
+        &self,
+        t: f64,
+        contacts: &[usize],
+    ) -> Option<GeometricSeries<N>> {
         let series = self.series()?;
         let are_among = series.contacts.iter().all(|one| contacts.contains(one));
         (are_among && t <= series.at.t + series.uncertainty).then_some(series)

@@ -1,27 +1,24 @@
 //! What happens on Σ: the switching rules.
 //!
-//! At a point of Σ each field either leaves into its own side or pushes towards Σ. The sign that
-//! decides is that of the first Lie derivative of the boundary function along the field that does
-//! not vanish: the normal component almost everywhere, the second derivative at a tangent point
-//! (visible: the field's orbit stays on its own side; invisible: it does not), the third at a cusp.
-//! Four cases follow, one of them with no unique continuation, which is reported and never chosen
-//! silently. Where both fields are tangent and one of them rests, the other leading back, that
-//! side's equilibrium is rested in.
-
-use crate::dual::{Dual, Dual3};
+//! At a point of Σ each field either leaves into its own side or pushes towards Σ. The sign of the
+//! first Lie derivative of the boundary function along the field that does not vanish decides.
+//! Almost everywhere it is the normal component. At a tangent point it is the second derivative:
+//! the field's orbit stays on its own side (visible) or does not (invisible). At a cusp it is the
+//! third. Four cases follow. One of them has no unique continuation, which is reported and never
+//! chosen silently. Both fields may be tangent, with an equilibrium on one side to which the other
+//! field leads back. The state then rests on that side.
 
 use super::flow::{GUARDS, flow_path, normal_component};
-use super::uncertainty::ULPS;
+use super::options::AtRepelling;
+use super::uncertainty::{RELATIVE_ROUNDING, STATE_ROUNDING};
+use crate::dual::{Dual, Dual3};
 use crate::scalar::Scalar;
-use crate::system::{Filippov, Side, State, components};
-
-/// Frictions that differ by less than this fraction are equal.
-pub(crate) const SAME: f64 = 1e-12;
+use crate::system::{Filippov, Mode, Side, State, components};
 
 /// The fate of a point of Σ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fate {
-    /// Slip on this side: both fields point to it, or its field is tangent and visible, or both are
+    /// Slip on this side. Both fields point to it, or its field is tangent and visible, or both are
     /// tangent and its field has an equilibrium there.
     Slip(Side),
     /// Both fields push towards Σ: stick.
@@ -34,10 +31,30 @@ pub enum Fate {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Departure {
     pub fate: Fate,
-    /// For every guard of the mode that follows, the number of derivatives (from the value on) that
-    /// vanish at the start: 0 away from zero, 1 on leaving Σ across, 2 on leaving from a tangent
-    /// point.
+    /// For every guard of the mode that follows, the number of derivatives, from the value on, that
+    /// vanish at the start. It is 0 away from zero, 1 where the motion leaves Σ across, and 2 where
+    /// it leaves from a tangent point.
     pub orders: [usize; GUARDS],
+}
+
+impl Departure {
+    /// The mode that follows, and how many derivatives of each of its guards vanish at the start.
+    /// `None` if Σ repels and no side was chosen.
+    pub(super) fn next_mode(self, at_repelling: AtRepelling) -> Option<(Mode, [usize; GUARDS])> {
+        let [below, above, _] = self.orders;
+        let side = match (self.fate, at_repelling) {
+            (Fate::Slip(side), _) => return Some((Mode::Slip(side), self.orders)),
+            (Fate::Stick, _) => return Some((Mode::Stick, self.orders)),
+            (Fate::Repelling, AtRepelling::Stop) => return None,
+            (Fate::Repelling, AtRepelling::GoBelow) => Side::Below,
+            (Fate::Repelling, AtRepelling::GoAbove) => Side::Above,
+        };
+        let order = match side {
+            Side::Below => below,
+            Side::Above => above,
+        };
+        Some((Mode::Slip(side), [order + 1, 0, 0]))
+    }
 }
 
 /// Kind of a tangency of a field's orbit with Σ.
@@ -74,9 +91,9 @@ impl LieDerivatives {
         one
     }
 
-    /// Of a function whose values along a field are given by `path`. The rounding follows from how
-    /// far the derivatives move if state and time change by a few units in the last place, and
-    /// every component by `slack`: a state that should be zero is zero only to that.
+    /// Of a function whose values along a field are given by `path`. The rounding is the change of
+    /// the derivatives if state and time change by [`STATE_ROUNDING`], and every component by
+    /// `slack`. A component that should be zero is zero only to that.
     pub(crate) fn along<const N: usize, const G: usize>(
         t: f64,
         x: &State<N>,
@@ -112,7 +129,7 @@ impl LieDerivatives {
                     .get(k + 1)
                     .map_or(0.0, |rate| rate.abs() * t.abs());
                 let size = spread[i][k] + values[i][k].abs() + drift;
-                ULPS * f64::EPSILON * size + shift[i][k]
+                STATE_ROUNDING * size + shift[i][k]
             }),
         })
     }
@@ -122,7 +139,7 @@ impl LieDerivatives {
     pub(crate) fn leading(&self, tangent: bool) -> (usize, f64) {
         let first = if tangent { 2 } else { 1 };
         (first..4)
-            .find(|&k| stands_out(self.values[k], self.floors[k]))
+            .find(|&k| is_significant(self.values[k], self.floors[k]))
             .map_or((4, 0.0), |k| (k, self.values[k].signum()))
     }
 
@@ -131,10 +148,11 @@ impl LieDerivatives {
     pub(crate) fn holds_beside(&self, fields: [&Self; 2]) -> bool {
         let size = |k: usize| f64::max(fields[0].values[k].abs(), fields[1].values[k].abs());
         let is_moved = |k: &usize| {
-            let stands_out = |of: &&Self| stands_out(of.values[*k], of.floors[*k]);
-            fields.iter().any(stands_out)
+            let is_significant = |of: &&Self| is_significant(of.values[*k], of.floors[*k]);
+            fields.iter().any(is_significant)
         };
-        let vanishes = |k: usize| self.values[k].abs() <= self.floors[k].max(SAME * size(k));
+        let vanishes =
+            |k: usize| self.values[k].abs() <= self.floors[k].max(RELATIVE_ROUNDING * size(k));
         // Nothing holds where a field is undefined.
         let is_defined = self.values.iter().all(|value| value.is_finite());
         is_defined
@@ -156,7 +174,7 @@ impl LieDerivatives {
 }
 
 /// Whether a derivative is more than rounding. If its rounding overflows, the value decides.
-fn stands_out(value: f64, floor: f64) -> bool {
+fn is_significant(value: f64, floor: f64) -> bool {
     value.abs() > if floor.is_nan() { 0.0 } else { floor }
 }
 
@@ -208,7 +226,7 @@ fn one_derivative<const N: usize>(
         next += change * f[direction].re;
     }
     let size = spread + derivative.re.abs() + next.abs() * t.abs();
-    let floor = ULPS * f64::EPSILON * size + shift;
+    let floor = STATE_ROUNDING * size + shift;
     (derivative.re, floor)
 }
 
@@ -228,16 +246,16 @@ pub(crate) fn on_boundary<S: Filippov<N>, const N: usize>(
 /// Index and sign of the first Lie derivative (from the first on) along one field that does not
 /// vanish; index 4 if all vanish.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Leading {
+pub(crate) struct LeadingDerivative {
     order: usize,
     sign: f64,
     /// Number of calls of the field.
     pub calls: u64,
 }
 
-impl Leading {
+impl LeadingDerivative {
     /// Of `side`'s field at `(t, x)`; `slack` as for [`LieDerivatives::new`]. `tangent`: the first
-    /// derivative is known to vanish, whatever its rounding.
+    /// derivative vanishes by construction, so that its rounding does not count.
     pub(crate) fn new<S: Filippov<N>, const N: usize>(
         system: &S,
         side: Side,
@@ -255,15 +273,15 @@ impl Leading {
             let along = |t, x: &_| first_derivative(system, side, t, x);
             (1, one_derivative(t, x, slack, along), n + 1)
         };
-        if stands_out(value, floor) {
-            return Leading {
+        if is_significant(value, floor) {
+            return LeadingDerivative {
                 order: first,
                 sign: value.signum(),
                 calls,
             };
         }
         let (order, sign) = LieDerivatives::new(system, side, t, x, slack).leading(tangent);
-        Leading {
+        LeadingDerivative {
             order,
             sign,
             calls: calls + 3 * (n + 1),
@@ -271,16 +289,13 @@ impl Leading {
     }
 }
 
-/// A velocity below this fraction of the other side's is zero.
-const AT_REST: f64 = 1e-12;
-
 /// The side on which a point of Σ is an equilibrium to rounding. Both fields are tangent to Σ, so
 /// that no sliding field is determined, and the other field leads back to it.
-pub(crate) fn resting<S: Filippov<N>, const N: usize>(
+pub(crate) fn equilibrium_side<S: Filippov<N>, const N: usize>(
     system: &S,
     t: f64,
     x: &State<N>,
-    [below, above]: [&Leading; 2],
+    [below, above]: [&LeadingDerivative; 2],
 ) -> Option<Side> {
     let side = match (below.sign, above.sign) {
         (0.0, sign) if sign < 0.0 => Side::Below,
@@ -294,12 +309,16 @@ pub(crate) fn resting<S: Filippov<N>, const N: usize>(
             .fold(0.0_f64, |most, rate| most.max(rate.abs()))
     };
     let both_tangent = below.order > 1 && above.order > 1;
-    (both_tangent && speed(side) <= AT_REST * speed(side.opposite())).then_some(side)
+    (both_tangent && speed(side) <= RELATIVE_ROUNDING * speed(side.opposite())).then_some(side)
 }
 
 /// Applies the rules at a point of Σ to the leading derivatives along the two fields. `rests` is
 /// the side with an equilibrium there, if exactly one has it.
-pub(crate) fn departure(below: Leading, above: Leading, rests: Option<Side>) -> Departure {
+pub(crate) fn departure(
+    below: LeadingDerivative,
+    above: LeadingDerivative,
+    rests: Option<Side>,
+) -> Departure {
     let fate = match (below.sign < 0.0, above.sign > 0.0) {
         (true, true) => Fate::Repelling,
         (true, false) => Fate::Slip(Side::Below),
@@ -315,10 +334,10 @@ pub(crate) fn departure(below: Leading, above: Leading, rests: Option<Side>) -> 
     Departure { fate, orders }
 }
 
-/// The system with static friction: its fields are those of rest.
-pub(crate) struct AtRest<'a, S>(pub &'a S);
+/// A system whose fields are those of static friction.
+pub(crate) struct WithStaticFriction<'a, S>(pub &'a S);
 
-impl<S: Filippov<N>, const N: usize> Filippov<N> for AtRest<'_, S> {
+impl<S: Filippov<N>, const N: usize> Filippov<N> for WithStaticFriction<'_, S> {
     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; N]) -> [T; N] {
         self.0.holding(side, t, x)
     }
@@ -338,7 +357,7 @@ impl<S: Filippov<N>, const N: usize> Filippov<N> for AtRest<'_, S> {
 /// assert_eq!(fate(&belt, 0.0, &State::from([1.5, 1.0])), Fate::Slip(Side::Below));
 /// ```
 pub fn fate<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<N>) -> Fate {
-    let held = fate_by(&AtRest(system), t, x);
+    let held = fate_by(&WithStaticFriction(system), t, x);
     if held == Fate::Stick {
         return held;
     }
@@ -347,9 +366,9 @@ pub fn fate<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<N>) ->
 
 /// The same for one kind of friction.
 fn fate_by<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<N>) -> Fate {
-    let of = |side| Leading::new(system, side, t, x, 0.0, false);
+    let of = |side| LeadingDerivative::new(system, side, t, x, 0.0, false);
     let [below, above] = [Side::Below, Side::Above].map(of);
-    let rests = resting(system, t, x, [&below, &above]);
+    let rests = equilibrium_side(system, t, x, [&below, &above]);
     departure(below, above, rests).fate
 }
 
@@ -384,7 +403,7 @@ mod tests {
                 let second =
                     one_derivative(t, &x, slack, |t, x| second_derivative(system, side, t, x));
                 for (k, (value, floor)) in [(1, first), (2, second)] {
-                    let size = all.floors[k] / (ULPS * f64::EPSILON);
+                    let size = all.floors[k] / STATE_ROUNDING;
                     assert!((value - all.values[k]).abs() < 1e-14 * size, "{k}: {value}");
                     assert!((floor / all.floors[k] - 1.0).abs() < 1e-9, "{k}: {floor}");
                 }
@@ -416,7 +435,8 @@ mod tests {
             ([0.0, 1.0, -1.0], true, 2, -1.0, 8),
             ([0.0, 1.0, 0.0], true, 3, -1.0, 8 + 12),
         ] {
-            let found = Leading::new(&Row, Side::Above, 1.0, &State::from(x), 0.0, tangent);
+            let found =
+                LeadingDerivative::new(&Row, Side::Above, 1.0, &State::from(x), 0.0, tangent);
             assert_eq!((found.order, found.sign, found.calls), (order, sign, calls));
         }
     }

@@ -1,19 +1,21 @@
 //! The state of a run between steps, and the errors of a step.
 
-use super::event::Event;
+use super::deflation::has_left_zero;
 use super::flow::Flow;
-use super::leaving::has_left;
+use super::guard::Event;
 use super::observer::StepRecord;
 use super::options::Options;
 use super::switched::Switched;
+use super::uncertainty::EVENT_PRECISION;
 use crate::error::{Error, Point};
 use crate::ode::control::first_step;
 use crate::ode::{Dense, Timed};
 use crate::orbit::Counters;
 use crate::system::State;
 
-/// Steps shorter than this fraction of the time no longer change it.
-pub(crate) const SHORTEST: f64 = 4.0 * f64::EPSILON;
+/// Rounding of a time, relative to its size. Times that are closer are the same, and shorter steps
+/// do not change the time.
+pub(crate) const TIME_ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// The state of a run between steps of any method.
 pub struct Run<const N: usize, const G: usize> {
@@ -42,7 +44,7 @@ pub struct Run<const N: usize, const G: usize> {
     /// The last event.
     pub event: Option<Event<N>>,
     /// Whether the mode is prescribed and ignores its guards.
-    pub is_held: bool,
+    pub is_prescribed: bool,
 }
 
 /// Result of an attempt to step.
@@ -57,7 +59,7 @@ pub enum Trial {
 }
 
 impl<const N: usize, const G: usize> Run<N, G> {
-    /// A run that has not begun, of a system of so many states.
+    /// A run that has not begun, of a system with that number of states.
     ///
     /// # Errors
     /// Those of a run that cannot begin.
@@ -81,7 +83,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
             dense: Dense::resting(start.t, start.x),
             wants_dense: true,
             event: None,
-            is_held: false,
+            is_prescribed: false,
         };
         run.check_escape()?;
         Ok(run)
@@ -136,7 +138,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
             (&self.options.tolerance(), self.states),
             longest,
         );
-        chosen.max(2.0 * SHORTEST * t.abs())
+        chosen.max(2.0 * TIME_ROUNDING * t.abs())
     }
 
     /// Length of the next step, and whether it ends at the end time. A last step is stretched a
@@ -154,7 +156,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
     /// Whether a step no longer moves the time.
     #[inline(always)]
     pub(crate) fn is_too_short(&self, h: f64, is_last: bool) -> bool {
-        !is_last && h <= SHORTEST * self.at.t.abs() || h < f64::MIN_POSITIVE
+        !is_last && h <= TIME_ROUNDING * self.at.t.abs() || h < f64::MIN_POSITIVE
     }
 
     /// The step shrank until time no longer moves.
@@ -187,10 +189,9 @@ impl<const N: usize, const G: usize> Run<N, G> {
         Ok(())
     }
 
-    /// Distance at which a state counts as being on its manifold: a thousandth of what error
-    /// control admits.
+    /// Distance at which a state counts as being on its manifold.
     pub(crate) fn slack(&self) -> f64 {
-        1e-3 * self.options.atol
+        EVENT_PRECISION * self.options.atol
     }
 
     pub(crate) fn check_escape(&self) -> Result<(), Error> {
@@ -208,11 +209,11 @@ impl<const N: usize, const G: usize> Run<N, G> {
 
     #[inline(always)]
     pub(crate) fn check_steps(&self) -> Result<(), Error> {
-        self.check_most(self.counters.steps, self.options.most_steps, "most_steps")
+        self.check_count(self.counters.steps, self.options.most_steps, "most_steps")
     }
 
     #[inline(always)]
-    fn check_most(&self, count: u64, most: u64, name: &'static str) -> Result<(), Error> {
+    fn check_count(&self, count: u64, most: u64, name: &'static str) -> Result<(), Error> {
         if count <= most {
             return Ok(());
         }
@@ -227,9 +228,9 @@ impl<const N: usize, const G: usize> Run<N, G> {
     }
 
     /// Counts a transition.
-    pub(crate) fn note_event(&mut self) -> Result<(), Error> {
+    pub(crate) fn record_event(&mut self) -> Result<(), Error> {
         self.counters.events += 1;
-        self.check_most(
+        self.check_count(
             self.counters.events,
             self.options.most_events,
             "most_events",
@@ -237,10 +238,10 @@ impl<const N: usize, const G: usize> Run<N, G> {
     }
 
     /// Records which guards have left their zero.
-    pub(crate) fn note_departures<F: Flow<N>>(&mut self, flow: &F) {
+    pub(crate) fn record_departures<F: Flow<N>>(&mut self, flow: &F) {
         for &guard in F::GUARDS {
             let departs = self.orders[guard] > 0;
-            if departs && has_left::<F, N>(flow, guard, &self.at, &self.options) {
+            if departs && has_left_zero::<F, N>(flow, guard, &self.at, &self.options) {
                 self.orders[guard] = 0;
             }
         }

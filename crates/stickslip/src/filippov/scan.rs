@@ -19,6 +19,8 @@ pub(crate) struct Bracket {
     pub b: f64,
 }
 
+/// Number of Chebyshev points of an interval. Chosen: the dense output of a step
+/// of order 8 has degree 7.
 pub(crate) const NODES: usize = 9;
 
 /// cos(k π/8) for k = 0 … 15: all the cosines that the transform of nine points needs.
@@ -33,12 +35,13 @@ const COS: [f64; 16] = {
     ]
 };
 
-/// Intervals narrower than this fraction of the step are not halved again: a parabola bends by
-/// 1e-16 over them. Longer intervals are halved as often as one step.
-pub(crate) const NARROWEST: f64 = 1.5e-8;
+/// Intervals narrower than this fraction of the step are not halved again: the root of
+/// [`f64::EPSILON`], so that a parabola bends over them by rounding. Longer intervals are halved as
+/// often as one step.
+pub(crate) const NARROWEST_INTERVAL: f64 = 1.5e-8;
 
 /// The nine points of the unit interval.
-pub(crate) const UNIT: [f64; NODES] = {
+pub(crate) const UNIT_NODES: [f64; NODES] = {
     let mut nodes = [1.0; NODES];
     let mut j = 0;
     while j < NODES - 1 {
@@ -49,7 +52,7 @@ pub(crate) const UNIT: [f64; NODES] = {
 };
 
 /// Whether a function stays far from zero over the whole step, by its values at the points of
-/// [`UNIT`]. The cheap test of a user's event functions.
+/// [`UNIT_NODES`]. The cheap test of a user's event functions.
 ///
 /// Between nine Chebyshev points a polynomial leaves the range of its values by at most 1.2 times
 /// its half-width (Lebesgue constant 2.4). The test requires four times. A value that is not finite
@@ -69,7 +72,7 @@ pub(crate) fn far_from_zero(values: &[f64; NODES]) -> bool {
 
 /// Whether the values at the points of [`far_from_zero`] are finite.
 pub(crate) fn is_defined(value: impl Fn(f64) -> f64) -> bool {
-    UNIT.iter().all(|&s| value(s).is_finite())
+    UNIT_NODES.iter().all(|&s| value(s).is_finite())
 }
 
 /// A bracket of the first zero of `value` in `[lo, hi]`, or `None`, by samples alone. A function
@@ -93,46 +96,52 @@ pub(crate) enum Bounds {
     Unknown,
 }
 
-/// Largest number of parts of an interval whose bounds are computed in one search.
-const MOST_ASKED: u32 = 256;
+/// Largest number of parts of an interval whose bounds are computed in one search. Chosen: it
+/// limits the cost of a step whose bounds are useless. Samples decide the rest.
+const MAX_BOUNDS: u32 = 256;
 
-/// After so many, it is checked whether the bounds are of use.
-const FEW_ASKED: u32 = 4;
+/// Number of bounds after which it is checked whether they are of use. Chosen: most searches need
+/// fewer.
+const BOUNDS_BEFORE_TRIAL: u32 = 4;
 
-/// Where in the rest of the unit interval, and in how narrow a part, that is checked. A function
-/// that reads values, or compares equal numbers, has no bounds.
-const GLIMPSES: [f64; 5] = [0.0, 0.0117, 0.1234, 0.5678, 0.9119];
-const GLIMPSE: f64 = 1e-9;
+/// Places in the rest of the unit interval at which that is checked. A function that reads values,
+/// or compares equal numbers, has no bounds however narrow the interval. Chosen at irregular
+/// distances, so that no period of a function fits them.
+const TRIAL_PLACES: [f64; 5] = [0.0, 0.0117, 0.1234, 0.5678, 0.9119];
 
-/// Number of parts of the unit interval whose bounds were computed in one search.
+/// Width of the parts in which that is checked. Chosen so narrow that bounds of any use exclude a
+/// zero in some of them.
+const TRIAL_WIDTH: f64 = 1e-9;
+
+/// The number of bounds that a search has computed, up to [`MAX_BOUNDS`].
 #[derive(Default)]
-pub(crate) struct Asked(Cell<u32>);
+pub(crate) struct BoundsBudget(Cell<u32>);
 
-impl Asked {
-    /// Whether there were none.
-    pub fn is_none(&self) -> bool {
+impl BoundsBudget {
+    /// Whether no bounds were computed.
+    pub fn is_unused(&self) -> bool {
         self.0.get() == 0
     }
 
-    /// Samples decide from now on.
-    pub fn no_more(&self) {
-        self.0.set(MOST_ASKED);
+    /// Forbids further bounds, so that samples decide.
+    pub fn exhaust(&self) {
+        self.0.set(MAX_BOUNDS);
     }
 
-    /// What bounds prove of a function between two places, if `is_clear` says whether they exclude
-    /// a zero there.
+    /// What bounds prove of a function between two places, if `is_clear` returns whether they
+    /// exclude a zero there.
     pub fn bounds(&self, (from, to): (f64, f64), is_clear: &dyn Fn(f64, f64) -> bool) -> Bounds {
-        let asked = self.0.get();
-        if asked >= MOST_ASKED {
+        let used = self.0.get();
+        if used >= MAX_BOUNDS {
             return Bounds::Unknown;
         }
-        self.0.set(asked + 1);
+        self.0.set(used + 1);
         if is_clear(from, to) {
             return Bounds::Clear;
         }
-        let glimpses = GLIMPSES.map(|part| from + part * (1.0 - from));
-        if asked == FEW_ASKED && !glimpses.iter().any(|&s| is_clear(s, s + GLIMPSE)) {
-            self.no_more();
+        let places = TRIAL_PLACES.map(|part| from + part * (1.0 - from));
+        if used == BOUNDS_BEFORE_TRIAL && !places.iter().any(|&s| is_clear(s, s + TRIAL_WIDTH)) {
+            self.exhaust();
             return Bounds::Unknown;
         }
         Bounds::Open
@@ -140,22 +149,24 @@ impl Asked {
 }
 
 /// Closer than this to a sampled zero, no earlier zero is searched for (fraction of the step).
-const WIDE: f64 = 0.0078125;
+/// Chosen: a zero hidden there is earlier by less than a hundredth of a step.
+const ZERO_NEIGHBOURHOOD: f64 = 0.0078125;
 
-/// Number of halvings after which a part that bounds leave open is sampled again.
-const RESAMPLED: u32 = 3;
+/// Number of halvings without samples of a part that samples call clear and bounds leave open.
+/// Chosen: bounds cost less than nine samples.
+const HALVINGS_UNSAMPLED: u32 = 3;
 
-/// The same with interval bounds of parts of the interval. Halves intervals until each is clear or
-/// holds a bracket: depth first, the left half first.
+/// As [`first_bracket`], with interval bounds of parts of the interval. Halves intervals until each
+/// is clear or holds a bracket: depth first, the left half first.
 pub(crate) fn first_bracket_within(
     value: &mut dyn FnMut(f64) -> f64,
     bounds: &mut dyn FnMut(f64, f64) -> Bounds,
     lo: f64,
     hi: f64,
 ) -> Option<Bracket> {
-    // Each halving leaves one interval waiting, and NARROWEST allows 26 of them, RESAMPLED two
-    // more.
-    let narrowest = NARROWEST * (hi - lo).max(1.0);
+    // Each halving leaves one interval waiting, and NARROWEST_INTERVAL allows 26 of them,
+    // HALVINGS_UNSAMPLED two more.
+    let narrowest = NARROWEST_INTERVAL * (hi - lo).max(1.0);
     let mut waiting = [Part::default(); 32];
     let mut count = 0;
     let mut part = Part {
@@ -167,35 +178,35 @@ pub(crate) fn first_bracket_within(
         let mut halves = None;
         match bounds(lo, hi) {
             Bounds::Clear => {}
-            Bounds::Open if 0 < part.trusted && part.trusted < RESAMPLED => {
-                halves = Some(part.halved(part.trusted + 1));
+            Bounds::Open if 0 < part.halvings && part.halvings < HALVINGS_UNSAMPLED => {
+                halves = Some(part.halved(part.halvings + 1));
             }
-            said => {
+            proven => {
                 let samples = Samples::take(value, lo, hi);
                 let is_narrow = hi - lo <= narrowest;
                 match samples.verdict() {
-                    Verdict::Clear if said == Bounds::Unknown || is_narrow => {}
+                    Verdict::Clear if proven == Bounds::Unknown || is_narrow => {}
                     Verdict::Clear => halves = Some(part.halved(1)),
-                    Verdict::Zero(found) => {
+                    Verdict::Zero(sampled) => {
                         // If an earlier zero is excluded, the sampled bracket is the first.
-                        let bracket = part.rest_of.unwrap_or(found);
-                        let doubtful = (said == Bounds::Open)
-                            .then(|| doubtful_before(found, value, bounds))
+                        let bracket = part.remainder_of.unwrap_or(sampled);
+                        let unproven = (proven == Bounds::Open)
+                            .then(|| unproven_before(sampled, value, bounds))
                             .flatten();
-                        let Some((from, middle, to)) = doubtful else {
+                        let Some((from, middle, to)) = unproven else {
                             return Some(bracket);
                         };
                         let before = Part {
                             ends: (from, middle),
-                            trusted: 1,
-                            rest_of: None,
+                            halvings: 1,
+                            remainder_of: None,
                         };
-                        let rest = Part {
+                        let remainder = Part {
                             ends: (middle, to),
-                            trusted: 0,
-                            rest_of: Some(bracket),
+                            halvings: 0,
+                            remainder_of: Some(bracket),
                         };
-                        halves = Some((before, rest));
+                        halves = Some((before, remainder));
                     }
                     Verdict::Unresolved if is_narrow => {
                         if let Some(bracket) = samples.first_sign_change() {
@@ -206,8 +217,8 @@ pub(crate) fn first_bracket_within(
                 }
             }
         }
-        if let Some((before, rest)) = halves {
-            (part, waiting[count]) = (before, rest);
+        if let Some((first, second)) = halves {
+            (part, waiting[count]) = (first, second);
             count += 1;
         } else if count > 0 {
             count -= 1;
@@ -223,20 +234,20 @@ pub(crate) fn first_bracket_within(
 struct Part {
     ends: (f64, f64),
     /// Number of halvings since samples were clear.
-    trusted: u32,
-    /// The sampled bracket that it precedes, if an earlier zero was not excluded.
-    rest_of: Option<Bracket>,
+    halvings: u32,
+    /// The sampled bracket whose remainder it is. The part before it is searched first.
+    remainder_of: Option<Bracket>,
 }
 
 impl Part {
-    fn halved(self, trusted: u32) -> (Self, Self) {
+    fn halved(self, halvings: u32) -> (Self, Self) {
         let (lo, hi) = self.ends;
-        // As the middle of the samples is found.
+        // The same arithmetic as for the samples gives the same bits.
         let middle = lo + 0.5 * (hi - lo);
         let half = |ends| Part {
             ends,
-            trusted,
-            rest_of: None,
+            halvings,
+            remainder_of: None,
         };
         (half((lo, middle)), half((middle, hi)))
     }
@@ -244,12 +255,12 @@ impl Part {
 
 /// The part of a bracket that may have a zero before the sampled one, and the rest. `None` if
 /// bounds exclude an earlier zero.
-fn doubtful_before(
+fn unproven_before(
     Bracket { mut a, mut b }: Bracket,
     value: &mut dyn FnMut(f64) -> f64,
     bounds: &mut dyn FnMut(f64, f64) -> Bounds,
 ) -> Option<(f64, f64, f64)> {
-    while b - a > WIDE {
+    while b - a > ZERO_NEIGHBOURHOOD {
         let middle = 0.5 * (a + b);
         if value(middle) <= 0.0 {
             b = middle;
@@ -278,7 +289,7 @@ pub fn first_zero(mut value: impl FnMut(f64) -> f64, from: f64, to: f64) -> Opti
 }
 
 /// The zero of `value` in a bracket (positive at `a`, not at `b`), to a few parts in 1e15 of the
-/// step: regula falsi, Illinois variant.
+/// step. The method is regula falsi, Illinois variant.
 pub(crate) fn zero_in(value: &mut dyn FnMut(f64) -> f64, bracket: Bracket) -> f64 {
     let (mut a, mut b) = (bracket.a, bracket.b);
     let (mut at_a, mut at_b) = (value(a), value(b));
@@ -295,7 +306,7 @@ pub(crate) fn zero_in(value: &mut dyn FnMut(f64) -> f64, bracket: Bracket) -> f6
         let middle = if inside { falsi } else { 0.5 * (a + b) };
         let at_middle = value(middle);
         let moves_a = at_middle > 0.0;
-        // An end that has stayed twice gets half its weight, or it would stay for ever.
+        // An end that has stayed twice gets half its weight, or it would stay without end.
         let again = last_moved_a == Some(moves_a);
         if moves_a {
             (a, at_a) = (middle, at_middle);
@@ -393,9 +404,9 @@ fn is_monotone(c: &[f64; NODES], tail: f64) -> bool {
     for k in (1..NODES).rev() {
         d[k - 1] = d[k + 1] + 2.0 * k as f64 * c[k];
     }
-    let rest: f64 = d[1..].iter().map(|d| d.abs()).sum();
+    let others: f64 = d[1..].iter().map(|d| d.abs()).sum();
     // The derivative of T_8 reaches 64: the truncated tail may be that steep.
-    0.5 * d[0].abs() > rest + 64.0 * tail
+    0.5 * d[0].abs() > others + 64.0 * tail
 }
 
 #[cfg(test)]
@@ -483,7 +494,7 @@ mod tests {
 
     #[test]
     fn far_from_zero_is_what_varies_little_and_is_defined_throughout() {
-        let far = |function: &dyn Fn(f64) -> f64| far_from_zero(&UNIT.map(function));
+        let far = |function: &dyn Fn(f64) -> f64| far_from_zero(&UNIT_NODES.map(function));
         assert!(far(&|s| 10.0 + s));
         // Half the sum must exceed four times the difference.
         assert!(far(&|s| 3.6 + s) && !far(&|s| 1.4 + s));
@@ -495,7 +506,7 @@ mod tests {
     fn a_jump_through_zero_is_bracketed_as_narrowly_as_any_interval() {
         let bracket = zero_of(|s| if s < 0.3 { 1.0 } else { -1.0 }).expect("a jump");
         assert!(bracket.a < 0.3 && 0.3 <= bracket.b);
-        assert!(bracket.b - bracket.a <= NARROWEST);
+        assert!(bracket.b - bracket.a <= NARROWEST_INTERVAL);
     }
 
     #[test]

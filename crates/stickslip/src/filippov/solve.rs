@@ -25,8 +25,8 @@ pub struct SummaryOf<X> {
 }
 
 impl<X> SummaryOf<X> {
-    /// The error of an analysis that needs the orbit to continue behind this ending.
-    pub(crate) fn goes_no_further(&self) -> Error
+    /// The error of an analysis that needs the orbit to continue after this ending.
+    pub(crate) fn no_future_error(&self) -> Error
     where
         for<'x> Point: From<&'x X>,
     {
@@ -38,7 +38,7 @@ impl<X> SummaryOf<X> {
     }
 
     /// For a run that failed before its first step.
-    pub(super) fn of_none(t: f64, x: X) -> Self {
+    pub(super) fn before_first_step(t: f64, x: X) -> Self {
         SummaryOf {
             ending: Ending::Failed,
             t,
@@ -59,7 +59,7 @@ pub struct Failure<R> {
     #[source]
     pub error: Error,
     /// What was computed before; its ending is [`Ending::Failed`].
-    pub reached: Box<R>,
+    pub partial: Box<R>,
 }
 
 impl<R> From<Failure<R>> for Error {
@@ -69,9 +69,9 @@ impl<R> From<Failure<R>> for Error {
 }
 
 impl<R> Failure<R> {
-    pub(super) fn new(error: Error, reached: R) -> Self {
-        let reached = Box::new(reached);
-        Failure { error, reached }
+    pub(super) fn new(error: Error, partial: R) -> Self {
+        let partial = Box::new(partial);
+        Failure { error, partial }
     }
 }
 
@@ -92,7 +92,7 @@ impl<R> Failure<R> {
 /// ```
 ///
 /// # Errors
-/// As [`run`]; [`Failure::reached`] is the orbit up to the failure.
+/// As [`run`]; [`Failure::partial`] is the orbit up to the failure.
 pub fn solve<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     t0: f64,
@@ -101,15 +101,15 @@ pub fn solve<S: Switched<N, G>, const N: usize, const G: usize>(
     options: &Options,
 ) -> Result<Orbit<N, S::Mode>, Failure<Orbit<N, S::Mode>>> {
     let x0 = x0.into_state();
-    let mut orbit = Orbit::of_none(t0, x0);
-    match follow(system, t_end, options, &mut orbit) {
+    let mut orbit = Orbit::before_first_step(t0, x0);
+    match fill(system, t_end, options, &mut orbit) {
         Ok(()) => Ok(orbit),
         Err(error) => Err(Failure::new(error, orbit)),
     }
 }
 
 /// Fills an orbit that holds its start and nothing else.
-fn follow<S: Switched<N, G>, const N: usize, const G: usize>(
+fn fill<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     t_end: f64,
     options: &Options,
@@ -119,7 +119,7 @@ fn follow<S: Switched<N, G>, const N: usize, const G: usize>(
     let mut integration = Integration::new(system, t0, x0, t_end, options)?;
     loop {
         let progress = integration.step();
-        if keep(orbit, &mut integration, progress)? {
+        if store(orbit, &mut integration, progress)? {
             return Ok(());
         }
     }
@@ -127,7 +127,7 @@ fn follow<S: Switched<N, G>, const N: usize, const G: usize>(
 
 /// Stores the progress of an integration, and returns whether it has ended.
 #[inline(always)]
-pub(super) fn keep<S: Switched<N, G>, const N: usize, const G: usize>(
+pub(super) fn store<S: Switched<N, G>, const N: usize, const G: usize>(
     orbit: &mut Orbit<N, S::Mode>,
     integration: &mut Integration<'_, S, N, G>,
     progress: Result<Progress<N, S::Mode>, Error>,
@@ -171,15 +171,15 @@ pub fn run<S: Switched<N, G>, O: Observer<N, S::Mode> + ?Sized, const N: usize, 
     let x0 = x0.into_state();
     let mut integration = match Integration::new(system, t0, x0, t_end, options) {
         Ok(integration) => integration,
-        Err(error) => return Err(Failure::new(error, Summary::of_none(t0, x0))),
+        Err(error) => return Err(Failure::new(error, Summary::before_first_step(t0, x0))),
     };
     let mut is_stopping = false;
     loop {
-        let told = match integration.step() {
-            Ok(progress) => tell(&mut integration, &progress, observer, &mut is_stopping),
+        let notified = match integration.step() {
+            Ok(progress) => notify(&mut integration, &progress, observer, &mut is_stopping),
             Err(error) => Err(error),
         };
-        match told {
+        match notified {
             Ok(None) => {}
             Ok(Some(summary)) => return Ok(summary),
             Err(error) => return Err(Failure::new(error, integration.summary(Ending::Failed))),
@@ -189,9 +189,9 @@ pub fn run<S: Switched<N, G>, O: Observer<N, S::Mode> + ?Sized, const N: usize, 
 
 /// Reports progress to `observer`. Returns the end of the run, if it has ended or the observer asks
 /// for it. An observer that stops at the end of a phase still receives the transition;
-/// `is_stopping` remembers that.
+/// `is_stopping` stores that.
 #[inline(always)]
-pub(crate) fn tell<S, O, const N: usize, const G: usize>(
+pub(crate) fn notify<S, O, const N: usize, const G: usize>(
     integration: &mut Integration<'_, S, N, G>,
     progress: &Progress<N, S::Mode>,
     observer: &mut O,
@@ -222,7 +222,7 @@ where
     }
     // Between phases there is no present phase: the previous one was reported.
     if let Some(phase) = integration.phase() {
-        // It ends all the same.
+        // The run ends in any case.
         let _ = observer.phase(&phase);
     }
     Ok(Some(integration.summary(Ending::Stopped)))

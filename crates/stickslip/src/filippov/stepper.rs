@@ -3,16 +3,16 @@
 use super::flow::Flow;
 use super::options::{Method, Options};
 use super::run::{Run, Trial};
-use super::slopes::Slopes;
+use super::runge_kutta::RungeKuttaStepper;
 use super::taylor::TaylorStepper;
 use crate::error::Error;
 use crate::ode::{Dop853, Rk4};
-use crate::taylor::repeated::Repeated;
+use crate::taylor::recorded_calls::RecordedCalls;
 
 /// The state of a method between steps.
 pub(crate) enum Stepper<const N: usize, const G: usize> {
-    Dop853(Slopes<N>),
-    Rk4(Slopes<N>),
+    Dop853(RungeKuttaStepper<N>),
+    Rk4(RungeKuttaStepper<N>),
     Taylor(Box<TaylorStepper<N, G>>),
 }
 
@@ -20,7 +20,7 @@ pub(crate) enum Stepper<const N: usize, const G: usize> {
 #[derive(Clone, Copy)]
 pub(crate) enum Work {
     /// Record which guards have left their zero.
-    NoteDepartures,
+    RecordDepartures,
     /// Prepare the expansion of the next series.
     Prepare,
     /// Try a step.
@@ -32,8 +32,10 @@ pub(crate) enum Work {
 impl<const N: usize, const G: usize> Stepper<N, G> {
     pub(crate) fn new(options: &Options) -> Self {
         match options.method {
-            Method::Dop853 | Method::Dop853Fixed { .. } => Stepper::Dop853(Slopes::default()),
-            Method::Rk4 { .. } => Stepper::Rk4(Slopes::default()),
+            Method::Dop853 | Method::Dop853Fixed { .. } => {
+                Stepper::Dop853(RungeKuttaStepper::default())
+            }
+            Method::Rk4 { .. } => Stepper::Rk4(RungeKuttaStepper::default()),
             Method::Taylor => Stepper::Taylor(Box::new(TaylorStepper::new(options))),
         }
     }
@@ -76,10 +78,10 @@ impl<const N: usize, const G: usize> Stepper<N, G> {
         work: Work,
         run: &mut Run<N, G>,
         flow: &F,
-        repeated: Option<&mut Repeated<N, G>>,
+        repeated: Option<&mut RecordedCalls<N, G>>,
     ) -> Result<Trial, Error> {
         match (work, self) {
-            (Work::NoteDepartures, _) => run.note_departures(flow),
+            (Work::RecordDepartures, _) => run.record_departures(flow),
             (Work::Prepare, Stepper::Taylor(series)) => series.prepare(run, flow),
             (Work::Prepare, _) => {}
             (Work::Complete, Stepper::Dop853(slopes)) => slopes.complete::<Dop853, F, G>(run, flow),

@@ -1,11 +1,11 @@
-//! A system as the integration uses it: one smooth flow for each mode, and the mode that follows
-//! when a flow ends.
+//! The interface between a system and the integration: one smooth flow for each mode, and the mode
+//! that follows the end of a flow.
 
 use std::fmt::Debug;
 use std::hash::Hash;
 
-use super::event::Event;
 use super::flow::Flow;
+use super::guard::Event;
 use super::observer::{Transition, TransitionKind};
 use super::options::Options;
 use super::run::Run;
@@ -81,7 +81,7 @@ pub trait Switched<const N: usize, const G: usize> {
     /// The kind of an event that does not end the mode; the branch may change. `None` if the event
     /// ends the mode.
     #[doc(hidden)]
-    fn passed(&self, guard: usize, branch: &mut Self::Branch) -> Option<TransitionKind>;
+    fn event_within_mode(&self, guard: usize, branch: &mut Self::Branch) -> Option<TransitionKind>;
 
     /// The mode that follows the end of a mode; the branch may change.
     #[doc(hidden)]
@@ -108,18 +108,18 @@ pub trait Switched<const N: usize, const G: usize> {
     /// How the run continues from near the point `at`, where transitions of these contacts
     /// accumulate, with all of them in stick. `None` if they cannot all hold there.
     #[doc(hidden)]
-    fn rest(
+    fn stick_at_accumulation(
         &self,
         run: &mut Run<N, G>,
         mode: Self::Mode,
         contacts: &[usize],
         at: &Timed<N>,
-    ) -> Option<Rest<Self::Mode, Self::Branch, N, G>>;
+    ) -> Option<StickingPoint<Self::Mode, Self::Branch, N, G>>;
 
     /// The guard whose zero is the transition, if the field jumps there: then the transition
     /// changes tangent vectors.
     #[doc(hidden)]
-    fn jumps_at(&self, at: &Transition<N, Self::Mode>) -> Option<usize>;
+    fn discontinuity_guard(&self, at: &Transition<N, Self::Mode>) -> Option<usize>;
 
     /// Whether no second contact reaches zero at the same time, so that the flow has a derivative.
     #[doc(hidden)]
@@ -157,7 +157,7 @@ pub trait Switched<const N: usize, const G: usize> {
     #[doc(hidden)]
     const CONTACTS: usize;
 
-    /// The modes of the first so many contacts.
+    /// The modes of the first `contacts` contacts.
     #[doc(hidden)]
     fn erased(mode: Self::Mode, contacts: usize) -> Modes;
 
@@ -187,14 +187,18 @@ pub struct Switch<K, const G: usize> {
     pub contact: usize,
 }
 
-/// Contacts that hold where their transitions accumulate.
-pub struct Rest<K, B, const N: usize, const G: usize> {
+/// Newton steps from an extrapolated accumulation point onto the boundaries. Each squares the
+/// distance: three reach rounding from a hundredth.
+pub(crate) const PROJECTION_STEPS: usize = 3;
+
+/// The point where transitions accumulate, with the contacts that hold there.
+pub struct StickingPoint<K, B, const N: usize, const G: usize> {
     pub at: Timed<N>,
     pub to: K,
     pub branch: B,
-    /// As of [`Switch`].
+    /// How many derivatives of each guard of the mode vanish.
     pub orders: [usize; G],
-    /// The first of them.
+    /// The first of the contacts.
     pub contact: usize,
 }
 

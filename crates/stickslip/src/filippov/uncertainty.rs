@@ -1,8 +1,7 @@
 //! The uncertainty of a guard at a state.
 
-use crate::dual::Dual;
-
 use super::flow::Flow;
+use crate::dual::Dual;
 use crate::ode::{Timed, Tolerance};
 
 /// Uncertainty of guard `i` at a state, from that of the state: by the tolerance of the
@@ -13,54 +12,61 @@ pub(crate) struct Uncertainty {
     pub by_rounding: f64,
 }
 
-/// Fraction of the tolerance's effect below which a guard is zero: events are located a thousand
-/// times more precisely than steps.
-const OF_TOLERANCE: f64 = 1e-3;
+/// Rounding of a computed state or time, relative to its size: 64 units in the last place. Chosen
+/// above what the operations of a step and of a user's function usually accumulate.
+pub(crate) const STATE_ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// A series that differs from its function by so many tolerances does not represent it.
-const FAR_OFF: f64 = 30.0;
+/// Rounding of a difference of large computed numbers, relative to these. Chosen far above
+/// [`STATE_ROUNDING`], and far below any effect that a user means.
+pub(crate) const RELATIVE_ROUNDING: f64 = 1e-12;
+
+/// Part of the tolerance below which a guard, or a distance from Σ, is zero. Chosen: events are
+/// located a thousand times more precisely than steps.
+pub(crate) const EVENT_PRECISION: f64 = 1e-3;
+
+/// Largest difference, in tolerances, between a series and what it represents. The slope of a
+/// series of order p has p times the error of a step, and p is at most 24.
+pub(crate) const SERIES_DEFECT: f64 = 30.0;
 
 impl Uncertainty {
     /// The size beyond which a guard differs from its series.
-    pub(crate) fn far_off(&self) -> f64 {
-        self.by_rounding + FAR_OFF * self.by_tolerance
+    pub(crate) fn series_defect(&self) -> f64 {
+        self.by_rounding + SERIES_DEFECT * self.by_tolerance
     }
 
     /// The size below which the guard is zero.
     pub(crate) fn zero(&self) -> f64 {
-        self.by_rounding + OF_TOLERANCE * self.by_tolerance
+        self.by_rounding + EVENT_PRECISION * self.by_tolerance
     }
 
     /// The effect of one unit in the last place of state and time.
     pub(crate) fn of_one_unit(&self) -> f64 {
-        self.by_rounding / ULPS
+        self.by_rounding * (f64::EPSILON / STATE_ROUNDING)
     }
 }
 
-/// Rounding of state and time, in units in the last place.
-pub(crate) const ULPS: f64 = 64.0;
-
+/// Uncertainty of guard `i` at a state.
 pub(crate) fn uncertainty<F: Flow<N>, const N: usize>(
     flow: &F,
     i: usize,
     at: &Timed<N>,
     tolerance: &Tolerance,
 ) -> Uncertainty {
-    let [one] = blur(at, tolerance, |t, x| [flow.guard(i, t, x)]);
+    let [one] = propagate(at, tolerance, |t, x| [flow.guard(i, t, x)]);
     one
 }
 
-/// The same of all `G` guards.
+/// Uncertainties of all `G` guards at a state.
 pub(crate) fn uncertainties<F: Flow<N>, const N: usize, const G: usize>(
     flow: &F,
     at: &Timed<N>,
     tolerance: &Tolerance,
 ) -> [Uncertainty; G] {
-    blur(at, tolerance, |t, x| flow.field_and_guards(t, x).1)
+    propagate(at, tolerance, |t, x| flow.field_and_guards(t, x).1)
 }
 
 #[inline(always)]
-fn blur<const N: usize, const G: usize>(
+fn propagate<const N: usize, const G: usize>(
     at: &Timed<N>,
     tolerance: &Tolerance,
     guards: impl Fn(Dual<f64>, &[Dual<f64>; N]) -> [Dual<f64>; G],
@@ -86,7 +92,7 @@ fn blur<const N: usize, const G: usize>(
         }
     }
     for blur in &mut blurs {
-        blur.by_rounding *= ULPS * f64::EPSILON;
+        blur.by_rounding *= STATE_ROUNDING;
     }
     blurs
 }

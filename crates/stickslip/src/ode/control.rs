@@ -22,11 +22,14 @@ impl Tolerance {
     }
 }
 
-/// Smallest and largest change of the step from one to the next, and the safety factor on the ideal
-/// one (the values of `dop853.f`).
-const SHRINK_MOST: f64 = 0.333;
-const GROW_MOST: f64 = 6.0;
-const SAFETY: f64 = 0.9;
+/// Smallest factor between a step and the next, as in `dop853.f`.
+const MIN_STEP_FACTOR: f64 = 0.333;
+
+/// Largest factor between a step and the next, as in `dop853.f`.
+const MAX_STEP_FACTOR: f64 = 6.0;
+
+/// Safety factor on the step that the error estimate allows, as in `dop853.f`.
+const STEP_SAFETY: f64 = 0.9;
 
 /// Squared error of a step in units of the tolerance, accepted up to 1; not finite where the step
 /// is not. It is the mean over the first states, whose number is given. Further components only pad
@@ -87,7 +90,7 @@ pub(crate) fn step_factor(squared_error: f64) -> f64 {
     const MIDDLE: i64 = (0.043 * (1_i64 << 52) as f64) as i64;
     let logarithm = squared_error.to_bits() as i64 - ONE;
     let root = f64::from_bits((ONE - MIDDLE - logarithm / 16) as u64);
-    (SAFETY * root).clamp(SHRINK_MOST, GROW_MOST)
+    (STEP_SAFETY * root).clamp(MIN_STEP_FACTOR, MAX_STEP_FACTOR)
 }
 
 /// A first step for which an explicit Euler step and the change of slope over it stay near 1 %

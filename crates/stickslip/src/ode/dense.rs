@@ -5,7 +5,7 @@ use super::step::{Stages, weigh};
 use super::tableau::RungeKutta;
 use crate::interval::Interval;
 use crate::system::State;
-use crate::taylor::MOST_ORDER;
+use crate::taylor::MAX_COEFFICIENTS;
 
 /// The solution over one step as a polynomial in `s = (t − t0)/h`, `0 ≤ s ≤ 1`.
 ///
@@ -30,7 +30,7 @@ enum Polynomial<const N: usize> {
     Hermite([State<N>; 4]),
     RungeKutta([State<N>; 8]),
     /// Coefficients of the powers of `s`, up to the order given.
-    Series(usize, [State<N>; MOST_ORDER + 1]),
+    Series(usize, [State<N>; MAX_COEFFICIENTS]),
 }
 
 impl<const N: usize> Dense<N> {
@@ -90,7 +90,7 @@ impl<const N: usize> Dense<N> {
         t0: f64,
         h: f64,
         order: usize,
-        coefficients: &[State<N>; MOST_ORDER + 1],
+        coefficients: &[State<N>; MAX_COEFFICIENTS],
     ) {
         (self.t0, self.h) = (t0, h);
         self.polynomial = Polynomial::Series(order, *coefficients);

@@ -25,7 +25,7 @@ impl<const N: usize> Stages<State<N>> {
     /// ends, so it is at most half the maximum of its integrand. That is known at the stages; the
     /// bound is doubled for values between the stages and for their errors.
     #[inline(always)]
-    pub(crate) fn reach<M: RungeKutta>(&self, x: &State<N>, h: f64) -> [Interval; N] {
+    pub(crate) fn enclosure<M: RungeKutta>(&self, x: &State<N>, h: f64) -> [Interval; N] {
         let (mut bend, mut sum) = ([0.0; N], [0.0; N]);
         for slope in &self.k[..=M::COEFFICIENTS.stages] {
             for i in 0..N {
@@ -35,17 +35,17 @@ impl<const N: usize> Stages<State<N>> {
                 sum[i] += off;
             }
         }
-        let mut reach = [Interval::new(0.0, 0.0); N];
-        for (i, reach) in reach.iter_mut().enumerate() {
+        let mut enclosure = [Interval::new(0.0, 0.0); N];
+        for (i, enclosure) in enclosure.iter_mut().enumerate() {
             let rise = self.end[i] - x[i];
             let radius = if sum[i].is_finite() {
                 bend[i]
             } else {
                 f64::NAN
             };
-            *reach = Interval::around(x[i] + 0.5 * rise, 0.5 * rise.abs() + radius);
+            *enclosure = Interval::around(x[i] + 0.5 * rise, 0.5 * rise.abs() + radius);
         }
-        reach
+        enclosure
     }
 }
 
@@ -234,11 +234,11 @@ mod tests {
                 h *= 0.9;
             };
             step.k[12] = field(h, &step.end);
-            let reach = step.reach::<Dop853>(&x, h);
+            let enclosure = step.enclosure::<Dop853>(&x, h);
             for at in solution(&mut field, x, h) {
                 for i in 0..2 {
                     let (middle, way) = (0.5 * (x[i] + step.end[i]), (step.end[i] - x[i]).abs());
-                    let room = 0.5 * (reach[i].high - reach[i].low - way);
+                    let room = 0.5 * (enclosure[i].high - enclosure[i].low - way);
                     let outside = (at[i] - middle).abs() - 0.5 * way;
                     assert!(
                         outside <= 0.5 * room + 1e-14,
@@ -254,6 +254,6 @@ mod tests {
         let x = State::from([0.0]);
         let mut step = stages::<Dop853, f64, _>(&mut |_, _| x, 0.0, &x, x, 1.0);
         step.k[5][0] = f64::NAN;
-        assert!(step.reach::<Dop853>(&x, 1.0)[0].low.is_nan());
+        assert!(step.enclosure::<Dop853>(&x, 1.0)[0].low.is_nan());
     }
 }

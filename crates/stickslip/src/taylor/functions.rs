@@ -1,12 +1,12 @@
 //! Recurrences for the next coefficient of each elementary function (Griewank & Walther,
 //! *Evaluating Derivatives*, 2008, Ch. 13).
 
-use super::jet::{Coefficient, Jet, Straight};
+use super::jet::{Coefficient, Jet, LinearJet};
 use super::row::{Lanes, lanes};
 use crate::math;
 use crate::scalar::Scalar;
 
-use Jet::Line;
+use Jet::Linear;
 
 /// A function that is constant to rounding beyond some bound. Its series there does not show where
 /// that range ends. So the bound is treated as a comparison, which ends the step.
@@ -40,113 +40,116 @@ impl<'a, const L: usize> Coefficient<'a, L> {
     /// `g(a)`.
     #[inline(always)]
     fn integral(self, slope: usize, g: usize) -> Lanes<L> {
-        let (pass, a) = (self.pass, self.newest);
-        let (inner, of_a, g0) = (pass.convolution(slope, g), pass.slope(a), pass.at(g, 0));
-        pass.integral(lanes(|l| inner[l] + of_a[l] * g0[l]))
+        let (sweep, a) = (self.sweep, self.newest);
+        let (inner, of_a, g0) = (sweep.convolution(slope, g), sweep.slope(a), sweep.at(g, 0));
+        sweep.integral(lanes(|l| inner[l] + of_a[l] * g0[l]))
     }
 
     /// `f(a)` where `f' = 1/b`.
     #[inline(always)]
     fn over(self, b: Self, value: impl Fn(f64) -> f64) -> Jet<'a, L> {
-        let (pass, a) = (self.pass, self.newest);
-        if pass.order == 0 {
-            pass.keep([0.0; L]);
-            return pass.result(lanes(|l| value(a[l])));
+        let (sweep, a) = (self.sweep, self.newest);
+        if sweep.order == 0 {
+            sweep.store_next([0.0; L]);
+            return sweep.result(lanes(|l| value(a[l])));
         }
         let (inner, of_a, b0) = (
-            pass.convolution(pass.next(), b.row),
-            pass.slope(a),
+            sweep.convolution(sweep.next_row(), b.row),
+            sweep.slope(a),
             b.first(),
         );
         let slope = lanes(|l| (of_a[l] - inner[l]) / b0[l]);
-        pass.keep(slope);
-        pass.result(pass.integral(slope))
+        sweep.store_next(slope);
+        sweep.result(sweep.integral(slope))
     }
 
     /// `f(a)` where `f' = 1 + sign f²`.
     #[inline(always)]
     fn tangent(self, sign: f64, value: impl Fn(f64) -> f64) -> Jet<'a, L> {
-        let pass = self.pass;
-        let slope = self.keep_slope();
-        let (tangent, rate) = (pass.next(), pass.next() + 1);
-        let newest = if pass.order == 0 {
+        let sweep = self.sweep;
+        let slope = self.store_slope();
+        let (tangent, rate) = (sweep.next_row(), sweep.next_row() + 1);
+        let newest = if sweep.order == 0 {
             lanes(|l| value(self.newest[l]))
         } else {
             self.integral(slope, rate)
         };
-        let result = pass.result(newest);
-        let of_square = if pass.order == 0 {
+        let result = sweep.result(newest);
+        let of_square = if sweep.order == 0 {
             lanes(|l| 1.0 + sign * (newest[l] * newest[l]))
         } else {
-            let (inner, t0) = (pass.convolution(tangent, tangent), pass.at(tangent, 0));
+            let (inner, t0) = (sweep.convolution(tangent, tangent), sweep.at(tangent, 0));
             lanes(|l| sign * (inner[l] + 2.0 * t0[l] * newest[l]))
         };
-        pass.keep(of_square);
+        sweep.store_next(of_square);
         result
     }
 
     /// Two functions, each the derivative of the other up to the sign of the second's.
     #[inline(always)]
     fn pair(self, sign: f64, both: impl Fn(f64) -> (f64, f64)) -> (Jet<'a, L>, Jet<'a, L>) {
-        let pass = self.pass;
-        let slope = self.keep_slope();
-        if pass.order == 0 {
-            return pass.results(self.newest, both);
+        let sweep = self.sweep;
+        let slope = self.store_slope();
+        if sweep.order == 0 {
+            return sweep.results(self.newest, both);
         }
-        let (one, other) = (pass.next(), pass.next() + 1);
-        let of_one = unless_overflowed(self.integral(slope, other), pass.at(one, 0));
-        let of_other = unless_overflowed(self.integral(slope, one), pass.at(other, 0));
-        let results = (pass.result(of_one), lanes(|l| sign * of_other[l]));
-        (results.0, pass.result(results.1))
+        let (one, other) = (sweep.next_row(), sweep.next_row() + 1);
+        let of_one = unless_overflowed(self.integral(slope, other), sweep.at(one, 0));
+        let of_other = unless_overflowed(self.integral(slope, one), sweep.at(other, 0));
+        let results = (sweep.result(of_one), lanes(|l| sign * of_other[l]));
+        (results.0, sweep.result(results.1))
     }
 
     #[inline(always)]
     fn exponential(self) -> Jet<'a, L> {
-        let pass = self.pass;
-        let slope = self.keep_slope();
-        pass.result(if pass.order == 0 {
+        let sweep = self.sweep;
+        let slope = self.store_slope();
+        sweep.result(if sweep.order == 0 {
             lanes(|l| math::exp(self.newest[l]))
         } else {
-            unless_overflowed(self.integral(slope, pass.next()), pass.at(pass.next(), 0))
+            unless_overflowed(
+                self.integral(slope, sweep.next_row()),
+                sweep.at(sweep.next_row(), 0),
+            )
         })
     }
 
     #[inline(always)]
     fn root(self) -> Jet<'a, L> {
-        let (pass, newest) = (self.pass, self.newest);
-        if pass.order == 0 {
-            return pass.result(lanes(|l| newest[l].sqrt()));
+        let (sweep, newest) = (self.sweep, self.newest);
+        if sweep.order == 0 {
+            return sweep.result(lanes(|l| newest[l].sqrt()));
         }
-        let root = pass.next();
-        let (inner, r0) = (pass.convolution(root, root), pass.at(root, 0));
-        pass.result(lanes(|l| (newest[l] - inner[l]) / (2.0 * r0[l])))
+        let root = sweep.next_row();
+        let (inner, r0) = (sweep.convolution(root, root), sweep.at(root, 0));
+        sweep.result(lanes(|l| (newest[l] - inner[l]) / (2.0 * r0[l])))
     }
 
     /// A real power.
     #[inline(always)]
     fn power(self, p: f64) -> Jet<'a, L> {
-        let (pass, a) = (self.pass, self.newest);
-        let slope = self.keep_slope();
-        let (of_power, power) = (pass.next(), pass.next() + 1);
-        if pass.order == 0 {
-            pass.keep([0.0; L]);
-            return pass.result(lanes(|l| math::pow(a[l], p)));
+        let (sweep, a) = (self.sweep, self.newest);
+        let slope = self.store_slope();
+        let (of_power, power) = (sweep.next_row(), sweep.next_row() + 1);
+        if sweep.order == 0 {
+            sweep.store_next([0.0; L]);
+            return sweep.result(lanes(|l| math::pow(a[l], p)));
         }
         // a · s y' = p y · s a'
         let (up, down) = (
-            pass.convolution(slope, power),
-            pass.convolution(self.row, of_power),
+            sweep.convolution(slope, power),
+            sweep.convolution(self.row, of_power),
         );
-        let (of_a, a0, y0) = (pass.slope(a), self.first(), pass.at(power, 0));
+        let (of_a, a0, y0) = (sweep.slope(a), self.first(), sweep.at(power, 0));
         let newest = lanes(|l| (p * (up[l] + of_a[l] * y0[l]) - down[l]) / a0[l]);
-        pass.keep(newest);
-        pass.result(pass.integral(newest))
+        sweep.store_next(newest);
+        sweep.result(sweep.integral(newest))
     }
 
     /// Stores the coefficients of `s a'(s)`.
     #[inline(always)]
-    fn keep_slope(self) -> usize {
-        self.pass.keep(self.pass.slope(self.newest))
+    fn store_slope(self) -> usize {
+        self.sweep.store_next(self.sweep.slope(self.newest))
     }
 }
 
@@ -173,10 +176,10 @@ impl<const L: usize> Jet<'_, L> {
     pub(super) fn bound_before(self, flat: Flat) -> Option<f64> {
         let a0 = self.first();
         let bound = flat.bound_before(a0[0]);
-        if let Some(pass) = self.pass() {
+        if let Some(sweep) = self.sweep() {
             for a in &a0[1..] {
                 if flat.bound_before(*a) != bound {
-                    pass.divided.set(true);
+                    sweep.lanes_differ.set(true);
                 }
             }
         }
@@ -184,7 +187,7 @@ impl<const L: usize> Jet<'_, L> {
     }
 
     #[inline(always)]
-    fn note(self, flat: Flat) {
+    fn check_flat(self, flat: Flat) {
         if let Some(bound) = self.bound_before(flat) {
             self.exceeds(Self::constant(bound));
         }
@@ -192,7 +195,7 @@ impl<const L: usize> Jet<'_, L> {
 
     /// The hyperbolic sine and cosine, without the comparison where 1 is lost beside them.
     #[inline(always)]
-    pub(super) fn sinh_cosh_alone(self) -> (Self, Self) {
+    pub(super) fn sinh_cosh_unchecked(self) -> (Self, Self) {
         match self.in_row() {
             Ok(a) => a.pair(1.0, sinh_cosh),
             Err(a) => {
@@ -204,7 +207,7 @@ impl<const L: usize> Jet<'_, L> {
 
     /// The hyperbolic tangent, without the comparison at its bound.
     #[inline(always)]
-    pub(super) fn tanh_alone(self) -> Self {
+    pub(super) fn tanh_unchecked(self) -> Self {
         match self.in_row() {
             Ok(a) => a.tangent(-1.0, math::tanh),
             Err(a) => Self::constant(math::tanh(a)),
@@ -213,7 +216,7 @@ impl<const L: usize> Jet<'_, L> {
 
     /// The exponential function, without the comparison at its bound.
     #[inline(always)]
-    pub(super) fn exp_alone(self) -> Self {
+    pub(super) fn exp_unchecked(self) -> Self {
         match self.in_row() {
             Ok(a) => a.exponential(),
             Err(a) => Self::constant(math::exp(a)),
@@ -224,7 +227,7 @@ impl<const L: usize> Jet<'_, L> {
 impl<const L: usize> Scalar for Jet<'_, L> {
     #[inline(always)]
     fn constant(value: f64) -> Self {
-        Line(Straight::constant(value))
+        Linear(LinearJet::constant(value))
     }
     #[inline(always)]
     fn zero() -> Self {
@@ -241,8 +244,8 @@ impl<const L: usize> Scalar for Jet<'_, L> {
     /// The value in the first lane.
     #[inline(always)]
     fn value(self) -> f64 {
-        if let Some(pass) = self.pass() {
-            pass.value_read.set(true);
+        if let Some(sweep) = self.sweep() {
+            sweep.value_read.set(true);
         }
         self.first()[0]
     }
@@ -250,12 +253,12 @@ impl<const L: usize> Scalar for Jet<'_, L> {
     fn exceeds(self, other: Self) -> bool {
         let (a0, b0) = (self.first(), other.first());
         let exceeds = a0[0] > b0[0];
-        let Some(pass) = self.pass().or(other.pass()) else {
+        let Some(sweep) = self.sweep().or(other.sweep()) else {
             return exceeds;
         };
         for l in 1..L {
             if (a0[l] > b0[l]) != exceeds {
-                pass.divided.set(true);
+                sweep.lanes_differ.set(true);
             }
         }
         self.choose(other, exceeds);
@@ -274,20 +277,20 @@ impl<const L: usize> Scalar for Jet<'_, L> {
     }
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        if let Line(Straight {
+        if let Linear(LinearJet {
             value,
             slope,
-            pass: Some(pass),
+            sweep: Some(sweep),
         }) = self
         {
-            if pass.order == 0 {
-                return pass.results(value, math::sin_cos);
+            if sweep.order == 0 {
+                return sweep.results(value, math::sin_cos);
             }
-            let (sine, last) = (pass.next(), pass.order - 1);
-            let (s, c) = (pass.at(sine, last), pass.at(sine + 1, last));
-            let of_sine = pass.integral(lanes(|l| slope[l] * c[l]));
-            let of_cosine = pass.integral(lanes(|l| -slope[l] * s[l]));
-            return (pass.result(of_sine), pass.result(of_cosine));
+            let (sine, last) = (sweep.next_row(), sweep.order - 1);
+            let (s, c) = (sweep.at(sine, last), sweep.at(sine + 1, last));
+            let of_sine = sweep.integral(lanes(|l| slope[l] * c[l]));
+            let of_cosine = sweep.integral(lanes(|l| -slope[l] * s[l]));
+            return (sweep.result(of_sine), sweep.result(of_cosine));
         }
         match self.in_row() {
             Ok(a) => a.pair(-1.0, math::sin_cos),
@@ -322,18 +325,18 @@ impl<const L: usize> Scalar for Jet<'_, L> {
     }
     #[inline(always)]
     fn sinh(self) -> Self {
-        self.note(Flat::Exponential);
-        self.sinh_cosh_alone().0
+        self.check_flat(Flat::Exponential);
+        self.sinh_cosh_unchecked().0
     }
     #[inline(always)]
     fn cosh(self) -> Self {
-        self.note(Flat::Exponential);
-        self.sinh_cosh_alone().1
+        self.check_flat(Flat::Exponential);
+        self.sinh_cosh_unchecked().1
     }
     #[inline(always)]
     fn tanh(self) -> Self {
-        self.note(Flat::HyperbolicTangent);
-        self.tanh_alone()
+        self.check_flat(Flat::HyperbolicTangent);
+        self.tanh_unchecked()
     }
     #[inline(always)]
     fn powf(self, p: f64) -> Self {
@@ -351,8 +354,8 @@ impl<const L: usize> Scalar for Jet<'_, L> {
     }
     #[inline(always)]
     fn exp(self) -> Self {
-        self.note(Flat::Exponential);
-        self.exp_alone()
+        self.check_flat(Flat::Exponential);
+        self.exp_unchecked()
     }
     #[inline(always)]
     fn ln(self) -> Self {

@@ -4,13 +4,13 @@
 use std::fmt;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::pass::Pass;
 use super::row::{Lanes, lanes, product, quotient};
+use super::sweep::Sweep;
 use crate::scalar::Scalar;
 
-use Jet::{Line, One, Series, Zero};
+use Jet::{Linear, One, Series, Zero};
 
-/// A number in one pass through a function.
+/// A number in one sweep through a function.
 ///
 /// Numbers that are constant or linear in time need no row, and operations on them are folded. Zero
 /// and one are variants of their own, known without a look at the value. So derivatives of dual
@@ -19,16 +19,16 @@ use Jet::{Line, One, Series, Zero};
 pub(crate) enum Jet<'a, const L: usize> {
     Zero,
     One,
-    Line(Straight<'a, L>),
+    Linear(LinearJet<'a, L>),
     Series(Coefficient<'a, L>),
 }
 
-/// A number that is linear in time. Without a pass it is constant.
+/// A number that is linear in time. Without a sweep it is constant.
 #[derive(Clone, Copy)]
-pub(crate) struct Straight<'a, const L: usize> {
+pub(crate) struct LinearJet<'a, const L: usize> {
     pub(super) value: Lanes<L>,
     pub(super) slope: Lanes<L>,
-    pub(super) pass: Option<&'a Pass<'a, L>>,
+    pub(super) sweep: Option<&'a Sweep<'a, L>>,
 }
 
 /// The newest coefficient of a number, and the number's row.
@@ -38,10 +38,10 @@ pub(crate) struct Coefficient<'a, const L: usize> {
     pub(super) row: usize,
     /// Whether the coefficient is stored in its row. It is stored when an operation first needs the
     /// earlier coefficients, which a sum does not.
-    is_kept: bool,
+    is_stored: bool,
     /// Whether the number is linear in state and time.
     pub(super) is_linear: bool,
-    pub(super) pass: &'a Pass<'a, L>,
+    pub(super) sweep: &'a Sweep<'a, L>,
 }
 
 impl<const L: usize> fmt::Debug for Jet<'_, L> {
@@ -49,25 +49,25 @@ impl<const L: usize> fmt::Debug for Jet<'_, L> {
         match self {
             Zero => write!(f, "0"),
             One => write!(f, "1"),
-            Line(Straight { value, slope, .. }) => write!(f, "{value:?} + {slope:?} s"),
-            Series(a) => write!(f, "… + {:?} s^{}", a.newest, a.pass.order),
+            Linear(LinearJet { value, slope, .. }) => write!(f, "{value:?} + {slope:?} s"),
+            Series(a) => write!(f, "… + {:?} s^{}", a.newest, a.sweep.order),
         }
     }
 }
 
-impl<'a, const L: usize> Straight<'a, L> {
+impl<'a, const L: usize> LinearJet<'a, L> {
     #[inline(always)]
     pub(super) fn constant(value: f64) -> Self {
-        Straight {
+        LinearJet {
             value: [value; L],
             slope: [0.0; L],
-            pass: None,
+            sweep: None,
         }
     }
 
     #[inline(always)]
     fn map(self, f: impl Fn(f64) -> f64) -> Self {
-        Straight {
+        LinearJet {
             value: lanes(|l| f(self.value[l])),
             slope: lanes(|l| f(self.slope[l])),
             ..self
@@ -84,28 +84,28 @@ impl<'a, const L: usize> Straight<'a, L> {
     }
 }
 
-impl<'a, const L: usize> Pass<'a, L> {
+impl<'a, const L: usize> Sweep<'a, L> {
     /// A new number with a row of its own.
     #[inline(always)]
     pub(super) fn number(&'a self, newest: Lanes<L>, is_linear: bool) -> Jet<'a, L> {
         Series(Coefficient {
             newest,
-            row: self.take(),
-            is_kept: false,
+            row: self.take_row(),
+            is_stored: false,
             is_linear,
-            pass: self,
+            sweep: self,
         })
     }
 
     /// A number that is computed already at this order.
     #[inline(always)]
-    pub(super) fn known(&'a self, row: usize) -> Jet<'a, L> {
+    pub(super) fn stored_number(&'a self, row: usize) -> Jet<'a, L> {
         Series(Coefficient {
             newest: self.at(row, self.order),
             row,
-            is_kept: true,
+            is_stored: true,
             is_linear: false,
-            pass: self,
+            sweep: self,
         })
     }
 
@@ -114,10 +114,10 @@ impl<'a, const L: usize> Pass<'a, L> {
     pub(super) fn state(&'a self, newest: Lanes<L>) -> Jet<'a, L> {
         Series(Coefficient {
             newest,
-            row: self.keep(newest),
-            is_kept: true,
+            row: self.store_next(newest),
+            is_stored: true,
             is_linear: true,
-            pass: self,
+            sweep: self,
         })
     }
 
@@ -127,10 +127,10 @@ impl<'a, const L: usize> Pass<'a, L> {
     pub(super) fn result(&'a self, newest: Lanes<L>) -> Jet<'a, L> {
         Series(Coefficient {
             newest,
-            row: self.keep(newest),
-            is_kept: true,
+            row: self.store_next(newest),
+            is_stored: true,
             is_linear: false,
-            pass: self,
+            sweep: self,
         })
     }
 
@@ -154,12 +154,12 @@ impl<'a, const L: usize> Pass<'a, L> {
 impl<'a, const L: usize> Coefficient<'a, L> {
     /// The number itself, with its coefficient stored in its row.
     #[inline(always)]
-    fn kept(self) -> Self {
-        if !self.is_kept {
-            self.pass.put(self.row, self.newest);
+    fn stored(self) -> Self {
+        if !self.is_stored {
+            self.sweep.store(self.row, self.newest);
         }
         Coefficient {
-            is_kept: true,
+            is_stored: true,
             ..self
         }
     }
@@ -167,78 +167,78 @@ impl<'a, const L: usize> Coefficient<'a, L> {
     /// The value of a number that is stored.
     #[inline(always)]
     pub(super) fn first(self) -> Lanes<L> {
-        if self.pass.order == 0 {
+        if self.sweep.order == 0 {
             self.newest
         } else {
-            self.pass.at(self.row, 0)
+            self.sweep.at(self.row, 0)
         }
     }
 
     #[inline(always)]
     fn times(self, other: Self) -> Jet<'a, L> {
-        let (this, other) = (self.kept(), other.kept());
-        let (pass, a, b) = (this.pass, this.newest, other.newest);
-        let newest = if pass.order == 0 {
+        let (this, other) = (self.stored(), other.stored());
+        let (sweep, a, b) = (this.sweep, this.newest, other.newest);
+        let newest = if sweep.order == 0 {
             lanes(|l| a[l] * b[l])
         } else {
-            let inner = pass.convolution(this.row, other.row);
+            let inner = sweep.convolution(this.row, other.row);
             product(inner, (this.first(), a), (other.first(), b))
         };
-        pass.number(newest, false)
+        sweep.number(newest, false)
     }
 
     #[inline(always)]
-    fn times_line(self, line: Straight<'a, L>) -> Jet<'a, L> {
-        let (pass, a) = (self.pass, self.newest);
-        let product = lanes(|l| a[l] * line.value[l]);
-        if line.pass.is_none() {
-            return pass.number(product, self.is_linear);
+    fn times_linear(self, linear: LinearJet<'a, L>) -> Jet<'a, L> {
+        let (sweep, a) = (self.sweep, self.newest);
+        let product = lanes(|l| a[l] * linear.value[l]);
+        if linear.sweep.is_none() {
+            return sweep.number(product, self.is_linear);
         }
-        let row = self.kept().row;
-        let newest = if pass.order == 0 {
+        let row = self.stored().row;
+        let newest = if sweep.order == 0 {
             product
         } else {
-            let last = pass.at(row, pass.order - 1);
-            lanes(|l| last[l] * line.slope[l] + product[l])
+            let last = sweep.at(row, sweep.order - 1);
+            lanes(|l| last[l] * linear.slope[l] + product[l])
         };
-        pass.number(newest, false)
+        sweep.number(newest, false)
     }
 
     /// `a/self`, where `a` has the newest coefficient `a`.
     #[inline(always)]
     fn divides(self, a: Lanes<L>) -> Jet<'a, L> {
-        let (pass, b) = (self.pass, self.newest);
-        let newest = if pass.order == 0 {
+        let (sweep, b) = (self.sweep, self.newest);
+        let newest = if sweep.order == 0 {
             if b.iter().any(|b| b.is_infinite()) {
-                pass.overflowed.set(true);
+                sweep.overflowed.set(true);
             }
             lanes(|l| a[l] / b[l])
         } else {
-            let row = pass.next();
-            let inner = pass.convolution(self.row, row);
-            quotient(inner, a, (self.first(), b), pass.at(row, 0))
+            let row = sweep.next_row();
+            let inner = sweep.convolution(self.row, row);
+            quotient(inner, a, (self.first(), b), sweep.at(row, 0))
         };
-        pass.result(newest)
+        sweep.result(newest)
     }
 }
 
 impl<'a, const L: usize> Jet<'a, L> {
     /// The number as a linear function of time; zero if it has a row.
     #[inline(always)]
-    pub(super) fn line(self) -> Straight<'a, L> {
+    pub(super) fn as_linear(self) -> LinearJet<'a, L> {
         match self {
-            Line(a) => a,
-            One => Straight::constant(1.0),
-            Zero | Series(_) => Straight::constant(0.0),
+            Linear(a) => a,
+            One => LinearJet::constant(1.0),
+            Zero | Series(_) => LinearJet::constant(0.0),
         }
     }
 
-    /// The pass that the number belongs to; `None` for a constant.
+    /// The sweep that the number belongs to; `None` for a constant.
     #[inline(always)]
-    pub(super) fn pass(self) -> Option<&'a Pass<'a, L>> {
+    pub(super) fn sweep(self) -> Option<&'a Sweep<'a, L>> {
         match self {
-            Series(a) => Some(a.pass),
-            Zero | One | Line(_) => self.line().pass,
+            Series(a) => Some(a.sweep),
+            Zero | One | Linear(_) => self.as_linear().sweep,
         }
     }
 
@@ -246,7 +246,7 @@ impl<'a, const L: usize> Jet<'a, L> {
     pub(super) fn newest(self, order: usize) -> Lanes<L> {
         match self {
             Series(a) => a.newest,
-            Zero | One | Line(_) => self.line().newest(order),
+            Zero | One | Linear(_) => self.as_linear().newest(order),
         }
     }
 
@@ -254,8 +254,8 @@ impl<'a, const L: usize> Jet<'a, L> {
     #[inline(always)]
     pub(super) fn first(self) -> Lanes<L> {
         match self {
-            Series(a) => a.kept().first(),
-            Zero | One | Line(_) => self.line().value,
+            Series(a) => a.stored().first(),
+            Zero | One | Linear(_) => self.as_linear().value,
         }
     }
 
@@ -263,25 +263,25 @@ impl<'a, const L: usize> Jet<'a, L> {
     #[inline(always)]
     pub(super) fn in_row(self) -> Result<Coefficient<'a, L>, f64> {
         if let Series(a) = self {
-            return Ok(a.kept());
+            return Ok(a.stored());
         }
-        let line = self.line();
-        let pass = line.pass.ok_or(line.value[0])?;
-        let newest = line.newest(pass.order);
+        let linear = self.as_linear();
+        let sweep = linear.sweep.ok_or(linear.value[0])?;
+        let newest = linear.newest(sweep.order);
         Ok(Coefficient {
             newest,
-            row: pass.keep(newest),
-            is_kept: true,
+            row: sweep.store_next(newest),
+            is_stored: true,
             is_linear: true,
-            pass,
+            sweep,
         })
     }
 
     /// Stores the coefficient in its row.
     #[inline(always)]
-    pub(super) fn keep(self) {
+    pub(super) fn store(self) {
         if let Series(a) = self {
-            a.kept();
+            a.stored();
         }
     }
 
@@ -290,28 +290,28 @@ impl<'a, const L: usize> Jet<'a, L> {
     pub(super) fn is_linear(self) -> bool {
         match self {
             Series(a) => a.is_linear,
-            Zero | One | Line(_) => true,
+            Zero | One | Linear(_) => true,
         }
     }
 
     /// The number itself, marked as linear in state and time or not.
     #[inline(always)]
-    pub(super) fn linear(self, is_linear: bool) -> Self {
+    pub(super) fn with_linearity(self, is_linear: bool) -> Self {
         match self {
             Series(a) => Series(Coefficient { is_linear, ..a }),
-            Zero | One | Line(_) => self,
+            Zero | One | Linear(_) => self,
         }
     }
 
     /// Stores the difference between the chosen and the rejected number of a comparison.
     #[inline(always)]
     pub(super) fn choose(self, other: Self, exceeds: bool) {
-        if let Some(pass) = self.pass().or(other.pass()) {
-            let (a, b) = (self.newest(pass.order), other.newest(pass.order));
+        if let Some(sweep) = self.sweep().or(other.sweep()) {
+            let (a, b) = (self.newest(sweep.order), other.newest(sweep.order));
             if !(self.is_linear() && other.is_linear()) {
-                pass.choices_bend.set(true);
+                sweep.choices_nonlinear.set(true);
             }
-            pass.choose(lanes(|l| if exceeds { a[l] - b[l] } else { b[l] - a[l] }));
+            sweep.choose(lanes(|l| if exceeds { a[l] - b[l] } else { b[l] - a[l] }));
         }
     }
 
@@ -328,27 +328,27 @@ impl<'a, const L: usize> Jet<'a, L> {
         match (self, other) {
             (Series(a), Series(b)) => {
                 let newest = lanes(|l| f(a.newest[l], b.newest[l]));
-                a.pass.number(newest, a.is_linear && b.is_linear)
+                a.sweep.number(newest, a.is_linear && b.is_linear)
             }
             (Series(a), _) => {
-                let newest = if a.pass.order < 2 {
-                    let b = other.line().newest(a.pass.order);
+                let newest = if a.sweep.order < 2 {
+                    let b = other.as_linear().newest(a.sweep.order);
                     lanes(|l| f(a.newest[l], b[l]))
                 } else {
                     a.newest
                 };
-                a.pass.number(newest, a.is_linear)
+                a.sweep.number(newest, a.is_linear)
             }
             (_, Series(b)) => {
-                let a = self.line().newest(b.pass.order);
-                b.pass.number(lanes(|l| f(a[l], b.newest[l])), b.is_linear)
+                let a = self.as_linear().newest(b.sweep.order);
+                b.sweep.number(lanes(|l| f(a[l], b.newest[l])), b.is_linear)
             }
             _ => {
-                let (a, b) = (self.line(), other.line());
-                Line(Straight {
+                let (a, b) = (self.as_linear(), other.as_linear());
+                Linear(LinearJet {
                     value: lanes(|l| f(a.value[l], b.value[l])),
                     slope: lanes(|l| f(a.slope[l], b.slope[l])),
-                    pass: a.pass.or(b.pass),
+                    sweep: a.sweep.or(b.sweep),
                 })
             }
         }
@@ -359,8 +359,8 @@ impl<'a, const L: usize> Jet<'a, L> {
     fn scaled(self, f: impl Fn(f64) -> f64) -> Self {
         match self {
             Zero => Zero,
-            Series(a) => a.pass.number(lanes(|l| f(a.newest[l])), a.is_linear),
-            One | Line(_) => Line(self.line().map(f)),
+            Series(a) => a.sweep.number(lanes(|l| f(a.newest[l])), a.is_linear),
+            One | Linear(_) => Linear(self.as_linear().map(f)),
         }
     }
 }
@@ -406,15 +406,15 @@ impl<const L: usize> Mul for Jet<'_, L> {
             (Zero, _) | (_, Zero) => Zero,
             (One, a) | (a, One) => a,
             (Series(a), Series(b)) => a.times(b),
-            (Series(a), Line(b)) | (Line(b), Series(a)) => a.times_line(b),
+            (Series(a), Linear(b)) | (Linear(b), Series(a)) => a.times_linear(b),
             (
-                Line(a),
-                Line(Straight {
-                    value, pass: None, ..
+                Linear(a),
+                Linear(LinearJet {
+                    value, sweep: None, ..
                 }),
-            ) => Line(a.map(|a| a * value[0])),
-            (Line(_), Line(b)) => match self.in_row() {
-                Ok(a) => a.times_line(b),
+            ) => Linear(a.map(|a| a * value[0])),
+            (Linear(_), Linear(b)) => match self.in_row() {
+                Ok(a) => a.times_linear(b),
                 Err(a) => other * a,
             },
         }
@@ -429,7 +429,7 @@ impl<const L: usize> Div for Jet<'_, L> {
             (Zero, _) => Zero,
             (a, One) => a,
             _ => match other.in_row() {
-                Ok(b) => b.divides(self.newest(b.pass.order)),
+                Ok(b) => b.divides(self.newest(b.sweep.order)),
                 Err(b) => self / b,
             },
         }
@@ -440,7 +440,7 @@ impl<const L: usize> Add<f64> for Jet<'_, L> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: f64) -> Self {
-        self.combined(Line(Straight::constant(other)), |a, b| a + b)
+        self.combined(Linear(LinearJet::constant(other)), |a, b| a + b)
     }
 }
 
@@ -448,7 +448,7 @@ impl<const L: usize> Sub<f64> for Jet<'_, L> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: f64) -> Self {
-        self.combined(Line(Straight::constant(other)), |a, b| a - b)
+        self.combined(Linear(LinearJet::constant(other)), |a, b| a - b)
     }
 }
 
@@ -466,7 +466,7 @@ impl<const L: usize> Div<f64> for Jet<'_, L> {
     fn div(self, other: f64) -> Self {
         match self {
             Series(a) => {
-                let newest = if a.pass.order == 0 {
+                let newest = if a.sweep.order == 0 {
                     lanes(|l| a.newest[l] / other)
                 } else {
                     // Only the value is divided; the other coefficients use the reciprocal, which
@@ -474,7 +474,7 @@ impl<const L: usize> Div<f64> for Jet<'_, L> {
                     let inverse = 1.0 / other;
                     lanes(|l| a.newest[l] * inverse)
                 };
-                a.pass.number(newest, a.is_linear)
+                a.sweep.number(newest, a.is_linear)
             }
             _ => self.scaled(|a| a / other),
         }

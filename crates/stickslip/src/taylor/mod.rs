@@ -12,27 +12,31 @@
 
 mod functions;
 pub(crate) mod jet;
-pub(crate) mod pass;
 mod recorded;
+pub(crate) mod recorded_calls;
 mod recording;
-pub(crate) mod repeated;
 pub(crate) mod roots;
 pub(crate) mod row;
 pub(crate) mod series;
 mod steps;
+pub(crate) mod sweep;
 #[cfg(test)]
 mod tests;
 
-/// Highest order of a series.
-pub(crate) const MOST_ORDER: usize = 24;
+/// Highest order of a series: the one that a tolerance of 1e-14 asks for. It fixes the memory of a
+/// step.
+pub(crate) const MAX_ORDER: usize = 24;
+
+/// Number of coefficients of a series of the highest order.
+pub(crate) const MAX_COEFFICIENTS: usize = MAX_ORDER + 1;
 
 /// Reciprocal of an order.
 #[inline(always)]
 pub(crate) fn inverse(k: usize) -> f64 {
-    const ALL: [f64; MOST_ORDER + 1] = {
-        let mut all = [0.0; MOST_ORDER + 1];
+    const ALL: [f64; MAX_COEFFICIENTS] = {
+        let mut all = [0.0; MAX_COEFFICIENTS];
         let mut k = 1;
-        while k <= MOST_ORDER {
+        while k <= MAX_ORDER {
             all[k] = 1.0 / k as f64;
             k += 1;
         }

@@ -5,60 +5,60 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::functions::Flat;
 use super::jet::Jet;
-use super::pass::Pass;
-use super::recording::{Operation, Place};
+use super::recording::{Location, Operation};
+use super::sweep::Sweep;
 use crate::scalar::Scalar;
 
 /// A number at order 0.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Recorded<'a> {
     pub(super) number: Jet<'a, 1>,
-    /// The number's place, unless it is constant.
-    place: Option<(Place, &'a Pass<'a, 1>)>,
+    /// The number's location, unless it is constant.
+    location: Option<(Location, &'a Sweep<'a, 1>)>,
 }
 
 impl<'a> Recorded<'a> {
-    /// The number that a pass has at a place.
-    pub(super) fn at(place: Place, number: Jet<'a, 1>, pass: &'a Pass<'a, 1>) -> Self {
-        let place = Some((place, pass));
-        Recorded { number, place }
+    /// The number that a sweep has at a location.
+    pub(super) fn at(location: Location, number: Jet<'a, 1>, sweep: &'a Sweep<'a, 1>) -> Self {
+        let location = Some((location, sweep));
+        Recorded { number, location }
     }
 
     /// A constant.
     #[inline(always)]
     pub(super) fn constant_of(number: Jet<'a, 1>) -> Self {
-        let place = None;
-        Recorded { number, place }
+        let location = None;
+        Recorded { number, location }
     }
 
-    /// The number's place, unless it is constant.
-    pub(super) fn place(self) -> Option<Place> {
-        self.place.map(|(place, _)| place)
+    /// The number's location, unless it is constant.
+    pub(super) fn location(self) -> Option<Location> {
+        self.location.map(|(location, _)| location)
     }
 
-    /// The pass of either number, unless both are constant.
+    /// The sweep of either number, unless both are constant.
     #[inline(always)]
-    fn pass(self, other: Self) -> Option<&'a Pass<'a, 1>> {
-        self.place.or(other.place).map(|(_, pass)| pass)
+    fn sweep(self, other: Self) -> Option<&'a Sweep<'a, 1>> {
+        self.location.or(other.location).map(|(_, sweep)| sweep)
     }
 
     #[inline(always)]
     fn recorded(self, operation: Operation, other: Self, constant: f64) -> Self {
-        match self.pass(other) {
-            Some(pass) => pass.record(operation, [self, other], constant),
+        match self.sweep(other) {
+            Some(sweep) => sweep.record(operation, [self, other], constant),
             None => Recorded::constant_of(operation.of(self.number, other.number, constant)),
         }
     }
 
     #[inline(always)]
     fn check(self, operation: Operation, other: Self) {
-        if let Some(pass) = self.pass(other) {
-            pass.check(operation, [self, other]);
+        if let Some(sweep) = self.sweep(other) {
+            sweep.check(operation, [self, other]);
         }
     }
 
     #[inline(always)]
-    fn note(self, flat: Flat) {
+    fn check_flat(self, flat: Flat) {
         match self.number.bound_before(flat) {
             Some(bound) => {
                 self.exceeds(Self::constant(bound));
@@ -68,7 +68,7 @@ impl<'a> Recorded<'a> {
     }
 
     #[inline(always)]
-    fn alone(self, operation: Operation, constant: f64) -> Self {
+    fn unary(self, operation: Operation, constant: f64) -> Self {
         self.recorded(operation, self, constant)
     }
 }
@@ -88,7 +88,7 @@ macro_rules! operator {
             type Output = Self;
             #[inline(always)]
             fn $method(self, constant: f64) -> Self {
-                self.alone(Operation::$with_constant, constant)
+                self.unary(Operation::$with_constant, constant)
             }
         }
     };
@@ -103,7 +103,7 @@ impl Neg for Recorded<'_> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        self.alone(Operation::Negate, 0.0)
+        self.unary(Operation::Negate, 0.0)
     }
 }
 
@@ -149,11 +149,13 @@ impl Scalar for Recorded<'_> {
     }
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        let sine = self.alone(Operation::SineCosine, 0.0);
-        let cosine = match sine.place {
-            Some((Place::Row(row), pass)) => {
-                Recorded::at(Place::Row(row + 1), pass.known(row as usize + 1), pass)
-            }
+        let sine = self.unary(Operation::SineCosine, 0.0);
+        let cosine = match sine.location {
+            Some((Location::InRow(row), sweep)) => Recorded::at(
+                Location::InRow(row + 1),
+                sweep.stored_number(row as usize + 1),
+                sweep,
+            ),
             _ => Recorded::constant_of(self.number.cos()),
         };
         (sine, cosine)
@@ -168,42 +170,42 @@ impl Scalar for Recorded<'_> {
     }
     #[inline(always)]
     fn tan(self) -> Self {
-        self.alone(Operation::Tangent, 0.0)
+        self.unary(Operation::Tangent, 0.0)
     }
     #[inline(always)]
     fn atan(self) -> Self {
-        self.alone(Operation::ArcTangent, 0.0)
+        self.unary(Operation::ArcTangent, 0.0)
     }
     #[inline(always)]
     fn sinh(self) -> Self {
-        self.note(Flat::Exponential);
-        self.alone(Operation::HyperbolicSine, 0.0)
+        self.check_flat(Flat::Exponential);
+        self.unary(Operation::HyperbolicSine, 0.0)
     }
     #[inline(always)]
     fn cosh(self) -> Self {
-        self.note(Flat::Exponential);
-        self.alone(Operation::HyperbolicCosine, 0.0)
+        self.check_flat(Flat::Exponential);
+        self.unary(Operation::HyperbolicCosine, 0.0)
     }
     #[inline(always)]
     fn tanh(self) -> Self {
-        self.note(Flat::HyperbolicTangent);
-        self.alone(Operation::HyperbolicTangent, 0.0)
+        self.check_flat(Flat::HyperbolicTangent);
+        self.unary(Operation::HyperbolicTangent, 0.0)
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
-        self.alone(Operation::Root, 0.0)
+        self.unary(Operation::Root, 0.0)
     }
     #[inline(always)]
     fn exp(self) -> Self {
-        self.note(Flat::Exponential);
-        self.alone(Operation::Exponential, 0.0)
+        self.check_flat(Flat::Exponential);
+        self.unary(Operation::Exponential, 0.0)
     }
     #[inline(always)]
     fn ln(self) -> Self {
-        self.alone(Operation::Logarithm, 0.0)
+        self.unary(Operation::Logarithm, 0.0)
     }
     #[inline(always)]
     fn powf(self, p: f64) -> Self {
-        self.alone(Operation::Power, p)
+        self.unary(Operation::Power, p)
     }
 }

@@ -1,8 +1,8 @@
 //! Recording of interpreted functions: their operations, recorded once and repeated for every
 //! order.
 //!
-//! A compiled function needs no recording: the compiler knows the kind and place of every number in
-//! it. An interpreted function is looked up again at every call, which takes longer than its
+//! A compiled function needs no recording: the compiler knows the kind and location of every number
+//! in it. An interpreted function is looked up again at every call, which takes longer than its
 //! arithmetic. So it is called once for many series, and its operations on numbers that are not
 //! constant are recorded. Zeros, comparisons and dual numbers are resolved, and common
 //! subexpressions are shared. Every order of every series repeats the recording until a comparison
@@ -12,24 +12,24 @@
 use std::collections::BTreeMap;
 
 use super::functions::Flat;
-use super::jet::{Jet, Straight};
-use super::pass::{Pass, Rows};
+use super::jet::{Jet, LinearJet};
 use super::recorded::Recorded;
-use super::row::{Lanes, Row};
+use super::row::{CoefficientRow, Lanes};
 use super::steps::Steps;
+use super::sweep::{CoefficientRows, Sweep};
 use crate::scalar::Scalar;
 
-/// Where a number is: in a row, or among the lines, which are linear in time or constant.
+/// Where a number is: in a row, or among the linear numbers, which are linear in time or constant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Place {
-    Row(u32),
-    Line(u32),
+pub(super) enum Location {
+    InRow(u32),
+    Linear(u32),
 }
 
-impl Place {
+impl Location {
     pub(super) fn number(self) -> u32 {
         match self {
-            Place::Row(number) | Place::Line(number) => number,
+            Location::InRow(number) | Location::Linear(number) => number,
         }
     }
 }
@@ -56,8 +56,8 @@ pub(super) enum Operation {
     Root,
     Exponential,
     Logarithm,
-    /// These have no number as result. They check that the first number exceeds the second, that it
-    /// does not, that it is not zero, and that a function of it is not flat there.
+    /// These have no number as result but check a condition. The first number exceeds the second,
+    /// does not exceed it, is not zero, or lies where a function of it is not flat.
     Exceeds,
     ExceedsNot,
     IsNotZero,
@@ -66,32 +66,32 @@ pub(super) enum Operation {
 
 /// An operation and its operands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Call {
+pub(super) struct Instruction {
     pub(super) operation: Operation,
-    pub(super) of: [Place; 2],
+    pub(super) of: [Location; 2],
     /// The bits of the constant operand.
     constant: u64,
 }
 
-impl Call {
+impl Instruction {
     pub(super) fn constant(&self) -> f64 {
         f64::from_bits(self.constant)
     }
 }
 
-/// A call, the first row that it takes, and the place of its result, if it has one.
+/// An instruction, the first row that it takes, and the location of its result, if it has one.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Made {
-    pub(super) call: Call,
+pub(super) struct RecordedInstruction {
+    pub(super) instruction: Instruction,
     pub(super) first: u32,
-    pub(super) result: Option<Place>,
+    pub(super) result: Option<Location>,
     /// Whether the result is linear in state and time.
     is_linear: bool,
 }
 
 /// A number that is linear in time, or constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Line<const L: usize> {
+pub(crate) struct LinearNumber<const L: usize> {
     pub(super) value: Lanes<L>,
     pub(super) slope: Lanes<L>,
     pub(super) is_constant: bool,
@@ -100,21 +100,21 @@ pub(crate) struct Line<const L: usize> {
 /// The recorded operations.
 #[derive(Debug, Default)]
 pub(crate) struct Recording {
-    calls: Vec<Made>,
-    /// Index into `calls` for every call that has a result.
-    known: BTreeMap<Call, usize>,
+    instructions: Vec<RecordedInstruction>,
+    /// Index into `instructions` for every instruction that has a result.
+    results: BTreeMap<Instruction, usize>,
     /// Time is the first entry.
-    lines: Vec<Line<1>>,
+    linear_numbers: Vec<LinearNumber<1>>,
     /// Steps for the orders above 0.
     steps: Steps,
     is_complete: bool,
 }
 
-/// A recording as it is repeated in `L` lanes, with its lines there.
+/// A recording as it is repeated in `L` lanes, with its linear numbers there.
 #[derive(Clone, Copy)]
 pub(super) struct Replay<'r, const L: usize> {
     pub(super) recording: &'r Recording,
-    pub(super) lines: &'r [Line<L>],
+    pub(super) linear_numbers: &'r [LinearNumber<L>],
 }
 
 impl Operation {
@@ -139,12 +139,12 @@ impl Operation {
             Operation::SineCosine => a.sin_cos().0,
             Operation::Tangent => a.tan(),
             Operation::ArcTangent => a.atan(),
-            Operation::HyperbolicSine => a.sinh_cosh_alone().0,
-            Operation::HyperbolicCosine => a.sinh_cosh_alone().1,
-            Operation::HyperbolicTangent => a.tanh_alone(),
+            Operation::HyperbolicSine => a.sinh_cosh_unchecked().0,
+            Operation::HyperbolicCosine => a.sinh_cosh_unchecked().1,
+            Operation::HyperbolicTangent => a.tanh_unchecked(),
             Operation::Power => a.powf(constant),
             Operation::Root => a.sqrt(),
-            Operation::Exponential => a.exp_alone(),
+            Operation::Exponential => a.exp_unchecked(),
             Operation::Logarithm => a.ln(),
             Operation::Exceeds | Operation::ExceedsNot => {
                 a.choose(b, self == Operation::Exceeds);
@@ -155,14 +155,18 @@ impl Operation {
     }
 }
 
-impl<const L: usize> Line<L> {
+impl<const L: usize> LinearNumber<L> {
     #[inline(always)]
     fn of(number: Jet<'_, L>) -> Self {
-        let Straight { value, slope, pass } = number.line();
-        Line {
+        let LinearJet {
             value,
             slope,
-            is_constant: pass.is_none(),
+            sweep,
+        } = number.as_linear();
+        LinearNumber {
+            value,
+            slope,
+            is_constant: sweep.is_none(),
         }
     }
 
@@ -177,10 +181,11 @@ impl<const L: usize> Line<L> {
 }
 
 impl Recording {
-    /// Begins a recording. Time is the first line, and the state's components have the first rows.
+    /// Begins a recording. Time is the first linear number, and the state's components have the
+    /// first rows.
     pub(super) fn begin(time: Jet<'_, 1>) -> Self {
         Recording {
-            lines: vec![Line::of(time)],
+            linear_numbers: vec![LinearNumber::of(time)],
             ..Recording::default()
         }
     }
@@ -190,20 +195,24 @@ impl Recording {
         self.is_complete
     }
 
-    /// The place of a number. A constant is added to the lines unless it is there already.
-    pub(super) fn place(&mut self, number: Recorded<'_>) -> Place {
-        if let Some(place) = number.place() {
-            return place;
+    /// The location of a number. A constant is added to the linear numbers unless it is there
+    /// already.
+    pub(super) fn location(&mut self, number: Recorded<'_>) -> Location {
+        if let Some(location) = number.location() {
+            return location;
         }
-        let line = Line::of(number.number);
-        let known = self.lines.iter().position(|known| *known == line);
-        let place = known.unwrap_or_else(|| self.push(line));
-        Place::Line(place as u32)
+        let linear = LinearNumber::of(number.number);
+        let known = self
+            .linear_numbers
+            .iter()
+            .position(|known| *known == linear);
+        let location = known.unwrap_or_else(|| self.push(linear));
+        Location::Linear(location as u32)
     }
 
-    fn push(&mut self, line: Line<1>) -> usize {
-        self.lines.push(line);
-        self.lines.len() - 1
+    fn push(&mut self, linear: LinearNumber<1>) -> usize {
+        self.linear_numbers.push(linear);
+        self.linear_numbers.len() - 1
     }
 
     /// Performs an operation and records it. The result of an operation recorded before is reused.
@@ -212,47 +221,47 @@ impl Recording {
         operation: Operation,
         [a, b]: [Recorded<'a>; 2],
         constant: f64,
-        pass: &'a Pass<'a, 1>,
+        sweep: &'a Sweep<'a, 1>,
     ) -> Recorded<'a> {
-        let of = [self.place(a), self.place(b)];
+        let of = [self.location(a), self.location(b)];
         let bits = constant.to_bits();
-        let call = Call {
+        let instruction = Instruction {
             operation,
             of,
             constant: bits,
         };
-        if let Some(&known) = self.known.get(&call)
-            && let Made {
-                result: Some(place),
+        if let Some(&known) = self.results.get(&instruction)
+            && let RecordedInstruction {
+                result: Some(location),
                 is_linear,
                 ..
-            } = self.calls[known]
+            } = self.instructions[known]
         {
-            let number = number_at(place, &self.lines, pass).linear(is_linear);
-            return Recorded::at(place, number, pass);
+            let number = number_at(location, &self.linear_numbers, sweep).with_linearity(is_linear);
+            return Recorded::at(location, number, sweep);
         }
-        let first = pass.next();
+        let first = sweep.next_row();
         let number = operation.of(a.number, b.number, constant);
-        let place = match number {
-            Jet::Series(series) => Place::Row(series.row as u32),
-            Jet::Line(Straight { pass: Some(_), .. }) => {
-                Place::Line(self.push(Line::of(number)) as u32)
+        let location = match number {
+            Jet::Series(series) => Location::InRow(series.row as u32),
+            Jet::Linear(LinearJet { sweep: Some(_), .. }) => {
+                Location::Linear(self.push(LinearNumber::of(number)) as u32)
             }
-            Jet::Zero | Jet::One | Jet::Line(_) => return Recorded::constant_of(number),
+            Jet::Zero | Jet::One | Jet::Linear(_) => return Recorded::constant_of(number),
         };
         // A result that is one of the operands is not a new number.
         let is_new = !matches!(number, Jet::Series(series) if series.row < first);
         if is_new {
-            number.keep();
-            self.known.insert(call, self.calls.len());
-            self.calls.push(Made {
-                call,
+            number.store();
+            self.results.insert(instruction, self.instructions.len());
+            self.instructions.push(RecordedInstruction {
+                instruction,
                 first: first as u32,
-                result: Some(place),
+                result: Some(location),
                 is_linear: number.is_linear(),
             });
         }
-        Recorded::at(place, number, pass)
+        Recorded::at(location, number, sweep)
     }
 
     /// Records the result of a comparison.
@@ -260,37 +269,38 @@ impl Recording {
         &mut self,
         operation: Operation,
         of: [Recorded<'_>; 2],
-        pass: &Pass<'_, 1>,
+        sweep: &Sweep<'_, 1>,
     ) {
-        let of = of.map(|number| self.place(number));
-        let call = Call {
+        let of = of.map(|number| self.location(number));
+        let instruction = Instruction {
             operation,
             of,
             constant: 0,
         };
-        self.calls.push(Made {
-            call,
-            first: pass.next() as u32,
+        self.instructions.push(RecordedInstruction {
+            instruction,
+            first: sweep.next_row() as u32,
             result: None,
             is_linear: false,
         });
     }
 
-    /// Completes the recording; the numbers at the places `wanted` are needed.
-    pub(super) fn end(&mut self, wanted: impl Iterator<Item = Place>, pass: &Pass<'_, 1>) {
-        let is_constant = |line: u32| self.lines[line as usize].is_constant;
+    /// Completes the recording; the numbers at the locations `wanted` are needed.
+    pub(super) fn end(&mut self, wanted: impl Iterator<Item = Location>, sweep: &Sweep<'_, 1>) {
+        let is_constant = |linear: u32| self.linear_numbers[linear as usize].is_constant;
         self.steps
-            .make(&self.calls, wanted, is_constant, pass.next());
-        self.is_complete = !pass.value_read.get();
+            .make(&self.instructions, wanted, is_constant, sweep.next_row());
+        self.is_complete = !sweep.value_read.get();
     }
 
-    /// The lines in `L` lanes. Constants are set; [`Recording::repeat_first`] computes the others.
-    pub(super) fn spread<const L: usize>(&self, lines: &mut Vec<Line<L>>) {
-        lines.clear();
-        lines.extend(self.lines.iter().map(|line| Line {
-            value: [line.value[0]; L],
-            slope: [line.slope[0]; L],
-            is_constant: line.is_constant,
+    /// The linear numbers in `L` lanes. Constants are set; [`Recording::repeat_first`] computes the
+    /// others.
+    pub(super) fn spread<const L: usize>(&self, linear_numbers: &mut Vec<LinearNumber<L>>) {
+        linear_numbers.clear();
+        linear_numbers.extend(self.linear_numbers.iter().map(|linear| LinearNumber {
+            value: [linear.value[0]; L],
+            slope: [linear.slope[0]; L],
+            is_constant: linear.is_constant,
         }));
     }
 
@@ -299,129 +309,143 @@ impl Recording {
     #[inline(never)]
     pub(super) fn repeat_first<'a, const L: usize>(
         &self,
-        lines: &mut [Line<L>],
+        linear_numbers: &mut [LinearNumber<L>],
         time: Jet<'_, L>,
-        pass: &'a Pass<'a, L>,
+        sweep: &'a Sweep<'a, L>,
     ) -> bool {
-        lines[0] = Line::of(time);
-        for made in &self.calls {
-            let Made {
-                call,
+        linear_numbers[0] = LinearNumber::of(time);
+        for recorded in &self.instructions {
+            let RecordedInstruction {
+                instruction,
                 first,
                 result,
                 ..
-            } = *made;
-            let [a, b] = call.of.map(|place| number_at(place, lines, pass));
-            pass.taken.set(first as usize);
-            let is_alike = match call.operation {
+            } = *recorded;
+            let [a, b] = instruction
+                .of
+                .map(|location| number_at(location, linear_numbers, sweep));
+            sweep.rows_taken.set(first as usize);
+            let agrees = match instruction.operation {
                 Operation::Exceeds => a.exceeds(b),
                 Operation::ExceedsNot => !a.exceeds(b),
                 Operation::IsNotZero => !a.is_zero(),
                 Operation::IsSteep(flat) => a.bound_before(flat).is_none(),
                 _ => {
-                    let number = call.operation.of(a, b, call.constant());
-                    number.keep();
-                    if let Some(Place::Line(line)) = result {
-                        lines[line as usize] = Line::of(number);
+                    let number = instruction.operation.of(a, b, instruction.constant());
+                    number.store();
+                    if let Some(Location::Linear(linear)) = result {
+                        linear_numbers[linear as usize] = LinearNumber::of(number);
                     }
                     true
                 }
             };
-            if !is_alike {
+            if !agrees {
                 return false;
             }
         }
         true
     }
 
-    /// The same in one lane, with the recording's own lines.
+    /// The same in one lane, with the recording's own linear numbers.
     pub(super) fn repeat_first_alone<'a>(
         &mut self,
         time: Jet<'_, 1>,
-        pass: &'a Pass<'a, 1>,
+        sweep: &'a Sweep<'a, 1>,
     ) -> bool {
-        let mut lines = std::mem::take(&mut self.lines);
-        let is_alike = self.repeat_first(&mut lines, time, pass);
-        self.lines = lines;
-        is_alike
+        let mut linear_numbers = std::mem::take(&mut self.linear_numbers);
+        let agrees = self.repeat_first(&mut linear_numbers, time, sweep);
+        self.linear_numbers = linear_numbers;
+        agrees
     }
 
     /// The recording as one lane repeats it.
     pub(super) fn alone(&self) -> Replay<'_, 1> {
         Replay {
             recording: self,
-            lines: &self.lines,
+            linear_numbers: &self.linear_numbers,
         }
     }
 }
 
-/// The number at a place, for a pass that has computed it.
+/// The number at a location, for a sweep that has computed it.
 #[inline(always)]
 fn number_at<'a, const L: usize>(
-    place: Place,
-    lines: &[Line<L>],
-    pass: &'a Pass<'a, L>,
+    location: Location,
+    linear_numbers: &[LinearNumber<L>],
+    sweep: &'a Sweep<'a, L>,
 ) -> Jet<'a, L> {
-    match place {
-        Place::Row(row) => pass.known(row as usize),
-        Place::Line(line) => {
-            let Line {
+    match location {
+        Location::InRow(row) => sweep.stored_number(row as usize),
+        Location::Linear(linear) => {
+            let LinearNumber {
                 value,
                 slope,
                 is_constant,
-            } = lines[line as usize];
-            let pass = (!is_constant).then_some(pass);
-            Jet::Line(Straight { value, slope, pass })
+            } = linear_numbers[linear as usize];
+            let sweep = (!is_constant).then_some(sweep);
+            Jet::Linear(LinearJet {
+                value,
+                slope,
+                sweep,
+            })
         }
     }
 }
 
 impl<const L: usize> Replay<'_, L> {
-    /// The number at a place, for a pass that has computed it.
+    /// The number at a location, for a sweep that has computed it.
     #[inline(always)]
-    pub(super) fn number<'a>(&self, place: Place, pass: &'a Pass<'a, L>) -> Jet<'a, L> {
-        number_at(place, self.lines, pass)
+    pub(super) fn number<'a>(&self, location: Location, sweep: &'a Sweep<'a, L>) -> Jet<'a, L> {
+        number_at(location, self.linear_numbers, sweep)
     }
 
-    /// Coefficient `k` of the number at a place, if it is computed.
+    /// Coefficient `k` of the number at a location, if it is computed.
     #[inline(always)]
-    pub(super) fn coefficient(&self, place: Place, k: usize, rows: &[Row<L>]) -> Lanes<L> {
-        match place {
-            Place::Row(row) => rows
+    pub(super) fn coefficient(
+        &self,
+        location: Location,
+        k: usize,
+        rows: &[CoefficientRow<L>],
+    ) -> Lanes<L> {
+        match location {
+            Location::InRow(row) => rows
                 .get(row as usize)
                 .map_or([f64::NAN; L], |row| row.at(k)),
-            Place::Line(line) => self.lines[line as usize].coefficient(k),
+            Location::Linear(linear) => self.linear_numbers[linear as usize].coefficient(k),
         }
     }
 
-    /// The line with an index.
+    /// The linear number with an index.
     #[inline(always)]
-    pub(super) fn line(&self, line: u32) -> &Line<L> {
-        &self.lines[line as usize]
+    pub(super) fn linear_number(&self, number: u32) -> &LinearNumber<L> {
+        &self.linear_numbers[number as usize]
     }
 
     /// Repeats an order above 0.
     #[inline(always)]
-    pub(super) fn repeat(&self, rows: Rows<'_, L>, order: usize) {
+    pub(super) fn repeat(&self, rows: CoefficientRows<'_, L>, order: usize) {
         self.recording.steps.repeat(self, rows, order);
     }
 
-    /// Repeats one call at an order above 0. So many rows and comparisons come before it. Returns
-    /// the number of comparisons up to its end.
+    /// Repeats one instruction at an order above 0. So many rows and comparisons come before it.
+    /// Returns the number of comparisons up to its end.
     #[inline(never)]
-    pub(super) fn repeat_call(
+    pub(super) fn repeat_instruction(
         &self,
-        call: usize,
-        rows: Rows<'_, L>,
+        instruction: usize,
+        rows: CoefficientRows<'_, L>,
         order: usize,
         (taken, choices): (usize, usize),
     ) -> usize {
-        let pass = Pass::new(rows, order);
-        pass.taken.set(taken);
-        pass.choices.set(choices);
-        let call = self.recording.calls[call].call;
-        let [a, b] = call.of.map(|place| self.number(place, &pass));
-        call.operation.of(a, b, call.constant()).keep();
-        pass.choices.get()
+        let sweep = Sweep::new(rows, order);
+        sweep.rows_taken.set(taken);
+        sweep.choices.set(choices);
+        let instruction = self.recording.instructions[instruction].instruction;
+        let [a, b] = instruction.of.map(|location| self.number(location, &sweep));
+        instruction
+            .operation
+            .of(a, b, instruction.constant())
+            .store();
+        sweep.choices.get()
     }
 }

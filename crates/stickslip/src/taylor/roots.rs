@@ -6,13 +6,12 @@
 //! Aided Geometric Design* 29 (2012) 379; Rouillier & Zimmermann, *J. Comput. Appl. Math.* 162
 //! (2004) 33). So no pair of zeros is missed, however close, down to rounding.
 
-use super::MOST_ORDER;
+use super::MAX_COEFFICIENTS;
 use crate::ode::power_series;
 
-const ROOM: usize = MOST_ORDER + 1;
-
-/// Intervals narrower than this are not halved: a parabola bends by 1e-17 over them.
-const NARROWEST: f64 = 7.5e-9;
+/// Intervals narrower than this are not halved: a parabola bends over them by 1e-17, a tenth of
+/// rounding.
+const NARROWEST_INTERVAL: f64 = 7.5e-9;
 
 /// An interval that holds a zero: the polynomial is positive at `a` and not positive at `b`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,10 +23,10 @@ struct Bracket {
 }
 
 /// Reciprocal binomial coefficients: `INVERSE_BINOMIAL[n][k] = 1/C(n, k)`.
-const INVERSE_BINOMIAL: [[f64; ROOM]; ROOM] = {
-    let mut table = [[0.0; ROOM]; ROOM];
+const INVERSE_BINOMIAL: [[f64; MAX_COEFFICIENTS]; MAX_COEFFICIENTS] = {
+    let mut table = [[0.0; MAX_COEFFICIENTS]; MAX_COEFFICIENTS];
     let mut n = 0;
-    while n < ROOM {
+    while n < MAX_COEFFICIENTS {
         let mut binomial: u64 = 1;
         let mut k = 0;
         while k <= n {
@@ -58,18 +57,19 @@ pub(crate) fn is_positive(c: &[f64]) -> bool {
     least > 0.0
 }
 
-/// Degree to which a polynomial's higher powers are reduced.
-const FOLDED: usize = 8;
+/// Degree to which a polynomial's higher powers are reduced. Chosen to fill one vector; a higher
+/// degree decides more polynomials and takes longer.
+const FOLDED_DEGREE: usize = 8;
 
 /// Bernstein coefficients of the powers up to that degree, without the first, which is the value at
-/// 0: `C(i, k)/C(FOLDED, k)` for `s^k`.
-const BERNSTEIN: [[f64; FOLDED]; FOLDED + 1] = {
-    let mut table = [[0.0; FOLDED]; FOLDED + 1];
+/// 0: `C(i, k)/C(FOLDED_DEGREE, k)` for `s^k`.
+const BERNSTEIN: [[f64; FOLDED_DEGREE]; FOLDED_DEGREE + 1] = {
+    let mut table = [[0.0; FOLDED_DEGREE]; FOLDED_DEGREE + 1];
     let mut i = 1;
-    while i <= FOLDED {
+    while i <= FOLDED_DEGREE {
         let mut k = 0;
         while k <= i {
-            table[k][i - 1] = INVERSE_BINOMIAL[FOLDED][k] / INVERSE_BINOMIAL[i][k];
+            table[k][i - 1] = INVERSE_BINOMIAL[FOLDED_DEGREE][k] / INVERSE_BINOMIAL[i][k];
             k += 1;
         }
         i += 1;
@@ -80,17 +80,17 @@ const BERNSTEIN: [[f64; FOLDED]; FOLDED + 1] = {
 /// Whether a polynomial of lower degree that bounds `Σ c_k s^k` from below has positive Bernstein
 /// coefficients. On `[0, 1]` no power exceeds a lower power.
 #[inline(always)]
-fn is_positive_folded(c: &[f64; ROOM]) -> bool {
-    let mut beyond = [0.0; FOLDED];
-    const { assert!((ROOM - FOLDED - 1).is_multiple_of(FOLDED)) };
-    for c in c[FOLDED + 1..].chunks_exact(FOLDED) {
+fn is_positive_folded(c: &[f64; MAX_COEFFICIENTS]) -> bool {
+    let mut beyond = [0.0; FOLDED_DEGREE];
+    const { assert!((MAX_COEFFICIENTS - FOLDED_DEGREE - 1).is_multiple_of(FOLDED_DEGREE)) };
+    for c in c[FOLDED_DEGREE + 1..].chunks_exact(FOLDED_DEGREE) {
         for (beyond, c) in beyond.iter_mut().zip(c) {
             *beyond += if *c < 0.0 { *c } else { 0.0 };
         }
     }
-    let mut b = [0.0; FOLDED];
+    let mut b = [0.0; FOLDED_DEGREE];
     for (k, column) in BERNSTEIN.iter().enumerate() {
-        let c = if k < FOLDED {
+        let c = if k < FOLDED_DEGREE {
             c[k]
         } else {
             c[k] + beyond.iter().sum::<f64>()
@@ -114,7 +114,7 @@ pub(crate) fn search(c: &[f64]) -> Option<f64> {
     if !c.iter().all(|c| c.is_finite()) {
         return None;
     }
-    let mut all = [0.0; ROOM];
+    let mut all = [0.0; MAX_COEFFICIENTS];
     all[..c.len()].copy_from_slice(c);
     let (at_b, slope_at_b) = power_series(c, 1.0);
     if at_b > 0.0 && is_positive_folded(&all) {
@@ -140,7 +140,7 @@ pub(crate) fn search(c: &[f64]) -> Option<f64> {
         return Some(newton(c, Bracket { a, b, at_a, at_b }, guess));
     }
     let n = c.len() - 1;
-    let mut b = [0.0; ROOM];
+    let mut b = [0.0; MAX_COEFFICIENTS];
     for (k, (b, c)) in b.iter_mut().zip(c).enumerate() {
         *b = c * INVERSE_BINOMIAL[n][k];
     }
@@ -162,9 +162,9 @@ pub(crate) fn search(c: &[f64]) -> Option<f64> {
 
 /// Coefficients of the derivative, times a factor.
 #[inline(always)]
-fn slope(c: &[f64; ROOM], factor: f64) -> [f64; ROOM] {
-    let mut slope = [0.0; ROOM];
-    for k in 1..ROOM {
+fn slope(c: &[f64; MAX_COEFFICIENTS], factor: f64) -> [f64; MAX_COEFFICIENTS] {
+    let mut slope = [0.0; MAX_COEFFICIENTS];
+    for k in 1..MAX_COEFFICIENTS {
         slope[k - 1] = factor * k as f64 * c[k];
     }
     slope
@@ -214,10 +214,10 @@ fn isolate(b: &[f64], lo: f64, hi: f64) -> Option<Bracket> {
     if changes == 1 && b[0] > 0.0 {
         return Some(bracket);
     }
-    if hi - lo <= NARROWEST {
+    if hi - lo <= NARROWEST_INTERVAL {
         return (b[n] <= 0.0).then_some(bracket);
     }
-    let (mut left, mut right) = ([0.0; ROOM], [0.0; ROOM]);
+    let (mut left, mut right) = ([0.0; MAX_COEFFICIENTS], [0.0; MAX_COEFFICIENTS]);
     right[..=n].copy_from_slice(b);
     for (i, left) in left.iter_mut().enumerate().take(n + 1) {
         *left = right[0];
@@ -241,11 +241,12 @@ pub(crate) fn slope_and_bend(c: &[f64], s: f64) -> (f64, f64) {
     (slope, 2.0 * half_bend)
 }
 
-/// Relative change by a Newton iteration after which the next change would be below rounding.
-const CLOSE: f64 = 1e-9;
+/// Relative change by a Newton iteration after which the next change, about its square, would be
+/// below rounding.
+const CONVERGED_CHANGE: f64 = 1e-9;
 
-/// Relative change below rounding.
-const LOST: f64 = 1e-17;
+/// A relative change below this is lost to rounding: a twentieth of a unit in the last place.
+const ROUNDED_CHANGE: f64 = 1e-17;
 
 /// The zero in a bracket by Newton's iteration from a guess, safeguarded by bisection.
 fn newton(c: &[f64], bracket: Bracket, guess: f64) -> f64 {
@@ -275,8 +276,9 @@ fn newton(c: &[f64], bracket: Bracket, guess: f64) -> f64 {
         let change = (next - s).abs();
         // Quadratic convergence: the next change over this one is the square of this one over the
         // last.
-        let is_close = change <= CLOSE * s || change * change * change <= LOST * s * (last * last);
-        // If the slope is positive, the nearby zero is another one, behind the bracket.
+        let is_close = change <= CONVERGED_CHANGE * s
+            || change * change * change <= ROUNDED_CHANGE * s * (last * last);
+        // If the slope is positive, the nearby zero is another one, after the bracket.
         if slope < 0.0 && is_close {
             return next.clamp(a, b);
         }
@@ -300,7 +302,7 @@ mod tests {
                 c[k] = if k > 0 { c[k - 1] } else { 0.0 } - root * c[k];
             }
         }
-        c.resize(ROOM, 0.0);
+        c.resize(MAX_COEFFICIENTS, 0.0);
         c
     }
 
@@ -380,7 +382,7 @@ mod tests {
         let (mut positive, mut not) = (0, 0);
         for _ in 0..20_000 {
             let falls = draw.between(0.3, 2.0);
-            let mut c = [0.0; ROOM];
+            let mut c = [0.0; MAX_COEFFICIENTS];
             for (k, c) in c.iter_mut().enumerate() {
                 *c = draw.between(-1.0, 1.0) * math::powi(falls, k as i32);
             }

@@ -2,9 +2,7 @@
 
 use std::cell::Cell;
 
-use super::MOST_ORDER;
-
-pub(super) const ROOM: usize = MOST_ORDER + 1;
+use super::MAX_COEFFICIENTS;
 
 /// One coefficient in each of `L` lanes.
 pub(crate) type Lanes<const L: usize> = [f64; L];
@@ -66,11 +64,11 @@ type Cells<const L: usize> = [Cell<f64>; L];
 
 /// The coefficients of one number, by order.
 #[derive(Clone, Debug)]
-pub(crate) struct Row<const L: usize>([Cells<L>; ROOM]);
+pub(crate) struct CoefficientRow<const L: usize>([Cells<L>; MAX_COEFFICIENTS]);
 
-impl<const L: usize> Row<L> {
+impl<const L: usize> CoefficientRow<L> {
     pub(crate) fn new() -> Self {
-        Row([const { [const { Cell::new(0.0) }; L] }; ROOM])
+        CoefficientRow([const { [const { Cell::new(0.0) }; L] }; MAX_COEFFICIENTS])
     }
 
     #[inline(always)]

@@ -2,15 +2,15 @@
 
 use super::inverse;
 use super::jet::{Coefficient, Jet};
-use super::pass::{AT_ONCE, Pass, Rows};
-use super::row::{Lanes, Row, lanes};
+use super::row::{CoefficientRow, Lanes, lanes};
+use super::sweep::{CoefficientRows, MIN_ROWS, Sweep};
 use crate::scalar::Scalar;
 
 /// Coefficients of everything that a field and its watched functions compute. Each is scaled by the
 /// power of a step length, so that none overflows. The state's components are the first rows.
 #[derive(Debug, Default)]
 pub(crate) struct Series<const L: usize> {
-    rows: Vec<Row<L>>,
+    rows: Vec<CoefficientRow<L>>,
 }
 
 /// A field, and functions that are evaluated along its solutions.
@@ -35,11 +35,11 @@ pub(crate) struct Expansion<const W: usize> {
     /// Number of comparisons that the expansion depends on.
     pub choices: usize,
     /// Whether a comparison has an operand that is not linear in state and time.
-    pub choices_bend: bool,
+    pub choices_nonlinear: bool,
     /// Whether values were read. The series may then hold only at the point of expansion.
     pub value_read: bool,
     /// Whether the lanes cannot be expanded together.
-    pub divided: bool,
+    pub lanes_differ: bool,
     /// Whether there was a division by an overflowed number. A coefficient that is NaN then stays
     /// NaN over a shorter step.
     pub overflowed: bool,
@@ -50,9 +50,9 @@ impl<const W: usize> Default for Expansion<W> {
         Expansion {
             watched: [None; W],
             choices: 0,
-            choices_bend: false,
+            choices_nonlinear: false,
             value_read: false,
-            divided: false,
+            lanes_differ: false,
             overflowed: false,
         }
     }
@@ -61,7 +61,10 @@ impl<const W: usize> Default for Expansion<W> {
 impl<const W: usize> Expansion<W> {
     /// [`Series::choices`], among all rows.
     #[inline(always)]
-    pub(crate) fn choices_among<'r, const L: usize>(&self, rows: &'r [Row<L>]) -> &'r [Row<L>] {
+    pub(crate) fn choices_among<'r, const L: usize>(
+        &self,
+        rows: &'r [CoefficientRow<L>],
+    ) -> &'r [CoefficientRow<L>] {
         &rows[rows.len() - self.choices..]
     }
 }
@@ -70,20 +73,20 @@ impl<const L: usize> Series<L> {
     #[cold]
     #[inline(never)]
     fn make_room(&mut self, rows: usize) {
-        self.rows.resize(rows, Row::new());
+        self.rows.resize(rows, CoefficientRow::new());
     }
 
     /// Calls a function that expands into rows or returns the number of rows it needs.
     #[inline(always)]
     pub(crate) fn expand_by<R>(
         &mut self,
-        mut expand: impl FnMut(Rows<'_, L>) -> Result<R, usize>,
+        mut expand: impl FnMut(CoefficientRows<'_, L>) -> Result<R, usize>,
     ) -> R {
         loop {
             let all = self.rows.as_slice();
             let expanded = match all.first_chunk() {
-                Some(first) => expand(Rows { first, all }),
-                None => Err(AT_ONCE),
+                Some(first) => expand(CoefficientRows { first, all }),
+                None => Err(MIN_ROWS),
             };
             match expanded {
                 Ok(expanded) => return expanded,
@@ -115,24 +118,24 @@ pub(super) fn watched_rows<const L: usize, const W: usize>(
     rows
 }
 
-/// Description of an expansion from its last pass, or the number of rows it takes.
+/// Description of an expansion from its last sweep, or the number of rows it takes.
 #[inline(always)]
 pub(super) fn outcome<const L: usize, const W: usize>(
-    pass: &Pass<'_, L>,
+    sweep: &Sweep<'_, L>,
     watched: [Option<Watched>; W],
     room: usize,
 ) -> Result<Expansion<W>, usize> {
-    let (taken, choices) = (pass.taken.get(), pass.choices.get());
+    let (taken, choices) = (sweep.rows_taken.get(), sweep.choices.get());
     if taken + choices > room {
         return Err(taken + choices);
     }
     Ok(Expansion {
         watched,
         choices,
-        choices_bend: pass.choices_bend.get(),
-        value_read: pass.value_read.get(),
-        divided: pass.divided.get(),
-        overflowed: pass.overflowed.get(),
+        choices_nonlinear: sweep.choices_nonlinear.get(),
+        value_read: sweep.value_read.get(),
+        lanes_differ: sweep.lanes_differ.get(),
+        overflowed: sweep.overflowed.get(),
     })
 }
 
@@ -140,7 +143,7 @@ pub(super) fn outcome<const L: usize, const W: usize>(
 /// units of time `h`. Returns the required number of rows if there are too few.
 #[inline(always)]
 pub(crate) fn in_rows<F: Functions<N, W>, const L: usize, const N: usize, const W: usize>(
-    into: Rows<'_, L>,
+    into: CoefficientRows<'_, L>,
     (t, h): (Lanes<L>, Lanes<L>),
     x: &[Lanes<L>; N],
     order: usize,
@@ -150,15 +153,15 @@ pub(crate) fn in_rows<F: Functions<N, W>, const L: usize, const N: usize, const 
     let mut k = 0;
     let mut overflowed = false;
     loop {
-        let pass = Pass::new(into, k);
+        let sweep = Sweep::new(into, k);
         // Plain loops, because the standard library's array functions are not always inlined.
         let mut state = [Jet::Zero; N];
         for (number, newest) in state.iter_mut().zip(newest) {
-            *number = pass.state(newest);
+            *number = sweep.state(newest);
         }
-        let (field, watched) = functions.at(pass.time(t, h), &state);
-        let expansion = outcome(&pass, watched_rows(watched), into.all.len())?;
-        // Only the first pass computes values.
+        let (field, watched) = functions.at(sweep.time(t, h), &state);
+        let expansion = outcome(&sweep, watched_rows(watched), into.all.len())?;
+        // Only the first sweep computes values.
         overflowed |= expansion.overflowed;
         if k == order {
             return Ok(Expansion {
@@ -169,7 +172,7 @@ pub(crate) fn in_rows<F: Functions<N, W>, const L: usize, const N: usize, const 
         k += 1;
         let per_order = inverse(k);
         for (newest, slope) in newest.iter_mut().zip(&field) {
-            let slope = slope.newest(pass.order);
+            let slope = slope.newest(sweep.order);
             *newest = lanes(|l| slope[l] * (h[l] * per_order));
         }
     }
@@ -178,13 +181,13 @@ pub(crate) fn in_rows<F: Functions<N, W>, const L: usize, const N: usize, const 
 impl<const L: usize> Series<L> {
     /// All rows.
     #[inline(always)]
-    pub(crate) fn rows(&self) -> &[Row<L>] {
+    pub(crate) fn rows(&self) -> &[CoefficientRow<L>] {
         &self.rows
     }
 
     /// The rows of the differences between the chosen and the rejected operand of comparisons.
     #[inline(always)]
-    pub(crate) fn choices<const W: usize>(&self, expansion: &Expansion<W>) -> &[Row<L>] {
+    pub(crate) fn choices<const W: usize>(&self, expansion: &Expansion<W>) -> &[CoefficientRow<L>] {
         expansion.choices_among(&self.rows)
     }
 }

@@ -4,10 +4,10 @@ use std::cell::{Cell, RefCell};
 
 use pulp::{Arch, NullaryFnOnce};
 
-use super::MOST_ORDER;
-use super::repeated::{Lines, Repeated};
-use super::row::{Lanes, Row};
+use super::recorded_calls::{LinearNumbers, RecordedCalls};
+use super::row::{CoefficientRow, Lanes};
 use super::series::{Expansion, Functions, Series, Watched, in_rows};
+use super::{MAX_COEFFICIENTS, MAX_ORDER};
 use crate::dual::Dual;
 use crate::scalar::Scalar;
 
@@ -42,21 +42,24 @@ fn coefficients<const N: usize, const W: usize>(
     let read = |series: &Series<1>, expansion: Expansion<W>| {
         expansion.watched.map(|watched| {
             let row = watched.expect("not constant").row;
-            (0..=MOST_ORDER)
+            (0..=MAX_ORDER)
                 .map(|k| series.rows()[row].lane(0, k))
                 .collect()
         })
     };
     let linear = |of: &Expansion<W>| of.watched.map(|watched| watched.map(|row| row.is_linear));
     // One call serves series at other times and states, and of other lengths.
-    let (interpreted, mut repeated) = (Interpreted(functions, Cell::new(0)), Repeated::default());
+    let (interpreted, mut repeated) = (
+        Interpreted(functions, Cell::new(0)),
+        RecordedCalls::default(),
+    );
     let mut found = [const { Vec::new() }; W];
     let mut series = Series::<1>::default();
     expand(
         &mut series,
         ([0.0], [h]),
         x.map(|x| [x + 0.05]),
-        MOST_ORDER,
+        MAX_ORDER,
         functions,
     );
     for (t, shift, length) in [
@@ -67,9 +70,9 @@ fn coefficients<const N: usize, const W: usize>(
     ] {
         let (time, x) = (([t], [length]), x.map(|x| [x + shift]));
         let mut by_calls = Series::<1>::default();
-        let wanted = expand(&mut by_calls, time, x, MOST_ORDER, functions);
+        let wanted = expand(&mut by_calls, time, x, MAX_ORDER, functions);
         let again =
-            series.expand_by(|rows| repeated.expand(rows, time, &x, MOST_ORDER, &interpreted));
+            series.expand_by(|rows| repeated.expand(rows, time, &x, MAX_ORDER, &interpreted));
         assert_eq!(linear(&again), linear(&wanted));
         found = read(&by_calls, wanted);
         let again: [Vec<f64>; W] = read(&series, again);
@@ -124,8 +127,8 @@ fn every_function_has_the_coefficients_that_it_is_known_to_have() {
     });
     let exact: Vec<(&str, f64)> = exact.collect();
     let found = coefficients(&OfPolynomial, [0.0], 1.0);
-    assert_eq!(exact.len(), found.len() * (MOST_ORDER + 1));
-    for (found, exact) in found.iter().zip(exact.chunks(MOST_ORDER + 1)) {
+    assert_eq!(exact.len(), found.len() * MAX_COEFFICIENTS);
+    for (found, exact) in found.iter().zip(exact.chunks(MAX_COEFFICIENTS)) {
         for (k, (found, (name, exact))) in found.iter().zip(exact).enumerate() {
             // A coefficient that nearly cancels has the rounding error of its neighbours.
             let allowed = 3e-14 * exact.abs() + 1e-17;
@@ -186,7 +189,7 @@ fn functions_of_a_solution_keep_their_identities() {
     let h = 0.5;
     let [x, tangent, angle, one, exp_of_ln, none, sum, less, rest] =
         coefficients(&OfTangent, [0.0], h);
-    for k in 0..=MOST_ORDER {
+    for k in 0..=MAX_ORDER {
         let at = |order: usize, value: f64| if k == order { value } else { 0.0 };
         for (found, exact, what) in [
             (tangent[k], x[k], "tan t is the solution"),
@@ -250,7 +253,7 @@ impl<F: Functions<2, 3>, const L: usize> NullaryFnOnce for Widest<'_, F, L> {
     type Output = Expansion<3>;
     #[inline(always)]
     fn call(self) -> Expansion<3> {
-        expand(self.series, self.time, self.x, MOST_ORDER, self.functions)
+        expand(self.series, self.time, self.x, MAX_ORDER, self.functions)
     }
 }
 
@@ -274,9 +277,9 @@ fn neither_lanes_nor_the_width_of_vectors_change_a_bit() {
             time: (t, h),
             x,
         });
-        assert!(!together.divided && !together.value_read);
+        assert!(!together.lanes_differ && !together.value_read);
         assert_lanes_are_alone(&wide, &together, |time, x, alone| {
-            expand(alone, time, x, MOST_ORDER, &Everything)
+            expand(alone, time, x, MAX_ORDER, &Everything)
         });
     }
 }
@@ -285,23 +288,25 @@ fn neither_lanes_nor_the_width_of_vectors_change_a_bit() {
 fn a_call_recorded_in_one_lane_is_repeated_in_several_with_the_same_bits() {
     let (t, h, x) = begin();
     let interpreted = Interpreted(&Everything, Cell::new(0));
-    let repeated = RefCell::new(Repeated::default());
+    let repeated = RefCell::new(RecordedCalls::default());
     let alone = |time: (Lanes<1>, Lanes<1>), x: [Lanes<1>; 2], alone: &mut Series<1>| {
         let mut repeated = repeated.borrow_mut();
-        alone.expand_by(|rows| repeated.expand(rows, time, &x, MOST_ORDER, &interpreted))
+        alone.expand_by(|rows| repeated.expand(rows, time, &x, MAX_ORDER, &interpreted))
     };
     let mut wide = Series::<LANES>::default();
-    let mut lines = Lines::new();
+    let mut linear_numbers = LinearNumbers::new();
     let mut together = |x: [Lanes<LANES>; 2]| {
         let repeated = repeated.borrow();
-        wide.expand_by(|rows| repeated.expand_again(rows, (t, h), &x, MOST_ORDER, &mut lines))
+        wide.expand_by(|rows| {
+            repeated.expand_again(rows, (t, h), &x, MAX_ORDER, &mut linear_numbers)
+        })
     };
     // Nothing is recorded yet, and then nothing for the lane whose comparison differs.
     assert!(together(x).is_none());
     alone(([0.5], [0.1]), [[0.2], [0.4]], &mut Series::default());
-    let mut divided = x;
-    divided[0][2] = 1.5;
-    assert!(together(divided).is_none());
+    let mut lanes_differ = x;
+    lanes_differ[0][2] = 1.5;
+    assert!(together(lanes_differ).is_none());
     let expansion = together(x).expect("all comparisons agree");
     let calls = interpreted.1.get();
     assert_lanes_are_alone(&wide, &expansion, alone);
@@ -338,7 +343,7 @@ fn assert_lanes_are_alone(
         let choices = wide.choices(together).iter();
         let in_lane = rows.iter().map(|&row| &wide.rows()[row]).chain(choices);
         for (row, (alone, wide)) in rows_alone.zip(in_lane).enumerate() {
-            for k in 0..=MOST_ORDER {
+            for k in 0..=MAX_ORDER {
                 let bits = [alone.lane(0, k), wide.lane(l, k)].map(f64::to_bits);
                 assert_eq!(bits[0], bits[1], "lane {l}, row {row}, order {k}");
             }
@@ -358,13 +363,14 @@ fn lanes_that_compare_differently_are_not_expanded_together() {
             &Everything,
         )
     };
-    assert!(!expand([0.1, 0.2]).divided);
-    assert!(expand([0.1, 1.2]).divided);
+    assert!(!expand([0.1, 0.2]).lanes_differ);
+    assert!(expand([0.1, 1.2]).lanes_differ);
 }
 
 #[test]
 fn functions_are_called_again_where_a_comparison_comes_out_otherwise() {
-    let (interpreted, mut repeated) = (Interpreted(&Chosen, Cell::new(0)), Repeated::default());
+    let (interpreted, mut repeated) =
+        (Interpreted(&Chosen, Cell::new(0)), RecordedCalls::default());
     let mut series = Series::<1>::default();
     for (x, calls) in [(-0.25, 1), (-0.2, 1), (0.25, 2), (0.2, 2), (-0.6, 3)] {
         let expansion = series
@@ -404,7 +410,7 @@ fn a_comparison_is_remembered_by_how_much_it_is_decided() {
         .watched
         .map(|watched| &series.rows()[watched.expect("not constant").row]);
     let choices = series.choices(&expansion).iter().rev();
-    let line = |row: &Row<1>| [row.lane(0, 0), row.lane(0, 1)];
+    let line = |row: &CoefficientRow<1>| [row.lane(0, 0), row.lane(0, 1)];
     assert_eq!(
         watched.map(line),
         [[0.25, -0.125], [-0.25, 0.125], [-0.5, 0.125]]

@@ -8,14 +8,14 @@ use crate::bifurcations::systems::{
     DrivenIsland, Ends, EndsFamily, FasterBelt, Focus, Grip, Island, Lags, Persists, Pitchfork,
     Pulse, Resonant, Rough, Shaken, Sheet, Softening, Twisted,
 };
+use crate::constant_fields::ConstantFields;
 use crate::den_hartog::DenHartog;
-use crate::line::Line;
 use crate::listed::traced;
 use crate::smooth::{Lorenz, Smooth};
 
 traced!(
     1:
-    Beat, Line, NearWells,
+    Beat, ConstantFields, NearWells,
 );
 
 traced!(

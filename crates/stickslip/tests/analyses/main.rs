@@ -4,10 +4,10 @@
 mod any_system;
 mod attractors;
 mod bifurcations;
+#[path = "../common/constant_fields.rs"]
+mod constant_fields;
 #[path = "../common/den_hartog.rs"]
 mod den_hartog;
-#[path = "../common/line.rs"]
-mod line;
 #[path = "../common/listed.rs"]
 mod listed;
 #[path = "../common/smooth.rs"]

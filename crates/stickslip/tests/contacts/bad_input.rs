@@ -76,7 +76,7 @@ fn error(case: Case, start: [f64; 2]) -> Error {
         &Options::default(),
     )
     .unwrap_err();
-    assert_eq!(failure.reached.ending, Ending::Failed);
+    assert_eq!(failure.partial.ending, Ending::Failed);
     failure.error
 }
 

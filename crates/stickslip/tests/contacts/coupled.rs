@@ -63,5 +63,5 @@ fn friction_that_does_not_add_is_noticed_where_the_system_does_not_say_so() {
     );
     assert!(failure.to_string().contains("MULTI_AFFINE"), "{failure}");
     // The run continues until both hold.
-    assert!(failure.reached.t_end > 0.1);
+    assert!(failure.partial.t_end > 0.1);
 }

@@ -9,11 +9,11 @@ use stickslip::{Error, Failure, Observer, Options, Orbit, OrbitWithEvents, Summa
 
 use stickslip::system::IntoState;
 
+use crate::constant_fields::ConstantFields;
 use crate::corners::{CornerOfBoundary, CornerOfField, Creep, EqualInStick, Weaker};
 use crate::den_hartog::DenHartog;
 use crate::flat::{Driven, Narrow, Square};
 use crate::grazes;
-use crate::line::Line;
 use crate::listed::{Listed, traced};
 use crate::lyapunov_equations::{Fork, FromSupport, Linear, Pressed, Refracting, Rider, Roessler};
 use crate::pulses::{Overflowing, Pushed, Slippery, Spike};
@@ -71,7 +71,7 @@ macro_rules! typed {
 
 traced!(
     1:
-    BlowUp, Breathing, Cup, Dent, Fork, Knee, Line, MovingLine, Push, Rectified, Rider, Spike,
+    BlowUp, Breathing, Cup, Dent, Fork, Knee, ConstantFields, MovingLine, Push, Rectified, Rider, Spike,
     Square, Steep, Steepening, TurningLine, UndefinedAfterOne, Wall, Window,
 );
 

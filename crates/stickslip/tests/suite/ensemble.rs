@@ -194,7 +194,7 @@ fn assert_as_alone_if<S: Filippov<N> + PartialEq + Send + Sync, const N: usize>(
                 let x: Vec<u64> = end.x.iter().map(|x| x.to_bits()).collect();
                 (end.ending, end.t.to_bits(), x, end.counters)
             })
-            .map_err(|failure| (failure.to_string(), failure.reached.t.to_bits()))
+            .map_err(|failure| (failure.to_string(), failure.partial.t.to_bits()))
     };
     let (mut reported, mut events) = (0, 0);
     ensemble(

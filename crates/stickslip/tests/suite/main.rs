@@ -6,14 +6,14 @@
 )]
 
 mod any_system;
+#[path = "../common/constant_fields.rs"]
+mod constant_fields;
 mod corners;
 #[path = "../common/den_hartog.rs"]
 mod den_hartog;
 mod ensemble;
 mod flat;
 mod grazes;
-#[path = "../common/line.rs"]
-mod line;
 #[path = "../common/listed.rs"]
 mod listed;
 mod lyapunov_equations;

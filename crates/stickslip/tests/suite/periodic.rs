@@ -9,8 +9,8 @@ use stickslip::dynamics::Matrix;
 use stickslip::{Error, Method, Options, State, math};
 
 use crate::any_system::{find_periodic_orbit, periodic_orbit_forced, run, solve};
+use crate::constant_fields::ConstantFields;
 use crate::den_hartog::DenHartog;
-use crate::line::Line;
 use crate::listed::Listed;
 use crate::solver::systems::{Floor, MovingLine, TwiceRound, decaying_friction};
 
@@ -239,7 +239,7 @@ fn sticks_within_one_pattern_are_counted_and_repelling_has_no_destination() {
     else {
         panic!("{found:?}");
     };
-    let apart = Line {
+    let apart = ConstantFields {
         below: -1.0,
         above: 1.0,
     };

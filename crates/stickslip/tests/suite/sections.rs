@@ -347,12 +347,12 @@ fn a_run_that_fails_keeps_the_events_before() {
     let options = Options::default().escape(1.0);
     let failure = solve_with_events(&belt, &place, 0.0, [0.5, 0.9], 50.0, &options).unwrap_err();
     assert!(matches!(failure.error, Error::Escaped { .. }), "{failure}");
-    let reported: Vec<_> = failure.reached.events.iter().map(|event| event.t).collect();
+    let reported: Vec<_> = failure.partial.events.iter().map(|event| event.t).collect();
     assert_eq!(reported.len(), 1);
-    assert!(reported[0] < failure.reached.orbit.t_end);
+    assert!(reported[0] < failure.partial.orbit.t_end);
     let failure = solve_with_events(&belt, &place, 0.0, [0.5, 0.9], -1.0, &options).unwrap_err();
     assert!(matches!(failure.error, Error::Interval { .. }), "{failure}");
-    assert_eq!(failure.reached.events, []);
+    assert_eq!(failure.partial.events, []);
 }
 
 /// Period of the cycle of [`decaying_friction`].

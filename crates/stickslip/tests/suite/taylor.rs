@@ -414,8 +414,8 @@ fn a_step_into_where_the_boundary_is_not_defined_hides_no_event() {
             ..taylor(1e-12)
         };
         let failure = solve(&Brink, 0.0, State::from([0.0]), 3.0, &options).expect_err("ends at 1");
-        assert!((failure.reached.t_end - 1.0).abs() < 1e-9, "{failure}");
-        let times: Vec<f64> = failure.reached.transitions.iter().map(|e| e.t).collect();
+        assert!((failure.partial.t_end - 1.0).abs() < 1e-9, "{failure}");
+        let times: Vec<f64> = failure.partial.transitions.iter().map(|e| e.t).collect();
         assert_eq!(times.len(), 1, "first step {first_step}: {times:?}");
         assert!((times[0] - 0.75).abs() < 1e-12, "{times:?}");
     }

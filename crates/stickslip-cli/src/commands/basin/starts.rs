@@ -56,7 +56,7 @@ impl Points {
                 middle(index / columns, rows),
             ],
             Points::Random { seed, .. } => {
-                let random = &mut SplitMix::behind(seed, 2 * index as u64);
+                let random = &mut SplitMix::from_index(seed, 2 * index as u64);
                 [random.uniform(), random.uniform()]
             }
         };

@@ -92,9 +92,10 @@ impl Outline {
         options: &Options,
     ) -> Result<Self, Error> {
         const SPAN: f64 = 2.5;
-        let (orbit, failed) = Orbit::begun(system, start, start.t + SPAN * period, options)?;
+        let (orbit, failed) =
+            Orbit::solve_to_failure(system, start, start.t + SPAN * period, options)?;
         if orbit.end.t < start.t + period {
-            return Err(failed.unwrap_or_else(|| orbit.end.goes_no_further()));
+            return Err(failed.unwrap_or_else(|| orbit.end.no_future_error()));
         }
         let ways = orbit.steps.iter().map(|(step, _)| &step.x_end - &start.x);
         let extent = ways.fold(f64::MIN_POSITIVE, |most, way| most.max(way.amax()));

@@ -204,7 +204,7 @@ fn follow(
             Happening::Transition(at) => measurement.transition(&at)?,
             Happening::PhaseEnd(_) | Happening::Passage(_) | Happening::Kink(_) => {}
             Happening::End(summary) if summary.ending.is_final() => {
-                return Err(summary.goes_no_further());
+                return Err(summary.no_future_error());
             }
             Happening::End(summary) => return Ok(summary),
         }

@@ -1,29 +1,30 @@
 //! Decides which of the contacts at zero hold, and to which side the others leave.
 //!
 //! A contact holds with a weight of the field above between 0 and 1, or leaves above with weight 1,
-//! or below with weight 0. With rates that are affine in the weights this is a linear
-//! complementarity problem with bounds (Pfeiffer & Glocker, *Multibody Dynamics with Unilateral
-//! Contacts*, 1996, Ch. 8).
+//! or below with weight 0. If the rates are affine in the weights, this is a linear complementarity
+//! problem with bounds (Pfeiffer & Glocker, *Multibody Dynamics with Unilateral Contacts*, 1996,
+//! Ch. 8).
 
 use super::Contacts;
 use super::equations::{has_positive_pivots, principal_minor, solve};
-use super::joint::{Affine, Joint, rates};
+use super::joint::{Affine, Joint, NEGLIGIBLE_FRICTION, rates};
 use crate::system::{Mode, Side, State, components};
 
-/// Up to so many contacts, all combinations are tried: three to their number.
-const MOST_TRIED: usize = 8;
+/// Largest number of contacts of which all combinations of outcomes are tried. There are three to
+/// that number; chosen so that a decision tries at most 6561.
+const MAX_ENUMERATED: usize = 8;
 
-/// Up to so many contacts, every principal minor is computed: two to their number.
-const MOST_MINORS: usize = 16;
+/// Largest number of contacts of which every principal minor is computed. There are two to that
+/// number; chosen so that a decision computes at most 65 535.
+const MAX_MINORS: usize = 16;
 
-/// Number of changes for each contact after which the least-index method counts as cycling.
-const MOST_CHANGES: usize = 64;
+/// Number of changes for each contact after which the least-index method counts as cycling. Chosen:
+/// all combinations are tried instead.
+const MAX_CHANGES: usize = 64;
 
-/// A rate below this fraction of its summands is rounding.
-const ROUNDING: f64 = 1e-13;
-
-/// An iterated rate below this fraction of the effect of friction is zero.
-const CONVERGED: f64 = 1e-9;
+/// A rate below this fraction of its summands is rounding. Chosen: some 450 units in the last
+/// place. A larger value would hold contacts that leave slowly.
+const RATE_ROUNDING: f64 = 1e-13;
 
 /// The outcome of a contact at zero.
 pub(super) type Outcome = Mode;
@@ -43,9 +44,9 @@ pub(super) fn solutions<S: Contacts<N, M>, const N: usize, const M: usize>(
     }
     let problem = Problem::new(joint, &joint.affine(t, components(x)));
     if problem.has_one_solution()
-        && let Some(found) = problem.by_least_index()
+        && let Some(consistent) = problem.by_least_index()
     {
-        return Some(vec![found]);
+        return Some(vec![consistent]);
     }
     all(problem.count, |outcomes| problem.is_solved_by(outcomes))
 }
@@ -60,22 +61,22 @@ fn all<const M: usize>(
         Mode::Slip(Side::Below),
         Mode::Slip(Side::Above),
     ];
-    if count > MOST_TRIED {
+    if count > MAX_ENUMERATED {
         return None;
     }
-    let mut found = Vec::new();
+    let mut consistent = Vec::new();
     for number in 0..3_usize.pow(count as u32) {
         let mut outcomes = [Mode::Stick; M];
-        let mut rest = number;
+        let mut digits = number;
         for outcome in outcomes.iter_mut().take(count) {
-            *outcome = EACH[rest % 3];
-            rest /= 3;
+            *outcome = EACH[digits % 3];
+            digits /= 3;
         }
         if passes(&outcomes) {
-            found.push(outcomes);
+            consistent.push(outcomes);
         }
     }
-    Some(found)
+    Some(consistent)
 }
 
 /// Whether the outcomes agree with the rates and weights of a multi-affine combination.
@@ -88,8 +89,8 @@ fn is_consistent<S: Contacts<N, M>, const N: usize, const M: usize>(
 ) -> bool {
     let mut modes = *modes;
     let mut at_rest = [false; M];
-    for (place, &contact) in joint.held().iter().enumerate() {
-        (modes[contact], at_rest[contact]) = (outcomes[place], true);
+    for (index, &contact) in joint.held().iter().enumerate() {
+        (modes[contact], at_rest[contact]) = (outcomes[index], true);
     }
     let joint_then = Joint::new(joint.system, &modes).with_static_friction_at(&at_rest);
     let x = components(x);
@@ -100,10 +101,9 @@ fn is_consistent<S: Contacts<N, M>, const N: usize, const M: usize>(
     let size = |i: usize| slopes[i].iter().map(|slope| slope.abs()).sum::<f64>();
     let shares = &combination.shares[..joint_then.count];
     // An iteration that has not converged is no solution.
-    let holds =
-        joint_then.held().iter().zip(shares).all(|(&i, share)| {
-            (0.0..=1.0).contains(share) && rates[i].abs() <= CONVERGED * size(i)
-        });
+    let holds = joint_then.held().iter().zip(shares).all(|(&i, share)| {
+        (0.0..=1.0).contains(share) && rates[i].abs() <= NEGLIGIBLE_FRICTION * size(i)
+    });
     holds
         && joint
             .held()
@@ -125,12 +125,12 @@ fn is_definite<const M: usize>(matrix: &[[f64; M]; M], count: usize) -> bool {
             continue;
         }
         strengths[first] = 1.0;
-        let mut reached = vec![first];
-        while let Some(i) = reached.pop() {
+        let mut connected = vec![first];
+        while let Some(i) = connected.pop() {
             for j in 0..count {
                 if strengths[j] == 0.0 && matrix[i][j] * matrix[j][i] > 0.0 {
                     strengths[j] = strengths[i] * matrix[i][j] / matrix[j][i];
-                    reached.push(j);
+                    connected.push(j);
                 }
             }
         }
@@ -159,9 +159,9 @@ impl<const M: usize> Problem<M> {
             rates: [0.0; M],
             slopes: [[0.0; M]; M],
         };
-        for (place, &contact) in joint.held().iter().enumerate() {
-            problem.rates[place] = affine.rates[contact];
-            problem.slopes[place] = affine.slopes[contact];
+        for (index, &contact) in joint.held().iter().enumerate() {
+            problem.rates[index] = affine.rates[contact];
+            problem.slopes[index] = affine.slopes[contact];
         }
         problem
     }
@@ -183,7 +183,7 @@ impl<const M: usize> Problem<M> {
         if is_definite(&resistance, self.count) {
             return true;
         }
-        self.count <= MOST_MINORS
+        self.count <= MAX_MINORS
             && (1..1_usize << self.count).all(|set| {
                 let chosen: Vec<usize> = (0..self.count).filter(|&i| set >> i & 1 == 1).collect();
                 principal_minor(&resistance, &chosen) > 0.0
@@ -239,7 +239,7 @@ impl<const M: usize> Problem<M> {
         let size = terms.fold(self.rates[i].abs(), |size, (slope, share)| {
             size + (slope * share).abs()
         });
-        ROUNDING * size
+        RATE_ROUNDING * size
     }
 
     /// The outcome that is consistent for a contact, given the others; its own if that is
@@ -261,7 +261,7 @@ impl<const M: usize> Problem<M> {
     /// least-index method; with bounds Júdice & Pires, *J. Oper. Res. Soc.* 43 (1992) 1087).
     fn by_least_index(&self) -> Option<[Outcome; M]> {
         let mut outcomes = [Mode::Stick; M];
-        for _ in 0..MOST_CHANGES * self.count {
+        for _ in 0..MAX_CHANGES * self.count {
             let (shares, rates) = self.shares_and_rates(&outcomes);
             let change = (0..self.count)
                 .map(|i| (i, self.wanted(i, outcomes[i], &shares, rates[i])))

@@ -3,20 +3,14 @@
 use super::Contacts;
 use super::complementarity::solutions;
 use super::equations::principal_minor;
-use super::joint::{Joint, gradients};
+use super::joint::{Joint, NEGLIGIBLE_FRICTION, gradients};
 use crate::error::{Error, Point};
 use crate::filippov::flow::{Flow, flow_path};
-use crate::filippov::rules::{LieDerivatives, SAME};
+use crate::filippov::rules::LieDerivatives;
 use crate::filippov::run::Run;
-use crate::filippov::uncertainty::{ULPS, Uncertainty, uncertainties};
+use crate::filippov::uncertainty::{RELATIVE_ROUNDING, STATE_ROUNDING, Uncertainty, uncertainties};
 use crate::ode::Timed;
 use crate::system::{Mode, Side, components};
-
-/// If two contacts share less than this fraction of their friction, their frictions add.
-const COUPLING: f64 = 1e-9;
-
-/// Boundaries whose gradients span a volume below this fraction of the largest coincide.
-const DEPENDENT: f64 = 1e-12;
 
 /// A point at which a mode is decided.
 pub(super) struct Decision<'a, S, const N: usize, const M: usize> {
@@ -32,15 +26,15 @@ pub(super) struct Decision<'a, S, const N: usize, const M: usize> {
 }
 
 /// How a contact starts to move from zero.
-enum Start {
-    /// So many derivatives of its guard vanish.
+enum FirstMotion {
+    /// Number of derivatives of its guard that vanish.
     Order(usize),
-    /// It does not: the contact has this outcome instead.
+    /// It does not move by the mode; the contact has this outcome instead.
     Instead(Mode),
 }
 
 /// Derivatives of a motion at its beginning, for each contact.
-struct Beginning<const M: usize> {
+struct InitialDerivatives<const M: usize> {
     /// Lie derivatives of the guards along the motion.
     derivatives: [LieDerivatives; M],
     blurs: [Uncertainty; M],
@@ -70,11 +64,11 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
             let mut orders = [0; M];
             let mut change = None;
             let joint = Joint::new(self.system, &self.modes);
-            let beginning = self.beginning(run, &joint);
+            let initial = self.initial_derivatives(run, &joint);
             for &i in &decided {
-                match self.start(&joint, &beginning, i) {
-                    Start::Order(order) => orders[i] = order,
-                    Start::Instead(mode) => {
+                match self.first_motion(&joint, &initial, i) {
+                    FirstMotion::Order(order) => orders[i] = order,
+                    FirstMotion::Instead(mode) => {
                         change = Some((i, mode));
                         break;
                     }
@@ -92,7 +86,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
                 self.complement(run)?;
             }
         }
-        Err(self.unsolved(&decided, &[]))
+        Err(self.no_unique_mode(&decided, &[]))
     }
 
     /// Solves the complementarity problem of the contacts to be decided. With static above kinetic
@@ -108,15 +102,15 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
             let joint = Joint::new(self.system, &tried);
             run.counters.field_calls += joint.field_calls();
             let (t, x) = (self.at.t, &self.at.x);
-            let Some(found) = solutions(&joint, &self.modes, t, x) else {
+            let Some(consistent) = solutions(&joint, &self.modes, t, x) else {
                 return Err(Error::TooManyContacts {
                     t,
                     x: Point::from(x),
                     contacts: joint.held().to_vec(),
                 });
             };
-            let [outcomes] = found[..] else {
-                return Err(self.unsolved(joint.held(), &found));
+            let [outcomes] = consistent[..] else {
+                return Err(self.no_unique_mode(joint.held(), &consistent));
             };
             let held: Vec<usize> = joint.held().to_vec();
             let mut changes_the_rest = false;
@@ -135,11 +129,15 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     }
 
     /// Derivatives of the motion in the decided mode.
-    fn beginning(&self, run: &mut Run<N, M>, joint: &Joint<'_, S, M>) -> Beginning<M> {
+    fn initial_derivatives(
+        &self,
+        run: &mut Run<N, M>,
+        joint: &Joint<'_, S, M>,
+    ) -> InitialDerivatives<M> {
         let Timed { t, x } = self.at;
         // Four passes through the field, and one for the rounding in each direction.
         run.counters.field_calls += joint.field_calls() * 5 * (N as u64 + 1);
-        Beginning {
+        InitialDerivatives {
             derivatives: LieDerivatives::along(t, &x, run.slack(), |t, x| {
                 let path = flow_path(t, x, |t, x| joint.field(t, x));
                 joint.field_and_guards(path.0, &path.1).1
@@ -151,14 +149,21 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     /// How a contact starts to move in the decided mode, by the first derivative of its guard that
     /// does not vanish. If all vanish, it holds. An equilibrium on one side, which one contact may
     /// have, is not considered.
-    fn start(&self, joint: &Joint<'_, S, M>, beginning: &Beginning<M>, i: usize) -> Start {
+    fn first_motion(
+        &self,
+        joint: &Joint<'_, S, M>,
+        initial: &InitialDerivatives<M>,
+        i: usize,
+    ) -> FirstMotion {
         let Timed { t, x } = self.at;
-        let derivatives = &beginning.derivatives[i];
+        let derivatives = &initial.derivatives[i];
         match self.modes[i] {
-            Mode::Stick if derivatives.values[0] > beginning.blurs[i].zero() => Start::Order(0),
+            Mode::Stick if derivatives.values[0] > initial.blurs[i].zero() => FirstMotion::Order(0),
             Mode::Stick => match derivatives.leading(false) {
-                (_, sign) if sign < 0.0 => Start::Instead(Mode::Slip(joint.nearest_side(i, t, &x))),
-                (order, _) => Start::Order(order.min(3)),
+                (_, sign) if sign < 0.0 => {
+                    FirstMotion::Instead(Mode::Slip(joint.nearest_side(i, t, &x)))
+                }
+                (order, _) => FirstMotion::Order(order.min(3)),
             },
             Mode::Slip(_) => {
                 // Its holding has just reached its limit: the rate is zero, whatever its rounding.
@@ -166,13 +171,13 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
                     && !self.has_static_friction(i)
                     && (0..M).all(|j| j == i || self.modes[j] == self.before[j]);
                 match (derivatives.leading(is_tangent), self.modes[i]) {
-                    ((order, sign), _) if sign > 0.0 => Start::Order(order),
+                    ((order, sign), _) if sign > 0.0 => FirstMotion::Order(order),
                     // It stays.
-                    ((_, 0.0), _) if !self.can_hold(i) => Start::Order(3),
+                    ((_, 0.0), _) if !self.can_hold(i) => FirstMotion::Order(3),
                     (_, Mode::Slip(side)) if !self.can_hold(i) => {
-                        Start::Instead(Mode::Slip(side.opposite()))
+                        FirstMotion::Instead(Mode::Slip(side.opposite()))
                     }
-                    _ => Start::Instead(Mode::Stick),
+                    _ => FirstMotion::Instead(Mode::Stick),
                 }
             }
         }
@@ -215,7 +220,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     /// Whether a contact's friction at rest exceeds that in slip.
     pub(super) fn has_static_friction(&self, i: usize) -> bool {
         let (at_rest, in_slip) = (self.friction(i, true), self.friction(i, false));
-        (at_rest - in_slip).abs() > SAME * in_slip.abs()
+        (at_rest - in_slip).abs() > RELATIVE_ROUNDING * in_slip.abs()
     }
 
     /// Checks that the contacts to be decided form a well-posed problem.
@@ -237,13 +242,14 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
                 gram[i][j] = normals[i].dot(&normals[j]) / (size * normals[j].norm());
             }
         }
-        if principal_minor(&gram, contacts) <= DEPENDENT {
+        // Of boundaries that coincide, the gradients span no volume.
+        if principal_minor(&gram, contacts) <= RELATIVE_ROUNDING {
             return Err(dependent(contacts));
         }
         let slipping: [f64; M] = std::array::from_fn(|i| self.friction(i, false));
-        for (place, &i) in contacts.iter().enumerate() {
+        for (index, &i) in contacts.iter().enumerate() {
             let (at_rest, in_slip) = (self.friction(i, true), slipping[i]);
-            if at_rest < in_slip - SAME * in_slip.abs() {
+            if at_rest < in_slip - RELATIVE_ROUNDING * in_slip.abs() {
                 let x = Point::from(&x);
                 return Err(Error::StaticBelowKinetic {
                     t,
@@ -256,7 +262,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
                 let mut rests = [false; M];
                 rests[i] = true;
                 let (beside, alone) = (self.friction_with(j, &rests), slipping[j]);
-                if (beside - alone).abs() > COUPLING * (alone.abs() + in_slip.abs()) {
+                if (beside - alone).abs() > NEGLIGIBLE_FRICTION * (alone.abs() + in_slip.abs()) {
                     let x = Point::from(&x);
                     return Err(Error::HoldsElsewhere {
                         t,
@@ -266,7 +272,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
                     });
                 }
             }
-            for &j in &contacts[place + 1..] {
+            for &j in &contacts[index + 1..] {
                 if !S::MULTI_AFFINE && !self.adds_up(i, j) {
                     let x = Point::from(&x);
                     return Err(Error::NotAdditive { t, x, pair: (i, j) });
@@ -281,7 +287,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     fn adds_up(&self, i: usize, j: usize) -> bool {
         let joint = self.corners_of(&[i, j]);
         let corner = |above: [bool; 2]| {
-            joint.corner(|place| above[place], self.at.t, components(&self.at.x))
+            joint.corner(|index| above[index], self.at.t, components(&self.at.x))
         };
         let [none, first, second, both] =
             [[false, false], [true, false], [false, true], [true, true]].map(corner);
@@ -290,13 +296,13 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
             let size = none[k].abs() + both[k].abs();
             // Forces that cancel leave their rounding; a real dependence on the other side has the
             // size of the forces.
-            let allowed = COUPLING * step + ULPS * f64::EPSILON * size;
+            let allowed = NEGLIGIBLE_FRICTION * step + STATE_ROUNDING * size;
             (none[k] - first[k] - second[k] + both[k]).abs() <= allowed
         })
     }
 
-    fn unsolved(&self, contacts: &[usize], found: &[[Mode; M]]) -> Error {
-        let candidates = found
+    fn no_unique_mode(&self, contacts: &[usize], consistent: &[[Mode; M]]) -> Error {
+        let candidates = consistent
             .iter()
             .map(|outcomes| format!("{:?}", &outcomes[..contacts.len()]))
             .collect();

@@ -1,5 +1,6 @@
 //! Small linear systems on any scalar.
 
+use crate::filippov::uncertainty::RELATIVE_ROUNDING;
 use crate::scalar::Scalar;
 
 /// Solves `a x = b` for the first `count` unknowns, in place; `b` becomes `x`.
@@ -31,14 +32,14 @@ pub(super) fn solve<T: Scalar, const M: usize>(a: &mut [[T; M]; M], b: &mut [T; 
 pub(super) fn principal_minor<const M: usize>(a: &[[f64; M]; M], chosen: &[usize]) -> f64 {
     let mut a = *a;
     let mut product = 1.0;
-    for (place, &k) in chosen.iter().enumerate() {
+    for (index, &k) in chosen.iter().enumerate() {
         product *= a[k][k];
         if a[k][k] == 0.0 {
             return 0.0;
         }
-        for &i in &chosen[place + 1..] {
+        for &i in &chosen[index + 1..] {
             let factor = a[i][k] / a[k][k];
-            for &j in &chosen[place + 1..] {
+            for &j in &chosen[index + 1..] {
                 a[i][j] -= factor * a[k][j];
             }
         }
@@ -46,15 +47,12 @@ pub(super) fn principal_minor<const M: usize>(a: &[[f64; M]; M], chosen: &[usize
     product
 }
 
-/// Pivots below this part of a diagonal entry are rounding.
-const SINGULAR: f64 = 1e-12;
-
 /// Whether elimination finds all pivots positive, beyond rounding: of a symmetric matrix, whether
 /// it is positive definite.
 pub(super) fn has_positive_pivots<const M: usize>(a: &[[f64; M]; M], count: usize) -> bool {
     let mut left = *a;
     for k in 0..count {
-        let is_positive = left[k][k] > SINGULAR * a[k][k];
+        let is_positive = left[k][k] > RELATIVE_ROUNDING * a[k][k];
         if !is_positive {
             return false;
         }

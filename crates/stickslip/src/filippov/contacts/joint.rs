@@ -9,9 +9,14 @@ use crate::ode::{Linear, Timed};
 use crate::scalar::Scalar;
 use crate::system::{Mode, Side, State, components};
 
-/// Number of Newton iterations for a multi-affine combination, from the affine solution. Each
-/// squares the error, also in every coefficient of a series.
-const NEWTON: usize = 7;
+/// Number of Newton steps for a multi-affine combination, from the affine solution. Each squares
+/// the error: seven reach rounding from an error of 0.75. The number is fixed, so that each
+/// coefficient of a series converges, too.
+const NEWTON_STEPS: usize = 7;
+
+/// An effect below this fraction of that of friction is none: of one contact on another, and on a
+/// rate after Newton's iteration. Chosen between the rounding of the forces and any coupling meant.
+pub(super) const NEGLIGIBLE_FRICTION: f64 = 1e-9;
 
 /// Contacts that hold or slip, and the resulting field. Guard `i` belongs to contact `i`. In slip
 /// it is the boundary function times the sign of the side. In stick it is `w (1 − w)` with `w` the
@@ -115,7 +120,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         &self.held[..self.count]
     }
 
-    /// The field with holding contacts above where `above` says so.
+    /// The field with each holding contact above or below, by `above`.
     #[inline(always)]
     pub(super) fn corner<T: Scalar, const N: usize>(
         &self,
@@ -127,12 +132,12 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         S: Contacts<N, M>,
     {
         let mut sides = self.sides;
-        for (place, &contact) in self.held().iter().enumerate() {
-            if above(place) {
+        for (index, &contact) in self.held().iter().enumerate() {
+            if above(index) {
                 sides[contact] = Side::Above;
             }
         }
-        // In slip the field itself counts, whatever `holding` gives with no contact at rest.
+        // With no contact at rest, `holding` does not count.
         if self.at_rest.contains(&true) {
             self.system.holding(&sides, &self.at_rest, t, x)
         } else {
@@ -152,9 +157,9 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
             rates: rates(self.system, (t, T::one()), x, &base),
             slopes: [[T::zero(); M]; M],
         };
-        for place in 0..self.count {
-            let above = self.corner(|other| other == place, t, x);
-            let change = &mut affine.changes[place];
+        for index in 0..self.count {
+            let above = self.corner(|other| other == index, t, x);
+            let change = &mut affine.changes[index];
             for k in 0..N {
                 if !above[k].is_same(base[k]) {
                     change[k] = above[k] - base[k];
@@ -162,7 +167,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
             }
             let slopes = rates(self.system, (t, T::zero()), x, change);
             for (row, slope) in affine.slopes.iter_mut().zip(slopes) {
-                row[place] = slope;
+                row[index] = slope;
             }
         }
         affine
@@ -190,7 +195,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         }
         solve(&mut matrix, &mut shares, self.count);
         if S::MULTI_AFFINE && self.count > 1 {
-            for _ in 0..NEWTON {
+            for _ in 0..NEWTON_STEPS {
                 self.newton(t, x, &mut shares);
             }
             let field = self.multi_affine(t, x, &shares).0;
@@ -217,18 +222,18 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
     }
 
     /// The combination for holding contacts of which some do not affect their own rates, as a
-    /// position and its velocity: such a rate is zero and stays so by the others. The weights are
-    /// then not determined. Those nearest to the middle are taken, each scaled by its contact's
-    /// strength. So no contact alone reaches its limit while others that act on the same rate do
-    /// not.
+    /// position and its velocity. Such a rate is zero, and the other contacts keep it so. The
+    /// weights are then not unique. Those nearest to the middle are taken, each scaled by its
+    /// contact's strength. So no contact alone reaches its limit while others that act on the same
+    /// rate do not.
     #[inline(never)]
     fn shared<T: Scalar, const N: usize>(&self, affine: Affine<T, N, M>) -> Combination<T, N, M> {
         let held = self.held();
         // Strength of each contact, by which its column is divided.
         let mut weights = [T::zero(); M];
-        for (place, weight) in weights.iter_mut().enumerate().take(self.count) {
+        for (index, weight) in weights.iter_mut().enumerate().take(self.count) {
             for &contact in held {
-                *weight = *weight + Scalar::abs(affine.slopes[contact][place]);
+                *weight = *weight + Scalar::abs(affine.slopes[contact][index]);
             }
             *weight = T::one().divided_or(*weight, 0.0);
         }
@@ -236,11 +241,11 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         for (j, &row) in held.iter().enumerate() {
             let slopes = &affine.slopes[row];
             loads[j] = -affine.rates[row];
-            for place in 0..self.count {
-                loads[j] = loads[j] - slopes[place] * 0.5;
-                let weighted = slopes[place] * weights[place];
+            for index in 0..self.count {
+                loads[j] = loads[j] - slopes[index] * 0.5;
+                let weighted = slopes[index] * weights[index];
                 for (k, &column) in held.iter().enumerate() {
-                    matrix[j][k] = matrix[j][k] + weighted * affine.slopes[column][place];
+                    matrix[j][k] = matrix[j][k] + weighted * affine.slopes[column][index];
                 }
             }
             // A rate that no contact affects is left as it is.
@@ -249,10 +254,10 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         }
         solve(&mut matrix, &mut loads, self.count);
         let mut shares = [T::constant(0.5); M];
-        for place in 0..self.count {
+        for index in 0..self.count {
             for (j, &row) in held.iter().enumerate() {
-                shares[place] =
-                    shares[place] + weights[place] * affine.slopes[row][place] * loads[j];
+                shares[index] =
+                    shares[index] + weights[index] * affine.slopes[row][index] * loads[j];
             }
         }
         self.combined(affine, shares)
@@ -302,16 +307,16 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         let off = rates(self.system, (t, T::one()), x, &field);
         let mut matrix = [[T::zero(); M]; M];
         let mut step = [T::zero(); M];
-        for place in 0..self.count {
-            let slopes = rates(self.system, (t, T::zero()), x, &changes[place]);
+        for index in 0..self.count {
+            let slopes = rates(self.system, (t, T::zero()), x, &changes[index]);
             for (j, &contact) in self.held().iter().enumerate() {
-                matrix[j][place] = slopes[contact];
+                matrix[j][index] = slopes[contact];
                 step[j] = off[contact];
             }
         }
         solve(&mut matrix, &mut step, self.count);
-        for place in 0..self.count {
-            shares[place] = shares[place] - step[place];
+        for index in 0..self.count {
+            shares[index] = shares[index] - step[index];
         }
     }
 
@@ -329,26 +334,26 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         let mut field = [T::zero(); N];
         let mut changes = [[T::zero(); N]; M];
         for corner in 0..1_usize << self.count {
-            let is_above = |place: usize| corner >> place & 1 == 1;
+            let is_above = |index: usize| corner >> index & 1 == 1;
             let value = self.corner(is_above, t, x);
             // The corner's coefficient without the factor of one contact, or of none.
             let weight = |without: Option<usize>| {
                 let mut weight = T::one();
-                for place in (0..self.count).filter(|&place| Some(place) != without) {
-                    let share = shares[place];
-                    weight = weight * if is_above(place) { share } else { -share + 1.0 };
+                for index in (0..self.count).filter(|&index| Some(index) != without) {
+                    let share = shares[index];
+                    weight = weight * if is_above(index) { share } else { -share + 1.0 };
                 }
                 weight
             };
-            let whole = weight(None);
+            let product = weight(None);
             for k in 0..N {
-                field[k] = field[k] + whole * value[k];
+                field[k] = field[k] + product * value[k];
             }
-            for (place, change) in changes.iter_mut().enumerate().take(self.count) {
-                let sign = if is_above(place) { 1.0 } else { -1.0 };
-                let rest = weight(Some(place)) * sign;
+            for (index, change) in changes.iter_mut().enumerate().take(self.count) {
+                let sign = if is_above(index) { 1.0 } else { -1.0 };
+                let slope = weight(Some(index)) * sign;
                 for k in 0..N {
-                    change[k] = change[k] + rest * value[k];
+                    change[k] = change[k] + slope * value[k];
                 }
             }
         }
@@ -357,7 +362,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
 
     /// The index of a contact among the holding ones.
     #[inline(always)]
-    fn place(&self, contact: usize) -> usize {
+    fn index_among_held(&self, contact: usize) -> usize {
         self.held()
             .iter()
             .position(|&held| held == contact)
@@ -370,7 +375,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         S: Contacts<N, M>,
     {
         let shares = self.combination(t, components(x)).shares;
-        if shares[self.place(contact)] > 0.5 {
+        if shares[self.index_among_held(contact)] > 0.5 {
             Side::Above
         } else {
             Side::Below
@@ -436,7 +441,7 @@ pub(super) fn gradients<S: Contacts<N, M>, const N: usize, const M: usize>(
 }
 
 /// The numbers of the first 64 contacts, of which a system uses the first ones.
-const NUMBERS: [usize; 64] = {
+const CONTACT_NUMBERS: [usize; 64] = {
     let mut numbers = [0; 64];
     let mut i = 0;
     while i < 64 {
@@ -449,10 +454,10 @@ const NUMBERS: [usize; 64] = {
 impl<S: Contacts<N, M>, const N: usize, const M: usize> Flow<N> for Joint<'_, S, M> {
     const GUARDS: &'static [usize] = {
         assert!(
-            1 <= M && M <= NUMBERS.len(),
+            1 <= M && M <= CONTACT_NUMBERS.len(),
             "a system has 1 to 64 contacts"
         );
-        NUMBERS.split_at(M).0
+        CONTACT_NUMBERS.split_at(M).0
     };
     const TOGETHER: bool = M > 1;
     const INTERPRETED: bool = S::INTERPRETED;
@@ -462,7 +467,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Flow<N> for Joint<'_, S,
         let around = self.count as u64 + 1;
         if S::MULTI_AFFINE && self.count > 1 {
             around.saturating_add(
-                (NEWTON as u64 + 1).saturating_mul(2_u64.saturating_pow(self.count as u32)),
+                (NEWTON_STEPS as u64 + 1).saturating_mul(2_u64.saturating_pow(self.count as u32)),
             )
         } else {
             around
@@ -481,7 +486,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Flow<N> for Joint<'_, S,
     #[inline(always)]
     fn guard<T: Scalar>(&self, i: usize, t: T, x: &[T; N]) -> T {
         if self.holds[i] {
-            let share = self.combination(t, x).shares[self.place(i)];
+            let share = self.combination(t, x).shares[self.index_among_held(i)];
             share * (-share + 1.0)
         } else {
             self.slip_guard(i, &self.system.boundaries(t, x))
@@ -501,7 +506,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Flow<N> for Joint<'_, S,
         let Combination { field, shares } = self.combination(t, x);
         for (i, guard) in guards.iter_mut().enumerate().take(M) {
             *guard = if self.holds[i] {
-                let share = shares[self.place(i)];
+                let share = shares[self.index_among_held(i)];
                 share * (-share + 1.0)
             } else {
                 self.slip_guard(i, &h)

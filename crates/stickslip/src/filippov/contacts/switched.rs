@@ -6,14 +6,15 @@ use super::{Contacts, Several};
 use crate::dynamics::Modes;
 use crate::error::{Error, Point};
 use crate::filippov::check::check_run;
-use crate::filippov::event::Event;
 use crate::filippov::flow::Flow;
+use crate::filippov::guard::Event;
 use crate::filippov::observer::{Transition, TransitionKind};
 use crate::filippov::options::{AtPileUp, Options};
 use crate::filippov::run::Run;
-use crate::filippov::switch::kind;
-use crate::filippov::switched::{Next, Rest, Switch, Switched, UseFlow, Vanishes};
-use crate::filippov::uncertainty::{ULPS, uncertainties};
+use crate::filippov::switched::{
+    Next, PROJECTION_STEPS, StickingPoint, Switch, Switched, UseFlow, Vanishes,
+};
+use crate::filippov::uncertainty::{STATE_ROUNDING, uncertainties};
 use crate::ode::Timed;
 use crate::scalar::Scalar;
 use crate::system::{Mode, Side, State, components};
@@ -63,7 +64,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
         }
         let Affine { rates, slopes, .. } = joint.affine(at.t, components(&at.x));
         // A contact that moves is not held, whatever its mode.
-        let rounding = ULPS * f64::EPSILON * at.x.amax().max(1.0);
+        let rounding = STATE_ROUNDING * at.x.amax().max(1.0);
         let is_moved_by_none = |&i: &usize| {
             slopes[i][..joint.count] == [0.0; M][..joint.count] && rates[i].abs() <= rounding
         };
@@ -106,25 +107,25 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
             Err(error) if run.options.at_pile_up == AtPileUp::Rest => error,
             decided => return decided.map(Some),
         };
-        let rest = match &undecided {
+        let sticking = match &undecided {
             Error::NoUniqueMode {
                 contacts,
                 candidates,
                 ..
             } if candidates.is_empty() => {
                 let at = run.at;
-                self.rest(run, modes, contacts, &at)
+                self.stick_at_accumulation(run, modes, contacts, &at)
             }
             _ => None,
         };
-        let stays = |rest: &Rest<_, _, N, M>| (rest.at.x - x).amax() <= run.slack();
-        match rest.filter(stays) {
-            Some(rest) => Ok(Some((rest.to, rest.orders))),
+        let is_here = |point: &StickingPoint<_, _, N, M>| (point.at.x - x).amax() <= run.slack();
+        match sticking.filter(is_here) {
+            Some(point) => Ok(Some((point.to, point.orders))),
             None => Err(undecided),
         }
     }
 
-    fn passed(&self, _guard: usize, _branch: &mut bool) -> Option<TransitionKind> {
+    fn event_within_mode(&self, _guard: usize, _branch: &mut bool) -> Option<TransitionKind> {
         None
     }
 
@@ -137,14 +138,14 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
     ) -> Result<Next<[Mode; M], M>, Error> {
         let contact = event.guard;
         let shared = std::mem::take(branch);
-        if shared && let Some((to, still_shared)) = self.beside_rest(run, from, contact) {
+        if shared && let Some((to, still_shared)) = self.with_shared_load_kept(run, from, contact) {
             *branch = still_shared;
             let mut orders = [0; M];
             orders[contact] = 1;
             return Ok(Next::Mode(Switch {
                 to,
                 orders,
-                kind: kind(from[contact], to[contact]),
+                kind: TransitionKind::between(from[contact], to[contact]),
                 contact,
             }));
         }
@@ -172,18 +173,18 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
         Ok(Next::Mode(Switch {
             to,
             orders,
-            kind: kind(from[contact], to[contact]),
+            kind: TransitionKind::between(from[contact], to[contact]),
             contact,
         }))
     }
 
-    fn rest(
+    fn stick_at_accumulation(
         &self,
         run: &mut Run<N, M>,
         mut modes: [Mode; M],
         contacts: &[usize],
         at: &Timed<N>,
-    ) -> Option<Rest<[Mode; M], bool, N, M>> {
+    ) -> Option<StickingPoint<[Mode; M], bool, N, M>> {
         for &i in contacts {
             modes[i] = Mode::Stick;
         }
@@ -191,7 +192,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
         let onto = |x: State<N>, _| joint.project(joint.held(), at.t, x);
         let at = Timed {
             t: at.t,
-            x: (0..ONTO).fold(at.x, onto),
+            x: (0..PROJECTION_STEPS).fold(at.x, onto),
         };
         let branch = self.branch(modes, &at);
         let joint = joint.with_shared_load(branch);
@@ -199,7 +200,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
         if !joint.rests(&at, run.slack()) {
             return None;
         }
-        Some(Rest {
+        Some(StickingPoint {
             at,
             to: modes,
             branch,
@@ -208,7 +209,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
         })
     }
 
-    fn jumps_at(&self, at: &Transition<N, [Mode; M]>) -> Option<usize> {
+    fn discontinuity_guard(&self, at: &Transition<N, [Mode; M]>) -> Option<usize> {
         let decision = Decision {
             system: &self.0,
             at: Timed { t: at.t, x: at.x },
@@ -235,7 +236,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
         // zero is a second event at the same time.
         let joint = Joint::new(&self.0, &at.from);
         let comes_of_this =
-            |i: usize| at.from[i] == Mode::Stick && joint.guard_at(i, at.t, &at.x) > NEAR_THE_END;
+            |i: usize| at.from[i] == Mode::Stick && joint.guard_at(i, at.t, &at.x) > GUARD_AT_LIMIT;
         changed(at).all(|i| i == at.contact || comes_of_this(i))
     }
 
@@ -267,7 +268,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
 
     fn change(from: [Mode; M], to: [Mode; M]) -> (TransitionKind, usize) {
         let first = (0..M).find(|&i| from[i] != to[i]).unwrap_or(0);
-        (kind(from[first], to[first]), first)
+        (TransitionKind::between(from[first], to[first]), first)
     }
 
     const CONTACTS: usize = M;
@@ -289,9 +290,9 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
 }
 
 impl<S> Several<S> {
-    /// The mode behind an event of one contact while others share their loads, if these continue to
+    /// The mode after an event of one contact while others share their loads, if these continue to
     /// hold in any case.
-    fn beside_rest<const N: usize, const M: usize>(
+    fn with_shared_load_kept<const N: usize, const M: usize>(
         &self,
         run: &Run<N, M>,
         from: [Mode; M],
@@ -344,18 +345,16 @@ impl<S> Several<S> {
                 let blur = blurs[i];
                 let [h, rate, ..] = jets[i];
                 // The time is known to rounding, and the rate scales it.
-                let drift = ULPS * f64::EPSILON * rate.abs() * t.abs();
+                let drift = STATE_ROUNDING * rate.abs() * t.abs();
                 h.abs() <= blur.zero() + drift
             }
         })
     }
 }
 
-/// Newton steps from an extrapolated point onto boundaries. Each squares the distance.
-const ONTO: usize = 3;
-
-/// A holding contact is at its limit if its guard is below this; midway the guard is 1/4.
-const NEAR_THE_END: f64 = 1e-6;
+/// A holding contact is at its limit if its guard is below this; midway the guard is 1/4. Chosen
+/// far above the error of a located event, and far below the guard of a contact that holds.
+const GUARD_AT_LIMIT: f64 = 1e-6;
 
 /// The contacts whose mode changes.
 fn changed<const N: usize, const M: usize>(

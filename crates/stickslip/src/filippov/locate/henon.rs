@@ -1,19 +1,19 @@
 //! Hénon steps onto Σ: the guard replaces time as the independent variable.
 
-use super::{Again, Limits, OnDense};
+use super::{DenseGuard, Limits, StepMethod};
 use crate::filippov::flow::Flow;
 use crate::filippov::guard::Probe;
 use crate::ode::{Rk4, Timed};
 
-/// A rest below this fraction of the step is short. The error of a step of order 4 is its fifth
-/// power, negligible beside the tolerance of a step of order 8.
-const SHORT: f64 = 1e-3;
+/// Over a rest below this part of the step, a Hénon step of order 4 suffices. Its error is the
+/// fifth power of the rest, negligible beside the tolerance of a step of order 8.
+const ORDER_FOUR_PART: f64 = 1e-3;
 
-impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
-    fn henon(&self, again: Again<N>, from: &Timed<N>, change: f64) -> Timed<N> {
-        self.origin.count(again.calls);
+impl<F: Flow<N>, const N: usize> DenseGuard<'_, F, N> {
+    fn henon(&self, method: StepMethod<N>, from: &Timed<N>, change: f64) -> Timed<N> {
+        self.origin.count(method.calls);
         let flow = self.origin.flow;
-        (again.henon_step)(&mut |at| flow.swapped(self.guard, at), from, change)
+        (method.henon_step)(&mut |at| flow.henon_slope(self.guard, at), from, change)
     }
 
     /// One Hénon step from a state near the zero onto it, of order 4 if the rest is short. Another
@@ -25,17 +25,17 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
             if best.guard.abs() <= limits.rounding {
                 break;
             }
-            if !steady(&best) {
+            if !is_steady(&best) {
                 return None;
             }
-            let is_short = best.guard.abs() <= SHORT * self.origin.h * best.rate.abs();
-            let again = if is_short {
-                Again::by::<Rk4>()
+            let is_short = best.guard.abs() <= ORDER_FOUR_PART * self.origin.h * best.rate.abs();
+            let method = if is_short {
+                StepMethod::by::<Rk4>()
             } else {
-                self.origin.again
+                self.origin.method
             };
-            let to = self.henon(again, &best.at, -best.guard);
-            let to = self.look(Timed {
+            let to = self.henon(method, &best.at, -best.guard);
+            let to = self.probe_at(Timed {
                 t: to.t,
                 x: self.origin.flow.settle(to.t, to.x),
             });
@@ -49,25 +49,25 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
 
     /// The paper's Hénon step from the start of the integration step, repeated from its end while
     /// more than rounding is left. `None` if the swapped slope is nearly singular on the way. Also
-    /// `None` if an ordinary step of that length misses Σ by more than the limit: a step that suits
+    /// `None` if an ordinary step of that length misses Σ by more than the limit. A step that suits
     /// one independent variable may be too long for the other.
     pub(super) fn whole_henon_step(&self, start: Probe<N>, limits: &Limits) -> Option<Probe<N>> {
         if start.rate >= 0.0 || start.guard <= 0.0 {
             return None;
         }
-        let to = self.henon(self.origin.again, &start.at, -start.guard);
+        let to = self.henon(self.origin.method, &start.at, -start.guard);
         let within = to.t >= self.origin.t && to.t <= self.origin.t + 1.5 * self.origin.h;
         if !within || to.x.iter().any(|v| !v.is_finite()) {
             return None;
         }
-        let to = self.look(to);
+        let to = self.probe_at(to);
         // A rate that has lost half its size means a slope that has doubled: not one smooth step.
         if to.rate >= 0.5 * start.rate || to.guard.abs() > 0.1 * start.guard {
             return None;
         }
         let landed = self.polish(to, limits)?;
         if limits.mismatch.is_finite() {
-            let ordinary = self.reach(landed.s);
+            let ordinary = self.state_at(landed.s);
             let miss: f64 = self
                 .origin
                 .flow
@@ -82,14 +82,14 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
 
 /// Whether the guard's rate keeps its size on the way to the zero, so that the swapped slope is far
 /// from singular.
-fn steady<const N: usize>(probe: &Probe<N>) -> bool {
+fn is_steady<const N: usize>(probe: &Probe<N>) -> bool {
     let square = probe.rate * probe.rate;
     probe.rate < 0.0 && (probe.guard * probe.bend).abs() <= 0.02 * square
 }
 
 #[cfg(test)]
 mod tests {
-    use super::SHORT;
+    use super::ORDER_FOUR_PART;
     use crate::math;
     use crate::ode::control::squared_error;
     use crate::ode::{Dop853, Rk4, RungeKutta, Timed, Tolerance, henon_step, stages};
@@ -144,7 +144,7 @@ mod tests {
             };
             let push = draw.between(3.0, 5.0);
             let tol = math::pow(10.0, draw.between(-12.0, -1.0));
-            let short = SHORT * longest(&from, push, tol);
+            let short = ORDER_FOUR_PART * longest(&from, push, tol);
             for (rest, worst) in [short, 30.0 * short].into_iter().zip(&mut worst) {
                 let four = by_henon::<Rk4>(&from, push, rest);
                 let off = (four - by_henon::<Dop853>(&from, push, rest)).amax();

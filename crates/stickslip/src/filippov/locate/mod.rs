@@ -6,20 +6,19 @@ mod root_search;
 
 use std::cell::Cell;
 
-use super::event::Event;
+use super::deflation::DeflatedGuard;
 use super::flow::Flow;
-use super::guard::{Fall, Probe, StepGuard};
-use super::leaving::Leaving;
+use super::guard::{Event, Probe, StepGuard, ZeroKind};
 use super::options::Locator;
-use super::scan::{Asked, Bounds, Bracket, first_bracket_within};
+use super::scan::{Bounds, BoundsBudget, Bracket, first_bracket_within};
 use crate::interval::Interval;
 use crate::ode::{Dense, RungeKutta, Timed, henon_step, step_end};
 use crate::system::State;
-use root_search::Search;
+use root_search::SearchResult;
 
-/// A method as location uses it. Location is rare, so it is not compiled into each field.
+/// A Runge–Kutta method for location, which is rare. It is not compiled into each field.
 #[derive(Clone, Copy)]
-pub(crate) struct Again<const N: usize> {
+pub(crate) struct StepMethod<const N: usize> {
     /// Calls of the field in a step.
     calls: u64,
     /// The end of a step from a time and a state, with the slope there, over a length.
@@ -33,9 +32,9 @@ type StepEnd<const N: usize> =
 type HenonStep<const N: usize> =
     fn(&mut dyn FnMut(&Timed<N>) -> Timed<N>, &Timed<N>, f64) -> Timed<N>;
 
-impl<const N: usize> Again<N> {
+impl<const N: usize> StepMethod<N> {
     pub(crate) fn by<M: RungeKutta>() -> Self {
-        Again {
+        StepMethod {
             calls: M::COEFFICIENTS.stages as u64,
             step_end: step_end::<M, State<N>>,
             henon_step: henon_step::<M, N>,
@@ -53,8 +52,8 @@ pub(crate) struct Origin<'a, F, const N: usize> {
     /// The run's end time as a part of the step, 1 or more.
     pub to_end: f64,
     /// Whether error control would allow a longer step.
-    pub is_free: bool,
-    pub again: Again<N>,
+    pub allows_longer: bool,
+    pub method: StepMethod<N>,
     /// Calls of the user's field by location.
     pub field_calls: Cell<u64>,
 }
@@ -78,21 +77,22 @@ pub(crate) struct Limits {
 }
 
 /// A guard over a Runge–Kutta step: its values on the dense output, its probes on repeated steps.
-pub(crate) struct OnDense<'a, F, const N: usize> {
+pub(crate) struct DenseGuard<'a, F, const N: usize> {
     pub origin: &'a Origin<'a, F, N>,
     pub dense: &'a Dense<N>,
     pub guard: usize,
     /// Its zero at the start, if it has one there.
-    pub start: Option<Leaving>,
-    /// Parts of the step whose bounds were computed.
-    pub asked: Asked,
+    pub start: Option<DeflatedGuard>,
+    /// The bounds that may still be computed in the search.
+    pub bounds_budget: BoundsBudget,
 }
 
-/// Up to this part of the step, samples decide for a guard that is zero at the start.
-const LEAVING: f64 = 0.0625;
+/// Up to this part of the step, samples decide for a guard that is zero at the start. Chosen: near
+/// its zero a guard has no bounds that exclude one.
+const SAMPLED_START: f64 = 0.0625;
 
-impl<F: Flow<N>, const N: usize> StepGuard<N> for OnDense<'_, F, N> {
-    fn beyond(&self) -> f64 {
+impl<F: Flow<N>, const N: usize> StepGuard<N> for DenseGuard<'_, F, N> {
+    fn probe_end(&self) -> f64 {
         self.origin.to_end.min(1.5)
     }
 
@@ -104,8 +104,8 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for OnDense<'_, F, N> {
         self.start.is_some()
     }
 
-    fn lift(&self) -> f64 {
-        self.start.as_ref().map_or(0.0, |start| start.flat)
+    fn offset(&self) -> f64 {
+        self.start.as_ref().map_or(0.0, |start| start.offset)
     }
 
     #[inline(always)]
@@ -122,7 +122,7 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for OnDense<'_, F, N> {
     }
 
     fn probe(&self, s: f64) -> Probe<N> {
-        self.look(self.reach(s))
+        self.probe_at(self.state_at(s))
     }
 
     fn first_zero(&self, from: f64) -> Option<Bracket> {
@@ -131,19 +131,23 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for OnDense<'_, F, N> {
     }
 }
 
-impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
+impl<F: Flow<N>, const N: usize> DenseGuard<'_, F, N> {
     /// What interval bounds prove of the guard between two parts of the step.
     fn bounds(&self, from: f64, to: f64) -> Bounds {
-        let first = if self.start.is_some() { LEAVING } else { 0.0 };
+        let first = if self.start.is_some() {
+            SAMPLED_START
+        } else {
+            0.0
+        };
         if to <= first {
             return Bounds::Unknown;
         }
-        if self.asked.is_none() && !self.origin.is_free && !self.depends_on_time() {
+        if self.bounds_budget.is_unused() && !self.origin.allows_longer && !self.depends_on_time() {
             // Error control has resolved the path of the state.
-            self.asked.no_more();
+            self.bounds_budget.exhaust();
         }
         let is_clear = |from, to| self.is_clear(from, to);
-        match self.asked.bounds((from.max(first), to), &is_clear) {
+        match self.bounds_budget.bounds((from.max(first), to), &is_clear) {
             Bounds::Clear if from < first => Bounds::Unknown,
             bounds => bounds,
         }
@@ -166,12 +170,12 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
     }
 
     /// Time and state at the part `s` of the step, by a step of that length.
-    fn reach(&self, s: f64) -> Timed<N> {
+    fn state_at(&self, s: f64) -> Timed<N> {
         let origin = self.origin;
         let field = &mut |t: f64, x: &State<N>| origin.flow.velocity(t, x);
         let part = s * origin.h;
-        origin.count(origin.again.calls - 1);
-        let x = (origin.again.step_end)(field, origin.t, &origin.x, origin.slope, part);
+        origin.count(origin.method.calls - 1);
+        let x = (origin.method.step_end)(field, origin.t, &origin.x, origin.slope, part);
         let t = origin.t + part;
         Timed {
             t,
@@ -179,14 +183,14 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
         }
     }
 
-    fn look(&self, at: Timed<N>) -> Probe<N> {
+    fn probe_at(&self, at: Timed<N>) -> Probe<N> {
         // Three passes through the field on dual numbers.
         self.origin.count(3);
         let [guard, rate, bend, _] = self.origin.flow.jet(self.guard, at.t, &at.x);
         Probe {
             s: (at.t - self.origin.t) / self.origin.h,
             at,
-            guard: guard + self.lift(),
+            guard: guard + self.offset(),
             rate,
             bend,
         }
@@ -202,31 +206,31 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
         limits: Limits,
     ) -> Option<Event<N>> {
         let touch = limits.touch;
-        let found = match locator {
+        let zero = match locator {
             Locator::Auto => self.polish(self.probe(estimate), &limits),
             Locator::Henon => {
                 let (t, x) = (self.origin.t, self.origin.x);
-                self.whole_henon_step(self.look(Timed { t, x }), &limits)
+                self.whole_henon_step(self.probe_at(Timed { t, x }), &limits)
             }
             Locator::RootSearch => None,
         };
-        let found = match found {
+        let zero = match zero {
             Some(probe) => probe,
             None => match self.search(bracket, estimate, limits.rounding) {
-                Search::Zero(probe) => probe,
-                Search::Turn(turn) if turn.guard.abs() <= touch => {
-                    return match Fall::turning(turn, self, touch) {
-                        Fall::Touch(turn) => Some(turn.event(self.guard, true)),
+                SearchResult::Zero(probe) => probe,
+                SearchResult::Turn(turn) if turn.guard.abs() <= touch => {
+                    return match ZeroKind::classify_turn(turn, self, touch) {
+                        ZeroKind::Touch(turn) => Some(turn.event(self.guard, true)),
                         _ => None,
                     };
                 }
-                Search::Turn(_) => return None,
+                SearchResult::Turn(_) => return None,
             },
         };
-        match Fall::behind(&found, self, touch) {
-            Fall::Exit => Some(found.event(self.guard, false)),
-            Fall::Touch(turn) => Some(turn.event(self.guard, true)),
-            Fall::Nothing => None,
+        match ZeroKind::classify(&zero, self, touch) {
+            ZeroKind::Exit => Some(zero.event(self.guard, false)),
+            ZeroKind::Touch(turn) => Some(turn.event(self.guard, true)),
+            ZeroKind::StillAtStart => None,
         }
     }
 }

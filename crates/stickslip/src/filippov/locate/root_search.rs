@@ -1,30 +1,30 @@
 //! A safeguarded root search on re-integrated steps.
 
-use super::OnDense;
+use super::DenseGuard;
 use crate::filippov::flow::Flow;
 use crate::filippov::guard::{Probe, StepGuard, turning_point};
 use crate::filippov::scan::Bracket;
 
 /// Result of the search.
-pub(super) enum Search<const N: usize> {
+pub(super) enum SearchResult<const N: usize> {
     Zero(Probe<N>),
     Turn(Probe<N>),
 }
 
-impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
+impl<F: Flow<N>, const N: usize> DenseGuard<'_, F, N> {
     /// Newton's iteration on re-integrated steps, held in a bracket by bisection. If the guard
-    /// jumps through zero, the result lies behind the jump.
-    pub(super) fn search(&self, bracket: Bracket, estimate: f64, rounding: f64) -> Search<N> {
+    /// jumps through zero, the result lies after the jump.
+    pub(super) fn search(&self, bracket: Bracket, estimate: f64, rounding: f64) -> SearchResult<N> {
         let (mut a, mut b) = (bracket.a, bracket.b);
         let end = self.probe(b);
         if end.guard > 0.0 {
             let turn = turning_point(self, estimate);
             if turn.guard > 0.0 {
-                return Search::Turn(turn);
+                return SearchResult::Turn(turn);
             }
             if turn.s <= a || turn.s > b.max(1.0) {
                 // The turning point belongs to another dip than the bracket's.
-                return Search::Turn(turn);
+                return SearchResult::Turn(turn);
             }
             b = turn.s;
         }
@@ -59,6 +59,6 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
         if here.guard > rounding && b - a <= 4.0 * f64::EPSILON * b + f64::MIN_POSITIVE {
             here = self.probe(b);
         }
-        Search::Zero(here)
+        SearchResult::Zero(here)
     }
 }

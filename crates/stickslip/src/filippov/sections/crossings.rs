@@ -2,44 +2,47 @@
 
 use std::ops::ControlFlow;
 
-use super::over_step::{OverStep, Place};
+use super::over_step::{EventProbe, OverStep};
 use super::{Direction, EventFunctions};
 use crate::filippov::scan::{
-    Asked, Bracket, NARROWEST, NODES, UNIT, far_from_zero, first_bracket_within, zero_in,
+    BoundsBudget, Bracket, NARROWEST_INTERVAL, NODES, UNIT_NODES, far_from_zero,
+    first_bracket_within, zero_in,
 };
 use crate::filippov::switched::Switched;
 
-/// A function at zero is evaluated again after a fraction of the step that grows by this factor
-/// from [`SOON`].
-const LATER: f64 = 8.0;
+/// Growth of the distance from a zero to the next point at which the function is evaluated again.
+/// Chosen: ten evaluations then cover a step from [`FIRST_PROBE`] on.
+const PROBE_GROWTH: f64 = 8.0;
 
-/// 8⁻⁹: about [`NARROWEST`], and the last look is at the end of the step.
-const SOON: f64 = 1.0 / ((1_u32 << 27) as f64);
+/// Distance from a zero to the first of these points, as a part of the step: 8⁻⁹, which is about
+/// [`NARROWEST_INTERVAL`]. The last one is the end of the step.
+const FIRST_PROBE: f64 = 1.0 / ((1_u32 << 27) as f64);
 
-/// A function is passing through zero if its rate takes it this many times its rounding in a step.
-const PASSING: f64 = 1024.0;
+/// Least change of a function over a step, in units of its rounding, that shows it passing through
+/// zero at the step's end. Chosen far above rounding: a resting function has a rate of rounding.
+const PASSING_RATE: f64 = 1024.0;
 
-/// Iterations allowed: bisection alone takes some fifty.
-const MOST: usize = 100;
+/// Largest number of Newton iterations for a zero: twice what bisection alone takes.
+const MAX_ITERATIONS: usize = 100;
 
 /// Receives a crossing, and may end the search.
-type Tell<'a, const N: usize> = dyn FnMut(&Place<N>, Direction) -> ControlFlow<()> + 'a;
+type OnCrossing<'a, const N: usize> = dyn FnMut(&EventProbe<N>, Direction) -> ControlFlow<()> + 'a;
 
 /// The search for the sign changes of one function over one step.
 pub(super) struct Crossings<'a, S, V, K, const N: usize, const G: usize, const E: usize> {
     pub over: OverStep<'a, S, V, K, N>,
     /// Last sign of the function beyond rounding; 0 while unknown.
     pub side: f64,
-    /// The function on the dense output at the points of [`UNIT`].
+    /// The function on the dense output at the points of [`UNIT_NODES`].
     pub samples: [f64; NODES],
 }
 
 /// What follows a point where the function has its sign beyond rounding.
-enum Next<const N: usize> {
-    /// A zero, and a point behind it with the other sign, or without one.
-    Crossing(Place<N>, Place<N>),
+enum NextCrossing<const N: usize> {
+    /// A zero, and a point after it with the other sign, or without one.
+    Crossing(EventProbe<N>, EventProbe<N>),
     /// A zero of the dense output alone, or a pole, which ends here.
-    Clear(Place<N>),
+    Clear(EventProbe<N>),
     /// Nothing in this step, except possibly at its end.
     End,
 }
@@ -50,10 +53,10 @@ where
     V: EventFunctions<N, E>,
 {
     /// Reports crossings in order of time. [`Crossings::side`] is then the sign at the step's end,
-    /// or behind the crossing that ended the search.
+    /// or after the crossing that ended the search.
     #[inline(always)]
-    pub(super) fn each(&mut self, tell: &mut Tell<'_, N>) -> ControlFlow<()> {
-        self.samples = UNIT.map(|s| self.over.sampled(s));
+    pub(super) fn each(&mut self, on_crossing: &mut OnCrossing<'_, N>) -> ControlFlow<()> {
+        self.samples = UNIT_NODES.map(|s| self.over.sampled(s));
         let is_far = self.side != 0.0 && far_from_zero(&self.samples.map(|v| self.side * v));
         // Nearly every step returns here. Samples do not see a function that varies faster than
         // they resolve; bounds do.
@@ -61,157 +64,166 @@ where
         if is_far && (is_clear() || self.first_bracket(0.0).is_none()) {
             return ControlFlow::Continue(());
         }
-        self.search(tell)
+        self.search(on_crossing)
     }
 
     #[cold]
     #[inline(never)]
-    fn search(&mut self, tell: &mut Tell<'_, N>) -> ControlFlow<()> {
+    fn search(&mut self, on_crossing: &mut OnCrossing<'_, N>) -> ControlFlow<()> {
         let mut from = self.exact(0.0);
         loop {
             if !self.is_clear(&from) {
-                let Some(left) = self.leaves(&from) else {
+                let Some(left) = self.first_clear(&from) else {
                     return ControlFlow::Continue(());
                 };
                 if self.side * left.value < 0.0 && !from.value.is_nan() {
-                    self.pass(&from, tell)?;
+                    self.report(&from, on_crossing)?;
                 }
                 self.side = left.value.signum();
                 from = left;
             }
             match self.next(&from) {
-                Next::Crossing(zero, behind) => {
-                    self.pass(&zero, tell)?;
+                NextCrossing::Crossing(zero, after) => {
+                    self.report(&zero, on_crossing)?;
                     // It may turn back before the end of the bracket.
-                    let soon = self.exact((zero.s + NARROWEST).min(behind.s));
-                    from = if self.is_clear(&soon) { soon } else { behind };
+                    let soon = self.exact((zero.s + NARROWEST_INTERVAL).min(after.s));
+                    from = if self.is_clear(&soon) { soon } else { after };
                 }
-                Next::Clear(behind) => {
-                    if !behind.value.is_nan() {
-                        self.side = behind.value.signum();
+                NextCrossing::Clear(after) => {
+                    if !after.value.is_nan() {
+                        self.side = after.value.signum();
                     }
-                    from = behind;
+                    from = after;
                 }
-                Next::End => break,
+                NextCrossing::End => break,
             }
         }
-        // A zero at the end is reported there: the motion behind it may be another one.
+        // A zero at the end is reported there: the motion after it may be another one.
         let end = self.exact(1.0);
-        let blur = self.over.blur(&end);
+        let blur = self.over.rounding_at(&end);
         if self.side * end.value < -blur {
             match self.zero(&from, &end, 1.0) {
-                Some(zero) => self.pass(&zero, tell)?,
+                Some(zero) => self.report(&zero, on_crossing)?,
                 None => self.side = end.value.signum(),
             }
         } else if self.side * end.value <= blur
-            && -self.side * end.rate * self.over.length() > PASSING * blur
+            && -self.side * end.rate * self.over.length() > PASSING_RATE * blur
         {
-            self.pass(&end, tell)?;
+            self.report(&end, on_crossing)?;
         }
         ControlFlow::Continue(())
     }
 
-    fn exact(&self, s: f64) -> Place<N> {
+    fn exact(&self, s: f64) -> EventProbe<N> {
         self.over.exact(s)
     }
 
-    /// The function on the dense output, positive on its last side. At the points of [`UNIT`] its
-    /// values are known.
+    /// The function on the dense output, positive on its last side. At the points of [`UNIT_NODES`]
+    /// its values are known.
     #[inline(always)]
     fn height(&self, s: f64) -> f64 {
-        let known = UNIT.iter().position(|&known| known == s);
-        let value = known.map_or_else(|| self.over.sampled(s), |known| self.samples[known]);
+        let node = UNIT_NODES.iter().position(|&node| node == s);
+        let value = node.map_or_else(|| self.over.sampled(s), |node| self.samples[node]);
         self.side * value
     }
 
     /// Whether the function has its last sign, beyond rounding.
-    fn is_clear(&self, place: &Place<N>) -> bool {
-        self.side * place.value > self.over.blur(place)
+    fn is_clear(&self, probe: &EventProbe<N>) -> bool {
+        self.side * probe.value > self.over.rounding_at(probe)
     }
 
-    fn pass(&mut self, at: &Place<N>, tell: &mut Tell<'_, N>) -> ControlFlow<()> {
+    fn report(
+        &mut self,
+        at: &EventProbe<N>,
+        on_crossing: &mut OnCrossing<'_, N>,
+    ) -> ControlFlow<()> {
         let direction = if self.side < 0.0 {
             Direction::Rising
         } else {
             Direction::Falling
         };
         self.side = -self.side;
-        tell(at, direction)
+        on_crossing(at, direction)
     }
 
     /// First point where a function that may be at zero is beyond rounding; `None` if there is none
     /// in this step.
-    fn leaves(&self, from: &Place<N>) -> Option<Place<N>> {
-        let has_left = |place: &Place<N>| place.value.abs() > self.over.blur(place);
+    fn first_clear(&self, from: &EventProbe<N>) -> Option<EventProbe<N>> {
+        let has_left = |probe: &EventProbe<N>| probe.value.abs() > self.over.rounding_at(probe);
         if has_left(from) {
             return Some(*from);
         }
-        let mut part = SOON;
+        let mut part = FIRST_PROBE;
         while part <= 1.0 {
             let s = from.s + part * (1.0 - from.s);
-            let place = self.exact(s);
-            if s > from.s && has_left(&place) {
-                return Some(place);
+            let probe = self.exact(s);
+            if s > from.s && has_left(&probe) {
+                return Some(probe);
             }
-            part *= LATER;
+            part *= PROBE_GROWTH;
         }
         None
     }
 
-    /// A bracket of the first zero of the dense output behind a part of the step.
+    /// A bracket of the first zero of the dense output after a part of the step.
     fn first_bracket(&self, from: f64) -> Option<Bracket> {
-        let asked = Asked::default();
+        let budget = BoundsBudget::default();
         if self.over.is_smooth() {
-            asked.no_more();
+            budget.exhaust();
         }
         let is_clear = |from, to| self.over.is_clear(self.side, (from, to));
-        let bounds = &mut |from, to| asked.bounds((from, to), &is_clear);
+        let bounds = &mut |from, to| budget.bounds((from, to), &is_clear);
         first_bracket_within(&mut |s| self.height(s), bounds, from, 1.0)
     }
 
-    fn next(&self, from: &Place<N>) -> Next<N> {
+    fn next(&self, from: &EventProbe<N>) -> NextCrossing<N> {
         let height = &mut |s: f64| self.height(s);
         let Some(bracket) = self.first_bracket(from.s) else {
-            return Next::End;
+            return NextCrossing::End;
         };
         let estimate = zero_in(height, bracket);
-        let mut behind = self.exact(bracket.b);
+        let mut after = self.exact(bracket.b);
         // The step itself passes through zero near the zero of its dense output, or not at all.
-        let mut further = NARROWEST;
-        while self.side * behind.value > 0.0 {
-            if behind.s >= 1.0 {
-                return Next::End;
+        let mut further = NARROWEST_INTERVAL;
+        while self.side * after.value > 0.0 {
+            if after.s >= 1.0 {
+                return NextCrossing::End;
             }
-            if self.height(behind.s) > 0.0 {
-                return Next::Clear(behind);
+            if self.height(after.s) > 0.0 {
+                return NextCrossing::Clear(after);
             }
-            behind = self.exact((behind.s + further).min(1.0));
+            after = self.exact((after.s + further).min(1.0));
             further *= 4.0;
         }
-        if behind.value.is_nan() {
-            return Next::Clear(behind);
+        if after.value.is_nan() {
+            return NextCrossing::Clear(after);
         }
         let before = Some(bracket.a)
             .filter(|a| *a > from.s)
             .map(|a| self.exact(a));
         let before = before.filter(|before| self.side * before.value > 0.0);
         let before = before.unwrap_or(*from);
-        match self.zero(&before, &behind, estimate) {
-            Some(zero) => Next::Crossing(zero, behind),
-            None => Next::Clear(behind),
+        match self.zero(&before, &after, estimate) {
+            Some(zero) => NextCrossing::Crossing(zero, after),
+            None => NextCrossing::Clear(after),
         }
     }
 
     /// The zero between two places by Newton's iteration, held between them by bisection; `None`
     /// where the function grows to a pole instead.
-    fn zero(&self, before: &Place<N>, behind: &Place<N>, estimate: f64) -> Option<Place<N>> {
+    fn zero(
+        &self,
+        before: &EventProbe<N>,
+        after: &EventProbe<N>,
+        estimate: f64,
+    ) -> Option<EventProbe<N>> {
         // At the end of a phase it has the bits of that end.
-        if behind.s >= 1.0 && behind.value.abs() <= self.over.blur(behind) {
-            return Some(*behind);
+        if after.s >= 1.0 && after.value.abs() <= self.over.rounding_at(after) {
+            return Some(*after);
         }
-        let (mut a, mut b) = (before.s, behind.s);
+        let (mut a, mut b) = (before.s, after.s);
         let mut here = self.exact(estimate.clamp(a, b));
-        for _ in 0..MOST {
+        for _ in 0..MAX_ITERATIONS {
             if here.value == 0.0 {
                 break;
             }
@@ -235,7 +247,7 @@ where
             }
             here = self.exact(next);
         }
-        let size = before.value.abs().max(behind.value.abs());
+        let size = before.value.abs().max(after.value.abs());
         (here.value.abs() <= size).then_some(here)
     }
 }

@@ -1,21 +1,19 @@
 //! Events of the user's own: zeros of functions that do not affect the motion, searched in every
 //! step after it was taken.
 
+mod common;
 mod crossings;
 mod over_step;
-mod plane;
 mod search;
 mod solve;
-mod strobe;
 mod watched;
 
 use crate::scalar::Scalar;
 use crate::system::{Mode, State};
 
-pub use plane::Plane;
+pub use common::{Plane, Strobe};
 pub use search::EventSearch;
 pub use solve::{OrbitWithEvents, solve_with_events};
-pub use strobe::Strobe;
 pub use watched::{Happening, Watched};
 
 /// Which way a function passes through zero.
@@ -40,9 +38,9 @@ impl Direction {
 /// They do not affect the motion.
 ///
 /// An event is a change of sign by more than rounding. A function that touches zero and turns back
-/// has no event. One that stays at zero for a while (a boundary function during stick) passes
-/// through it where it reaches zero with a rate, or else where it leaves for the other side. A
-/// start at zero is no event. A function that is not a number has none.
+/// has no event. A function may stay at zero for a while, as a boundary function does during stick.
+/// It passes through zero where it reaches it with a rate, or else where it leaves for the other
+/// side. A start at zero is no event. A function that is not a number has none.
 ///
 /// ```
 /// use stickslip::models::BeltOscillator;
@@ -77,7 +75,7 @@ pub trait EventFunctions<const N: usize, const E: usize> {
         Direction::Both
     }
 
-    /// Whether the run ends at an event of function `number`; the default goes on.
+    /// Whether the run ends at an event of function `number`; by default it continues.
     fn is_terminal(&self, _number: usize) -> bool {
         false
     }
@@ -117,7 +115,7 @@ impl<const N: usize> EventFunctions<N, 0> for () {
 /// An event of the user's own, of a system of `N` states.
 pub type EventRecord<const N: usize, K = Mode> = EventOf<State<N>, K>;
 
-/// An event of the user's own; `X` is a state, `K` what says the mode.
+/// An event of the user's own; `X` is a state, `K` a mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EventOf<X, K> {
     /// Number of the function, from 0.

@@ -7,7 +7,7 @@ use crate::filippov::flow::Flow;
 use crate::filippov::observer::StepRecord;
 use crate::filippov::options::Method;
 use crate::filippov::switched::{Switched, UseFlow, Velocity, gradient};
-use crate::filippov::uncertainty::ULPS;
+use crate::filippov::uncertainty::STATE_ROUNDING;
 use crate::interval::Interval;
 use crate::ode::{Dop853, Rk4, RungeKutta, Timed, step_end};
 use crate::system::{State, components};
@@ -19,14 +19,14 @@ pub(super) struct OverStep<'a, S, V, K, const N: usize> {
     pub number: usize,
     pub step: &'a StepRecord<N, K>,
     pub method: Method,
-    /// Recent size of the state's components. A component that passes through zero is known no
-    /// better there.
+    /// Recent size of the state's components. A component that passes through zero is not more
+    /// accurate there.
     pub size: &'a State<N>,
 }
 
 /// A state in a step, with the function's value and rate.
 #[derive(Clone, Copy)]
-pub(super) struct Place<const N: usize> {
+pub(super) struct EventProbe<const N: usize> {
     pub s: f64,
     pub at: Timed<N>,
     pub value: f64,
@@ -73,34 +73,30 @@ impl<'a, S, V, K: Copy, const N: usize> OverStep<'a, S, V, K, N> {
     }
 
     /// State and function as exactly as the step gives them.
-    pub(super) fn exact<const G: usize, const E: usize>(&self, s: f64) -> Place<N>
+    pub(super) fn exact<const G: usize, const E: usize>(&self, s: f64) -> EventProbe<N>
     where
         S: Switched<N, G, Mode = K>,
         V: EventFunctions<N, E>,
     {
         let StepRecord {
             mode,
-            t_start,
-            x_start,
+            t_start: t,
+            x_start: x,
             ..
         } = *self.step;
-        let start = Timed {
-            t: t_start,
-            x: x_start,
-        };
-        let branch = self.system.branch_of_field(mode, &start);
-        let reach = Reach {
+        let branch = self.system.branch_of_field(mode, &Timed { t, x });
+        let state = StateInStep {
             step: self.step,
             s,
             method: self.method,
         };
-        let at = self.system.with_flow(mode, branch, reach);
+        let at = self.system.with_flow(mode, branch, state);
         let x = components(&at.x);
         let velocity = self.system.with_flow(mode, branch, Velocity(at.t, x));
         let along = std::array::from_fn(|i| Dual::new(x[i], velocity[i]));
         let function = |t, x: &[Dual<f64>; N]| self.events.values(t, x)[self.number];
         let Dual { re, eps } = function(Dual::new(at.t, 1.0), &along);
-        Place {
+        EventProbe {
             s,
             at,
             value: re,
@@ -108,25 +104,25 @@ impl<'a, S, V, K: Copy, const N: usize> OverStep<'a, S, V, K, N> {
         }
     }
 
-    /// Rounding of the function at a zero near a place.
-    pub(super) fn blur<const E: usize>(&self, Place { at, .. }: &Place<N>) -> f64
+    /// Rounding of the function at a zero near a probe.
+    pub(super) fn rounding_at<const E: usize>(&self, EventProbe { at, .. }: &EventProbe<N>) -> f64
     where
         V: EventFunctions<N, E>,
     {
         let (slopes, in_time) = gradient(|t, x| self.events.values(t, x)[self.number], at);
-        ULPS * f64::EPSILON * (slopes.abs().dot(self.size) + in_time.abs() * at.t.abs())
+        STATE_ROUNDING * (slopes.abs().dot(self.size) + in_time.abs() * at.t.abs())
     }
 }
 
 /// Time and state at a part of a step: by the series of a Taylor step, else by a step of that
 /// length.
-struct Reach<'a, K, const N: usize> {
+struct StateInStep<'a, K, const N: usize> {
     step: &'a StepRecord<N, K>,
     s: f64,
     method: Method,
 }
 
-impl<K, const N: usize> Reach<'_, K, N> {
+impl<K, const N: usize> StateInStep<'_, K, N> {
     fn by_step<M: RungeKutta>(&self, flow: &impl Flow<N>, length: f64) -> State<N> {
         let (t, x) = (self.step.t_start, self.step.x_start);
         let field = &mut |t: f64, x: &State<N>| flow.velocity(t, x);
@@ -135,7 +131,7 @@ impl<K, const N: usize> Reach<'_, K, N> {
     }
 }
 
-impl<K, const N: usize> UseFlow<N> for Reach<'_, K, N> {
+impl<K, const N: usize> UseFlow<N> for StateInStep<'_, K, N> {
     type Output = Timed<N>;
 
     fn with<F: Flow<N>>(self, flow: &F) -> Timed<N> {

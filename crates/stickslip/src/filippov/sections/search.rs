@@ -10,7 +10,7 @@ use crate::filippov::observer::StepRecord;
 use crate::filippov::options::{Method, Options};
 use crate::filippov::scan::NODES;
 use crate::filippov::switched::{Switched, gradient};
-use crate::filippov::uncertainty::ULPS;
+use crate::filippov::uncertainty::STATE_ROUNDING;
 use crate::ode::Timed;
 use crate::system::{State, components};
 
@@ -61,7 +61,7 @@ pub struct EventSearch<
     sides: [f64; E],
     /// Recent size of the state's components.
     size: State<N>,
-    found: Vec<EventRecord<N, S::Mode>>,
+    last_events: Vec<EventRecord<N, S::Mode>>,
     /// Whether the search ends at the first event of each function in a step.
     only_first: bool,
 }
@@ -79,7 +79,7 @@ where
             method: options.method,
             sides: [0.0; E],
             size: State::zeros(),
-            found: Vec::new(),
+            last_events: Vec::new(),
             only_first: false,
         }
     }
@@ -94,22 +94,22 @@ where
     /// specially.
     #[inline]
     pub fn in_step(&mut self, step: &StepRecord<N, S::Mode>) -> &[EventRecord<N, S::Mode>] {
-        self.found.clear();
+        self.last_events.clear();
         // A step of length zero holds nothing that the next one does not.
         if step.t_end > step.t_start {
             self.search(step);
         }
-        &self.found
+        &self.last_events
     }
 
     /// The events of the last step.
-    pub(crate) fn found(&self) -> &[EventRecord<N, S::Mode>] {
-        &self.found
+    pub(crate) fn last_events(&self) -> &[EventRecord<N, S::Mode>] {
+        &self.last_events
     }
 
     /// Keeps the first events of the last step only.
     pub(super) fn truncate(&mut self, count: usize) {
-        self.found.truncate(count);
+        self.last_events.truncate(count);
     }
 
     /// Records the size of the components over a step.
@@ -122,9 +122,9 @@ where
 
     fn search(&mut self, step: &StepRecord<N, S::Mode>) {
         self.note_size([&step.x_start, &step.x_end]);
-        let (found, only_first) = (&mut self.found, self.only_first);
+        let (events, only_first) = (&mut self.last_events, self.only_first);
         for number in 0..E {
-            let asked = self.events.direction(number);
+            let requested = self.events.direction(number);
             let over = OverStep {
                 system: self.system,
                 events: &self.events,
@@ -140,15 +140,15 @@ where
                 side,
                 samples,
             };
-            let _ = crossings.each(&mut |place, direction| {
-                if asked.includes(direction) {
-                    found.push(EventRecord {
+            let _ = crossings.each(&mut |probe, direction| {
+                if requested.includes(direction) {
+                    events.push(EventRecord {
                         number,
-                        t: place.at.t,
-                        x: place.at.x,
+                        t: probe.at.t,
+                        x: probe.at.x,
                         mode: step.mode,
                         direction,
-                        rate: place.rate,
+                        rate: probe.rate,
                     });
                     if only_first {
                         return ControlFlow::Break(());
@@ -158,13 +158,14 @@ where
             });
             self.sides[number] = crossings.side;
         }
-        found.sort_by(|one, other| (one.t.total_cmp(&other.t)).then(one.number.cmp(&other.number)));
+        events
+            .sort_by(|one, other| (one.t.total_cmp(&other.t)).then(one.number.cmp(&other.number)));
     }
 }
 
 /// The sign of a sum of parts of this size, beyond rounding.
 fn clear_sign(value: f64, size: f64) -> f64 {
-    if value.abs() > ULPS * f64::EPSILON * size {
+    if value.abs() > STATE_ROUNDING * size {
         value.signum()
     } else {
         0.0
@@ -172,7 +173,7 @@ fn clear_sign(value: f64, size: f64) -> f64 {
 }
 
 /// State of the search for the zeros of one function after the steps so far.
-pub(crate) struct Memory<const N: usize> {
+pub(crate) struct SearchState<const N: usize> {
     side: f64,
     size: State<N>,
 }
@@ -203,15 +204,15 @@ where
     }
 
     /// State of the search after the steps so far.
-    pub(crate) fn memory(&self) -> Memory<N> {
-        Memory {
+    pub(crate) fn state(&self) -> SearchState<N> {
+        SearchState {
             side: self.sides[0],
             size: self.size,
         }
     }
 
-    /// Forgets the last step behind a state in it, at which that was cut.
-    pub(crate) fn cut(&mut self, before: Memory<N>, start: &State<N>, at: &State<N>) {
+    /// Forgets the part of the last step after the state at which the step is cut.
+    pub(crate) fn cut(&mut self, before: SearchState<N>, start: &State<N>, at: &State<N>) {
         (self.sides[0], self.size) = (before.side, before.size);
         self.note_size([start, at]);
     }

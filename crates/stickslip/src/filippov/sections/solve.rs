@@ -3,7 +3,7 @@
 use super::{EventFunctions, EventRecord, Happening, Watched};
 use crate::filippov::integration::Integration;
 use crate::filippov::options::Options;
-use crate::filippov::solve::{Failure, keep};
+use crate::filippov::solve::{Failure, store};
 use crate::filippov::switched::Switched;
 use crate::orbit::Orbit;
 use crate::system::{IntoState, Mode};
@@ -21,7 +21,7 @@ pub struct OrbitWithEvents<const N: usize, K = Mode> {
 /// [`Watched`] for a loop that keeps nothing.
 ///
 /// # Errors
-/// As [`crate::solve`]; [`Failure::reached`] is the orbit up to the failure with its events.
+/// As [`crate::solve`]; [`Failure::partial`] is the orbit up to the failure with its events.
 pub fn solve_with_events<S, V, const N: usize, const E: usize, const G: usize>(
     system: &S,
     events: &V,
@@ -35,27 +35,27 @@ where
     V: EventFunctions<N, E>,
 {
     let x0 = x0.into_state();
-    let mut found = OrbitWithEvents {
-        orbit: Orbit::of_none(t0, x0),
+    let mut outcome = OrbitWithEvents {
+        orbit: Orbit::before_first_step(t0, x0),
         events: Vec::new(),
     };
     let mut watched = match Integration::new(system, t0, x0, t_end, options) {
         Ok(integration) => Watched::new(integration, events),
-        Err(error) => return Err(Failure::new(error, found)),
+        Err(error) => return Err(Failure::new(error, outcome)),
     };
     loop {
         let progress = match watched.step() {
             Ok(Happening::Event(event)) => {
-                found.events.push(event);
+                outcome.events.push(event);
                 continue;
             }
             Ok(Happening::Progress(progress)) => Ok(progress),
             Err(error) => Err(error),
         };
-        match keep(&mut found.orbit, watched.integration_mut(), progress) {
+        match store(&mut outcome.orbit, watched.integration_mut(), progress) {
             Ok(false) => {}
-            Ok(true) => return Ok(found),
-            Err(error) => return Err(Failure::new(error, found)),
+            Ok(true) => return Ok(outcome),
+            Err(error) => return Err(Failure::new(error, outcome)),
         }
     }
 }

@@ -60,7 +60,7 @@ pub struct Watched<
     search: EventSearch<'a, S, &'a V, N, E, G>,
     events: &'a V,
     /// Number of events of the last step that have been reported.
-    told: usize,
+    reported: usize,
 }
 
 impl<'a, S, V, const N: usize, const E: usize, const G: usize> Watched<'a, S, V, N, E, G>
@@ -68,26 +68,26 @@ where
     S: Switched<N, G>,
     V: EventFunctions<N, E>,
 {
-    /// Watches `integration` from where it stands.
+    /// Watches `integration` from its present state on.
     pub fn new(integration: Integration<'a, S, N, G>, events: &'a V) -> Self {
         Watched {
             search: EventSearch::new(integration.system, events, &integration.run.options),
             integration,
             events,
-            told: 0,
+            reported: 0,
         }
     }
 
-    /// Continues and returns what happened, in order of time: a step, then the events in it, then
-    /// the end of the phase and the transition if the step ends at one. A terminal event ends the
-    /// step, the phase and, with [`crate::Ending::Stopped`], the run.
+    /// Continues and returns what happened, in order of time. After a step come the events in it,
+    /// then the end of the phase and the transition, if the step ends at one. A terminal event ends
+    /// the step, the phase and, with [`crate::Ending::Stopped`], the run.
     ///
     /// # Errors
     /// Those of [`Integration::step`].
     #[inline]
     pub fn step(&mut self) -> Result<Happening<N, S::Mode>, Error> {
-        if let Some(event) = self.search.found().get(self.told) {
-            self.told += 1;
+        if let Some(event) = self.search.last_events().get(self.reported) {
+            self.reported += 1;
             return Ok(Happening::Event(*event));
         }
         let progress = self.integration.step()?;
@@ -96,7 +96,7 @@ where
             && let Progress::Step = progress
         {
             self.search.in_step(&self.integration.last_step());
-            self.told = 0;
+            self.reported = 0;
             self.end_at_terminal();
         }
         Ok(Happening::Progress(progress))
@@ -104,9 +104,9 @@ where
 
     fn end_at_terminal(&mut self) {
         let terminal = |event: &EventRecord<N, _>| self.events.is_terminal(event.number);
-        let found = self.search.found();
-        if let Some(first) = found.iter().position(terminal) {
-            let EventRecord { t, x, .. } = found[first];
+        let events = self.search.last_events();
+        if let Some(first) = events.iter().position(terminal) {
+            let EventRecord { t, x, .. } = events[first];
             self.search.truncate(first + 1);
             self.integration.stop_at(Timed { t, x });
         }

@@ -1,9 +1,9 @@
 //! Sums of a step's series at the end of the step.
 
-use super::piece::powers;
+use super::step_series::powers;
 use crate::ode::Linear;
 use crate::system::State;
-use crate::taylor::row::{Lanes, Row, lanes};
+use crate::taylor::row::{CoefficientRow, Lanes, lanes};
 use crate::taylor::series::Expansion;
 
 /// State increment, slope and guards at the end of a step, as sums of series coefficients.
@@ -30,13 +30,13 @@ impl<const L: usize, const N: usize, const G: usize> Ends<L, N, G> {
     /// series are scaled with.
     #[inline(always)]
     pub(in crate::filippov) fn of(
-        rows: &[Row<L>],
+        rows: &[CoefficientRow<L>],
         expansion: &Expansion<G>,
         order: usize,
         ratios: Lanes<L>,
     ) -> Self {
         let powers = powers(ratios);
-        let term = |row: &Row<L>, k: usize| {
+        let term = |row: &CoefficientRow<L>, k: usize| {
             let c = row.at(k);
             lanes(|l| c[l] * powers[k][l])
         };
@@ -58,7 +58,7 @@ impl<const L: usize, const N: usize, const G: usize> Ends<L, N, G> {
         // Marks the lanes in which the terms exclude a zero of the series. Returns the sum of the
         // terms.
         let are_clear = &mut ends.are_clear;
-        let mut clear = |row: &Row<L>| {
+        let mut clear = |row: &CoefficientRow<L>| {
             let mut least = row.at(0);
             let (mut sum, mut last) = (least, [0.0; L]);
             for k in 1..=order {

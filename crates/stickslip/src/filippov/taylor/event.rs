@@ -3,50 +3,53 @@
 use std::cell::OnceCell;
 
 use super::TaylorStepper;
-use super::piece::Piece;
-use crate::filippov::event::Event;
+use super::step_series::StepSeries;
+use crate::filippov::deflation::{DeflatedGuard, RISE_CHECKS, deflate};
 use crate::filippov::flow::Flow;
-use crate::filippov::guard::{Fall, Probe, StepGuard, first_event};
-use crate::filippov::leaving::{Leaving, RISES, leaving};
+use crate::filippov::guard::{Event, Probe, StepGuard, ZeroKind, first_event};
 use crate::filippov::run::Run;
+use crate::filippov::runge_kutta::Undefined;
 use crate::filippov::scan::{Bracket, first_bracket, zero_in};
-use crate::filippov::slopes::Undefined;
 use crate::filippov::uncertainty::uncertainty;
 use crate::ode::{Timed, power_series};
 use crate::taylor::roots::{is_positive, search, slope_and_bend};
 
 /// An event, its position `s` in the step, and the rounding remainder of its state.
-pub(super) struct Found<const N: usize> {
+pub(super) struct LocatedEvent<const N: usize> {
     pub(super) event: Event<N>,
     pub(super) s: f64,
-    pub(super) rest: Timed<N>,
+    pub(super) remainder: Timed<N>,
 }
 
 /// The guard's value at a zero of its series is so large that the series does not represent the
 /// guard.
-struct Strays;
+struct SeriesMismatch;
 
-/// Positions in the step at which a guard must be defined.
-const SAMPLES: [f64; 8] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
+/// Places in the step at which a sampled guard must be defined. Chosen: eighths, which miss a
+/// narrower gap in its domain.
+const DOMAIN_SAMPLES: [f64; 8] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
 
-/// Largest distance between a zero of the series and that of the guard (fraction of the step), and
-/// the number of Newton iterations from one to the other.
-const NEAR: f64 = 1e-6;
+/// Largest distance between a zero of the series and that of the guard (fraction of the step).
+/// Chosen far above the error of a series within any useful tolerance.
+const NEWTON_RANGE: f64 = 1e-6;
+
+/// Number of Newton steps from one to the other. Each squares the distance: two reach rounding.
 const NEWTON_STEPS: usize = 3;
 
-/// A guard smaller than this fraction of its slope agrees with its series. This cheap test nearly
-/// always passes and comes first.
-const OF_SLOPE: f64 = 1e-10;
+/// A guard smaller than this part of its slope agrees with its series. Chosen: this cheap test
+/// comes first and nearly always passes.
+const SERIES_AGREEMENT: f64 = 1e-10;
 
-/// A series is used up to this part of its step, slightly beyond the end.
-const BEYOND: f64 = 1.05;
+/// Part of its step up to which a series is used, slightly beyond the end. Chosen: the error there
+/// is up to three times that at the end, which is a tenth of the tolerance.
+const SERIES_END: f64 = 1.05;
 
 /// A guard over a Taylor step, represented by its own series. Its first zero is isolated
 /// rigorously.
-struct OfSeries<'a, F, const N: usize> {
+struct SeriesGuard<'a, F, const N: usize> {
     flow: &'a F,
     guard: usize,
-    piece: &'a Piece<N>,
+    step_series: &'a StepSeries<N>,
     /// Coefficients of the powers of `s`.
     c: &'a [f64],
     /// Order of the zero at the start.
@@ -57,9 +60,9 @@ struct OfSeries<'a, F, const N: usize> {
     fails_at_once: bool,
 }
 
-impl<F: Flow<N>, const N: usize> StepGuard<N> for OfSeries<'_, F, N> {
-    fn beyond(&self) -> f64 {
-        self.piece.to_end.min(BEYOND)
+impl<F: Flow<N>, const N: usize> StepGuard<N> for SeriesGuard<'_, F, N> {
+    fn probe_end(&self) -> f64 {
+        self.step_series.to_end.min(SERIES_END)
     }
 
     fn length(&self) -> f64 {
@@ -70,7 +73,7 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for OfSeries<'_, F, N> {
         self.order > 0
     }
 
-    fn lift(&self) -> f64 {
+    fn offset(&self) -> f64 {
         0.0
     }
 
@@ -104,29 +107,29 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for OfSeries<'_, F, N> {
 
     fn probe(&self, s: f64) -> Probe<N> {
         let (slope, bend) = slope_and_bend(self.c, s);
-        on_piece(self.flow, self.guard, self.piece, s, slope, bend)
+        on_piece(self.flow, self.guard, self.step_series, s, slope, bend)
     }
 }
 
 /// A guard over a Taylor step, sampled on the series of the state.
-struct Sampled<'a, F, const N: usize> {
+struct SampledGuard<'a, F, const N: usize> {
     flow: &'a F,
     guard: usize,
-    piece: &'a Piece<N>,
+    step_series: &'a StepSeries<N>,
     /// The guard's zero at the start of the step, if it has one.
-    start: Option<Leaving>,
+    start: Option<DeflatedGuard>,
 }
 
-impl<F: Flow<N>, const N: usize> Sampled<'_, F, N> {
+impl<F: Flow<N>, const N: usize> SampledGuard<'_, F, N> {
     fn on_series(&self, s: f64) -> f64 {
-        let at = self.piece.at(s).0;
+        let at = self.step_series.at(s).0;
         self.flow.guard_at(self.guard, at.t, &at.x)
     }
 }
 
-impl<F: Flow<N>, const N: usize> StepGuard<N> for Sampled<'_, F, N> {
-    fn beyond(&self) -> f64 {
-        self.piece.to_end.min(BEYOND)
+impl<F: Flow<N>, const N: usize> StepGuard<N> for SampledGuard<'_, F, N> {
+    fn probe_end(&self) -> f64 {
+        self.step_series.to_end.min(SERIES_END)
     }
 
     fn length(&self) -> f64 {
@@ -137,8 +140,8 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for Sampled<'_, F, N> {
         self.start.is_some()
     }
 
-    fn lift(&self) -> f64 {
-        self.start.as_ref().map_or(0.0, |start| start.flat)
+    fn offset(&self) -> f64 {
+        self.start.as_ref().map_or(0.0, |start| start.offset)
     }
 
     fn value(&self, s: f64) -> f64 {
@@ -149,11 +152,18 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for Sampled<'_, F, N> {
     }
 
     fn probe(&self, s: f64) -> Probe<N> {
-        let (at, h) = (self.piece.at(s).0, self.piece.h);
+        let (at, h) = (self.step_series.at(s).0, self.step_series.h);
         let [_, rate, bend, _] = self.flow.jet(self.guard, at.t, &at.x);
-        let probe = on_piece(self.flow, self.guard, self.piece, s, rate * h, bend * h * h);
+        let probe = on_piece(
+            self.flow,
+            self.guard,
+            self.step_series,
+            s,
+            rate * h,
+            bend * h * h,
+        );
         Probe {
-            guard: probe.guard + self.lift(),
+            guard: probe.guard + self.offset(),
             ..probe
         }
     }
@@ -163,12 +173,12 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for Sampled<'_, F, N> {
 fn on_piece<F: Flow<N>, const N: usize>(
     flow: &F,
     guard: usize,
-    piece: &Piece<N>,
+    step_series: &StepSeries<N>,
     s: f64,
     slope: f64,
     bend: f64,
 ) -> Probe<N> {
-    let mut at = piece.at(s).0;
+    let mut at = step_series.at(s).0;
     at.x = flow.settle(at.t, at.x);
     Probe {
         s,
@@ -190,24 +200,24 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         run: &mut Run<N, G>,
         flow: &F,
         (reach, end): &(f64, Timed<N>),
-    ) -> Result<Option<Found<N>>, Undefined> {
-        let piece = &self.piece;
-        let mut first: Option<Found<N>> = None;
+    ) -> Result<Option<LocatedEvent<N>>, Undefined> {
+        let step_series = &self.step_series;
+        let mut first: Option<LocatedEvent<N>> = None;
         let at_end = OnceCell::new();
         for &guard in F::GUARDS {
             let Some(function) = self.expansion.watched[guard] else {
                 continue;
             };
             let order = run.orders[guard];
-            let c = &self.guards[guard][..=piece.order];
+            let c = &self.guards[guard][..=step_series.order];
             // A comparison may have selected a linear branch of a nonlinear function.
-            let may_stray = !function.is_linear || self.expansion.choices > 0;
-            let found = if self.expansion.value_read || !c[piece.order].is_finite() {
-                let found = sampled_failure(run, flow, guard, piece, order)?;
-                if found.is_none() && may_stray {
+            let may_differ = !function.is_linear || self.expansion.choices > 0;
+            let located = if self.expansion.value_read || !c[step_series.order].is_finite() {
+                let located = first_sampled_event(run, flow, guard, step_series, order)?;
+                if located.is_none() && may_differ {
                     defined_at_end(flow, guard, end, &at_end)?;
                 }
-                found
+                located
             } else {
                 let by_series = || {
                     if *reach == 1.0 {
@@ -216,25 +226,38 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
                         power_series(c, *reach).0
                     }
                 };
-                match first_failure(run, flow, guard, piece, c, (order, *reach, may_stray)) {
-                    Ok(Some(found)) => Some(found),
+                match first_event_of(
+                    run,
+                    flow,
+                    guard,
+                    step_series,
+                    c,
+                    (order, *reach, may_differ),
+                ) {
+                    Ok(Some(located)) => Some(located),
                     Ok(None)
-                        if !may_stray
-                            || !strays(run, flow, (guard, by_series()), end, &at_end)? =>
+                        if !may_differ
+                            || !differs_from_series(
+                                run,
+                                flow,
+                                (guard, by_series()),
+                                end,
+                                &at_end,
+                            )? =>
                     {
                         None
                     }
-                    Ok(None) | Err(Strays) => {
+                    Ok(None) | Err(SeriesMismatch) => {
                         // The search in the series took a start below zero for a zero within
                         // rounding.
                         let order = order.max(usize::from(c[0] <= 0.0));
-                        sampled_failure(run, flow, guard, piece, order)?
+                        first_sampled_event(run, flow, guard, step_series, order)?
                     }
                 }
             };
-            let Some(found) = found else { continue };
-            if first.as_ref().is_none_or(|first| found.s < first.s) {
-                first = Some(found);
+            let Some(located) = located else { continue };
+            if first.as_ref().is_none_or(|first| located.s < first.s) {
+                first = Some(located);
             }
         }
         Ok(first)
@@ -247,9 +270,10 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         let at_end = OnceCell::new();
         F::GUARDS.iter().all(|&guard| {
             let by_series = self.end_of_step.guards[guard];
-            let may_stray = |is_linear: bool| !is_linear || self.expansion.choices > 0;
-            !self.expansion.watched[guard].is_some_and(|function| may_stray(function.is_linear))
-                || strays(run, flow, (guard, by_series), &end, &at_end).is_ok_and(|strays| !strays)
+            let may_differ = |is_linear: bool| !is_linear || self.expansion.choices > 0;
+            !self.expansion.watched[guard].is_some_and(|function| may_differ(function.is_linear))
+                || differs_from_series(run, flow, (guard, by_series), &end, &at_end)
+                    .is_ok_and(|differs| !differs)
         })
     }
 }
@@ -278,13 +302,13 @@ fn defined_at_end<F: Flow<N>, const N: usize, const G: usize>(
 }
 
 /// Whether a guard differs from its series at the end of a step over which the series is positive.
-/// A series does not see a bend that is too sharp for it, or the end of the function's domain, even
-/// if the step ends inside the domain again.
+/// A series does not show a bend that is too sharp for it. Neither does it show the end of the
+/// function's domain, even if the step ends inside the domain again.
 ///
 /// # Errors
 /// If the guard is not defined there.
 #[inline(always)]
-fn strays<F: Flow<N>, const N: usize, const G: usize>(
+fn differs_from_series<F: Flow<N>, const N: usize, const G: usize>(
     run: &Run<N, G>,
     flow: &F,
     (guard, by_series): (usize, f64),
@@ -298,7 +322,7 @@ fn strays<F: Flow<N>, const N: usize, const G: usize>(
         return Ok(false);
     }
     let blur = uncertainty(flow, guard, end, &run.options.tolerance());
-    Ok(-value > blur.zero() || off > blur.far_off())
+    Ok(-value > blur.zero() || off > blur.series_defect())
 }
 
 /// The first event of the guard with series `c`, of which `order` coefficients vanish at the start,
@@ -307,15 +331,15 @@ fn strays<F: Flow<N>, const N: usize, const G: usize>(
 /// # Errors
 /// If the series does not represent the guard.
 #[inline(always)]
-fn first_failure<F: Flow<N>, const N: usize, const G: usize>(
+fn first_event_of<F: Flow<N>, const N: usize, const G: usize>(
     run: &mut Run<N, G>,
     flow: &F,
     guard: usize,
-    piece: &Piece<N>,
+    step_series: &StepSeries<N>,
     c: &[f64],
-    (order, reach, may_stray): (usize, f64, bool),
-) -> Result<Option<Found<N>>, Strays> {
-    let (t, x) = (piece.t, piece.x[0]);
+    (order, reach, may_differ): (usize, f64, bool),
+) -> Result<Option<LocatedEvent<N>>, SeriesMismatch> {
+    let (t, x) = (step_series.t, step_series.x[0]);
     let blur = || uncertainty(flow, guard, &Timed { t, x }, &run.options.tolerance());
     let mut order = order.min(3);
     let mut fails_at_once = false;
@@ -332,12 +356,12 @@ fn first_failure<F: Flow<N>, const N: usize, const G: usize>(
             let power = (0..order).fold(1.0, |power, _| power * s);
             (power_series(&c[order..], s).0 * power).abs()
         };
-        if !RISES.iter().any(|&s| risen(s) > floor) {
+        if !RISE_CHECKS.iter().any(|&s| risen(s) > floor) {
             return Ok(None);
         }
         if order == 3 && c[order].abs() <= floor {
             // The guard starts flat; its samples show where it falls.
-            return Err(Strays);
+            return Err(SeriesMismatch);
         }
         fails_at_once = c[order] <= 0.0;
     }
@@ -345,16 +369,16 @@ fn first_failure<F: Flow<N>, const N: usize, const G: usize>(
     if !fails_at_once && is_positive(&c[order..]) {
         return Ok(None);
     }
-    let series = OfSeries {
+    let series = SeriesGuard {
         flow,
         guard,
-        piece,
+        step_series,
         c,
         order,
         reach,
         fails_at_once,
     };
-    locate(run, flow, piece, (guard, may_stray), &series)
+    locate(run, flow, step_series, (guard, may_differ), &series)
 }
 
 /// The first event of a guard whose series cannot be used. The series is not finite (a root at
@@ -362,99 +386,99 @@ fn first_failure<F: Flow<N>, const N: usize, const G: usize>(
 /// itself is sampled on the series of the state.
 #[cold]
 #[inline(never)]
-fn sampled_failure<F: Flow<N>, const N: usize, const G: usize>(
+fn first_sampled_event<F: Flow<N>, const N: usize, const G: usize>(
     run: &mut Run<N, G>,
     flow: &F,
     guard: usize,
-    piece: &Piece<N>,
+    step_series: &StepSeries<N>,
     order: usize,
-) -> Result<Option<Found<N>>, Undefined> {
-    let mut sampled = Sampled {
+) -> Result<Option<LocatedEvent<N>>, Undefined> {
+    let mut sampled = SampledGuard {
         flow,
         guard,
-        piece,
+        step_series,
         start: None,
     };
     let on_series = |s| sampled.on_series(s);
     // A step into a region where the guard is undefined is rejected; a shorter one may avoid it.
-    if on_series(0.0).is_finite() && !SAMPLES.iter().all(|&s| on_series(s).is_finite()) {
+    if on_series(0.0).is_finite() && !DOMAIN_SAMPLES.iter().all(|&s| on_series(s).is_finite()) {
         return Err(Undefined);
     }
     if order > 0 {
-        let (t, x) = (piece.t, piece.x[0]);
-        let (at, step) = (Timed { t, x }, (piece.h, order));
-        let start = leaving(flow, guard, &at, step, &run.options, on_series);
+        let (t, x) = (step_series.t, step_series.x[0]);
+        let (at, step) = (Timed { t, x }, (step_series.h, order));
+        let start = deflate(flow, guard, &at, step, &run.options, on_series);
         if start.is_none() {
             return Ok(None);
         }
         sampled.start = start;
     }
     // These are zeros of the guard itself, so they cannot stray.
-    Ok(locate(run, flow, piece, (guard, false), &sampled).unwrap_or(None))
+    Ok(locate(run, flow, step_series, (guard, false), &sampled).unwrap_or(None))
 }
 
 /// The first event of a guard over the step. It is an exit, whose state is projected onto Σ, or a
 /// touch, where the guard turns back within the touch tolerance.
 ///
 /// # Errors
-/// If the guard differs from its series, where it `may_stray`.
+/// If the guard differs from its series, where it `may_differ`.
 #[cold]
 #[inline(never)]
 fn locate<F: Flow<N>, const N: usize, const G: usize>(
     run: &mut Run<N, G>,
     flow: &F,
-    piece: &Piece<N>,
-    (i, may_stray): (usize, bool),
+    step_series: &StepSeries<N>,
+    (i, may_differ): (usize, bool),
     guard: &dyn StepGuard<N>,
-) -> Result<Option<Found<N>>, Strays> {
-    let found = first_event(guard, |_, s, _| {
+) -> Result<Option<LocatedEvent<N>>, SeriesMismatch> {
+    let located = first_event(guard, |_, s, _| {
         run.counters.locations += 1;
         let zero = guard.probe(s);
         if zero.bend > 0.0 && s > 0.0 {
             let blur = uncertainty(flow, i, &zero.at, &run.options.tolerance());
             let touch = (run.options.touch * blur.by_tolerance).max(blur.by_rounding);
-            match Fall::behind(&zero, guard, touch) {
-                Fall::Exit => {}
-                Fall::Touch(turn) => {
-                    return Some(Ok(Found {
+            match ZeroKind::classify(&zero, guard, touch) {
+                ZeroKind::Exit => {}
+                ZeroKind::Touch(turn) => {
+                    return Some(Ok(LocatedEvent {
                         event: turn.event(i, true),
                         s: turn.s,
-                        rest: piece.at(turn.s).1,
+                        remainder: step_series.at(turn.s).1,
                     }));
                 }
-                Fall::Nothing => return None,
+                ZeroKind::StillAtStart => return None,
             }
         }
         // The series is accurate to the rounding of its largest term; the guard itself may be far
         // more accurate.
-        let (mut at, mut rest) = (zero.at, piece.at(s).1);
+        let (mut at, mut remainder) = (zero.at, step_series.at(s).1);
         let (from, mut s, mut value, mut rate) = (s, s, zero.guard, zero.rate);
         for _ in 0..NEWTON_STEPS {
             let change = -value / rate;
             let next = s + change;
-            if !((next - from).abs() <= NEAR && next >= 0.0) {
+            if !((next - from).abs() <= NEWTON_RANGE && next >= 0.0) {
                 break;
             }
-            let there = piece.at(next);
+            let there = step_series.at(next);
             // A Newton iteration leaves an error of second order.
             let is_last = (zero.bend * change * change).abs() <= f64::EPSILON * rate.abs();
             if !is_last {
-                let value_there = flow.guard_at(i, there.0.t, &there.0.x) + guard.lift();
+                let value_there = flow.guard_at(i, there.0.t, &there.0.x) + guard.offset();
                 if value_there.is_nan() || value_there.abs() >= value.abs() {
                     break;
                 }
                 value = value_there;
                 rate += zero.bend * change;
             }
-            (s, at, rest) = (next, there.0, there.1);
+            (s, at, remainder) = (next, there.0, there.1);
             if is_last {
                 break;
             }
         }
-        if may_stray && s > 0.0 && value.abs() > OF_SLOPE * zero.rate.abs() {
+        if may_differ && s > 0.0 && value.abs() > SERIES_AGREEMENT * zero.rate.abs() {
             let blur = uncertainty(flow, i, &at, &run.options.tolerance());
-            if value.abs() > blur.far_off() {
-                return Some(Err(Strays));
+            if value.abs() > blur.series_defect() {
+                return Some(Err(SeriesMismatch));
             }
         }
         at.x = flow.land(i, at.t, at.x);
@@ -465,7 +489,11 @@ fn locate<F: Flow<N>, const N: usize, const G: usize>(
             is_touch: false,
             residual: left.abs(),
         };
-        Some(Ok(Found { event, s, rest }))
+        Some(Ok(LocatedEvent {
+            event,
+            s,
+            remainder,
+        }))
     });
-    found.transpose()
+    located.transpose()
 }

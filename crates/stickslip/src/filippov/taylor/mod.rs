@@ -3,14 +3,14 @@
 mod end;
 mod event;
 mod kink;
-mod piece;
+mod step_series;
 mod step_size;
 
 pub(super) use end::Ends;
 use end::{End, sums};
-use kink::{jumped, note_turn};
-use piece::{Piece, Polynomial, nowhere, powers};
-pub(super) use step_size::{GROW_MOST, step_ratio};
+use kink::{guard_jump, record_reversal};
+use step_series::{Polynomial, StepSeries, origin, powers};
+pub(super) use step_size::{MAX_GROWTH, step_ratio};
 
 use super::flow::Flow;
 use super::options::Options;
@@ -18,24 +18,27 @@ use super::pile_up::Burst;
 use super::run::{Run, Trial};
 use crate::error::Error;
 use crate::math;
-use crate::ode::Timed;
+use crate::ode::{Dop853, RungeKutta, Timed};
 use crate::scalar::Scalar;
 use crate::system::State;
-use crate::taylor::MOST_ORDER;
-use crate::taylor::pass::{AT_ONCE, Rows};
-use crate::taylor::repeated::Repeated;
-use crate::taylor::row::{Lanes, Row};
+use crate::taylor::recorded_calls::RecordedCalls;
+use crate::taylor::row::{CoefficientRow, Lanes};
 use crate::taylor::series::{Expansion, Functions, Series, in_rows};
+use crate::taylor::sweep::{CoefficientRows, MIN_ROWS};
+use crate::taylor::{MAX_COEFFICIENTS, MAX_ORDER};
 
-/// Smallest order; loose tolerances would otherwise give a lower one.
-const LEAST_ORDER: usize = 8;
+/// Lowest order of a series: that of the Runge–Kutta method. Loose tolerances would give a lower
+/// one.
+const MIN_ORDER: usize = Dop853::ORDER as usize;
 
-/// Factor on the step of a series that is not finite. Rejection then shrinks the step by a further
-/// factor of ten.
-const SHRINK: f64 = 1e-2;
+/// Factor on the step of a series that is not finite. Rejection shrinks the step by a further
+/// factor of ten. Chosen: coefficients of order 24 then shrink by up to 72 decades, a quarter of
+/// the range.
+const NON_FINITE_SHRINK: f64 = 1e-2;
 
-/// Growth of the step from one tied comparison to the next.
-const PAST_TIE: f64 = 16.0;
+/// Growth of the step from one tied comparison to the next. Chosen: thirteen steps grow from
+/// rounding to one.
+const TIE_GROWTH: f64 = 16.0;
 
 /// The Taylor stepper: the series and its workspace.
 pub(crate) struct TaylorStepper<const N: usize, const G: usize> {
@@ -43,7 +46,7 @@ pub(crate) struct TaylorStepper<const N: usize, const G: usize> {
     /// Description of the latest expansion.
     expansion: Expansion<G>,
     /// The next step if its series is expanded already, otherwise the last step.
-    piece: Piece<N>,
+    step_series: StepSeries<N>,
     /// Series over the step: of the guards that are not constant, and of the differences in the
     /// comparisons that the step depends on.
     guards: [Polynomial; G],
@@ -59,18 +62,17 @@ pub(crate) struct TaylorStepper<const N: usize, const G: usize> {
     is_new: bool,
     /// End of the last step, and its rounding remainder.
     end: Timed<N>,
-    rest: Timed<N>,
+    remainder: Timed<N>,
     /// Whether the last step was rejected.
     rejected: bool,
     /// The step length that scales the next series.
     scale: f64,
     /// Ends of steps where a comparison reverses the field.
-    turns: Burst,
-    /// Step length while a comparison is tied. It grows by a factor of [`PAST_TIE`] per step as
-    /// long as the tie lasts, because a state that moves by less than one unit in the last place
-    /// stays tied. The end of the step is checked: there the series must solve the equation to 30
-    /// tolerances.
-    past_tie: f64,
+    reversals: Burst,
+    /// Step length while a comparison is tied. It grows by a factor of [`TIE_GROWTH`] per step as
+    /// long as the tie lasts. A state that moves by less than one unit in the last place stays
+    /// tied. At the end of the step the series must solve the equation, as at every step.
+    tie_step: f64,
 }
 
 /// The field of a flow and its guards.
@@ -83,21 +85,21 @@ impl<F: Flow<N>, const N: usize, const G: usize> Functions<N, G> for OfFlow<'_, 
     }
 }
 
-/// Expands the series of one orbit. Not inlined; see [`Rows`].
+/// Expands the series of one orbit. Not inlined; see [`CoefficientRows`].
 #[inline(never)]
 fn expand_alone<F: Flow<N>, const N: usize, const G: usize>(
-    first: &[Row<1>; AT_ONCE],
-    all: &[Row<1>],
+    first: &[CoefficientRow<1>; MIN_ROWS],
+    all: &[CoefficientRow<1>],
     time: (Lanes<1>, Lanes<1>),
     x: &[Lanes<1>; N],
     order: usize,
     flow: &F,
-    (repeated, expansion): (&mut Option<&mut Repeated<N, G>>, &mut Expansion<G>),
+    (repeated, expansion): (&mut Option<&mut RecordedCalls<N, G>>, &mut Expansion<G>),
 ) -> Result<(), usize> {
-    let (into, flow) = (Rows { first, all }, OfFlow(flow));
+    let (into, flow) = (CoefficientRows { first, all }, OfFlow(flow));
     *expansion = if const { F::INTERPRETED } {
-        let mut unkept = Repeated::default();
-        let repeated = repeated.as_deref_mut().unwrap_or(&mut unkept);
+        let mut temporary = RecordedCalls::default();
+        let repeated = repeated.as_deref_mut().unwrap_or(&mut temporary);
         repeated.expand(into, time, x, order, &flow)?
     } else {
         in_rows(into, time, x, order, &flow)?
@@ -114,39 +116,39 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         TaylorStepper {
             series: Series::default(),
             expansion: Expansion::default(),
-            piece: Piece {
+            step_series: StepSeries {
                 t: 0.0,
                 h: 0.0,
                 to_end: 0.0,
-                order: order.clamp(LEAST_ORDER, MOST_ORDER),
-                x: [State::from([0.0; N]); MOST_ORDER + 1],
-                rest: nowhere(),
+                order: order.clamp(MIN_ORDER, MAX_ORDER),
+                x: [State::from([0.0; N]); MAX_COEFFICIENTS],
+                remainder: origin(),
             },
-            guards: [[0.0; MOST_ORDER + 1]; G],
+            guards: [[0.0; MAX_COEFFICIENTS]; G],
             choices: Vec::new(),
             end_of_step: End {
-                rise: nowhere().x,
-                slope: nowhere().x,
+                rise: origin().x,
+                slope: origin().x,
                 guards: [0.0; G],
             },
             is_clear: false,
             is_last: false,
             is_expanded: false,
             is_new: true,
-            end: nowhere(),
-            rest: nowhere(),
+            end: origin(),
+            remainder: origin(),
             rejected: false,
             scale: 0.0,
-            turns: Burst::new(),
-            past_tie: 0.0,
+            reversals: Burst::new(),
+            tie_step: 0.0,
         }
     }
 
     /// Resets the stepper for another orbit. Only these fields carry over; all others are
     /// recomputed before use.
     pub(super) fn forget(&mut self) {
-        (self.end, self.rest) = (nowhere(), nowhere());
-        self.turns = Burst::new();
+        (self.end, self.remainder) = (origin(), origin());
+        self.reversals = Burst::new();
     }
 
     /// Expands the series at the end of the last step.
@@ -154,15 +156,15 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         &mut self,
         run: &mut Run<N, G>,
         flow: &F,
-        mut repeated: Option<&mut Repeated<N, G>>,
+        mut repeated: Option<&mut RecordedCalls<N, G>>,
     ) {
         let Timed { t, x } = run.at;
         let x = std::array::from_fn(|i| [x[i]]);
-        let (scale, order) = (self.scale, self.piece.order);
+        let (scale, order) = (self.scale, self.step_series.order);
         let mut series = std::mem::take(&mut self.series);
         let expansion = &mut self.expansion;
         let time = ([t], [scale]);
-        series.expand_by(|Rows { first, all }| {
+        series.expand_by(|CoefficientRows { first, all }| {
             let into = (&mut repeated, &mut *expansion);
             expand_alone(first, all, time, &x, order, flow, into)
         });
@@ -179,7 +181,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         time: (Lanes<1>, Lanes<1>),
         x: &[Lanes<1>; N],
     ) {
-        let (order, options) = (self.piece.order, &run.options);
+        let (order, options) = (self.step_series.order, &run.options);
         let [ratio] = step_ratio(series.rows(), &self.expansion, order, options, time, x);
         let ratio = self.plan(run, ratio);
         self.take(run, series, (0, ratio), None);
@@ -187,7 +189,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
 
     /// The order of the series, and the step length that scales the next series.
     pub(super) fn order_and_scale(&self) -> (usize, f64) {
-        (self.piece.order, self.scale)
+        (self.step_series.order, self.scale)
     }
 
     /// Plans the next step within the limit that the series gives. Returns its length over the
@@ -196,10 +198,10 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         // The step does not grow immediately after a rejection.
         run.h = self.scale * if self.rejected { ratio.min(1.0) } else { ratio };
         let (h, is_last) = run.next_step();
-        let h = if is_last { h - self.rest.t } else { h };
-        (self.piece.h, self.is_last) = (h, is_last);
+        let h = if is_last { h - self.remainder.t } else { h };
+        (self.step_series.h, self.is_last) = (h, is_last);
         // The last step is shorter by the rounding remainder of the time.
-        self.piece.to_end = ((run.t_end - run.at.t) / h).max(1.0);
+        self.step_series.to_end = ((run.t_end - run.at.t) / h).max(1.0);
         h / self.scale
     }
 
@@ -219,8 +221,12 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         (lane, ratio): (usize, f64),
         end: Option<End<N, G>>,
     ) {
-        let order = self.piece.order;
-        (self.piece.t, self.piece.rest, self.piece.x[0]) = (run.at.t, self.rest, run.at.x);
+        let order = self.step_series.order;
+        (
+            self.step_series.t,
+            self.step_series.remainder,
+            self.step_series.x[0],
+        ) = (run.at.t, self.remainder, run.at.x);
         self.is_expanded = true;
         self.choices.clear();
         self.is_clear = end.is_some();
@@ -229,22 +235,22 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             return;
         }
         let powers = powers([ratio]);
-        let of_row = |row: &Row<L>, k: usize| row.lane(lane, k) * powers[k][0];
-        let rows: [&Row<L>; N] = std::array::from_fn(|i| &series.rows()[i]);
+        let of_row = |row: &CoefficientRow<L>, k: usize| row.lane(lane, k) * powers[k][0];
+        let rows: [&CoefficientRow<L>; N] = std::array::from_fn(|i| &series.rows()[i]);
         // Coefficients above the order are zero and are copied too, so that the loop has a fixed
         // length.
-        for (k, x) in self.piece.x.iter_mut().enumerate() {
+        for (k, x) in self.step_series.x.iter_mut().enumerate() {
             for (x, row) in x.iter_mut().zip(rows) {
                 *x = of_row(row, k);
             }
         }
         // For an odd order, the coefficient of the next power is zero.
-        let pairs = self.piece.x[1..=order.next_multiple_of(2)]
+        let pairs = self.step_series.x[1..=order.next_multiple_of(2)]
             .as_chunks::<2>()
             .0;
         let (rise, slope) = sums(pairs.iter().copied());
         (self.end_of_step.rise, self.end_of_step.slope) = (rise, slope);
-        let polynomial = |row: &Row<L>, c: &mut Polynomial| {
+        let polynomial = |row: &CoefficientRow<L>, c: &mut Polynomial| {
             for (k, c) in c.iter_mut().enumerate() {
                 *c = of_row(row, k);
             }
@@ -255,7 +261,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             }
         }
         for row in series.choices(&self.expansion) {
-            let mut c = [0.0; MOST_ORDER + 1];
+            let mut c = [0.0; MAX_COEFFICIENTS];
             polynomial(row, &mut c);
             self.choices.push(c);
         }
@@ -266,7 +272,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     /// Discards everything that belongs to the previous phase.
     pub(super) fn begin(&mut self) {
         self.is_new = true;
-        self.past_tie = 0.0;
+        self.tie_step = 0.0;
     }
 
     /// Begins a phase, or the continuation of one.
@@ -275,11 +281,11 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         // The rounding remainder belongs to the state it was computed with. Components that landing
         // on Σ has changed lose it.
         if t != self.end.t {
-            self.rest.t = 0.0;
+            self.remainder.t = 0.0;
         }
         for i in 0..N {
             if x[i] != self.end.x[i] {
-                self.rest.x[i] = 0.0;
+                self.remainder.x[i] = 0.0;
             }
         }
         self.is_new = false;
@@ -300,17 +306,17 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         // If the series terminates, as for a constant field, only these bounds limit the step.
         self.scale = run.h.min(run.options.longest_step).min(f64::MAX.sqrt());
         self.is_expanded = false;
-        run.counters.field_calls += flow.field_calls() * (self.piece.order as u64 + 1);
+        run.counters.field_calls += flow.field_calls() * (self.step_series.order as u64 + 1);
     }
 
     /// Time and state at the end of the step, and their rounding remainders.
     #[inline(always)]
     fn end(&self, run: &Run<N, G>) -> (Timed<N>, Timed<N>) {
-        let (mut at, mut rest) = self.piece.moved(1.0, &self.end_of_step.rise);
+        let (mut at, mut remainder) = self.step_series.moved(1.0, &self.end_of_step.rise);
         if self.is_last {
-            (at.t, rest.t) = (run.t_end, 0.0);
+            (at.t, remainder.t) = (run.t_end, 0.0);
         }
-        (at, rest)
+        (at, remainder)
     }
 
     /// Tries a step with the expanded series.
@@ -318,33 +324,36 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         &mut self,
         run: &mut Run<N, G>,
         flow: &F,
-        repeated: Option<&mut Repeated<N, G>>,
+        repeated: Option<&mut RecordedCalls<N, G>>,
     ) -> Result<Trial, Error> {
         // If a guard differs from its series at the end of the step, the coefficients are needed
         // too.
         if !self.is_expanded || self.is_clear && !self.holds_at_end(run, flow) {
             self.expand(run, flow, repeated);
         }
-        let (piece, end) = (&self.piece, &self.end_of_step);
-        let (Timed { t, x }, h, is_last) = (run.at, piece.h, self.is_last);
-        let last = piece.order;
-        let is_finite = |i: usize| (piece.x[last][i] + piece.x[last - 1][i]).is_finite();
+        let (step_series, end) = (&self.step_series, &self.end_of_step);
+        let (Timed { t, x }, h, is_last) = (run.at, step_series.h, self.is_last);
+        let last = step_series.order;
+        let is_finite =
+            |i: usize| (step_series.x[last][i] + step_series.x[last - 1][i]).is_finite();
         let is_undefined = !self.is_clear && !(0..N).all(is_finite);
         if is_undefined || run.is_too_short(h, is_last) {
             // Coefficients that overflowed are finite over a shorter step, unless the values
             // themselves overflowed.
-            run.reject_undefined(SHRINK * self.scale)?;
+            run.reject_undefined(NON_FINITE_SHRINK * self.scale)?;
             if self.expansion.overflowed || run.is_too_short(run.h, false) {
                 return Err(run.collapse(&flow.velocity(t, &x), run.h));
             }
             return Ok(Trial::NoStep);
         }
-        let (mut at, mut rest_there) = self.end(run);
+        let (mut at, mut remainder) = self.end(run);
         let (kink, is_tie) = self.first_kink();
-        let event = if self.is_clear || run.is_held {
+        let event = if self.is_clear || run.is_prescribed {
             Ok(None)
         } else {
-            let reach = kink.map_or((1.0, at), |kink| (kink.before, piece.at(kink.before).0));
+            let reach = kink.map_or((1.0, at), |kink| {
+                (kink.before, step_series.at(kink.before).0)
+            });
             self.first_event(run, flow, &reach)
         };
         let Ok(mut event) = event else {
@@ -354,55 +363,56 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         };
         let mut part = 1.0;
         // Nothing is copied without an event.
-        if let Some(found) = &event {
-            if kink.is_some_and(|kink| kink.behind < found.s) {
+        if let Some(located) = &event {
+            if kink.is_some_and(|kink| kink.after < located.s) {
                 event = None;
             } else if is_last {
-                if found.event.at.t >= at.t {
+                if located.event.at.t >= at.t {
                     event = None;
                 }
-            } else if found.s >= piece.to_end {
-                // A touch turns back at or behind the end time, and the guard is negative at the
-                // end of the step.
-                part = found.s;
-                (at, rest_there) = (found.event.at, found.rest);
-                (at.t, rest_there.t) = (run.t_end, 0.0);
+            } else if located.s >= step_series.to_end {
+                // A touch turns back at or after the end time, and the guard is negative at the end
+                // of the step.
+                part = located.s;
+                (at, remainder) = (located.event.at, located.remainder);
+                (at.t, remainder.t) = (run.t_end, 0.0);
                 event = None;
             }
         }
         let kink = kink.filter(|_| event.is_none());
         if let Some(kink) = kink {
-            part = kink.behind;
-            (at, rest_there) = piece.at(part);
+            part = kink.after;
+            (at, remainder) = step_series.at(part);
         }
         match &event {
-            Some(found) => (at, rest_there) = (found.event.at, found.rest),
+            Some(located) => (at, remainder) = (located.event.at, located.remainder),
             None => at.x = flow.settle(at.t, at.x),
         }
         let part = event.as_ref().map_or(part, |event| event.s);
         let slope = if part == 1.0 {
             end.slope
         } else {
-            piece.slope(part)
+            step_series.slope(part)
         };
-        self.rejected = !piece.agrees(flow, &slope, &at, &run.options);
+        self.rejected = !step_series.solves_equation(flow, &slope, &at, &run.options);
         if self.rejected {
             run.reject_undefined(h)?;
             return Ok(Trial::NoStep);
         }
         let mut jump = None;
         if kink.is_some() {
-            jump = jumped(flow, &at, &run.options).filter(|_| !run.is_held);
+            jump = guard_jump(flow, &at, &run.options).filter(|_| !run.is_prescribed);
             let field = flow.velocity(at.t, &at.x) * h;
-            note_turn(&mut self.turns, &at, [&slope, &field], &run.options)?;
+            record_reversal(&mut self.reversals, &at, [&slope, &field], &run.options)?;
         }
-        self.past_tie = if is_tie { PAST_TIE * part * h } else { 0.0 };
-        (self.end, self.rest) = (at, rest_there);
+        self.tie_step = if is_tie { TIE_GROWTH * part * h } else { 0.0 };
+        (self.end, self.remainder) = (at, remainder);
         run.counters.steps += 1;
         if !self.is_clear {
-            run.dense.become_series(t, h, piece.order, &piece.x);
+            run.dense
+                .become_series(t, h, step_series.order, &step_series.x);
         }
-        let event = event.as_ref().map(|found| &found.event);
+        let event = event.as_ref().map(|located| &located.event);
         Ok(run.accept(at, event.or(jump.as_ref())))
     }
 }

@@ -2,34 +2,33 @@
 
 use crate::filippov::options::Options;
 use crate::taylor::inverse;
-use crate::taylor::row::{Lanes, Row, lanes, lanes_of, largest, least};
+use crate::taylor::row::{CoefficientRow, Lanes, lanes, lanes_of, largest, least};
 use crate::taylor::series::Expansion;
 
-/// Fraction of the tolerance that bounds the last coefficients. Steps are long and few, and every
-/// later step amplifies the truncation error.
-const SAFETY: f64 = 0.1;
+/// Part of the tolerance that bounds the last coefficients. Chosen: steps are long and few, and
+/// every later step amplifies the truncation error. A step is longer by 12 % with ten times it.
+const TAIL_SAFETY: f64 = 0.1;
 
 /// Largest growth from one step to the next. The series of a polynomial solution terminates and
-/// would allow any step. But over a step that is too long by this factor, the rounding error of a
-/// curved guard is multiplied by the square of the factor. Its grazes are no more accurate. A graze
-/// very near the start of a very long step is badly resolved.
-pub(in crate::filippov) const GROW_MOST: f64 = 64.0;
+/// would allow any step. Chosen: a step that is too long by this factor multiplies the rounding
+/// error of a curved guard by its square.
+pub(in crate::filippov) const MAX_GROWTH: f64 = 64.0;
 
-/// Longest step in units of the radius of convergence estimated from the ratio of the terms. A
-/// series is meaningless beyond it, however small its terms.
-const FARTHEST: f64 = 0.7;
+/// Longest step in units of the radius of convergence, which is estimated from the ratio of the
+/// terms. Chosen: a series is meaningless beyond the radius, and the estimate may be too large.
+const RADIUS_PART: f64 = 0.7;
 
-/// The ratio of a guard's terms may make the step shorter than the state allows, and than the time,
-/// by at most this power of two: a factor of a million. If large parts of a function cancel, its
-/// terms may grow by rounding at any step.
-const FINEST: f64 = 20.0;
+/// Power of two by which the ratio of a guard's terms may shorten the step below what state and
+/// time allow. Chosen, a factor of a million: where large parts of a function cancel, its terms may
+/// grow by rounding at any step.
+const RATIO_REACH_LOG2: f64 = 20.0;
 
-/// A guard's last terms still indicate its growth if they are smaller than the first ones by at
-/// most this power of two: down to a 256th of a unit in the last place.
-const FAINTEST: f64 = -60.0;
+/// A guard's last terms indicate its growth if they exceed the first ones times this power of two.
+/// It is a 256th of a unit in the last place; smaller terms do not change a value.
+const SIGNIFICANT_LOG2: f64 = -60.0;
 
 /// Exponent bias of a double.
-const BIAS: f64 = 1023.0;
+const EXPONENT_BIAS: f64 = 1023.0;
 
 /// Logarithm to base 2 of a normal positive number, up to 0.09 too small. This is accurate enough
 /// for a root of high order.
@@ -39,18 +38,19 @@ fn rough_log2(x: f64) -> f64 {
     const MANTISSA: f64 = (1u64 << 20) as f64;
     /// A number whose last bit is worth one. Bits placed there are added to it, in every lane at
     /// once.
-    const WHOLE: f64 = (1u64 << 52) as f64;
-    (f64::from_bits(x.abs().to_bits() >> 32 | WHOLE.to_bits()) - WHOLE) / MANTISSA - BIAS
+    const UNIT_LAST_BIT: f64 = (1u64 << 52) as f64;
+    (f64::from_bits(x.abs().to_bits() >> 32 | UNIT_LAST_BIT.to_bits()) - UNIT_LAST_BIT) / MANTISSA
+        - EXPONENT_BIAS
 }
 
 /// `2^x` to 0.3 %. A step that is longer by this has an error larger by a twelfth. The inverse of
 /// [`rough_log2`] would make the error four times as large.
 #[inline(always)]
 fn rough_exp2(x: f64) -> f64 {
-    let shifted = (x + BIAS).max(0.0);
+    let shifted = (x + EXPONENT_BIAS).max(0.0);
     let power = shifted as i32;
-    let rest = shifted - f64::from(power);
-    f64::from_bits((power as u64) << 52) * (1.0 + rest * (0.66 + 0.34 * rest))
+    let fraction = shifted - f64::from(power);
+    f64::from_bits((power as u64) << 52) * (1.0 + fraction * (0.66 + 0.34 * fraction))
 }
 
 /// Bounds a step, lane by lane, by a coefficient of power `k` if it counts. `longest` gives the
@@ -75,7 +75,7 @@ fn bound<const L: usize>(
 #[inline(always)]
 fn bound_by_last<const L: usize, const COUNT: usize>(
     log: &mut Lanes<L>,
-    (row, p): (&Row<L>, usize),
+    (row, p): (&CoefficientRow<L>, usize),
     counts: impl Fn(f64) -> bool + Copy,
     longest: impl Fn(usize, usize, f64) -> f64,
 ) -> Lanes<L> {
@@ -107,8 +107,12 @@ fn is_positive(size: f64) -> bool {
 /// Bounds a step by the radius of convergence. It is estimated from the ratio of the largest middle
 /// coefficient to the largest of the last ones.
 #[inline(always)]
-fn bound_by_ratio<const L: usize>(log: &mut Lanes<L>, (row, p): (&Row<L>, usize), late: Lanes<L>) {
-    let farthest = rough_log2(FARTHEST);
+fn bound_by_ratio<const L: usize>(
+    log: &mut Lanes<L>,
+    (row, p): (&CoefficientRow<L>, usize),
+    late: Lanes<L>,
+) {
+    let radius_part = rough_log2(RADIUS_PART);
     // In even or odd series every other coefficient is zero.
     let before = p - p / 2;
     let mut early = [0.0; L];
@@ -118,7 +122,7 @@ fn bound_by_ratio<const L: usize>(log: &mut Lanes<L>, (row, p): (&Row<L>, usize)
     }
     let both = lanes(|l| least(early[l], late[l]));
     bound(log, (p / 2, both), is_positive, &|k, l, _| {
-        (rough_log2(early[l]) - rough_log2(late[l])) * inverse(k) + farthest
+        (rough_log2(early[l]) - rough_log2(late[l])) * inverse(k) + radius_part
     });
 }
 
@@ -127,7 +131,7 @@ fn bound_by_ratio<const L: usize>(log: &mut Lanes<L>, (row, p): (&Row<L>, usize)
 /// there (Jorba & Zou 2005, Sect. 3.2).
 #[inline(always)]
 pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: usize>(
-    rows: &[Row<L>],
+    rows: &[CoefficientRow<L>],
     expansion: &Expansion<G>,
     p: usize,
     options: &Options,
@@ -135,7 +139,7 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
     x: &[Lanes<L>; N],
 ) -> Lanes<L> {
     let relative = options.rtol.max(options.atol);
-    let tolerance = rough_log2(SAFETY * relative);
+    let tolerance = rough_log2(TAIL_SAFETY * relative);
     let wanted = tolerance * inverse(p);
     let mut log = [f64::INFINITY; L];
     for (row, x) in rows.iter().zip(x) {
@@ -146,14 +150,15 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
         });
         bound_by_ratio(&mut log, (row, p), late);
     }
-    let finest: Lanes<L> = lanes(|l| least(log[l], rough_log2((t[l] / h[l]).abs())) - FINEST);
-    log = lanes(|l| least(log[l], rough_log2(GROW_MOST)));
-    // The truncation error of a guard or a comparison is compared with its change over the step by
-    // any of its first three terms, unless it is flatter than that. A function that is linear in
-    // the state is as accurate as the state.
+    let shortest: Lanes<L> =
+        lanes(|l| least(log[l], rough_log2((t[l] / h[l]).abs())) - RATIO_REACH_LOG2);
+    log = lanes(|l| least(log[l], rough_log2(MAX_GROWTH)));
+    // The truncation error of a guard or a comparison is compared with its change over the step.
+    // Any of its first three terms may give that change, unless it is flatter. A function that is
+    // linear in the state is as accurate as the state.
     let guards = expansion.watched.iter().flatten();
     let guards = guards.filter(|function| !function.is_linear);
-    let choices = if expansion.choices_bend {
+    let choices = if expansion.choices_nonlinear {
         expansion.choices_among(rows)
     } else {
         &[]
@@ -181,7 +186,7 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
         // count if they stay below rounding over the whole step.
         let late = lanes(|l| {
             let over_step = rough_log2(late[l]) + p as f64 * log[l];
-            if over_step > rough_log2(moves[l]) + FAINTEST {
+            if over_step > rough_log2(moves[l]) + SIGNIFICANT_LOG2 {
                 late[l]
             } else {
                 0.0
@@ -189,17 +194,17 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
         });
         let mut by_ratio = [f64::INFINITY; L];
         bound_by_ratio(&mut by_ratio, (row, p), late);
-        log = lanes(|l| least(log[l], largest(by_ratio[l], finest[l])));
+        log = lanes(|l| least(log[l], largest(by_ratio[l], shortest[l])));
     }
     lanes_of(log, rough_exp2)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{GROW_MOST, rough_exp2, rough_log2, step_ratio};
+    use super::{MAX_GROWTH, rough_exp2, rough_log2, step_ratio};
     use crate::filippov::options::Options;
     use crate::math;
-    use crate::taylor::row::Row;
+    use crate::taylor::row::CoefficientRow;
     use crate::taylor::series::{Expansion, Watched};
 
     #[test]
@@ -207,7 +212,7 @@ mod tests {
         // A state at equilibrium at or near zero, and a guard that is its square: smallest possible
         // numbers.
         for x in [0.0, 1e-150, 1e-161, 1.0] {
-            let rows = [Row::new(), Row::new()];
+            let rows = [CoefficientRow::new(), CoefficientRow::new()];
             rows[0].set(0, [x]);
             rows[1].set(0, [x * x]);
             let (row, is_linear) = (1, false);
@@ -219,7 +224,7 @@ mod tests {
                 let options = Options::tol(tol);
                 let [ratio] = step_ratio(&rows, &expansion, 20, &options, ([1.0], [1.0]), &[[x]]);
                 assert!(
-                    (ratio / GROW_MOST - 1.0).abs() < 3e-3,
+                    (ratio / MAX_GROWTH - 1.0).abs() < 3e-3,
                     "{x:e}, {tol:e}: {ratio}"
                 );
             }
@@ -230,19 +235,22 @@ mod tests {
     fn what_was_and_is_no_more_bounds_no_step() {
         // A polynomial whose highest coefficient is the smallest possible number.
         for least in [5e-324, 1e-300, 1.0] {
-            let row = Row::new();
+            let row = CoefficientRow::new();
             row.set(0, [1.0]);
             row.set(8, [least]);
             let options = Options::tol(1e-12);
             let expansion = Expansion::<0>::default();
             let [ratio] = step_ratio(&[row], &expansion, 20, &options, ([1.0], [1.0]), &[[1.0]]);
-            assert!((ratio / GROW_MOST - 1.0).abs() < 3e-3, "{least:e}: {ratio}");
+            assert!(
+                (ratio / MAX_GROWTH - 1.0).abs() < 3e-3,
+                "{least:e}: {ratio}"
+            );
         }
     }
 
     #[test]
     fn a_guard_whose_newest_coefficient_is_no_number_allows_next_to_no_step() {
-        let rows = [Row::new(), Row::new()];
+        let rows = [CoefficientRow::new(), CoefficientRow::new()];
         rows[0].set(0, [1.0]);
         for k in 0..=19 {
             rows[1].set(k, [math::powi(0.5, k as i32)]);
@@ -270,7 +278,7 @@ mod tests {
 
     #[test]
     fn a_guard_that_is_tiny_and_grows_bounds_the_step_of_a_state_whose_series_ends() {
-        let rows = [Row::new(), Row::new()];
+        let rows = [CoefficientRow::new(), CoefficientRow::new()];
         rows[0].set(0, [1.0]);
         rows[0].set(1, [1.0]);
         rows[1].set(0, [1.0]);
@@ -291,8 +299,8 @@ mod tests {
     }
 
     /// Coefficients of `1/(1 + t^m)`, with a different `m` in each lane.
-    fn in_powers<const L: usize>(m: [usize; L], p: usize) -> Row<L> {
-        let row = Row::new();
+    fn in_powers<const L: usize>(m: [usize; L], p: usize) -> CoefficientRow<L> {
+        let row = CoefficientRow::new();
         for k in 0..=p {
             let sign = |m: usize| if (k / m).is_multiple_of(2) { 1.0 } else { -1.0 };
             row.set(
@@ -305,7 +313,7 @@ mod tests {
 
     /// The same for a state with that series, or for a constant state and a guard with that series.
     fn ratio_in_powers<const L: usize>(m: [usize; L], p: usize, of_guard: bool) -> [f64; L] {
-        let at_rest = Row::new();
+        let at_rest = CoefficientRow::new();
         at_rest.set(0, [1.0; L]);
         let rows = if of_guard {
             [at_rest, in_powers(m, p)]

@@ -10,8 +10,8 @@ use stickslip::statistics::SplitMix;
 use stickslip::system::IntoState;
 use stickslip::{Direction, Error, Method, Mode, Options, Plane, Side, State, math, solve};
 
+use crate::constant_fields::ConstantFields;
 use crate::den_hartog::DenHartog;
-use crate::line::Line;
 use crate::listed::Listed;
 use crate::smooth::{Lorenz, Smooth};
 
@@ -537,7 +537,7 @@ fn a_section_of_the_user_s_own_takes_the_place_of_the_transitions() {
 #[test]
 fn ends_and_failures_are_kinds_and_bad_settings_errors() {
     let default = Options::default();
-    let apart = Line {
+    let apart = ConstantFields {
         below: -1.0,
         above: 1.0,
     };

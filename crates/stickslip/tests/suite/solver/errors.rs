@@ -11,7 +11,7 @@ use stickslip::{
 };
 
 use crate::any_system::solve;
-use crate::line::Line;
+use crate::constant_fields::ConstantFields;
 use crate::listed::Listed;
 use crate::solver::systems::{BlowUp, Ledge, Wall, Window, Zeno, decaying_friction};
 
@@ -33,7 +33,7 @@ pub fn failure<S: Listed<N>, const N: usize>(
 
 fn line(t0: f64, x0: f64, t_end: f64, options: &Options) -> Error {
     let failure = failure(
-        &Line {
+        &ConstantFields {
             below: 1.0,
             above: 1.0,
         },
@@ -42,7 +42,7 @@ fn line(t0: f64, x0: f64, t_end: f64, options: &Options) -> Error {
         t_end,
         options,
     );
-    assert!(failure.reached.phases.is_empty() && failure.reached.steps.is_empty());
+    assert!(failure.partial.phases.is_empty() && failure.partial.steps.is_empty());
     failure.error
 }
 
@@ -221,9 +221,9 @@ fn a_solution_that_becomes_infinite_is_followed_to_within_rounding_of_that_time(
         };
         // The location of the pole is accurate to the tolerance.
         assert!((t - 2.0).abs() < 1e-10, "{t}");
-        assert_kept(&failure.reached);
-        assert_eq!(failure.reached.t_end, t);
-        assert!((failure.reached.at(1.0).expect("covered")[0] - 1.0).abs() < 1e-10);
+        assert_kept(&failure.partial);
+        assert_eq!(failure.partial.t_end, t);
+        assert!((failure.partial.at(1.0).expect("covered")[0] - 1.0).abs() < 1e-10);
     }
 }
 
@@ -240,7 +240,7 @@ fn an_escape_bound_ends_the_run_just_beyond_it() {
         "{t} {x}"
     );
     assert_says(&failure.error, &["1000", "raise the escape bound"]);
-    assert_kept(&failure.reached);
+    assert_kept(&failure.partial);
     // A start beyond the bound is reported at once.
     let far = line(0.0, -2e3, 1.0, &options);
     assert!(matches!(far, Error::Escaped { t: 0.0, .. }), "{far}");
@@ -259,8 +259,8 @@ fn a_field_that_ends_on_the_way_is_an_error_at_its_edge() {
         (t - edge).abs() < 1e-8 && (x.0[0] - 1.0).abs() < 1e-8,
         "{t} {x}"
     );
-    assert_kept(&failure.reached);
-    assert_eq!(failure.reached.t_end, t);
+    assert_kept(&failure.partial);
+    assert_eq!(failure.partial.t_end, t);
 }
 
 #[test]
@@ -277,8 +277,8 @@ fn a_boundary_that_ends_on_the_way_is_an_error_at_its_edge() {
     };
     assert!(x.0[0].abs() < 1e-8, "{x}");
     assert_says(&failure.error, &["boundary", "not defined", "e-"]);
-    assert_kept(&failure.reached);
-    for transition in &failure.reached.transitions {
+    assert_kept(&failure.partial);
+    for transition in &failure.partial.transitions {
         assert!(transition.residual < 1e-9, "{transition:?}");
     }
 }
@@ -294,7 +294,7 @@ fn a_boundary_that_is_no_number_only_inside_a_step_ends_the_run_there_too() {
             panic!("{}", failure.error);
         };
         assert!((x.0[0] - from).abs() < 1e-8, "{x}");
-        assert_kept(&failure.reached);
+        assert_kept(&failure.partial);
     }
 }
 
@@ -320,16 +320,16 @@ fn crossings_that_pile_up_are_reported_with_their_number() {
     else {
         panic!("{}", failure.error)
     };
-    assert!(count == 20 && span <= 10.0 * failure.reached.t_end.max(1.0));
+    assert!(count == 20 && span <= 10.0 * failure.partial.t_end.max(1.0));
     assert_eq!(contacts, &[0]);
     assert_says(&failure.error, &["20 transitions", "Zeno", "accumulation"]);
-    assert_kept(&failure.reached);
+    assert_kept(&failure.partial);
     // The accumulation point is predicted early: a run that continues ends there.
     let accumulation = accumulation.as_deref().expect("a geometric series");
     let start = State::from([0.0, 1.0]);
     let orbit = solve(&Zeno { brake: 0.1 }, 0.0, start, 100.0, &super::tol(1e-12)).expect("runs");
     let off = (accumulation.t - orbit.t_end).abs();
-    assert!(accumulation.t > failure.reached.t_end + 1.0);
+    assert!(accumulation.t > failure.partial.t_end + 1.0);
     assert!(
         off < 1e-8 && accumulation.uncertainty < 1e-9,
         "{accumulation:?}"
@@ -397,7 +397,7 @@ fn nothing_is_lost_of_an_orbit_that_fails_after_transitions() {
         "{}",
         failure.error
     );
-    assert_kept(&failure.reached);
+    assert_kept(&failure.partial);
     let whole = solve(
         &belt,
         0.0,
@@ -406,7 +406,7 @@ fn nothing_is_lost_of_an_orbit_that_fails_after_transitions() {
         &options.escape(1e9),
     )
     .expect("runs");
-    let kept = &failure.reached;
+    let kept = &failure.partial;
     assert_eq!(
         kept.transitions[..],
         whole.transitions[..kept.transitions.len()]

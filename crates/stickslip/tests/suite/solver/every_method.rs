@@ -49,7 +49,7 @@ fn fixed_steps_into_a_pole_are_reported_with_their_length() {
         failure.error
     );
     assert_says(&failure.error, &["0.01", "pole", "too long"]);
-    assert_kept(&failure.reached);
+    assert_kept(&failure.partial);
 }
 
 #[test]
@@ -148,7 +148,7 @@ fn no_run_begins_with_parameters_out_of_range() {
     };
     let refused = failure(&belt, 0.0, State::from([0.5, 0.1]), 1.0, &super::tol(1e-10));
     assert_says(&refused, &["mass", "-1", "positive"]);
-    assert!(refused.reached.steps.is_empty());
+    assert!(refused.partial.steps.is_empty());
     let settings = SpectrumOptions::over(1.0, 1.0);
     let spectrum = lyapunov_spectrum_watched(&belt, (0.0, [0.5, 0.1]), &settings, &mut ());
     assert_says(&spectrum.unwrap_err(), &["mass", "-1", "positive"]);

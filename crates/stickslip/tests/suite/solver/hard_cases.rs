@@ -120,10 +120,10 @@ fn the_step_on_which_a_run_escapes_is_kept() {
         panic!("{}", failure.error)
     };
     assert_eq!(
-        failure.reached.counters.steps as usize,
-        failure.reached.steps.len()
+        failure.partial.counters.steps as usize,
+        failure.partial.steps.len()
     );
-    assert_eq!(failure.reached.t_end, t);
+    assert_eq!(failure.partial.t_end, t);
 }
 
 #[test]

@@ -8,7 +8,7 @@ use stickslip::{AtRepelling, Ending, Fate, Mode, Side, State, fate, math};
 
 use super::check::{TIGHT, assert_consistent, kinds};
 use crate::any_system::solve;
-use crate::line::Line;
+use crate::constant_fields::ConstantFields;
 use crate::listed::Listed;
 use crate::solver::systems::{
     MovingLine, TurningLine, TwoFold, coulomb_friction, decaying_friction,
@@ -157,7 +157,7 @@ fn the_end_of_a_stick_is_a_start_like_any_other() {
 
 #[test]
 fn where_the_boundary_repels_the_run_ends_or_goes_where_it_is_reported() {
-    let system = Line {
+    let system = ConstantFields {
         below: -1.0,
         above: 1.0,
     };
@@ -190,7 +190,7 @@ fn a_field_along_the_boundary_does_not_lead_away_from_it() {
         (0.0, 1.0, Fate::Slip(Side::Above)),
         (-1.0, 0.0, Fate::Slip(Side::Below)),
     ] {
-        let line = Line { below, above };
+        let line = ConstantFields { below, above };
         let found = fate(&line.any(), 0.0, &State::from([0.0]));
         assert_eq!(found, wanted, "{below} {above}");
     }

@@ -8,7 +8,7 @@ use super::super::check::{
     TIGHT, assert_consistent, assert_lands_on_boundary, every_locator, kinds,
 };
 use crate::any_system::solve;
-use crate::line::Line;
+use crate::constant_fields::ConstantFields;
 use crate::solver::systems::{Breathing, MovingLine, Spiral};
 
 #[test]
@@ -39,7 +39,7 @@ fn the_spiral_crosses_the_circle_at_time_one() {
 #[test]
 fn a_line_that_attracts_is_reached_and_kept() {
     for options in every_locator() {
-        let system = Line {
+        let system = ConstantFields {
             below: 3.0,
             above: -1.0,
         };

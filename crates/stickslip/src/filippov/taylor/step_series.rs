@@ -2,15 +2,14 @@
 
 use crate::filippov::flow::Flow;
 use crate::filippov::options::Options;
+use crate::filippov::uncertainty::SERIES_DEFECT;
 use crate::ode::{Linear, Timed, power_series};
 use crate::system::State;
-use crate::taylor::MOST_ORDER;
+use crate::taylor::MAX_COEFFICIENTS;
 use crate::taylor::row::{Lanes, lanes};
 
-/// Largest difference between the slope of a series, times the step, and the field (in tolerances).
-const DEFECT: f64 = 30.0;
-
-pub(super) fn nowhere<const N: usize>() -> Timed<N> {
+/// Time and state zero.
+pub(super) fn origin<const N: usize>() -> Timed<N> {
     <Timed<N> as Linear<f64>>::zero()
 }
 
@@ -23,10 +22,10 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
 }
 
 /// Coefficients of the powers of `s`, the fraction of the step.
-pub(super) type Polynomial = [f64; MOST_ORDER + 1];
+pub(super) type Polynomial = [f64; MAX_COEFFICIENTS];
 
 /// Room for as many powers as a series has coefficients, rounded up to a multiple of four.
-pub(super) const POWERS: usize = (MOST_ORDER + 1).next_multiple_of(4);
+pub(super) const POWERS: usize = MAX_COEFFICIENTS.next_multiple_of(4);
 
 /// The powers of a ratio, computed four at a time to shorten the chain of dependent products.
 #[inline(always)]
@@ -46,17 +45,17 @@ pub(super) fn powers<const L: usize>(ratio: Lanes<L>) -> [Lanes<L>; POWERS] {
 }
 
 /// The series of one step, in fractions of the step.
-pub(super) struct Piece<const N: usize> {
+pub(super) struct StepSeries<const N: usize> {
     pub(super) t: f64,
     pub(super) h: f64,
     /// The end time of the run in fractions of the step, at least 1.
     pub(super) to_end: f64,
     pub(super) order: usize,
-    pub(super) x: [State<N>; MOST_ORDER + 1],
-    pub(super) rest: Timed<N>,
+    pub(super) x: [State<N>; MAX_COEFFICIENTS],
+    pub(super) remainder: Timed<N>,
 }
 
-impl<const N: usize> Piece<N> {
+impl<const N: usize> StepSeries<N> {
     /// Time and state at `s`, and their rounding remainders. Rarely called, and compiled once for
     /// all fields.
     #[inline(never)]
@@ -68,12 +67,12 @@ impl<const N: usize> Piece<N> {
     /// The same from `rise`: the sum of the series without its first coefficient, divided by `s`.
     #[inline(always)]
     pub(super) fn moved(&self, s: f64, rise: &State<N>) -> (Timed<N>, Timed<N>) {
-        let (mut at, mut rest) = (nowhere(), nowhere());
-        (at.t, rest.t) = two_sum(self.t, self.rest.t + s * self.h);
+        let (mut at, mut remainder) = (origin(), origin());
+        (at.t, remainder.t) = two_sum(self.t, self.remainder.t + s * self.h);
         for i in 0..N {
-            (at.x[i], rest.x[i]) = two_sum(self.x[0][i], self.rest.x[i] + s * rise[i]);
+            (at.x[i], remainder.x[i]) = two_sum(self.x[0][i], self.remainder.x[i] + s * rise[i]);
         }
-        (at, rest)
+        (at, remainder)
     }
 
     /// Slope of the series at `s`.
@@ -86,7 +85,7 @@ impl<const N: usize> Piece<N> {
     /// It does not outside the field's domain, or where the field takes another branch than the
     /// series.
     #[inline(always)]
-    pub(super) fn agrees<F: Flow<N>>(
+    pub(super) fn solves_equation<F: Flow<N>>(
         &self,
         flow: &F,
         slope: &State<N>,
@@ -97,8 +96,7 @@ impl<const N: usize> Piece<N> {
         (0..N).all(|i| {
             let rise = self.h * field[i];
             let size = f64::max(at.x[i].abs(), rise.abs());
-            // The error of the slope is the order times the error of the step.
-            let allowed = DEFECT * (options.atol + options.rtol * size);
+            let allowed = SERIES_DEFECT * (options.atol + options.rtol * size);
             at.x[i].is_finite() && (rise - slope[i]).abs() <= allowed
         })
     }

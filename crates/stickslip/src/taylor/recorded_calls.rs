@@ -4,35 +4,36 @@ use std::cell::RefCell;
 
 use pulp::{Arch, NullaryFnOnce};
 
-use super::pass::{Pass, Rows};
 use super::recorded::Recorded;
-use super::recording::{Line, Place, Recording, Replay};
+use super::recording::{LinearNumber, Location, Recording, Replay};
 use super::row::{Lanes, lanes};
 use super::series::{Expansion, Functions, outcome, watched_rows};
-use super::{MOST_ORDER, inverse};
+use super::sweep::{CoefficientRows, Sweep};
+use super::{MAX_ORDER, inverse};
 
-/// Maximum number of calls that are kept for one flow.
-const MOST_CALLS: usize = 8;
+/// Largest number of calls that are kept for one flow. Chosen: three comparisons have eight sets of
+/// results. With fewer, functions are called again; with more, more calls are tried in vain.
+const MAX_CALLS: usize = 8;
 
 /// Recorded calls of the functions of one flow, one for each set of results of their comparisons.
 #[derive(Debug, Default)]
-pub(crate) struct Repeated<const N: usize, const W: usize> {
+pub(crate) struct RecordedCalls<const N: usize, const W: usize> {
     calls: Vec<RecordedCall<N, W>>,
     /// Index of the call that was repeated last.
     latest: usize,
 }
 
-/// Storage for the lines of a recording in `L` lanes.
-pub(crate) type Lines<const L: usize> = Vec<Line<L>>;
+/// Storage for the linear numbers of a recording in `L` lanes.
+pub(crate) type LinearNumbers<const L: usize> = Vec<LinearNumber<L>>;
 
-/// One call: the recorded operations, and the places of the results.
+/// One call: the recorded operations, and the locations of the results.
 #[derive(Debug)]
 struct RecordedCall<const N: usize, const W: usize> {
     recording: Recording,
-    field: [Place; N],
-    watched: [Place; W],
+    field: [Location; N],
+    watched: [Location; W],
     /// Whether a watched function is linear in time.
-    watches_lines: bool,
+    watches_linear: bool,
     /// Number of rows taken at the end of the functions.
     taken: usize,
     /// Number of rows required.
@@ -40,11 +41,11 @@ struct RecordedCall<const N: usize, const W: usize> {
     expansion: Expansion<W>,
 }
 
-impl<const N: usize, const W: usize> Repeated<N, W> {
+impl<const N: usize, const W: usize> RecordedCalls<N, W> {
     /// As [`super::series::in_rows`], in one lane.
     pub(crate) fn expand(
         &mut self,
-        into: Rows<'_, 1>,
+        into: CoefficientRows<'_, 1>,
         (t, h): (Lanes<1>, Lanes<1>),
         x: &[Lanes<1>; N],
         order: usize,
@@ -55,35 +56,44 @@ impl<const N: usize, const W: usize> Repeated<N, W> {
             self.keep(call);
         }
         let call = &self.calls[self.latest];
-        expand_alone(&call.above(call.recording.alone(), into, (h, order)));
+        expand_alone(&call.higher_orders(call.recording.alone(), into, (h, order)));
         Ok(call.expansion)
     }
 
     /// The same in several lanes. `None` if no recorded call serves all of them.
     pub(crate) fn expand_again<const L: usize>(
         &self,
-        into: Rows<'_, L>,
+        into: CoefficientRows<'_, L>,
         (t, h): (Lanes<L>, Lanes<L>),
         x: &[Lanes<L>; N],
         order: usize,
-        lines: &mut Lines<L>,
+        linear_numbers: &mut LinearNumbers<L>,
     ) -> Result<Option<Expansion<W>>, usize> {
         let usable = self.in_order().map(|i| &self.calls[i]);
         for call in usable.filter(|call| call.recording.is_complete()) {
             if call.room > into.all.len() {
                 return Err(call.room);
             }
-            call.recording.spread(lines);
-            let pass = pass_of_state(into, x);
-            let is_alike = call.recording.repeat_first(lines, pass.time(t, h), &pass);
-            let expansion = call.expansion_by(&pass);
-            if !is_alike || expansion.divided || expansion.value_read || expansion.overflowed {
+            call.recording.spread(linear_numbers);
+            let sweep = sweep_of_state(into, x);
+            let agrees = call
+                .recording
+                .repeat_first(linear_numbers, sweep.time(t, h), &sweep);
+            let expansion = call.expansion_by(&sweep);
+            if !agrees || expansion.lanes_differ || expansion.value_read || expansion.overflowed {
                 continue;
             }
-            let (recording, lines) = (&call.recording, lines.as_slice());
-            let above = call.above(Replay { recording, lines }, into, (h, order));
-            above.keep_watched(&pass);
-            Arch::new().dispatch(above);
+            let (recording, linear_numbers) = (&call.recording, linear_numbers.as_slice());
+            let higher = call.higher_orders(
+                Replay {
+                    recording,
+                    linear_numbers,
+                },
+                into,
+                (h, order),
+            );
+            higher.store_watched(&sweep);
+            Arch::new().dispatch(higher);
             return Ok(Some(expansion));
         }
         Ok(None)
@@ -98,7 +108,7 @@ impl<const N: usize, const W: usize> Repeated<N, W> {
     /// Computes order 0 by repetition, if all comparisons of a call give the recorded results.
     fn repeat_first(
         &mut self,
-        into: Rows<'_, 1>,
+        into: CoefficientRows<'_, 1>,
         (t, h): (Lanes<1>, Lanes<1>),
         x: &[Lanes<1>; N],
     ) -> Result<bool, usize> {
@@ -110,14 +120,14 @@ impl<const N: usize, const W: usize> Repeated<N, W> {
             if call.room > into.all.len() {
                 return Err(call.room);
             }
-            let pass = pass_of_state(into, x);
-            let time = pass.time(t, h);
-            if !call.recording.repeat_first_alone(time, &pass) {
+            let sweep = sweep_of_state(into, x);
+            let time = sweep.time(t, h);
+            if !call.recording.repeat_first_alone(time, &sweep) {
                 continue;
             }
-            let above = call.above(call.recording.alone(), into, (h, 0));
-            above.keep_watched(&pass);
-            call.expansion = call.expansion_by(&pass);
+            let higher = call.higher_orders(call.recording.alone(), into, (h, 0));
+            higher.store_watched(&sweep);
+            call.expansion = call.expansion_by(&sweep);
             self.latest = i;
             return Ok(true);
         }
@@ -130,8 +140,8 @@ impl<const N: usize, const W: usize> Repeated<N, W> {
         let useless = |call: &RecordedCall<N, W>| !call.recording.is_complete();
         self.latest = match self.calls.iter().position(useless) {
             Some(useless) => useless,
-            None if self.calls.len() < MOST_CALLS => self.calls.len(),
-            None => (self.latest + 1) % MOST_CALLS,
+            None if self.calls.len() < MAX_CALLS => self.calls.len(),
+            None => (self.latest + 1) % MAX_CALLS,
         };
         match self.calls.get_mut(self.latest) {
             Some(old) => *old = call,
@@ -140,54 +150,54 @@ impl<const N: usize, const W: usize> Repeated<N, W> {
     }
 }
 
-/// A pass of order 0 that has begun with the state.
-fn pass_of_state<'a, const L: usize, const N: usize>(
-    into: Rows<'a, L>,
+/// A sweep of order 0 that has begun with the state.
+fn sweep_of_state<'a, const L: usize, const N: usize>(
+    into: CoefficientRows<'a, L>,
     x: &[Lanes<L>; N],
-) -> Pass<'a, L> {
-    let pass = Pass::new(into, 0);
+) -> Sweep<'a, L> {
+    let sweep = Sweep::new(into, 0);
     for newest in *x {
-        pass.keep(newest);
+        sweep.store_next(newest);
     }
-    pass
+    sweep
 }
 
 impl<const N: usize, const W: usize> RecordedCall<N, W> {
     /// Computes order 0 by a recorded call of the functions.
     fn new(
-        into: Rows<'_, 1>,
+        into: CoefficientRows<'_, 1>,
         (t, h): (Lanes<1>, Lanes<1>),
         x: &[Lanes<1>; N],
         functions: &impl Functions<N, W>,
     ) -> Result<Self, usize> {
         let recording = RefCell::new(Recording::default());
-        let pass = Pass::recorded(into, &recording);
-        let time = pass.time(t, h);
+        let sweep = Sweep::recorded(into, &recording);
+        let time = sweep.time(t, h);
         *recording.borrow_mut() = Recording::begin(time);
-        let time = Recorded::at(Place::Line(0), time, &pass);
+        let time = Recorded::at(Location::Linear(0), time, &sweep);
         let mut state = [time; N];
         for (i, (number, newest)) in state.iter_mut().zip(*x).enumerate() {
-            *number = Recorded::at(Place::Row(i as u32), pass.state(newest), &pass);
+            *number = Recorded::at(Location::InRow(i as u32), sweep.state(newest), &sweep);
         }
         let (field, watched) = functions.at(time, &state);
-        let taken = pass.next();
-        let (field, places) = {
+        let taken = sweep.next_row();
+        let (field, locations) = {
             let mut recording = recording.borrow_mut();
-            let mut place = |number| recording.place(number);
-            (field.map(&mut place), watched.map(&mut place))
+            let mut location = |number| recording.location(number);
+            (field.map(&mut location), watched.map(&mut location))
         };
         let watched = watched_rows(watched.map(|function| function.number));
-        let mut rows = places.iter().zip(&watched);
-        let watches_lines =
-            rows.any(|(place, row)| matches!(place, Place::Line(_)) && row.is_some());
-        let room = pass.next() + pass.choices.get();
-        let expansion = outcome(&pass, watched, into.all.len())?;
-        let wanted = field.into_iter().chain(places);
-        recording.borrow_mut().end(wanted, &pass);
+        let mut rows = locations.iter().zip(&watched);
+        let watches_linear =
+            rows.any(|(location, row)| matches!(location, Location::Linear(_)) && row.is_some());
+        let room = sweep.next_row() + sweep.choices.get();
+        let expansion = outcome(&sweep, watched, into.all.len())?;
+        let wanted = field.into_iter().chain(locations);
+        recording.borrow_mut().end(wanted, &sweep);
         Ok(RecordedCall {
             field,
-            watched: places,
-            watches_lines,
+            watched: locations,
+            watches_linear,
             taken,
             room,
             expansion,
@@ -195,28 +205,28 @@ impl<const N: usize, const W: usize> RecordedCall<N, W> {
         })
     }
 
-    /// The expansion with the flags of a pass of order 0.
-    fn expansion_by<const L: usize>(&self, pass: &Pass<'_, L>) -> Expansion<W> {
+    /// The expansion with the flags of a sweep of order 0.
+    fn expansion_by<const L: usize>(&self, sweep: &Sweep<'_, L>) -> Expansion<W> {
         Expansion {
-            divided: pass.divided.get(),
-            value_read: pass.value_read.get(),
-            overflowed: pass.overflowed.get(),
+            lanes_differ: sweep.lanes_differ.get(),
+            value_read: sweep.value_read.get(),
+            overflowed: sweep.overflowed.get(),
             ..self.expansion
         }
     }
 
-    fn above<'a, const L: usize>(
+    fn higher_orders<'a, const L: usize>(
         &'a self,
         replay: Replay<'a, L>,
-        into: Rows<'a, L>,
+        into: CoefficientRows<'a, L>,
         (h, order): (Lanes<L>, usize),
-    ) -> Above<'a, L> {
-        let watched: &[Place] = if self.watches_lines {
+    ) -> HigherOrders<'a, L> {
+        let watched: &[Location] = if self.watches_linear {
             &self.watched
         } else {
             &[]
         };
-        Above {
+        HigherOrders {
             replay,
             into,
             h,
@@ -230,43 +240,43 @@ impl<const N: usize, const W: usize> RecordedCall<N, W> {
 
 /// The orders above 0. The number of states is not part of the type, so that this compiles once for
 /// all systems.
-struct Above<'a, const L: usize> {
+struct HigherOrders<'a, const L: usize> {
     replay: Replay<'a, L>,
-    into: Rows<'a, L>,
+    into: CoefficientRows<'a, L>,
     h: Lanes<L>,
     order: usize,
-    field: &'a [Place],
+    field: &'a [Location],
     /// The watched functions, if one of them is linear in time.
-    watched: &'a [Place],
+    watched: &'a [Location],
     /// Number of rows taken at the end of the functions.
     taken: usize,
 }
 
-impl<const L: usize> Above<'_, L> {
+impl<const L: usize> HigherOrders<'_, L> {
     #[inline(always)]
     fn expand(&self) {
         let rows = self.into.all;
-        for k in 1..=self.order.min(MOST_ORDER) {
+        for k in 1..=self.order.min(MAX_ORDER) {
             let per_order = inverse(k);
-            for (place, row) in self.field.iter().zip(rows) {
-                let slope = self.replay.coefficient(*place, k - 1, rows);
+            for (location, row) in self.field.iter().zip(rows) {
+                let slope = self.replay.coefficient(*location, k - 1, rows);
                 row.set(k, lanes(|l| slope[l] * (self.h[l] * per_order)));
             }
             self.replay.repeat(self.into, k);
             if !self.watched.is_empty() {
-                self.keep_watched(&Pass::new(self.into, k));
+                self.store_watched(&Sweep::new(self.into, k));
             }
         }
     }
 
     /// Stores watched functions that are linear in time in rows, too.
     #[inline(always)]
-    fn keep_watched(&self, pass: &Pass<'_, L>) {
-        pass.taken.set(self.taken);
-        for place in self.watched {
-            if let Place::Line(_) = place {
+    fn store_watched(&self, sweep: &Sweep<'_, L>) {
+        sweep.rows_taken.set(self.taken);
+        for location in self.watched {
+            if let Location::Linear(_) = location {
                 // Constants have no row.
-                let _ = self.replay.number(*place, pass).in_row();
+                let _ = self.replay.number(*location, sweep).in_row();
             }
         }
     }
@@ -274,13 +284,13 @@ impl<const L: usize> Above<'_, L> {
 
 /// Expands the orders above 0 of one orbit.
 #[inline(never)]
-fn expand_alone<const L: usize>(above: &Above<'_, L>) {
-    above.expand();
+fn expand_alone<const L: usize>(higher: &HigherOrders<'_, L>) {
+    higher.expand();
 }
 
 /// Expands the orders above 0 of several orbits, in the widest vectors of the machine. The width
 /// changes no bit.
-impl<const L: usize> NullaryFnOnce for Above<'_, L> {
+impl<const L: usize> NullaryFnOnce for HigherOrders<'_, L> {
     type Output = ();
 
     #[inline(always)]

@@ -1,64 +1,65 @@
-//! One pass through a function: one order of every number in it.
+//! One sweep through a function: one order of every number in it.
 
 use std::cell::{Cell, RefCell};
 
 use super::inverse;
-use super::jet::{Jet, Straight};
+use super::jet::{Jet, LinearJet};
 use super::recorded::Recorded;
 use super::recording::{Operation, Recording};
-use super::row::{Lanes, Row, lanes};
+use super::row::{CoefficientRow, Lanes, lanes};
 
-/// Minimum number of rows.
-pub(crate) const AT_ONCE: usize = 32;
+/// Number of rows that there are at least, whose places the compiler knows. Chosen: few fields of
+/// two or three states need more. Further rows are looked up.
+pub(crate) const MIN_ROWS: usize = 32;
 
 /// Storage of the coefficients: all rows, and the first of them.
 ///
 /// The first rows are a separate field so that they can be an argument of a function that is not
 /// inlined. Writing through an argument changes no local variable. So the compiler can evaluate the
-/// counters of a pass, and with them the row of each number.
+/// counters of a sweep, and with them the row of each number.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Rows<'a, const L: usize> {
-    pub(crate) first: &'a [Row<L>; AT_ONCE],
-    pub(crate) all: &'a [Row<L>],
+pub(crate) struct CoefficientRows<'a, const L: usize> {
+    pub(crate) first: &'a [CoefficientRow<L>; MIN_ROWS],
+    pub(crate) all: &'a [CoefficientRow<L>],
 }
 
-/// What the numbers of one pass share, above all the storage of their earlier coefficients. Every
-/// pass assigns rows in the same order, so that each number gets the same row. If everything is
+/// What the numbers of one sweep share, above all the storage of their earlier coefficients. Every
+/// sweep assigns rows in the same order, so that each number gets the same row. If everything is
 /// inlined, the compiler knows the rows and no look-up remains.
 ///
 /// Numbers take rows from the front, comparisons from the back.
 #[derive(Debug)]
-pub(crate) struct Pass<'a, const L: usize> {
+pub(crate) struct Sweep<'a, const L: usize> {
     /// The first rows; their number is known to the compiler.
-    first: &'a [Row<L>; AT_ONCE],
-    rows: &'a [Row<L>],
+    first: &'a [CoefficientRow<L>; MIN_ROWS],
+    rows: &'a [CoefficientRow<L>],
     pub(super) order: usize,
-    pub(super) taken: Cell<usize>,
+    pub(super) rows_taken: Cell<usize>,
     pub(super) choices: Cell<usize>,
     /// Whether a comparison has an operand that is not linear in state and time.
-    pub(super) choices_bend: Cell<bool>,
+    pub(super) choices_nonlinear: Cell<bool>,
     /// Whether a value was read. The series may then hold only at the point of expansion.
     pub(super) value_read: Cell<bool>,
     /// Whether a comparison differs between lanes, so that they must be expanded one by one.
-    pub(super) divided: Cell<bool>,
+    pub(super) lanes_differ: Cell<bool>,
     /// Whether there was a division by an overflowed number.
     pub(super) overflowed: Cell<bool>,
     /// The recording of the operations, if they are recorded.
     recording: Option<&'a RefCell<Recording>>,
 }
 
-impl<'a, const L: usize> Pass<'a, L> {
+impl<'a, const L: usize> Sweep<'a, L> {
     #[inline(always)]
-    pub(super) fn new(rows: Rows<'a, L>, order: usize) -> Self {
-        Pass {
+    pub(super) fn new(rows: CoefficientRows<'a, L>, order: usize) -> Self {
+        Sweep {
             first: rows.first,
             rows: rows.all,
             order,
-            taken: Cell::new(0),
+            rows_taken: Cell::new(0),
             choices: Cell::new(0),
-            choices_bend: Cell::new(false),
+            choices_nonlinear: Cell::new(false),
             value_read: Cell::new(false),
-            divided: Cell::new(false),
+            lanes_differ: Cell::new(false),
             overflowed: Cell::new(false),
             recording: None,
         }
@@ -67,16 +68,16 @@ impl<'a, const L: usize> Pass<'a, L> {
     /// Time.
     #[inline(always)]
     pub(super) fn time(&'a self, t: Lanes<L>, h: Lanes<L>) -> Jet<'a, L> {
-        Jet::Line(Straight {
+        Jet::Linear(LinearJet {
             value: t,
             slope: h,
-            pass: Some(self),
+            sweep: Some(self),
         })
     }
 
     #[inline(always)]
-    fn row(&self, row: usize) -> Option<&'a Row<L>> {
-        if row < AT_ONCE {
+    fn row(&self, row: usize) -> Option<&'a CoefficientRow<L>> {
+        if row < MIN_ROWS {
             Some(&self.first[row])
         } else {
             self.rows.get(row)
@@ -84,25 +85,25 @@ impl<'a, const L: usize> Pass<'a, L> {
     }
 
     /// Stores a coefficient of this order in the next row. It is dropped if there is no room, which
-    /// the first pass reports.
+    /// the first sweep reports.
     #[inline(always)]
-    pub(super) fn keep(&self, newest: Lanes<L>) -> usize {
-        let row = self.take();
-        self.put(row, newest);
+    pub(super) fn store_next(&self, newest: Lanes<L>) -> usize {
+        let row = self.take_row();
+        self.store(row, newest);
         row
     }
 
     /// Takes the next row.
     #[inline(always)]
-    pub(super) fn take(&self) -> usize {
-        let row = self.taken.get();
-        self.taken.set(row + 1);
+    pub(super) fn take_row(&self) -> usize {
+        let row = self.rows_taken.get();
+        self.rows_taken.set(row + 1);
         row
     }
 
     /// Stores a coefficient of this order in a row.
     #[inline(always)]
-    pub(super) fn put(&self, row: usize, newest: Lanes<L>) {
+    pub(super) fn store(&self, row: usize, newest: Lanes<L>) {
         if let Some(row) = self.row(row) {
             row.set(self.order, newest);
         }
@@ -110,8 +111,8 @@ impl<'a, const L: usize> Pass<'a, L> {
 
     /// The row that will be taken next.
     #[inline(always)]
-    pub(super) fn next(&self) -> usize {
-        self.taken.get()
+    pub(super) fn next_row(&self) -> usize {
+        self.rows_taken.get()
     }
 
     /// Stores the difference between the chosen and the rejected operand of a comparison.
@@ -155,13 +156,16 @@ impl<'a, const L: usize> Pass<'a, L> {
     }
 }
 
-impl<'a> Pass<'a, 1> {
-    /// The pass at order 0 with its operations recorded.
+impl<'a> Sweep<'a, 1> {
+    /// The sweep at order 0 with its operations recorded.
     #[inline(always)]
-    pub(super) fn recorded(rows: Rows<'a, 1>, recording: &'a RefCell<Recording>) -> Self {
-        Pass {
+    pub(super) fn recorded(
+        rows: CoefficientRows<'a, 1>,
+        recording: &'a RefCell<Recording>,
+    ) -> Self {
+        Sweep {
             recording: Some(recording),
-            ..Pass::new(rows, 0)
+            ..Sweep::new(rows, 0)
         }
     }
 

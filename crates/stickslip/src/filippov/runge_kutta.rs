@@ -2,14 +2,13 @@
 
 use std::cell::Cell;
 
-use super::event::Event;
+use super::deflation::deflate;
 use super::flow::Flow;
-use super::guard::first_event;
-use super::leaving::leaving;
-use super::locate::{Again, Limits, OnDense, Origin};
+use super::guard::{Event, first_event};
+use super::locate::{DenseGuard, Limits, Origin, StepMethod};
 use super::options::Locator;
 use super::run::{Run, Trial};
-use super::scan::{Asked, is_defined};
+use super::scan::{BoundsBudget, is_defined};
 use super::uncertainty::uncertainty;
 use crate::error::Error;
 use crate::interval::Interval;
@@ -21,24 +20,23 @@ use crate::system::State;
 pub(crate) struct Undefined;
 
 /// Allowed difference, in tolerances, between a step repeated up to an event and the dense output.
-/// Regular cases show up to some hundred.
-const UNRESOLVED: f64 = 1e6;
+/// Chosen far above regular cases, which show up to some hundred, and far below a singular flow.
+const DENSE_MISMATCH: f64 = 1e6;
 
 /// The state that Runge–Kutta steps keep from one to the next.
 #[derive(Default)]
-pub(crate) struct Slopes<const N: usize> {
+pub(crate) struct RungeKuttaStepper<const N: usize> {
     /// The slope at the present state, if it is known.
     slope: Option<State<N>>,
-    /// Slope at the start and length of the last step, if its dense output has not been made
-    /// because no guard needed it.
-    bare: Option<(State<N>, f64)>,
+    /// Slope at the start and length of the last step, if no guard needed its dense output.
+    without_dense: Option<(State<N>, f64)>,
 }
 
-/// If a step could have been longer by this factor, error control does not bound it. Rounding alone
-/// bounds it so at tolerances near rounding.
-const FREE: f64 = 1.5;
+/// If a step could have been longer by this factor, error control does not bound it. Chosen: its
+/// error is then below 2 % of the tolerance.
+const LONGER_STEP: f64 = 1.5;
 
-impl<const N: usize> Slopes<N> {
+impl<const N: usize> RungeKuttaStepper<N> {
     /// Forgets what belonged to the flow before.
     pub(crate) fn begin(&mut self) {
         *self = Self::default();
@@ -50,7 +48,7 @@ impl<const N: usize> Slopes<N> {
         run: &mut Run<N, G>,
         flow: &F,
     ) {
-        let Some((slope, h)) = self.bare.take() else {
+        let Some((slope, h)) = self.without_dense.take() else {
             return;
         };
         let field = &mut |t: f64, x: &State<N>| flow.velocity(t, x);
@@ -79,7 +77,7 @@ impl<const N: usize> Slopes<N> {
             run.counters.field_calls += flow.field_calls();
         }
         self.slope = Some(slope);
-        let (h, is_last, is_free, mut step) = run.accepted_step::<M, F>(flow, slope)?;
+        let (h, is_last, allows_longer, mut step) = run.accepted_step::<M, F>(flow, slope)?;
         let t_next = if is_last { run.t_end } else { t + h };
         step.end = flow.settle(t_next, step.end);
         let slope_at_end = field(t + h, &step.end);
@@ -88,7 +86,7 @@ impl<const N: usize> Slopes<N> {
         let is_far = run.is_far::<M, F>(flow, h, &step);
         if is_far && !run.wants_dense {
             run.counters.steps += 1;
-            (self.slope, self.bare) = (Some(slope_at_end), Some((slope, h)));
+            (self.slope, self.without_dense) = (Some(slope_at_end), Some((slope, h)));
             let (t, x) = (t_next, step.end);
             return Ok(run.accept(Timed { t, x }, None));
         }
@@ -107,18 +105,18 @@ impl<const N: usize> Slopes<N> {
             slope,
             h,
             to_end: (run.t_end - t) / h,
-            is_free,
-            again: Again::by::<M>(),
+            allows_longer,
+            method: StepMethod::by::<M>(),
             field_calls: Cell::new(0),
         };
         // The search must not depend on whether anyone watches the step.
-        let found = if is_far || run.is_held {
+        let event = if is_far || run.is_prescribed {
             Ok(None)
         } else {
             run.first_event(&origin, &dense)
         };
         run.counters.field_calls += origin.field_calls.get();
-        let Ok(event) = found else {
+        let Ok(event) = event else {
             run.reject_undefined(h)?;
             return Ok(Trial::NoStep);
         };
@@ -145,7 +143,7 @@ impl<const N: usize> Slopes<N> {
         }
         run.dense.become_copy(&dense);
         run.wants_dense = false;
-        (self.slope, self.bare) = (next_slope, None);
+        (self.slope, self.without_dense) = (next_slope, None);
         Ok(run.accept(at, event.as_ref()))
     }
 }
@@ -167,8 +165,8 @@ fn dense_again<M: RungeKutta, const N: usize>(
 }
 
 impl<const N: usize, const G: usize> Run<N, G> {
-    /// The next step within the tolerance: its length, whether it ends at the end time, whether it
-    /// could have been longer, its slopes and its end.
+    /// The next step within the tolerance: length, whether it ends at the end time, whether error
+    /// control allows a longer one, slopes and end.
     #[inline(always)]
     fn accepted_step<M: RungeKutta, F: Flow<N>>(
         &mut self,
@@ -199,7 +197,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
                 // end time does not change the planned length.
                 let next = h * if rejected { factor.min(1.0) } else { factor };
                 self.h = if is_last { next.max(self.h) } else { next };
-                return Ok((h, is_last, factor > FREE, step));
+                return Ok((h, is_last, factor > LONGER_STEP, step));
             }
             self.counters.rejected += 1;
             rejected = true;
@@ -219,10 +217,10 @@ impl<const N: usize, const G: usize> Run<N, G> {
         if !may_be || self.orders != [0; G] {
             return false;
         }
-        let reach = step.reach::<M>(&self.at.x, h);
+        let states = step.enclosure::<M>(&self.at.x, h);
         let times = Interval::new(self.at.t, self.at.t + h);
-        let is_finite = reach.iter().all(|reach| reach.high.is_finite());
-        is_finite && flow.are_clear(times, &reach) == [true; G]
+        let is_finite = states.iter().all(|range| range.high.is_finite());
+        is_finite && flow.are_clear(times, &states) == [true; G]
     }
 
     /// The first guard that fails in the step, and where.
@@ -245,7 +243,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
         // code.
         macro_rules! consider {
             ($guard:expr) => {
-                match self.first_failure($guard, origin, dense, &clear, self.orders[$guard]) {
+                match self.first_event_of($guard, origin, dense, &clear, self.orders[$guard]) {
                     Ok(Some(event)) if first.is_none_or(|first| event.at.t < first.at.t) => {
                         first = Some(event);
                     }
@@ -272,7 +270,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
     }
 
     #[inline(always)]
-    fn first_failure<F: Flow<N>>(
+    fn first_event_of<F: Flow<N>>(
         &mut self,
         i: usize,
         origin: &Origin<'_, F, N>,
@@ -285,7 +283,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
                 .flow
                 .guard_at(i, origin.t + s * origin.h, &dense.at(s))
         };
-        let (is_near, start) = if order == 0 {
+        let (may_vanish, start) = if order == 0 {
             if clear[i] {
                 return Ok(None);
             }
@@ -293,24 +291,24 @@ impl<const N: usize, const G: usize> Run<N, G> {
         } else {
             let (t, x) = (origin.t, origin.x);
             let (at, step) = (Timed { t, x }, (origin.h, order));
-            let start = leaving(origin.flow, i, &at, step, &self.options, on_dense);
+            let start = deflate(origin.flow, i, &at, step, &self.options, on_dense);
             (start.is_some(), start)
         };
-        let found = if is_near {
-            self.near_failure(&OnDense {
+        let event = if may_vanish {
+            self.search_guard(&DenseGuard {
                 origin,
                 dense,
                 guard: i,
                 start,
-                asked: Asked::default(),
+                bounds_budget: BoundsBudget::default(),
             })
         } else {
             None
         };
-        match &found {
+        match &event {
             Some(event) if !self.agrees(event, dense) => Err(Undefined),
             None if !is_defined(on_dense) => Err(Undefined),
-            _ => Ok(found),
+            _ => Ok(event),
         }
     }
 
@@ -323,21 +321,21 @@ impl<const N: usize, const G: usize> Run<N, G> {
         self.options.fixed_step().is_some()
             || (0..N).all(|i| {
                 let allowed = tolerance.atol + tolerance.rtol * there[i].abs();
-                (event.at.x[i] - there[i]).abs() <= UNRESOLVED * allowed
+                (event.at.x[i] - there[i]).abs() <= DENSE_MISMATCH * allowed
             })
     }
 
     /// The first event of a guard that needs a closer search.
     #[cold]
     #[inline(never)]
-    fn near_failure<F: Flow<N>>(&mut self, guard: &OnDense<'_, F, N>) -> Option<Event<N>> {
+    fn search_guard<F: Flow<N>>(&mut self, guard: &DenseGuard<'_, F, N>) -> Option<Event<N>> {
         first_event(guard, |bracket, estimate, is_rest| {
             self.counters.locations += 1;
-            let near = Timed {
+            let estimated = Timed {
                 t: guard.origin.t + estimate * guard.origin.h,
                 x: guard.dense.at(estimate),
             };
-            let limits = self.limits(guard.guard, guard.origin.flow, &near);
+            let limits = self.limits(guard.guard, guard.origin.flow, &estimated);
             let locator = if is_rest {
                 Locator::RootSearch
             } else {
@@ -349,8 +347,8 @@ impl<const N: usize, const G: usize> Run<N, G> {
 
     /// Tolerances of an event of guard `i` near a state. A step of fixed length has none: only
     /// error control gives a Hénon step a measure.
-    fn limits<F: Flow<N>>(&self, i: usize, flow: &F, near: &Timed<N>) -> Limits {
-        let blur = uncertainty(flow, i, near, &self.options.tolerance());
+    fn limits<F: Flow<N>>(&self, i: usize, flow: &F, estimated: &Timed<N>) -> Limits {
+        let blur = uncertainty(flow, i, estimated, &self.options.tolerance());
         let adaptive = self.options.fixed_step().is_none();
         Limits {
             touch: (self.options.touch * blur.by_tolerance).max(blur.by_rounding),
