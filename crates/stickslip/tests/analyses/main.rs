@@ -10,5 +10,6 @@ mod den_hartog;
 mod line;
 #[path = "../common/listed.rs"]
 mod listed;
+mod lyapunov_jumps;
 #[path = "../common/smooth.rs"]
 mod smooth;

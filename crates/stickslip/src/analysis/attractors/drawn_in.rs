@@ -42,7 +42,7 @@ pub(super) struct Trap {
 impl Trap {
     /// The largest of some sizes that is proved around an equilibrium near `at`. The first size is
     /// the one that the orbit there needs. States stay within `escape`.
-    ///     ///
+    ///
     /// Near a stable equilibrium `x` the function `V(y) = yᵀPy` with `JᵀP + PJ = −1` decreases
     /// along the linear flow (Lyapunov). The field at `x + y` is `A y`, where `A` is the mean of
     /// the Jacobian between `x` and `x + y`. So `V` decreases along the flow itself wherever `A`

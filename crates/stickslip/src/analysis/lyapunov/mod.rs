@@ -25,6 +25,9 @@
 //! ordinary stretch. So in general one exponent is −∞ however often the orbit sticks, and the other
 //! `N − 1` are those of the flow from Σ to Σ.
 //!
+//! A jump that sets states to constants has a kernel of several dimensions, and annihilates as many
+//! directions in the same way. A jump into an equilibrium annihilates all.
+//!
 //! # A check independent of the frame's lengths
 //! The volume that the surviving vectors span also follows from Liouville's formula. The divergence
 //! of the fields is integrated by quadrature over the dense output, and each transition contributes
@@ -55,12 +58,12 @@ use measurement::Measurement;
 ///
 /// The orbit first runs for `settings.transient` with the frame, so that the frame aligns with the
 /// directions of the exponents. It is then measured for `settings.duration`. Directions that stick
-/// annihilates during the transient are restored at its end: an orbit that sticks only on its way
+/// annihilates during the transient are restored at its end. So an orbit that sticks only on its way
 /// to an attractor without stick has `N` finite exponents.
 ///
-/// Over a whole number of periods of a periodic orbit, the exponents are those of the Floquet
-/// multipliers to rounding, if the transient has brought orbit and frame onto it. Otherwise they
-/// have an error that falls as one over the duration.
+/// Over an integer number of periods of a periodic orbit, the exponents are those of the Floquet
+/// multipliers to rounding. The transient must have brought orbit and frame onto the orbit.
+/// Otherwise they have an error that falls as one over the duration.
 ///
 /// ```
 /// use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum};
@@ -77,8 +80,8 @@ use measurement::Measurement;
 /// ```
 ///
 /// # Errors
-/// [`Error::Option`]; those of [`crate::run`]; [`Error::NoUniqueFuture`] where the orbit ends on a
-/// repelling part of Σ or at a two-fold; [`Error::TangentSingular`] where it grazes Σ so exactly
+/// [`Error::Option`]; those of [`crate::run`]. [`Error::NoUniqueFuture`] where the orbit ends on a
+/// repelling part of Σ or at a two-fold. [`Error::TangentSingular`] where it grazes Σ so exactly
 /// that tangent vectors have no image, or two contacts reach zero in the same instant.
 pub fn lyapunov_spectrum<Kind>(
     system: &impl AsDynamics<Kind>,
@@ -114,8 +117,8 @@ fn measured_alone(
 /// The largest exponent alone, from one tangent vector: the first of [`lyapunov_spectrum`] in a
 /// fraction of its time.
 ///
-/// Where exponents are equal, as in a spiral, the spectrum puts first the vector that grew most
-/// over the measured time; here it is the only one.
+/// If exponents are equal, as in a spiral, the spectrum begins with the vector that grew most over
+/// the measured time. Here there is only one vector.
 ///
 /// # Errors
 /// As [`lyapunov_spectrum`].
