@@ -1,9 +1,9 @@
 //! The plotters backend that writes the SVG.
 //!
 //! plotters' own SVG backend has no dashes and sets text in one font; this one keeps text as
-//! `<text>` with italics and subscripts. One backend unit is a hundredth of a px: plotters rounds
-//! coordinates to whole units, and a curve rounded to whole px is a staircase; rounded to tenths it
-//! still shows kinks when enlarged.
+//! `<text>` with italics and subscripts. One backend unit is a hundredth of a px, as plotters rounds
+//! coordinates to whole units. A curve rounded to whole px is a staircase, and one rounded to tenths
+//! shows kinks when enlarged.
 
 use std::fmt::{self, Write};
 

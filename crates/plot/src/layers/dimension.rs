@@ -33,8 +33,8 @@ impl Dimension {
     }
 
     setters! {
-        /// Moves the arrow by this many px to the left of its direction (upwards for one that
-        /// points right) and draws thin lines from its ends to the points.
+        /// Moves the arrow by this many px to the left of its direction: upwards for one that points
+        /// right. Thin lines connect its ends to the points.
         shift: f64 => shift;
     }
 

@@ -37,9 +37,8 @@ impl Note {
         }
     }
 
-    /// Moves the text by `(right, up)` px. It then stands on that side of the place, instead of
-    /// being centred at it: to the right of it for an offset to the right, above it for an offset
-    /// upwards.
+    /// Moves the text by `(right, up)` px. It then stands on that side of the place instead of being
+    /// centred there: an offset to the right puts it to the right, one upwards above.
     pub fn offset(mut self, right: f64, up: f64) -> Self {
         self.offset = (right, up);
         self

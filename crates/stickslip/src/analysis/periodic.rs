@@ -1,7 +1,7 @@
 //! Periodic orbits by shooting.
 
 use super::cycle::{Cycle, Outline, Shooting};
-use super::monodromy::{turn, velocity_in};
+use super::monodromy::{flow_derivative, velocity_in};
 use crate::dynamics::{
     AsDynamics, Components, Dynamics, Happening, Matrix, Modes, Moment, Section, Vector, run,
 };
@@ -275,7 +275,7 @@ fn whole(shooting: &Shooting<'_>, cycle: &Cycle, start: &Moment) -> Result<Perio
     };
     let is_autonomous = shooting.forced.is_none();
     let t_end = at.t + cycle.period;
-    let found = turn(system, &at, t_end, options, is_autonomous)?;
+    let found = flow_derivative(system, &at, t_end, options, is_autonomous)?;
     if found.summary.ending != Ending::EndTime {
         return Err(found.summary.goes_no_further());
     }
