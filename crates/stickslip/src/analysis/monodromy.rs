@@ -156,8 +156,8 @@ impl TangentMap {
     /// vanishes.
     pub(super) fn begin(&mut self, system: &dyn Dynamics, mode: Modes, at: &Moment) {
         for (contact, normal) in system.normals(mode, at) {
-            // The projection onto Σ is along the difference of one side's field and the sliding field,
-            // which lies between both sides' fields.
+            // The projection onto Σ is along the difference of one side's field and the sliding
+            // field, which lies between both sides' fields.
             let [below, above] = [Side::Below, Side::Above]
                 .map(|side| velocity_in(system, mode.with(contact, Mode::Slip(side)), at));
             let direction = above - below;

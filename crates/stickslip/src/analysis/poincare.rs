@@ -22,8 +22,8 @@ pub struct Return {
     pub mode: Modes,
 }
 
-/// A passage rate up to this fraction of its summands is zero to rounding, with some thousand units
-/// in the last place for the error of the field.
+/// A passage rate up to this fraction of its summands is zero to rounding. It is some thousand
+/// units in the last place, for the error of the field.
 const RATE_ROUNDING: f64 = 1e-12;
 
 /// The Poincaré map of a system and a section: a discrete-time system, in which each step is one
@@ -169,10 +169,11 @@ impl<'a> PoincareMap<'a> {
     ///
     /// It is `(I − f ∇gᵀ/(∂g/∂t + ∇g·f)) Φ` with the tangent flow Φ between the two, and the field
     /// `f` and the section `g` at the return. The first factor removes the effect of the start on
-    /// the return time, along the motion. On the section its eigenvalues are the Floquet multipliers of a periodic
-    /// orbit, with zero in place of the trivial one. The time at the last return is held fixed. In
-    /// a non-autonomous system, derivatives of successive returns multiply only where the section
-    /// fixes the time. From a state in stick it begins as [`crate::analysis::monodromy`] does.
+    /// the return time, along the motion. On the section its eigenvalues are the Floquet
+    /// multipliers of a periodic orbit, with zero in place of the trivial one. The time at the last
+    /// return is held fixed. In a non-autonomous system, derivatives of successive returns multiply
+    /// only where the section fixes the time. From a state in stick it begins as
+    /// [`crate::analysis::monodromy`] does.
     ///
     /// # Errors
     /// Those of [`PoincareMap::step`]; [`Error::TangentSingular`] where the orbit passes the

@@ -82,8 +82,8 @@ impl<'a> Tangent<'a> {
     /// `S = D + (f⁺ − D f⁻ − ∂R/∂t) ∇hᵀ / (∂h/∂t + ∇h·f⁻)`.
     ///
     /// # Errors
-    /// [`Error::TangentSingular`] where the orbit grazes the surface of the jump. Also where another
-    /// jump in the same instant triggers this one, and the field changes at it.
+    /// [`Error::TangentSingular`] where the orbit grazes the surface of the jump. Also where
+    /// another jump in the same instant triggers this one, and the field changes at it.
     fn reset(&self, at: &Transition) -> Result<Jump, Error> {
         let here = at.moment();
         let reset = self.system.reset(at.contact, &here);
@@ -117,9 +117,9 @@ impl<'a> Tangent<'a> {
     }
 
     /// The effect of the transition, or `None` where it changes no vector. Those are the exit from
-    /// stick, a touch, contact lost or gained, and a contact whose two fields agree (friction without
-    /// normal force). There the limit of the saltation matrix is the identity, though its formula
-    /// may read 0/0.
+    /// stick, a touch, contact lost or gained, and a contact whose two fields agree (friction
+    /// without normal force). There the limit of the saltation matrix is the identity, though its
+    /// formula may read 0/0.
     ///
     /// # Errors
     /// [`Error::TangentSingular`] where two contacts reach zero in the same instant: the

@@ -25,7 +25,9 @@ fn spectrum(text: &str, start: &[f64], transient: f64) -> Spectrum {
         alone == found.exponents[0] || (alone.value() - found.exponents[0].value()).abs() < 1e-12,
         "{alone:?} {found:?}"
     );
-    assert!(found.defect().abs() < 1e-11, "{found:?}");
+    // In each of the steps, of which there is one or more in a unit of time, a tangent vector is
+    // accurate to a hundred tolerances.
+    assert!(found.defect().abs() < 1e-8, "{found:?}");
     found
 }
 
@@ -59,15 +61,12 @@ fn a_jump_into_an_equilibrium_annihilates_all_directions() {
                 set = { x = \"0\", y = \"0\" }\n";
     let found = spectrum(text, &[0.1, 1.0], 0.0);
     assert_eq!(found.exponents, [Exponent::Annihilated; 2]);
-    assert_eq!(
-        (found.collapses, found.volume_rate.abs() < 1e-12),
-        (2, true)
-    );
+    assert_eq!(found.collapses, 2);
     // If that happens during the transient, the exponents are those of the equilibrium.
     let found = spectrum(text, &[0.1, 1.0], 5.0);
     let values: Vec<f64> = found.exponents.iter().map(Exponent::value).collect();
     assert!(
-        (values[0] - 1.0).abs() < 0.1 && (values[1] + 2.0).abs() < 0.1,
+        (values[0] - 1.0).abs() < 1e-8 && (values[1] + 2.0).abs() < 1e-8,
         "{values:?}"
     );
 }

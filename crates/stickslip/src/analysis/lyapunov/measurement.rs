@@ -18,8 +18,8 @@ use crate::math;
 /// rounding to its square root would do.
 const ACROSS_BOUNDARY: f64 = 1e-12;
 
-/// Relative rounding of a jump's matrix, some hundred units in the last place: singular values below
-/// it are zero.
+/// Relative rounding of a jump's matrix, some hundred units in the last place: singular values
+/// below it are zero.
 const MATRIX_ROUNDING: f64 = 1e-13;
 
 /// The frame and its sums.

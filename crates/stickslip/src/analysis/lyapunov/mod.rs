@@ -14,7 +14,7 @@
 //! # The effect of stick
 //! Entry into stick maps all states near Σ onto Σ. Its saltation matrix projects along `k = f_stick
 //! − f_slip` and has rank `N − 1`. A full frame loses one direction, and the length that
-//! Gram–Schmidt would still compute for it is rounding. So the loss is known in advance, not
+//! Gram–Schmidt would still compute for it is rounding. So the loss is determined in advance, not
 //! measured. The projection annihilates the first vector that, together with those before it, spans
 //! a space containing `k`. In a full frame this is the last one, unless a symmetry of the system
 //! decides otherwise. That vector's exponent is [`Exponent::Annihilated`], −∞, and the vector is
@@ -58,8 +58,8 @@ use measurement::Measurement;
 ///
 /// The orbit first runs for `settings.transient` with the frame, so that the frame aligns with the
 /// directions of the exponents. It is then measured for `settings.duration`. Directions that stick
-/// annihilates during the transient are restored at its end. So an orbit that sticks only on its way
-/// to an attractor without stick has `N` finite exponents.
+/// annihilates during the transient are restored at its end. So an orbit that sticks only on its
+/// way to an attractor without stick has `N` finite exponents.
 ///
 /// Over an integer number of periods of a periodic orbit, the exponents are those of the Floquet
 /// multipliers to rounding. The transient must have brought orbit and frame onto the orbit.

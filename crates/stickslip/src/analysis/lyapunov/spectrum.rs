@@ -7,8 +7,8 @@ use crate::math;
 const UNCERTAINTY_ERRORS: f64 = 4.0;
 
 /// Growth factor that a direction without exponential growth may show over a non-integer number of
-/// turns. Across a family of orbits the growth is proportional to time: 11 times from the end of a
-/// transient of a tenth of the measured time.
+/// turns. Across a family of orbits growth is proportional to time. After a transient of a tenth of
+/// the measured time, that is a factor of 11.
 const END_GROWTH: f64 = 30.0;
 
 /// One Lyapunov exponent.
