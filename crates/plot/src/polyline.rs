@@ -116,8 +116,8 @@ const POINTS_PER_PIECE: usize = 1 << 16;
 /// Drops points whose absence moves the line by less than `tolerance` (Ramer, Douglas and Peucker;
 /// without recursion, so a long orbit cannot exhaust the stack). `scale` turns data units into
 /// those of the tolerance. The ends of pieces of a long line are kept. So the time grows with the
-/// square of a piece, not of the line, even if every split leaves nearly all points on one side, as
-/// in a spiral.
+/// square of a piece, not of the line. This matters where every split leaves nearly all points on
+/// one side, as in a spiral.
 pub(super) fn simplify(points: &[Point], scale: Point, tolerance: f64) -> Vec<Point> {
     if points.len() < 3 {
         return points.to_vec();
