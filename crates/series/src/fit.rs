@@ -65,8 +65,8 @@ impl Decomposed {
 
     /// Residual ratio: the fraction of the images' deviations from the image of the point that the
     /// map (without ridge) does not predict. It is the root mean square per degree of freedom, over
-    /// the same without a map. It is 0 for a smooth map of small neighbourhoods, and 1 if the images do
-    /// not depend on the points. It is NaN without degrees of freedom.
+    /// the same without a map. It is 0 for a smooth map of small neighbourhoods, and 1 if the
+    /// images do not depend on the points. It is NaN without degrees of freedom.
     pub(crate) fn residual_ratio(&self) -> f64 {
         let (rank, columns) = (self.rank, self.images.columns());
         if self.independent <= rank {

@@ -11,8 +11,8 @@ use super::matrix::Matrix;
 use super::neighbours::Neighbour;
 use super::settings::RANK_TOLERANCE;
 
-/// Partial sums of a scalar product. Rows are padded with zeros to a multiple of this, which changes
-/// no sum and fills whole SIMD vectors.
+/// Partial sums of a scalar product. Rows are padded with zeros to a multiple of this, which
+/// changes no sum and fills whole SIMD vectors.
 const PARTIAL_SUMS: usize = 4;
 /// Columns reflected together, so that their sums are independent instructions. It changes no bit.
 const COLUMNS_TOGETHER: usize = 4;

@@ -2,12 +2,12 @@
 //!
 //! A linear map fitted to a neighbourhood of radius r has an error from the quadratic terms of the
 //! true map. The error is of order r where the neighbourhood is not symmetric. It is far larger on
-//! a curved attractor, where a direction may be wide by curvature alone. A quadratic fit is
-//! `y' = A y + Q(u, u)`, with u the coordinates of y along the widest directions. It leaves an error
-//! of order r² and represents the curvature of the attractor.
+//! a curved attractor, where a direction may be wide by curvature alone. A quadratic fit is `y' = A
+//! y + Q(u, u)`, with u the coordinates of y along the widest directions. It leaves an error of
+//! order r² and represents the curvature of the attractor.
 //!
-//! Bryant, Brown and Abarbanel, Phys. Rev. Lett. 65, 1523 (1990); Brown, Bryant and Abarbanel, Phys.
-//! Rev. A 43, 2787 (1991).
+//! Bryant, Brown and Abarbanel, Phys. Rev. Lett. 65, 1523 (1990); Brown, Bryant and Abarbanel,
+//! Phys. Rev. A 43, 2787 (1991).
 
 use super::fit::LocalMap;
 use super::least_squares::{LeastSquares, Terms};
@@ -15,8 +15,8 @@ use super::matrix::{Matrix, Row, product};
 use super::series::MAX_COLUMNS;
 
 /// A direction that is not tangent is omitted if the quadratic forms leave at most this fraction of
-/// the widest. Cubic terms in so small a remainder would pass for a derivative. Chosen: of the order
-/// of the cube of a radius of a tenth.
+/// the widest. Cubic terms in so small a remainder would pass for a derivative. Chosen: of the
+/// order of the cube of a radius of a tenth.
 const OMITTED_WIDTH: f64 = 1e-3;
 /// Largest number of unknowns per component of the image: six columns, all their 21 forms and a
 /// constant. With more columns there are forms of the widest directions only. It bounds the time.
@@ -181,8 +181,8 @@ mod tests {
         polynomial.derivative(&fit, &axes)
     }
 
-    /// Any quadratic map is recovered to rounding, also if the neighbours lie on a curved surface. A
-    /// linear fit would take the curvature for a third direction.
+    /// Any quadratic map is recovered to rounding, also if the neighbours lie on a curved surface.
+    /// A linear fit would take the curvature for a third direction.
     #[test]
     fn a_quadratic_map_is_recovered_from_points_on_a_curved_surface() {
         let map = |[x, y, z]: [f64; 3]| {
@@ -217,9 +217,9 @@ mod tests {
     }
 
     /// The map turns and stretches a times. Points of variance s² and images have noise of variance
-    /// σ². The slopes are too small by f = σ²/(s² + σ²). A component of the images has a residual of
-    /// σ² + a² s² f. From it and the slope a (1 − f), the noise of the points is estimated too small
-    /// by a relative error of order f.
+    /// σ². The slopes are too small by f = σ²/(s² + σ²). A component of the images has a residual
+    /// of σ² + a² s² f. From it and the slope a (1 − f), the noise of the points is estimated too
+    /// small by a relative error of order f.
     #[test]
     fn what_is_unpredicted_shows_by_how_much_noise_flattens_a_map() {
         const COUNT: u32 = 20_000;

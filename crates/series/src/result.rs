@@ -12,7 +12,7 @@ pub enum Status {
     Ok,
     /// It belongs to such a direction, but depends on the size of the neighbourhoods, by the
     /// curvature of map and attractor. An extrapolated exponent at size zero differs from that at
-    /// the larger size by more than two statistical errors and 5 %; or requested linear maps differ
+    /// the larger size by more than two statistical errors and 5 %. Or requested linear maps differ
     /// from quadratic ones by as much. With [`super::Estimator::SanoSawada`], neighbourhoods of
     /// twice the size change it by more than four standard errors and 5 %.
     Unstable,
@@ -20,9 +20,9 @@ pub enum Status {
     /// too few neighbours. The nearest points were taken there, at any distance. This is not the
     /// requested estimate.
     Starved,
-    /// It belongs to such a direction, but the maps that are extrapolated are often undetermined: at
-    /// more than 1 % of the reference points ([`DataExponent::undetermined`]). Values on a grid are
-    /// an example.
+    /// It belongs to such a direction, but the maps that are extrapolated are often undetermined:
+    /// at more than 1 % of the reference points ([`DataExponent::undetermined`]). Values on a grid
+    /// are an example.
     Undetermined,
     /// It belongs to such a direction, but noise may flatten the maps that are extrapolated by more
     /// than two errors. What they leave unpredicted of the images is taken for noise, the same in
@@ -90,8 +90,9 @@ pub struct DataExponent {
     pub sano_sawada: (f64, f64),
     /// Change of the value with neighbourhoods of twice the size. For
     /// [`super::Estimator::SanoSawada`] radius and counts are doubled; `stderr` does not contain
-    /// that bias. Otherwise the change is from the smaller to the larger of [`DataSpectrum::sizes`].
-    /// NaN for [`Status::Annihilated`] and where one of the two does not exist.
+    /// that bias. Otherwise the change is from the smaller to the larger of
+    /// [`DataSpectrum::sizes`]. NaN for [`Status::Annihilated`] and where one of the two does not
+    /// exist.
     pub eps_sensitivity: f64,
     /// Whether the value is meaningful.
     pub status: Status,

@@ -28,8 +28,8 @@ const BIAS: f64 = 0.25;
 /// Two exponents also agree if the stretchings per map differ by at most this fraction. All
 /// exponents of a regular motion are near 0, and a fit is no better than this. Chosen.
 const FIT_ERROR: f64 = 0.01;
-/// Reference points of the reversed series, where the step allows fewer than all. They suffice for a
-/// comparison to within [`BIAS`].
+/// Reference points of the reversed series, where the step allows fewer than all. They suffice for
+/// a comparison to within [`BIAS`].
 const REFERENCES: usize = 1000;
 /// Exponents are not compared if the residual ratio of a series, in either direction of time, is
 /// above this value. It then predicts at most three quarters of the variance. Chosen.
@@ -182,8 +182,8 @@ fn distance(a: (f64, f64), b: (f64, f64), scale: f64) -> Option<f64> {
     (difference <= errors.max(bias)).then_some(difference)
 }
 
-/// Which of `all` are among `references`. Each reference matches at most one, the nearest. The first
-/// `dimension` exponents, which the data determine, are matched before the others.
+/// Which of `all` are among `references`. Each reference matches at most one, the nearest. The
+/// first `dimension` exponents, which the data determine, are matched before the others.
 fn matched(
     all: &[(f64, f64)],
     references: &[(f64, f64)],

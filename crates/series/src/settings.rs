@@ -84,13 +84,13 @@ const POINTS_PER_DELAYED_NEIGHBOUR: usize = 100;
 const NEIGHBOURS_PER_VALUE: usize = 4;
 
 /// Settings of [`super::data_spectrum`]. The defaults suit noise-free series of some ten thousand
-/// points. A dozen neighbours keep the bias small, and the radius bounds what is local. Noisy series
-/// need more neighbours.
+/// points. A dozen neighbours keep the bias small, and the radius bounds what is local. Noisy
+/// series need more neighbours.
 ///
-/// The number of points in a ball can be estimated beforehand. Of n points on a surface of area S it
-/// holds about n π (eps · spread)² / S. An example is the torus (cos a, sin a, cos b, sin b), with
-/// spread √2 and area 4π². Of 45001 points there a ball of `eps` 0.02 holds 2.9. A dozen neighbours
-/// need an `eps` of 0.04.
+/// The number of points in a ball can be estimated beforehand. Of n points on a surface of area S
+/// it holds about n π (eps · spread)² / S. An example is the torus (cos a, sin a, cos b, sin b),
+/// with spread √2 and area 4π². Of 45001 points there a ball of `eps` 0.02 holds 2.9. A dozen
+/// neighbours need an `eps` of 0.04.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DataSettings {
     /// What is made of the local maps.
@@ -98,9 +98,9 @@ pub struct DataSettings {
     /// Which points are neighbours. What is extrapolated comes from the nearest points,
     /// [`Neighbourhood::fewest`] or more of them.
     pub neighbours: Neighbourhood,
-    /// Theiler window, in points: `k` is no neighbour of `j` if `|k − j|` is at most this. Points that
-    /// follow one another are near for no other reason. `None` takes the time in which
-    /// the autocorrelation of the series falls below 1/e.
+    /// Theiler window, in points: `k` is no neighbour of `j` if `|k − j|` is at most this. Points
+    /// that follow one another are near for no other reason. `None` takes the time in which the
+    /// autocorrelation of the series falls below 1/e.
     pub theiler: Option<usize>,
     /// `d` of Eq. (25): a map takes `x_j` to `x_{j+d}`.
     pub step: usize,

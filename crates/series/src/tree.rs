@@ -36,7 +36,8 @@ impl Bounds<'_> {
     }
 
     /// Lower bound of the squared distance to the points of the box. The operations are those of
-    /// [`super::matrix::distance2`], in its order, with smaller operands, and rounding is monotonic.
+    /// [`super::matrix::distance2`], in its order, with smaller operands, and rounding is
+    /// monotonic.
     #[inline(always)]
     fn distance2(&self, centre: &[f64]) -> f64 {
         let mut sum = 0.0;
@@ -75,9 +76,9 @@ pub(crate) struct Tree {
     /// Of each node the smallest index.
     first: Vec<u32>,
     first_leaf: usize,
-    /// Points of the leaves, from left to right: [`BLOCKS_PER_LEAF`] blocks of each, and of each block its
-    /// lanes, column by column. Places that no point takes are no numbers, and so not within any
-    /// distance.
+    /// Points of the leaves, from left to right: [`BLOCKS_PER_LEAF`] blocks of each, and of each
+    /// block its lanes, column by column. Places that no point takes are no numbers, and so not
+    /// within any distance.
     lanes: Vec<[f64; LANES]>,
     /// Their indices, block by block.
     indices: Vec<[u32; LANES]>,
@@ -180,9 +181,9 @@ impl Tree {
         sums
     }
 
-    /// The `wanted` points nearest to `centre` that are `admissible` by index, nearest first, equally
-    /// distant ones by index. Their squared distance is above `repeat2` and at most `radius2`. Fewer
-    /// if there are no more.
+    /// The `wanted` points nearest to `centre` that are `admissible` by index, nearest first,
+    /// equally distant ones by index. Their squared distance is above `repeat2` and at most
+    /// `radius2`. Fewer if there are no more.
     ///
     /// Where a system is at equilibrium or sticks, thousands of points coincide. A node with
     /// repeats only is skipped. So is a node as far as the last neighbour so far, if all its
@@ -289,8 +290,8 @@ mod tests {
     use crate::matrix::distance2;
     use crate::statistics::SplitMix;
 
-    /// Compares with an exhaustive search. There are up to some hundred points, in space, on a grid,
-    /// or in a few places far from the origin.
+    /// Compares with an exhaustive search. There are up to some hundred points, in space, on a
+    /// grid, or in a few places far from the origin.
     fn agrees_with_brute_force(columns: usize) {
         let mut draw = SplitMix::new(45);
         for round in 0..200 {

@@ -5,8 +5,8 @@
 //! exponent of noise is positive as well. But maps predict the next point of noise no better than
 //! that of its surrogates. So the statistic of the test is the part of the motion that the maps do
 //! not explain ([`super::DataSpectrum::residual_ratio`]). For series of low dimension a prediction
-//! error is the most powerful statistic in use (Schreiber and Schmitz, Phys. Rev. E 55, 5443, 1997).
-//! The series differs if its own is smaller than that of all surrogates, at the level
+//! error is the most powerful statistic in use (Schreiber and Schmitz, Phys. Rev. E 55, 5443,
+//! 1997). The series differs if its own is smaller than that of all surrogates, at the level
 //! 1/(surrogates + 1). The rank of the first exponent among theirs is reported as well.
 
 mod iaaft;
