@@ -50,8 +50,10 @@ class BifurcationDiagram(Result):
         Part of the time in which a contact sticks; NaN where there is no attractor.
     points : list of ndarray, shape (k, n)
         Points of the section: transitions, flashes of the drive's strobe, or turning points.
-    exponent, std_error : ndarray, shape (m,)
-        Largest Lyapunov exponent and its standard error; NaN where it was not measured.
+    exponent, std_error, uncertainty : ndarray, shape (m,)
+        Largest Lyapunov exponent, its standard error and its uncertainty: four standard errors, and
+        at least the effect of a growth factor of 30 over the measured time. NaN where it was not
+        measured.
     changes : ndarray, structured
         Where the attractor changes: ``name``, ``parameter`` (NaN where it was not located),
         ``uncertainty``, ``from_value`` and ``to_value`` (the values of the diagram that it lies
@@ -71,6 +73,7 @@ class BifurcationDiagram(Result):
     points: list[Floats]
     exponent: Floats
     std_error: Floats
+    uncertainty: Floats
     changes: NDArray[np.void]
     name: str
     system: System
@@ -169,8 +172,9 @@ class ParameterMap(Result):
         Its phases in letters.
     in_stick : ndarray, shape (k, m)
         Part of the time in stick; NaN where there is no attractor.
-    exponent, std_error : ndarray, shape (k, m)
-        Largest Lyapunov exponent and its standard error.
+    exponent, std_error, uncertainty : ndarray, shape (k, m)
+        Largest Lyapunov exponent, its standard error and its uncertainty, as in
+        `BifurcationDiagram`.
     names : (str, str)
         The parameters.
     """
@@ -184,6 +188,7 @@ class ParameterMap(Result):
     in_stick: Floats
     exponent: Floats
     std_error: Floats
+    uncertainty: Floats
     names: tuple[str, str]
 
     def plot(self, axes: Any = None, what: str = "kind") -> Any:

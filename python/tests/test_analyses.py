@@ -270,6 +270,7 @@ def test_a_map_is_that_of_the_program(tmp_path):
     assert np.array_equal(found.kind.ravel(), table["motion"])
     assert np.array_equal(found.exponent.ravel(), table["lambda1"], equal_nan=True)
     assert np.array_equal(found.std_error.ravel(), table["std_error"], equal_nan=True)
+    assert np.array_equal(found.uncertainty.ravel(), table["uncertainty"], equal_nan=True)
     again = ss.parameter_map(forced, x, y, [-0.269, -1.52], longest=300, duration=30, workers=1)
     assert np.array_equal(found.exponent, again.exponent, equal_nan=True)
 

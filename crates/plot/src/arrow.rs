@@ -4,8 +4,10 @@ use super::pen::Pen;
 use super::plot::{Drawn, Sheet};
 use super::polyline::Point;
 
-/// Length and half width of an arrow head, px.
-const HEAD: (f64, f64) = (6.5, 2.4);
+/// Length of an arrow head, px.
+const HEAD_LENGTH: f64 = 6.5;
+/// Half of its width, px.
+const HEAD_HALF_WIDTH: f64 = 2.4;
 
 /// A line from `from` to `to` with a head at `to`.
 pub(super) fn single(sheet: &Sheet<'_, '_>, from: Point, to: Point, pen: &Pen) -> Drawn {
@@ -25,13 +27,13 @@ pub(super) fn double(sheet: &Sheet<'_, '_>, a: Point, b: Point, pen: &Pen) -> Dr
         return Ok(());
     }
     let (ux, uy) = (dx / length, dy / length);
-    if length < 2.6 * HEAD.0 {
-        let out = 2.2 * HEAD.0;
+    if length < 2.6 * HEAD_LENGTH {
+        let out = 2.2 * HEAD_LENGTH;
         single(sheet, (a.0 - out * ux, a.1 - out * uy), a, pen)?;
         return single(sheet, (b.0 + out * ux, b.1 + out * uy), b, pen);
     }
-    let near_a = (a.0 + HEAD.0 * ux, a.1 + HEAD.0 * uy);
-    let near_b = (b.0 - HEAD.0 * ux, b.1 - HEAD.0 * uy);
+    let near_a = (a.0 + HEAD_LENGTH * ux, a.1 + HEAD_LENGTH * uy);
+    let near_b = (b.0 - HEAD_LENGTH * ux, b.1 - HEAD_LENGTH * uy);
     sheet.stroke(&[near_a, near_b], pen)?;
     head(sheet, near_a, a, pen)?;
     head(sheet, near_b, b, pen)
@@ -42,14 +44,14 @@ fn neck(from: Point, to: Point) -> Option<Point> {
     let (dx, dy) = (to.0 - from.0, to.1 - from.1);
     let length = crate::math::hypot(dx, dy);
     (length > 0.0).then(|| {
-        let s = HEAD.0.min(length) / length;
+        let s = HEAD_LENGTH.min(length) / length;
         (to.0 - s * dx, to.1 - s * dy)
     })
 }
 
 fn head(sheet: &Sheet<'_, '_>, neck: Point, tip: Point, pen: &Pen) -> Drawn {
     let (dx, dy) = (tip.0 - neck.0, tip.1 - neck.1);
-    let half = HEAD.1 / crate::math::hypot(dx, dy);
+    let half = HEAD_HALF_WIDTH / crate::math::hypot(dx, dy);
     let corners = [
         tip,
         (neck.0 - half * dy, neck.1 + half * dx),

@@ -13,7 +13,7 @@ const BORDER: f64 = 8.0;
 /// Space between neighbouring cells, px.
 const GAP: f64 = 14.0;
 /// Smallest plot rectangle that still shows something, px.
-const SMALLEST: f64 = 24.0;
+const SMALLEST_PLOT: f64 = 24.0;
 
 /// Content of a cell of the page.
 pub enum Cell {
@@ -127,7 +127,7 @@ impl Figure {
         for place in &placed {
             let width = place.frame.width() - place.margins.left - place.margins.right;
             let height = place.frame.height() - place.margins.top - place.margins.bottom;
-            if !(width >= SMALLEST && height >= SMALLEST) {
+            if !(width >= SMALLEST_PLOT && height >= SMALLEST_PLOT) {
                 return Err(PlotError::NoRoom {
                     figure: self.id.clone(),
                     width,

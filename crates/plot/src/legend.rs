@@ -37,10 +37,9 @@ impl Entry {
     }
 }
 
-// Lengths, px. They are chosen by eye for text of this size.
-const SIZE: f64 = 11.0;
-const LINE: f64 = 16.0;
-const KEY: f64 = 27.0;
+// Lengths, px. They are chosen by eye for small text.
+const LINE_HEIGHT: f64 = 16.0;
+const KEY_WIDTH: f64 = 27.0;
 const KEY_GAP: f64 = 6.0;
 const COLUMN_GAP: f64 = 18.0;
 const PADDING: f64 = 5.0;
@@ -50,9 +49,9 @@ const INSET: f64 = 7.0;
 fn widest(entries: &[Entry]) -> Result<f64, PlotError> {
     let widths = entries
         .iter()
-        .map(|entry| metrics::width(&entry.text, SIZE));
+        .map(|entry| metrics::width(&entry.text, metrics::SMALL_TEXT));
     let widths: Vec<f64> = widths.collect::<Result<_, _>>()?;
-    Ok(KEY + KEY_GAP + widths.into_iter().fold(0.0, f64::max))
+    Ok(KEY_WIDTH + KEY_GAP + widths.into_iter().fold(0.0, f64::max))
 }
 
 /// Number and width of the columns of a legend below a panel.
@@ -71,7 +70,7 @@ pub(super) fn height_below(entries: &[Entry], available: f64) -> Result<f64, Plo
         return Ok(0.0);
     }
     let (count, _) = columns(entries, available)?;
-    Ok(entries.len().div_ceil(count) as f64 * LINE + PADDING)
+    Ok(entries.len().div_ceil(count) as f64 * LINE_HEIGHT + PADDING)
 }
 
 /// Draws the legend under a panel: centred between `left` and `right`, from `top` down.
@@ -90,7 +89,12 @@ pub(super) fn draw_below(
     for (i, entry) in entries.iter().enumerate() {
         let (line, column) = (i / count, i % count);
         let x = start + column as f64 * (width + COLUMN_GAP);
-        draw_entry(sheet, entry, x, top + PADDING + (line as f64 + 0.5) * LINE)?;
+        draw_entry(
+            sheet,
+            entry,
+            x,
+            top + PADDING + (line as f64 + 0.5) * LINE_HEIGHT,
+        )?;
     }
     Ok(())
 }
@@ -106,7 +110,7 @@ pub(super) fn draw_inside(
         return Ok(());
     }
     let width = widest(entries)? + 2.0 * PADDING;
-    let height = entries.len() as f64 * LINE + PADDING;
+    let height = entries.len() as f64 * LINE_HEIGHT + PADDING;
     let left = match place {
         Legend::UpperLeft => plot.left + INSET,
         _ => (plot.left + plot.right - width) / 2.0,
@@ -116,7 +120,7 @@ pub(super) fn draw_inside(
     sheet.rect(&frame, WHITE)?;
     sheet.outline(&frame, &Pen::new(Color(190, 190, 190), 0.6))?;
     for (i, entry) in entries.iter().enumerate() {
-        let y = top + PADDING / 2.0 + (i as f64 + 0.5) * LINE;
+        let y = top + PADDING / 2.0 + (i as f64 + 0.5) * LINE_HEIGHT;
         draw_entry(sheet, entry, left + PADDING, y)?;
     }
     Ok(())
@@ -125,13 +129,13 @@ pub(super) fn draw_inside(
 fn draw_entry(sheet: &Sheet<'_, '_>, entry: &Entry, x: f64, y: f64) -> Drawn {
     match &entry.ink {
         Ink::Area(color) => {
-            let swatch = Frame::between((x + 2.0, y - 4.5), (x + KEY - 2.0, y + 4.5));
+            let swatch = Frame::between((x + 2.0, y - 4.5), (x + KEY_WIDTH - 2.0, y + 4.5));
             sheet.rect(&swatch, *color)?;
             sheet.outline(&swatch, &Pen::new(Color(150, 150, 150), 0.5))?;
         }
-        Ink::Line(_) => sheet.draw(&[(x, y), (x + KEY, y)], entry.ink.clone())?,
-        _ => sheet.draw(&[(x + KEY / 2.0, y)], entry.ink.clone())?,
+        Ink::Line(_) => sheet.draw(&[(x, y), (x + KEY_WIDTH, y)], entry.ink.clone())?,
+        _ => sheet.draw(&[(x + KEY_WIDTH / 2.0, y)], entry.ink.clone())?,
     }
-    let words = Words::new(&entry.text, SIZE, (HPos::Left, VPos::Center));
-    sheet.words((x + KEY + KEY_GAP, y), words)
+    let words = Words::new(&entry.text, metrics::SMALL_TEXT, (HPos::Left, VPos::Center));
+    sheet.words((x + KEY_WIDTH + KEY_GAP, y), words)
 }

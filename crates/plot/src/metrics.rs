@@ -32,6 +32,12 @@ pub static FACES: [(FontStyle, &[u8]); 3] = [
     ),
 ];
 
+/// Font size of numbers at axes, legends and tables, px. Chosen by eye.
+pub(super) const SMALL_TEXT: f64 = 11.0;
+
+/// Font size of axis and panel labels, px.
+pub(super) const LARGE_TEXT: f64 = 12.5;
+
 /// Height of capitals and digits in font sizes (from the font: 1409 of 2048 units).
 pub(super) const CAP_HEIGHT: f64 = 0.688;
 
@@ -39,7 +45,7 @@ pub(super) const CAP_HEIGHT: f64 = 0.688;
 const LINE_PER_EM: f64 = 1.1171875;
 
 /// Measured at this size and scaled down, because plotters returns whole pixels.
-const MEASURED_AT: f64 = 1000.0;
+const MEASURED_SIZE: f64 = 1000.0;
 
 /// Registration happens once per process; the registry is global to plotters.
 static REGISTERED: LazyLock<bool> = LazyLock::new(|| {
@@ -72,11 +78,11 @@ pub(super) fn run_width(run: &Run, size: f64) -> Result<f64, PlotError> {
         (false, true) => FontStyle::Italic,
         (false, false) => FontStyle::Normal,
     };
-    let font = FontDesc::new(FontFamily::Name(FAMILY), MEASURED_AT * LINE_PER_EM, style);
+    let font = FontDesc::new(FontFamily::Name(FAMILY), MEASURED_SIZE * LINE_PER_EM, style);
     let ((left, _), (right, _)) = font
         .layout_box(&run.text)
         .map_err(|error| PlotError::Draw(error.to_string()))?;
-    Ok(f64::from(right - left) / MEASURED_AT * size * run.level.scale())
+    Ok(f64::from(right - left) / MEASURED_SIZE * size * run.level.scale())
 }
 
 #[cfg(test)]

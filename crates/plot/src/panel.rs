@@ -13,11 +13,8 @@ use super::plot::{Drawn, Frame, Page, Plot, Sheet};
 use crate::error::PlotError;
 
 // Lengths, px. They are chosen by eye at the nominal size.
-const TICK_TEXT: f64 = 11.0;
-const AXIS_TEXT: f64 = 12.5;
-const PANEL_TEXT: f64 = 12.5;
-const TICK: f64 = 4.5;
-const MINOR_TICK: f64 = 2.5;
+const TICK_LENGTH: f64 = 4.5;
+const MINOR_TICK_LENGTH: f64 = 2.5;
 const TICK_GAP: f64 = 5.0;
 const LABEL_GAP: f64 = 7.0;
 const FRAME_WIDTH: f64 = 0.9;
@@ -36,7 +33,11 @@ pub(super) struct Margins {
 impl Axis {
     /// Height of the numbers of a lower axis, px.
     fn numbers(&self) -> f64 {
-        if self.numbered { TICK_TEXT + 2.0 } else { 0.0 }
+        if self.numbered {
+            metrics::SMALL_TEXT + 2.0
+        } else {
+            0.0
+        }
     }
 }
 
@@ -101,7 +102,7 @@ impl Panel {
     fn below(&self) -> f64 {
         let label = match self.x.label.as_str() {
             "" => 0.0,
-            _ => AXIS_TEXT + DESCENT + 1.0,
+            _ => metrics::LARGE_TEXT + DESCENT + 1.0,
         };
         TICK_GAP + self.x.numbers() + label
     }
@@ -117,22 +118,22 @@ impl Panel {
         if self.y.numbered {
             let mut widest: f64 = 0.0;
             for (_, text) in self.y.major() {
-                widest = widest.max(metrics::width(&text, TICK_TEXT)?);
+                widest = widest.max(metrics::width(&text, metrics::SMALL_TEXT)?);
             }
             left += widest;
         }
         if !self.y.label.is_empty() {
-            left += LABEL_GAP + AXIS_TEXT + DESCENT - 2.0;
+            left += LABEL_GAP + metrics::LARGE_TEXT + DESCENT - 2.0;
         }
         let mut right: f64 = 3.0;
         if let (true, Some((v, text))) = (self.x.numbered, self.x.major().last()) {
             let from_border = (self.x.max - v) / (self.x.max - self.x.min) * cell_width;
-            right = right.max(metrics::width(text, TICK_TEXT)? / 2.0 - from_border + 1.0);
+            right = right.max(metrics::width(text, metrics::SMALL_TEXT)? / 2.0 - from_border + 1.0);
         }
         let top = if self.heading().is_empty() {
-            TICK_TEXT / 2.0
+            metrics::SMALL_TEXT / 2.0
         } else {
-            PANEL_TEXT + 8.0
+            metrics::LARGE_TEXT + 8.0
         };
         let mut bottom = self.below();
         if self.legend == Legend::Below {
@@ -170,7 +171,7 @@ impl Panel {
         if heading.is_empty() {
             return Ok(());
         }
-        let words = Words::new(&heading, PANEL_TEXT, (HPos::Left, VPos::Bottom));
+        let words = Words::new(&heading, metrics::LARGE_TEXT, (HPos::Left, VPos::Bottom));
         plot.sheet.words((frame.left, frame.top - 7.0), words)
     }
 
@@ -189,17 +190,18 @@ impl Panel {
             plot.sheet.stroke(&ends, &pen).map(|()| ends[0])
         };
         for v in axis.minor_ticks() {
-            tick(v, MINOR_TICK)?;
+            tick(v, MINOR_TICK_LENGTH)?;
         }
         for (v, text) in axis.major() {
-            let (x, y) = tick(v, TICK)?;
+            let (x, y) = tick(v, TICK_LENGTH)?;
             let (at, anchor) = if is_lower {
                 ((x, y + TICK_GAP + 1.0), (HPos::Center, VPos::Top))
             } else {
                 ((x - TICK_GAP, y), (HPos::Right, VPos::Center))
             };
             if axis.numbered {
-                plot.sheet.words(at, Words::new(&text, TICK_TEXT, anchor))?;
+                plot.sheet
+                    .words(at, Words::new(&text, metrics::SMALL_TEXT, anchor))?;
             }
         }
         if axis.label.is_empty() {
@@ -214,7 +216,7 @@ impl Panel {
         };
         let words = Words {
             upwards: !is_lower,
-            ..Words::new(&axis.label, AXIS_TEXT, (HPos::Center, VPos::Top))
+            ..Words::new(&axis.label, metrics::LARGE_TEXT, (HPos::Center, VPos::Top))
         };
         plot.sheet.words(at, words)
     }

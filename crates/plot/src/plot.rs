@@ -15,8 +15,8 @@ use super::pen::Pen;
 use super::polyline::{self, Bounds, Point};
 use crate::error::PlotError;
 
-/// Displacements of a curve below this, px, are invisible even when enlarged a few times.
-const TOLERANCE: f64 = 0.02;
+/// Displacement of a curve, px, that is invisible even when enlarged a few times.
+const INVISIBLE: f64 = 0.02;
 
 /// The outcome of drawing.
 pub type Drawn = Result<(), PlotError>;
@@ -164,7 +164,7 @@ impl<'p, 'a> Plot<'p, 'a> {
     /// A polyline in data units, cut at the frame.
     pub(super) fn stroke(&self, points: &[Point], pen: &Pen) -> Drawn {
         for piece in polyline::clip_line(points, &self.bounds) {
-            let points = polyline::simplify(&piece, self.scale(), TOLERANCE);
+            let points = polyline::simplify(&piece, self.scale(), INVISIBLE);
             let ink = Ink::Line(*pen);
             self.data.draw(&Element { points, ink })?;
         }
@@ -175,7 +175,7 @@ impl<'p, 'a> Plot<'p, 'a> {
     pub(super) fn fill(&self, points: &[Point], color: Color) -> Drawn {
         let cut = polyline::clip_area(points, &self.bounds);
         let (points, ink) = (
-            polyline::simplify(&cut, self.scale(), TOLERANCE),
+            polyline::simplify(&cut, self.scale(), INVISIBLE),
             Ink::Polygon(color),
         );
         Ok(self.data.draw(&Element { points, ink })?)

@@ -111,13 +111,13 @@ pub(super) fn clip_area(points: &[Point], bounds: &Bounds) -> Vec<Point> {
 
 /// Points of a piece of a long line. In the worst case a piece takes this many squared steps, some
 /// seconds.
-const PIECE: usize = 1 << 16;
+const POINTS_PER_PIECE: usize = 1 << 16;
 
 /// Drops points whose absence moves the line by less than `tolerance` (Ramer, Douglas and Peucker;
 /// without recursion, so a long orbit cannot exhaust the stack). `scale` turns data units into
-/// those of the tolerance. The ends of pieces of a long line are kept: where every split leaves
-/// nearly all points on one side, as of a spiral, the time grows with the square of a piece and not
-/// of the line.
+/// those of the tolerance. The ends of pieces of a long line are kept. So the time grows with the
+/// square of a piece, not of the line. This matters where every split leaves nearly all points on
+/// one side, as in a spiral.
 pub(super) fn simplify(points: &[Point], scale: Point, tolerance: f64) -> Vec<Point> {
     if points.len() < 3 {
         return points.to_vec();
@@ -126,9 +126,9 @@ pub(super) fn simplify(points: &[Point], scale: Point, tolerance: f64) -> Vec<Po
     let last = points.len() - 1;
     keep[last] = true;
     let mut open = Vec::new();
-    for first in (0..last).step_by(PIECE) {
+    for first in (0..last).step_by(POINTS_PER_PIECE) {
         keep[first] = true;
-        open.push((first, last.min(first + PIECE)));
+        open.push((first, last.min(first + POINTS_PER_PIECE)));
     }
     while let Some((first, last)) = open.pop() {
         let mut farthest = (0.0, first);
@@ -222,9 +222,9 @@ mod tests {
 
     #[test]
     fn a_long_line_is_thinned_in_pieces() {
-        let length = 2 * PIECE + 2;
+        let length = 2 * POINTS_PER_PIECE + 2;
         let line: Vec<Point> = (0..length).map(|i| (i as f64, 0.0)).collect();
-        let ends = [0, PIECE, 2 * PIECE, length - 1].map(|i| line[i]);
+        let ends = [0, POINTS_PER_PIECE, 2 * POINTS_PER_PIECE, length - 1].map(|i| line[i]);
         assert_eq!(simplify(&line, (1.0, 1.0), 0.01), ends);
     }
 

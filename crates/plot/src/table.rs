@@ -10,10 +10,9 @@ use super::plot::{Drawn, Frame, Page, Sheet};
 use crate::error::PlotError;
 
 // Lengths, px. They are chosen by eye at the nominal size.
-const SIZE: f64 = 11.0;
-const LINE: f64 = 17.0;
+const LINE_HEIGHT: f64 = 17.0;
 const COLUMN_GAP: f64 = 16.0;
-const TITLE: f64 = 22.0;
+const TITLE_HEIGHT: f64 = 22.0;
 
 /// Rows of marked-up text under a header; the first column is set to the left, the others to the
 /// right.
@@ -48,7 +47,7 @@ impl Table {
         let mut widths = vec![0.0_f64; columns];
         for row in &self.rows {
             for (cell, width) in row.iter().zip(&mut widths) {
-                *width = width.max(metrics::width(cell, SIZE)?);
+                *width = width.max(metrics::width(cell, metrics::SMALL_TEXT)?);
             }
         }
         Ok(widths)
@@ -63,15 +62,19 @@ impl Table {
         let right = left + total;
         let mut top = cell.top;
         if !self.title.is_empty() {
-            let words = Words::new(&self.title, SIZE + 1.0, (HPos::Left, VPos::Top));
+            let words = Words::new(
+                &self.title,
+                metrics::SMALL_TEXT + 1.0,
+                (HPos::Left, VPos::Top),
+            );
             sheet.words((left, top), words)?;
-            top += TITLE;
+            top += TITLE_HEIGHT;
         }
         let rule =
             |y: f64, width: f64| sheet.stroke(&[(left, y), (right, y)], &Pen::new(BLACK, width));
         rule(top, 1.1)?;
         for (i, row) in self.rows.iter().enumerate() {
-            let middle = top + (i as f64 + 0.5) * LINE + 0.5;
+            let middle = top + (i as f64 + 0.5) * LINE_HEIGHT + 0.5;
             let mut x = left;
             for (column, (cell, width)) in row.iter().zip(&widths).enumerate() {
                 let (at, h) = if column == 0 {
@@ -79,11 +82,14 @@ impl Table {
                 } else {
                     (x + width, HPos::Right)
                 };
-                sheet.words((at, middle), Words::new(cell, SIZE, (h, VPos::Center)))?;
+                sheet.words(
+                    (at, middle),
+                    Words::new(cell, metrics::SMALL_TEXT, (h, VPos::Center)),
+                )?;
                 x += width + COLUMN_GAP;
             }
         }
-        rule(top + LINE, 0.6)?;
-        rule(top + self.rows.len() as f64 * LINE + 1.0, 1.1)
+        rule(top + LINE_HEIGHT, 0.6)?;
+        rule(top + self.rows.len() as f64 * LINE_HEIGHT + 1.0, 1.1)
     }
 }

@@ -4,13 +4,13 @@ use std::f64::consts::FRAC_2_PI;
 
 use super::chain::Stretch;
 
-/// Number of blocks of reference points for the standard error. It is 4 % wider with this many than
-/// with infinitely many.
+/// Number of blocks of reference points for the standard error. Student's quantile for this many is
+/// 4 % above that for infinitely many.
 const BLOCKS: usize = 32;
-/// Fewest reference points of a block.
-const SHORTEST_BLOCK: usize = 10;
-/// Rows of the running means. A plot resolves hardly more points.
-const ROWS: usize = 400;
+/// Fewest reference points of a block. Chosen: means of shorter blocks are correlated.
+pub(crate) const SHORTEST_BLOCK: usize = 10;
+/// Largest number of rows of the running means: a plot resolves hardly more points.
+const RUNNING_ROWS: usize = 400;
 
 /// Mean logarithm of the stretching in one position, per unit of time.
 #[derive(Clone, Copy, Debug)]
@@ -61,7 +61,7 @@ pub(crate) fn average(stretches: &[Stretch], position: usize, tau: f64) -> Avera
             let term = libm::log(stretch.factor[position]);
             all.add(term);
             parts[i * blocks / stretches.len()].add(term);
-        } else if position < stretch.determined {
+        } else if position < stretch.rank {
             collapses += 1;
         } else {
             undetermined += 1;
@@ -80,9 +80,9 @@ pub(crate) fn average(stretches: &[Stretch], position: usize, tau: f64) -> Avera
 
 /// Running means of the stretchings, each with the number of reference points before it.
 pub(crate) fn running(stretches: &[Stretch], columns: usize, tau: f64) -> Vec<(usize, Vec<f64>)> {
-    let thin = stretches.len().div_ceil(ROWS).max(1);
+    let thin = stretches.len().div_ceil(RUNNING_ROWS).max(1);
     let mut sums = vec![Sum::default(); columns];
-    let mut rows = Vec::with_capacity(ROWS + 1);
+    let mut rows = Vec::with_capacity(RUNNING_ROWS + 1);
     for (i, stretch) in (1..).zip(stretches) {
         for (sum, factor) in sums.iter_mut().zip(&stretch.factor[..stretch.alive]) {
             sum.add(libm::log(*factor));
@@ -123,12 +123,12 @@ fn block_error(blocks: impl Iterator<Item = Sum>) -> (f64, f64) {
 /// often as two exact ones do. This is a quantile of Student's distribution.
 fn student(freedom: usize) -> f64 {
     // Probability that a normal quantity is within two standard errors.
-    const HELD: f64 = 0.954_499_736_103_641_6;
+    const WITHIN_TWO: f64 = 0.954_499_736_103_641_6;
     // The probability grows from 0 to 1, and one degree of freedom needs 14.
     let (mut low, mut high) = (0.0, 16.0);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        if within(middle, freedom) < HELD {
+        if within(middle, freedom) < WITHIN_TWO {
             low = middle;
         } else {
             high = middle;

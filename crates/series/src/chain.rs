@@ -13,7 +13,7 @@ pub(crate) struct Stretch {
     /// Positions from here on are annihilated: the data determine the map, and it is zero there.
     pub(crate) alive: usize,
     /// Positions from here on are not determined by the data.
-    pub(crate) determined: usize,
+    pub(crate) rank: usize,
 }
 
 impl Stretch {
@@ -24,7 +24,7 @@ impl Stretch {
         Stretch {
             factor,
             alive: usize::from(self.alive >= dimension),
-            determined: usize::from(self.determined >= dimension),
+            rank: usize::from(self.rank >= dimension),
         }
     }
 }
@@ -81,31 +81,31 @@ fn advance(
     width: usize,
 ) -> Stretch {
     let columns = basis.columns();
-    let determined = map.rank.min(width);
+    let rank = map.rank.min(width);
     let mut stretch = Stretch {
         factor: [0.0; MAX_COLUMNS],
-        alive: determined,
-        determined,
+        alive: rank,
+        rank,
     };
-    if determined == 0 {
+    if rank == 0 {
         // The map is unknown here, so the vectors are kept for the next one.
         return stretch;
     }
-    if width < columns && determined == width {
+    if width < columns && rank == width {
         align(basis, directions, width);
     }
     let mut kept = 0;
     let mut image = [0.0; MAX_COLUMNS];
     let image = &mut image[..columns];
     for vector in basis.first(width) {
-        if kept == determined {
+        if kept == rank {
             break;
         }
         for (cell, row) in image.iter_mut().zip(map.matrix.rows()) {
             *cell = product(row, vector);
         }
         let length = orthogonalise(image, next.first(kept));
-        if length > map.nothing {
+        if length > map.negligible {
             for (cell, v) in next[kept].iter_mut().zip(&*image) {
                 *cell = v / length;
             }
@@ -193,7 +193,7 @@ mod tests {
         let map = LocalMap {
             matrix: Matrix::new(matrix.concat(), N),
             rank,
-            nothing: 1e-12,
+            negligible: 1e-12,
         };
         let mut basis = Matrix::identity(N);
         let mut next = basis.clone();
@@ -206,14 +206,14 @@ mod tests {
         let (stretch, _) = through([[2.0, 1.0, 0.0], [0.0, 3.0, 1.0], [1.0, 0.0, 1.0]], 3);
         // 2 (3 · 1 − 1 · 0) − 1 (0 · 1 − 1 · 1) = 7.
         assert!((stretch.factor[..3].iter().product::<f64>() - 7.0).abs() < 1e-14);
-        assert_eq!((stretch.alive, stretch.determined), (3, 3));
+        assert_eq!((stretch.alive, stretch.rank), (3, 3));
     }
 
     #[test]
     fn an_annihilated_vector_goes_to_the_end() {
         let (stretch, basis) = through([[0.0, 0.0, 0.0], [0.0, 5.0, 0.0], [0.0, 0.0, 3.0]], 3);
         assert_eq!(stretch.factor[..3], [5.0, 3.0, 0.0]);
-        assert_eq!((stretch.alive, stretch.determined), (2, 3));
+        assert_eq!((stretch.alive, stretch.rank), (2, 3));
         assert_eq!([0, 1, 2].map(|c| basis[2][c].abs()), [1.0, 0.0, 0.0]);
     }
 
@@ -224,11 +224,11 @@ mod tests {
     }
 
     #[test]
-    fn undetermined_is_told_from_annihilated() {
+    fn undetermined_is_distinguished_from_annihilated() {
         let (stretch, _) = through([[0.0, 0.0], [0.0, 5.0]], 1);
-        assert_eq!((stretch.alive, stretch.determined), (1, 1));
+        assert_eq!((stretch.alive, stretch.rank), (1, 1));
         let (stretch, basis) = through([[0.0; 2]; 2], 0);
-        assert_eq!((stretch.alive, stretch.determined), (0, 0));
+        assert_eq!((stretch.alive, stretch.rank), (0, 0));
         assert_eq!(basis, Matrix::identity(2));
     }
 }

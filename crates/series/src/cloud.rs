@@ -4,12 +4,14 @@ use super::error::DataError;
 use super::matrix::{Matrix, distance2};
 use super::series::Series;
 
-/// Longest lag considered, as a fraction of the series. A Theiler window this long leaves four
-/// fifths of the points as neighbours, and a delay this long allows ten successive vectors of two
-/// values.
-const LONGEST_PART: usize = 10;
+/// Rows of the series for each row of the longest lag considered. A Theiler window of that length
+/// leaves four fifths of the points as neighbours.
+const ROWS_PER_LAG: usize = 10;
 /// Terms in the estimate of an autocorrelation, whose standard error is then 1/64.
-const TERMS: usize = 4096;
+const CORRELATION_TERMS: usize = 4096;
+/// Units in the last place of the largest value by which equal values may differ. The difference of
+/// two rounded values has one; the others are for the arithmetic that made them.
+const ULPS: f64 = 4.0;
 
 /// The points, divided by a power of two near their extent. This does not change exponents, and no
 /// square over- or underflows, whatever the unit of the data.
@@ -19,7 +21,7 @@ pub(crate) struct Cloud {
     pub(crate) unit: f64,
     /// `√Σ var`, in the scaled unit.
     pub(crate) spread: f64,
-    /// Unit roundoff of the largest value, in the scaled unit.
+    /// Difference below which two values are equal to rounding, in the scaled unit.
     pub(crate) rounding: f64,
 }
 
@@ -59,8 +61,8 @@ impl Cloud {
         let squares = points.rows().map(|p| distance2(p, &mean)).sum::<f64>();
         let variance = squares / series.len() as f64;
         let spread = variance.sqrt();
-        let rounding = f64::EPSILON * largest;
-        if spread.is_nan() || spread <= 4.0 * rounding {
+        let rounding = ULPS * f64::EPSILON * largest;
+        if spread.is_nan() || spread <= rounding {
             return Err(constant);
         }
         Ok(Self {
@@ -83,12 +85,12 @@ impl Cloud {
         (self.decorrelation(), self.unit * self.spread)
     }
 
-    /// The first lag at which the autocorrelation of the series, all columns together, is below the
-    /// threshold; `None` if there is none among the lags considered.
+    /// The first lag at which the autocorrelation of all columns together is below the threshold.
+    /// `None` if there is none among the lags considered.
     pub(crate) fn uncorrelated_at(&self, threshold: f64) -> Option<usize> {
         let points = &self.points;
         let mean = mean(points);
-        let thin = points.len().div_ceil(TERMS);
+        let thin = points.len().div_ceil(CORRELATION_TERMS);
         let correlation = |lag: usize| -> (f64, f64) {
             let pairs = points.rows().zip(points.rows().skip(lag)).step_by(thin);
             pairs.fold((0.0, 0.0), |(product, square), (a, b)| {
@@ -109,7 +111,7 @@ impl Cloud {
 
 /// The longest lag considered for this many rows.
 pub(crate) fn longest_lag(rows: usize) -> usize {
-    (rows / LONGEST_PART).max(1)
+    (rows / ROWS_PER_LAG).max(1)
 }
 
 fn mean(points: &Matrix) -> Vec<f64> {

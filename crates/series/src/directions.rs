@@ -7,34 +7,30 @@
 
 use super::cloud::Cloud;
 use super::error::DataError;
-use super::fit::{ABOVE_ROUNDING, Decomposed};
+use super::fit::Decomposed;
 use super::least_squares::Scratch;
 use super::matrix::Row;
-use super::neighbours::{Finder, LARGEST_PART, Neighbour};
+use super::neighbours::{Finder, Neighbour, POINTS_PER_NEIGHBOUR};
 use super::progress::in_parallel;
 use super::series::MAX_COLUMNS;
 use super::settings::DataSettings;
 use crate::statistics::{power, upper_median};
 
 /// Number of neighbourhood sizes compared.
-pub const LEVELS: usize = 4;
+const SIZES: usize = 4;
 /// Number of points sampled evenly from the series. The median of their slopes has an error of a
 /// twentieth of the scatter.
 const SAMPLES: usize = 512;
-/// Ratio of points in the largest and smallest neighbourhoods. In two dimensions this is four times
-/// the radius, in four dimensions twice. The largest has at most [`LARGEST_PART`] of the series.
-const RANGE: usize = 16;
-/// Half way between the slopes 0 of noise and 1 of a tangent direction,
-const NOISE: f64 = 0.5;
-/// and between that and the 2 of curvature.
-const CURVATURE: f64 = 1.5;
-/// The largest and smallest neighbourhoods must differ in radius by this factor for a slope to be
-/// meaningful.
-const SMALLEST_SPAN: f64 = 1.2;
+/// Ratio of the numbers of points in the largest and smallest neighbourhoods, where the series is
+/// long enough. The ratio of radii is then four in two dimensions, and two in four.
+const COUNT_RATIO: usize = 16;
+/// Least ratio of the radii of the largest and smallest neighbourhoods for which a slope is
+/// measured. The error of a slope is that of the singular values, over the logarithm of this.
+const LEAST_RADIUS_RATIO: f64 = 1.2;
 
 /// How the neighbours spread in a direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum DirectionKind {
     /// They spread in proportion to the size of the neighbourhood: the manifold extends there.
     Tangent,
     /// They spread with a higher power of the size: the manifold curves into this direction. The
@@ -46,14 +42,14 @@ pub enum Kind {
     Flat,
 }
 
-impl Kind {
+impl DirectionKind {
     /// A word for tables.
     pub fn word(self) -> &'static str {
         match self {
-            Kind::Tangent => "tangent",
-            Kind::Curvature => "curvature",
-            Kind::Noise => "noise",
-            Kind::Flat => "flat",
+            DirectionKind::Tangent => "tangent",
+            DirectionKind::Curvature => "curvature",
+            DirectionKind::Noise => "noise",
+            DirectionKind::Flat => "flat",
         }
     }
 }
@@ -62,7 +58,7 @@ impl Kind {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Direction {
     /// How the neighbours spread in it.
-    pub kind: Kind,
+    pub kind: DirectionKind,
     /// Median slope of the singular value over the radius, both logarithmic; NaN for a flat
     /// direction.
     pub slope: f64,
@@ -71,11 +67,11 @@ pub struct Direction {
     pub sizes: Vec<(f64, f64)>,
 }
 
-/// The measurement at one point.
-struct Vote {
-    radius: [f64; LEVELS],
+/// The spread of the neighbours of one point.
+struct LocalSpread {
+    radius: [f64; SIZES],
     /// The singular values at each size.
-    sizes: [Row; LEVELS],
+    sizes: [Row; SIZES],
     /// NaN where a singular value is zero at some size.
     slopes: Row,
 }
@@ -86,7 +82,7 @@ struct Probe<'a> {
     finder: &'a Finder<'a>,
     settings: &'a DataSettings,
     /// Neighbours at each size.
-    counts: [usize; LEVELS],
+    counts: [usize; SIZES],
 }
 
 /// Measures the directions. `smallest` is the number of neighbours in the smallest neighbourhood.
@@ -104,88 +100,96 @@ pub(crate) fn measure(
         settings,
         counts: counts(smallest, points),
     };
-    let votes = in_parallel(
+    let spreads = in_parallel(
         points.div_ceil(every),
         goes_on,
         || (Scratch::default(), Vec::new()),
-        |(scratch, nearest), i| probe.vote(i * every, scratch, nearest),
+        |(scratch, nearest), i| probe.spread(i * every, scratch, nearest),
     )?;
-    let votes: Vec<Vote> = votes.into_iter().flatten().collect();
+    let spreads: Vec<LocalSpread> = spreads.into_iter().flatten().collect();
     let columns = 0..cloud.points.columns();
-    Ok(columns.map(|i| direction(&votes, i, cloud.unit)).collect())
+    Ok(columns
+        .map(|i| direction(&spreads, i, cloud.unit))
+        .collect())
 }
 
 /// Numbers of neighbours, in geometric progression.
-fn counts(smallest: usize, points: usize) -> [usize; LEVELS] {
-    let largest = (RANGE * smallest).min((points / LARGEST_PART).max(4 * smallest));
+fn counts(smallest: usize, points: usize) -> [usize; SIZES] {
+    let largest = (COUNT_RATIO * smallest).min((points / POINTS_PER_NEIGHBOUR).max(4 * smallest));
     let ratio = largest as f64 / smallest as f64;
     std::array::from_fn(|level| {
-        let part = level as f64 / (LEVELS - 1) as f64;
+        let part = level as f64 / (SIZES - 1) as f64;
         (smallest as f64 * libm::pow(ratio, part)).round() as usize
     })
 }
 
 impl Probe<'_> {
-    fn vote(&self, j: usize, scratch: &mut Scratch, nearest: &mut Vec<Neighbour>) -> Option<Vote> {
+    fn spread(
+        &self,
+        j: usize,
+        scratch: &mut Scratch,
+        nearest: &mut Vec<Neighbour>,
+    ) -> Option<LocalSpread> {
         let (cloud, settings) = (self.cloud, self.settings);
-        let most = self.counts[LEVELS - 1];
+        let most = self.counts[SIZES - 1];
         self.finder.nearest(j, most, f64::INFINITY, nearest);
-        let mut vote = Vote {
-            radius: [0.0; LEVELS],
-            sizes: [[0.0; MAX_COLUMNS]; LEVELS],
+        let mut spread = LocalSpread {
+            radius: [0.0; SIZES],
+            sizes: [[0.0; MAX_COLUMNS]; SIZES],
             slopes: [0.0; MAX_COLUMNS],
         };
         for (level, &count) in self.counts.iter().enumerate() {
             let inside = nearest.get(..count)?;
-            vote.radius[level] = inside.last()?.0.sqrt();
+            spread.radius[level] = inside.last()?.0.sqrt();
             let decomposed = Decomposed::new(scratch, cloud, (j, inside), false, settings);
             let root = (count as f64).sqrt();
             let sizes = decomposed.sizes().map(|s| s / root);
-            let zero = (ABOVE_ROUNDING * cloud.rounding).max(settings.rank_tolerance * sizes[0]);
-            for (slope, size) in vote.slopes.iter_mut().zip(sizes) {
+            let zero = cloud.rounding.max(settings.rank_tolerance * sizes[0]);
+            for (slope, size) in spread.slopes.iter_mut().zip(sizes) {
                 if size <= zero {
                     *slope = f64::NAN;
                 }
             }
-            vote.sizes[level] = sizes;
+            spread.sizes[level] = sizes;
         }
-        if vote.radius[LEVELS - 1] < SMALLEST_SPAN * vote.radius[0] {
+        if spread.radius[SIZES - 1] < LEAST_RADIUS_RATIO * spread.radius[0] {
             return None;
         }
-        for (i, slope) in vote.slopes.iter_mut().enumerate() {
+        for (i, slope) in spread.slopes.iter_mut().enumerate() {
             if !slope.is_nan() {
-                let sizes = vote.sizes.iter().map(|sizes| sizes[i]);
-                *slope = power(vote.radius.into_iter().zip(sizes));
+                let sizes = spread.sizes.iter().map(|sizes| sizes[i]);
+                *slope = power(spread.radius.into_iter().zip(sizes));
             }
         }
-        Some(vote)
+        Some(spread)
     }
 }
 
-fn direction(votes: &[Vote], i: usize, unit: f64) -> Direction {
-    let slopes: Vec<f64> = votes
+fn direction(spreads: &[LocalSpread], i: usize, unit: f64) -> Direction {
+    let slopes: Vec<f64> = spreads
         .iter()
-        .map(|vote| vote.slopes[i])
+        .map(|spread| spread.slopes[i])
         .filter(|slope| !slope.is_nan())
         .collect();
-    let sizes = (0..LEVELS)
+    let sizes = (0..SIZES)
         .map(|level| {
-            let radius = upper_median(votes.iter().map(|vote| vote.radius[level]));
-            let size = upper_median(votes.iter().map(|vote| vote.sizes[level][i]));
+            let radius = upper_median(spreads.iter().map(|spread| spread.radius[level]));
+            let size = upper_median(spreads.iter().map(|spread| spread.sizes[level][i]));
             (unit * radius, unit * size)
         })
         .collect();
     // Flat where it is flat at most points, and where no point has a slope.
-    let (kind, slope) = if 2 * slopes.len() <= votes.len() {
-        (Kind::Flat, f64::NAN)
+    let (kind, slope) = if 2 * slopes.len() <= spreads.len() {
+        (DirectionKind::Flat, f64::NAN)
     } else {
         let slope = upper_median(slopes);
-        let kind = if slope < NOISE {
-            Kind::Noise
-        } else if slope <= CURVATURE {
-            Kind::Tangent
+        // The nearest of the slopes 0 of noise, 1 of a tangent direction and 2 of curvature.
+        let kind = if slope < 0.5 {
+            DirectionKind::Noise
+        } else if slope <= 1.5 {
+            DirectionKind::Tangent
         } else {
-            Kind::Curvature
+            DirectionKind::Curvature
         };
         (kind, slope)
     };
@@ -204,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn a_point_whose_neighbourhoods_do_not_differ_in_size_has_no_vote() {
+    fn a_point_whose_neighbourhoods_do_not_differ_in_size_has_no_spread() {
         // A circle and its centre.
         let rows = (0..300).map(|i| {
             let angle = std::f64::consts::TAU * f64::from(i) / 300.0;
@@ -224,28 +228,28 @@ mod tests {
             settings: &settings,
             counts: counts(20, 300),
         };
-        let has_vote = |j| {
+        let has_spread = |j| {
             let mut scratch = Scratch::default();
-            probe.vote(j, &mut scratch, &mut Vec::new()).is_some()
+            probe.spread(j, &mut scratch, &mut Vec::new()).is_some()
         };
-        assert!(has_vote(10) && !has_vote(150));
+        assert!(has_spread(10) && !has_spread(150));
     }
 
     #[test]
     fn a_direction_is_flat_unless_more_than_half_of_the_points_have_a_slope_there() {
         for (with_slope, kind) in [
-            (0, Kind::Flat),
-            (5, Kind::Flat),
-            (6, Kind::Tangent),
-            (10, Kind::Tangent),
+            (0, DirectionKind::Flat),
+            (5, DirectionKind::Flat),
+            (6, DirectionKind::Tangent),
+            (10, DirectionKind::Tangent),
         ] {
-            let votes = (0..10).map(|i| Vote {
+            let spreads = (0..10).map(|i| LocalSpread {
                 radius: [1.0, 2.0, 4.0, 8.0],
                 sizes: [0.5, 1.0, 2.0, 4.0].map(|size| [size; MAX_COLUMNS]),
                 slopes: [if i < with_slope { 1.0 } else { f64::NAN }; MAX_COLUMNS],
             });
             // The points are in units of 3 of the data.
-            let found = direction(&votes.collect::<Vec<_>>(), 0, 3.0);
+            let found = direction(&spreads.collect::<Vec<_>>(), 0, 3.0);
             assert_eq!(found.kind, kind, "{with_slope}");
             assert_eq!(
                 found.sizes,

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::averages::{average, running, volume};
 use super::chain::Chains;
 use super::cloud::Cloud;
-use super::directions::{self, Kind};
+use super::directions::{self, DirectionKind};
 use super::error::DataError;
 use super::evidence::Evidence;
 use super::extrapolation::{Extrapolation, Maps, Plan};
@@ -19,15 +19,19 @@ use super::series::Series;
 use super::settings::{DataSettings, Estimator, Neighbourhood};
 use super::statistics::upper_median;
 
-/// Reference points between two reports of progress. Few enough that their maps stay in the cache.
-const CHUNK: usize = 128;
+/// Reference points between two reports of progress: few enough that their maps stay in the cache.
+const POINTS_PER_REPORT: usize = 128;
 
-/// An extrapolated estimate is not starved if its smaller neighbourhoods lie within this many times
-/// the given radius. Measured on seeds 1007 to 1009, up to 50000 points, which the table of
-/// `spectrum_coverage` does not use. For one column the true value is within two errors of the
-/// exponents called ok in 99 % of cases with 1, 96 % with 1.5, 92 % with 2, and 87 % without a
-/// limit. For whole states it is 98 % with each.
-const LARGE: f64 = 1.5;
+/// A reference point is starved if the smaller neighbourhood of an extrapolated estimate reaches
+/// beyond this many times the given radius. For one column the true value is within two errors of
+/// exponents called ok in 99 % of cases with 1, and in 96 % with 1.5. It is in 92 % with 2, and in
+/// 87 % without a limit. For whole states it is in 98 % with each. This was measured on seeds 1007
+/// to 1009, up to 50000 points, which the table of `spectrum_coverage` does not use.
+const STARVED_RADIUS: f64 = 1.5;
+
+/// The smallest neighbourhood for measuring directions has this many points, or twice the number of
+/// columns. Singular values then scatter by a sixth.
+const FEWEST_IN_DIRECTIONS: usize = 20;
 
 /// Estimates the Lyapunov spectrum of a series.
 ///
@@ -83,10 +87,12 @@ pub fn data_spectrum_with(
     let cloud = cloud?;
     let finder = Finder::new(&cloud, step, theiler)?;
     let shifted = ShiftedColumns::of(&cloud.points, step);
-    let smallest = SMALLEST_LEVEL.max(2 * columns);
+    let smallest = FEWEST_IN_DIRECTIONS.max(2 * columns);
     let goes_on = || report(progress, 0, references(rows, settings));
     let directions = directions::measure((&cloud, &finder), settings, smallest, &goes_on)?;
-    let are_tangent = directions.iter().map(|one| one.kind == Kind::Tangent);
+    let are_tangent = directions
+        .iter()
+        .map(|one| one.kind == DirectionKind::Tangent);
     let dimension = are_tangent.take_while(|is_tangent| *is_tangent).count();
     let fixed_rank = settings.fixed_rank.unwrap_or(dimension);
     let count = settings.chains();
@@ -111,7 +117,7 @@ pub fn data_spectrum_with(
     let mut points: Vec<Point> = Vec::with_capacity(references);
     while points.len() < references {
         report(progress, points.len(), references)?;
-        let until = (points.len() + CHUNK).min(references);
+        let until = (points.len() + POINTS_PER_REPORT).min(references);
         let plan = extrapolation.as_ref().map(Extrapolation::plan);
         let locals: Vec<Local> = (points.len()..until)
             .into_par_iter()
@@ -280,8 +286,8 @@ impl Around<'_> {
         if let (Some(plan), Some(maps), Neighbourhood::Ball { eps, .. }) =
             (plan, &maps, settings.neighbours)
         {
-            point.starved =
-                maps.radius[0] > LARGE * eps * spread || nearest.len() < plan.neighbours[0];
+            point.starved = maps.radius[0] > STARVED_RADIUS * eps * spread
+                || nearest.len() < plan.neighbours[0];
         }
         Local {
             directions,
@@ -299,7 +305,3 @@ fn references(rows: usize, settings: &DataSettings) -> usize {
     let all = settings.references_before(rows - settings.step);
     settings.references.map_or(all, |asked| asked.min(all))
 }
-
-/// The smallest neighbourhood for measuring directions has this many points, or twice the number of
-/// columns.
-const SMALLEST_LEVEL: usize = 20;

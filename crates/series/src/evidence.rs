@@ -2,22 +2,19 @@
 
 use super::averages::Average;
 use super::extrapolation::Extrapolated;
-use super::result::{DataExponent, OK_ERRORS, Status};
+use super::result::{CHANGE_ERRORS, DataExponent, OK_ERRORS, Status};
 
 /// Fraction of the reference points that may fail to determine a direction that still counts as
-/// determined.
+/// determined. Chosen.
 const UNDETERMINED: f64 = 0.01;
-/// With a larger fraction of starved reference points, no estimate is the one asked for.
+/// An estimate is starved if more than this fraction of the reference points is. Most of it then
+/// comes from other neighbourhoods than the requested ones.
 const STARVED: f64 = 0.5;
-/// With a larger residual ratio the maps predict little: at most about a third of the variance.
+/// The maps do not predict the series if the residual ratio is above this value: at most a third of
+/// the variance is then explained. Chosen.
 const UNPREDICTABLE: f64 = 0.8;
-/// An estimate is unstable if doubled neighbourhoods change it by more than this fraction of the
-/// value,
-const PART: f64 = 0.05;
-/// and by more than this many standard errors of Eqs. (25) and (26). It is twice the promised
-/// number, as both estimates have an error. The error of an extrapolated estimate contains the step
-/// to size zero, and [`OK_ERRORS`] decides.
-const STANDARD_ERRORS: f64 = 2.0 * OK_ERRORS;
+/// A change of an estimate by at most this fraction of its value is no instability. Chosen.
+const STABLE_CHANGE: f64 = 0.05;
 
 /// Evidence common to all exponents.
 pub(crate) struct Evidence {
@@ -86,11 +83,11 @@ impl Evidence {
         let is_flattened =
             |corrected: &Extrapolated| corrected.noise / self.tau > OK_ERRORS * best.stderr;
         let is_small = |change: f64, errors: f64, scatter: f64, value: f64| {
-            change.abs() <= (errors * scatter).max(PART * value.abs())
+            change.abs() <= (errors * scatter).max(STABLE_CHANGE * value.abs())
         };
         let moves = match corrected {
             // The change to the larger size, and the distance from the maps that linear ones are
-            // compared with, if these exist.
+            // compared with, if these exist. The error contains the step to size zero.
             Some(corrected) => !corrected.changes.iter().all(|change| {
                 let scatter = corrected.zero.scatter;
                 is_small(*change, OK_ERRORS, scatter, best.mean)
@@ -98,7 +95,7 @@ impl Evidence {
             // Without a second estimate there is no change.
             None => {
                 !eps_sensitivity.is_nan()
-                    && !is_small(eps_sensitivity, STANDARD_ERRORS, full.scatter, full.mean)
+                    && !is_small(eps_sensitivity, CHANGE_ERRORS, full.scatter, full.mean)
             }
         };
         let is_starved = self.starved as f64 > STARVED * self.references as f64;
@@ -150,22 +147,22 @@ mod tests {
     fn few_blocks_make_the_error_wider_and_allow_for_no_more_bias() {
         let full = from_few_blocks(0.1);
         // Four times the scatter.
-        let status = |way| EVIDENCE.status(0, &full, &full, way, None);
+        let status = |change| EVIDENCE.status(0, &full, &full, change, None);
         assert_eq!(status(0.039), Status::Ok);
         assert_eq!(status(0.041), Status::Unstable);
-        // Twice, on the way from the larger size to zero.
-        for (way, status) in [(0.019, Status::Ok), (0.021, Status::Unstable)] {
+        // Twice, for the step from the larger size to zero.
+        for (change, status) in [(0.019, Status::Ok), (0.021, Status::Unstable)] {
             let corrected = Extrapolated {
                 zero: full,
                 eps_sensitivity: f64::NAN,
-                changes: [way, 0.0],
+                changes: [change, 0.0],
                 noise: 0.0,
             };
             let best = corrected.best();
             let found = EVIDENCE.status(0, &full, &best, f64::NAN, Some(&corrected));
             assert_eq!(found, status);
-            let whole = (0.05_f64 * 0.05 + way * way).sqrt();
-            assert!((best.stderr - whole).abs() < 1e-15);
+            let total = (0.05_f64 * 0.05 + change * change).sqrt();
+            assert!((best.stderr - total).abs() < 1e-15);
         }
     }
 }

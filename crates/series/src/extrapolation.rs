@@ -7,7 +7,7 @@
 //! the scatter of its block means contains their correlation. The whole of `λ₀ − λ₂` is added as an
 //! error: the power law holds for small r, and r need not be small.
 //!
-//! Linear maps show why. For one column of Hénon's map their second exponent is off by 0.09 and
+//! Linear maps show why. For one column of Hénon's map their second exponent is off by 0.09. It
 //! hardly changes with the size, since they fit the folds badly at any size. Where linear maps are
 //! requested and the points suffice, quadratic ones are fitted as well. The distance between the
 //! two is added to the error.
@@ -18,16 +18,17 @@ use super::cloud::Cloud;
 use super::fit::LocalMap;
 use super::least_squares::LeastSquares;
 use super::matrix::{Matrix, Row};
-use super::neighbours::{LARGEST_PART, Neighbour};
+use super::neighbours::{Neighbour, POINTS_PER_NEIGHBOUR};
 use super::polynomial::{Degree, Polynomial};
 use super::settings::DataSettings;
 use super::statistics::upper_median;
 
-/// Neighbours at the smaller size for each unknown.
-const PER_UNKNOWN: usize = 3;
-/// This fraction of a chain is discarded: its vectors begin with the directions of a neighbourhood
-/// and have to converge first.
-const SETTLING: usize = 20;
+/// Neighbours at the smaller size for each unknown. Chosen: fewer leave noise in the maps, and
+/// more make neighbourhoods larger.
+const NEIGHBOURS_PER_UNKNOWN: usize = 3;
+/// One in this many points of a chain is discarded at its beginning: the vectors begin with the
+/// directions of a neighbourhood and converge first. The loss widens errors by 3 %.
+const POINTS_PER_SETTLING: usize = 20;
 
 /// The sizes and the degree of the maps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,8 +63,8 @@ impl Plan {
         let linear = Polynomial::linear(settings.affine, settings.step, tangent, cloud.rounding);
         let quadratic = linear.quadratic(columns);
         let fewest = settings.neighbours.fewest();
-        let needed = fewest.max(PER_UNKNOWN * quadratic.terms.unknowns(columns));
-        let are_enough = 2 * needed <= cloud.points.len() / LARGEST_PART;
+        let needed = fewest.max(NEIGHBOURS_PER_UNKNOWN * quadratic.terms.unknowns(columns));
+        let are_enough = 2 * needed <= cloud.points.len() / POINTS_PER_NEIGHBOUR;
         let is_quadratic = match degree {
             Some(degree) => degree == Degree::Quadratic,
             None => are_enough,
@@ -209,7 +210,7 @@ impl Extrapolation {
     pub(crate) fn corrected(&self, tau: f64, unit: f64) -> Corrected {
         let [small, large] = &self.sizes;
         let (count, columns) = (small.count, small.width);
-        let settled = self.noises.len() / count / SETTLING * count;
+        let settled = self.noises.len() / count / POINTS_PER_SETTLING * count;
         let at_zero = self.at_zero();
         let zero = &at_zero[settled..];
         let extrapolated = |noise: f64, of: &dyn Fn(&[Stretch]) -> Average| {
@@ -266,7 +267,7 @@ impl Extrapolation {
             .map(|(small, large)| {
                 let mut zero = *small;
                 zero.alive = small.alive.min(large.alive);
-                zero.determined = small.determined.min(large.determined);
+                zero.rank = small.rank.min(large.rank);
                 for c in 0..zero.alive {
                     let change = small.factor[c] / large.factor[c];
                     zero.factor[c] = small.factor[c] * libm::pow(change, weight);

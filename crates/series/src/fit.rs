@@ -7,9 +7,6 @@ use super::neighbours::Neighbour;
 use super::settings::DataSettings;
 use super::svd::{Svd, svd};
 
-/// How far above the rounding of the data a singular value must be, for one neighbour.
-pub(crate) const ABOVE_ROUNDING: f64 = 4.0;
-
 /// A linear map fitted to a neighbourhood.
 #[derive(Clone, Debug)]
 pub(crate) struct LocalMap {
@@ -18,9 +15,9 @@ pub(crate) struct LocalMap {
     /// Number of directions in which the neighbourhood determines the map; it is zero in the
     /// others.
     pub(crate) rank: usize,
-    /// A stretching below this counts as zero: the uncertainty of the map from rounding of the
+    /// A stretching up to this counts as zero: the uncertainty of the map from rounding of the
     /// data, or the tolerance.
-    pub(crate) nothing: f64,
+    pub(crate) negligible: f64,
 }
 
 /// A linear fit with the singular values of its neighbour matrix.
@@ -49,7 +46,7 @@ impl Decomposed {
     ) -> Self {
         let triangle = scratch.triangle(&cloud.points, j, neighbours, settings.step, affine);
         let svd = svd(&triangle.points);
-        let rounding = ABOVE_ROUNDING * cloud.rounding * (triangle.rows as f64).sqrt();
+        let rounding = cloud.rounding * (triangle.rows as f64).sqrt();
         let zero = rounding.max(settings.rank_tolerance * svd.s[0]);
         Self {
             images: triangle.images,
@@ -68,8 +65,8 @@ impl Decomposed {
 
     /// Residual ratio: the fraction of the images' deviations from the image of the point that the
     /// map (without ridge) does not predict. It is the root mean square per degree of freedom, over
-    /// the same without a map. It is 0 for a smooth map of small neighbourhoods, 1 if the images do
-    /// not depend on the points, and NaN without degrees of freedom.
+    /// the same without a map. It is 0 for a smooth map of small neighbourhoods, and 1 if the
+    /// images do not depend on the points. It is NaN without degrees of freedom.
     pub(crate) fn residual_ratio(&self) -> f64 {
         let (rank, columns) = (self.rank, self.images.columns());
         if self.independent <= rank {
@@ -127,7 +124,7 @@ impl Decomposed {
         LocalMap {
             matrix,
             rank,
-            nothing: uncertainty.max(settings.rank_tolerance * squares.sqrt()),
+            negligible: uncertainty.max(settings.rank_tolerance * squares.sqrt()),
         }
     }
 
@@ -168,7 +165,7 @@ mod tests {
             assert_eq!(map.rank, 2);
             for (row, wanted) in map.matrix.rows().zip([[c, -s], [s, c]]) {
                 for (cell, wanted) in row.iter().zip(wanted) {
-                    assert!((cell - wanted).abs() < map.nothing, "{cell} {wanted}");
+                    assert!((cell - wanted).abs() < map.negligible, "{cell} {wanted}");
                 }
             }
         }

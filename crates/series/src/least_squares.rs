@@ -9,16 +9,13 @@ use pulp::Arch;
 
 use super::matrix::Matrix;
 use super::neighbours::Neighbour;
+use super::settings::RANK_TOLERANCE;
 
-/// Rows are padded with zeros to a multiple of this, which changes no sum and fills whole SIMD
-/// vectors.
-const VECTOR: usize = 4;
-/// Columns reflected together, so that their sums are independent instructions.
-const TOGETHER: usize = 4;
-
-/// A column counts as dependent if no more than this fraction of it is orthogonal to those before
-/// it: the default of the rank tolerance.
-const DEPENDENT: f64 = 1e-10;
+/// Partial sums of a scalar product. Rows are padded with zeros to a multiple of this, which
+/// changes no sum and fills whole SIMD vectors.
+const PARTIAL_SUMS: usize = 4;
+/// Columns reflected together, so that their sums are independent instructions. It changes no bit.
+const COLUMNS_TOGETHER: usize = 4;
 
 /// The terms of the polynomial fitted to each component of the image.
 #[derive(Clone, Copy, Debug)]
@@ -194,11 +191,12 @@ impl<'a> LeastSquares<'a> {
     }
 
     /// Adds neighbours to the triangle, by reflections that annihilate their rows, and returns the
-    /// sum of squares of the residuals of their images. A column that depends on those before it
-    /// gets a zero on the diagonal and is skipped.
+    /// sum of squares of the residuals of their images. A column of which at most
+    /// [`RANK_TOLERANCE`] is orthogonal to those before it gets a zero on the diagonal and is
+    /// skipped.
     #[inline(always)]
     fn add(&mut self, j: usize, further: &[Neighbour], directions: &Matrix, terms: Terms) -> f64 {
-        let long = further.len().next_multiple_of(VECTOR);
+        let long = further.len().next_multiple_of(PARTIAL_SUMS);
         self.fill(j, further, directions, terms, long);
         let unknowns = self.unknowns;
         let columns = self.triangle.len() / unknowns;
@@ -214,7 +212,7 @@ impl<'a> LeastSquares<'a> {
             let below = dot(mirror, mirror);
             let square = row[i] * row[i] + below;
             let norm = square.sqrt();
-            if norm <= DEPENDENT * (above + square).sqrt() {
+            if norm <= RANK_TOLERANCE * (above + square).sqrt() {
                 row[i] = 0.0;
                 continue;
             }
@@ -270,15 +268,16 @@ fn reflect_below(
 ) {
     let long = mirror.len();
     let scale = 2.0 / square;
-    let mut groups = columns.chunks_exact_mut(TOGETHER * long);
-    let mut heads = row.chunks_exact_mut(TOGETHER);
+    let mut groups = columns.chunks_exact_mut(COLUMNS_TOGETHER * long);
+    let mut heads = row.chunks_exact_mut(COLUMNS_TOGETHER);
     for (group, head) in (&mut groups).zip(&mut heads) {
         let (a, group) = group.split_at_mut(long);
         let (b, group) = group.split_at_mut(long);
         let (c, d) = group.split_at_mut(long);
         let columns = [a, b, c, d];
         let sums = dots(mirror, columns.each_ref().map(|column| &**column));
-        let factors: [f64; TOGETHER] = std::array::from_fn(|c| scale * (sums[c] + first * head[c]));
+        let factors: [f64; COLUMNS_TOGETHER] =
+            std::array::from_fn(|c| scale * (sums[c] + first * head[c]));
         for (head, factor) in head.iter_mut().zip(factors) {
             *head -= factor * first;
         }
@@ -305,14 +304,14 @@ fn subtract<const C: usize>(mirror: &[f64], factors: [f64; C], columns: [&mut [f
 /// Scalar products with several columns of the same length, each bit-for-bit that of [`dot`].
 #[inline(always)]
 fn dots<const C: usize>(a: &[f64], columns: [&[f64]; C]) -> [f64; C] {
-    let (a_fours, a_rest) = a.as_chunks::<VECTOR>();
-    let columns = columns.map(|column| column[..a.len()].as_chunks::<VECTOR>());
-    let mut sums = [[0.0; VECTOR]; C];
+    let (a_fours, a_rest) = a.as_chunks::<PARTIAL_SUMS>();
+    let columns = columns.map(|column| column[..a.len()].as_chunks::<PARTIAL_SUMS>());
+    let mut sums = [[0.0; PARTIAL_SUMS]; C];
     // By index: iterators over so few columns are not unrolled.
     for (k, x) in a_fours.iter().enumerate() {
         for c in 0..C {
             let y = columns[c].0[k];
-            for i in 0..VECTOR {
+            for i in 0..PARTIAL_SUMS {
                 sums[c][i] += x[i] * y[i];
             }
         }

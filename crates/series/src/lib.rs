@@ -24,19 +24,20 @@
 //! Maps are `y' = A y + Q(u, u)`, with a quadratic form of the widest directions for each
 //! component. At most 28 unknowns allow forms of all directions up to six columns. The smaller
 //! neighbourhood has three points for each unknown, the larger twice as many. Directions that are
-//! not tangent and that the forms explain almost completely are omitted. If the larger
-//! neighbourhood would hold more than a twentieth of the series, the maps are linear, from the
-//! requested number of neighbours and twice as many. Where linear maps are requested for a longer
-//! series, their distance from quadratic ones is part of the error.
+//! not tangent and that the forms explain almost completely are omitted. The maps are linear if the
+//! larger neighbourhood would hold more than a twentieth of the series. They are then fitted to the
+//! requested number of neighbours and to twice as many. Where linear maps are requested for a
+//! longer series, their distance from quadratic ones is part of the error.
 //!
 //! # What "ok" promises
 //! The true exponent is within two standard errors in nine of ten cases or more. This was counted
-//! on 200 series of eight systems of known spectrum, 5000 to 100000 points, on these with noise of
-//! a thousandth of their spread, and on their first columns alone, embedded. No constant was chosen
-//! on their starts. The tables are in `examples/spectrum_coverage/README.md`. For whole states it
-//! holds from 30 reference points on ([`DataSettings::references`]) that reach over two Theiler
-//! windows. Nothing is promised for noise of another kind, for series that go through the attractor
-//! a few times only, and for systems with corners at points that few orbits visit.
+//! on 200 series of eight systems of known spectrum, of 5000 to 100000 points. The same series were
+//! taken as they are, with noise of a thousandth of their spread, and as single embedded columns.
+//! No constant was chosen on their starts. The tables are in
+//! `examples/spectrum_coverage/README.md`. For whole states it holds from 30 reference points on
+//! ([`DataSettings::references`]) that reach over two Theiler windows. Nothing is promised for
+//! other noise, and for series that go through the attractor a few times only. The same holds for
+//! systems with corners that few orbits visit.
 //!
 //! # The divergence
 //! The exponents of all directions add up to the mean divergence of the system. Where it is known,
@@ -52,7 +53,7 @@
 //! Linear maps leave out terms of second order. The bias shrinks with the radius, and the standard
 //! error, which is statistical, does not contain it. For the Lorenz system at 45001 points 0.9056
 //! and 0 come out as about 0.87 and 0.03; `eps_sensitivity` says −0.03 and 0.03. A longer step
-//! helps flows (0.88 and 0.02 at `d = 5`) and hides contractions, as nothing shrinks below about
+//! helps flows (0.88 and 0.02 at `d = 5`). It hides contractions, as nothing shrinks below about
 //! the relative radius: Hénon's second exponent rises from −1.6 to −1.1 at `d = 4`. Doubled
 //! neighbourhoods do not show every bias: Fig. 12's second exponent, 0, comes out as 0.005 ± 0.001
 //! and hardly moves. The fit of fixed rank has little bias on a smooth curve or torus. It is off by
@@ -60,12 +61,12 @@
 //!
 //! # Fewer columns than the system has
 //! One measured column is not a state. [`choose_embedding`] forms states of delayed values. The
-//! delay is the first minimum of the average mutual information, or for values on a curve, which
-//! has none, the first zero of the autocorrelation. The number of values is the first without false
-//! nearest neighbours. [`Embedding::of`] is the series of these vectors; [`DataSettings::delayed`]
-//! are the settings that suit them. More values than the attractor has dimensions add spurious
-//! exponents, with linear maps often the largest of all; [`reversal`] identifies them.
-//! [`lacks_columns`] returns whether several columns are too few for a state.
+//! delay is the first minimum of the average mutual information. Values on a curve have none; for
+//! them it is the first zero of the autocorrelation. The number of values is the first without
+//! false nearest neighbours. [`Embedding::of`] is the series of these vectors;
+//! [`DataSettings::delayed`] are the settings that suit them. More values than the attractor has
+//! dimensions add spurious exponents, with linear maps often the largest of all; [`reversal`]
+//! identifies them. [`lacks_columns`] returns whether several columns are too few for a state.
 //!
 //! # Second opinions
 //! [`divergence`] estimates the largest exponent without maps, from the divergence of neighbours
@@ -123,7 +124,7 @@ mod surrogates;
 mod svd;
 mod tree;
 
-pub use directions::{Direction, Kind};
+pub use directions::{Direction, DirectionKind};
 pub use divergence::{Divergence, DivergenceCurve, StraightPart, divergence};
 pub use embedding::{
     DelayReason, DimensionEvidence, DimensionReason, Embedding, EmbeddingChoice, EmbeddingSettings,

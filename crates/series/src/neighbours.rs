@@ -7,12 +7,13 @@ use super::settings::Neighbourhood;
 use super::tree::Tree;
 
 /// Points nearer than this fraction of the spread count as repeats of one point. Their difference
-/// is rounding or integration error, without information on the dynamics.
-const REPEAT: f64 = 1e-9;
+/// is rounding or integration error, without information on the dynamics. Chosen: above the error
+/// of usual solvers, and far below the distance of neighbours.
+const REPEAT_DISTANCE: f64 = 1e-9;
 
-/// Inverse of the largest fraction of the points in a neighbourhood: a larger one is no small part
-/// of the attractor.
-pub(crate) const LARGEST_PART: usize = 20;
+/// A neighbourhood has at most one in this many of the points, as a larger one is no small part of
+/// the attractor.
+pub(crate) const POINTS_PER_NEIGHBOUR: usize = 20;
 
 /// A neighbour: squared distance and index.
 pub(crate) type Neighbour = (f64, u32);
@@ -69,7 +70,7 @@ impl<'c> Finder<'c> {
             });
         }
         let candidates = rows.saturating_sub(step);
-        let repeat = (REPEAT * cloud.spread).max(4.0 * cloud.rounding);
+        let repeat = (REPEAT_DISTANCE * cloud.spread).max(cloud.rounding);
         Ok(Self {
             tree: Tree::new(&cloud.points, candidates),
             points: &cloud.points,
@@ -79,9 +80,9 @@ impl<'c> Finder<'c> {
         })
     }
 
-    /// The neighbours of point `j` in a neighbourhood `times` the size, or the `fewest` nearest
-    /// points where it holds fewer, nearest first; and how many of them are the neighbourhood
-    /// itself. `nearest` are those of the point `before`, if there is one.
+    /// Finds the neighbours of point `j` in a neighbourhood `times` the size, nearest first, or the
+    /// `fewest` nearest points where it holds fewer. Returns how many of them are the neighbourhood
+    /// itself. At the call `nearest` are those of the point `before`, if there is one.
     pub(crate) fn select(
         &self,
         (before, j): (Option<usize>, usize),
@@ -104,8 +105,8 @@ impl<'c> Finder<'c> {
         Selection::of(nearest, neighbours, spread)
     }
 
-    /// As [`Finder::nearest`], where `nearest` are those of the point `before`: their images bound
-    /// the distance of the ones searched for, which makes the search short in a flow.
+    /// As [`Finder::nearest`]. At the call `nearest` are those of the point `before`. Their images
+    /// bound the distance of the new ones, which makes the search short in a flow.
     pub(crate) fn follow(
         &self,
         (before, j): (Option<usize>, usize),
@@ -206,8 +207,8 @@ mod tests {
         }
     }
 
-    /// Stick data: one coordinate is the belt's speed, exactly, for a good part of the time; one is
-    /// constant; and the other two are rounded to a grid, so that coordinates and distances repeat.
+    /// Stick data: one coordinate often is the belt's speed exactly, and one is constant. The other
+    /// two are rounded to a grid, so that coordinates and distances repeat.
     #[test]
     fn the_tree_finds_what_brute_force_finds_on_stick_data() {
         agrees_with_brute_force((0..3000).map(|i| {

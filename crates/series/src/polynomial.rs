@@ -2,21 +2,24 @@
 //!
 //! A linear map fitted to a neighbourhood of radius r has an error from the quadratic terms of the
 //! true map. The error is of order r where the neighbourhood is not symmetric. It is far larger on
-//! a curved attractor, where a direction may be wide by curvature alone. A fit `y' = A y + Q(u,
-//! u)`, with u the coordinates of y along the widest directions, leaves an error of order r² and
-//! represents the curvature of the attractor (Bryant, Brown and Abarbanel, Phys. Rev. Lett. 65,
-//! 1523 (1990); Brown, Bryant and Abarbanel, Phys. Rev. A 43, 2787 (1991)).
+//! a curved attractor, where a direction may be wide by curvature alone. A quadratic fit is `y' = A
+//! y + Q(u, u)`, with u the coordinates of y along the widest directions. It leaves an error of
+//! order r² and represents the curvature of the attractor.
+//!
+//! Bryant, Brown and Abarbanel, Phys. Rev. Lett. 65, 1523 (1990); Brown, Bryant and Abarbanel,
+//! Phys. Rev. A 43, 2787 (1991).
 
-use super::fit::{ABOVE_ROUNDING, LocalMap};
+use super::fit::LocalMap;
 use super::least_squares::{LeastSquares, Terms};
 use super::matrix::{Matrix, Row, product};
 use super::series::MAX_COLUMNS;
 
-/// A direction that is not tangent is omitted if the quadratic forms leave less than this fraction
-/// of the widest. Cubic terms in so small a remainder would pass for a derivative.
-const THIN: f64 = 1e-3;
+/// A direction that is not tangent is omitted if the quadratic forms leave at most this fraction of
+/// the widest. Cubic terms in so small a remainder would pass for a derivative. Chosen: of the
+/// order of the cube of a radius of a tenth.
+const OMITTED_WIDTH: f64 = 1e-3;
 /// Largest number of unknowns per component of the image: six columns, all their 21 forms and a
-/// constant. With more columns there are forms of the widest directions only.
+/// constant. With more columns there are forms of the widest directions only. It bounds the time.
 const MOST_UNKNOWNS: usize = 28;
 
 /// Degree of local maps.
@@ -44,7 +47,7 @@ pub(crate) struct Polynomial {
     pub(crate) terms: Terms,
     /// Number of tangent directions of the attractor.
     pub(crate) tangent: usize,
-    /// Rounding of a coordinate.
+    /// Rounding of a coordinate, as [`super::cloud::Cloud::rounding`].
     pub(crate) rounding: f64,
 }
 
@@ -98,7 +101,7 @@ impl Polynomial {
             map: LocalMap {
                 matrix: Matrix::zeros(components, components),
                 rank: 0,
-                nothing: 0.0,
+                negligible: 0.0,
             },
             noise: [f64::NAN; MAX_COLUMNS],
         };
@@ -106,7 +109,7 @@ impl Polynomial {
             return derivative;
         }
         let (triangle, images) = fit.linear_part(directions);
-        let rounding = ABOVE_ROUNDING * self.rounding * (rows as f64).sqrt();
+        let rounding = self.rounding * (rows as f64).sqrt();
         let widest = triangle[0][0].abs();
         let Derivative { map, noise } = &mut derivative;
         // `[component of the image][direction]`
@@ -115,7 +118,7 @@ impl Polynomial {
         for i in (0..components).rev() {
             let corner = triangle[i][i];
             let tangent = i < self.tangent;
-            let thin = if tangent { 0.0 } else { THIN * widest };
+            let thin = if tangent { 0.0 } else { OMITTED_WIDTH * widest };
             if corner.abs() <= rounding.max(thin) {
                 if tangent {
                     map.rank = 0;
@@ -125,7 +128,7 @@ impl Polynomial {
             }
             map.rank += 1;
             noise[i] = rows as f64 / (corner * corner);
-            map.nothing = map.nothing.max(rounding / corner.abs());
+            map.negligible = map.negligible.max(rounding / corner.abs());
             for (slopes, image) in slopes.iter_mut().zip(&images[i]) {
                 let others: f64 = (i + 1..components)
                     .map(|k| triangle[i][k] * slopes[k])
@@ -136,8 +139,8 @@ impl Polynomial {
         let carried: f64 = slopes.iter().map(|slopes| product(slopes, slopes)).sum();
         // Residual variance of a component; NaN without degrees of freedom.
         let unpredicted = fit.residual / ((rows - unknowns) * components) as f64;
-        let of_noise = unpredicted / (1.0 + carried / components as f64);
-        noise.iter_mut().for_each(|part| *part *= of_noise);
+        let noise_variance = unpredicted / (1.0 + carried / components as f64);
+        noise.iter_mut().for_each(|part| *part *= noise_variance);
         for (row, slopes) in map.matrix.rows_mut().zip(&*slopes) {
             for (slope, direction) in slopes.iter().zip(directions.rows()) {
                 for (cell, d) in row.iter_mut().zip(direction) {
@@ -178,8 +181,8 @@ mod tests {
         polynomial.derivative(&fit, &axes)
     }
 
-    /// Any quadratic map is recovered to rounding, also where the neighbours lie on a curved
-    /// surface, of which a linear fit would take the curvature for a third direction.
+    /// Any quadratic map is recovered to rounding, also if the neighbours lie on a curved surface.
+    /// A linear fit would take the curvature for a third direction.
     #[test]
     fn a_quadratic_map_is_recovered_from_points_on_a_curved_surface() {
         let map = |[x, y, z]: [f64; 3]| {
@@ -213,10 +216,10 @@ mod tests {
         assert_eq!(linear.map.rank, 3);
     }
 
-    /// Points and images with noise of variance σ² beside a spread of s², turned and stretched a
-    /// times: its slopes come out too small by f = σ²/(s² + σ²). What is left of a component of the
-    /// images is σ² + a² s² f, which the fitted slope a (1 − f) passes for a noise of the points
-    /// that is less by a part of the order of f.
+    /// The map turns and stretches a times. Points of variance s² and images have noise of variance
+    /// σ². The slopes are too small by f = σ²/(s² + σ²). A component of the images has a residual
+    /// of σ² + a² s² f. From it and the slope a (1 − f), the noise of the points is estimated too
+    /// small by a relative error of order f.
     #[test]
     fn what_is_unpredicted_shows_by_how_much_noise_flattens_a_map() {
         const COUNT: u32 = 20_000;

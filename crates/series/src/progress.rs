@@ -10,7 +10,7 @@ use super::error::DataError;
 /// ends with [`DataError::Stopped`].
 pub type Progress<'a> = &'a dyn Fn(usize, usize) -> ControlFlow<()>;
 
-/// Progress that nobody watches.
+/// Progress without an observer.
 pub fn unwatched(_done: usize, _total: usize) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
@@ -26,8 +26,8 @@ pub(crate) fn report(progress: Progress<'_>, done: usize, total: usize) -> Resul
     }
 }
 
-/// Items that are computed in parallel between two questions whether to go on.
-const TOGETHER: usize = 64;
+/// Items computed in parallel between two calls of `goes_on`: some for each of many cores.
+const ITEMS_PER_REPORT: usize = 64;
 
 /// The results of `each` for the numbers below `count`, in order. `goes_on` is asked at intervals.
 ///
@@ -42,7 +42,7 @@ pub(crate) fn in_parallel<M, T: Send>(
     let mut results = Vec::with_capacity(count);
     while results.len() < count {
         goes_on()?;
-        let until = (results.len() + TOGETHER).min(count);
+        let until = (results.len() + ITEMS_PER_REPORT).min(count);
         let more = (results.len()..until).into_par_iter();
         let more: Vec<T> = more.map_init(&memory, &each).collect();
         results.extend(more);

@@ -11,18 +11,18 @@ pub enum Status {
     /// beyond the standard error.
     Ok,
     /// It belongs to such a direction, but depends on the size of the neighbourhoods, by the
-    /// curvature of map and attractor. For an extrapolated exponent, the value at size zero differs
-    /// from that at the larger size by more than two statistical errors and 5 %, or requested
-    /// linear maps differ from quadratic ones by as much. With [`super::Estimator::SanoSawada`],
-    /// neighbourhoods of twice the size change it by more than four standard errors and 5 %.
+    /// curvature of map and attractor. An extrapolated exponent at size zero differs from that at
+    /// the larger size by more than two statistical errors and 5 %. Or requested linear maps differ
+    /// from quadratic ones by as much. With [`super::Estimator::SanoSawada`], neighbourhoods of
+    /// twice the size change it by more than four standard errors and 5 %.
     Unstable,
     /// It belongs to such a direction, but at more than half of the reference points the ball held
-    /// too few neighbours and the nearest points were taken, at any distance: this is not the
+    /// too few neighbours. The nearest points were taken there, at any distance. This is not the
     /// requested estimate.
     Starved,
-    /// It belongs to such a direction, but at more than 1 % of the reference points the neighbours
-    /// do not determine the maps that are extrapolated ([`DataExponent::undetermined`]), as where
-    /// values lie on a grid.
+    /// It belongs to such a direction, but the maps that are extrapolated are often undetermined:
+    /// at more than 1 % of the reference points ([`DataExponent::undetermined`]). Values on a grid
+    /// are an example.
     Undetermined,
     /// It belongs to such a direction, but noise may flatten the maps that are extrapolated by more
     /// than two errors. What they leave unpredicted of the images is taken for noise, the same in
@@ -31,8 +31,8 @@ pub enum Status {
     /// the widest direction, and so on. Many exponents with this status are within two errors
     /// nevertheless.
     Noisy,
-    /// The maps do not predict where neighbours go ([`DataSpectrum::residual_ratio`] above 0.8):
-    /// the points are not states of a deterministic system, or noise is as large as the
+    /// The maps do not predict where neighbours go ([`DataSpectrum::residual_ratio`] above 0.8).
+    /// The points are not states of a deterministic system, or noise is as large as the
     /// neighbourhoods.
     Unpredictable,
     /// The series has no points in that direction. The value comes from curvature, noise or the
@@ -79,20 +79,20 @@ pub struct DataExponent {
     /// minus infinity.
     pub value: f64,
     /// Standard error. With [`super::Estimator::SanoSawada`] it is that of the mean, from the
-    /// scatter between blocks of time; it is statistical only and excludes bias. With
-    /// [`super::Estimator::Extrapolated`] it is the root of the sum of squares of that, of the
-    /// whole step from the larger size to zero, and of the distance of requested linear maps from
-    /// quadratic ones. With fewer than 320 reference points there are fewer than 32 blocks, of ten
-    /// points at least; the scatter is then wider by the quotient of Student's quantiles, so that
-    /// two errors hold as much. NaN where nothing determines the value.
+    /// scatter between blocks of time; it is statistical only and excludes bias.
+    /// [`super::Estimator::Extrapolated`] adds, in squares, the step from the larger size to zero
+    /// and the distance of requested linear maps from quadratic ones. A block has ten reference
+    /// points at least. With fewer than 32 blocks, a quotient of Student's quantiles widens the
+    /// error, so that two errors hold as much. NaN where nothing determines the value.
     pub stderr: f64,
     /// The exponent by Eqs. (25) and (26), with its statistical error: the value itself with
     /// [`super::Estimator::SanoSawada`].
     pub sano_sawada: (f64, f64),
-    /// By how much the value changes with neighbourhoods of twice the size: radius and counts
-    /// doubled by [`super::Estimator::SanoSawada`], whose `stderr` does not contain that bias, and
-    /// from the smaller to the larger of [`DataSpectrum::sizes`] by the other. NaN for
-    /// [`Status::Annihilated`] and where one of the two does not exist.
+    /// Change of the value with neighbourhoods of twice the size. For
+    /// [`super::Estimator::SanoSawada`] radius and counts are doubled; `stderr` does not contain
+    /// that bias. Otherwise the change is from the smaller to the larger of
+    /// [`DataSpectrum::sizes`]. NaN for [`Status::Annihilated`] and where one of the two does not
+    /// exist.
     pub eps_sensitivity: f64,
     /// Whether the value is meaningful.
     pub status: Status,
@@ -148,13 +148,13 @@ pub struct DataSpectrum {
     pub neighbours: Counts,
     /// Reference points.
     pub references: usize,
-    /// Reference points whose ball held fewer neighbours than asked for; where exponents are
-    /// extrapolated, those at which the smaller of the two neighbourhoods reaches farther than one
-    /// and a half radii of the ball.
+    /// Reference points whose ball held fewer neighbours than requested. Where exponents are
+    /// extrapolated, those at which the smaller neighbourhood reaches farther than one and a half
+    /// radii of the ball.
     pub starved: usize,
     /// Median over reference points of the part of the images' deviations that the local map does
-    /// not predict (root mean square per degree of freedom): near 0 for states of a smooth
-    /// deterministic system, near 1 for noise, and for a single column of a system of more
+    /// not predict (root mean square per degree of freedom). It is near 0 for states of a smooth
+    /// deterministic system. It is near 1 for noise, and for a single column of a system of more
     /// dimensions. NaN if no neighbourhood has more points than its map has columns.
     pub residual_ratio: f64,
     /// Sizes from which the exponents were extrapolated; `None` with
@@ -168,8 +168,10 @@ pub struct DataSpectrum {
 
 /// Standard errors within which `ok` promises the truth: two hold 95 % of a normal distribution.
 pub const OK_ERRORS: f64 = 2.0;
-/// Largest relative error of a divergence given to four digits.
-const ROUNDING: f64 = 5e-4;
+/// Standard errors by which two estimates of the same exponent may differ, as both have an error.
+pub(crate) const CHANGE_ERRORS: f64 = 2.0 * OK_ERRORS;
+/// Largest relative error of a divergence given to three digits or more.
+const DIVERGENCE_ERROR: f64 = 5e-4;
 
 /// Comparison of a spectrum with a known divergence.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -197,9 +199,9 @@ pub enum Balance {
 }
 
 impl DataSpectrum {
-    /// Compares the sum of the exponents with the mean divergence of the system, per unit of time:
-    /// the trace of the Jacobian of a flow, `ln |det J|` of a map, over `dt` for the step between
-    /// two points. The columns must be the states of the system, no more and no fewer.
+    /// Compares the sum of the exponents with the mean divergence of the system, per unit of time.
+    /// For a flow that is the trace of the Jacobian. For a map it is `ln |det J|`, over the `dt`
+    /// between two points. The columns must be the states of the system, no more and no fewer.
     pub fn balance(&self, divergence: f64) -> Balance {
         let (sum, stderr) = self.sum;
         if !sum.is_finite() || self.dimension == 0 {
@@ -210,7 +212,8 @@ impl DataSpectrum {
             0 => Balance::Whole {
                 excess,
                 stderr,
-                agrees: excess.abs() <= (OK_ERRORS * stderr).max(ROUNDING * divergence.abs()),
+                agrees: excess.abs()
+                    <= (OK_ERRORS * stderr).max(DIVERGENCE_ERROR * divergence.abs()),
             },
             exponents => Balance::Rest {
                 exponents,

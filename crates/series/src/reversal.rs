@@ -1,37 +1,38 @@
 //! Classification of the exponents of an embedding: the system's, or spurious.
 //!
-//! m delayed values of a system whose attractor has fewer dimensions give m exponents, of which
-//! some are the embedding's own, and those may be anywhere: of x alone of Hénon's map the first of
-//! three is 0.8, twice the system's. Two criteria distinguish them. A fit restricted to the tangent
-//! directions of the points has no room for them (Stoop and Parisi, Physica D 50, 89, 1991). And
-//! with the time reversed true exponents change their sign, while spurious ones have no reason to
-//! (Parlitz, Int. J. Bifurcation Chaos 2, 155, 1992). Quadratic maps that are extrapolated leave
-//! directions out in which the points only bend, and with them mostly the embedding's own
-//! exponents; then the first are the system's already. A map that cannot be inverted and a
-//! contraction that is finer than the points lie make the reversed series unpredictable or its
-//! exponents none of the system's; then it does not even reproduce the first exponent, and is not
-//! used.
+//! m delayed values of a system whose attractor has fewer dimensions give m exponents. Some of them
+//! are the embedding's own, and may have any value: of x alone of Hénon's map the first of three is
+//! 0.8, twice the system's. Two criteria distinguish them.
+//! * A fit restricted to the tangent directions of the points has no room for spurious exponents
+//!   (Stoop and Parisi, Physica D 50, 89, 1991).
+//! * With the time reversed, true exponents change their sign; spurious ones have no reason to
+//!   (Parlitz, Int. J. Bifurcation Chaos 2, 155, 1992).
+//!
+//! Extrapolated quadratic maps omit directions in which the points only bend, and with them most
+//! spurious exponents; the first exponents are then the system's. A reversed series may be
+//! unpredictable, or have exponents of its own. Its map may have no inverse, or expand what is
+//! contracted below the distances of the points. It then does not reproduce the first exponent
+//! either, and is not used.
 
 use super::error::DataError;
 use super::estimate::data_spectrum_with;
 use super::progress::Progress;
-use super::result::{DataSpectrum, Status};
+use super::result::{CHANGE_ERRORS, DataSpectrum, Status};
 use super::series::Series;
 use super::settings::{DataSettings, Estimator, longest_stride};
 
-/// Two values are the same if they are apart by less than so many of their standard errors,
-const STANDARD_ERRORS: f64 = 4.0;
-/// or by less than this part of the larger one, or of the first exponent: neighbourhoods are
-/// finite, and bias is not in the errors.
-const PART: f64 = 0.25;
-/// or if they stretch by parts of each map that are so near: the exponents of a regular motion are
-/// all about 0, and a fit is no better.
-const FIT: f64 = 0.01;
-/// Reference points of the reversed series, where the step allows fewer than all: it is enough to
-/// decide whether exponents are near.
+/// Two exponents agree if they differ by at most this fraction of the larger one, or of the first
+/// exponent. Errors do not contain the bias of finite neighbourhoods. Chosen: a smaller fraction
+/// calls a biased exponent spurious, a larger one lets a spurious one pass.
+const BIAS: f64 = 0.25;
+/// Two exponents also agree if the stretchings per map differ by at most this fraction. All
+/// exponents of a regular motion are near 0, and a fit is no better than this. Chosen.
+const FIT_ERROR: f64 = 0.01;
+/// Reference points of the reversed series, where the step allows fewer than all. They suffice for
+/// a comparison to within [`BIAS`].
 const REFERENCES: usize = 1000;
-/// With a larger residual ratio a series is not predictable enough, in either direction of time,
-/// for its exponents to be compared.
+/// Exponents are not compared if the residual ratio of a series, in either direction of time, is
+/// above this value. It then predicts at most three quarters of the variance. Chosen.
 const UNPREDICTABLE: f64 = 0.5;
 
 /// Origin of an exponent.
@@ -42,9 +43,10 @@ pub enum Origin {
     System,
     /// The embedding's: neither has it.
     Spurious,
-    /// There is nothing to compare with: no tangent direction was found, or as many as there are
-    /// values and no reversed series that has the first exponent, the maps predict too little, or
-    /// the exponent has no value.
+    /// There is nothing to compare with:
+    /// * no tangent direction was found;
+    /// * all directions are tangent, and the reversed series does not have the first exponent;
+    /// * the maps predict too little; or the exponent has no value.
     Unknown,
 }
 
@@ -121,24 +123,24 @@ pub fn reversal(
     });
     let negated = reversed.iter().map(|&(value, stderr)| (-value, stderr));
     let negated: Vec<(f64, f64)> = negated.collect();
-    let of_a_map = FIT / (step as f64 * embedded.dt());
+    let of_a_map = FIT_ERROR / (step as f64 * embedded.dt());
     let first = forward.first().map_or(0.0, |first| first.0.abs());
     let scale = if first < of_a_map {
-        of_a_map / PART
+        of_a_map / BIAS
     } else {
         first
     };
     let is_among_negated = |first: &(f64, f64)| {
         let mut negated = negated.iter();
-        negated.any(|other| gap(*first, *other, scale).is_some())
+        negated.any(|other| distance(*first, *other, scale).is_some())
     };
     let is_conclusive =
         backward.residual_ratio < UNPREDICTABLE && forward.first().is_some_and(is_among_negated);
     let is_noisy = spectrum.residual_ratio > UNPREDICTABLE;
     let full = spectrum.exponents.iter();
     let full: Vec<(f64, f64)> = full.map(|one| (one.value, one.stderr)).collect();
-    let [by_rank, by_reversal] =
-        [&forward, &negated].map(|known| matched(&full, known, scale, spectrum.dimension));
+    let [by_rank, by_reversal] = [&forward, &negated]
+        .map(|references| matched(&full, references, scale, spectrum.dimension));
     // A fit of full rank has room for spurious exponents, too, so that an exponent missing from it
     // proves nothing.
     let is_judged = is_conclusive || forward.len() < full.len();
@@ -171,36 +173,41 @@ fn reversed(series: &Series) -> Result<Series, DataError> {
     )
 }
 
-/// The distance of two values that count as the same; `None` for others.
-fn gap(a: (f64, f64), b: (f64, f64), scale: f64) -> Option<f64> {
-    let distance = (a.0 - b.0).abs();
-    let errors = STANDARD_ERRORS * (a.1 * a.1 + b.1 * b.1).sqrt();
-    let bias = PART * scale.max(a.0.abs()).max(b.0.abs());
-    // NaN is never near.
-    (distance <= errors.max(bias)).then_some(distance)
+/// The distance of two values that agree; `None` for others.
+fn distance(a: (f64, f64), b: (f64, f64), scale: f64) -> Option<f64> {
+    let difference = (a.0 - b.0).abs();
+    let errors = CHANGE_ERRORS * (a.1 * a.1 + b.1 * b.1).sqrt();
+    let bias = BIAS * scale.max(a.0.abs()).max(b.0.abs());
+    // NaN agrees with nothing.
+    (difference <= errors.max(bias)).then_some(difference)
 }
 
-/// Which of `all` are among `known`. Each known value matches at most one, the nearest. The first
-/// `determined`, which the data determine, are matched before the others.
-fn matched(all: &[(f64, f64)], known: &[(f64, f64)], scale: f64, determined: usize) -> Vec<bool> {
+/// Which of `all` are among `references`. Each reference matches at most one, the nearest. The
+/// first `dimension` exponents, which the data determine, are matched before the others.
+fn matched(
+    all: &[(f64, f64)],
+    references: &[(f64, f64)],
+    scale: f64,
+    dimension: usize,
+) -> Vec<bool> {
     let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
     for (i, a) in all.iter().enumerate() {
-        for (k, b) in known.iter().enumerate() {
-            pairs.extend(gap(*a, *b, scale).map(|distance| (distance, i, k)));
+        for (k, b) in references.iter().enumerate() {
+            pairs.extend(distance(*a, *b, scale).map(|distance| (distance, i, k)));
         }
     }
     pairs.sort_by(|a, b| {
-        let late = |pair: &(f64, usize, usize)| pair.1 >= determined;
+        let late = |pair: &(f64, usize, usize)| pair.1 >= dimension;
         late(a).cmp(&late(b)).then(a.0.total_cmp(&b.0))
     });
-    let mut is_known = vec![false; all.len()];
-    let mut is_used = vec![false; known.len()];
+    let mut is_matched = vec![false; all.len()];
+    let mut is_used = vec![false; references.len()];
     for (_, i, k) in pairs {
-        if !is_known[i] && !is_used[k] {
-            (is_known[i], is_used[k]) = (true, true);
+        if !is_matched[i] && !is_used[k] {
+            (is_matched[i], is_used[k]) = (true, true);
         }
     }
-    is_known
+    is_matched
 }
 
 #[cfg(test)]

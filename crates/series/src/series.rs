@@ -6,7 +6,7 @@ use super::error::{DataError, readable};
 pub const MAX_COLUMNS: usize = 10;
 /// Shortest time between two rows; one over it is the longest. A logarithm of a double, below 750,
 /// stays a number over either.
-const SHORTEST: f64 = 1e-100;
+const SHORTEST_INTERVAL: f64 = 1e-100;
 
 /// Points of a state space at equal intervals of time.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,8 +29,11 @@ impl Series {
                 max: MAX_COLUMNS,
             });
         }
-        if !(SHORTEST..=1.0 / SHORTEST).contains(&dt) {
-            let (low, high) = (readable(SHORTEST), readable(1.0 / SHORTEST));
+        if !(SHORTEST_INTERVAL..=1.0 / SHORTEST_INTERVAL).contains(&dt) {
+            let (low, high) = (
+                readable(SHORTEST_INTERVAL),
+                readable(1.0 / SHORTEST_INTERVAL),
+            );
             return Err(DataError::Setting {
                 name: "dt",
                 value: dt,

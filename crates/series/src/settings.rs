@@ -1,5 +1,6 @@
 //! How a spectrum is estimated.
 
+use super::averages::SHORTEST_BLOCK;
 use super::error::DataError;
 use super::polynomial::Degree;
 use super::series::Series;
@@ -64,29 +65,32 @@ impl Estimator {
     }
 }
 
-/// Fewest reference points: fewer do not form two blocks of time, so that there is no standard
-/// error.
-pub const FEWEST_REFERENCES: usize = 20;
+/// Fewest reference points: two blocks of time, without which there is no standard error.
+pub const FEWEST_REFERENCES: usize = 2 * SHORTEST_BLOCK;
+/// Fraction of the largest singular value below which one is zero by default, and of a column's
+/// length below which it depends on others. Chosen: some 1e5 roundings.
+pub(crate) const RANK_TOLERANCE: f64 = 1e-10;
 
-/// Reference points among delayed values that are enough,
-const REFERENCES: usize = 1500;
-/// and this part of the points.
-const REFERENCES_PART: usize = 3;
-/// Neighbours of a vector of delayed values, where there are points enough;
+/// Fewest reference points among delayed values, in a series that has as many. Chosen.
+const DELAYED_REFERENCES: usize = 1500;
+/// One in at most this many delayed vectors is a reference point.
+const POINTS_PER_REFERENCE: usize = 3;
+/// Neighbours of a vector of delayed values, in a series that is long enough. Chosen: each value
+/// brings noise of its own, and a dozen are too few ([`DataSettings::delayed`]).
 const DELAYED_NEIGHBOURS: usize = 40;
-/// not more than this part of the points,
-const PART: usize = 100;
-/// nor fewer than so many for each value.
-const FOR_EACH_VALUE: usize = 4;
+/// Points of the series for each neighbour of a delayed vector.
+const POINTS_PER_DELAYED_NEIGHBOUR: usize = 100;
+/// Fewest neighbours for each value of a vector.
+const NEIGHBOURS_PER_VALUE: usize = 4;
 
 /// Settings of [`super::data_spectrum`]. The defaults suit noise-free series of some ten thousand
-/// points: the nearest dozen, which keeps the bias small, and a radius beyond which a neighbourhood
-/// is not local. Noisy series need more neighbours.
+/// points. A dozen neighbours keep the bias small, and the radius bounds what is local. Noisy
+/// series need more neighbours.
 ///
-/// How many points a ball holds can be estimated beforehand: of n points on a surface of area S it
-/// holds about n π (eps · spread)² / S. For 45001 points on the torus (cos a, sin a, cos b, sin b)
-/// with its spread √2 and its area 4π² and `eps` 0.02 these are 2.9: such a series needs an `eps`
-/// of 0.04 for a dozen.
+/// The number of points in a ball can be estimated beforehand. Of n points on a surface of area S
+/// it holds about n π (eps · spread)² / S. An example is the torus (cos a, sin a, cos b, sin b),
+/// with spread √2 and area 4π². Of 45001 points there a ball of `eps` 0.02 holds 2.9. A dozen
+/// neighbours need an `eps` of 0.04.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DataSettings {
     /// What is made of the local maps.
@@ -94,26 +98,25 @@ pub struct DataSettings {
     /// Which points are neighbours. What is extrapolated comes from the nearest points,
     /// [`Neighbourhood::fewest`] or more of them.
     pub neighbours: Neighbourhood,
-    /// Theiler window, in points: `k` is no neighbour of `j` where `|k − j|` is not above it, since
-    /// points that follow one another are near for no other reason. `None` takes the time in which
-    /// the autocorrelation of the series falls below 1/e.
+    /// Theiler window, in points: `k` is no neighbour of `j` if `|k − j|` is at most this. Points
+    /// that follow one another are near for no other reason. `None` takes the time in which the
+    /// autocorrelation of the series falls below 1/e.
     pub theiler: Option<usize>,
     /// `d` of Eq. (25): a map takes `x_j` to `x_{j+d}`.
     pub step: usize,
     /// Fits `y' = A y + b` instead of `y' = A y`.
     pub affine: bool,
-    /// Singular values of the neighbour matrix below this fraction of the largest are taken for
-    /// zero, and contractions within one step below this fraction of the map's norm for
-    /// annihilation. Rounding of the data is a second bound.
+    /// Singular values of the neighbour matrix below this fraction of the largest are zero.
+    /// Contractions within one step below this fraction of the map's norm are annihilations.
+    /// Rounding of the data is a second bound.
     pub rank_tolerance: f64,
     /// Tikhonov regularisation, as a fraction of the largest singular value: `s⁻¹` becomes `s/(s² +
     /// ridge² s_1²)`. 0 is none.
     pub ridge: f64,
     /// Rank of the second fit; `None` takes the number of tangent directions found.
     pub fixed_rank: Option<usize>,
-    /// Reference points are 0, `stride`, 2·`stride`, … below `step`, and those one step later, two
-    /// steps, …, so that the point a reference point moves to is one again: as many interleaved
-    /// chains as there are below `step`. With 1 all points are reference points.
+    /// Reference points are 0, `stride`, 2·`stride`, … below `step`, and those one, two, … steps
+    /// later. The image of a reference point is one again. With 1 all points are reference points.
     pub stride: usize,
     /// Uses only this many first reference points, at least [`FEWEST_REFERENCES`].
     pub references: Option<usize>,
@@ -135,7 +138,7 @@ impl Default for DataSettings {
             theiler: None,
             step: 1,
             affine: false,
-            rank_tolerance: 1e-10,
+            rank_tolerance: RANK_TOLERANCE,
             ridge: 0.0,
             fixed_rank: None,
             stride: 1,
@@ -186,24 +189,24 @@ impl DataSettings {
         }
     }
 
-    /// For the delayed values `embedded`, what they need beyond states: maps over the `delay`, of
-    /// which all but the last value are known, affine ones, and more neighbours, since each value
-    /// brings the noise of its own: with a dozen 2000 points of Lorenz' x have an exponent three
-    /// errors off that is called [`super::Status::Ok`]. They are 40, but not more than a hundredth
-    /// of the points, and four for each value at least, or those set already where these are more;
-    /// a ball takes so many and no more.
+    /// For the delayed values `embedded`, what they need beyond states.
+    /// * Maps are affine and over the `delay`: all but the last value of an image are known.
+    /// * There are 40 neighbours, but at most a hundredth of the points and at least four for each
+    ///   value. More that are set already stay; a ball takes as many and no more. Each value brings
+    ///   noise of its own. With a dozen neighbours 2000 points of Lorenz' x have an exponent three
+    ///   errors off that is called [`super::Status::Ok`].
+    /// * A third of the points of a flow, and at least 1500, are reference points. Those in between
+    ///   lie on the same orbit and have the same neighbours.
     ///
-    /// Not every point of a flow is a reference point, but every so many that a third of them is
-    /// left, and 1500, or more: those in between lie on the same orbit and have the same
-    /// neighbours. Step, stride and affine maps are overwritten.
+    /// Step, stride and affine maps are overwritten.
     pub fn delayed(mut self, delay: usize, embedded: &Series) -> Self {
         self.step = delay;
-        let enough = REFERENCES.max(embedded.len() / REFERENCES_PART);
+        let enough = DELAYED_REFERENCES.max(embedded.len() / POINTS_PER_REFERENCE);
         self.stride = longest_stride(delay, embedded.len(), enough);
         self.affine = true;
         let wanted = DELAYED_NEIGHBOURS
-            .min(embedded.len() / PART)
-            .max(FOR_EACH_VALUE * embedded.columns());
+            .min(embedded.len() / POINTS_PER_DELAYED_NEIGHBOUR)
+            .max(NEIGHBOURS_PER_VALUE * embedded.columns());
         match &mut self.neighbours {
             Neighbourhood::Ball { min, max, .. } => {
                 *min = wanted.max(*min);

@@ -6,10 +6,10 @@
 use super::matrix::{Matrix, Row, product};
 use super::series::MAX_COLUMNS;
 
-/// Sweeps after which Jacobi's rotations stop; ten are more than ever needed.
-const SWEEPS: usize = 40;
+/// Sweeps after which Jacobi's rotations stop. They converge quadratically, in fewer than ten.
+const MOST_SWEEPS: usize = 40;
 /// Cosine of two columns that counts as orthogonal: some units of rounding.
-const ORTHOGONAL: f64 = 1e-15;
+const ORTHOGONAL_COSINE: f64 = 1e-15;
 
 /// `m = u diag(s) vᵀ`, singular values in descending order.
 pub(crate) struct Svd {
@@ -42,11 +42,11 @@ pub(crate) fn svd(m: &Matrix) -> Svd {
         norms[i] = squares[i].sqrt();
     }
     let pairs = || (0..n).flat_map(|p| (p + 1..n).map(move |q| (p, q)));
-    for _ in 0..SWEEPS {
+    for _ in 0..MOST_SWEEPS {
         let mut rotated = false;
         for (p, q) in pairs() {
             let pq = product(&w[p][..n], &w[q][..n]);
-            if pq == 0.0 || pq.abs() <= ORTHOGONAL * norms[p] * norms[q] {
+            if pq == 0.0 || pq.abs() <= ORTHOGONAL_COSINE * norms[p] * norms[q] {
                 continue;
             }
             // The cotangent of the double angle.

@@ -1,6 +1,6 @@
 //! A search tree for the nearest points among those that may be neighbours.
 //!
-//! Own code, because the neighbours of a time series are not its nearest points: those next to them
+//! Own code, because the neighbours of a time series are not its nearest points. Those next to it
 //! in time and exact repeats do not count, and equally distant ones are ordered by index. Inside
 //! the search these conditions cost nothing. Outside of it, more points would have to be requested,
 //! often several times, at half of the time of a spectrum.
@@ -14,8 +14,8 @@ use super::neighbours::Neighbour;
 
 /// Points whose distances are computed together: two vectors of the machine.
 const LANES: usize = 8;
-/// Most blocks of points in a leaf.
-const BLOCKS: usize = 4;
+/// Blocks of points in a leaf. Chosen for speed; it changes no bit.
+const BLOCKS_PER_LEAF: usize = 4;
 
 /// The box around the points of a node.
 #[derive(Clone, Copy)]
@@ -35,9 +35,9 @@ impl Bounds<'_> {
             .unwrap_or(0)
     }
 
-    /// Lower bound of the squared distance to the points of the box: the subtractions and squares
-    /// are those of [`super::matrix::distance2`], in its order, with smaller operands, and rounding
-    /// is monotonic.
+    /// Lower bound of the squared distance to the points of the box. The operations are those of
+    /// [`super::matrix::distance2`], in its order, with smaller operands, and rounding is
+    /// monotonic.
     #[inline(always)]
     fn distance2(&self, centre: &[f64]) -> f64 {
         let mut sum = 0.0;
@@ -67,7 +67,7 @@ impl Bounds<'_> {
     }
 }
 
-/// A balanced tree: the children of node `i` are the nodes `2 i + 1` and `2 i + 2`, leaves are the
+/// A balanced tree. The children of node `i` are the nodes `2 i + 1` and `2 i + 2`; leaves are the
 /// nodes of the last level.
 pub(crate) struct Tree {
     columns: usize,
@@ -76,9 +76,9 @@ pub(crate) struct Tree {
     /// Of each node the smallest index.
     first: Vec<u32>,
     first_leaf: usize,
-    /// Points of the leaves, from left to right: [`BLOCKS`] blocks of each, and of each block its
-    /// lanes, column by column. Places that no point takes are no numbers, and so not within any
-    /// distance.
+    /// Points of the leaves, from left to right: [`BLOCKS_PER_LEAF`] blocks of each, and of each
+    /// block its lanes, column by column. Places that no point takes are no numbers, and so not
+    /// within any distance.
     lanes: Vec<[f64; LANES]>,
     /// Their indices, block by block.
     indices: Vec<[u32; LANES]>,
@@ -92,7 +92,7 @@ impl Tree {
         let columns: Vec<Vec<f64>> = (0..points.columns()).map(column).collect();
         let mut indices: Vec<u32> = (0..).take(count).collect();
         let mut leaves = 1;
-        while leaves * LANES * BLOCKS < count {
+        while leaves * LANES * BLOCKS_PER_LEAF < count {
             leaves *= 2;
         }
         let first_leaf = leaves - 1;
@@ -101,8 +101,8 @@ impl Tree {
             boxes: Vec::with_capacity((first_leaf + leaves) * 2 * points.columns()),
             first: Vec::with_capacity(first_leaf + leaves),
             first_leaf,
-            lanes: Vec::with_capacity(leaves * BLOCKS * points.columns()),
-            indices: Vec::with_capacity(leaves * BLOCKS),
+            lanes: Vec::with_capacity(leaves * BLOCKS_PER_LEAF * points.columns()),
+            indices: Vec::with_capacity(leaves * BLOCKS_PER_LEAF),
         };
         // Of each node of a level, from left to right.
         let mut level: Vec<&mut [u32]> = vec![&mut indices];
@@ -125,7 +125,7 @@ impl Tree {
             tree.push_box(&columns, leaf);
             let parts = leaf.chunks(LANES).chain(std::iter::repeat(&[][..]));
             parts
-                .take(BLOCKS)
+                .take(BLOCKS_PER_LEAF)
                 .for_each(|part| tree.push_block(&columns, part));
         }
         tree
@@ -181,9 +181,9 @@ impl Tree {
         sums
     }
 
-    /// The `wanted` points nearest to `centre` whose square of distance is above `repeat2` and at
-    /// most `radius2`, of those that are `admissible` by index: nearest first, equally distant ones
-    /// by index. Fewer if there are no more.
+    /// The `wanted` points nearest to `centre` that are `admissible` by index, nearest first,
+    /// equally distant ones by index. Their squared distance is above `repeat2` and at most
+    /// `radius2`. Fewer if there are no more.
     ///
     /// Where a system is at equilibrium or sticks, thousands of points coincide. A node with
     /// repeats only is skipped. So is a node as far as the last neighbour so far, if all its
@@ -220,8 +220,9 @@ impl Tree {
         nearest: &mut Vec<Neighbour>,
     ) {
         let mut furthest = (radius2, u32::MAX);
-        // Candidates are collected until they are twice as many, and those that are too far then go
-        // together; the first time as soon as they tell a distance, where none is known.
+        // Candidates are collected until they are twice as many as wanted; those that are too far
+        // are then removed together. Without a radius, the first removal is earlier, since it gives
+        // a bound of the distance.
         let mut full = if radius2.is_finite() {
             wanted.saturating_mul(2)
         } else {
@@ -245,8 +246,8 @@ impl Tree {
                 });
                 continue;
             }
-            let leaf = (node - self.first_leaf) * BLOCKS;
-            for block in leaf..leaf + BLOCKS {
+            let leaf = (node - self.first_leaf) * BLOCKS_PER_LEAF;
+            for block in leaf..leaf + BLOCKS_PER_LEAF {
                 let squares = self.distances2(block, centre);
                 // Most blocks hold none that is near enough: these are passed over.
                 let is_any = squares
@@ -289,8 +290,8 @@ mod tests {
     use crate::matrix::distance2;
     use crate::statistics::SplitMix;
 
-    /// Against all points one by one: from none of them to some hundred, in space, on a grid, in a
-    /// few places far from the origin.
+    /// Compares with an exhaustive search. There are up to some hundred points, in space, on a
+    /// grid, or in a few places far from the origin.
     fn agrees_with_brute_force(columns: usize) {
         let mut draw = SplitMix::new(45);
         for round in 0..200 {

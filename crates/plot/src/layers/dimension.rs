@@ -2,15 +2,15 @@
 
 use plotters_backend::text_anchor::{HPos, VPos};
 
-use super::{Layer, TEXT};
+use super::{Layer, TEXT_SIZE};
 use crate::arrow;
 use crate::color::BLACK;
 use crate::elements::Words;
 use crate::pen::Pen;
 use crate::plot::{Drawn, Plot};
 
-/// How far above the arrow its text stands, px.
-const ABOVE: f64 = 4.0;
+/// Distance of the text above the arrow, px.
+const TEXT_DISTANCE: f64 = 4.0;
 
 /// A double-headed arrow between two points, with a text.
 #[derive(Clone, Debug)]
@@ -33,8 +33,8 @@ impl Dimension {
     }
 
     setters! {
-        /// Moves the arrow by this many px to the left of its direction (upwards for one that
-        /// points right) and draws thin lines from its ends to the points.
+        /// Moves the arrow by this many px to the left of its direction: upwards for one that
+        /// points right. Thin lines connect its ends to the points.
         shift: f64 => shift;
     }
 
@@ -65,8 +65,8 @@ impl Layer for Dimension {
 
     fn annotate(&self, plot: &Plot<'_, '_>) -> Drawn {
         let [a, b] = self.ends(plot);
-        let words = Words::new(&self.text, TEXT, (HPos::Center, VPos::Bottom)).halo();
-        let above = ((a.0 + b.0) / 2.0, (a.1 + b.1) / 2.0 - ABOVE);
+        let words = Words::new(&self.text, TEXT_SIZE, (HPos::Center, VPos::Bottom)).halo();
+        let above = ((a.0 + b.0) / 2.0, (a.1 + b.1) / 2.0 - TEXT_DISTANCE);
         plot.sheet.words(above, words)
     }
 }

@@ -1,6 +1,6 @@
 //! Straight lines across the whole panel.
 
-use super::{Layer, TEXT};
+use super::{Layer, TEXT_SIZE};
 use crate::color::{Color, GREY};
 use crate::elements::{Ink, Words};
 use crate::legend::Entry;
@@ -83,7 +83,8 @@ impl Layer for Guide {
         } else {
             ((x + 5.0, fy), (HPos::Left, VPos::Center))
         };
-        plot.sheet.words(at, Words::new(text, TEXT, anchor).halo())
+        plot.sheet
+            .words(at, Words::new(text, TEXT_SIZE, anchor).halo())
     }
 
     fn legend(&self) -> Option<Entry> {

@@ -1,6 +1,6 @@
 //! Points marked by symbols, with texts beside them.
 
-use super::{Layer, TEXT};
+use super::{Layer, TEXT_SIZE};
 use crate::color::{BLACK, Color, WHITE};
 use crate::elements::{Ink, Shape, Symbol, Words};
 use crate::legend::Entry;
@@ -75,7 +75,7 @@ impl Layer for Markers {
             let point = self.points.get(*index);
             if let Some(&point) = point.filter(|point| plot.bounds.contains(**point)) {
                 let (x, y) = plot.px(point);
-                let words = Words::new(text, TEXT, anchor_of(*right, *up)).halo();
+                let words = Words::new(text, TEXT_SIZE, anchor_of(*right, *up)).halo();
                 plot.sheet.words((x + right, y - up), words)?;
             }
         }

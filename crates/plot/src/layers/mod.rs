@@ -26,7 +26,7 @@ use super::plot::{Drawn, Plot};
 use super::polyline::Point;
 
 /// Font size of texts inside a panel, px.
-pub(super) const TEXT: f64 = 11.5;
+pub(super) const TEXT_SIZE: f64 = 11.5;
 
 /// One thing in a panel. The kinds are those of this crate: nothing outside can name a [`Plot`].
 pub trait Layer {

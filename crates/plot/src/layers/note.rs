@@ -2,7 +2,7 @@
 
 use plotters_backend::text_anchor::{HPos, VPos};
 
-use super::{Layer, Position, TEXT};
+use super::{Layer, Position, TEXT_SIZE};
 use crate::arrow;
 use crate::color::{BLACK, GREY};
 use crate::elements::Words;
@@ -37,9 +37,8 @@ impl Note {
         }
     }
 
-    /// Moves the text by `(right, up)` px. It then stands on that side of the place, instead of
-    /// being centred at it: to the right of it for an offset to the right, above it for an offset
-    /// upwards.
+    /// Moves the text by `(right, up)` px. It then stands on that side of the place instead of
+    /// being centred there. An offset to the right puts it to the right, one upwards puts it above.
     pub fn offset(mut self, right: f64, up: f64) -> Self {
         self.offset = (right, up);
         self
@@ -66,8 +65,8 @@ impl Note {
     /// The box the text fills on the page.
     fn frame(&self, plot: &Plot<'_, '_>) -> Result<Frame, PlotError> {
         let (x, y) = self.anchored(plot);
-        let width = metrics::width(&self.text, TEXT)?;
-        let height = metrics::CAP_HEIGHT * TEXT;
+        let width = metrics::width(&self.text, TEXT_SIZE)?;
+        let height = metrics::CAP_HEIGHT * TEXT_SIZE;
         let (h, v) = anchor_of(self.offset.0, self.offset.1);
         let left = match h {
             HPos::Left => x,
@@ -112,25 +111,25 @@ impl Layer for Note {
 
     fn annotate(&self, plot: &Plot<'_, '_>) -> Drawn {
         let anchor = anchor_of(self.offset.0, self.offset.1);
-        let words = Words::new(&self.text, TEXT, anchor).halo();
+        let words = Words::new(&self.text, TEXT_SIZE, anchor).halo();
         plot.sheet.words(self.anchored(plot), words)
     }
 }
 
 /// A text moved to one side of a point is anchored at the side that faces the point.
 pub(super) fn anchor_of(right: f64, up: f64) -> (HPos, VPos) {
-    /// Offsets up to this, px, do not count as a side: they only adjust a centred text.
-    const CENTRED: f64 = 2.0;
-    let h = if right > CENTRED {
+    /// Offsets up to this, px, only adjust a centred text.
+    const CENTRED_OFFSET: f64 = 2.0;
+    let h = if right > CENTRED_OFFSET {
         HPos::Left
-    } else if right < -CENTRED {
+    } else if right < -CENTRED_OFFSET {
         HPos::Right
     } else {
         HPos::Center
     };
-    let v = if up > CENTRED {
+    let v = if up > CENTRED_OFFSET {
         VPos::Bottom
-    } else if up < -CENTRED {
+    } else if up < -CENTRED_OFFSET {
         VPos::Top
     } else {
         VPos::Center

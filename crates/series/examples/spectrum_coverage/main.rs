@@ -2,8 +2,8 @@
 //! is `ok`. The series come from systems of known spectrum, with starts on which no constant of the
 //! estimator was chosen.
 //!
-//! `cargo run --release -p stickslip-series --example spectrum_coverage -- FOLDER` takes some
-//! fifteen minutes on two cores and writes `coverage.csv` and `README.md`; `--known` prints the
+//! `cargo run --release -p stickslip-series --example spectrum_coverage -- FOLDER` writes
+//! `coverage.csv` and `README.md`, in some fifteen minutes on two cores. `--known` prints the
 //! exponents of the systems from the equations instead.
 
 mod systems;
@@ -84,21 +84,20 @@ systems and some of the lengths are the same.
 ";
 
 const TAIL: &str = r#"
-An exponent counts where the system has it; one that is called `ok` and that no exponent of the
-system answers to counts as not within. "ok" is the share of the system's exponents that are called
-so, "within 2σ" how often the true one is within two standard errors of these, "error" the median
-distance from it, per unit of time. Of whole states those that are not `ok` are mostly strong
+An exponent counts where the system has it. One that is called `ok` and that corresponds to no
+exponent of the system counts as not within. "ok" is the share of the system's exponents that are
+called so. "Within 2σ" is how often the true one is within two standard errors of these. "Error" is
+the median distance from it, per unit of time. Of whole states, three kinds are not `ok`: strong
 contractions that no series shows (`unidentified`), Chua's where the corners of its diode are in the
-neighbourhoods (`unstable`), and those of short series (`starved`); of one column most are not among
-those found, or `starved`.
+neighbourhoods (`unstable`), and those of short series (`starved`). Of one column, most are missing
+or `starved`.
 
-Noise is a normal error of each value, in parts of its column's standard deviation. The more points,
-the smaller the neighbourhoods, and the more of them is noise: an exponent is `noisy` then, or
-`unstable`.
+Noise is a normal error of each value, in parts of its column's standard deviation. With more points
+neighbourhoods are smaller, and more of them is noise. An exponent is then `noisy` or `unstable`.
 
-One column is embedded with the delay and the number of values that are chosen from the data, and so
-are several if they lack one, as with noise they may. Which column it is changes from seed to seed,
-so that each has its turn; the pendulum's are the sine and the cosine of an angle that turns over,
-and the velocity. Exponents that are told to be the embedding's own are left out; what the system
-has and the rest has not is not `ok`.
+One column is embedded with the delay and the number of values that are chosen from the data. So are
+several if they lack one, as with noise they may. The column changes from seed to seed. The
+pendulum's are the sine and the cosine of an angle that turns over, and the velocity. Exponents
+identified as the embedding's own are left out. An exponent of the system that is not among the
+others is not `ok`.
 "#;

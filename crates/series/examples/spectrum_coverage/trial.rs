@@ -161,8 +161,8 @@ fn verdicts(
     let vectors = embedding.of(series)?;
     let spectrum = data_spectrum(&vectors, &settings.delayed(embedding.delay, &vectors))?;
     let origins = reversal(&vectors, &spectrum, &unwatched)?.origins;
-    let told = spectrum.exponents.iter().zip(origins);
-    Ok(told
+    let exponents = spectrum.exponents.iter().zip(origins);
+    Ok(exponents
         .filter(|(_, origin)| *origin != Origin::Spurious)
         .map(|(exponent, _)| Verdict::new(exponent))
         .collect())

@@ -1,6 +1,7 @@
 //! The largest exponent from the divergence of neighbours, an independent estimate that fits no
-//! maps: Rosenstein, Collins and De Luca, Physica D 65, 117 (1993); Kantz, Phys. Lett. A 185, 77
-//! (1994).
+//! maps.
+//!
+//! Rosenstein, Collins and De Luca, Physica D 65, 117 (1993); Kantz, Phys. Lett. A 185, 77 (1994).
 //!
 //! The mean logarithm of the distance of neighbours grows linearly, and its slope is the exponent.
 //! The line begins when the difference has turned into the fastest direction. It ends when the
@@ -27,25 +28,29 @@ use straight::straight_part;
 const SAMPLES: usize = 1000;
 /// Fewest points for which neighbours are followed: with fewer, eight blocks would hold fewer than
 /// seven each. Shorter series are not embedded unless asked.
-pub(crate) const FEWEST: usize = 50;
-/// Largest number of time steps over which they are followed,
-const LONGEST: usize = 2048;
-/// and the same as a fraction of the series.
-const LONGEST_PART: usize = 4;
+pub(crate) const FEWEST_POINTS: usize = 50;
+/// Largest number of time steps over which neighbours are followed, to bound the time.
+const MOST_STEPS: usize = 2048;
+/// Rows of the series for each time step over which neighbours are followed: three quarters of the
+/// points remain as references.
+const ROWS_PER_STEP: usize = 4;
 /// Neighbours in Kantz' smallest ball at half of the points, and those in the larger ones.
-const KANTZ: [usize; 3] = [3, 6, 12];
+const KANTZ_COUNTS: [usize; 3] = [3, 6, 12];
 /// Largest number of neighbours followed per point: more than the largest ball holds around most
 /// points.
-const MOST: usize = 20;
+const MOST_NEIGHBOURS: usize = 20;
 /// Blocks of points for the standard error of a slope.
 const BLOCKS: usize = 8;
 /// Number of pairs of points that give the logarithm of the size of the attractor, to a few
 /// hundredths.
 const PAIRS: usize = 2000;
-/// Number of time steps between checks whether a curve still rises.
-const LOOKED_BACK: usize = 256;
-/// A curve is followed until it is this near to the size of the attractor, in logarithms.
+/// Fewest time steps after which a curve may count as flat.
+const FLAT_STEPS: usize = 256;
+/// A curve is followed until it is this near to the size of the attractor, in logarithms. The
+/// straight part ends a factor of e below it.
 const SATURATED: f64 = 0.3;
+/// Time steps between two checks whether a curve still rises.
+const STEPS_PER_CHECK: usize = 16;
 
 /// Mean logarithm of the distance of neighbours over time.
 #[derive(Clone, Debug, PartialEq)]
@@ -107,18 +112,18 @@ pub fn divergence(
     progress: Progress<'_>,
 ) -> Result<Divergence, DataError> {
     let rows = series.len();
-    let longest = (rows / LONGEST_PART).clamp(1, LONGEST);
+    let longest = (rows / ROWS_PER_STEP).clamp(1, MOST_STEPS);
     let too_few = |theiler: usize| DataError::TooFew {
         rows,
         needed: theiler
             .saturating_mul(2)
             .saturating_add(1 + longest)
-            .max(FEWEST),
+            .max(FEWEST_POINTS),
         neighbours: 1,
         theiler,
         step: longest,
     };
-    if rows < FEWEST {
+    if rows < FEWEST_POINTS {
         return Err(too_few(theiler.unwrap_or(0)));
     }
     let cloud = Cloud::new(series)?;
@@ -127,7 +132,7 @@ pub fn divergence(
         return Err(too_few(theiler));
     }
     let finder = Finder::new(&cloud, longest, theiler)?;
-    let total = 1 + KANTZ.len();
+    let total = 1 + KANTZ_COUNTS.len();
     report(progress, 0, total)?;
     let points = rows - longest;
     let every = points.div_ceil(SAMPLES).max(1);
@@ -136,7 +141,7 @@ pub fn divergence(
         .par_iter()
         .map(|&j| {
             let mut nearest = Vec::new();
-            finder.nearest(j, MOST, f64::INFINITY, &mut nearest);
+            finder.nearest(j, MOST_NEIGHBOURS, f64::INFINITY, &mut nearest);
             nearest
         })
         .collect();
@@ -170,7 +175,7 @@ pub fn divergence(
     };
     report(progress, 1, total)?;
     let rosenstein = curve(None);
-    let kantz = KANTZ.iter().enumerate().map(|(i, count)| {
+    let kantz = KANTZ_COUNTS.iter().enumerate().map(|(i, count)| {
         report(progress, 1 + i, total)?;
         let reach = nearest.iter().filter_map(|found| found.get(count - 1));
         Ok(curve(Some(upper_median(
@@ -203,9 +208,6 @@ fn saturation(cloud: &Cloud) -> f64 {
     sum / count
 }
 
-/// Number of time steps between two checks of the curve.
-const TOGETHER: usize = 16;
-
 /// A curve under construction.
 struct Growth<'a> {
     points: &'a Matrix,
@@ -225,7 +227,7 @@ impl Growth<'_> {
     fn follow(&mut self) -> Option<f64> {
         while !self.pairs.is_empty() && self.means.len() < self.longest {
             let from = self.means.len();
-            let until = (from + TOGETHER).min(self.longest);
+            let until = (from + STEPS_PER_CHECK).min(self.longest);
             let sums = (from..until).into_par_iter();
             let sums: Vec<_> = sums.map(|ahead| self.logarithms(ahead)).collect();
             for of_blocks in sums {
@@ -269,7 +271,7 @@ impl Growth<'_> {
     /// e.
     fn is_flat(&self) -> bool {
         let (curve, quarter) = (&self.means, self.means.len() / 4);
-        if curve.len() < LOOKED_BACK {
+        if curve.len() < FLAT_STEPS {
             return false;
         }
         let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;

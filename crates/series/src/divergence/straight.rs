@@ -3,16 +3,15 @@
 use super::BLOCKS;
 
 /// A factor of e in logarithms, the time scale of an exponent. A straight part rises by at least
-/// this much. It ends this much below the level of saturation, beyond which folding bends the
-/// curve.
+/// this much. It ends this much below the level of saturation, above which folding bends the curve.
 const E_FOLD: f64 = 1.0;
 /// Fewest points of a straight part, three more than a line has parameters.
-const FEWEST: usize = 5;
-/// A straight part has at least this fraction of the whole rise. A shorter piece may be straight by
-/// chance, and its growth is that of a few places only.
-const PART: f64 = 0.5;
-/// Scatter about the line, as a fraction of the rise, above which there is no straight part.
-const CROOKED: f64 = 0.05;
+const FEWEST_POINTS: usize = 5;
+/// Least fraction of the whole rise that a straight part has. A shorter piece may be straight by
+/// coincidence, and its growth is that of a few places only.
+const LEAST_RISE: f64 = 0.5;
+/// Largest scatter of a straight part about its line, as a fraction of the rise. Chosen.
+const LARGEST_SCATTER: f64 = 0.05;
 
 /// The part of a curve from which an exponent is taken. Of all parts that end before the curve
 /// levels off, it has the smallest scatter about its least-squares line, relative to its rise.
@@ -59,13 +58,13 @@ pub(crate) fn straight_part(
     let highest = curve.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let least = curve
         .first()
-        .map_or(E_FOLD, |first| E_FOLD.max(PART * (highest - first)));
+        .map_or(E_FOLD, |first| E_FOLD.max(LEAST_RISE * (highest - first)));
     let mut best: Option<(f64, usize, usize)> = None;
     for from in 0..curve.len() {
         let mut sums = Sums::default();
         for (k, v) in curve.iter().enumerate().skip(from) {
             sums.add((k - from) as f64, v - curve[from]);
-            if k - from + 1 < FEWEST {
+            if k - from + 1 < FEWEST_POINTS {
                 continue;
             }
             let (slope, rest) = sums.line();
@@ -74,7 +73,7 @@ pub(crate) fn straight_part(
                 continue;
             }
             let scatter = rest / rise;
-            if scatter < CROOKED && best.is_none_or(|best| scatter < best.0) {
+            if scatter < LARGEST_SCATTER && best.is_none_or(|best| scatter < best.0) {
                 best = Some((scatter, from, k));
             }
         }

@@ -12,16 +12,16 @@ use crate::series::Series;
 /// Number of points whose nearest neighbour is examined, spread evenly over the series. A fraction
 /// of 1 % of them has a standard error of 0.2 %.
 const SAMPLES: usize = 2000;
-/// A neighbour is false if the next value differs by more than this many times its distance
-/// (Kennel: 10 or more separate clearly),
-const DISTANCE_RATIO: f64 = 15.0;
-/// or by more than this many times the spread of the series (Kennel's second criterion, for points
-/// without near neighbours).
-const SPREADS: f64 = 2.0;
+/// A neighbour is false if the next value differs by more than this many times its distance.
+/// Kennel: 10 or more separate clearly.
+const FALSE_RATIO: f64 = 15.0;
+/// A neighbour is also false if its distance with the next value is more than this many times the
+/// spread of the series. This is Kennel's second criterion, for points without near neighbours.
+const FALSE_SPREADS: f64 = 2.0;
 
 /// Statistics of one dimension, or of the nearest neighbour of one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Level {
+pub(crate) struct NeighbourStatistics {
     /// Fraction of the nearest neighbours that are false.
     pub(crate) false_part: f64,
     /// Cao's E: mean ratio of the distances with and without the next value, in the maximum norm.
@@ -36,13 +36,13 @@ pub(crate) struct Level {
 /// # Errors
 /// [`DataError::Span`] if no point has a next value, [`DataError::Constant`],
 /// [`DataError::Overflow`].
-pub(crate) fn level(
+pub(crate) fn statistics(
     series: &Series,
     embedding: Embedding,
     theiler: usize,
     spread: f64,
     goes_on: &dyn Fn() -> Result<(), DataError>,
-) -> Result<Option<Level>, DataError> {
+) -> Result<Option<NeighbourStatistics>, DataError> {
     // Checks that the next value exists.
     let next = Embedding {
         dimension: embedding.dimension + 1,
@@ -64,11 +64,11 @@ pub(crate) fn level(
     let every = points.div_ceil(SAMPLES).max(1);
     let columns = series.columns();
     let ahead = embedding.delay * embedding.dimension;
-    let votes = in_parallel(
+    let neighbours = in_parallel(
         points.div_ceil(every),
         goes_on,
         Vec::new,
-        |nearest, i| -> Option<Level> {
+        |nearest, i| -> Option<NeighbourStatistics> {
             let j = i * every;
             finder.nearest(j, 1, f64::INFINITY, nearest);
             let &(square, k) = nearest.first()?;
@@ -82,21 +82,21 @@ pub(crate) fn level(
                 next_square += difference * difference;
                 next_largest = next_largest.max(difference.abs());
             }
-            let is_far = (square + next_square).sqrt() > SPREADS * spread / cloud.unit;
-            let is_false = next_square > DISTANCE_RATIO * DISTANCE_RATIO * square || is_far;
-            Some(Level {
+            let is_far = (square + next_square).sqrt() > FALSE_SPREADS * spread / cloud.unit;
+            let is_false = next_square > FALSE_RATIO * FALSE_RATIO * square || is_far;
+            Some(NeighbourStatistics {
                 false_part: f64::from(u8::from(is_false)),
                 stretching: largest.max(next_largest) / largest,
                 next_difference: next_largest * cloud.unit,
             })
         },
     )?;
-    let votes: Vec<Level> = votes.into_iter().flatten().collect();
-    let count = votes.len() as f64;
-    let mean = |of: fn(&Level) -> f64| votes.iter().map(of).sum::<f64>() / count;
-    Ok((!votes.is_empty()).then(|| Level {
-        false_part: mean(|vote| vote.false_part),
-        stretching: mean(|vote| vote.stretching),
-        next_difference: mean(|vote| vote.next_difference),
+    let neighbours: Vec<NeighbourStatistics> = neighbours.into_iter().flatten().collect();
+    let count = neighbours.len() as f64;
+    let mean = |of: fn(&NeighbourStatistics) -> f64| neighbours.iter().map(of).sum::<f64>() / count;
+    Ok((!neighbours.is_empty()).then(|| NeighbourStatistics {
+        false_part: mean(|one| one.false_part),
+        stretching: mean(|one| one.stretching),
+        next_difference: mean(|one| one.next_difference),
     }))
 }

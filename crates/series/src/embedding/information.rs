@@ -7,12 +7,12 @@ use crate::series::Series;
 use crate::statistics::order;
 
 /// Largest number of pairs counted: 32 per cell at the largest number of classes.
-const PAIRS: usize = 1 << 15;
+const MOST_PAIRS: usize = 1 << 15;
 /// Fewest pairs per cell on average. Their relative scatter is then a third.
 const PAIRS_PER_CELL: usize = 8;
 /// Smallest and largest number of classes. With 32 a correlated Gaussian loses 2 % of its
 /// information.
-const CLASSES: (usize, usize) = (4, 32);
+const CLASS_COUNTS: (usize, usize) = (4, 32);
 
 /// A series sorted into classes, ready to be compared with itself at any lag.
 pub(crate) struct Classes {
@@ -26,9 +26,9 @@ impl Classes {
     /// Sorts into classes with equally many points each, except that equal values share a class.
     pub(crate) fn new(series: &Series) -> Self {
         let rows = series.len();
-        let pairs = rows.min(PAIRS);
-        let mut count = CLASSES.0;
-        while count < CLASSES.1 && (count + 1) * (count + 1) * PAIRS_PER_CELL <= pairs {
+        let pairs = rows.min(MOST_PAIRS);
+        let mut count = CLASS_COUNTS.0;
+        while count < CLASS_COUNTS.1 && (count + 1) * (count + 1) * PAIRS_PER_CELL <= pairs {
             count += 1;
         }
         let columns = (0..series.columns())
@@ -51,7 +51,7 @@ impl Classes {
         Classes { columns, count }
     }
 
-    /// The mutual information at a lag, in nats, averaged over the columns; The mean for
+    /// The mutual information at a lag, in nats, averaged over the columns. The mean of
     /// independent values with as many pairs, `(classes − 1)²/2 pairs` (Miller 1955), is
     /// subtracted.
     pub(crate) fn information(&self, lag: usize) -> f64 {
@@ -63,10 +63,10 @@ impl Classes {
         sum / self.columns.len() as f64
     }
 
-    /// The part of the information at a lag that may be chance: three standard deviations of that
-    /// of independent values. Twice the latter times the number of pairs is distributed as χ² with
-    /// `(classes − 1)²` degrees of freedom.
-    pub(crate) fn chance(&self, lag: usize) -> f64 {
+    /// Three standard deviations of the information of independent values at a lag. Twice that
+    /// information times the number of pairs is distributed as χ² with `(classes − 1)²` degrees of
+    /// freedom.
+    pub(crate) fn independent_level(&self, lag: usize) -> f64 {
         let pairs = self.pairs(lag) as f64;
         3.0 * std::f64::consts::SQRT_2 * (self.count - 1) as f64 / (2.0 * pairs)
     }
@@ -74,12 +74,12 @@ impl Classes {
     fn pairs(&self, lag: usize) -> usize {
         let rows = self.columns.first().map_or(0, Vec::len);
         let all = rows.saturating_sub(lag);
-        all.div_ceil(all.div_ceil(PAIRS).max(1)).max(1)
+        all.div_ceil(all.div_ceil(MOST_PAIRS).max(1)).max(1)
     }
 
     fn of_column(&self, classes: &[u8], lag: usize) -> f64 {
         let later = classes.get(lag..).unwrap_or_default();
-        let every = later.len().div_ceil(PAIRS).max(1);
+        let every = later.len().div_ceil(MOST_PAIRS).max(1);
         let mut cells = vec![0_u32; self.count * self.count];
         let mut pairs = 0.0;
         for (&a, &b) in classes.iter().zip(later).step_by(every) {
@@ -122,7 +122,7 @@ mod tests {
         };
         let phi: f64 = 0.9;
         let mut x = 0.0;
-        let rows: Vec<[f64; 1]> = (0..PAIRS)
+        let rows: Vec<[f64; 1]> = (0..MOST_PAIRS)
             .map(|_| {
                 x = phi * x + normal();
                 [x]
@@ -136,13 +136,13 @@ mod tests {
             assert!((found / known - 1.0).abs() < 0.06, "{lag}: {found} {known}");
         }
         let far = classes.information(400);
-        assert!(far.abs() < classes.chance(400), "{far}");
+        assert!(far.abs() < classes.independent_level(400), "{far}");
     }
 
     /// Equal values form one class, however many there are: a column of two values has at most ln
     /// 2.
     #[test]
-    fn equal_values_are_not_told_apart() {
+    fn equal_values_share_a_class() {
         let rows = (0..4000).map(|i| [f64::from(i / 2 % 2)]);
         let classes = Classes::new(&Series::from_rows(rows, 1.0).unwrap());
         let period = classes.information(4);

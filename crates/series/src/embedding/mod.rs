@@ -6,43 +6,41 @@ mod false_neighbours;
 mod information;
 
 use crate::cloud::{Cloud, longest_lag};
-use crate::divergence::FEWEST;
+use crate::divergence::FEWEST_POINTS;
 use crate::error::DataError;
 use crate::progress::{Progress, report, unwatched};
 use crate::series::Series;
 pub use delay::Embedding;
 use delay::most_dimensions;
-use false_neighbours::{Level, level};
+use false_neighbours::{NeighbourStatistics, statistics};
 use information::Classes;
 
 /// Largest number of lags considered, to bound the computing time.
 const MOST_LAGS: usize = 2000;
 /// A minimum counts if the information rises after it by this fraction of its value at the first
-/// lag.
-const RISE: f64 = 0.01;
+/// lag. Chosen; its scatter is a second bound.
+const LEAST_RISE: f64 = 0.01;
 /// A minimum with more than this fraction of the information at lag 0 is rejected. One value then
 /// determines the other up to two or three classes, as on a closed curve. The information on a
 /// curve has no true minimum; apparent ones come from the borders of the classes.
-const ON_CURVE: f64 = 0.5;
+const CURVE_INFORMATION: f64 = 0.5;
 /// On a curve the search stops after this many decorrelation times, which is a period or more. The
 /// period of a sine has 5.3.
-const PERIOD: usize = 6;
+const CURVE_DECORRELATIONS: usize = 6;
 /// The curve is reported up to this many times the delay, so that a plot shows the minimum inside.
-const SHOWN: usize = 3;
+const REPORTED_DELAYS: usize = 3;
 /// A smaller fraction of false neighbours counts as none: Kennel's 1 %.
 pub const NO_FALSE_NEIGHBOURS: f64 = 0.01;
 /// With a larger fraction of false neighbours, columns are missing. Whole states have up to 3 %
 /// where they stick, and x and z of the Lorenz system at 3000 points have 5 %.
 const MANY_FALSE_NEIGHBOURS: f64 = 0.05;
-/// Dimensions considered beyond a given one, at least. Cao's E1 needs the next one, and its change
-/// the one after.
-const BEYOND: usize = 2;
-/// Cao's dimension is where E1 stops changing, near 1. That is where E1 is above this value,
-const CAO_SETTLED: f64 = 0.9;
-/// and differs from E1 of the next dimension by less than this.
+/// Least number of dimensions considered above a given one. Cao's E1 needs the next one, and its
+/// change the one after.
+const FURTHER_DIMENSIONS: usize = 2;
+/// Distance from 1 within which Cao's E1 has stopped changing, and E2 is that of noise. Chosen.
+const CAO_NEAR_ONE: f64 = 0.1;
+/// Change of E1 to the next dimension below which it has stopped changing. Chosen.
 const CAO_CHANGE: f64 = 0.05;
-/// For noise Cao's E2 is within this distance of 1 at all dimensions.
-const CAO_NOISE: f64 = 0.1;
 
 /// Given parts of an embedding, and settings for the choice of the others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -164,7 +162,7 @@ pub fn needed_embedding(
     progress: Progress<'_>,
 ) -> Result<Option<EmbeddingChoice>, DataError> {
     let asked = settings.delay.is_some() || settings.dimension.is_some();
-    let is_short = series.len() < FEWEST;
+    let is_short = series.len() < FEWEST_POINTS;
     if !asked && (is_short || series.columns() > 1 && !lacks(series, settings.theiler, progress)?) {
         return Ok(None);
     }
@@ -209,19 +207,22 @@ pub fn choose_embedding(
     let (information, (delay, delay_reason)) =
         delay(series, decorrelation, settings.delay, &goes_on)?;
 
-    let mut levels: Vec<Level> = Vec::new();
+    let mut by_dimension: Vec<NeighbourStatistics> = Vec::new();
     let mut dimensions: Vec<DimensionEvidence> = Vec::new();
-    let shown = settings.dimension.unwrap_or(0).saturating_add(BEYOND);
+    let shown = settings
+        .dimension
+        .unwrap_or(0)
+        .saturating_add(FURTHER_DIMENSIONS);
     for dimension in 1..=most {
         let goes_on = || report(progress, dimension, most + 1);
         let embedding = Embedding { delay, dimension };
-        match level(series, embedding, theiler, spread, &goes_on) {
-            Ok(Some(found)) => levels.push(found),
+        match statistics(series, embedding, theiler, spread, &goes_on) {
+            Ok(Some(found)) => by_dimension.push(found),
             // The series is too short for more, or has nothing but repeats.
             Ok(None) | Err(DataError::Span { .. }) => break,
             Err(error) => return Err(error),
         }
-        dimensions = evidence(&levels);
+        dimensions = evidence(&by_dimension);
         if dimension >= shown && is_settled(&dimensions) {
             break;
         }
@@ -244,8 +245,8 @@ pub fn choose_embedding(
     })
 }
 
-/// Whether the columns are too few for a state: more than 5 % of the nearest neighbours are false,
-/// judged by their images one decorrelation time later. This is quicker than [`choose_embedding`],
+/// Whether the columns are too few for a state. More than 5 % of the nearest neighbours are then
+/// false, by their images one decorrelation time later. This is quicker than [`choose_embedding`],
 /// for several columns that may be the whole state.
 ///
 /// # Errors
@@ -265,8 +266,8 @@ fn lacks(
         dimension: 1,
     };
     let goes_on = || report(progress, 0, 1);
-    match level(series, alone, theiler.unwrap_or(delay), spread, &goes_on) {
-        Ok(level) => Ok(level.is_some_and(|level| level.false_part > MANY_FALSE_NEIGHBOURS)),
+    match statistics(series, alone, theiler.unwrap_or(delay), spread, &goes_on) {
+        Ok(all) => Ok(all.is_some_and(|all| all.false_part > MANY_FALSE_NEIGHBOURS)),
         Err(DataError::Span { .. }) => Ok(false),
         Err(error) => Err(error),
     }
@@ -293,7 +294,7 @@ fn delay(
     let mut has_risen = false;
     for lag in 0..=longest {
         goes_on()?;
-        let shown = chosen.map(|(delay, _)| delay.saturating_mul(SHOWN).max(10));
+        let shown = chosen.map(|(delay, _)| delay.saturating_mul(REPORTED_DELAYS).max(10));
         if shown.is_some_and(|shown| lag > shown) {
             break;
         }
@@ -305,15 +306,17 @@ fn delay(
         if information < least.1 {
             least = (lag, information);
         }
-        let rise = (RISE * curve[1].1).max(classes.chance(lag));
+        let rise = (LEAST_RISE * curve[1].1).max(classes.independent_level(lag));
         let rises = information > least.1 + rise;
         has_risen |= rises;
-        let on_curve = least.1 > ON_CURVE * curve[0].1;
-        if information < classes.chance(lag) {
+        let on_curve = least.1 > CURVE_INFORMATION * curve[0].1;
+        if information < classes.independent_level(lag) {
             chosen = Some((lag, DelayReason::Independent));
         } else if rises && !on_curve {
             chosen = Some((least.0, DelayReason::FirstMinimum));
-        } else if on_curve && has_risen && lag >= longest.min(PERIOD.saturating_mul(decorrelation))
+        } else if on_curve
+            && has_risen
+            && lag >= longest.min(CURVE_DECORRELATIONS.saturating_mul(decorrelation))
         {
             let zero = Cloud::new(series)?.uncorrelated_at(0.0);
             chosen = Some(match zero.filter(|&lag| lag <= longest) {
@@ -325,18 +328,18 @@ fn delay(
     Ok((curve, chosen.unwrap_or((longest, DelayReason::NoMinimum))))
 }
 
-fn evidence(levels: &[Level]) -> Vec<DimensionEvidence> {
-    let of_each = levels.iter().enumerate().map(|(i, level)| {
+fn evidence(by_dimension: &[NeighbourStatistics]) -> Vec<DimensionEvidence> {
+    let of_each = by_dimension.iter().enumerate().map(|(i, here)| {
         // Ratio of a quantity between one dimension and the next.
-        let ratio = |quantity: fn(&Level) -> f64| {
-            let next = levels.get(i + 1);
-            next.map_or(f64::NAN, |next| quantity(next) / quantity(level))
+        let ratio = |quantity: fn(&NeighbourStatistics) -> f64| {
+            let next = by_dimension.get(i + 1);
+            next.map_or(f64::NAN, |next| quantity(next) / quantity(here))
         };
         DimensionEvidence {
             dimension: i + 1,
-            false_neighbours: level.false_part,
-            e1: ratio(|level| level.stretching),
-            e2: ratio(|level| level.next_difference),
+            false_neighbours: here.false_part,
+            e1: ratio(|one| one.stretching),
+            e2: ratio(|one| one.next_difference),
         }
     });
     of_each.collect()
@@ -345,7 +348,7 @@ fn evidence(levels: &[Level]) -> Vec<DimensionEvidence> {
 /// Whether Cao's E2 is 1 at all dimensions.
 fn is_noise(dimensions: &[DimensionEvidence]) -> bool {
     let known = || dimensions.iter().filter(|one| !one.e2.is_nan());
-    known().count() > 1 && known().all(|one| (one.e2 - 1.0).abs() < CAO_NOISE)
+    known().count() > 1 && known().all(|one| (one.e2 - 1.0).abs() < CAO_NEAR_ONE)
 }
 
 /// Whether both methods have chosen a dimension, so that more delayed values would change nothing.
@@ -369,7 +372,7 @@ fn without_false_neighbours(dimensions: &[DimensionEvidence]) -> (usize, Dimensi
 
 fn cao(dimensions: &[DimensionEvidence]) -> Option<usize> {
     let settled = |pair: &&[DimensionEvidence]| {
-        pair[0].e1 > CAO_SETTLED && (pair[1].e1 - pair[0].e1).abs() < CAO_CHANGE
+        pair[0].e1 > 1.0 - CAO_NEAR_ONE && (pair[1].e1 - pair[0].e1).abs() < CAO_CHANGE
     };
     let first = dimensions.windows(2).find(settled)?;
     Some(first[0].dimension)

@@ -1,8 +1,8 @@
 //! Series with the power spectrum and the values of another.
 //!
 //! The transform's last bits may differ from machine to machine, as its crate takes sines from the
-//! system. They decide only the order of the values, so that a surrogate is the same everywhere but
-//! where two of its values tie to rounding before they are put in order.
+//! system. They decide only the order of the values. A surrogate is the same everywhere, except
+//! where two values before ordering agree to rounding.
 
 use std::sync::Arc;
 
@@ -13,12 +13,13 @@ use crate::error::DataError;
 use crate::series::Series;
 use crate::statistics::{SplitMix, order};
 
-/// Largest number of iterations for a surrogate.
-const ITERATIONS: usize = 100;
-/// Matching ends are searched for in this fraction of the series, at either end,
-const END_PART: usize = 20;
-/// and in this many points at most.
-const END_POINTS: usize = 500;
+/// Largest number of iterations for a surrogate. Chosen, to bound the time: the spectrum then
+/// changes by little.
+const MOST_ITERATIONS: usize = 100;
+/// Points of the series for each of those at either end that may be left out to make the ends fit.
+const POINTS_PER_END_POINT: usize = 20;
+/// Most points that may be left out at either end; the search takes the square of the time.
+const MOST_END_POINTS: usize = 500;
 
 /// Makes surrogates of a series.
 pub(crate) struct Randomiser {
@@ -118,7 +119,7 @@ impl Randomiser {
             .for_each(|(c, phase)| *c *= phase);
         let mut order = ranks(&self.back(spectrum)?);
         // Spectrum and values in turn, until the order of the values stays.
-        for _ in 0..ITERATIONS {
+        for _ in 0..MOST_ITERATIONS {
             let values = order.iter().map(|&rank| column.sorted[rank]).collect();
             let mut spectrum = transform(&*self.forward, values)?;
             for (c, modulus) in spectrum.iter_mut().zip(&column.moduli) {
@@ -181,11 +182,11 @@ fn ranks(values: &[f64]) -> Vec<usize> {
     ranks
 }
 
-/// The part of the series whose ends fit together best in value and slope: the transform takes it
-/// for periodic, and a jump there would be noise in all surrogates (Theiler and others 1992).
+/// The part of the series whose ends fit together best in value and slope. The transform treats it
+/// as periodic, and a jump there would be noise in all surrogates (Theiler and others 1992).
 fn periodic_part(series: &Series) -> Result<Series, DataError> {
     let (rows, columns) = (series.len(), series.columns());
-    let reach = (rows / END_PART).min(END_POINTS);
+    let reach = (rows / POINTS_PER_END_POINT).min(MOST_END_POINTS);
     let row = |i: usize| &series.values()[i * columns..(i + 1) * columns];
     let weights = weights(series);
     let mut best = (f64::INFINITY, 0, rows);

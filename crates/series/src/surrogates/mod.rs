@@ -2,13 +2,12 @@
 //! Farmer, Physica D 58, 77 (1992).
 //!
 //! Surrogates have the power spectrum and the values of the series, and no other order in them. An
-//! exponent of noise is positive, too, and looks like any other; but maps predict the next point of
-//! noise no better than that of its surrogates. So the part of the motion that the maps leave
-//! unexplained ([`super::DataSpectrum::residual_ratio`]) is the statistic of the test: of those in
-//! use the most powerful for series of low dimension is a prediction error (Schreiber and Schmitz,
-//! Phys. Rev. E 55, 5443, 1997). The series differs if its own is smaller than that of all
-//! surrogates, at the level 1/(surrogates + 1). How the first exponent stands among theirs is
-//! reported beside it.
+//! exponent of noise is positive as well. But maps predict the next point of noise no better than
+//! that of its surrogates. So the statistic of the test is the part of the motion that the maps do
+//! not explain ([`super::DataSpectrum::residual_ratio`]). For series of low dimension a prediction
+//! error is the most powerful statistic in use (Schreiber and Schmitz, Phys. Rev. E 55, 5443,
+//! 1997). The series differs if its own is smaller than that of all surrogates, at the level
+//! 1/(surrogates + 1). The rank of the first exponent among theirs is reported as well.
 
 mod iaaft;
 
@@ -28,11 +27,11 @@ pub const FEWEST_SURROGATES: usize = 19;
 pub const MOST_SURROGATES: usize = 10_000;
 
 /// The level of the test.
-const LEVEL: f64 = 0.05;
-/// Reference points of each estimate, at most.
+const LEVEL: f64 = 1.0 / (FEWEST_SURROGATES + 1) as f64;
+/// Most reference points of an estimate, to bound the time.
 const REFERENCES: usize = 2000;
-/// Surrogates between two reports of progress.
-const TOGETHER: usize = 4;
+/// Surrogates between two reports of progress. Each takes an estimate.
+const SURROGATES_PER_REPORT: usize = 4;
 
 /// What is compared. Estimates are of fewer reference points than the spectrum, and of the part of
 /// the series that surrogates are made of.
@@ -126,7 +125,7 @@ pub fn surrogate_test(
     let mut surrogates = Vec::with_capacity(count);
     while surrogates.len() < count {
         report(progress, surrogates.len(), count)?;
-        let until = (surrogates.len() + TOGETHER).min(count);
+        let until = (surrogates.len() + SURROGATES_PER_REPORT).min(count);
         let more: Vec<Statistics> = (surrogates.len()..until)
             .into_par_iter()
             .map(|i| statistics(&randomiser.surrogate(seed.wrapping_add(i as u64))?))

@@ -11,8 +11,8 @@ use stickslip::math;
 use stickslip::ode::{Rk4, stages};
 use stickslip::system::State;
 use stickslip_series::{
-    DataError, DataSettings, DataSpectrum, Estimator, Kind, MAX_COLUMNS, Neighbourhood, Series,
-    Status, data_spectrum,
+    DataError, DataSettings, DataSpectrum, DirectionKind, Estimator, MAX_COLUMNS, Neighbourhood,
+    Series, Status, data_spectrum,
 };
 
 const POINTS: usize = 45_001;
@@ -371,7 +371,7 @@ fn lorenz_has_two_exponents_and_a_third_that_the_data_do_not_tell() {
     );
     near(found.exponents[0].value, 0.9056, 0.06);
     near(found.exponents[1].value, 0.0, 0.06);
-    assert_eq!(found.directions[2].kind, Kind::Curvature);
+    assert_eq!(found.directions[2].kind, DirectionKind::Curvature);
     assert_eq!(found.exponents[2].fixed_rank, None);
     // The system's exponent would be −14.57; the fitted value depends on the settings.
     assert!(found.exponents[2].value > -13.0);
@@ -502,7 +502,7 @@ fn a_constant_column_is_unidentified_wherever_it_stands() {
         }
         assert!(found.exponents[2].value.is_nan());
         assert_eq!(found.exponents[2].undetermined, found.references);
-        assert_eq!(found.directions[2].kind, Kind::Flat);
+        assert_eq!(found.directions[2].kind, DirectionKind::Flat);
     }
 }
 

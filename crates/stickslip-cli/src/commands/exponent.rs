@@ -4,14 +4,18 @@ use stickslip_kernels::study::Largest;
 
 use crate::render::Table;
 
-/// Adds columns for the value and its standard error to a table. Cells without a value are empty.
+/// Adds columns for the value, its standard error and its uncertainty to a table. Cells without a
+/// value are empty.
 pub(super) fn columns<'a, R>(
     table: Table<'a, R>,
+    duration: f64,
     of: impl Fn(&R) -> Largest + Copy + 'a,
 ) -> Table<'a, R> {
+    let numbers = move |row: &R| of(row).numbers(duration);
     table
-        .column("lambda1", move |row| of(row).numbers().0)
-        .column("std_error", move |row| of(row).numbers().1)
+        .column("lambda1", move |row| numbers(row)[0])
+        .column("std_error", move |row| numbers(row)[1])
+        .column("uncertainty", move |row| numbers(row)[2])
 }
 
 #[cfg(test)]

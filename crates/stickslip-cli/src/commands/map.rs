@@ -263,7 +263,7 @@ impl Map {
             })
             .column("phases", |(_, cell)| cell.phases.clone())
             .column("in_stick", |(_, cell)| cell.in_stick);
-        let columns = exponent::columns(columns, |(_, cell)| cell.largest);
+        let columns = exponent::columns(columns, self.duration, |(_, cell)| cell.largest);
         table(store, path, &columns, |row, cells: Vec<Cell>| {
             for cell in &cells {
                 let name = cell.class();

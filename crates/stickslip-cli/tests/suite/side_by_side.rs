@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use stickslip::analysis::{Kind, RecurrenceSettings, attractor_of_many, attractors_of_many};
+use stickslip::analysis::{
+    AttractorKind, RecurrenceSettings, attractor_of_many, attractors_of_many,
+};
 use stickslip::{Error, Method, Options};
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::Stop;
@@ -77,7 +79,12 @@ fn where_comparisons_differ_between_orbits_and_some_cannot_begin() {
     let options = Options::tol(1e-9).method(Method::Taylor);
     let each = starts.iter().map(Vec::as_slice);
     let reached = attractors_of_many(stop.dynamics(), each, &settings, &options).unwrap();
-    let outside = |kind: &Kind| matches!(kind, Kind::Failure(Error::StartOutsideDomain { .. }));
+    let outside = |kind: &AttractorKind| {
+        matches!(
+            kind,
+            AttractorKind::Failure(Error::StartOutsideDomain { .. })
+        )
+    };
     let failed = reached.iter().filter(|reached| outside(&reached.kind));
     assert_eq!(failed.count(), 6);
 }
@@ -107,7 +114,9 @@ fn a_stop_ends_all_of_them_at_their_next_step() {
         let each = starts.iter().map(Vec::as_slice);
         attractors_of_many(stoppable.dynamics(), each, &settings, &options).unwrap()
     };
-    let is_stopped = |kind: &Kind| matches!(kind, Kind::Failure(Error::TooMany { most: 0, .. }));
+    let is_stopped = |kind: &AttractorKind| {
+        matches!(kind, AttractorKind::Failure(Error::TooMany { most: 0, .. }))
+    };
     assert!(reached().iter().all(|reached| !is_stopped(&reached.kind)));
     stop.raise();
     for reached in reached() {

@@ -1,11 +1,11 @@
 //! The outcome of an orbit, in the form stored on disk.
 
 use serde::{Deserialize, Serialize};
-use stickslip::analysis::{Attractors, Kind, Reached};
+use stickslip::analysis::{Attractor, AttractorKind, Attractors};
 use stickslip::dynamics::{Modes, Moment, Phase, Vector};
 use stickslip::{Error, TransitionKind};
 
-/// The kind of motion that an orbit reaches; see [`stickslip::analysis::Kind`] for details.
+/// The kind of motion that an orbit reaches; see [`stickslip::analysis::AttractorKind`] for details.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Motion {
@@ -35,27 +35,29 @@ pub enum Motion {
 }
 
 impl Motion {
-    fn of(kind: &Kind, told: &dyn Fn(&Error) -> String) -> Self {
+    fn of(kind: &AttractorKind, told: &dyn Fn(&Error) -> String) -> Self {
         match kind {
-            Kind::Equilibrium => Motion::Equilibrium,
-            Kind::EquilibriumSet => Motion::EquilibriumSet,
-            &Kind::Periodic { returns, period } => Motion::Periodic { returns, period },
-            Kind::Recurrent => Motion::Recurrent,
-            Kind::Escape => Motion::Escape,
-            Kind::Repelling => Motion::Repelling,
-            Kind::TwoFold(_) => Motion::TwoFold,
-            Kind::Failure(error) => Motion::Failure(told(error)),
-            Kind::Undecided => Motion::Undecided,
+            AttractorKind::Equilibrium => Motion::Equilibrium,
+            AttractorKind::EquilibriumSet => Motion::EquilibriumSet,
+            &AttractorKind::Periodic { returns, period } => Motion::Periodic { returns, period },
+            AttractorKind::Recurrent => Motion::Recurrent,
+            AttractorKind::Escape => Motion::Escape,
+            AttractorKind::Repelling => Motion::Repelling,
+            AttractorKind::TwoFold(_) => Motion::TwoFold,
+            AttractorKind::Failure(error) => Motion::Failure(told(error)),
+            AttractorKind::Undecided => Motion::Undecided,
         }
     }
 
     /// The library's kind, for kinds that are distinguished by points.
-    fn kind(&self) -> Option<Kind> {
+    fn kind(&self) -> Option<AttractorKind> {
         match *self {
-            Motion::Equilibrium => Some(Kind::Equilibrium),
-            Motion::EquilibriumSet => Some(Kind::EquilibriumSet),
-            Motion::Periodic { returns, period } => Some(Kind::Periodic { returns, period }),
-            Motion::Recurrent => Some(Kind::Recurrent),
+            Motion::Equilibrium => Some(AttractorKind::Equilibrium),
+            Motion::EquilibriumSet => Some(AttractorKind::EquilibriumSet),
+            Motion::Periodic { returns, period } => {
+                Some(AttractorKind::Periodic { returns, period })
+            }
+            Motion::Recurrent => Some(AttractorKind::Recurrent),
             _ => None,
         }
     }
@@ -85,7 +87,7 @@ impl Motion {
 /// A transition between phases of an attractor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TransitionThere {
-    /// Kind of transition.
+    /// AttractorKind of transition.
     #[serde(with = "KindOnDisk")]
     pub kind: TransitionKind,
     /// Contact.
@@ -155,7 +157,7 @@ impl Outcome {
     }
 
     /// Converts the library's result. `told` formats the error of a failed integration.
-    pub fn of(reached: &Reached, told: &dyn Fn(&Error) -> String) -> Self {
+    pub fn of(reached: &Attractor, told: &dyn Fn(&Error) -> String) -> Self {
         let motion = Motion::of(&reached.kind, told);
         let told_by_points = motion.kind().is_some();
         let points = reached.points.iter().filter(|_| told_by_points);
@@ -189,7 +191,7 @@ impl Outcome {
         kind.map_or(0, |kind| known.family(&self.restored(kind)))
     }
 
-    fn restored(&self, kind: Kind) -> Reached {
+    fn restored(&self, kind: AttractorKind) -> Attractor {
         let phase = |phase: &PhaseThere| Phase {
             mode: phase.modes,
             t_start: phase.t_start,
@@ -202,7 +204,7 @@ impl Outcome {
             x: Vector::from_column_slice(x),
         };
         let transitions = self.transitions.iter();
-        Reached {
+        Attractor {
             kind,
             period_uncertainty: self.period_uncertainty,
             family: self.family,

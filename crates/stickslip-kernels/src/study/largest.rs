@@ -41,13 +41,17 @@ impl Largest {
         }
     }
 
-    /// Exponent and standard error. An infinite exponent has no error, and an exponent that is not
-    /// measured has neither.
-    pub fn numbers(&self) -> (Option<f64>, Option<f64>) {
+    /// Exponent, its standard error and its uncertainty ([`Exponent::uncertainty`]) after a
+    /// measurement over this time. An infinite exponent has no error, and an exponent that is not
+    /// measured has no value.
+    pub fn numbers(&self, duration: f64) -> [Option<f64>; 3] {
         match *self {
-            Largest::Finite { value, std_error } => (Some(value), Some(std_error)),
-            Largest::Annihilated => (Some(f64::NEG_INFINITY), None),
-            Largest::Unmeasured => (None, None),
+            Largest::Finite { value, std_error } => {
+                let exponent = Exponent::Finite { value, std_error };
+                [value, std_error, exponent.uncertainty(duration)].map(Some)
+            }
+            Largest::Annihilated => [Some(f64::NEG_INFINITY), None, None],
+            Largest::Unmeasured => [None; 3],
         }
     }
 

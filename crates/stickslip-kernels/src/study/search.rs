@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use stickslip::analysis::{
-    Kind, PeriodicOrbit, RecurrenceSettings, attractor, find_periodic_orbit, periodic_orbit,
-    periodic_orbit_forced,
+    AttractorKind, PeriodicOrbit, RecurrenceSettings, attractor, find_periodic_orbit,
+    periodic_orbit, periodic_orbit_forced,
 };
 use stickslip::dynamics::{OrbitUnderWay, Section, Step, Summary, Transition, Vector};
 use stickslip::error::Point;
@@ -241,14 +241,15 @@ impl Search<'_> {
             .then(|| attractor(self.system.dynamics(), x, &settings, self.options))
             .and_then(Result::ok);
         match reached.as_ref().map(|one| (&one.kind, one.points.first())) {
-            Some((kind @ (Kind::Equilibrium | Kind::EquilibriumSet), Some(at))) => {
-                SearchError::Equilibrium {
-                    x: (&at.x).into(),
-                    is_of_set: *kind == Kind::EquilibriumSet,
-                }
-            }
+            Some((
+                kind @ (AttractorKind::Equilibrium | AttractorKind::EquilibriumSet),
+                Some(at),
+            )) => SearchError::Equilibrium {
+                x: (&at.x).into(),
+                is_of_set: *kind == AttractorKind::EquilibriumSet,
+            },
             // The remainder of a stick phase passes before the wait for the orbit begins.
-            Some((&Kind::Periodic { period, .. }, _)) if 2.0 * period > longest => {
+            Some((&AttractorKind::Periodic { period, .. }, _)) if 2.0 * period > longest => {
                 SearchError::TakesLonger { longest, period }
             }
             _ => error.into(),

@@ -99,11 +99,21 @@ fn outcomes(fields: &Fields<'_>, system: &Ready, found: &[Outcome]) -> PyResult<
     fields.put("points", points)
 }
 
-/// Adds largest exponents with their standard errors, NaN where there are none.
-fn exponents(fields: &Fields<'_>, found: impl Iterator<Item = Largest>) -> PyResult<()> {
-    let (values, errors): (Vec<_>, Vec<_>) = found.map(|one| one.numbers()).unzip();
-    fields.known("exponent", values)?;
-    fields.known("std_error", errors)
+/// Adds largest exponents with their standard errors and uncertainties, NaN where there are none.
+fn exponents(
+    fields: &Fields<'_>,
+    duration: Option<f64>,
+    exponents: impl Iterator<Item = Largest>,
+) -> PyResult<()> {
+    let numbers = exponents.map(|one| one.numbers(duration.unwrap_or(f64::NAN)));
+    let numbers: Vec<_> = numbers.collect();
+    for (k, name) in ["exponent", "std_error", "uncertainty"]
+        .into_iter()
+        .enumerate()
+    {
+        fields.known(name, numbers.iter().map(|one| one[k]))?;
+    }
+    Ok(())
 }
 
 /// The attractor at each of some values of a parameter, followed from one to the next.
@@ -153,7 +163,7 @@ pub(crate) fn bifurcation_diagram<'py>(
     let ((found, changes), raised) = outcome.partial(|error: Failure| error.raised(ready))?;
     let fields = Fields::new(py);
     fields.numbers("parameter", found.iter().map(|at| at.value))?;
-    exponents(&fields, found.iter().map(|at| at.largest))?;
+    exponents(&fields, duration, found.iter().map(|at| at.largest))?;
     let all: Vec<Outcome> = found.into_iter().map(|at| at.outcome).collect();
     outcomes(&fields, ready, &all)?;
     fields.fields("changes", located(py, ready, &changes)?)?;
@@ -243,6 +253,7 @@ pub(crate) fn parameter_map<'py>(
     let largest = largest.into_iter();
     exponents(
         &fields,
+        duration,
         largest.map(|one| one.unwrap_or(Largest::Unmeasured)),
     )?;
     fields.ended(raised)

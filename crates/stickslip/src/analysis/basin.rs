@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::attractors::{Attractors, Reached, RecurrenceSettings, attractors_of};
+use super::attractors::{Attractor, Attractors, RecurrenceSettings, attractors_of};
 use crate::dynamics::{AsDynamics, Components};
 use crate::error::Error;
 use crate::filippov::{ORBITS_AT_ONCE, Options, task_size};
@@ -14,7 +14,7 @@ use crate::filippov::{ORBITS_AT_ONCE, Options, task_size};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Basin {
     /// The attractors by their numbers, in the order in which the starts first reach them.
-    pub attractors: Vec<Reached>,
+    pub attractors: Vec<Attractor>,
     /// For each start, in order, the number of its attractor.
     pub reached: Vec<usize>,
 }
@@ -54,11 +54,11 @@ impl Basin {
 ///
 /// let belt = BeltOscillator { belt_speed: 0.2, ..BeltOscillator::default() };
 /// let starts = (0..20).map(|k| State::from([0.1 * f64::from(k) - 1.0, 0.0]));
-/// let found = basin(&belt, starts, &RecurrenceSettings::within(500.0), &Options::default())?;
-/// for (number, attractor) in found.attractors.iter().enumerate() {
-///     println!("{}: {:.0} %", attractor.kind, 100.0 * found.share(number).part);
+/// let basins = basin(&belt, starts, &RecurrenceSettings::within(500.0), &Options::default())?;
+/// for (number, attractor) in basins.attractors.iter().enumerate() {
+///     println!("{}: {:.0} %", attractor.kind, 100.0 * basins.share(number).part);
 /// }
-/// assert_eq!(found.reached.len(), 20);
+/// assert_eq!(basins.reached.len(), 20);
 /// # Ok::<(), stickslip::Error>(())
 /// ```
 ///
@@ -70,8 +70,8 @@ pub fn basin<Kind>(
     settings: &RecurrenceSettings,
     options: &Options,
 ) -> Result<Basin, Error> {
-    let all = || ControlFlow::Continue(());
-    let (attractors, reached) = basin_while(system, starts, settings, options, all)?;
+    let go_on = || ControlFlow::Continue(());
+    let (attractors, reached) = basin_while(system, starts, settings, options, go_on)?;
     Ok(Basin {
         attractors,
         reached: reached.into_iter().flatten().collect(),
@@ -88,9 +88,9 @@ pub fn basin_while<Kind>(
     starts: impl IntoIterator<Item = impl Components>,
     settings: &RecurrenceSettings,
     options: &Options,
-    asked: impl Fn() -> ControlFlow<()> + Sync,
-) -> Result<(Vec<Reached>, Vec<Option<usize>>), Error> {
-    let mut known = Attractors::new(system, settings, options);
+    after_each: impl Fn() -> ControlFlow<()> + Sync,
+) -> Result<(Vec<Attractor>, Vec<Option<usize>>), Error> {
+    let mut distinct = Attractors::new(system, settings, options);
     let dynamics = system.dynamics();
     let mut reached = Vec::new();
     let mut starts = starts.into_iter().map(Components::vector);
@@ -106,23 +106,23 @@ pub fn basin_while<Kind>(
                 if is_enough.load(Ordering::Relaxed) {
                     return Ok(vec![None; starts.len()]);
                 }
-                let mut asked = || {
+                let mut go_on = || {
                     if is_enough.load(Ordering::Relaxed) {
                         return ControlFlow::Break(());
                     }
-                    let asked = asked();
-                    is_enough.fetch_or(asked.is_break(), Ordering::Relaxed);
-                    asked
+                    let flow = after_each();
+                    is_enough.fetch_or(flow.is_break(), Ordering::Relaxed);
+                    flow
                 };
-                attractors_of(&*dynamics, starts, settings, options, &mut asked)
+                attractors_of(&*dynamics, starts, settings, options, &mut go_on)
             })
             .collect();
         for outcomes in outcomes {
             for outcome in outcomes? {
                 let outcome = outcome.transpose()?;
-                reached.push(outcome.map(|outcome| known.number(outcome)));
+                reached.push(outcome.map(|outcome| distinct.number(outcome)));
             }
         }
     }
-    Ok((known.into_found(), reached))
+    Ok((distinct.into_vec(), reached))
 }

@@ -65,21 +65,22 @@ pub(super) fn zero_between(
     (mut b, mut at_b): (f64, f64),
     mut function: impl FnMut(f64) -> Option<f64>,
 ) -> Option<f64> {
-    const MOST: usize = 60;
-    // Fractions of the interval and of the function's values that are negligible.
-    const NEXT_TO: f64 = 1e-10;
-    const SMALL: f64 = 1e-6;
+    const MOST_STEPS: usize = 60;
+    // Fraction of the interval by which a point is moved where the function has no value.
+    const SIDE_STEP: f64 = 1e-10;
+    // A value at a moved point is zero up to this fraction of those at the ends.
+    const SIDE_STEP_VALUE: f64 = 1e-6;
     let (width, size) = (b - a, at_a.abs().min(at_b.abs()));
-    for _ in 0..MOST {
+    for _ in 0..MOST_STEPS {
         let zero = b - at_b * (b - a) / (at_b - at_a);
         if (zero - b).abs() <= 1e-13 * (1.0 + b.abs()) {
             return Some(zero);
         }
-        let mut places = [0.0, NEXT_TO, -NEXT_TO]
+        let mut points = [0.0, SIDE_STEP, -SIDE_STEP]
             .map(|part| zero + part * width)
             .into_iter();
-        let (next, value) = places.find_map(|place| Some((place, function(place)?)))?;
-        if value == 0.0 || next != zero && value.abs() <= SMALL * size {
+        let (next, value) = points.find_map(|point| Some((point, function(point)?)))?;
+        if value == 0.0 || next != zero && value.abs() <= SIDE_STEP_VALUE * size {
             return Some(next);
         }
         if value * at_b < 0.0 {

@@ -27,7 +27,7 @@ pub enum Destination {
     Unsettled,
 }
 
-/// Patterns longer than this many forcing periods are not looked for.
+/// Longest pattern that is sought, in forcing periods: that of [`Destination::Unsettled`].
 const LONGEST_PATTERN: usize = 8;
 
 /// Follows the orbit from `(t0, x0)` over `periods` forcing periods of length `period` and
@@ -58,11 +58,11 @@ pub fn destination<Kind>(
         stick_ends: Vec::new(),
     };
     strobe.states.push(start.x.clone());
-    // A little beyond the last whole period, so that rounding cannot omit it.
+    // A little more than the last period, so that rounding cannot omit its end.
     let t_end = t0 + (periods as f64 + 1e-6) * period;
     match strobe.follow(&*system.dynamics(), &start, t_end, options) {
         Ok(summary) if summary.ending.is_final() => Err(summary.no_future_error()),
-        Ok(_) => Ok(strobe.verdict(closeness)),
+        Ok(_) => Ok(strobe.destination(closeness)),
         Err(Error::Escaped { t, .. }) => Ok(Destination::Escapes { t }),
         Err(error) => Err(error),
     }
@@ -106,10 +106,10 @@ impl Strobe {
         }
     }
 
-    fn verdict(&self, closeness: f64) -> Destination {
+    fn destination(&self, closeness: f64) -> Destination {
         let states = &self.states;
         let repeats = |&p: &usize| {
-            // Two repetitions, so that a chance passage does not count.
+            // Two repetitions, so that a coincidence does not count.
             states.len() > 2 * p
                 && (0..p).all(|k| {
                     let last = states.len() - 1 - k;

@@ -21,8 +21,8 @@ mod tangency;
 mod tangent;
 
 pub use attractors::{
-    Attractors, Kind, Reached, RecurrenceSettings, attractor, attractor_of_many, attractor_on,
-    attractors_of_many, is_same_cycle,
+    Attractor, AttractorKind, Attractors, RecurrenceSettings, attractor, attractor_of_many,
+    attractor_on, attractors_of_many, is_same_cycle,
 };
 pub use basin::{Basin, Share, basin, basin_while};
 pub use bifurcation::{

@@ -28,8 +28,8 @@ pub struct Monodromy {
 /// friction, even if that is too weak to return it to Σ.
 ///
 /// # Errors
-/// Those of [`crate::run`]; [`Error::NoUniqueFuture`] where Σ repels, and at a two-fold;
-/// [`Error::TangentSingular`] where the orbit grazes Σ, or two contacts come to zero in the same
+/// Those of [`crate::run`]; [`Error::NoUniqueFuture`] where Σ repels, and at a two-fold.
+/// [`Error::TangentSingular`] where the orbit grazes Σ, or two contacts reach zero in the same
 /// instant.
 pub fn monodromy<Kind>(
     system: &impl AsDynamics<Kind>,
@@ -42,7 +42,7 @@ pub fn monodromy<Kind>(
         t: t0,
         x: x0.vector(),
     };
-    turn(&*system.dynamics(), &start, t_end, options, false)
+    flow_derivative(&*system.dynamics(), &start, t_end, options, false)
 }
 
 /// The vector along which a state moves in a mode.
@@ -57,7 +57,7 @@ pub(super) fn velocity_in(system: &dyn Dynamics, mode: Modes, at: &Moment) -> Ve
 ///
 /// # Errors
 /// As [`monodromy`].
-pub(super) fn turn(
+pub(super) fn flow_derivative(
     system: &dyn Dynamics,
     start: &Moment,
     t_end: f64,
@@ -82,7 +82,7 @@ pub(super) fn turn(
             Happening::End(summary) => {
                 let velocity = velocity_in(system, orbit.mode(), &orbit.now());
                 return Ok(Monodromy {
-                    matrix: map.whole(&velocity),
+                    matrix: map.complete(&velocity),
                     stick_entries: map.stick_entries,
                     summary,
                 });
@@ -145,7 +145,7 @@ impl TangentMap {
     }
 
     /// The derivative with the removed part.
-    pub(super) fn whole(&self, velocity: &Vector) -> Matrix {
+    pub(super) fn complete(&self, velocity: &Vector) -> Matrix {
         match &self.along {
             Some(along) => self.matrix() + velocity * along.transpose(),
             None => self.matrix(),
@@ -156,15 +156,15 @@ impl TangentMap {
     /// vanishes.
     pub(super) fn begin(&mut self, system: &dyn Dynamics, mode: Modes, at: &Moment) {
         for (contact, normal) in system.normals(mode, at) {
-            // The way back to Σ is along the difference of one side's field and the sliding field,
-            // which lies between both sides' fields.
+            // The projection onto Σ is along the difference of one side's field and the sliding
+            // field, which lies between both sides' fields.
             let [below, above] = [Side::Below, Side::Above]
                 .map(|side| velocity_in(system, mode.with(contact, Mode::Slip(side)), at));
-            let way = above - below;
-            let across = normal.dot(&way);
+            let direction = above - below;
+            let across = normal.dot(&direction);
             if across != 0.0 {
                 for column in &mut self.columns {
-                    *column -= &way * (normal.dot(column) / across);
+                    *column -= &direction * (normal.dot(column) / across);
                     flatten(&normal, column);
                 }
             }

@@ -5,8 +5,9 @@ use std::str::FromStr;
 
 use super::Exponent;
 
-/// Largest number of distinct points of the section in a periodic motion.
-const MOST: usize = 64;
+/// Largest number of distinct points of the section in a periodic motion, as in
+/// [`super::RecurrenceSettings::most_returns`].
+const MOST_POINTS: usize = 64;
 
 /// A class of motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -161,7 +162,8 @@ impl Evidence {
             Of::ReturnMap => 1,
         };
         // Several turns of each kind, so that a pattern has repeated.
-        let closes = self.repeats && (1..=MOST.min(self.returns / 4)).contains(&self.distinct);
+        let closes =
+            self.repeats && (1..=MOST_POINTS.min(self.returns / 4)).contains(&self.distinct);
         match (closes, self.positive) {
             (true, false) => Class::Periodic(self.distinct),
             (false, true) => Class::Chaotic,
@@ -186,15 +188,15 @@ fn labels<const N: usize>(section: &[(f64, [f64; N])], same: f64) -> Vec<usize> 
         .flat_map(|(_, x)| x.iter())
         .fold(0.0_f64, |size, v| size.max(v.abs()));
     let near = same * extent.max(size);
-    let mut kept: Vec<&[f64; N]> = Vec::new();
+    let mut distinct: Vec<&[f64; N]> = Vec::new();
     let mut labels = Vec::with_capacity(section.len());
     for (_, x) in section {
-        let known = kept
+        let label = distinct
             .iter()
             .position(|other| (0..N).all(|i| (x[i] - other[i]).abs() <= near));
-        labels.push(known.unwrap_or(kept.len()));
-        if known.is_none() {
-            kept.push(x);
+        labels.push(label.unwrap_or(distinct.len()));
+        if label.is_none() {
+            distinct.push(x);
         }
     }
     labels
@@ -245,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn sections_that_do_not_close_are_told_apart_by_their_exponents() {
+    fn sections_that_do_not_close_are_distinguished_by_their_exponents() {
         let open = section(1000, |k| math::sin(k as f64));
         let flow = |exponents: &[Exponent]| class(&open, Of::Flow, exponents);
         let map = |exponents: &[Exponent]| class(&open, Of::ReturnMap, exponents);

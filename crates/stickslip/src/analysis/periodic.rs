@@ -1,7 +1,8 @@
 //! Periodic orbits by shooting.
 
+use super::attractors::SOLVER_TOLERANCES;
 use super::cycle::{Cycle, Outline, Shooting};
-use super::monodromy::{turn, velocity_in};
+use super::monodromy::{flow_derivative, velocity_in};
 use crate::dynamics::{
     AsDynamics, Components, Dynamics, Happening, Matrix, Modes, Moment, Section, Vector, run,
 };
@@ -28,11 +29,9 @@ pub struct PeriodicOrbit {
     pub family: usize,
 }
 
-/// Number of phase sequences that are tried.
-const SEQUENCES: usize = 8;
-
-/// Number of tolerances within which returns are equally near.
-const TOLERANCES: f64 = 100.0;
+/// Number of phase sequences that are tried. Chosen: each takes a run over a period and a Newton
+/// iteration.
+const MOST_SEQUENCES: usize = 8;
 
 /// The periodic orbit near `x` of a periodically forced system, with period `period`, at the time
 /// `t`.
@@ -43,9 +42,9 @@ const TOLERANCES: f64 = 100.0;
 ///
 /// # Errors
 /// Those of [`crate::run`]; [`Error::NoUniqueFuture`] and [`Error::TangentSingular`] as for
-/// [`crate::analysis::monodromy`]; [`Error::NotFound`] where none of the sequences has an orbit
-/// that closes to 100 tolerances, or to the rounding of state and time, and moves by more;
-/// [`Error::NotConverged`] where the run from the orbit does not return to it.
+/// [`crate::analysis::monodromy`]. [`Error::NotFound`] where none of the sequences has an orbit
+/// that closes to 100 tolerances, or to the rounding of state and time, and moves by more than
+/// that. [`Error::NotConverged`] where the run from the orbit does not return to it.
 pub fn periodic_orbit_forced<Kind>(
     system: &impl AsDynamics<Kind>,
     t: f64,
@@ -124,7 +123,7 @@ pub fn find_periodic_orbit<Kind>(
         t: transient,
         span: longest,
     };
-    let mut fewest: Option<(usize, Place)> = None;
+    let mut fewest_sticking: Option<(usize, StateInMode)> = None;
     let (start, mode) = loop {
         match orbit.step()? {
             Happening::Step => {
@@ -141,15 +140,18 @@ pub fn find_periodic_orbit<Kind>(
                 if stick == 0 {
                     break here;
                 }
-                if fewest.as_ref().is_none_or(|(least, _)| stick < *least) {
-                    fewest = Some((stick, (settled(system, &here), step.mode)));
+                if fewest_sticking
+                    .as_ref()
+                    .is_none_or(|(least, _)| stick < *least)
+                {
+                    fewest_sticking = Some((stick, (settled(system, &here), step.mode)));
                 }
             }
             Happening::End(summary) if summary.ending == Ending::EndTime => {
-                let moves = |(_, (at, mode)): &(usize, Place)| {
+                let moves = |(_, (at, mode)): &(usize, StateInMode)| {
                     velocity_in(system, *mode, at).amax() * longest > f64::EPSILON * at.x.amax()
                 };
-                let (_, here) = fewest.filter(moves).ok_or_else(not_found)?;
+                let (_, here) = fewest_sticking.filter(moves).ok_or_else(not_found)?;
                 orbit = system.begin(&here.0, t_end, options, &Section::None)?;
                 break here;
             }
@@ -165,15 +167,15 @@ pub fn find_periodic_orbit<Kind>(
         normal: velocity_in(system, mode, &start),
         direction: Direction::Rising,
     });
-    // Below the tolerance, all returns are equally good.
-    let blurred = TOLERANCES * (options.atol + options.rtol * start.x.norm());
+    // Within the error of the run, all returns are equally good.
+    let error = SOLVER_TOLERANCES * (options.atol + options.rtol * start.x.norm());
     let mut returns = Vec::new();
     loop {
         match orbit.step()? {
             Happening::Passage(at) => {
                 let distance = (at.x - &start.x).norm();
                 returns.push((at.t - start.t, distance));
-                if distance <= blurred {
+                if distance <= error {
                     break;
                 }
             }
@@ -186,7 +188,7 @@ pub fn find_periodic_orbit<Kind>(
         }
     }
     let nearest = returns.iter().map(|r| r.1).fold(f64::INFINITY, f64::min);
-    let near = 2.0 * nearest.max(blurred);
+    let near = 2.0 * nearest.max(error);
     let first = returns.iter().find(|r| r.1 <= near);
     let &(period, _) = first.ok_or_else(not_found)?;
     let start = Moment { t: 0.0, ..start };
@@ -194,10 +196,10 @@ pub fn find_periodic_orbit<Kind>(
 }
 
 /// A state of an orbit, and its mode there.
-type Place = (Moment, Modes);
+type StateInMode = (Moment, Modes);
 
 /// Projects onto the boundaries of sticking contacts a state that lies near them.
-fn settled(system: &dyn Dynamics, (at, mode): &Place) -> Moment {
+fn settled(system: &dyn Dynamics, (at, mode): &StateInMode) -> Moment {
     let onto = |at: Moment| Moment {
         x: system.flow(*mode, &at).settled(&at),
         ..at
@@ -218,17 +220,16 @@ fn orbit_near(
 ) -> Result<PeriodicOrbit, Error> {
     let forced = is_forced.then_some(period);
     let mut from = start.clone();
-    let mut wrong: Option<Vec<Modes>> = None;
-    for _ in 0..SEQUENCES {
+    let mut rejected: Option<Vec<Modes>> = None;
+    for _ in 0..MOST_SEQUENCES {
         let outline = Outline::of_run(system, &from, period, options)?;
         let shooting = Shooting::of(system, &outline, forced, options);
-        let found = shooting.nearest(&outline, None);
-        match found {
-            Some(cycle) if shooting.is_valid(&cycle) || wrong == Some(outline.modes()) => {
-                return whole(&shooting, &cycle, start);
+        match shooting.nearest(&outline, None) {
+            Some(cycle) if shooting.is_valid(&cycle) || rejected == Some(outline.modes()) => {
+                return closed_orbit(&shooting, &cycle, start);
             }
             Some(cycle) => {
-                wrong = Some(outline.modes());
+                rejected = Some(outline.modes());
                 from = cycle.anchor;
             }
             None => from = a_period_later(system, &from, period, options)?,
@@ -256,33 +257,37 @@ fn a_period_later(
 }
 
 /// A periodic orbit from its state next to the start, by the system's own run from there.
-fn whole(shooting: &Shooting<'_>, cycle: &Cycle, start: &Moment) -> Result<PeriodicOrbit, Error> {
+fn closed_orbit(
+    shooting: &Shooting<'_>,
+    cycle: &Cycle,
+    start: &Moment,
+) -> Result<PeriodicOrbit, Error> {
     let Shooting {
         system, options, ..
     } = *shooting;
     let t = match shooting.forced {
         Some(_) => start.t,
-        None => passes(system, cycle, start, options)?.unwrap_or(cycle.anchor.t),
+        None => passage_time(system, cycle, start, options)?.unwrap_or(cycle.anchor.t),
     };
-    let place = shooting.place(cycle, t).ok_or(Error::NotFound {
+    let state = shooting.place(cycle, t).ok_or(Error::NotFound {
         what: "the state of the periodic orbit",
         t,
         span: cycle.period,
     })?;
     let at = Moment {
         t: start.t,
-        ..settled(system, &place)
+        ..settled(system, &state)
     };
     let is_autonomous = shooting.forced.is_none();
     let t_end = at.t + cycle.period;
-    let found = turn(system, &at, t_end, options, is_autonomous)?;
-    if found.summary.ending != Ending::EndTime {
-        return Err(found.summary.no_future_error());
+    let period = flow_derivative(system, &at, t_end, options, is_autonomous)?;
+    if period.summary.ending != Ending::EndTime {
+        return Err(period.summary.no_future_error());
     }
-    let residual = (&found.summary.x - &at.x).amax();
+    let residual = (&period.summary.x - &at.x).amax();
     // The closing error of every segment is carried to the end of the period.
     let segments = cycle.outline.segments.len() as f64;
-    let wanted = segments * cycle.closes_to * found.matrix.amax().max(1.0);
+    let wanted = segments * cycle.closes_to * period.matrix.amax().max(1.0);
     if residual > wanted {
         return Err(Error::NotConverged {
             what: "the periodic orbit",
@@ -295,7 +300,7 @@ fn whole(shooting: &Shooting<'_>, cycle: &Cycle, start: &Moment) -> Result<Perio
         t: at.t,
         x: at.x,
         period: cycle.period,
-        monodromy: found.matrix,
+        monodromy: period.matrix,
         residual,
         family: cycle.family,
     })
@@ -303,7 +308,7 @@ fn whole(shooting: &Shooting<'_>, cycle: &Cycle, start: &Moment) -> Result<Perio
 
 /// The time at which a periodic orbit passes the plane through a state that is perpendicular to the
 /// flow there, nearest to that state.
-fn passes(
+fn passage_time(
     system: &dyn Dynamics,
     cycle: &Cycle,
     state: &Moment,
@@ -322,9 +327,9 @@ fn passes(
     loop {
         match run.step()? {
             Happening::Passage(at) => {
-                let off = (&at.x - &state.x).norm();
-                if nearest.is_none_or(|(least, _)| off < least) {
-                    nearest = Some((off, at.t));
+                let distance = (&at.x - &state.x).norm();
+                if nearest.is_none_or(|(least, _)| distance < least) {
+                    nearest = Some((distance, at.t));
                 }
             }
             Happening::End(_) => return Ok(nearest.map(|(_, t)| t)),

@@ -22,8 +22,9 @@ pub struct Return {
     pub mode: Modes,
 }
 
-/// A passage rate below this fraction of its summands is rounding.
-const ROUNDING: f64 = 1e-12;
+/// A passage rate up to this fraction of its summands is zero to rounding. It is some thousand
+/// units in the last place, for the error of the field.
+const RATE_ROUNDING: f64 = 1e-12;
 
 /// The Poincaré map of a system and a section: a discrete-time system, in which each step is one
 /// return.
@@ -61,7 +62,7 @@ pub struct PoincareMap<'a> {
     at: Moment,
     number: usize,
     /// The part of the last step that lies after the last return.
-    rest: Option<Step>,
+    after_return: Option<Step>,
     has_failed: bool,
 }
 
@@ -133,7 +134,7 @@ impl<'a> PoincareMap<'a> {
             longest,
             at,
             number: 0,
-            rest: None,
+            after_return: None,
             has_failed: false,
         }
     }
@@ -164,14 +165,15 @@ impl<'a> PoincareMap<'a> {
     }
 
     /// The next return, and the derivative of its state with respect to the state at the last
-    /// return or the start: square in the states, column `j` for its component `j`.
+    /// return or the start. It is square in the states, with column `j` for component `j` there.
     ///
     /// It is `(I − f ∇gᵀ/(∂g/∂t + ∇g·f)) Φ` with the tangent flow Φ between the two, and the field
-    /// `f` and the section `g` at the return: the effect of the start on the return time is removed
-    /// along the motion. On the section its eigenvalues are the Floquet multipliers of a periodic
-    /// orbit, with zero in place of the trivial one. The time at the last return is held fixed. In
-    /// a non-autonomous system, derivatives of successive returns multiply only where the section
-    /// fixes the time. From a state in stick it begins as [`crate::analysis::monodromy`] does.
+    /// `f` and the section `g` at the return. The first factor removes the effect of the start on
+    /// the return time, along the motion. On the section its eigenvalues are the Floquet
+    /// multipliers of a periodic orbit, with zero in place of the trivial one. The time at the last
+    /// return is held fixed. In a non-autonomous system, derivatives of successive returns multiply
+    /// only where the section fixes the time. From a state in stick it begins as
+    /// [`crate::analysis::monodromy`] does.
     ///
     /// # Errors
     /// Those of [`PoincareMap::step`]; [`Error::TangentSingular`] where the orbit passes the
@@ -191,7 +193,7 @@ impl<'a> PoincareMap<'a> {
         // rounding.
         let size = in_time.abs() + normal.norm() * velocity.norm();
         let arrived = self.arrive(passage);
-        if rate.abs() <= ROUNDING * size || derivative.iter().any(|v| !v.is_finite()) {
+        if rate.abs() <= RATE_ROUNDING * size || derivative.iter().any(|v| !v.is_finite()) {
             return Err(singular(here.t, &here.x));
         }
         Ok((arrived, derivative))
@@ -207,7 +209,7 @@ impl<'a> PoincareMap<'a> {
                         return Err(self.no_return());
                     }
                     let here = passage.moment();
-                    if let Some(step) = &mut self.rest {
+                    if let Some(step) = &mut self.after_return {
                         let before = step.cut(&here);
                         if let Some(map) = &mut map {
                             map.through_step(&tangent, &before);
@@ -217,7 +219,7 @@ impl<'a> PoincareMap<'a> {
                 }
                 other => other,
             };
-            if let (Some(step), Some(map)) = (self.rest.take(), &mut map) {
+            if let (Some(step), Some(map)) = (self.after_return.take(), &mut map) {
                 map.through_step(&tangent, &step);
             }
             match happening {
@@ -226,7 +228,7 @@ impl<'a> PoincareMap<'a> {
                     if step.t_start - self.at.t > self.longest {
                         return Err(self.no_return());
                     }
-                    self.rest = Some(step);
+                    self.after_return = Some(step);
                 }
                 Happening::Transition(at) => {
                     if let Some(map) = &mut map {

@@ -4,9 +4,10 @@ use std::fmt;
 
 use nalgebra::Complex;
 
-/// Tolerance for a multiplier of modulus 1. If two multipliers meet at 1, as without damping, an
-/// error of the monodromy matrix moves them by its square root, and orbits have errors of 1e-12.
-const NEUTRAL: f64 = 1e-6;
+/// Largest distance of a neutral multiplier from modulus 1: the square root of the error of an
+/// orbit computed to 1e-12. If two multipliers meet at 1, as without damping, an error of the
+/// monodromy matrix moves them by its square root.
+const NEUTRAL_DISTANCE: f64 = 1e-6;
 
 /// The fate of a small deviation from a periodic orbit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -33,9 +34,9 @@ impl Stability {
     /// ```
     pub fn of(multipliers: &[Complex<f64>]) -> Self {
         let is = |within: f64| multipliers.iter().all(|value| value.norm() < within);
-        if is(1.0 - NEUTRAL) {
+        if is(1.0 - NEUTRAL_DISTANCE) {
             Stability::Stable
-        } else if is(1.0 + NEUTRAL) {
+        } else if is(1.0 + NEUTRAL_DISTANCE) {
             Stability::Neutral
         } else {
             Stability::Unstable
@@ -47,7 +48,7 @@ impl Stability {
     /// From the eigenvalues of an equilibrium: a pair may be imaginary to 1e-6 of the largest.
     pub(super) fn of_eigenvalues(eigenvalues: &[Complex<f64>]) -> Self {
         let sizes = eigenvalues.iter().map(|value| value.norm());
-        let noise = NEUTRAL * sizes.fold(0.0, f64::max);
+        let noise = NEUTRAL_DISTANCE * sizes.fold(0.0, f64::max);
         if eigenvalues.iter().all(|value| value.re < -noise) {
             Stability::Stable
         } else if eigenvalues.iter().all(|value| value.re <= noise) {

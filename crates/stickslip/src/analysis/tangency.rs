@@ -5,9 +5,9 @@ pub use crate::filippov::Visibility;
 use crate::filippov::LieDerivatives;
 use crate::system::{Filippov, Side, State};
 
-/// Whether the field of `side` is tangent to Σ at `(t, x)`, and its visibility by the sign of the
-/// boundary function's second Lie derivative along it; `None` where its normal component does not
-/// vanish to rounding.
+/// The visibility at `(t, x)` if the field of `side` is tangent to Σ there, by the sign of the
+/// boundary function's second Lie derivative along it. `None` if the field's normal component does
+/// not vanish to rounding.
 ///
 /// ```
 /// use stickslip::{analysis::{tangency, Visibility}, models::BeltOscillator, Side, State};
@@ -29,7 +29,7 @@ pub fn tangency<S: Filippov<N>, const N: usize>(
     is_tangent.then(|| lie.visibility(side))
 }
 
-/// The visibility at a point where the field of `side` is known to be tangent.
+/// The visibility at a point where the field of `side` is tangent, without a check that it is.
 pub fn visibility<S: Filippov<N>, const N: usize>(
     system: &S,
     side: Side,

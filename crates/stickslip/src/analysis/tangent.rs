@@ -78,32 +78,32 @@ impl<'a> Tangent<'a> {
         }
     }
 
-    /// The effect of a map of the state (Müller 1995, Eq. 11) with the map's derivative `D`: `S = D
-    /// + (f⁺ − D f⁻ − ∂R/∂t) ∇hᵀ / (∂h/∂t + ∇h·f⁻)`.
+    /// The effect of a jump's map `R` of the state with the derivative `D` (Müller 1995, Eq. 11):
+    /// `S = D + (f⁺ − D f⁻ − ∂R/∂t) ∇hᵀ / (∂h/∂t + ∇h·f⁻)`.
     ///
     /// # Errors
-    /// [`Error::TangentSingular`] where the orbit grazes the surface of the jump, and where another
-    /// jump in the same instant triggers this one and the field changes at it.
+    /// [`Error::TangentSingular`] where the orbit grazes the surface of the jump. Also where
+    /// another jump in the same instant triggers this one, and the field changes at it.
     fn reset(&self, at: &Transition) -> Result<Jump, Error> {
         let here = at.moment();
         let reset = self.system.reset(at.contact, &here);
-        let behind = Moment {
+        let after_jump = Moment {
             t: at.t,
             x: reset.after,
         };
         let before = self.system.flow(at.from, &here).velocity(&here);
-        let after = self.system.flow(at.to, &behind).velocity(&behind);
+        let after = self.system.flow(at.to, &after_jump).velocity(&after_jump);
         let kick = after - &reset.by_state * &before - &reset.by_time;
         let rate = reset.in_time + reset.gradient.dot(&before);
         // If its function is not zero, another jump triggered it and decides its time.
         let in_time = reset.in_time.abs() * at.t.abs();
         let size = reset.gradient.abs().dot(&at.x.abs()) + in_time + rate.abs();
-        let is_set_off =
+        let is_triggered =
             self.system.kink(&here).is_none() && reset.value.abs() > self.carrying.tolerance * size;
-        if is_set_off && kick.amax() > f64::EPSILON * before.amax() {
+        if is_triggered && kick.amax() > f64::EPSILON * before.amax() {
             return Err(singular(at.t, &at.x));
         }
-        let kick = if is_set_off { kick * 0.0 } else { kick };
+        let kick = if is_triggered { kick * 0.0 } else { kick };
         let matrix = &reset.by_state + &kick * reset.gradient.transpose() / rate;
         if matrix.iter().any(|entry| !entry.is_finite()) {
             return Err(singular(at.t, &at.x));
@@ -116,10 +116,10 @@ impl<'a> Tangent<'a> {
         })
     }
 
-    /// The effect of the transition, or `None` where it changes no vector: on leaving stick, at a
-    /// touch, where contact is lost or gained, and where the two fields agree (friction without
-    /// normal force). There the limit of the saltation matrix is the identity, though its formula
-    /// may read 0/0.
+    /// The effect of the transition, or `None` where it changes no vector. Those are the exit from
+    /// stick, a touch, contact lost or gained, and a contact whose two fields agree (friction
+    /// without normal force). There the limit of the saltation matrix is the identity, though its
+    /// formula may read 0/0.
     ///
     /// # Errors
     /// [`Error::TangentSingular`] where two contacts reach zero in the same instant: the

@@ -10,5 +10,6 @@ mod constant_fields;
 mod den_hartog;
 #[path = "../common/listed.rs"]
 mod listed;
+mod lyapunov_jumps;
 #[path = "../common/smooth.rs"]
 mod smooth;

@@ -84,7 +84,7 @@ impl Bifurcation {
             .column("way", |&(way, ..): &Point| WAY_NAMES[way])
             .column(parameter, |(_, at, _)| at.value);
         let columns = attractors::columns(system, columns, |(_, at, _)| &at.outcome);
-        let columns = exponent::columns(columns, |(_, at, _)| at.largest);
+        let columns = exponent::columns(columns, self.duration, |(_, at, _)| at.largest);
         let columns = columns.state(system, "", |(_, at, point)| {
             point.map(|point| at.outcome.points[point].1.clone())
         });

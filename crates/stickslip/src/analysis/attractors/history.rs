@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::recurrence::Count;
+use super::recurrence::Counts;
 use crate::dynamics::{Modes, Phase, Transition};
 use crate::filippov::TransitionKind;
 
@@ -11,7 +11,7 @@ pub(super) struct History {
     phases: VecDeque<Phase>,
     transitions: VecDeque<(TransitionKind, usize)>,
     most: usize,
-    count: Count,
+    counts: Counts,
 }
 
 impl History {
@@ -21,50 +21,49 @@ impl History {
             phases: VecDeque::new(),
             transitions: VecDeque::new(),
             most,
-            count: Count::default(),
+            counts: Counts::default(),
         }
     }
 
-    pub fn count(&self) -> Count {
-        self.count
+    pub fn counts(&self) -> Counts {
+        self.counts
     }
 
     pub fn phase(&mut self, phase: Phase) {
         push(&mut self.phases, phase, self.most);
-        self.count.phases += 1;
+        self.counts.phases += 1;
     }
 
     pub fn transition(&mut self, at: &Transition) {
         push(&mut self.transitions, (at.kind, at.contact), self.most);
-        self.count.transitions += 1;
+        self.counts.transitions += 1;
     }
 
     pub fn last_phase(&self) -> Option<&Phase> {
         self.phases.back()
     }
 
-    /// The modes of the last phases.
-    pub fn modes(&self) -> impl Iterator<Item = Modes> {
-        const LAST: usize = 4;
-        self.phases.iter().rev().take(LAST).map(|phase| phase.mode)
+    /// The modes of the last four phases, the latest first.
+    pub fn last_modes(&self) -> impl Iterator<Item = Modes> {
+        self.phases.iter().rev().take(4).map(|phase| phase.mode)
     }
 
     /// Keeps what lies between two counts; the second is the present one.
-    pub fn keep(&mut self, (from, to): &(Count, Count)) {
+    pub fn keep(&mut self, (from, to): &(Counts, Counts)) {
         keep_last(&mut self.phases, to.phases - from.phases);
         keep_last(&mut self.transitions, to.transitions - from.transitions);
     }
 
     /// Fraction of the duration of the phases that is spent in stick; none without phases.
     pub fn in_stick(&self, sticks: impl Fn(Modes) -> bool) -> Option<f64> {
-        let (mut whole, mut stuck) = (0.0, 0.0);
+        let (mut total, mut in_stick) = (0.0, 0.0);
         for phase in &self.phases {
-            whole += phase.duration();
+            total += phase.duration();
             if sticks(phase.mode) {
-                stuck += phase.duration();
+                in_stick += phase.duration();
             }
         }
-        (whole > 0.0).then_some(stuck / whole)
+        (total > 0.0).then_some(in_stick / total)
     }
 
     /// Takes the phases and transitions out.

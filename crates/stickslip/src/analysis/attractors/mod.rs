@@ -1,17 +1,18 @@
 //! The attractor that an orbit reaches, detected by recurrence.
 
-mod drawn_in;
+mod attractor;
+mod distinct;
+pub(super) mod equilibrium;
 mod history;
-mod known;
-mod nearness;
-pub(super) mod reached;
 mod recurrence;
 mod recurrent;
-pub(super) mod rest;
 mod search;
+mod tolerance;
+mod trap;
 
-pub use known::Attractors;
-pub use reached::{Kind, Reached, is_same_cycle};
+pub use attractor::{Attractor, AttractorKind, is_same_cycle};
+pub use distinct::Attractors;
+pub(super) use tolerance::SOLVER_TOLERANCES;
 
 use std::ops::ControlFlow;
 
@@ -23,13 +24,13 @@ use crate::filippov::{EventFunctions, Options, Strobe, Switched};
 use crate::system::Mode;
 use search::Search;
 
-/// When an orbit counts as having reached an attractor.
+/// When an orbit has reached an attractor.
 ///
 /// Points of the section repeat with lag `p` if each of the last `p` is near the one `p` before.
-/// The remaining distance to the pattern, estimated from the ratio of two differences `p` apart,
-/// must be small as well; so slowly creeping points do not pass for a pattern. The shortest such
-/// `p` is taken. One exact return to a point is enough, since its future is the same. The points'
-/// tags count, too: the transitions since the previous point.
+/// The remaining distance to the pattern must be small as well, so that slowly creeping points are
+/// no pattern. It is estimated from the ratio of two differences `p` apart. The shortest such `p`
+/// is taken. One exact return to a point is enough, since its future is the same. The transitions
+/// since the previous point must agree, too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RecurrenceSettings {
     /// Time after which the attractor counts as undecided.
@@ -96,29 +97,28 @@ impl RecurrenceSettings {
 }
 
 /// The attractor that the orbit from `x0` at time 0 reaches. It needs neither a list of attractors
-/// nor a section. Its points are the transitions of the orbit or the strobe of the forcing; for an
+/// nor a section. Its points are the transitions of the orbit or the strobe of the forcing. For an
 /// orbit that meets no boundary for long, they are the extrema of the first state.
 ///
-/// A slipping orbit is recognised as converging to an equilibrium while still far away: as soon as
-/// a quadratic Lyapunov function, its decay proved with intervals, shows that nothing can keep it
-/// away.
+/// A slipping orbit may be certain to converge to an equilibrium while still far away. A quadratic
+/// Lyapunov function, whose decay is proved with intervals, shows that.
 ///
 /// Recognising attractors by recurrence goes back to Datseris & Wagemakers, *Chaos* 32 (2022)
 /// 023104; here events replace their grid.
 ///
 /// # Errors
 /// Those of [`crate::Integration::new`]; [`Error::Option`] for a setting that is not allowed. A
-/// later failure is a [`Kind`].
+/// later failure is an [`AttractorKind`].
 ///
 /// ```
-/// use stickslip::analysis::{Kind, RecurrenceSettings, attractor};
+/// use stickslip::analysis::{AttractorKind, RecurrenceSettings, attractor};
 /// use stickslip::{Options, models::BeltOscillator};
 ///
 /// let belt = BeltOscillator { belt_speed: 0.2, ..BeltOscillator::default() };
 /// let settings = RecurrenceSettings::within(500.0);
-/// let reached = attractor(&belt, [0.5, 0.1], &settings, &Options::default())?;
-/// assert!(matches!(reached.kind, Kind::Periodic { .. }));
-/// for phase in &reached.phases {
+/// let found = attractor(&belt, [0.5, 0.1], &settings, &Options::default())?;
+/// assert!(matches!(found.kind, AttractorKind::Periodic { .. }));
+/// for phase in &found.phases {
 ///     println!("{:?} for {}", phase.mode, phase.duration());
 /// }
 /// # Ok::<(), stickslip::Error>(())
@@ -128,12 +128,12 @@ pub fn attractor<Kind>(
     x0: impl Components,
     settings: &RecurrenceSettings,
     options: &Options,
-) -> Result<Reached, Error> {
+) -> Result<Attractor, Error> {
     attractor_of(&*system.dynamics(), x0.vector(), settings, options)
 }
 
 /// As [`attractor`], for one start of many: a start outside the domain of the field or beyond the
-/// escape bound is also a [`Kind`].
+/// escape bound is also an [`AttractorKind`].
 ///
 /// # Errors
 /// The other errors of [`attractor`].
@@ -142,10 +142,10 @@ pub fn attractor_of_many<Kind>(
     x0: impl Components,
     settings: &RecurrenceSettings,
     options: &Options,
-) -> Result<Reached, Error> {
+) -> Result<Attractor, Error> {
     let (system, x0) = (system.dynamics(), x0.vector());
-    let reached = attractor_of(&*system, x0.clone(), settings, options);
-    reached.or_else(|error| at_once(error, &*system, x0))
+    let found = attractor_of(&*system, x0.clone(), settings, options);
+    found.or_else(|error| without_run(error, &*system, x0))
 }
 
 /// As [`attractor_of_many`], for several starts.
@@ -160,21 +160,21 @@ pub fn attractors_of_many<Kind>(
     starts: impl IntoIterator<Item = impl Components>,
     settings: &RecurrenceSettings,
     options: &Options,
-) -> Result<Vec<Reached>, Error> {
+) -> Result<Vec<Attractor>, Error> {
     let starts: Vec<Vector> = starts.into_iter().map(Components::vector).collect();
-    let all = &mut || ControlFlow::Continue(());
-    let reached = attractors_of(&*system.dynamics(), &starts, settings, options, all)?;
-    reached.into_iter().flatten().collect()
+    let go_on = &mut || ControlFlow::Continue(());
+    let outcomes = attractors_of(&*system.dynamics(), &starts, settings, options, go_on)?;
+    outcomes.into_iter().flatten().collect()
 }
 
-/// Outcome of a start that no run can begin from, unless that is an error.
-fn at_once(error: Error, system: &dyn Dynamics, x: Vector) -> Result<Reached, Error> {
+/// The outcome of a start from which no run can begin, unless that is an error.
+fn without_run(error: Error, system: &dyn Dynamics, x: Vector) -> Result<Attractor, Error> {
     let kind = match error {
-        Error::Escaped { .. } => Kind::Escape,
-        Error::StartOutsideDomain { .. } => Kind::Failure(error),
+        Error::Escaped { .. } => AttractorKind::Escape,
+        Error::StartOutsideDomain { .. } => AttractorKind::Failure(error),
         error => return Err(error),
     };
-    Ok(Reached {
+    Ok(Attractor {
         kind,
         period_uncertainty: 0.0,
         family: None,
@@ -196,8 +196,8 @@ pub(super) fn attractors_of(
     starts: &[Vector],
     settings: &RecurrenceSettings,
     options: &Options,
-    asked: &mut dyn FnMut() -> ControlFlow<()>,
-) -> Result<Vec<Option<Result<Reached, Error>>>, Error> {
+    after_each: &mut dyn FnMut() -> ControlFlow<()>,
+) -> Result<Vec<Option<Result<Attractor, Error>>>, Error> {
     settings.check()?;
     let (section, options) = section(settings, options);
     let at_zero = |x: &Vector| Moment {
@@ -213,12 +213,12 @@ pub(super) fn attractors_of(
         if is_enough {
             return ControlFlow::Break(());
         }
-        let Some(reached) = searches[number].hear(happened, orbit) else {
+        let Some(attractor) = searches[number].record(happened, orbit) else {
             return ControlFlow::Continue(());
         };
-        is_enough = asked().is_break();
+        is_enough = after_each().is_break();
         if !is_enough {
-            outcomes[number] = Some(Ok(reached));
+            outcomes[number] = Some(Ok(attractor));
         }
         ControlFlow::Break(())
     };
@@ -227,8 +227,8 @@ pub(super) fn attractors_of(
         if let Err(error) = begun
             && !is_enough
         {
-            *outcome = Some(at_once(error, system, x.clone()));
-            is_enough = asked().is_break();
+            *outcome = Some(without_run(error, system, x.clone()));
+            is_enough = after_each().is_break();
         }
     }
     Ok(outcomes)
@@ -240,7 +240,7 @@ pub(super) fn attractor_of(
     x0: Vector,
     settings: &RecurrenceSettings,
     options: &Options,
-) -> Result<Reached, Error> {
+) -> Result<Attractor, Error> {
     let (section, options) = section(settings, options);
     seek(system, &section, x0, settings, &options)
 }
@@ -268,7 +268,7 @@ pub fn attractor_on<S, V, const N: usize, const G: usize>(
     x0: impl Components,
     settings: &RecurrenceSettings,
     options: &Options,
-) -> Result<Reached, Error>
+) -> Result<Attractor, Error>
 where
     S: Switched<N, G> + Send + Sync,
     V: EventFunctions<N, 1> + Send + Sync,
@@ -283,15 +283,15 @@ fn seek(
     x0: Vector,
     settings: &RecurrenceSettings,
     options: &Options,
-) -> Result<Reached, Error> {
+) -> Result<Attractor, Error> {
     settings.check()?;
     let start = Moment { t: 0.0, x: x0 };
     let mut orbit = system.begin(&start, settings.longest, options, section)?;
     let mut search = Search::new(system, &start.x, section, settings, options);
     loop {
         let happened = orbit.step();
-        if let Some(reached) = search.hear(happened, &mut *orbit) {
-            return Ok(reached);
+        if let Some(attractor) = search.record(happened, &mut *orbit) {
+            return Ok(attractor);
         }
     }
 }

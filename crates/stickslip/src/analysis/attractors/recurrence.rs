@@ -2,38 +2,41 @@
 
 use std::collections::VecDeque;
 
-use super::nearness::{Extent, Nearness, OF_SOLVER};
+use super::tolerance::{Extent, ROUNDING, SOLVER_TOLERANCES, Tolerance};
 use crate::dynamics::{Moment, Vector};
 
-/// Fraction of the scale that is kept from point to point: a long approach to the attractor is
-/// forgotten after some returns.
-const KEPT: f64 = 0.9;
+/// Factor of the recent size of a component from point to point. After some twenty returns a long
+/// approach to the attractor no longer counts. Chosen.
+const SIZE_DECAY: f64 = 0.9;
 
-/// Number of ratios of differences that are examined.
+/// Number of ratios of differences that are examined: one alone may be small by coincidence.
 const RATIOS: usize = 3;
 
-/// Differences count as shrinking if over this many repetitions they fall below this fraction of
-/// their former size.
-const SHRINKING: (usize, f64) = (4, 0.9);
+/// Repetitions over which an orbit that approaches a shorter pattern is recognised.
+const APPROACH_REPETITIONS: usize = 4;
 
-/// Number of closenesses that may remain of the approach where differences are too small to show a
-/// ratio.
-const UNSEEN: f64 = 100.0;
+/// An orbit approaches a shorter pattern if its distance falls below this fraction over
+/// [`APPROACH_REPETITIONS`]. Chosen.
+const APPROACH_RATIO: f64 = 0.9;
 
-/// Two states are the same if they differ by at most so many units in the last place of a
-/// component's size. They occur where stick leaves one state only, as in unforced systems of two
-/// states.
-const SAME: f64 = 64.0;
+/// Remaining distance to a pattern, in differences of points, if those are below the solver's
+/// tolerance and show no ratio. It is that of a ratio of 0.99. Chosen.
+const UNRESOLVED_DISTANCE: f64 = 100.0;
 
-/// Number of roundings of the solver that a cycle must exceed in width.
-const WIDE: f64 = 10.0;
+/// Least width of a cycle, in roundings of the solver. Narrower ones are equilibria. Chosen.
+const LEAST_WIDTH: f64 = 10.0;
 
-/// Fraction of a cycle's extent that may remain of the approach to it.
-const LITTLE: f64 = 0.01;
+/// Largest remaining distance to a cycle, as a fraction of its extent. Chosen: an orbit that winds
+/// around an equilibrium keeps a larger one.
+const LARGEST_REMAINDER: f64 = 0.01;
+
+/// Ratio of the mean distances in two quarters of the points above which they grow or shrink.
+/// Chosen.
+const STEADY_RATIO: f64 = 1.25;
 
 /// Counts of what has happened.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Count {
+pub(super) struct Counts {
     /// Phases that have ended.
     pub phases: u64,
     /// Transitions, touches excluded.
@@ -42,22 +45,22 @@ pub(super) struct Count {
 
 /// A point with the quantities that are compared, and what lies between it and the one before.
 #[derive(Clone, Debug)]
-struct Passage {
+struct SectionPoint {
     at: Moment,
     /// Represents the transitions since the last point.
     tag: u64,
     /// Time modulo the forcing's period, in periods.
     beat: f64,
     /// Counts before this point.
-    count: Count,
+    counts: Counts,
     extent: Extent,
 }
 
 /// The last points of a section, and how long they have repeated with each lag.
 pub(super) struct Recurrence {
-    near: Nearness,
+    tolerance: Tolerance,
     forcing: Option<f64>,
-    passages: VecDeque<Passage>,
+    points: VecDeque<SectionPoint>,
     kept: usize,
     /// For every lag, counted from 1, how many consecutive points are near the point one lag
     /// before.
@@ -74,7 +77,7 @@ pub(super) struct Pattern {
     /// By how much that may be off.
     pub uncertainty: f64,
     /// Counts before it and at its end.
-    pub counts: (Count, Count),
+    pub counts: (Counts, Counts),
     /// The extent of the orbit in it.
     pub extent: Extent,
 }
@@ -82,15 +85,15 @@ pub(super) struct Pattern {
 impl Recurrence {
     pub fn new(
         states: usize,
-        near: Nearness,
+        tolerance: Tolerance,
         forcing: Option<f64>,
         (most, kept): (usize, usize),
     ) -> Self {
-        let kept = kept.max((SHRINKING.0 + 1) * most + 1);
+        let kept = kept.max((APPROACH_REPETITIONS + 1) * most + 1);
         Recurrence {
-            near,
+            tolerance,
             forcing,
-            passages: VecDeque::new(),
+            points: VecDeque::new(),
             kept,
             runs: vec![0; most],
             scale: Vector::zeros(states),
@@ -98,35 +101,34 @@ impl Recurrence {
     }
 
     pub fn clear(&mut self) {
-        self.passages.clear();
+        self.points.clear();
         self.runs.fill(0);
         self.scale.fill(0.0);
     }
 
-    pub fn points(&self) -> impl ExactSizeIterator<Item = &Moment> {
-        self.passages.iter().map(|passage| &passage.at)
+    pub fn moments(&self) -> impl ExactSizeIterator<Item = &Moment> {
+        self.points.iter().map(|point| &point.at)
     }
 
     /// The last `count` points.
     pub fn last(&self, count: usize) -> Vec<Moment> {
-        let from = self.passages.len().saturating_sub(count);
-        self.points().skip(from).cloned().collect()
+        let from = self.points.len().saturating_sub(count);
+        self.moments().skip(from).cloned().collect()
     }
 
-    /// Whether the orbit is still approaching a pattern or leaving one: with some lag all of the
-    /// last points came near those before, and their distance grows or shrinks.
+    /// Whether the orbit still approaches a pattern or moves away from one. With some lag all of
+    /// the last points are then near those before, and their distance grows or shrinks.
     pub fn still_moves(&self, part: f64) -> bool {
-        const STEADY: f64 = 1.25;
-        let near = Nearness {
+        let near = Tolerance {
             closeness: part,
-            ..self.near
+            ..self.tolerance
         };
-        let total = self.passages.len();
+        let total = self.points.len();
         let quarter = total / 4;
         let mean = |lag: usize, last: usize| {
             let mut sum = 0.0;
             for k in last - quarter..last {
-                let (here, there) = (&self.passages[k], self.passages.get(k.checked_sub(lag)?)?);
+                let (here, there) = (&self.points[k], self.points.get(k.checked_sub(lag)?)?);
                 let apart = self.apart(here, there, &near);
                 if here.tag != there.tag || apart > 1.0 {
                     return None;
@@ -140,59 +142,59 @@ impl Recurrence {
                 return false;
             };
             mean(lag, total - quarter)
-                .is_none_or(|before| now > STEADY * before || before > STEADY * now)
+                .is_none_or(|before| now > STEADY_RATIO * before || before > STEADY_RATIO * now)
         })
     }
 
     /// Adds the next point; returns the shortest pattern that has repeated often enough, if any.
-    pub fn pass(&mut self, at: Moment, tag: u64, count: Count, extent: Extent) -> Option<Pattern> {
+    pub fn add(&mut self, at: Moment, tag: u64, counts: Counts, extent: Extent) -> Option<Pattern> {
         for i in 0..self.scale.len() {
-            self.scale[i] = extent.size(i).max(KEPT * self.scale[i]);
+            self.scale[i] = extent.size(i).max(SIZE_DECAY * self.scale[i]);
         }
-        if self.passages.len() == self.kept {
-            self.passages.pop_front();
+        if self.points.len() == self.kept {
+            self.points.pop_front();
         }
         let beats = self.forcing.map_or(0.0, |period| at.t / period);
-        self.passages.push_back(Passage {
+        self.points.push_back(SectionPoint {
             at,
             tag,
             beat: beats - beats.floor(),
-            count,
+            counts,
             extent,
         });
-        let last = self.passages.len() - 1;
-        let mut found = None;
+        let last = self.points.len() - 1;
+        let mut repeating = None;
         for lag in 1..=self.runs.len().min(last) {
-            let (here, there) = (&self.passages[last], &self.passages[last - lag]);
-            let repeats = here.tag == there.tag && self.apart(here, there, &self.near) <= 1.0;
+            let (here, there) = (&self.points[last], &self.points[last - lag]);
+            let repeats = here.tag == there.tag && self.apart(here, there, &self.tolerance) <= 1.0;
             self.runs[lag - 1] = if repeats { self.runs[lag - 1] + 1 } else { 0 };
-            // A state has one future: the whole pattern need not be seen again.
-            let wanted = if self.is_same(here, there) { 1 } else { lag };
-            if found.is_none()
-                && self.runs[lag - 1] >= wanted
-                && let Some(left) = self.left(last, lag)
+            // A state has one future: the complete pattern need not repeat.
+            let needed = if self.is_same(here, there) { 1 } else { lag };
+            if repeating.is_none()
+                && self.runs[lag - 1] >= needed
+                && let Some(remainder) = self.remaining(last, lag)
             {
-                let pattern = self.pattern(last, lag, left);
-                if self.forcing.is_some() || self.is_wide(&pattern, left) {
+                let pattern = self.pattern(last, lag, remainder);
+                if self.forcing.is_some() || self.is_wide(&pattern, remainder) {
                     let shortest = self.shortest(last, lag);
-                    found = shortest.map(|lag| self.pattern(last, lag, left));
+                    repeating = shortest.map(|lag| self.pattern(last, lag, remainder));
                 }
             }
         }
-        found
+        repeating
     }
 
-    fn is_same(&self, one: &Passage, other: &Passage) -> bool {
-        let rounding = Nearness {
+    fn is_same(&self, one: &SectionPoint, other: &SectionPoint) -> bool {
+        let rounding = Tolerance {
             closeness: 0.0,
             atol: 0.0,
-            rtol: SAME * f64::EPSILON / OF_SOLVER,
+            rtol: ROUNDING / SOLVER_TOLERANCES,
         };
         self.apart(one, other, &rounding) <= 1.0
     }
 
     /// Largest difference of two points in units of the allowed one.
-    fn apart(&self, one: &Passage, other: &Passage, near: &Nearness) -> f64 {
+    fn apart(&self, one: &SectionPoint, other: &SectionPoint, near: &Tolerance) -> f64 {
         let mut most = 0.0_f64;
         for i in 0..self.scale.len() {
             let allowed = near.allowed(self.scale[i]);
@@ -207,58 +209,60 @@ impl Recurrence {
 
     /// Whether the last point equals the one a lag before it, to the tolerance.
     fn is_closed(&self, last: usize, lag: usize) -> bool {
-        let (here, before) = (&self.passages[last], &self.passages[last - lag]);
-        let tolerance = Nearness {
+        let (here, before) = (&self.points[last], &self.points[last - lag]);
+        let tolerance = Tolerance {
             closeness: 0.0,
-            atol: self.near.atol / OF_SOLVER,
-            rtol: self.near.rtol / OF_SOLVER,
+            atol: self.tolerance.atol / SOLVER_TOLERANCES,
+            rtol: self.tolerance.rtol / SOLVER_TOLERANCES,
         };
         here.tag == before.tag && self.apart(here, before, &tolerance) <= 1.0
     }
 
     /// Remaining distance to the pattern, in differences of points a lag apart, if it is small. It
     /// is the sum of a geometric series of these differences, with the slowest of the last few
-    /// ratios: points that creep past each other differ little, too.
-    fn left(&self, last: usize, lag: usize) -> Option<f64> {
-        let apart = |k: usize, near: &Nearness| {
-            let (here, before) = (&self.passages[k], &self.passages[k - lag]);
+    /// ratios. Points that creep past each other differ little, too.
+    fn remaining(&self, last: usize, lag: usize) -> Option<f64> {
+        let apart = |k: usize, near: &Tolerance| {
+            let (here, before) = (&self.points[k], &self.points[k - lag]);
             let comparable = here.tag == before.tag;
             comparable.then(|| self.apart(here, before, near))
         };
         if self.is_closed(last, lag) {
-            return Some(UNSEEN);
+            return Some(UNRESOLVED_DISTANCE);
         }
         if last < (RATIOS + 1) * lag {
             return None;
         }
         let mut slowest = 0.0_f64;
         for k in 0..RATIOS {
-            let now = apart(last - k * lag, &self.near)?;
-            let before = apart(last - (k + 1) * lag, &self.near)?;
+            let now = apart(last - k * lag, &self.tolerance)?;
+            let before = apart(last - (k + 1) * lag, &self.tolerance)?;
             slowest = slowest.max(now / before);
         }
-        let left = slowest / (1.0 - slowest);
-        (slowest < 1.0 && apart(last, &self.near)? * left <= 1.0).then_some(left)
+        let remainder = slowest / (1.0 - slowest);
+        (slowest < 1.0 && apart(last, &self.tolerance)? * remainder <= 1.0).then_some(remainder)
     }
 
     /// The shortest pattern of which a repeating one consists; none if the orbit approaches a
-    /// shorter one. An orbit that winds around a cycle nearly returns after several turns before it
-    /// does after each.
+    /// shorter one. An orbit that winds around a cycle nearly returns after several turns, before
+    /// it does so after each.
     fn shortest(&self, last: usize, lag: usize) -> Option<usize> {
         for part in (1..lag).filter(|part| lag.is_multiple_of(*part)) {
             if self.runs[part - 1] >= lag {
                 return Some(part);
             }
             let apart = |k: usize| {
-                let (here, there) = (&self.passages[k], self.passages.get(k.checked_sub(part)?)?);
-                (here.tag == there.tag).then(|| self.apart(here, there, &self.near))
+                let (here, there) = (&self.points[k], self.points.get(k.checked_sub(part)?)?);
+                (here.tag == there.tag).then(|| self.apart(here, there, &self.tolerance))
             };
             // A part with other transitions is no pattern.
             let Some(now) = apart(last) else {
                 continue;
             };
-            let before = last.checked_sub(SHRINKING.0 * lag).and_then(apart)?;
-            if now < SHRINKING.1 * before {
+            let before = last
+                .checked_sub(APPROACH_REPETITIONS * lag)
+                .and_then(apart)?;
+            if now < APPROACH_RATIO * before {
                 return None;
             }
         }
@@ -266,20 +270,20 @@ impl Recurrence {
     }
 
     /// A pattern with this remaining distance, in differences of points.
-    fn pattern(&self, last: usize, lag: usize, left: f64) -> Pattern {
-        let (here, there) = (&self.passages[last], &self.passages[last - lag]);
+    fn pattern(&self, last: usize, lag: usize, remainder: f64) -> Pattern {
+        let (here, there) = (&self.points[last], &self.points[last - lag]);
         let mut extent = here.extent.clone();
-        for passage in self.passages.range(last + 1 - lag..last) {
-            extent.join(&passage.extent);
+        for point in self.points.range(last + 1 - lag..last) {
+            extent.join(&point.extent);
         }
         let time = |periods: usize| {
-            let passage = self.passages.get(last.checked_sub(periods * lag)?)?;
-            Some(passage.at.t)
+            let point = self.points.get(last.checked_sub(periods * lag)?)?;
+            Some(point.at.t)
         };
         let period = |k: usize| Some(time(k)? - time(k + 1)?);
         let change = |k: usize| Some((period(k)? - period(k + 1)?).abs());
         // For an orbit that winds around the pattern, one of two differences may be small by
-        // chance. Where points are the same, those before them may still have been approaching.
+        // coincidence. If points are the same, those before them may still have been approaching.
         let changes = match self.is_closed(last, lag) {
             true => [0.0; 2],
             false => [0, 1].map(|k| change(k).unwrap_or(0.0)),
@@ -287,30 +291,30 @@ impl Recurrence {
         let period = here.at.t - there.at.t;
         let rounding = match self.forcing {
             Some(_) => f64::EPSILON * here.at.t.abs(),
-            None => self.near.rounding(period),
+            None => self.tolerance.rounding(period),
         };
         Pattern {
             returns: lag,
             period,
-            uncertainty: left * changes[0].max(changes[1]) + rounding,
-            counts: (there.count, here.count),
+            uncertainty: remainder * changes[0].max(changes[1]) + rounding,
+            counts: (there.counts, here.counts),
             extent,
         }
     }
 
     /// Whether the remaining distance is small against the orbit's extent as well: an orbit that
     /// winds around an equilibrium also repeats itself ever more closely.
-    fn is_wide(&self, pattern: &Pattern, left: f64) -> bool {
-        let last = self.passages.len() - 1;
-        let (here, there) = (&self.passages[last], &self.passages[last - pattern.returns]);
+    fn is_wide(&self, pattern: &Pattern, remainder: f64) -> bool {
+        let last = self.points.len() - 1;
+        let (here, there) = (&self.points[last], &self.points[last - pattern.returns]);
         let Extent { low, high } = &pattern.extent;
         let mut moves = false;
         for i in 0..low.len() {
             let width = high[i] - low[i];
-            let rounding = self.near.rounding(pattern.extent.size(i));
+            let rounding = self.tolerance.rounding(pattern.extent.size(i));
             if width > rounding {
-                moves |= width > WIDE * rounding;
-                if left * (here.at.x[i] - there.at.x[i]).abs() > LITTLE * width {
+                moves |= width > LEAST_WIDTH * rounding;
+                if remainder * (here.at.x[i] - there.at.x[i]).abs() > LARGEST_REMAINDER * width {
                     return false;
                 }
             }

@@ -2,12 +2,13 @@
 
 use crate::dynamics::Moment;
 
-/// Part of their extent within which points count as near.
-pub(super) const PART: f64 = 0.05;
+/// Part of their extent within which points are near. Chosen: 400 points lie so near each other in
+/// two dimensions, with twenty intervals in each.
+pub(super) const NEAR_PART: f64 = 0.05;
 
-/// Fraction of the points that must be near others; the tips of a strange attractor are rarely
-/// visited.
-const MOST: f64 = 0.95;
+/// Fraction of the points that must be near others, as the tips of a strange attractor are rarely
+/// visited. Chosen.
+const LEAST_INSIDE: f64 = 0.95;
 
 /// Whether the last quarter of the points lies near the preceding half, so that no new region is
 /// visited.
@@ -25,10 +26,10 @@ pub(super) fn is_same_set(one: &[Moment], other: &[Moment]) -> bool {
 
 fn lies_in(these: &[Moment], those: &[Moment], extent: &[f64]) -> bool {
     let near = |one: &Moment, other: &Moment| {
-        (0..extent.len()).all(|i| (one.x[i] - other.x[i]).abs() <= PART * extent[i])
+        (0..extent.len()).all(|i| (one.x[i] - other.x[i]).abs() <= NEAR_PART * extent[i])
     };
     let inside = |one: &&Moment| those.iter().any(|other| near(one, other));
-    these.iter().filter(inside).count() as f64 >= MOST * these.len() as f64
+    these.iter().filter(inside).count() as f64 >= LEAST_INSIDE * these.len() as f64
 }
 
 fn extent(points: &[Moment]) -> Vec<f64> {

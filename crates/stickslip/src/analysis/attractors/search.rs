@@ -1,14 +1,14 @@
-//! One orbit on the way to its attractor: what is recorded of it, and when that suffices.
+//! The search for the attractor of one orbit, from what the orbit reports.
 
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
 
-use super::drawn_in::Trap;
+use super::attractor::{Attractor, AttractorKind};
+use super::equilibrium::{attracting_equilibrium, kind_of_equilibrium};
 use super::history::History;
-use super::nearness::{Extent, Nearness};
-use super::reached::{Kind, Reached};
 use super::recurrence::{Pattern, Recurrence};
-use super::rest::{kind_of_rest, rest_at};
+use super::tolerance::{Extent, Tolerance};
+use super::trap::Trap;
 use super::{RecurrenceSettings, recurrent};
 use crate::dynamics::{
     Dynamics, Happening, Modes, Moment, OrbitUnderWay, Section, Summary, Transition, Vector,
@@ -17,59 +17,60 @@ use crate::error::Error;
 use crate::filippov::{Options, TransitionKind};
 use crate::orbit::Ending;
 
-/// Steps without a transition after which the extrema of the first state are recorded.
-const QUIET: usize = 100;
+/// Steps without a transition after which the extrema of the first state are recorded. Chosen.
+const STEPS_BEFORE_EXTREMA: usize = 100;
 
 /// Steps without a transition after which a trapping equilibrium is sought. The number then grows
-/// by half each time, so that a cycle with long phases is tested only a few times.
-const CALM: usize = 12;
+/// by half each time, so that a cycle with long phases is tested only a few times. Chosen.
+const STEPS_BEFORE_TRAP: usize = 12;
 
-/// Longest delay, in steps, before an equilibrium is sought again.
-const MOST_PATIENT: usize = 64;
+/// Longest delay, in steps, of the next search for an equilibrium after one without success.
+/// Chosen, to bound the time of the searches.
+const LONGEST_DELAY: usize = 64;
 
-/// Phases that are kept for each return of the longest pattern.
-const PHASES: usize = 4;
+/// Phases that are stored for each return of the longest pattern. Chosen, to bound the memory.
+const PHASES_PER_RETURN: usize = 4;
 
 /// Source of the section points.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum By {
+pub(super) enum PointSource {
     /// The transitions of the orbit.
     Transitions,
     /// A section given by the user.
     Events,
 }
 
-/// The record of an orbit.
+/// The record of an orbit, until it shows the attractor.
 pub(super) struct Search<'a> {
     system: &'a dyn Dynamics,
     settings: &'a RecurrenceSettings,
-    near: Nearness,
-    by: By,
-    by_transition: Recurrence,
-    by_event: Recurrence,
+    tolerance: Tolerance,
+    source: PointSource,
+    at_transitions: Recurrence,
+    at_events: Recurrence,
     history: History,
-    /// Counts since the last point of either kind.
+    /// Hash of the transitions since the last point of either kind.
     tag: DefaultHasher,
-    /// The range of the orbit since the last point, and since its start.
-    lately: Extent,
-    ever: Extent,
+    /// The range of the orbit since the last point and since its start.
+    extent_since_point: Extent,
+    extent: Extent,
     /// State at the previous step.
-    before: Vector,
+    previous: Vector,
     /// Steps since the last transition.
-    quiet: usize,
+    steps_since_transition: usize,
     /// Whether the extrema of the first state are recorded once there has been no event for long.
-    may_be_quiet: bool,
-    /// Delay in steps before an equilibrium is sought again, and what remains of it.
-    patience: (usize, usize),
-    /// Steps since the last transition at which a trap is sought next.
-    asked_at: usize,
+    may_use_extrema: bool,
+    /// Delay of the next search for an equilibrium, in steps, and what remains of it.
+    newton_delay: (usize, usize),
+    /// Number of steps since the last transition at which a trap is sought next.
+    next_trap_search: usize,
     /// The trap located in this phase.
     trap: Option<Trap>,
     escape: f64,
-    /// The reported end of the orbit, if it is not the present state.
-    left_at: Option<(Moment, Modes)>,
+    /// The state from which the orbit is continued, if it is not the present one.
+    resume_at: Option<(Moment, Modes)>,
     /// Uncertainty of the period.
-    uncertainty: f64,
+    period_uncertainty: f64,
 }
 
 impl<'a> Search<'a> {
@@ -80,53 +81,52 @@ impl<'a> Search<'a> {
         settings: &'a RecurrenceSettings,
         options: &Options,
     ) -> Self {
-        let near = Nearness {
+        let tolerance = Tolerance {
             closeness: settings.closeness,
             rtol: options.rtol,
             atol: options.atol,
         };
         let most = settings.most_returns;
         let (states, limits) = (x.len(), (most, settings.kept));
-        let recurrence = || Recurrence::new(states, near, settings.forcing, limits);
+        let recurrence = || Recurrence::new(states, tolerance, settings.forcing, limits);
         Search {
             system,
             settings,
-            near,
-            by: match section {
-                Section::None => By::Transitions,
-                _ => By::Events,
+            tolerance,
+            source: match section {
+                Section::None => PointSource::Transitions,
+                _ => PointSource::Events,
             },
-            by_transition: recurrence(),
-            by_event: recurrence(),
-            history: History::of(PHASES * most.max(settings.kept)),
+            at_transitions: recurrence(),
+            at_events: recurrence(),
+            history: History::of(PHASES_PER_RETURN * most.max(settings.kept)),
             tag: DefaultHasher::new(),
-            lately: Extent::of(x.as_slice()),
-            ever: Extent::of(x.as_slice()),
-            before: x.clone(),
-            quiet: 0,
-            may_be_quiet: *section == Section::None && settings.forcing.is_none(),
-            patience: (1, 0),
-            asked_at: CALM,
+            extent_since_point: Extent::of(x.as_slice()),
+            extent: Extent::of(x.as_slice()),
+            previous: x.clone(),
+            steps_since_transition: 0,
+            may_use_extrema: *section == Section::None && settings.forcing.is_none(),
+            newton_delay: (1, 0),
+            next_trap_search: STEPS_BEFORE_TRAP,
             trap: None,
             escape: options.escape,
-            left_at: None,
-            uncertainty: 0.0,
+            resume_at: None,
+            period_uncertainty: 0.0,
         }
     }
 
-    /// Records what happens to the orbit next. Returns the outcome once it is known.
-    pub fn hear(
+    /// Records what happens to the orbit next. Returns the attractor as soon as it is certain.
+    pub fn record(
         &mut self,
         happened: Result<Happening, Error>,
         orbit: &mut dyn OrbitUnderWay,
-    ) -> Option<Reached> {
+    ) -> Option<Attractor> {
         let done = match happened {
             Ok(Happening::Passage(at)) => self.event(Moment { t: at.t, x: at.x }, at.mode),
             Ok(Happening::Step) => {
-                self.quiet += 1;
-                if self.may_be_quiet && self.quiet > QUIET {
-                    // There has been no event for long.
-                    self.may_be_quiet = false;
+                self.steps_since_transition += 1;
+                if self.may_use_extrema && self.steps_since_transition > STEPS_BEFORE_EXTREMA {
+                    self.may_use_extrema = false;
                     orbit.watch(&Section::Turning);
                     return None;
                 }
@@ -141,223 +141,247 @@ impl<'a> Search<'a> {
             Ok(Happening::End(summary)) => Some(self.ended(summary, orbit.mode())),
             Err(error) => Some(self.failed(error, orbit)),
         };
-        done.map(|(kind, points)| self.reached(kind, points, orbit))
+        done.map(|(kind, points)| self.attractor(kind, points, orbit))
     }
 
-    fn step(&mut self, mode: Modes, t: f64, x: &[f64]) -> Option<(Kind, Vec<Moment>)> {
-        self.lately.include(x);
-        self.ever.include(x);
-        let stays =
-            |i: usize| (x[i] - self.before[i]).abs() <= self.near.allowed(self.ever.size(i));
+    fn step(&mut self, mode: Modes, t: f64, x: &[f64]) -> Option<(AttractorKind, Vec<Moment>)> {
+        self.extent_since_point.include(x);
+        self.extent.include(x);
+        let stays = |i: usize| {
+            (x[i] - self.previous[i]).abs() <= self.tolerance.allowed(self.extent.size(i))
+        };
         let has_stayed = (0..x.len()).all(stays);
-        self.before.copy_from_slice(x);
+        self.previous.copy_from_slice(x);
         if self.settings.forcing.is_some() {
             return None;
         }
-        let here = || Moment {
+        let now = || Moment {
             t,
             x: Vector::from_column_slice(x),
         };
-        if self.quiet >= self.asked_at {
-            self.asked_at += self.asked_at / 2;
-            let at = here();
-            if !self.trap.as_ref().is_some_and(|trap| trap.draws(&at.x)) {
+        if self.steps_since_transition >= self.next_trap_search {
+            self.next_trap_search += self.next_trap_search / 2;
+            let at = now();
+            if !self
+                .trap
+                .as_ref()
+                .is_some_and(|trap| trap.is_closer_than_at_start(&at.x))
+            {
                 self.trap = Trap::near(self.system, mode, &at, self.escape);
             }
         }
         if let Some(trap) = &self.trap {
-            let at = here();
-            if trap.holds(&at.x) {
-                let left = self.near_to(&trap.x, &at.x);
+            let at = now();
+            if trap.contains(&at.x) {
+                let close = self.close_to(&trap.x, &at.x);
                 let x = trap.x.clone();
-                self.left_at = Some((Moment { t, x: left }, mode));
-                return Some((Kind::Equilibrium, vec![Moment { t, x }]));
+                self.resume_at = Some((Moment { t, x: close }, mode));
+                return Some((AttractorKind::Equilibrium, vec![Moment { t, x }]));
             }
         }
         if !has_stayed {
             return None;
         }
-        let (patience, left) = &mut self.patience;
-        if *left > 0 {
-            *left -= 1;
+        let (delay, remaining) = &mut self.newton_delay;
+        if *remaining > 0 {
+            *remaining -= 1;
             return None;
         }
         // A step may be short for another reason: the next search comes after twice as many.
-        *left = *patience;
-        *patience = (2 * *patience).min(MOST_PATIENT);
-        let scale = |i| self.ever.size(i);
-        let (kind, x) = rest_at(self.system, mode, &here(), scale, &self.near)?;
+        *remaining = *delay;
+        *delay = (2 * *delay).min(LONGEST_DELAY);
+        let scale = |i| self.extent.size(i);
+        let (kind, x) = attracting_equilibrium(self.system, mode, &now(), scale, &self.tolerance)?;
         Some((kind, vec![Moment { t, x }]))
     }
 
     /// The state between `x` and an equilibrium at which the two count as the same.
-    fn near_to(&self, equilibrium: &Vector, x: &Vector) -> Vector {
+    fn close_to(&self, equilibrium: &Vector, x: &Vector) -> Vector {
         let away = x - equilibrium;
-        let parts = (0..x.len()).map(|i| self.near.allowed(self.ever.size(i)) / away[i].abs());
+        let parts =
+            (0..x.len()).map(|i| self.tolerance.allowed(self.extent.size(i)) / away[i].abs());
         let part = parts.fold(1.0, f64::min);
         equilibrium + away * part
     }
 
-    fn transition(&mut self, at: &Transition) -> Option<(Kind, Vec<Moment>)> {
+    fn transition(&mut self, at: &Transition) -> Option<(AttractorKind, Vec<Moment>)> {
         if at.kind == TransitionKind::Touch {
             return None;
         }
-        self.quiet = 0;
+        self.steps_since_transition = 0;
         self.trap = None;
-        self.patience = (1, 0);
+        self.newton_delay = (1, 0);
         self.history.transition(at);
         (at.kind, at.from, at.to, at.contact).hash(&mut self.tag);
-        if self.by == By::Events {
+        if self.source == PointSource::Events {
             return None;
         }
-        // Extrema count where there has long been nothing else.
-        self.by_event.clear();
+        // Extrema are used only if there are no transitions for long.
+        self.at_events.clear();
         let (tag, extent) = self.since_last(at.x.as_slice());
         let at = at.moment();
-        let found = self
-            .by_transition
-            .pass(at, tag, self.history.count(), extent);
-        self.closes(found, By::Transitions)
+        let counts = self.history.counts();
+        let pattern = self.at_transitions.add(at, tag, counts, extent);
+        self.close(pattern, PointSource::Transitions)
     }
 
-    fn event(&mut self, at: Moment, mode: Modes) -> Option<(Kind, Vec<Moment>)> {
-        if self.by == By::Transitions && self.quiet <= QUIET {
+    fn event(&mut self, at: Moment, mode: Modes) -> Option<(AttractorKind, Vec<Moment>)> {
+        if self.source == PointSource::Transitions
+            && self.steps_since_transition <= STEPS_BEFORE_EXTREMA
+        {
             return None;
         }
         let (tag, extent) = self.since_last(at.x.as_slice());
-        let count = self.history.count();
-        let found = self.by_event.pass(at.clone(), tag, count, extent);
-        let is_held = found
+        let counts = self.history.counts();
+        let pattern = self.at_events.add(at.clone(), tag, counts, extent);
+        let is_held = pattern
             .as_ref()
-            .is_some_and(|pattern| self.rests(pattern, mode));
-        if is_held && let Some(kind) = kind_of_rest(self.system, mode, &at) {
+            .is_some_and(|pattern| self.is_held(pattern, mode));
+        if is_held && let Some(kind) = kind_of_equilibrium(self.system, mode, &at) {
             return Some((kind, vec![at]));
         }
-        self.closes(found, By::Events)
+        self.close(pattern, PointSource::Events)
     }
 
-    /// Whether friction has held the orbit in one place through a whole period of the drive: then
-    /// it does so for ever.
-    fn rests(&self, pattern: &Pattern, mode: Modes) -> bool {
+    /// Whether friction has held the orbit in one place through a period of the drive. Then it does
+    /// so for ever.
+    fn is_held(&self, pattern: &Pattern, mode: Modes) -> bool {
         let Pattern { extent, counts, .. } = pattern;
-        let stays = |i: usize| extent.high[i] - extent.low[i] <= self.near.rounding(extent.size(i));
+        let stays =
+            |i: usize| extent.high[i] - extent.low[i] <= self.tolerance.rounding(extent.size(i));
         let is_held = mode.any_sticks() && counts.0.transitions == counts.1.transitions;
         self.settings.forcing.is_some() && is_held && (0..extent.low.len()).all(stays)
     }
 
-    /// Counts since the last point, and the range of the orbit; both are reset here.
+    /// The tag and range of the orbit since the last point; both are reset.
     fn since_last(&mut self, x: &[f64]) -> (u64, Extent) {
         let tag = self.tag.finish();
         self.tag = DefaultHasher::new();
-        let mut extent = std::mem::replace(&mut self.lately, Extent::of(x));
+        let mut extent = std::mem::replace(&mut self.extent_since_point, Extent::of(x));
         extent.include(x);
         (tag, extent)
     }
 
-    fn closes(&mut self, found: Option<Pattern>, by: By) -> Option<(Kind, Vec<Moment>)> {
-        let pattern = found?;
-        let recurrence = match by {
-            By::Transitions => &self.by_transition,
-            By::Events => &self.by_event,
+    fn close(
+        &mut self,
+        pattern: Option<Pattern>,
+        source: PointSource,
+    ) -> Option<(AttractorKind, Vec<Moment>)> {
+        let pattern = pattern?;
+        let recurrence = match source {
+            PointSource::Transitions => &self.at_transitions,
+            PointSource::Events => &self.at_events,
         };
         let points = recurrence.last(pattern.returns);
         self.history.keep(&pattern.counts);
-        // The end of a stick phase is a bad place to continue from: at another parameter, an orbit
-        // from there may miss the stick phase.
-        let ended = self.history.last_phase().filter(|_| by == By::Transitions);
-        self.left_at = ended.and_then(|last| {
+        // An orbit is not continued from the end of a stick phase: at another parameter it may miss
+        // that phase.
+        let ended = self
+            .history
+            .last_phase()
+            .filter(|_| source == PointSource::Transitions);
+        self.resume_at = ended.and_then(|last| {
             let begin = Moment {
                 t: last.t_start,
                 x: last.x_start.clone(),
             };
             last.mode.any_sticks().then_some((begin, last.mode))
         });
-        self.uncertainty = pattern.uncertainty;
-        let kind = Kind::Periodic {
+        self.period_uncertainty = pattern.uncertainty;
+        let kind = AttractorKind::Periodic {
             returns: pattern.returns,
             period: pattern.period,
         };
         Some((kind, points))
     }
 
-    fn ended(&mut self, summary: Summary, mode: Modes) -> (Kind, Vec<Moment>) {
+    fn ended(&mut self, summary: Summary, mode: Modes) -> (AttractorKind, Vec<Moment>) {
         let Summary { t, x, ending, .. } = summary;
         let kind = match ending {
-            Ending::Repelling => Kind::Repelling,
-            Ending::TwoFold(which) => Kind::TwoFold(which),
+            Ending::Repelling => AttractorKind::Repelling,
+            Ending::TwoFold(which) => AttractorKind::TwoFold(which),
             Ending::Shrunk => {
                 let at = Moment { t, x };
-                let rest = self.rest_on_boundary(mode, &at);
-                let (kind, x) = rest.unwrap_or((Kind::Equilibrium, at.x));
+                let equilibrium = self.equilibrium_on_boundary(mode, &at);
+                let (kind, x) = equilibrium.unwrap_or((AttractorKind::Equilibrium, at.x));
                 return (kind, vec![Moment { t, x }]);
             }
-            Ending::EndTime | Ending::Stopped | Ending::Failed => return self.open(),
+            Ending::EndTime | Ending::Stopped | Ending::Failed => return self.unclosed(),
         };
         (kind, vec![Moment { t, x }])
     }
 
     /// The equilibrium at a point of the boundary. Its rounding may lie on either side, so the
     /// modes of the last phases are tried, too.
-    fn rest_on_boundary(&self, mode: Modes, at: &Moment) -> Option<(Kind, Vector)> {
-        let scale = |i| self.ever.size(i);
-        let mut modes = [mode].into_iter().chain(self.history.modes());
-        modes.find_map(|mode| rest_at(self.system, mode, at, scale, &self.near))
+    fn equilibrium_on_boundary(&self, mode: Modes, at: &Moment) -> Option<(AttractorKind, Vector)> {
+        let scale = |i| self.extent.size(i);
+        let mut modes = [mode].into_iter().chain(self.history.last_modes());
+        modes.find_map(|mode| attracting_equilibrium(self.system, mode, at, scale, &self.tolerance))
     }
 
     /// No pattern has closed within the longest time.
-    fn open(&mut self) -> (Kind, Vec<Moment>) {
-        let uses_events = self.by == By::Events || self.quiet > QUIET;
+    fn unclosed(&mut self) -> (AttractorKind, Vec<Moment>) {
+        let uses_events = self.source == PointSource::Events
+            || self.steps_since_transition > STEPS_BEFORE_EXTREMA;
         let recurrence = if uses_events {
-            &self.by_event
+            &self.at_events
         } else {
-            &self.by_transition
+            &self.at_transitions
         };
         let points = recurrence.last(self.settings.kept);
         let kind = if points.len() >= self.settings.kept
             && recurrent::returns_everywhere(&points)
-            && !recurrence.still_moves(recurrent::PART)
+            && !recurrence.still_moves(recurrent::NEAR_PART)
         {
-            Kind::Recurrent
+            AttractorKind::Recurrent
         } else {
-            Kind::Undecided
+            AttractorKind::Undecided
         };
         (kind, points)
     }
 
-    fn failed(&mut self, error: Error, orbit: &dyn OrbitUnderWay) -> (Kind, Vec<Moment>) {
+    fn failed(&mut self, error: Error, orbit: &dyn OrbitUnderWay) -> (AttractorKind, Vec<Moment>) {
         match error {
-            Error::Escaped { .. } => (Kind::Escape, Vec::new()),
+            Error::Escaped { .. } => (AttractorKind::Escape, Vec::new()),
             Error::EventPileUp { .. } if self.settings.forcing.is_none() => {
                 let at = orbit.now();
-                match self.rest_on_boundary(orbit.mode(), &at) {
+                match self.equilibrium_on_boundary(orbit.mode(), &at) {
                     Some((kind, x)) => (kind, vec![Moment { t: at.t, x }]),
-                    None => (Kind::Failure(error), Vec::new()),
+                    None => (AttractorKind::Failure(error), Vec::new()),
                 }
             }
-            other => (Kind::Failure(other), Vec::new()),
+            other => (AttractorKind::Failure(other), Vec::new()),
         }
     }
 
-    fn reached(&mut self, kind: Kind, points: Vec<Moment>, orbit: &dyn OrbitUnderWay) -> Reached {
-        let left_at = self.left_at.take();
-        let (left, mode) = left_at.unwrap_or_else(|| (orbit.now(), orbit.mode()));
-        let rests = matches!(kind, Kind::Equilibrium | Kind::EquilibriumSet);
+    fn attractor(
+        &mut self,
+        kind: AttractorKind,
+        points: Vec<Moment>,
+        orbit: &dyn OrbitUnderWay,
+    ) -> Attractor {
+        let resume_at = self.resume_at.take();
+        let (last, mode) = resume_at.unwrap_or_else(|| (orbit.now(), orbit.mode()));
+        let is_equilibrium = matches!(
+            kind,
+            AttractorKind::Equilibrium | AttractorKind::EquilibriumSet
+        );
         let by_phases = self.history.in_stick(|mode| mode.any_sticks());
         let in_stick = by_phases
-            .filter(|_| !rests)
+            .filter(|_| !is_equilibrium)
             .unwrap_or_else(|| f64::from(u8::from(mode.any_sticks())));
         let (phases, transitions) = self.history.take();
-        Reached {
+        Attractor {
             kind,
-            period_uncertainty: self.uncertainty,
+            period_uncertainty: self.period_uncertainty,
             family: None,
             points,
             phases,
             transitions,
             in_stick,
             mode,
-            t: left.t,
-            x: left.x,
+            t: last.t,
+            x: last.x,
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::{SweepPoint, WhatChanges};
-use crate::analysis::attractors::{Kind, Reached};
+use crate::analysis::attractors::{Attractor, AttractorKind};
 use crate::analysis::continuation::{
     ContinuationSettings, EquilibriumBifurcation, Special, Stop, Walk, continue_equilibrium,
 };
@@ -179,8 +179,8 @@ impl Located {
         };
         let upwards = there > here;
         let found = match from.reached.kind {
-            Kind::Equilibrium => equilibrium(system, from, upwards, &settings, options),
-            Kind::Periodic { returns, period } => {
+            AttractorKind::Equilibrium => equilibrium(system, from, upwards, &settings, options),
+            AttractorKind::Periodic { returns, period } => {
                 // The forcing's own period is known exactly.
                 let forced = forcing.map(|one| one * returns as f64);
                 let settings = ContinuationSettings { forced, ..settings };
@@ -214,7 +214,7 @@ impl Located {
 
     /// Whether it is a change of one attractor's phases into the other's, or a change without such
     /// sides.
-    fn joins(&self, ends: [&Reached; 2]) -> bool {
+    fn joins(&self, ends: [&Attractor; 2]) -> bool {
         match &self.named {
             Some(WhatChanges::Sequence(change)) => {
                 let sides = [&change.before, &change.after];

@@ -3,7 +3,7 @@
 
 mod change;
 
-use super::attractors::{Kind, Reached, RecurrenceSettings, attractor_of};
+use super::attractors::{Attractor, AttractorKind, RecurrenceSettings, attractor_of};
 use super::continuation::Special;
 use super::cycle::SequenceChange;
 use super::lyapunov::{Exponent, SpectrumOptions, spectrum_of};
@@ -49,7 +49,7 @@ pub struct SweepPoint {
     pub parameter: f64,
     /// The attractor: section points, phases with durations and lengths of the sticks, and their
     /// sequence.
-    pub reached: Reached,
+    pub reached: Attractor,
     /// The largest Lyapunov exponent, if it was requested and could be measured.
     pub exponent: Option<Exponent>,
 }
@@ -246,20 +246,25 @@ pub fn locate_changes<Kind>(
 }
 
 /// The state from which the next parameter's run begins; none after an escape or a failure.
-fn carried_on<'r>(reached: &'r Reached, settings: &RecurrenceSettings) -> Option<&'r Vector> {
+fn carried_on<'r>(reached: &'r Attractor, settings: &RecurrenceSettings) -> Option<&'r Vector> {
     match reached.kind {
-        Kind::Escape | Kind::Failure(_) | Kind::Repelling | Kind::TwoFold(_) => None,
+        AttractorKind::Escape
+        | AttractorKind::Failure(_)
+        | AttractorKind::Repelling
+        | AttractorKind::TwoFold(_) => None,
         // At a strobe time, where the next run begins, too.
         _ if settings.forcing.is_some() => reached.points.last().map(|point| &point.x),
         _ => Some(&reached.x),
     }
 }
 
-fn is_change(one: &Reached, other: &Reached) -> bool {
+fn is_change(one: &Attractor, other: &Attractor) -> bool {
     match (&one.kind, &other.kind) {
-        (Kind::Periodic { .. }, Kind::Periodic { .. }) => !one.has_sequence_of(other),
+        (AttractorKind::Periodic { .. }, AttractorKind::Periodic { .. }) => {
+            !one.has_sequence_of(other)
+        }
         // In slip or on the boundary.
-        (Kind::Equilibrium, Kind::Equilibrium) => one.mode != other.mode,
+        (AttractorKind::Equilibrium, AttractorKind::Equilibrium) => one.mode != other.mode,
         (one, other) => std::mem::discriminant(one) != std::mem::discriminant(other),
     }
 }

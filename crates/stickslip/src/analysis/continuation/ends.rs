@@ -3,7 +3,7 @@
 use super::Stop;
 use super::walk::Walk;
 use super::{parameter_of, with_parameter};
-use crate::analysis::boundary_equilibrium::{Approach, Held, ends_in};
+use crate::analysis::boundary_equilibrium::{Approach, ModeEquilibrium, ends_in};
 use crate::analysis::cycle::{Cycle, MarginKind};
 use crate::analysis::lagrange::weights;
 use crate::dynamics::{Happening, Modes, Moment, Orbit, Section, Vector, run};
@@ -62,7 +62,7 @@ impl Walk<'_> {
         let system = self.shooting.system;
         let states = self.shooting.states;
         let held = |parameter: f64, mode, x: &Vector| {
-            Held::near(system, mode, &with_parameter(x.clone(), parameter), states)
+            ModeEquilibrium::near(system, mode, &with_parameter(x.clone(), parameter), states)
         };
         let orbits = [&self.branch.before, &self.branch.last]
             .map(|cycle| Approach::of(parameter_of(cycle), cycle));

@@ -8,7 +8,7 @@ use nalgebra::Complex;
 use super::line::BEND;
 use super::walk::SHORTEST;
 use super::{ContinuationSettings, Stop, check_rate, check_start};
-use crate::analysis::attractors::rest::{
+use crate::analysis::attractors::equilibrium::{
     ZERO, along_boundaries, equations, jacobian_of, least_guard,
 };
 use crate::analysis::cycle::{Function, Path, Zero, at_least, unit};

@@ -5,7 +5,7 @@ use std::num::NonZeroUsize;
 
 use super::walk::Walk;
 use super::{BranchPoint, EquilibriumBifurcation, Stop, continue_equilibrium};
-use crate::analysis::attractors::rest::{ZERO, equilibrium_near, holds};
+use crate::analysis::attractors::equilibrium::{ZERO, equilibrium_near, holds};
 use crate::analysis::monodromy::velocity_in;
 use crate::analysis::multipliers::eigenvalues;
 use crate::dynamics::{DynamicsRef, Happening, Modes, Moment, Section, Vector};

@@ -1,11 +1,11 @@
 //! The orthonormal frame.
 
-use crate::dynamics::Vector;
+use crate::dynamics::{Matrix, Vector};
 use crate::math;
 
-/// A sine below this, of the angle between a unit vector and a space, is rounding: the vector lies
-/// in the space. Frames are orthonormal to a few units of 1e-16. A random angle is this small once
-/// in 1e12 entries into stick.
+/// A unit vector lies in a space if the sine of its angle to the space is at most this. Frames are
+/// orthonormal to a few units of 1e-16, so that this is some thousand roundings. A random angle is
+/// as small once in 1e12 entries into stick.
 const IN_SPAN: f64 = 1e-12;
 
 /// Orthonormal vectors, at most as many as there are states. Some may have been annihilated. The
@@ -115,26 +115,38 @@ impl Frame {
 
     /// Length of the part of `vector` outside the span of the surviving vectors.
     pub(super) fn height(&self, vector: &Vector) -> f64 {
-        let mut rest = vector.clone();
+        let mut outside = vector.clone();
         for j in self.living() {
-            take_out(&self.columns[j], &mut rest);
+            take_out(&self.columns[j], &mut outside);
         }
-        rest.norm()
+        outside.norm()
     }
 
-    /// Removes the vector that a projection along the unit vector `kernel` annihilates: the first
-    /// that together with those before it has `kernel` in its span. `None` if the span of all does
-    /// not contain it.
-    pub(super) fn collapse(&mut self, kernel: &Vector) -> Option<usize> {
-        let mut rest = kernel.clone();
+    /// Removes the vectors that a map with this kernel annihilates, and returns their numbers. Such
+    /// a vector is the first that, together with those before it, has another direction of the
+    /// kernel in its span. The columns of `kernel` are orthonormal.
+    pub(super) fn collapse(&mut self, mut kernel: Matrix) -> Vec<usize> {
+        let mut removed = Vec::new();
         for j in self.living() {
-            take_out(&self.columns[j], &mut rest);
-            if rest.norm() <= IN_SPAN {
+            if kernel.is_empty() {
+                break;
+            }
+            for mut direction in kernel.column_iter_mut() {
+                let part = self.columns[j].dot(&direction);
+                direction.axpy(-part, &self.columns[j], 1.0);
+            }
+            // The last combination of the kernel's directions has the shortest part outside.
+            let parts = kernel.clone().svd(false, true);
+            let last = kernel.ncols() - 1;
+            if let Some(combinations) = parts.v_t
+                && parts.singular_values[last] <= IN_SPAN
+            {
                 self.alive[j] = false;
-                return Some(j);
+                removed.push(j);
+                kernel = &kernel * combinations.rows(0, last).transpose();
             }
         }
-        None
+        removed
     }
 
     /// Replaces the removed vectors by ones that continue the surviving ones to an orthonormal
@@ -143,27 +155,27 @@ impl Frame {
         let states = self.columns.first().map_or(0, Vector::len);
         let living = self.living();
         let dead = self.order().split_off(living.len());
-        let mut known: Vec<Vector> = living.iter().map(|&j| self.columns[j].clone()).collect();
+        let mut basis: Vec<Vector> = living.iter().map(|&j| self.columns[j].clone()).collect();
         for j in dead {
             // The axis with the largest component outside: at least 1/√N.
-            let rest = |i: usize| {
-                let mut rest = axis(states, i);
-                for column in &known {
-                    take_out(column, &mut rest);
+            let outside = |i: usize| {
+                let mut axis = axis(states, i);
+                for column in &basis {
+                    take_out(column, &mut axis);
                 }
-                rest
+                axis
             };
             let longest = (0..states)
-                .map(rest)
-                .fold(Vector::zeros(states), |best, rest| {
-                    if rest.norm() > best.norm() {
-                        rest
+                .map(outside)
+                .fold(Vector::zeros(states), |longest, axis| {
+                    if axis.norm() > longest.norm() {
+                        axis
                     } else {
-                        best
+                        longest
                     }
                 });
             self.columns[j] = &longest / longest.norm();
-            known.push(self.columns[j].clone());
+            basis.push(self.columns[j].clone());
         }
     }
 }
@@ -187,6 +199,10 @@ mod tests {
         &x / x.norm()
     }
 
+    fn columns<const D: usize>(directions: [Vector; D]) -> Matrix {
+        Matrix::from_columns(&directions)
+    }
+
     #[test]
     fn gram_schmidt_finds_lengths_and_leaves_an_orthonormal_frame() {
         let mut frame = Frame::generic(3, 3);
@@ -208,9 +224,10 @@ mod tests {
     fn a_full_frame_loses_its_last_vector_and_then_none() {
         let mut frame = Frame::generic(3, 3);
         let kernel = unit([0.2, -1.0, 0.4]);
-        assert_eq!(frame.collapse(&kernel), Some(2));
+        assert_eq!(frame.collapse(columns([kernel])), [2]);
         frame.orthonormalise_living().unwrap();
-        assert_eq!(frame.collapse(&unit([0.3, 0.1, 0.7])), None);
+        let kernel = unit([0.3, 0.1, 0.7]);
+        assert!(frame.collapse(columns([kernel])).is_empty());
     }
 
     #[test]
@@ -219,8 +236,9 @@ mod tests {
         let mut alone = Frame::generic(3, 1);
         assert_eq!(alone.columns[0], full.columns[0]);
         // Only a kernel along it annihilates it; another direction continues the basis then.
-        assert_eq!(alone.collapse(&unit([0.2, -1.0, 0.4])), None);
-        assert_eq!(alone.collapse(&full.columns[0]), Some(0));
+        let kernel = unit([0.2, -1.0, 0.4]);
+        assert!(alone.collapse(columns([kernel])).is_empty());
+        assert_eq!(alone.collapse(columns([full.columns[0].clone()])), [0]);
         assert_eq!(alone.orthonormalise_living().unwrap().len(), 1);
         approx::assert_relative_eq!(alone.columns[0].norm(), 1.0, max_relative = 1e-14);
     }
@@ -229,8 +247,27 @@ mod tests {
     fn a_kernel_within_the_span_of_the_first_vectors_takes_one_of_them() {
         let mut frame = Frame::generic(3, 3);
         let kernel = &frame.columns[0] * 0.6 - &frame.columns[1] * 0.8;
-        assert_eq!(frame.collapse(&kernel), Some(1));
+        assert_eq!(frame.collapse(columns([kernel])), [1]);
         assert!(frame.is_alive(0) && frame.is_alive(2));
+    }
+
+    #[test]
+    fn a_kernel_takes_as_many_vectors_as_it_has_directions() {
+        let directions = Frame::generic(3, 3).columns;
+        let axes = || [0, 1, 2].map(|i| axis(3, i));
+        let [x, y, z] = axes();
+        assert_eq!(Frame::generic(3, 3).collapse(columns([x, y])), [1, 2]);
+        let mut all = Frame::generic(3, 3);
+        assert_eq!(all.collapse(columns(axes())), [0, 1, 2]);
+        assert_eq!(all.orthonormalise_living(), Some(vec![0.0; 3]));
+        assert!(all.collapse(columns([z])).is_empty());
+        // One direction along the first vector, another in general position.
+        let [first, second, third] = [0, 1, 2].map(|j| directions[j].clone());
+        let other = (second + third) * 0.5_f64.sqrt();
+        assert_eq!(
+            Frame::generic(3, 3).collapse(columns([first, other])),
+            [0, 2]
+        );
     }
 
     #[test]

@@ -6,17 +6,21 @@ use super::frame::Frame;
 use super::settings::SpectrumOptions;
 use super::spectrum::Spectrum;
 use super::volume::growth;
-use crate::dynamics::{Dynamics, Modes, Moment, OrbitUnderWay, Step, Summary, Transition, Vector};
+use crate::dynamics::{
+    Dynamics, Matrix, Modes, Moment, OrbitUnderWay, Step, Summary, Transition, Vector,
+};
 use crate::error::Error;
 use crate::filippov::TransitionKind;
 use crate::math;
 
-/// Fraction of its length by which a vector may leave the boundary of a sticking contact. The error
-/// of its length is the square of that.
-const OFF: f64 = 1e-12;
+/// Part of a vector across the boundary of a sticking contact that may stay, as a fraction of its
+/// length. The error of the length is the square of that: far below rounding. Any fraction from
+/// rounding to its square root would do.
+const ACROSS_BOUNDARY: f64 = 1e-12;
 
-/// Relative error of a map of the state computed with dual numbers.
-const ROUNDING: f64 = 1e-13;
+/// Relative rounding of a jump's matrix, some hundred units in the last place: singular values
+/// below it are zero.
+const MATRIX_ROUNDING: f64 = 1e-13;
 
 /// The frame and its sums.
 pub(super) struct Measurement<'a> {
@@ -103,10 +107,10 @@ impl<'a> Measurement<'a> {
         }
     }
 
-    /// Removes the direction that a projection along the unit vector `kernel` annihilates, if the
-    /// frame spans it. The volume of the others is that of all divided by the height.
-    fn collapse(&mut self, kernel: &Vector) {
-        if let Some(j) = self.frame.collapse(kernel) {
+    /// Removes the directions that a map with these orthonormal vectors as its kernel annihilates.
+    /// The volume of the others is that of all, divided by the heights.
+    fn collapse(&mut self, kernel: &[Vector]) {
+        for j in self.frame.collapse(Matrix::from_columns(kernel)) {
             self.log_volume -= self.growth.logs[j];
             self.growth.logs[j] = f64::NEG_INFINITY;
         }
@@ -114,7 +118,7 @@ impl<'a> Measurement<'a> {
 
     /// Projects the surviving vectors along the unit vector `kernel` by `map`, which leads into the
     /// space across `gradient`.
-    ///     ///
+    ///
     /// Such a map preserves the volumes of the parallelepipeds that the vectors span together with
     /// `kernel`. So the vectors' own volume changes like their distance to the tip of `kernel`,
     /// before and after.
@@ -124,7 +128,7 @@ impl<'a> Measurement<'a> {
         gradient: &Vector,
         map: impl Fn(&mut Vector),
     ) -> Option<()> {
-        self.collapse(kernel);
+        self.collapse(std::slice::from_ref(kernel));
         let before = self.frame.height(kernel);
         for q in self.frame.columns_mut() {
             map(q);
@@ -154,22 +158,24 @@ impl<'a> Measurement<'a> {
 fn is_singular(jump: &Jump) -> bool {
     let size = jump.matrix.amax();
     let products = (0..jump.matrix.nrows()).fold(1.0, |all, _| all * size);
-    jump.determinant.abs() <= ROUNDING * products
+    jump.determinant.abs() <= MATRIX_ROUNDING * products
 }
 
 impl Measurement<'_> {
     /// Carries the frame through a map of the state that annihilates directions, such as one that
-    /// sets a component to a constant.
+    /// sets components to constants.
     fn annihilate(&mut self, jump: &Jump) -> Option<()> {
         let svd = jump.matrix.clone().svd(false, true);
         let (values, rows) = (&svd.singular_values, svd.v_t?);
-        let zero = ROUNDING * values.amax();
-        for (value, row) in values.iter().zip(rows.row_iter()) {
-            if *value <= zero {
-                self.collapses += 1;
-                self.collapse(&row.transpose());
-            }
-        }
+        // A map to a state that does not move has no other values than zero.
+        let zero = MATRIX_ROUNDING * values.amax();
+        let directions = values.iter().zip(rows.row_iter());
+        let kernel: Vec<Vector> = directions
+            .filter(|(value, _)| **value <= zero)
+            .map(|(_, row)| row.transpose())
+            .collect();
+        self.collapses += kernel.len();
+        self.collapse(&kernel);
         self.frame.change_living(|q| *q = &jump.matrix * &*q);
         let lengths = self.frame.orthonormalise_living()?;
         for (j, length) in lengths.iter().enumerate() {
@@ -218,7 +224,7 @@ impl Measurement<'_> {
         let gradients = self.gradients(step.mode, &step.end());
         self.frame.change_living(|q| {
             for gradient in &gradients {
-                if gradient.dot(q).abs() > OFF * gradient.norm() * q.norm() {
+                if gradient.dot(q).abs() > ACROSS_BOUNDARY * gradient.norm() * q.norm() {
                     flatten(gradient, q);
                 }
             }

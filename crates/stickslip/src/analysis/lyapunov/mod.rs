@@ -14,7 +14,7 @@
 //! # The effect of stick
 //! Entry into stick maps all states near Σ onto Σ. Its saltation matrix projects along `k = f_stick
 //! − f_slip` and has rank `N − 1`. A full frame loses one direction, and the length that
-//! Gram–Schmidt would still compute for it is rounding. So the loss is known in advance, not
+//! Gram–Schmidt would still compute for it is rounding. So the loss is determined in advance, not
 //! measured. The projection annihilates the first vector that, together with those before it, spans
 //! a space containing `k`. In a full frame this is the last one, unless a symmetry of the system
 //! decides otherwise. That vector's exponent is [`Exponent::Annihilated`], −∞, and the vector is
@@ -24,6 +24,9 @@
 //! their span. A `k` that does so to rounding annihilates another direction; any other `k` is an
 //! ordinary stretch. So in general one exponent is −∞ however often the orbit sticks, and the other
 //! `N − 1` are those of the flow from Σ to Σ.
+//!
+//! A jump that sets states to constants has a kernel of several dimensions, and annihilates as many
+//! directions in the same way. A jump into an equilibrium annihilates all.
 //!
 //! # A check independent of the frame's lengths
 //! The volume that the surviving vectors span also follows from Liouville's formula. The divergence
@@ -55,12 +58,12 @@ use measurement::Measurement;
 ///
 /// The orbit first runs for `settings.transient` with the frame, so that the frame aligns with the
 /// directions of the exponents. It is then measured for `settings.duration`. Directions that stick
-/// annihilates during the transient are restored at its end: an orbit that sticks only on its way
-/// to an attractor without stick has `N` finite exponents.
+/// annihilates during the transient are restored at its end. So an orbit that sticks only on its
+/// way to an attractor without stick has `N` finite exponents.
 ///
-/// Over a whole number of periods of a periodic orbit, the exponents are those of the Floquet
-/// multipliers to rounding, if the transient has brought orbit and frame onto it. Otherwise they
-/// have an error that falls as one over the duration.
+/// Over an integer number of periods of a periodic orbit, the exponents are those of the Floquet
+/// multipliers to rounding. The transient must have brought orbit and frame onto the orbit.
+/// Otherwise they have an error that falls as one over the duration.
 ///
 /// ```
 /// use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum};
@@ -77,8 +80,8 @@ use measurement::Measurement;
 /// ```
 ///
 /// # Errors
-/// [`Error::Option`]; those of [`crate::run`]; [`Error::NoUniqueFuture`] where the orbit ends on a
-/// repelling part of Σ or at a two-fold; [`Error::TangentSingular`] where it grazes Σ so exactly
+/// [`Error::Option`]; those of [`crate::run`]. [`Error::NoUniqueFuture`] where the orbit ends on a
+/// repelling part of Σ or at a two-fold. [`Error::TangentSingular`] where it grazes Σ so exactly
 /// that tangent vectors have no image, or two contacts reach zero in the same instant.
 pub fn lyapunov_spectrum<Kind>(
     system: &impl AsDynamics<Kind>,
@@ -114,8 +117,8 @@ fn measured_alone(
 /// The largest exponent alone, from one tangent vector: the first of [`lyapunov_spectrum`] in a
 /// fraction of its time.
 ///
-/// Where exponents are equal, as in a spiral, the spectrum puts first the vector that grew most
-/// over the measured time; here it is the only one.
+/// If exponents are equal, as in a spiral, the spectrum begins with the vector that grew most over
+/// the measured time. Here there is only one vector.
 ///
 /// # Errors
 /// As [`lyapunov_spectrum`].

@@ -4,12 +4,12 @@ use crate::dynamics::Summary;
 use crate::math;
 
 /// Half-width of an exponent's confidence interval, in standard errors.
-const STANDARD_ERRORS: f64 = 4.0;
+const UNCERTAINTY_ERRORS: f64 = 4.0;
 
 /// Growth factor that a direction without exponential growth may show over a non-integer number of
-/// turns. Across a family of orbits the growth is proportional to time: 11 times from the end of a
-/// transient of a tenth of the measured time.
-const END_EFFECT: f64 = 30.0;
+/// turns. Across a family of orbits growth is proportional to time. After a transient of a tenth of
+/// the measured time, that is a factor of 11.
+const END_GROWTH: f64 = 30.0;
 
 /// One Lyapunov exponent.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +23,7 @@ pub enum Exponent {
         /// non-integer number of periods of a periodic one.
         std_error: f64,
     },
-    /// Stick takes the direction to zero in finite time: the exponent is −∞.
+    /// Stick or a jump takes the direction to zero in finite time: the exponent is −∞.
     Annihilated,
 }
 
@@ -40,8 +40,8 @@ impl Exponent {
     /// effect of a growth factor of 30. Undamped motion, whose exponents are zero, shows such
     /// growth.
     pub fn uncertainty(&self, duration: f64) -> f64 {
-        let scatter = STANDARD_ERRORS * self.std_error().unwrap_or(0.0);
-        scatter.max(math::ln(END_EFFECT) / duration)
+        let scatter = UNCERTAINTY_ERRORS * self.std_error().unwrap_or(0.0);
+        scatter.max(math::ln(END_GROWTH) / duration)
     }
 
     /// Standard error, if the exponent is finite.
@@ -58,8 +58,8 @@ impl Exponent {
 pub struct Running {
     /// Time since measuring began.
     pub elapsed: f64,
-    /// Means over that time, in the order of the final exponents; −∞ after the entry into stick
-    /// that annihilated the direction.
+    /// Means over that time, in the order of the final exponents; −∞ after the entry into stick or
+    /// the jump that annihilated the direction.
     pub exponents: Vec<f64>,
 }
 
@@ -79,10 +79,10 @@ pub struct Spectrum {
     pub mean_divergence: f64,
     /// Entries into stick while measuring.
     pub stick_entries: usize,
-    /// Collapses while measuring: entries into stick whose saltation matrix is singular and
-    /// projects tangent space along a direction. All entries are, except where the two fields agree
-    /// (without normal force, say). Only the first that meets a surviving direction annihilates it;
-    /// [`Spectrum::annihilated`] counts those directions.
+    /// Collapses while measuring: directions of the kernels of singular saltation matrices. All
+    /// entries into stick have one, except where the two fields agree (without normal force, say).
+    /// A jump has one for each dimension that its map loses. Only those that meet a surviving
+    /// direction annihilate it; [`Spectrum::annihilated`] counts those directions.
     pub collapses: usize,
     /// Fraction of the measured time spent in stick, of any contact.
     pub stick_fraction: f64,

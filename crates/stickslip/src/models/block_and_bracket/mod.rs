@@ -17,8 +17,8 @@ use crate::system::{Filippov, Side};
 /// A block of mass `m` at `x` rides a belt, tied to a wall by the spring `k1`. A bracket has the
 /// moment of inertia `J` and the arm `r`; its end is displaced by `y = rφ`. The spring `k2` and the
 /// damper `c1`, both stretched by `x + y`, join it to the block. The spring `k3` and the damper
-/// `c2` join it to the frame. Their force also lifts the block off the belt, so the normal force is
-/// `N = mg − k3 y − c2 ẏ`, but not negative because a contact cannot pull:
+/// `c2` join it to the frame. Their force also lifts the block off the belt. So the normal force is
+/// `N = mg − k3 y − c2 ẏ`, but not negative, because a contact cannot pull:
 ///
 /// ```text
 ///     m ẍ      = −k1 x − k2 (x + y) − c1 (ẋ + ẏ) − μ(v) N sgn v,  μ(v) = μ0/(1 + δ|v|), v = ẋ − vp

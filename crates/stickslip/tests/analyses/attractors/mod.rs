@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use stickslip::analysis::{
-    Attractors, Kind, Reached, RecurrenceSettings, attractor, attractor_on, basin, is_same_cycle,
-    periodic_orbit, periodic_orbit_forced,
+    Attractor, AttractorKind, Attractors, RecurrenceSettings, attractor, attractor_on, basin,
+    is_same_cycle, periodic_orbit, periodic_orbit_forced,
 };
 use stickslip::statistics::SplitMix;
 use stickslip::system::IntoState;
@@ -32,7 +32,7 @@ fn reached<S: Listed<N>, const N: usize>(
     x: [f64; N],
     settings: &RecurrenceSettings,
     options: &Options,
-) -> Reached {
+) -> Attractor {
     attractor(&system.dynamics(), x, settings, options).expect("a start that is allowed")
 }
 
@@ -41,7 +41,7 @@ fn the_stick_slip_cycle_of_leine_is_found_and_refined() {
     for method in [Method::Dop853, Method::Taylor] {
         let options = Options::tol(1e-13).method(method);
         let found = reached(&Leine, [1.0, 0.0], &within(200.0), &options);
-        let Kind::Periodic { returns: 2, period } = found.kind else {
+        let AttractorKind::Periodic { returns: 2, period } = found.kind else {
             panic!("{:?}", found.kind);
         };
         let exact = 12.001_031_294_831;
@@ -93,15 +93,15 @@ fn shares_of_starts_are_the_published_ones_within_three_standard_errors() {
             &Options::tol(1e-8),
         )
         .unwrap();
-        let at = |kind: fn(&Kind) -> bool| {
+        let at = |kind: fn(&AttractorKind) -> bool| {
             let mut these =
                 (0..found.attractors.len()).filter(|k| kind(&found.attractors[*k].kind));
             let part = these.next().map_or(0.0, |k| found.share(k).part);
             assert_eq!(these.next(), None, "one of each kind at vd = {vd}");
             part
         };
-        let rest = at(|kind| *kind == Kind::Equilibrium);
-        let cycle = at(|kind| matches!(kind, Kind::Periodic { returns: 2, .. }));
+        let rest = at(|kind| *kind == AttractorKind::Equilibrium);
+        let cycle = at(|kind| matches!(kind, AttractorKind::Periodic { returns: 2, .. }));
         assert_eq!(
             found.attractors.len(),
             usize::from(rest > 0.0) + usize::from(cycle > 0.0)
@@ -115,7 +115,7 @@ fn shares_of_starts_are_the_published_ones_within_three_standard_errors() {
         );
         // The fixed point in closed form: x = F(-vd).
         for attractor in &found.attractors {
-            if attractor.kind == Kind::Equilibrium {
+            if attractor.kind == AttractorKind::Equilibrium {
                 let exact = 0.5 + 0.5 * math::exp(-2.0 * vd);
                 assert!((attractor.points[0].x[0] - exact).abs() < 1e-12);
             }
@@ -158,7 +158,7 @@ fn rest_is_distinguished_by_the_interval_that_holds_it() {
     let mut known = Attractors::new(&any, &within(100.0), &Options::default());
     let mut number = |x: f64| {
         let found = reached(&system, [x, 0.0], &within(100.0), &Options::default());
-        assert_eq!(found.kind, Kind::EquilibriumSet, "from {x}");
+        assert_eq!(found.kind, AttractorKind::EquilibriumSet, "from {x}");
         assert_eq!((found.mode, found.in_stick), (Mode::Stick.into(), 1.0));
         known.number(found)
     };
@@ -182,7 +182,11 @@ fn an_equilibrium_at_zero_is_one_attractor_and_not_one_for_each_start() {
         ];
         for start in starts {
             let found = attractor(&any, start, &settings, &Options::default()).unwrap();
-            assert_eq!(found.kind, Kind::Equilibrium, "{by:?} from {start:?}");
+            assert_eq!(
+                found.kind,
+                AttractorKind::Equilibrium,
+                "{by:?} from {start:?}"
+            );
             assert!(found.points[0].x.amax() < 1e-9, "{:?}", found.points);
             assert_eq!(known.number(found), 0, "{by:?} from {start:?}");
         }
@@ -196,7 +200,7 @@ fn equilibria_beside_each_other_are_two_however_far_the_starts() {
     let mut known = Attractors::new(&any, &settings, &Options::default());
     let numbers = [1e3, -1e3, 2e-3, -2e-3].map(|x| {
         let found = attractor(&any, [x], &settings, &Options::default()).unwrap();
-        assert_eq!(found.kind, Kind::Equilibrium, "from {x}");
+        assert_eq!(found.kind, AttractorKind::Equilibrium, "from {x}");
         known.number(found)
     });
     assert_eq!(numbers, [0, 1, 0, 1]);
@@ -210,7 +214,7 @@ fn a_cycle_that_meets_no_boundary_is_known_by_where_it_turns_back() {
     let mut known = Attractors::new(&any, &settings, &Options::default());
     for start in [[0.9, 0.0, -0.5], [0.0, -2.0, -0.5], [1.0, 1.0, -0.5]] {
         let found = reached(&far, start, &settings, &Options::default());
-        let Kind::Periodic { returns: 1, period } = found.kind else {
+        let AttractorKind::Periodic { returns: 1, period } = found.kind else {
             panic!("{:?}", found.kind);
         };
         // Its error is reported.
@@ -226,7 +230,7 @@ fn a_cycle_that_meets_no_boundary_is_known_by_where_it_turns_back() {
     let found = reached(&far, [0.5, 0.0, -0.5], &settings, &Options::default());
     assert_eq!(
         found.kind,
-        Kind::EquilibriumSet,
+        AttractorKind::EquilibriumSet,
         "the parameter is any number"
     );
     assert!(found.points[0].x.rows(0, 2).amax() < 1e-9);
@@ -247,10 +251,10 @@ fn a_slow_spiral_is_no_cycle() {
         )
         .kind
     };
-    assert_eq!(found(0.01, -2e-4, 2e3), Kind::Undecided);
+    assert_eq!(found(0.01, -2e-4, 2e3), AttractorKind::Undecided);
     // Just beyond the fold the orbit creeps past r = 1 for about 2π/√(8·1e-6).
-    assert_eq!(found(1.01, -1.0 - 1e-5, 100.0), Kind::Undecided);
-    assert_eq!(found(1.01, -1.0 - 1e-5, 2e3), Kind::EquilibriumSet);
+    assert_eq!(found(1.01, -1.0 - 1e-5, 100.0), AttractorKind::Undecided);
+    assert_eq!(found(1.01, -1.0 - 1e-5, 2e3), AttractorKind::EquilibriumSet);
 }
 
 #[test]
@@ -260,7 +264,7 @@ fn rest_is_known_as_soon_as_nothing_can_keep_the_orbit_from_it() {
     let found = |x: f64| reached(&system, [x, 0.0], &within(2000.0), &Options::tol(1e-10));
     for x in [-1.95, -1.0, 0.1, 0.7, 1.5, 1.9] {
         let inside = found(x);
-        assert_eq!(inside.kind, Kind::Equilibrium, "from {x}");
+        assert_eq!(inside.kind, AttractorKind::Equilibrium, "from {x}");
         assert!(inside.points[0].x.amax() < 1e-12);
         // The orbit decays by half its damping: to vanish it would take 270.
         assert!(inside.t < 130.0, "from {x}: {}", inside.t);
@@ -270,14 +274,17 @@ fn rest_is_known_as_soon_as_nothing_can_keep_the_orbit_from_it() {
     }
     for x in [-2.05, 2.05, 3.0] {
         let outside = found(x).kind;
-        assert!(matches!(outside, Kind::Failure(_)), "from {x}: {outside:?}");
+        assert!(
+            matches!(outside, AttractorKind::Failure(_)),
+            "from {x}: {outside:?}"
+        );
     }
     // On the belt: an orbit that is reported to be attracted does not meet the belt again.
     let (system, options) = (Driven { vd: 1.5 }, Options::tol(1e-9));
     let mut decided = 0;
     for start in starts(200) {
         let found = attractor(&system.dynamics(), start, &within(2000.0), &options).unwrap();
-        if found.kind == Kind::Equilibrium {
+        if found.kind == AttractorKind::Equilibrium {
             let all = solve(&system.any(), 0.0, start, found.t + 1000.0, &options).unwrap();
             let last = all.phases.last().unwrap();
             assert!(last.t_start < found.t, "from {start}");
@@ -299,7 +306,7 @@ fn a_trap_reaches_as_far_as_the_mean_slope_on_the_way_from_its_middle() {
     let options = Options::default().longest_step(0.003);
     let known = |[x, y]: [f64; 2]| {
         let found = reached(&Smooth(Shear), [x, y], &within(50.0), &options);
-        assert_eq!(found.kind, Kind::Equilibrium, "from {x}, {y}");
+        assert_eq!(found.kind, AttractorKind::Equilibrium, "from {x}, {y}");
         let left = math::exp(-found.t);
         let there = [x * left, y * left + x * x * (left - left * left)];
         (found.t, radius(there))
@@ -319,7 +326,10 @@ fn stick_is_known_to_repeat_at_its_second_release() {
     let options = Options::tol(1e-10);
     let start = [1.0, 0.0];
     let found = reached(&Leine, start, &within(200.0), &options);
-    assert!(matches!(found.kind, Kind::Periodic { returns: 2, .. }));
+    assert!(matches!(
+        found.kind,
+        AttractorKind::Periodic { returns: 2, .. }
+    ));
     let orbit = solve(&Leine.any(), 0.0, start, 100.0, &options).unwrap();
     let second = orbit.sticks().nth(1).unwrap();
     assert!((found.t - second.t_start).abs() < 1e-9, "{}", found.t);
@@ -342,9 +352,9 @@ fn an_orbit_that_escapes_on_its_way_to_rest_escapes() {
         )
     };
     let free = found(f64::INFINITY);
-    assert_eq!(free.kind, Kind::Equilibrium);
+    assert_eq!(free.kind, AttractorKind::Equilibrium);
     assert!(free.t < 0.1, "{}", free.t);
-    assert_eq!(found(20.0).kind, Kind::Escape);
+    assert_eq!(found(20.0).kind, AttractorKind::Escape);
 }
 
 #[test]
@@ -359,12 +369,16 @@ fn a_field_that_depends_on_time_draws_to_no_equilibrium() {
         );
         if decay == 0.0 {
             // As often as it is pushed.
-            let Kind::Periodic { returns: 1, period } = found.kind else {
+            let AttractorKind::Periodic { returns: 1, period } = found.kind else {
                 panic!("{}", found.kind);
             };
             assert!((period - 40.0 * PI).abs() < 1e-5, "{period}");
         } else {
-            assert_eq!(found.kind, Kind::Undecided, "decay {decay}, from {x}");
+            assert_eq!(
+                found.kind,
+                AttractorKind::Undecided,
+                "decay {decay}, from {x}"
+            );
         }
     }
 }
@@ -380,23 +394,23 @@ fn what_does_not_close_is_recurrent_or_undecided() {
         &within(600.0).forced(1.0),
         &options,
     );
-    assert_eq!(ring.kind, Kind::Recurrent);
+    assert_eq!(ring.kind, AttractorKind::Recurrent);
     // The same, sampled at every eighth of a turn, closes.
     let eighth = within(600.0).forced(PI / 4.0);
     let ring = reached(&Rings { place: 50.0 }, start, &eighth, &options);
     assert!(
-        matches!(ring.kind, Kind::Periodic { returns: 8, .. }),
+        matches!(ring.kind, AttractorKind::Periodic { returns: 8, .. }),
         "{}",
         ring.kind
     );
     let chaos = Smooth(Lorenz);
     let found = |z: f64, longest| reached(&chaos, [1.0, 1.0, z], &within(longest), &options);
     let (one, other) = (found(20.0, 600.0), found(25.0, 600.0));
-    assert_eq!([&one.kind, &other.kind], [&Kind::Recurrent; 2]);
+    assert_eq!([&one.kind, &other.kind], [&AttractorKind::Recurrent; 2]);
     let any = chaos.dynamics();
     assert!(Attractors::new(&any, &within(600.0), &options).is_same(&one, &other));
     // Too short to decide.
-    assert_eq!(found(20.0, 60.0).kind, Kind::Undecided);
+    assert_eq!(found(20.0, 60.0).kind, AttractorKind::Undecided);
 }
 
 #[test]
@@ -408,7 +422,7 @@ fn forced_orbits_are_compared_at_whole_periods() {
     let period = 2.0 * PI / 0.7;
     let settings = within(2e3).forced(period);
     let found = reached(&system, [0.3, 0.2], &settings, &Options::tol(1e-11));
-    let Kind::Periodic {
+    let AttractorKind::Periodic {
         returns: 1,
         period: p,
     } = found.kind
@@ -445,7 +459,7 @@ fn rest_under_a_drive_is_one_set_of_equilibria() {
         let found = reached(&held, start, &settings, &options);
         assert_eq!(
             (&found.kind, found.mode),
-            (&Kind::EquilibriumSet, Mode::Stick.into())
+            (&AttractorKind::EquilibriumSet, Mode::Stick.into())
         );
         assert!(found.points[0].x[0].abs() <= 1.0 && found.points[0].x[1] == 0.0);
         assert_eq!(found.in_stick, 1.0);
@@ -459,7 +473,7 @@ fn rest_under_a_drive_is_one_set_of_equilibria() {
     };
     let found = reached(&moved, [0.3, 0.0], &within(2e3).forced(5.0 * PI), &options);
     assert!(
-        matches!(found.kind, Kind::Periodic { .. }),
+        matches!(found.kind, AttractorKind::Periodic { .. }),
         "{}",
         found.kind
     );
@@ -492,7 +506,7 @@ fn den_hartog_s_amplitudes_are_found_from_a_run_and_refined() {
         let options = Options::tol(1e-12);
         let found = reached(&system, [0.5, 0.0], &within(3e3).forced(period), &options);
         assert!(
-            matches!(found.kind, Kind::Periodic { returns: 1, .. }),
+            matches!(found.kind, AttractorKind::Periodic { returns: 1, .. }),
             "{frequency} {friction} {}",
             found.kind
         );
@@ -524,7 +538,10 @@ fn a_section_of_the_user_s_own_takes_the_place_of_the_transitions() {
     )
     .unwrap();
     // It turns back twice in a period.
-    assert!(matches!(found.kind, Kind::Periodic { returns: 2, .. }));
+    assert!(matches!(
+        found.kind,
+        AttractorKind::Periodic { returns: 2, .. }
+    ));
     assert!(is_same_cycle(&found.sequence(), &[Mode::Stick, BELOW]));
     let largest = found
         .points
@@ -542,8 +559,8 @@ fn ends_and_failures_are_kinds_and_bad_settings_errors() {
         above: 1.0,
     };
     let kind = |x: f64, options| reached(&apart, [x], &within(1e3), options).kind;
-    assert_eq!(kind(0.0, &default), Kind::Repelling);
-    assert_eq!(kind(0.5, &default.escape(10.0)), Kind::Escape);
+    assert_eq!(kind(0.0, &default), AttractorKind::Repelling);
+    assert_eq!(kind(0.5, &default.escape(10.0)), AttractorKind::Escape);
     let bad = |settings: RecurrenceSettings| {
         let found = attractor(&Leine.dynamics(), [1.0, 0.0], &settings, &default);
         match found.unwrap_err() {

@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use stickslip::analysis::{
-    ContinuationSettings, Kind, RecurrenceSettings, Stop, SweepSettings, WhatChanges, attractor,
-    continue_periodic_orbit,
+    AttractorKind, ContinuationSettings, RecurrenceSettings, Stop, SweepSettings, WhatChanges,
+    attractor, continue_periodic_orbit,
 };
 use stickslip::{Fate, Filippov, Mode, Options, Scalar, Side, State, fate, math, solve};
 
@@ -138,7 +138,11 @@ fn on_the_boundary_the_equilibrium_is_rested_in_and_nothing_sticks() {
         for tolerance in [1e-8, 1e-10, 1e-12] {
             let options = Options::tol(tolerance);
             let reached = attractor(&system.dynamics(), start, &settings, &options).unwrap();
-            assert_eq!(reached.kind, Kind::Equilibrium, "{start:?} {tolerance:e}");
+            assert_eq!(
+                reached.kind,
+                AttractorKind::Equilibrium,
+                "{start:?} {tolerance:e}"
+            );
         }
     }
 }

@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use stickslip::analysis::{
-    ContinuationSettings, Kind, SequenceBifurcation, Special, Stop, SweepSettings, WhatChanges,
-    continue_periodic_orbit, find_periodic_orbit, is_same_cycle, multipliers,
+    AttractorKind, ContinuationSettings, SequenceBifurcation, Special, Stop, SweepSettings,
+    WhatChanges, continue_periodic_orbit, find_periodic_orbit, is_same_cycle, multipliers,
 };
 use stickslip::{Method, Mode, Options, Side, math};
 
@@ -172,7 +172,10 @@ fn a_sweep_locates_it_and_tells_the_phases_on_both_sides() {
             let found = swept((family, &any), ends, start, &settings, &options);
             for point in &found.points {
                 let kind = &point.reached.kind;
-                assert!(matches!(kind, Kind::Periodic { .. }), "{ends:?}: {kind}");
+                assert!(
+                    matches!(kind, AttractorKind::Periodic { .. }),
+                    "{ends:?}: {kind}"
+                );
             }
             let [change] = found.changes.as_slice() else {
                 panic!("{:?}", found.changes);

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use stickslip::analysis::{
-    AttractorChange, ContinuationSettings, Kind, RecurrenceSettings, SequenceBifurcation,
+    AttractorChange, AttractorKind, ContinuationSettings, RecurrenceSettings, SequenceBifurcation,
     SequenceChange, Special, Stop, SweepSettings, WhatChanges, attractor, continue_periodic_orbit,
     is_same_cycle, periodic_orbit_forced,
 };
@@ -125,7 +125,7 @@ fn the_attractor_of_two_is_that_of_each() {
     for start in [[-0.5, 0.4], [0.2, -2.0]] {
         let found = attractor(&system, start, &settings, &Options::tol(1e-12)).unwrap();
         assert!(
-            matches!(found.kind, Kind::Periodic { returns: 1, .. }),
+            matches!(found.kind, AttractorKind::Periodic { returns: 1, .. }),
             "{}",
             found.kind
         );

@@ -3,8 +3,8 @@
 use std::f64::consts::{LN_10, PI};
 
 use stickslip::analysis::{
-    AttractorChange, Exponent, Kind, SequenceBifurcation, SequenceChange, Special, SpectrumOptions,
-    SweepPoint, SweepSettings, WhatChanges, is_same_cycle, locate_changes, sweep,
+    AttractorChange, AttractorKind, Exponent, SequenceBifurcation, SequenceChange, Special,
+    SpectrumOptions, SweepPoint, SweepSettings, WhatChanges, is_same_cycle, locate_changes, sweep,
 };
 use stickslip::dynamics::{self, Components};
 use stickslip::{Error, Mode, Options, Side, math, solve};
@@ -331,9 +331,12 @@ fn the_ends_of_bistability_are_found_by_sweeps_up_and_down() {
             .find(|point| (point.parameter - vd).abs() < 1e-9);
         point.expect("was swept").reached.kind.clone()
     };
-    assert_eq!(at(&down, 1.2), Kind::Equilibrium);
-    assert!(matches!(at(&up, 1.2), Kind::Periodic { returns: 2, .. }));
-    assert_eq!(at(&up, 2.0), Kind::Equilibrium);
+    assert_eq!(at(&down, 1.2), AttractorKind::Equilibrium);
+    assert!(matches!(
+        at(&up, 1.2),
+        AttractorKind::Periodic { returns: 2, .. }
+    ));
+    assert_eq!(at(&up, 2.0), AttractorKind::Equilibrium);
 }
 
 /// Static friction, in units of the kinetic one, above which a released block returns to the belt's
@@ -375,8 +378,12 @@ fn with_static_friction_the_graze_that_ends_stick_and_slip_is_located_and_named(
         let any = FasterBelt.dynamics();
         let found = swept((family, &any), ends, [0.0, 1.0], &settings, &options);
         let kinds = [0, 1].map(|k| found.points[k].reached.kind.clone());
-        assert!(matches!(kinds[0], Kind::Periodic { .. }), "{}", kinds[0]);
-        assert_eq!(kinds[1], Kind::Equilibrium);
+        assert!(
+            matches!(kinds[0], AttractorKind::Periodic { .. }),
+            "{}",
+            kinds[0]
+        );
+        assert_eq!(kinds[1], AttractorKind::Equilibrium);
         let change = only(&found);
         check(change, SequenceBifurcation::GrazingSliding, exact);
         assert!(is_same_cycle(&change.before, &[Mode::Stick, BELOW]));
@@ -409,12 +416,12 @@ fn an_orbit_that_ends_or_fails_is_reported_and_the_next_one_begins_anew() {
         };
         let ended = &ended.reached;
         match (end, &ended.kind) {
-            (End::TwoFold, Kind::TwoFold(_)) => {
+            (End::TwoFold, AttractorKind::TwoFold(_)) => {
                 assert!((ended.t - 2.0 / 3.0).abs() < 1e-6 && ended.x.amax() < 1e-6);
             }
             (
                 End::Pole,
-                Kind::Failure(Error::StepCollapse { t, .. } | Error::NonFinite { t, .. }),
+                AttractorKind::Failure(Error::StepCollapse { t, .. } | Error::NonFinite { t, .. }),
             ) => {
                 assert!((t - 0.5).abs() < 1e-3, "{t}");
             }
@@ -422,7 +429,7 @@ fn an_orbit_that_ends_or_fails_is_reported_and_the_next_one_begins_anew() {
         }
         // From the start again and not from the end of the first one: x = -1 - 3t/2, or x² = 1 +
         // 2t.
-        assert_eq!(escaped.reached.kind, Kind::Escape);
+        assert_eq!(escaped.reached.kind, AttractorKind::Escape);
         let (t, x) = (escaped.reached.t, escaped.reached.x[0]);
         let start = match end {
             End::TwoFold => x + 1.5 * t,

@@ -1,28 +1,30 @@
 //! Whether an orbit converges to an equilibrium, and where.
 
-use super::nearness::Nearness;
-use super::reached::Kind;
+use super::attractor::AttractorKind;
+use super::tolerance::{ROUNDING, Tolerance};
 use crate::analysis::multipliers;
 use crate::dynamics::{Dynamics, Matrix, Modes, Moment, Vector};
 use crate::interval::Interval;
 
-/// Newton steps allowed.
-const MOST: usize = 30;
+/// Largest number of Newton steps. Quadratic convergence takes ten; a double zero takes one for
+/// each factor of two.
+const MOST_STEPS: usize = 30;
 
 /// Fraction of the Jacobian's largest entry below which an eigenvalue or a singular value cannot be
-/// distinguished from zero.
+/// distinguished from zero. It is above the square root of rounding, the error of a double one.
 pub(crate) const ZERO: f64 = 1e-7;
 
-/// Fraction of the Jacobian's largest entry below which a row is rounding of terms of that size.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
+/// Fraction of the size of an equilibrium up to which a guard is zero to rounding. The equilibrium
+/// then lies at the edge of its mode's domain.
+const EDGE_ROUNDING: f64 = 1e-14;
 
-/// A guard below this fraction of the size of an equilibrium is zero: the equilibrium lies at the
-/// edge of its mode's domain.
-const ON_EDGE: f64 = 1e-14;
+/// Step lengths within which an orbit may oscillate about the equilibrium that it approaches.
+/// Chosen.
+const OSCILLATION: f64 = 10.0;
 
 /// An equilibrium.
 #[derive(Clone, Debug)]
-pub(crate) struct Rest {
+pub(crate) struct Equilibrium {
     pub x: Vector,
     /// The Jacobian of the mode's field there.
     pub jacobian: Matrix,
@@ -37,10 +39,10 @@ pub(crate) fn equilibrium_near(
     t: f64,
     x: &Vector,
     free: usize,
-) -> Option<Rest> {
+) -> Option<Equilibrium> {
     let mut at = Moment { t, x: x.clone() };
     let mut smallest = f64::INFINITY;
-    for _ in 0..MOST {
+    for _ in 0..MOST_STEPS {
         let jacobian = jacobian_of(system, mode, &at);
         let step = newton_step(system, mode, &at, &jacobian, free)?;
         let size = step.amax();
@@ -50,7 +52,7 @@ pub(crate) fn equilibrium_near(
             // A subnormal number is a rounded zero.
             let x =
                 at.x.map(|v| if v.abs() < f64::MIN_POSITIVE { 0.0 } else { v });
-            return (size <= rounding.max(1e-12)).then_some(Rest { x, jacobian });
+            return (size <= rounding.max(1e-12)).then_some(Equilibrium { x, jacobian });
         }
         smallest = size;
         at.x += step;
@@ -58,9 +60,13 @@ pub(crate) fn equilibrium_near(
     None
 }
 
-/// The sum of the Newton steps of two points, each an equilibrium to rounding. Farther apart they
-/// are distinct.
-pub(super) fn off_by(system: &dyn Dynamics, mode: Modes, points: [&Moment; 2]) -> Option<Vector> {
+/// The sum of the Newton steps of two points, each an equilibrium to rounding. If they are farther
+/// apart, they are distinct.
+pub(super) fn distance_bounds(
+    system: &dyn Dynamics,
+    mode: Modes,
+    points: [&Moment; 2],
+) -> Option<Vector> {
     let [one, other] = points.map(|at| {
         let jacobian = jacobian_of(system, mode, at);
         newton_step(system, mode, at, &jacobian, system.states())
@@ -187,25 +193,23 @@ pub(super) fn velocities_from(
     system.flow(mode, at).velocity_over(ever, &point)
 }
 
-/// The equilibrium that an orbit at `x` is about to reach, and whether it is one of a set; `None`
-/// where none is close enough, or where it does not attract.
-pub(super) fn rest_at(
+/// The equilibrium to which an orbit at a state converges, and whether it is one of a set. `None`
+/// if none is close enough, or if it does not attract.
+pub(super) fn attracting_equilibrium(
     system: &dyn Dynamics,
     mode: Modes,
     at: &Moment,
     scale: impl Fn(usize) -> f64,
-    near: &Nearness,
-) -> Option<(Kind, Vector)> {
-    let Rest { x, jacobian } = equilibrium_near(system, mode, at.t, &at.x, system.states())?;
-    // The orbit may oscillate about it with an amplitude of several steps.
-    const TURN: f64 = 10.0;
-    let is_near = |i: usize| (x[i] - at.x[i]).abs() <= TURN * near.allowed(scale(i));
+    tolerance: &Tolerance,
+) -> Option<(AttractorKind, Vector)> {
+    let Equilibrium { x, jacobian } = equilibrium_near(system, mode, at.t, &at.x, system.states())?;
+    let is_near = |i: usize| (x[i] - at.x[i]).abs() <= OSCILLATION * tolerance.allowed(scale(i));
     if !(0..x.len()).all(is_near) {
         return None;
     }
     let there = Moment { t: at.t, x };
     let guard = least_guard(system, mode, &there);
-    let is_on_edge = guard.abs() <= ON_EDGE * there.x.amax();
+    let is_on_edge = guard.abs() <= EDGE_ROUNDING * there.x.amax();
     if guard <= 0.0 && !is_on_edge {
         return None;
     }
@@ -213,19 +217,28 @@ pub(super) fn rest_at(
     if velocities.is_some_and(|all| all.iter().any(|v| v.high > v.low)) {
         return None;
     }
-    let kind = kind_by(system, mode, &there, &jacobian)?;
-    (guard > 0.0 || kind == Kind::Equilibrium).then_some((kind, there.x))
+    let kind = kind_by_jacobian(system, mode, &there, &jacobian)?;
+    (guard > 0.0 || kind == AttractorKind::Equilibrium).then_some((kind, there.x))
 }
 
 /// Whether an equilibrium is one of a set; `None` where it does not attract.
-pub(super) fn kind_of_rest(system: &dyn Dynamics, mode: Modes, at: &Moment) -> Option<Kind> {
-    kind_by(system, mode, at, &jacobian_of(system, mode, at))
+pub(super) fn kind_of_equilibrium(
+    system: &dyn Dynamics,
+    mode: Modes,
+    at: &Moment,
+) -> Option<AttractorKind> {
+    kind_by_jacobian(system, mode, at, &jacobian_of(system, mode, at))
 }
 
 /// The same by the Jacobian there, restricted to motion along the boundaries of the contacts that
 /// stick. Off them a body held by friction has a double zero eigenvalue, which rounding splits by
 /// its square root.
-fn kind_by(system: &dyn Dynamics, mode: Modes, at: &Moment, jacobian: &Matrix) -> Option<Kind> {
+fn kind_by_jacobian(
+    system: &dyn Dynamics,
+    mode: Modes,
+    at: &Moment,
+    jacobian: &Matrix,
+) -> Option<AttractorKind> {
     let bound = ZERO * jacobian.amax();
     let normals = system.normals(mode, at);
     let n = system.states();
@@ -245,8 +258,8 @@ fn kind_by(system: &dyn Dynamics, mode: Modes, at: &Moment, jacobian: &Matrix) -
     }
     // Each boundary that was removed contributes a zero.
     Some(if zeros > normals.len() {
-        Kind::EquilibriumSet
+        AttractorKind::EquilibriumSet
     } else {
-        Kind::Equilibrium
+        AttractorKind::Equilibrium
     })
 }

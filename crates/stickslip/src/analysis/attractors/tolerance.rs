@@ -1,13 +1,18 @@
-//! When two states count as the same, and the range that an orbit has covered.
+//! The tolerance within which two states are the same, and the range that an orbit has covered.
 
 use crate::dynamics::Vector;
 
-/// Number of tolerances within which the solver cannot distinguish two points.
-pub(super) const OF_SOLVER: f64 = 100.0;
+/// Tolerances of the solver by which computed points may be off. Chosen: the error of a step is
+/// one, and a contracting orbit sums those of some steps.
+pub(in crate::analysis) const SOLVER_TOLERANCES: f64 = 100.0;
 
-/// The distance within which two states count as the same.
+/// Relative rounding of a sum of terms of the same size: some ten operations, each with some units
+/// in the last place.
+pub(super) const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// The distance within which two states are the same.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Nearness {
+pub(super) struct Tolerance {
     /// Part of a component's size.
     pub closeness: f64,
     /// Tolerance of the solver.
@@ -15,7 +20,7 @@ pub(super) struct Nearness {
     pub atol: f64,
 }
 
-impl Nearness {
+impl Tolerance {
     /// Largest allowed difference of a component of this size.
     pub fn allowed(&self, scale: f64) -> f64 {
         self.closeness * scale + self.rounding(scale)
@@ -23,7 +28,7 @@ impl Nearness {
 
     /// Difference that the solver leaves.
     pub fn rounding(&self, scale: f64) -> f64 {
-        OF_SOLVER * (self.atol + self.rtol * scale)
+        SOLVER_TOLERANCES * (self.atol + self.rtol * scale)
     }
 }
 

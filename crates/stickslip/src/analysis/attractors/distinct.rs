@@ -1,30 +1,32 @@
 //! The distinct attractors of a system.
 
-use super::reached::{Kind, Reached, turns};
+use super::attractor::{Attractor, AttractorKind, shifts};
+use super::equilibrium::{distance_bounds, holds};
 use super::recurrent::is_same_set;
-use super::rest::{holds, off_by};
 use crate::analysis::cycle::{Outline, Shooting};
 use crate::dynamics::{AsDynamics, DynamicsRef, Modes, Moment, Vector};
 use crate::filippov::Options;
 
-/// Points between two of a set of equilibria that must belong to it.
-const BETWEEN: usize = 16;
+/// Intervals between two equilibria of a set; the points between them must belong to it. Chosen.
+const SET_INTERVALS: usize = 16;
 
-/// Moments of the drive's period at which the equilibrium must hold.
-const MOMENTS: usize = 32;
+/// Moments of the drive's period at which an equilibrium must hold. Chosen.
+const DRIVE_MOMENTS: usize = 32;
+
+/// Closenesses within which points are the same. Each of the two was computed to within one of
+/// them; the rest is for the slow part of an approach. Chosen.
+const SAME_CLOSENESSES: f64 = 10.0;
 
 /// The distinct attractors so far, numbered in the order in which orbits first reached them.
 ///
-/// Two orbits have reached the same attractor if their motion is of the same kind and they have
-/// come
-/// - at an equilibrium, to the same point;
-/// - at a set of equilibria, to points with only further equilibria between them (on a straight
-///   line, projected onto the boundary); with a drive, at 32 moments of its period;
-/// - on a periodic orbit, to the same points of the section in the same order, with the same cycle
-///   of phases; or, where a nontrivial multiplier is 1, to two orbits of one family, which has
+/// Two orbits have the same attractor if their motion is of the same kind and
+/// - at equilibria, their points agree;
+/// - in a set of equilibria, all points between theirs are equilibria (on a straight line projected
+///   onto the boundary; with a drive, at 32 moments of its period);
+/// - on periodic orbits, the points of the section agree in the same order, and so do the cycles of
+///   phases. If a nontrivial multiplier is 1, the orbits may also belong to one family, which has
 ///   another orbit midway between them;
-/// - on a recurrent one, to points of which nearly all lie near (within 5 % of their extent) one of
-///   the other's.
+/// - on recurrent orbits, nearly all points lie within 5 % of their extent of one of the other's.
 ///
 /// Points are the same within a multiple of [`super::RecurrenceSettings::closeness`] of their size.
 /// All escapes count as one attractor. So do all failures, all undecided orbits, and all ends where
@@ -37,12 +39,13 @@ const MOMENTS: usize = 32;
 ///
 /// let belt = BeltOscillator { belt_speed: 0.2, ..BeltOscillator::default() };
 /// let (settings, options) = (RecurrenceSettings::within(500.0), Options::default());
-/// let mut known = Attractors::new(&belt, &settings, &options);
+/// let mut attractors = Attractors::new(&belt, &settings, &options);
 /// for start in [[0.5, 0.1], [-0.5, 0.3], [0.1, 0.0]] {
-///     let reached = attractor(&belt, start, &settings, &options)?;
-///     println!("{start:?} goes to attractor {}: {}", known.number(reached.clone()), reached.kind);
+///     let found = attractor(&belt, start, &settings, &options)?;
+///     let number = attractors.number(found.clone());
+///     println!("{start:?} goes to attractor {number}: {}", found.kind);
 /// }
-/// assert!(!known.found().is_empty());
+/// assert!(!attractors.all().is_empty());
 /// # Ok::<(), stickslip::Error>(())
 /// ```
 pub struct Attractors<'a> {
@@ -50,12 +53,8 @@ pub struct Attractors<'a> {
     closeness: f64,
     forcing: Option<f64>,
     options: Options,
-    found: Vec<Reached>,
+    attractors: Vec<Attractor>,
 }
-
-/// Closenesses within which points are the same: each of the two was computed to within one of
-/// them.
-const TIMES: f64 = 10.0;
 
 impl<'a> Attractors<'a> {
     /// No attractors yet, of this system.
@@ -67,90 +66,94 @@ impl<'a> Attractors<'a> {
         Attractors {
             system: system.dynamics(),
             options: *options,
-            closeness: TIMES * settings.closeness,
+            closeness: SAME_CLOSENESSES * settings.closeness,
             forcing: settings.forcing,
-            found: Vec::new(),
+            attractors: Vec::new(),
         }
     }
 
     /// The number, counted from 0, of the attractor that an orbit has reached; a new one gets the
     /// next number.
-    pub fn number(&mut self, mut reached: Reached) -> usize {
-        let known = self
-            .found
-            .iter()
-            .position(|one| self.is_same(one, &reached));
-        known.unwrap_or_else(|| {
-            if matches!(reached.kind, Kind::Periodic { .. }) {
+    pub fn number(&mut self, mut attractor: Attractor) -> usize {
+        let mut earlier = self.attractors.iter();
+        let number = earlier.position(|one| self.is_same(one, &attractor));
+        number.unwrap_or_else(|| {
+            if matches!(attractor.kind, AttractorKind::Periodic { .. }) {
                 // Done once: every further orbit is compared with it.
-                reached.family = Some(self.family(&reached));
+                attractor.family = Some(self.family(&attractor));
             }
-            self.found.push(reached);
-            self.found.len() - 1
+            self.attractors.push(attractor);
+            self.attractors.len() - 1
         })
     }
 
     /// The attractors in the order of their numbers, each as the first orbit reached it.
-    pub fn found(&self) -> &[Reached] {
-        &self.found
+    pub fn all(&self) -> &[Attractor] {
+        &self.attractors
     }
 
-    /// The attractors, as [`Attractors::found`].
-    pub fn into_found(self) -> Vec<Reached> {
-        self.found
+    /// The attractors, as [`Attractors::all`].
+    pub fn into_vec(self) -> Vec<Attractor> {
+        self.attractors
     }
 
     /// Whether two orbits have reached the same attractor.
-    pub fn is_same(&self, one: &Reached, other: &Reached) -> bool {
+    pub fn is_same(&self, one: &Attractor, other: &Attractor) -> bool {
         if !(self.is_of_system(one) && self.is_of_system(other)) {
             return false;
         }
         match (&one.kind, &other.kind) {
-            (Kind::Equilibrium, Kind::Equilibrium) => {
+            (AttractorKind::Equilibrium, AttractorKind::Equilibrium) => {
                 one.mode == other.mode
-                    && (self.is_near(&one.points, &other.points) || self.are_one(one, other))
+                    && (self.have_same_points(&one.points, &other.points)
+                        || self.agree_within_errors(one, other))
             }
-            (Kind::EquilibriumSet, Kind::EquilibriumSet) => {
+            (AttractorKind::EquilibriumSet, AttractorKind::EquilibriumSet) => {
                 one.mode == other.mode
-                    && (self.is_near(&one.points, &other.points)
+                    && (self.have_same_points(&one.points, &other.points)
                         || self.are_joined(&one.points, &other.points, one.mode))
             }
-            (Kind::Periodic { returns: p, .. }, Kind::Periodic { returns: q, .. }) => {
+            (
+                AttractorKind::Periodic { returns: p, .. },
+                AttractorKind::Periodic { returns: q, .. },
+            ) => {
                 p == q
                     && one.has_sequence_of(other)
-                    && (self.is_near(&one.points, &other.points)
+                    && (self.have_same_points(&one.points, &other.points)
                         || self.are_of_one_family(one, other))
             }
-            (Kind::Recurrent, Kind::Recurrent) => is_same_set(&one.points, &other.points),
-            (Kind::TwoFold(one), Kind::TwoFold(other)) => one == other,
-            (Kind::Escape, Kind::Escape)
-            | (Kind::Repelling, Kind::Repelling)
-            | (Kind::Failure(_), Kind::Failure(_))
-            | (Kind::Undecided, Kind::Undecided) => true,
+            (AttractorKind::Recurrent, AttractorKind::Recurrent) => {
+                is_same_set(&one.points, &other.points)
+            }
+            (AttractorKind::TwoFold(one), AttractorKind::TwoFold(other)) => one == other,
+            (AttractorKind::Escape, AttractorKind::Escape)
+            | (AttractorKind::Repelling, AttractorKind::Repelling)
+            | (AttractorKind::Failure(_), AttractorKind::Failure(_))
+            | (AttractorKind::Undecided, AttractorKind::Undecided) => true,
             _ => false,
         }
     }
 
     /// Whether its points have as many components as the system has states; data from a file may
     /// not.
-    fn is_of_system(&self, reached: &Reached) -> bool {
+    fn is_of_system(&self, attractor: &Attractor) -> bool {
         let states = self.system.states();
-        reached.points.iter().all(|point| point.x.len() == states)
+        attractor.points.iter().all(|point| point.x.len() == states)
     }
 
-    /// Dimension of the family of periodic orbits to which the one reached belongs; 0 for an
-    /// isolated orbit and for other kinds of motion.
-    pub fn family(&self, reached: &Reached) -> usize {
-        let is_periodic =
-            matches!(reached.kind, Kind::Periodic { .. }) && self.is_of_system(reached);
-        let first = reached.points.first().filter(|_| is_periodic);
-        let near = |at| self.family_near(at, reached.period(), f64::INFINITY);
-        reached.family.unwrap_or_else(|| first.map_or(0, near))
+    /// Dimension of the family to which a periodic orbit belongs; 0 for an isolated orbit and for
+    /// other kinds of motion.
+    pub fn family(&self, attractor: &Attractor) -> usize {
+        let is_periodic = matches!(attractor.kind, AttractorKind::Periodic { .. })
+            && self.is_of_system(attractor);
+        let first = attractor.points.first().filter(|_| is_periodic);
+        let near = |at| self.family_near(at, attractor.period(), f64::INFINITY);
+        attractor.family.unwrap_or_else(|| first.map_or(0, near))
     }
 
     /// Whether two periodic orbits belong to one family: another of its orbits lies midway between
     /// them, closer to the midpoint than to either.
-    fn are_of_one_family(&self, one: &Reached, other: &Reached) -> bool {
+    fn are_of_one_family(&self, one: &Attractor, other: &Attractor) -> bool {
         let Some(a) = one.points.first() else {
             return false;
         };
@@ -168,22 +171,22 @@ impl<'a> Attractors<'a> {
     }
 
     /// Dimension of the family of the periodic orbit near a point, with a period near the given
-    /// one, if the orbit lies within half of a distance.
+    /// one. It is 0 if the orbit does not lie within half of the distance.
     fn family_near(&self, at: &Moment, period: f64, distance: f64) -> usize {
-        let found = || {
+        let dimension = || {
             let (system, options) = (&*self.system, &self.options);
             let guess = Outline::of_run(system, at, period, options).ok()?;
             let forced = self.forcing.is_some().then_some(period);
             let shooting = Shooting::of(system, &guess, forced, options);
             let orbit = shooting.nearest(&guess, None)?;
-            let way = &orbit.outline.begin.x - &guess.begin.x;
-            (way.norm() < 0.5 * distance).then_some(orbit.family)
+            let shift = &orbit.outline.begin.x - &guess.begin.x;
+            (shift.norm() < 0.5 * distance).then_some(orbit.family)
         };
-        found().unwrap_or(0)
+        dimension().unwrap_or(0)
     }
 
     /// Whether the points are the same up to a cyclic shift.
-    fn is_near(&self, one: &[Moment], other: &[Moment]) -> bool {
+    fn have_same_points(&self, one: &[Moment], other: &[Moment]) -> bool {
         let states = self.system.states();
         let size = Vector::from_fn(states, |i, _| {
             let sizes = one.iter().map(|point| point.x[i].abs());
@@ -194,17 +197,17 @@ impl<'a> Attractors<'a> {
         let same = move |a: &Moment, b: &Moment| {
             (0..states).all(|i| (a.x[i] - b.x[i]).abs() <= self.closeness * size[i].max(least))
         };
-        turns(one, other, same).next().is_some()
+        shifts(one, other, same).next().is_some()
     }
 
     /// Whether two equilibria agree to within their errors. At zero they have no size for
     /// comparison.
-    fn are_one(&self, one: &Reached, other: &Reached) -> bool {
+    fn agree_within_errors(&self, one: &Attractor, other: &Attractor) -> bool {
         let ([a], [b]) = (one.points.as_slice(), other.points.as_slice()) else {
             return false;
         };
-        let off = off_by(&*self.system, one.mode, [a, b]);
-        off.is_some_and(|off| (&a.x - &b.x).amax() <= TIMES * off.amax())
+        let bounds = distance_bounds(&*self.system, one.mode, [a, b]);
+        bounds.is_some_and(|bounds| (&a.x - &b.x).amax() <= SAME_CLOSENESSES * bounds.amax())
     }
 
     /// Whether all points between the two are equilibria.
@@ -212,27 +215,27 @@ impl<'a> Attractors<'a> {
         let (Some(one), Some(other)) = (one.first(), other.first()) else {
             return false;
         };
-        let way = &other.x - &one.x;
-        (1..BETWEEN).all(|k| {
-            let part = k as f64 / BETWEEN as f64;
+        let difference = &other.x - &one.x;
+        (1..SET_INTERVALS).all(|k| {
+            let part = k as f64 / SET_INTERVALS as f64;
             let mut at = Moment {
                 t: one.t,
-                x: &one.x + &way * part,
+                x: &one.x + &difference * part,
             };
             let flow = self.system.flow(mode, &at);
             at.x = flow.settled(&at);
-            let rests = flow.velocity(&at).amax() <= self.closeness * at.x.amax();
-            rests && self.holds(mode, &at)
+            let is_at_rest = flow.velocity(&at).amax() <= self.closeness * at.x.amax();
+            is_at_rest && self.holds(mode, &at)
         })
     }
 
-    /// Whether a mode holds at an equilibrium; with a drive, at many moments of its whole period.
+    /// Whether a mode holds at an equilibrium; with a drive, at many moments of its period.
     fn holds(&self, mode: Modes, at: &Moment) -> bool {
         let Some(period) = self.forcing else {
             return holds(&*self.system, mode, at);
         };
-        (0..MOMENTS).all(|k| {
-            let t = at.t + period * k as f64 / MOMENTS as f64;
+        (0..DRIVE_MOMENTS).all(|k| {
+            let t = at.t + period * k as f64 / DRIVE_MOMENTS as f64;
             let x = at.x.clone();
             holds(&*self.system, mode, &Moment { t, x })
         })

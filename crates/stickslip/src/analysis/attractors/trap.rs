@@ -1,31 +1,36 @@
-//! Whether a slipping orbit can no longer escape from an equilibrium.
+//! Neighbourhoods of an equilibrium that no slipping orbit leaves.
 
 use nalgebra::Cholesky;
 
-use super::rest::{Rest, ZERO, equilibrium_near, velocities_from};
+use super::equilibrium::{Equilibrium, ZERO, equilibrium_near, velocities_from};
 use crate::analysis::multipliers;
 use crate::dynamics::{Dynamics, Matrix, Modes, Moment, Vector};
 use crate::interval::Interval;
 use crate::math;
 
-/// Factor by which the ellipsoid exceeds what the orbit needs; it leaves room for rounding.
-const ROOM: f64 = 1.0 + 1e-6;
+/// Factor by which the ellipsoid exceeds the one through the orbit, as room for rounding.
+const LEVEL_MARGIN: f64 = 1.0 + 1e-6;
 
-/// Fraction of the decay near the equilibrium that the field's nonlinearity may take away, and the
-/// fraction that rounding of the equilibrium may.
-const MOST_TAKEN: f64 = 0.9;
-const MOST_ROUNDED: f64 = 0.05;
+/// Largest fraction of the decay near the equilibrium that the nonlinearity of the field may
+/// remove. With [`LARGEST_ROUNDED_LOSS`] it leaves a twentieth for the rounding of interval bounds.
+const LARGEST_LOSS: f64 = 0.9;
 
-/// Fractions of the distance from the equilibrium. Between each two the Jacobian has its own
-/// bounds.
-const PARTS: u32 = 8;
+/// Largest fraction of that decay that the rounding of the equilibrium may remove.
+const LARGEST_ROUNDED_LOSS: f64 = 0.05;
 
-/// Ratio of successive sizes for which an ellipsoid is tried.
-const SMALLER: f64 = 0.85;
-const STEPS: u32 = 16;
+/// Parts of the distance from the equilibrium, each with its own bounds of the Jacobian. More parts
+/// prove larger ellipsoids and take more time. Chosen.
+const JACOBIAN_PARTS: u32 = 8;
 
-/// Largest number of states for which a trap is sought: each entry of `P` is an unknown of the
-/// equations.
+/// Ratio of successive sizes for which an ellipsoid is tried. Chosen, with [`SIZES`]: the smallest
+/// is 9 % of the first.
+const SIZE_RATIO: f64 = 0.85;
+
+/// Number of sizes that are tried.
+const SIZES: u32 = 16;
+
+/// Largest number of states for which a trap is sought. Each entry of `P` is an unknown of the
+/// equations, and the time grows with the sixth power of this.
 const MOST_STATES: usize = 12;
 
 /// A neighbourhood of an equilibrium that no slipping orbit leaves. Every orbit in it converges to
@@ -33,34 +38,34 @@ const MOST_STATES: usize = 12;
 pub(super) struct Trap {
     /// The equilibrium.
     pub x: Vector,
-    falling: Falling,
+    function: LyapunovFunction,
     level: f64,
-    /// State of the orbit when the trap was sought.
-    from: f64,
+    /// Level of the orbit when the trap was sought.
+    level_at_start: f64,
 }
 
 impl Trap {
     /// The largest of some sizes that is proved around an equilibrium near `at`. The first size is
     /// the one that the orbit there needs. States stay within `escape`.
-    ///     ///
+    ///
     /// Near a stable equilibrium `x` the function `V(y) = yᵀPy` with `JᵀP + PJ = −1` decreases
     /// along the linear flow (Lyapunov). The field at `x + y` is `A y`, where `A` is the mean of
     /// the Jacobian between `x` and `x + y`. So `V` decreases along the flow itself wherever `A`
     /// differs little enough from `J`. Over the box around an ellipsoid on which `V` is constant,
     /// interval arithmetic bounds this difference and shows that no boundary is met. The ellipsoid
     /// is then never left, and `V` decreases to the level of rounding. Interval bounds are not
-    /// rounded outward; a tenth of the decay is reserved for that.
+    /// rounded outward; a twentieth of the decay is reserved for that.
     pub fn near(system: &dyn Dynamics, mode: Modes, at: &Moment, escape: f64) -> Option<Self> {
         let n = system.states();
         // In stick, what ends the phase requires derivatives, which intervals do not have.
         if mode.any_sticks() || n > MOST_STATES {
             return None;
         }
-        let Rest { x, jacobian } = equilibrium_near(system, mode, at.t, &at.x, n)?;
+        let Equilibrium { x, jacobian } = equilibrium_near(system, mode, at.t, &at.x, n)?;
         if !attracts(&jacobian) {
             return None;
         }
-        let falling = Falling::along(&jacobian)?;
+        let function = LyapunovFunction::of(&jacobian)?;
         let there = Moment { t: at.t, x };
         let velocities = velocities_from(system, mode, &there)?;
         if velocities.iter().any(|v| v.low != v.high) {
@@ -68,35 +73,35 @@ impl Trap {
         }
         let velocity = velocities.iter().map(|v| v.low * v.low).sum::<f64>().sqrt();
         let is_trap = |level: f64| {
-            let radius: Vec<f64> = (0..n).map(|i| falling.reach(level, i)).collect();
+            let radius: Vec<f64> = (0..n).map(|i| function.reach(level, i)).collect();
             (0..n).all(|i| there.x[i].abs() + radius[i] <= escape)
-                && falling.outweighs(velocity, level)
+                && function.outweighs(velocity, level)
                 && stays_clear(system, mode, &there, &radius)
-                && differs(system, mode, &there, &radius, &jacobian)
-                    .is_some_and(|differs| falling.withstands(&differs))
+                && jacobian_variation(system, mode, &there, &radius, &jacobian)
+                    .is_some_and(|variation| function.withstands(&variation))
         };
-        let from = ROOM * falling.at((&at.x - &there.x).as_slice());
+        let from = LEVEL_MARGIN * function.value((&at.x - &there.x).as_slice());
         let level = largest(from, is_trap)?;
         Some(Trap {
             x: there.x,
-            falling,
+            function,
             level,
-            from,
+            level_at_start: from,
         })
     }
 
     /// Whether a state, of the same mode and at no earlier time, lies inside.
-    pub fn holds(&self, x: &Vector) -> bool {
+    pub fn contains(&self, x: &Vector) -> bool {
         self.level_of(x) <= self.level
     }
 
     /// Whether an orbit at this state is closer than when the trap was sought.
-    pub fn draws(&self, x: &Vector) -> bool {
-        self.level_of(x) < self.from
+    pub fn is_closer_than_at_start(&self, x: &Vector) -> bool {
+        self.level_of(x) < self.level_at_start
     }
 
     fn level_of(&self, x: &Vector) -> f64 {
-        ROOM * self.falling.at((x - &self.x).as_slice())
+        LEVEL_MARGIN * self.function.value((x - &self.x).as_slice())
     }
 }
 
@@ -104,22 +109,22 @@ impl Trap {
 /// holds for all smaller levels, too. The claim of a trap does, except for rounding of the
 /// equilibrium. Where a smaller level fails for that reason, a valid one may be missed.
 fn largest(from: f64, claim: impl Fn(f64) -> bool) -> Option<f64> {
-    let level = |step: u32| from * math::powi(SMALLER * SMALLER, step as i32);
+    let level = |step: u32| from * math::powi(SIZE_RATIO * SIZE_RATIO, step as i32);
     if claim(from) {
         return Some(from);
     }
-    let (mut too_large, mut known) = (0, None);
-    let mut small = STEPS;
+    let (mut too_large, mut largest) = (0, None);
+    let mut small = SIZES;
     while small - too_large > 1 {
         let middle = u32::midpoint(too_large, small);
         if claim(level(middle)) {
             small = middle;
-            known = Some(level(middle));
+            largest = Some(level(middle));
         } else {
             too_large = middle;
         }
     }
-    known
+    largest
 }
 
 /// A box around a state.
@@ -140,7 +145,7 @@ fn stays_clear(system: &dyn Dynamics, mode: Modes, at: &Moment, radius: &[f64]) 
 
 /// Difference between the given Jacobian and its mean on a straight line from a state into the box
 /// around it. Each part of the lines lies in a smaller box.
-fn differs(
+fn jacobian_variation(
     system: &dyn Dynamics,
     mode: Modes,
     at: &Moment,
@@ -152,13 +157,13 @@ fn differs(
     let ever = Interval::new(at.t, f64::INFINITY);
     let mut low = Matrix::zeros(n, n);
     let mut high = low.clone();
-    for part in 1..=PARTS {
-        let over = around(&at.x, radius, f64::from(part) / f64::from(PARTS));
+    for part in 1..=JACOBIAN_PARTS {
+        let over = around(&at.x, radius, f64::from(part) / f64::from(JACOBIAN_PARTS));
         for j in 0..n {
             let column = flow.derivative_over(ever, &over, j)?;
             for i in 0..n {
-                low[(i, j)] += column[i].low / f64::from(PARTS);
-                high[(i, j)] += column[i].high / f64::from(PARTS);
+                low[(i, j)] += column[i].low / f64::from(JACOBIAN_PARTS);
+                high[(i, j)] += column[i].high / f64::from(JACOBIAN_PARTS);
             }
         }
     }
@@ -181,7 +186,7 @@ fn attracts(jacobian: &Matrix) -> bool {
 
 /// A quadratic function that decreases along a linear flow: `P` of `JᵀP + PJ = −1`. The number of
 /// states is known at run time, so that it is compiled once.
-struct Falling {
+struct LyapunovFunction {
     weights: Matrix,
     inverse: Matrix,
     /// Upper bound of the norm of `P`.
@@ -190,9 +195,9 @@ struct Falling {
     rounded: f64,
 }
 
-impl Falling {
+impl LyapunovFunction {
     /// The function of a Jacobian; `None` where none is positive definite.
-    fn along(jacobian: &Matrix) -> Option<Self> {
+    fn of(jacobian: &Matrix) -> Option<Self> {
         let n = jacobian.nrows();
         let place = |i: usize, j: usize| i * n + j;
         let mut equations = Matrix::zeros(n * n, n * n);
@@ -213,7 +218,7 @@ impl Falling {
         let half = &weights * jacobian;
         let rounded = norm(&(&half + half.transpose() + Matrix::identity(n, n)));
         let inverse = Cholesky::new(weights.clone())?.inverse();
-        rounded.is_finite().then(|| Falling {
+        rounded.is_finite().then(|| LyapunovFunction {
             norm: norm(&weights),
             weights,
             inverse,
@@ -221,7 +226,7 @@ impl Falling {
         })
     }
 
-    fn at(&self, away: &[f64]) -> f64 {
+    fn value(&self, away: &[f64]) -> f64 {
         let weighed = |i: usize| {
             away.iter()
                 .enumerate()
@@ -241,13 +246,13 @@ impl Falling {
     /// Whether it decreases on the ellipsoid of this level although the field at its centre is not
     /// zero.
     fn outweighs(&self, velocity: f64, level: f64) -> bool {
-        2.0 * self.norm * velocity <= MOST_ROUNDED * (level / self.norm).sqrt()
+        2.0 * self.norm * velocity <= LARGEST_ROUNDED_LOSS * (level / self.norm).sqrt()
     }
 
-    /// Whether it decreases along every linear flow that differs by at most this much.
-    fn withstands(&self, differs: &Matrix) -> bool {
-        let taken = self.weights.abs() * differs;
-        norm(&(&taken + taken.transpose())) + self.rounded <= MOST_TAKEN
+    /// Whether it decreases along every linear flow that variation by at most this much.
+    fn withstands(&self, variation: &Matrix) -> bool {
+        let taken = self.weights.abs() * variation;
+        norm(&(&taken + taken.transpose())) + self.rounded <= LARGEST_LOSS
     }
 }
 

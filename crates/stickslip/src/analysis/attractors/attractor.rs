@@ -1,4 +1,4 @@
-//! The motion that an orbit has reached.
+//! What an orbit converges to, or how else it ends.
 
 use std::fmt;
 
@@ -6,9 +6,9 @@ use crate::dynamics::{Modes, Moment, Phase, Vector};
 use crate::error::Error;
 use crate::filippov::{TransitionKind, TwoFold};
 
-/// The kind of motion that an orbit has reached.
+/// What an orbit converges to, or how else it ends.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Kind {
+pub enum AttractorKind {
     /// An equilibrium of slip, or of the sliding field in stick, that attracts all nearby states of
     /// its set.
     Equilibrium,
@@ -37,29 +37,29 @@ pub enum Kind {
     Undecided,
 }
 
-impl fmt::Display for Kind {
+impl fmt::Display for AttractorKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Kind::Equilibrium => f.write_str("equilibrium"),
-            Kind::EquilibriumSet => f.write_str("set of equilibria"),
-            Kind::Periodic { returns, period } => {
+            AttractorKind::Equilibrium => f.write_str("equilibrium"),
+            AttractorKind::EquilibriumSet => f.write_str("set of equilibria"),
+            AttractorKind::Periodic { returns, period } => {
                 write!(f, "periodic, {returns} returns, period {period}")
             }
-            Kind::Recurrent => f.write_str("recurrent, not periodic"),
-            Kind::Escape => f.write_str("escape"),
-            Kind::Repelling => f.write_str("end where the boundary repels"),
-            Kind::TwoFold(_) => f.write_str("end at a two-fold"),
-            Kind::Failure(error) => write!(f, "failure: {error}"),
-            Kind::Undecided => f.write_str("undecided"),
+            AttractorKind::Recurrent => f.write_str("recurrent, not periodic"),
+            AttractorKind::Escape => f.write_str("escape"),
+            AttractorKind::Repelling => f.write_str("end where the boundary repels"),
+            AttractorKind::TwoFold(_) => f.write_str("end at a two-fold"),
+            AttractorKind::Failure(error) => write!(f, "failure: {error}"),
+            AttractorKind::Undecided => f.write_str("undecided"),
         }
     }
 }
 
-/// The motion that an orbit has reached, with the evidence.
+/// What an orbit converges to or how else it ends, with the evidence.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Reached {
+pub struct Attractor {
     /// The kind of motion.
-    pub kind: Kind,
+    pub kind: AttractorKind,
     /// Uncertainty of a periodic orbit's period, from the differences of the last periods; zero for
     /// other motions.
     pub period_uncertainty: f64,
@@ -80,8 +80,8 @@ pub struct Reached {
     pub in_stick: f64,
     /// Mode at the end time.
     pub mode: Modes,
-    /// Time at which integration stopped. Where the phase that ended then is one in which a contact
-    /// sticks, the time of its beginning, which is the better place to continue from.
+    /// Time at which integration stopped. If a contact stuck in the phase that ended then, it is
+    /// the beginning of that phase, from where an orbit is better continued.
     pub t: f64,
     /// State at that time. If the orbit is certain to converge to an equilibrium from which it is
     /// still far, the state is moved there to within
@@ -89,7 +89,7 @@ pub struct Reached {
     pub x: Vector,
 }
 
-impl Reached {
+impl Attractor {
     /// The modes of the phases as [`Modes::cycle`]; where no phase ended, the mode at the end.
     pub fn sequence(&self) -> Vec<Modes> {
         if self.phases.is_empty() {
@@ -101,7 +101,7 @@ impl Reached {
     /// The period of a periodic orbit; zero of other kinds of motion.
     pub(super) fn period(&self) -> f64 {
         match self.kind {
-            Kind::Periodic { period, .. } => period,
+            AttractorKind::Periodic { period, .. } => period,
             _ => 0.0,
         }
     }
@@ -113,7 +113,7 @@ impl Reached {
 }
 
 /// All cyclic shifts by which `other` has the elements of `one`.
-pub(crate) fn turns<'a, A, B>(
+pub(super) fn shifts<'a, A, B>(
     one: &'a [A],
     other: &'a [B],
     same: impl Fn(&A, &B) -> bool + 'a,
@@ -128,5 +128,5 @@ pub(crate) fn turns<'a, A, B>(
 
 /// Whether two sequences are equal up to a cyclic shift.
 pub fn is_same_cycle<A: PartialEq<B>, B>(one: &[A], other: &[B]) -> bool {
-    one.is_empty() && other.is_empty() || turns(one, other, |a, b| a == b).next().is_some()
+    one.is_empty() && other.is_empty() || shifts(one, other, |a, b| a == b).next().is_some()
 }

@@ -1,0 +1,89 @@
+//! Spectra of systems whose jumps set several states to constants.
+
+use stickslip::analysis::{
+    Exponent, Spectrum, SpectrumOptions, largest_exponent, lyapunov_spectrum,
+};
+use stickslip::{Options, math};
+use stickslip_kernels::file::{Source, System, SystemFile};
+
+fn system(text: &str) -> System {
+    let source = Source {
+        name: "system.toml".to_owned(),
+        text: text.to_owned(),
+    };
+    SystemFile::parse(source).unwrap().with(&[]).unwrap()
+}
+
+/// The spectrum over 20 units of time, after a check that its first exponent is the largest one
+/// measured alone.
+fn spectrum(text: &str, start: &[f64], transient: f64) -> Spectrum {
+    let system = system(text);
+    let settings = SpectrumOptions::over(transient, 20.0).solver(Options::tol(1e-12));
+    let found = lyapunov_spectrum(system.dynamics(), (0.0, start), &settings).unwrap();
+    let alone = largest_exponent(system.dynamics(), (0.0, start), &settings).unwrap();
+    assert!(
+        alone == found.exponents[0] || (alone.value() - found.exponents[0].value()).abs() < 1e-12,
+        "{alone:?} {found:?}"
+    );
+    // In each of the steps, of which there is one or more in a unit of time, a tangent vector is
+    // accurate to a hundred tolerances.
+    assert!(found.defect().abs() < 1e-8, "{found:?}");
+    found
+}
+
+/// All directions across the flow are lost at the jump, and the flow's own is neutral.
+#[test]
+fn a_jump_that_sets_all_states_leaves_the_direction_of_the_flow() {
+    for (states, fields, set, start) in [
+        ("y = \"\"", "y = \"-y + s\"", "y = \"2\"", vec![0.0, 1.0]),
+        (
+            "y = \"\"\nz = \"\"",
+            "y = \"z + s\"\nz = \"-y\"",
+            "y = \"2\", z = \"1\"",
+            vec![0.0, 1.0, 0.5],
+        ),
+    ] {
+        let text = format!(
+            "name = \"sawtooth\"\n[states]\ns = \"\"\n{states}\n[field]\ns = \"1\"\n{fields}\n\
+             [jumps.back]\nwhen = \"s - 1\"\ndirection = \"rising\"\nset = {{ s = \"0\", {set} }}\n"
+        );
+        let found = spectrum(&text, &start, 80.5);
+        assert!(found.exponents[0].value().abs() < 1e-12, "{found:?}");
+        assert_eq!(found.annihilated(), start.len() - 1, "{found:?}");
+    }
+}
+
+/// The saltation matrix is zero, as the field is zero after the jump.
+#[test]
+fn a_jump_into_an_equilibrium_annihilates_all_directions() {
+    let text = "name = \"fall\"\n[states]\nx = \"\"\ny = \"\"\n[field]\nx = \"x\"\ny = \"-2*y\"\n\
+                [jumps.end]\nwhen = \"x - 1\"\ndirection = \"rising\"\n\
+                set = { x = \"0\", y = \"0\" }\n";
+    let found = spectrum(text, &[0.1, 1.0], 0.0);
+    assert_eq!(found.exponents, [Exponent::Annihilated; 2]);
+    assert_eq!(found.collapses, 2);
+    // If that happens during the transient, the exponents are those of the equilibrium.
+    let found = spectrum(text, &[0.1, 1.0], 5.0);
+    let values: Vec<f64> = found.exponents.iter().map(Exponent::value).collect();
+    assert!(
+        (values[0] - 1.0).abs() < 1e-8 && (values[1] + 2.0).abs() < 1e-8,
+        "{values:?}"
+    );
+}
+
+/// Of four directions the jump keeps the flow's and one that it halves in every unit of time.
+#[test]
+fn a_jump_that_sets_two_states_annihilates_two_directions() {
+    let text = "name = \"two\"\n[states]\ns = \"\"\nx = \"\"\ny = \"\"\nz = \"\"\n[field]\n\
+                s = \"1\"\nx = \"y\"\ny = \"-x\"\nz = \"0.3*z\"\n\
+                [jumps.back]\nwhen = \"s - 1\"\ndirection = \"rising\"\n\
+                set = { s = \"0\", x = \"0\", y = \"1\", z = \"0.5*z\" }\n";
+    let found = spectrum(text, &[0.0, 0.3, 0.2, 1.0], 80.5);
+    let values: Vec<f64> = found.exponents.iter().map(Exponent::value).collect();
+    let exact = 0.3 - math::ln(2.0);
+    assert!(
+        values[0].abs() < 1e-12 && (values[1] - exact).abs() < 1e-9,
+        "{values:?}"
+    );
+    assert_eq!(found.annihilated(), 2, "{found:?}");
+}
