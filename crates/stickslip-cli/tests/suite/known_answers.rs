@@ -20,7 +20,7 @@ fn the_largest_exponent_alone_is_the_first_of_the_spectrum() {
     let sticks = "name = \"sticks\"\n[states]\nv = \"\"\n[contacts.belt]\nboundary = \"v - 1\"\n\
                   friction = \"1\"\n[field]\nv = \"-friction(belt)\"\n[start]\nv = 0\n";
     let forced = open("forced");
-    let start = forced.built.start.clone().unwrap();
+    let start = forced.start().unwrap();
     for (system, start) in [
         (forced, start),
         (open("belt"), vec![0.5, 0.1]),
@@ -83,7 +83,7 @@ fn the_amplitudes_of_den_hartog() {
 #[test]
 fn the_tangent_points_of_the_belt_oscillator() {
     let system = open("belt");
-    let start = system.built.start.clone().unwrap();
+    let start = system.start().unwrap();
     let line = Line::through(&system, 0, None, (-2.0, 2.0), (0.0, &start)).unwrap();
     let [(_, found)] = &line.scan(&system)[..] else {
         panic!("one branch is expected");
@@ -269,7 +269,7 @@ fn branches_end_where_the_boundary_turns() {
 #[test]
 fn the_exponents_of_a_sticking_orbit() {
     let system = open("leine");
-    let start = system.built.start.clone().unwrap();
+    let start = system.start().unwrap();
     let settings = SpectrumOptions::over(50.0, 200.0).solver(taylor());
     let spectrum = lyapunov_spectrum(system.dynamics(), (0.0, &*start), &settings).unwrap();
     assert!(spectrum.exponents[0].value().abs() < 0.05);

@@ -21,8 +21,8 @@ pub struct Built {
     pub normal_force: Option<Tape>,
     /// The section function.
     pub section: Option<Tape>,
-    /// Initial state; `None` if the file gives none.
-    pub start: Option<Vec<f64>>,
+    /// Initial value of each state, as far as the file gives it. Discrete states have one.
+    pub starts: Vec<Option<f64>>,
     /// Start time of runs.
     pub t_start: f64,
     /// Default end time of runs.
@@ -221,7 +221,7 @@ pub(crate) fn built(
         boundaries: tape(file, &graph, &heights, inputs)?,
         normal_force,
         section,
-        start: start(file, values)?,
+        starts: starts(file, values)?,
         t_start,
         t_end,
         period,
@@ -401,15 +401,11 @@ fn pace(
     pace.map_err(wrong).map(Some)
 }
 
-fn start(file: &SystemFile, values: &[f64]) -> Result<Option<Vec<f64>>, Problem> {
+fn starts(file: &SystemFile, values: &[f64]) -> Result<Vec<Option<f64>>, Problem> {
     let component = |formula: &Formula| constant(file, values, formula, "a start");
-    let given = file
-        .states
-        .iter()
-        .map(|state| state.start.as_ref().map(component));
-    // All given components are evaluated. They form a start if none is missing.
-    let given: Vec<Option<f64>> = given.map(Option::transpose).collect::<Result<_, _>>()?;
-    Ok(given.into_iter().collect())
+    let starts = file.states.iter();
+    let starts = starts.map(|state| state.start.as_ref().map(component).transpose());
+    starts.collect()
 }
 
 fn period(file: &SystemFile, values: &[f64]) -> Result<Option<f64>, Problem> {

@@ -302,7 +302,7 @@ impl System {
     /// States around the start, or around zero.
     fn probes(&self) -> Vec<Vec<f64>> {
         let random = &mut SplitMix::new(1);
-        let start = self.built.start.clone();
+        let start = self.start();
         let start = start.unwrap_or_else(|| vec![0.0; self.states()]);
         let mut probe = |_| {
             start
@@ -367,6 +367,11 @@ impl System {
             Some(_) => Watched::Own,
             None => Watched::None,
         }
+    }
+
+    /// Initial state, if the file gives every component.
+    pub fn start(&self) -> Option<Vec<f64>> {
+        self.built.starts.iter().copied().collect()
     }
 
     /// Number of states.

@@ -2,6 +2,7 @@
 
 mod branch;
 mod diagram;
+mod equilibria;
 mod extremes;
 mod largest;
 mod search;
@@ -10,9 +11,10 @@ use stickslip::analysis::RecurrenceSettings;
 
 pub use branch::{Along, BranchEnd, BranchOrbit, EndBifurcation, Way, WholeBranch, only_once};
 pub use diagram::{AtValue, ChangeBetween, Diagram, ValueEnd};
+pub use equilibria::{EquilibriaOfBranch, equilibrium};
 pub use extremes::Extremes;
 pub use largest::Largest;
-pub use search::{MOST_PERIODS, PeriodicSearch, SearchError, UNTIL};
+pub use search::{BOUND_OF_TIMES, MOST_PERIODS, PeriodicSearch, SearchError, UNTIL};
 
 use crate::file::System;
 

@@ -12,7 +12,7 @@ use stickslip::{Ending, Error, Options};
 
 use super::extremes::{PER_STEP, time_in};
 use crate::file::{PeriodError, System};
-use crate::kernel::{Run, Watcher, follow};
+use crate::kernel::{Outcome, Run, Watcher, follow};
 
 /// Time for which the run is followed to name its motion if no periodic orbit is found.
 pub const UNTIL: f64 = 2000.0;
@@ -52,7 +52,7 @@ pub enum SearchError {
     #[error("periods = 0: an orbit takes one period of the drive at least")]
     NoPeriods,
     /// A setting is not allowed.
-    #[error("{name} = {value}: it must be finite and not negative")]
+    #[error("{name} = {value}: it must be {BOUND_OF_TIMES}")]
     Setting {
         /// Its name.
         name: &'static str,
@@ -90,9 +90,25 @@ pub enum SearchError {
         /// The period.
         period: f64,
     },
+    /// A system that depends on time has no equilibrium.
+    #[error("the system depends on time, so that it has no equilibrium")]
+    HasNoEquilibrium,
+    /// The run reaches another motion than an equilibrium.
+    #[error("no equilibrium was found: the run comes to a motion of kind `{}`", .0.motion.word())]
+    NoEquilibrium(Box<Outcome>),
     /// The search failed with an error.
     #[error(transparent)]
     Failed(#[from] Error),
+}
+
+/// What the times of a search must be.
+pub const BOUND_OF_TIMES: &str = "finite and not negative";
+
+pub(super) fn check_time(name: &'static str, value: f64) -> Result<(), SearchError> {
+    match value >= 0.0 && value.is_finite() {
+        true => Ok(()),
+        false => Err(SearchError::Setting { name, value }),
+    }
 }
 
 impl PeriodicSearch {
@@ -107,14 +123,8 @@ impl PeriodicSearch {
         (t, x): (f64, &[f64]),
         options: &Options,
     ) -> Result<(PeriodicOrbit, Option<u32>), SearchError> {
-        let transient = self.transient.unwrap_or(TRANSIENT);
-        let times = [("transient", transient), ("longest", self.longest)];
-        if let Some((name, value)) = times
-            .into_iter()
-            .find(|(_, value)| !(*value >= 0.0 && value.is_finite()))
-        {
-            return Err(SearchError::Setting { name, value });
-        }
+        check_time("transient", self.transient.unwrap_or(TRANSIENT))?;
+        check_time("longest", self.longest)?;
         let search = Search {
             system,
             options,

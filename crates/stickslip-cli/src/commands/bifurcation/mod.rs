@@ -115,7 +115,7 @@ impl Bifurcation {
         for value in [diagram.parameter.low, diagram.parameter.high] {
             let system = diagram.parameter.system(system, value)?;
             recurrence(&system, diagram.until).check()?;
-            diagram.start.at_zero(&system)?;
+            diagram.start.at_zero(&system, &[])?;
         }
         Ok(diagram)
     }
@@ -162,7 +162,7 @@ impl Bifurcation {
         };
         let (mut found, mut changes) = (Vec::new(), Vec::new());
         for value in self.values_of(block) {
-            let start = |here: &System| self.start.at_zero(here);
+            let start = |here: &System| self.start.at_zero(here, &[]);
             let told = |error: &stickslip::Error| in_words(error, system);
             let at = diagram.at(value, last.as_ref(), start, &told);
             let (at, between, end) = at.map_err(|error: Failure| error.of(system))?;
