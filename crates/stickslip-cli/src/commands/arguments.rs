@@ -64,14 +64,15 @@ fn assignment(option: &str, text: &str) -> Result<(String, f64), Failure> {
     Ok((name.trim().to_owned(), value))
 }
 
-/// Period of a drive for which the default times are chosen.
-const PERIOD: f64 = 0.2;
+/// Period of a drive from which on the default times hold. With it 2000 units of time are 10 000
+/// periods.
+const REFERENCE_PERIOD: f64 = 0.2;
 
-/// Returns the given time, or else the default. For a drive of a shorter period than [`PERIOD`] the
-/// default is reduced in proportion.
+/// Returns the given time, or else the default. For a drive of a shorter period than
+/// [`REFERENCE_PERIOD`] the default is reduced in proportion.
 pub(super) fn time_or(given: Option<f64>, default: f64, system: &System) -> f64 {
     let period = system.built.period.filter(|_| system.built.depends_on_time);
-    let part = period.map_or(1.0, |period| (period / PERIOD).min(1.0));
+    let part = period.map_or(1.0, |period| (period / REFERENCE_PERIOD).min(1.0));
     given.unwrap_or(default * part)
 }
 

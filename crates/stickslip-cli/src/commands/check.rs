@@ -10,7 +10,7 @@ use super::sweeping::check_period;
 use super::tangents;
 use crate::failure::{Failure, in_words};
 use crate::render::{Answer, Report, rounded};
-use crate::tangents::{Jumps, Line, OnLine};
+use crate::tangents::{BoundaryLine, LineResults, RateJumps};
 use stickslip_kernels::file::{Formula, InputShape, Rate, System};
 
 /// Say what was understood of a file
@@ -289,15 +289,15 @@ fn whereabouts(system: &System, contact: usize, start: &[f64]) -> (&'static str,
 
 /// Tangent points and stick zones, for a system of one contact and two states whose range is in the
 /// file.
-fn on_boundary(system: &System) -> Option<(Line, Vec<(Line, OnLine)>)> {
+fn on_boundary(system: &System) -> Option<(BoundaryLine, Vec<(BoundaryLine, LineResults)>)> {
     if system.contacts() != 1 || system.states() != 2 {
         return None;
     }
     let (t, start) = (system.built.t_start, system.start()?);
-    let whole = (f64::NEG_INFINITY, f64::INFINITY);
-    let line = Line::through(system, 0, None, whole, (t, &start))?;
+    let everywhere = (f64::NEG_INFINITY, f64::INFINITY);
+    let line = BoundaryLine::through(system, 0, None, everywhere, (t, &start))?;
     let range = system.file.states[line.along].range?;
-    let line = Line { range, ..line };
+    let line = BoundaryLine { range, ..line };
     let found = line.scan(system);
     Some((line, found))
 }
@@ -327,13 +327,13 @@ fn warnings_of(system: &System, contact: usize) -> Vec<String> {
         return Vec::new();
     };
     let t = system.built.t_start;
-    let whole = (f64::NEG_INFINITY, f64::INFINITY);
-    let jumps = Line::through(system, contact, None, whole, (t, &start))
+    let everywhere = (f64::NEG_INFINITY, f64::INFINITY);
+    let jumps = BoundaryLine::through(system, contact, None, everywhere, (t, &start))
         .and_then(|line| line.jumps(system, start[line.along]));
     let (Some(_), Some(jumps)) = (&described.friction, jumps) else {
         return Vec::new();
     };
-    let Jumps {
+    let RateJumps {
         slip,
         holding,
         rounding,

@@ -5,7 +5,7 @@ use stickslip::analysis::PeriodicOrbit;
 use stickslip::error::Point;
 use stickslip::{Error, Options};
 use stickslip_kernels::file::System;
-use stickslip_kernels::study::{PeriodicSearch, SearchError, UNTIL, equilibrium};
+use stickslip_kernels::study::{MOTION_SEARCH_TIME, PeriodicSearch, SearchError, equilibrium};
 
 use super::attractors;
 use super::sweeping::check_period;
@@ -31,7 +31,7 @@ pub(super) struct SearchArguments {
 }
 
 /// Default for the longest period.
-const LONGEST: f64 = 100.0;
+const DEFAULT_LONGEST: f64 = 100.0;
 
 impl SearchArguments {
     /// Searches the periodic orbit that the run from `(t, x)` approaches. Also returns its number
@@ -46,13 +46,13 @@ impl SearchArguments {
         let search = PeriodicSearch {
             transient: self.transient,
             period: None,
-            longest: self.longest.unwrap_or(LONGEST),
+            longest: self.longest.unwrap_or(DEFAULT_LONGEST),
             periods: self.periods,
         };
         let drive = system.built.period.filter(|_| system.built.depends_on_time);
         self.have_effect(drive)?;
         let found = patiently("looking for a periodic orbit", |_| {
-            search.found(system, (t, x), options)
+            search.orbit(system, (t, x), options)
         });
         found.map_err(|error| in_words(error, system))
     }
@@ -121,7 +121,7 @@ fn in_words(error: SearchError, system: &System) -> Failure {
         SearchError::NoEquilibrium(outcome) => Failure::NoPeriodicOrbit(format!(
             "no equilibrium was found: the run comes to {}; start elsewhere (--start), or beside \
                 an equilibrium without a run (--transient 0)",
-            attractors::words(system, outcome, UNTIL)
+            attractors::words(system, outcome, MOTION_SEARCH_TIME)
         )),
         SearchError::TakesLonger { .. } => {
             Failure::NoPeriodicOrbit(format!("{error}; give a longer time (--longest)"))

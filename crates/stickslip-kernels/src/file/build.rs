@@ -6,7 +6,9 @@ use super::builder::{Builder, Freed, Inputs, Scope, no_number};
 use super::problem::Problem;
 use super::{Formula, InputShape, Rate, SystemFile};
 use crate::expression::{Binary, Graph, Id, NotANumber, Tape, TooLarge};
-use crate::kernel::{Combination, Fields, HELD, Input, Jump, Shape, Switching, sides_to_check};
+use crate::kernel::{
+    Combination, Fields, HELD_PER_INPUT, Input, Jump, Shape, Switching, sides_to_check,
+};
 
 /// The tapes of a system.
 #[derive(Clone, Debug)]
@@ -358,7 +360,7 @@ fn tape(
     roots: &[Id],
     inputs: Inputs<'_>,
 ) -> Result<Tape, Problem> {
-    let states = file.states.len() + inputs.count_free() + HELD * file.inputs.len();
+    let states = file.states.len() + inputs.count_free() + HELD_PER_INPUT * file.inputs.len();
     let too_large = |error: TooLarge| Problem::new(error.to_string(), 0..0);
     Tape::new(graph, roots, states).map_err(too_large)
 }

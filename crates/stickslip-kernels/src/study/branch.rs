@@ -33,7 +33,7 @@ pub struct BranchOrbit {
 }
 
 /// A branch in one direction, with minimum and maximum of each state on each orbit.
-pub type Way = (Branch, Vec<Vec<(f64, f64)>>);
+pub type DirectedBranch = (Branch, Vec<Vec<(f64, f64)>>);
 
 /// A branch in both directions, from its lower to its upper end.
 pub struct WholeBranch {
@@ -88,7 +88,7 @@ impl<'a> Along<'a> {
             t_end,
             options,
         };
-        let ended = whole(self.system, &run, orbit.period, &mut ())?;
+        let ended = follow_period(self.system, &run, orbit.period, &mut ())?;
         Ok(ended.x)
     }
 
@@ -103,7 +103,7 @@ impl<'a> Along<'a> {
             options,
         };
         let mut extremes = Extremes::from(run.x);
-        whole(self.system, &run, orbit.period, &mut extremes)?;
+        follow_period(self.system, &run, orbit.period, &mut extremes)?;
         let ranges = extremes.ranges();
         let widest = ranges.iter().map(|(low, high)| high - low);
         // What rounding leaves of a state that rests is no motion.
@@ -135,7 +135,7 @@ impl<'a> Along<'a> {
             options,
         };
         let mut extremes = Extremes::from(once.x);
-        whole(&system, &once, orbit.period, &mut extremes)?;
+        follow_period(&system, &once, orbit.period, &mut extremes)?;
         Ok(extremes.ranges())
     }
 
@@ -143,7 +143,10 @@ impl<'a> Along<'a> {
     ///
     /// # Errors
     /// Those of the parameter.
-    pub fn joined(&self, [(down, low), (up, high)]: [Way; 2]) -> Result<WholeBranch, SettingError> {
+    pub fn joined(
+        &self,
+        [(down, low), (up, high)]: [DirectedBranch; 2],
+    ) -> Result<WholeBranch, SettingError> {
         // Both directions contain the first orbit.
         let first = down.points.len().saturating_sub(1);
         let below = down.points.into_iter().zip(low).skip(1).rev();
@@ -230,7 +233,7 @@ pub fn only_once(down: &mut Branch, up: &mut Branch) {
 }
 
 /// Follows an orbit to the end of its period.
-fn whole(
+fn follow_period(
     system: &System,
     run: &Run<'_>,
     period: f64,

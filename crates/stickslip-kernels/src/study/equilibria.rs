@@ -6,7 +6,7 @@ use stickslip::analysis::{
     SpecialEquilibrium, Stop, attractor,
 };
 
-use super::search::{SearchError, UNTIL, check_time};
+use super::search::{MOTION_SEARCH_TIME, SearchError, check_time};
 use crate::file::System;
 use crate::kernel::{Motion, Outcome};
 
@@ -30,7 +30,11 @@ pub fn equilibrium(
     if transient == Some(0.0) {
         return Ok(x.to_vec());
     }
-    let settings = RecurrenceSettings::within(transient.unwrap_or(UNTIL).max(UNTIL));
+    let settings = RecurrenceSettings::within(
+        transient
+            .unwrap_or(MOTION_SEARCH_TIME)
+            .max(MOTION_SEARCH_TIME),
+    );
     let reached = attractor(system.dynamics(), x, &settings, options)?;
     if let Kind::Failure(error) = reached.kind {
         return Err(error.into());
