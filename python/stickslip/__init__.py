@@ -31,9 +31,11 @@ from ._errors import (
 from ._exponents import DataSpectrum, LyapunovSpectrum, lyapunov_from_data, lyapunov_spectrum
 from ._orbits import (
     Branch,
+    EquilibriumBranch,
     PeriodicOrbit,
     PoincareMap,
     continuation,
+    equilibrium_continuation,
     periodic_orbit,
     poincare_map,
 )
@@ -70,6 +72,7 @@ __all__ = [
     "DataSpectrum",
     "DenseOutput",
     "DiscreteState",
+    "EquilibriumBranch",
     "Event",
     "Expression",
     "Input",
@@ -95,6 +98,7 @@ __all__ = [
     "bifurcation_diagram",
     "continuation",
     "discrete",
+    "equilibrium_continuation",
     "event",
     "lyapunov_from_data",
     "lyapunov_spectrum",

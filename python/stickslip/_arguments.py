@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+import numbers
 from collections.abc import Mapping
 from typing import Any, Literal, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._symbols import Expression, Parameter, State, number, whole
+from ._symbols import Expression, Parameter, State, number, out_of_bounds, whole
 from ._system import System
 
 Floats = NDArray[np.float64]
@@ -97,38 +98,43 @@ def settings(options: Options) -> dict[str, Any]:
 
 def real(value: Any, name: str) -> float:
     """A number, which may be infinite."""
-    return math.inf if value == math.inf else number(value, name)
+    is_infinite = isinstance(value, numbers.Real) and value == math.inf
+    return math.inf if is_infinite else number(value, name)
 
 
 def threads(workers: Any) -> int:
     """A number of threads, 0 for all."""
-    if workers == -1:
-        return 0
-    found = whole(workers, "workers", least=-1)
-    if found < 1:
-        raise ValueError(f"workers = {found}: it is a number of threads, or -1 for all cores")
-    return found
+    count = whole(workers, "workers", least=-1)
+    if count == 0:
+        raise out_of_bounds("workers", 0, "a number of threads, or -1 for all cores")
+    return max(count, 0)
+
+
+def as_array(values: Any, name: str) -> NDArray[Any]:
+    """What NumPy makes an array of."""
+    try:
+        return np.asarray(values)
+    except ValueError as error:
+        raise ValueError(f"{name} must be an array of numbers: {error}") from None
 
 
 def array(values: ArrayLike, name: str, dimensions: int = 1) -> Floats:
-    """Finite doubles of so many dimensions, in order."""
-    try:
-        found = np.asarray(values)
-    except ValueError as error:
-        raise ValueError(f"{name} must be an array of numbers: {error}") from None
-    if found.dtype.kind not in "fiub":
-        kind: Any = found.dtype
-        if kind == object and found.size:
-            kind = repr(found.flat[0])
+    """A copy as finite doubles of so many dimensions, in order of rows."""
+    given = as_array(values, name)
+    if given.dtype.kind not in "fiub":
+        kind: Any = given.dtype
+        if kind == object and given.size:
+            kind = repr(given.flat[0])
         raise TypeError(f"{name} must be real numbers, not {kind}")
-    if found.ndim != dimensions:
+    if given.ndim != dimensions:
         wanted = "a sequence of numbers" if dimensions == 1 else f"of {dimensions} dimensions"
-        raise ValueError(f"{name} must be {wanted}, and its shape is {found.shape}")
-    # A sum is finite where all are, and where it overflows they are looked at one by one.
-    if not math.isfinite(found.sum()) and not np.isfinite(found).all():
-        place = tuple(int(k) for k in np.argwhere(~np.isfinite(found))[0])
-        raise ValueError(f"{name}[{', '.join(map(str, place))}] = {found[place]} is not finite")
-    return np.ascontiguousarray(found, dtype=np.float64)
+        raise ValueError(f"{name} must be {wanted}, and its shape is {given.shape}")
+    copy = np.array(given, dtype=np.float64, order="C")
+    if not np.isfinite(copy).all():
+        place = tuple(int(k) for k in np.argwhere(~np.isfinite(copy))[0])
+        at = f"{name}[{', '.join(map(str, place))}]"
+        raise out_of_bounds(at, float(copy[place]), "finite")
+    return copy
 
 
 def several(values: ArrayLike, name: str, example: str) -> Floats:
@@ -139,12 +145,15 @@ def several(values: ArrayLike, name: str, example: str) -> Floats:
     return found
 
 
-def pair(values: Any, name: str) -> tuple[float, float]:
-    """Two numbers."""
-    found = array(values, name)
-    if len(found) != 2:
-        raise ValueError(f"{name} has {len(found)} values: it must be two, from and to")
-    return float(found[0]), float(found[1])
+def pair(values: Any, name: str, help: str) -> tuple[float, float]:
+    """Two numbers, the smaller one first."""
+    both = array(values, name)
+    if len(both) != 2:
+        raise ValueError(f"{name} has {len(both)} values: it must be two, from and to")
+    low, high = (float(one) for one in both)
+    if not low < high:
+        raise out_of_bounds(f"{name}[1]", high, f"larger than {name}[0] = {low:.15g}", f"; {help}")
+    return low, high
 
 
 def checked(system: System) -> System:
@@ -165,19 +174,31 @@ def state(system: System, y0: ArrayLike | Mapping[Any, Any] | None) -> list[floa
             raise ValueError(f"the system has no start: give y0, the states {', '.join(names)}")
         return list(system.start)
     if isinstance(y0, Mapping):
-        given: dict[Any, Any] = dict(zip(names, system.start or ()))
+        starts = zip(names, system._core.starts)
+        given: dict[Any, Any] = {name: value for name, value in starts if value is not None}
         given |= {getattr(key, "name", key): value for key, value in y0.items()}
         for name in given.keys() ^ set(names):
             what = "has no value of the state" if name in names else "has a value of"
             help = "" if name in names else f", which is no state: they are {', '.join(names)}"
             raise ValueError(f"y0 {what} {name}{help}")
         return [number(given[name], f"y0[{name}]") for name in names]
-    found = array(y0, "y0")
-    if len(found) != len(names):
-        raise ValueError(
-            f"y0 has {len(found)} values, and there are {len(names)} states: {', '.join(names)}"
-        )
-    return [float(value) for value in found]
+    return [float(value) for value in complete(system, array(y0, "y0"), "y0")[0]]
+
+
+def complete(system: System, states: Floats, name: str) -> Floats:
+    """Rows of states, to which the starts of discrete states are added where these are left out."""
+    rows, names = np.atleast_2d(states), system.states
+    if rows.shape[1] == len(names):
+        return rows
+    discrete = len(system.discrete)
+    if rows.shape[1] == len(names) - discrete:
+        starts = np.array(system._core.starts[-discrete:], dtype=np.float64)
+        return np.hstack([rows, np.tile(starts, (len(rows), 1))])
+    help = f"; the last {discrete} are discrete and may be left out" if discrete else ""
+    raise ValueError(
+        f"{name} has {rows.shape[1]} values, and there are {len(names)} states: "
+        f"{', '.join(names)}{help}"
+    )
 
 
 def start(

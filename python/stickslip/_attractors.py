@@ -14,7 +14,9 @@ from ._arguments import (
     Floats,
     Options,
     array,
+    as_array,
     checked,
+    complete,
     name_of,
     real,
     settings,
@@ -25,7 +27,7 @@ from ._arguments import (
 from ._plot import classes, new_axes
 from ._progress import shown
 from ._results import Result, called, column, kept, structured, warn_of_failures
-from ._symbols import Parameter, State
+from ._symbols import Parameter, State, number, out_of_bounds
 from ._system import System
 
 
@@ -297,7 +299,9 @@ def bifurcation_diagram(
 
 
 def _duration(duration: float | None) -> float | None:
-    return None if duration is None else real(duration, "duration")
+    if duration is not None and not number(duration, "duration") > 0:
+        raise out_of_bounds("duration", duration, "positive, or None for no measurement")
+    return duration
 
 
 def basins_of_attraction(
@@ -318,7 +322,8 @@ def basins_of_attraction(
     system : System
         The system.
     starts : array_like, shape (…, n)
-        The starts, as ``np.stack(np.meshgrid(x, v), axis=-1)``.
+        The starts, as ``np.stack(np.meshgrid(x, v), axis=-1)``. Discrete states, the last of the
+        n, may be left out: they start as the system says.
     longest : float, optional
         Time after which an orbit is called undecided.
     workers : int, optional
@@ -348,17 +353,19 @@ def basins_of_attraction(
     (array([0, 0, 1]), array([0.67, 0.33]))
     """
     names = checked(system).states
-    given = np.asarray(starts)
     if _is_meshgrid(starts):
         raise ValueError("starts is a meshgrid: stack it, np.stack(np.meshgrid(x, v), axis=-1)")
-    if given.ndim == 0 or given.shape[-1] != len(names):
+    given = as_array(starts, "starts")
+    discrete = len(system.discrete)
+    if given.ndim == 0 or given.shape[-1] not in (len(names), len(names) - discrete):
+        help = f" (the last {discrete} may be left out)" if discrete else ""
         raise ValueError(
-            f"the last axis of starts must be the {len(names)} states {', '.join(names)}, and the "
-            f"shape is {given.shape}; a grid is np.stack(np.meshgrid(x, v), axis=-1)"
+            f"the last axis of starts must be the {len(names)} states {', '.join(names)}{help}, "
+            f"and the shape is {given.shape}; a grid is np.stack(np.meshgrid(x, v), axis=-1)"
         )
     if not given.size:
         raise ValueError("starts is empty: give at least one state")
-    rows = array(given.reshape(-1, given.shape[-1]), "starts", 2)
+    rows = complete(system, array(given.reshape(-1, given.shape[-1]), "starts", 2), "starts")
     with shown(progress, "basins_of_attraction", "starts", total=len(rows)) as report:
         found = called(
             _core.basins,
@@ -372,7 +379,8 @@ def basins_of_attraction(
     each = [reasons[k] for k in found["reached"]]
     warn_of_failures(each, lambda k: f"the start {rows[k].tolist()}")
     found["reached"] = found["reached"].reshape(given.shape[:-1])
-    return kept(found, Basins, starts=rows.reshape(given.shape), system=system)
+    starts = rows.reshape(*given.shape[:-1], len(names))
+    return kept(found, Basins, starts=starts, system=system)
 
 
 def _is_meshgrid(starts: Any) -> bool:

@@ -12,6 +12,7 @@ __all__ = [
     "basins",
     "bifurcation_diagram",
     "continuation",
+    "equilibrium_continuation",
     "lyapunov_from_data",
     "lyapunov_spectrum",
     "parameter_map",
@@ -44,7 +45,11 @@ class System:
     @property
     def contacts_and_jumps(self) -> tuple[list[str], list[str]]: ...
     @property
-    def start(self) -> tuple[float, list[float] | None, float | None, float | None]: ...
+    def discrete(self) -> list[str]: ...
+    @property
+    def starts(self) -> list[float | None]: ...
+    @property
+    def period(self) -> float | None: ...
     @property
     def depends_on_time(self) -> bool: ...
 
@@ -81,6 +86,14 @@ def continuation(
     how: tuple[float, int],
     settings: _Settings,
     report: _Report,
+) -> _Found: ...
+def equilibrium_continuation(
+    system: System,
+    x: Sequence[float],
+    transient: float | None,
+    range: tuple[str, float, float],
+    how: tuple[float, int],
+    settings: _Settings,
 ) -> _Found: ...
 def lyapunov_spectrum(
     system: System,

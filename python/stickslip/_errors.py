@@ -39,14 +39,14 @@ class StickslipError(RuntimeError):
 
 
 class OptionError(ValueError):
-    """A setting is out of bounds.
+    """A number among the arguments is out of bounds: NaN, infinite, too small or too large.
 
     Attributes
     ----------
     message : str
         What is wrong.
     name : str
-        The setting.
+        The argument or option, as ``"rtol"`` or ``"y0[1]"``.
     value : float
         Its value.
     bound : str

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _core
-from ._arguments import Floats, Options, array, checked, real, settings, start
+from ._arguments import Floats, Options, array, as_array, checked, real, settings, start
 from ._plot import new_axes
 from ._progress import shown
 from ._results import Result, called, kept
@@ -204,7 +204,7 @@ def lyapunov_from_data(
     >>> float(ss.lyapunov_from_data(series).exponents[0].round(1))
     0.7
     """
-    given = np.asarray(series)
+    given = as_array(series, "series")
     rows = array(given[:, None] if given.ndim == 1 else given, "series", 2)
     if rows.shape[1] > len(rows):
         raise ValueError(

@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from ._arguments import Floats, Options, checked, name_of, pair, real, settings, start
-from ._errors import OptionError
+from ._arguments import Floats, Options, checked, name_of, pair, real, settings, start, state
 from ._plot import new_axes
 from ._progress import shown
 from ._results import Result, called, column, kept, structured
 from ._run import Event, Solution, section_of, solve_ivp
-from ._symbols import Expression, Parameter, State, whole
+from ._symbols import Expression, Parameter, State, number, out_of_bounds, whole
 from ._system import System
 
 
@@ -193,13 +192,7 @@ class Branch(Result):
         else:
             k, label = column(self.system, what)
             curves = [self.y_max[:, k], self.y_min[:, k]]
-        stable = np.array([one == "stable" for one in self.stability], dtype=bool)
-        # A line goes on to the first orbit behind a change.
-        for kind, style in ((stable, "-"), (~stable, "--")):
-            reached = kind.copy()
-            reached[1:] |= kind[:-1]
-            for curve in curves:
-                axes.plot(self.parameter, np.where(reached, curve, np.nan), style, color="C0")
+        _draw(axes, self.parameter, curves, self.stability)
         for name in dict.fromkeys(self.special["name"]):
             there = self.special[self.special["name"] == name]
             heights = self._between(curves[0], there)
@@ -220,6 +213,92 @@ class Branch(Result):
         return found
 
 
+@dataclass(frozen=True, repr=False)
+class EquilibriumBranch(Result):
+    """A branch of equilibria, from its lower end along the parameter to its upper one.
+
+    Attributes
+    ----------
+    parameter : ndarray, shape (m,)
+        The parameter of each equilibrium.
+    y : ndarray, shape (m, n)
+        Its state.
+    mode : list of str
+        Its mode, as in `Solution`: where a contact sticks, it is an equilibrium of sliding.
+    eigenvalues : list of ndarray of complex
+        Of the field in that mode, along the boundaries of the contacts that stick.
+    stability : list of str
+        As ``"stable"``.
+    special : ndarray, structured
+        Bifurcations: ``name`` (``"fold"``, ``"branch point"``, ``"Hopf"``,
+        ``"boundary equilibrium"``), ``parameter``, ``uncertainty``, ``frequency`` of a Hopf
+        bifurcation, ``contact`` of a boundary equilibrium with the modes ``before`` and ``after``,
+        the state ``y``, and ``behind``, the number of equilibria of the branch before it.
+    stops : (str, str)
+        Why the branch ends, downwards and upwards: ``"range"`` at a bound, ``"points"`` after
+        `most_points`, ``"boundary equilibrium"`` at a boundary beyond which there is none,
+        ``"no convergence"``.
+    name : str
+        The parameter.
+    system : System
+        The system.
+    """
+
+    parameter: Floats
+    y: Floats
+    mode: list[str]
+    eigenvalues: list[NDArray[np.complex128]]
+    stability: list[str]
+    special: NDArray[np.void]
+    stops: tuple[str, str]
+    name: str
+    system: System
+
+    def plot(self, axes: Any = None, what: int | str | State = 0) -> Any:
+        """Draws a state along the parameter: stable equilibria solid, others dashed, and what is
+        special by its name.
+
+        Parameters
+        ----------
+        what : int, str or State, optional
+            Which state, by number or name.
+        """
+        axes = new_axes(axes)
+        k, label = column(self.system, what)
+        _draw(axes, self.parameter, [self.y[:, k]], self.stability)
+        for name in dict.fromkeys(self.special["name"]):
+            there = self.special[self.special["name"] == name]
+            axes.plot(there["parameter"], there["y"][:, k], "o", label=name)
+        if len(self.special):
+            axes.legend()
+        axes.set(xlabel=self.name, ylabel=label)
+        return axes
+
+
+def _draw(axes: Any, parameter: Floats, curves: list[Floats], stability: list[str]) -> None:
+    """Draws curves along a parameter, solid where stable."""
+    stable = np.array([one == "stable" for one in stability], dtype=bool)
+    # A line goes on to the first point behind a change.
+    for of_kind, style in ((stable, "-"), (~stable, "--")):
+        drawn = of_kind.copy()
+        drawn[1:] |= of_kind[:-1]
+        for curve in curves:
+            axes.plot(parameter, np.where(drawn, curve, np.nan), style, color="C0")
+
+
+def _range(
+    system: System, parameter: str | Parameter, bounds: tuple[float, float]
+) -> tuple[str, float, float]:
+    """The parameter of a branch and its bounds, between which its present value is."""
+    low, high = pair(bounds, "bounds", "the branch is followed both ways between them")
+    name = name_of(parameter)
+    value = checked(system).parameters.get(name, low)
+    if not low <= value <= high:
+        bound = f"in the bounds {low:.15g} to {high:.15g} of the branch"
+        raise out_of_bounds(name, value, bound, "; set it by with_parameters")
+    return name, low, high
+
+
 def _search(
     system: System,
     transient: float | None,
@@ -227,8 +306,8 @@ def _search(
     longest: float,
     periods: int | None,
 ) -> tuple[float | None, float | None, float, int | None]:
-    if period is not None and not real(period, "period") > 0:
-        raise ValueError(f"period = {period}: it must be positive")
+    if period is not None and not number(period, "period") > 0:
+        raise out_of_bounds("period", period, "positive")
     if periods is not None and not system._core.depends_on_time:
         raise ValueError(f"periods = {periods}: the system does not depend on time; leave it out")
     return (
@@ -390,6 +469,8 @@ def continuation(
 ) -> Branch:
     """Follows a periodic orbit along a parameter, both ways, stable or not.
 
+    Equilibria are followed by `equilibrium_continuation`.
+
     Parameters
     ----------
     system : System
@@ -397,7 +478,7 @@ def continuation(
     parameter : str or Parameter
         The parameter.
     bounds : (float, float)
-        The branch ends where the parameter leaves them.
+        The branch ends where the parameter leaves them; the lower one first.
     y0, t0, period, periods, transient, longest
         As for `periodic_orbit`.
     step : float, optional
@@ -415,8 +496,10 @@ def continuation(
 
     Raises
     ------
+    OptionError
+        If the parameter is outside `bounds`, or these are not the lower and the upper one.
     StickslipError
-        If there is no periodic orbit to begin with.
+        If there is no periodic orbit to begin with, or it rests: steps are measured by its size.
     Interrupted
         On Ctrl-C; `partial` is the branch until then.
 
@@ -431,15 +514,7 @@ def continuation(
     >>> branch.special["name"], branch.special["parameter"].round(6) + 0
     (array(['Hopf', 'fold'], dtype='<U4'), array([ 0., -1.]))
     """
-    low, high = sorted(pair(bounds, "bounds"))
-    if not low < high:
-        raise ValueError(f"bounds = ({low:g}, {high:g}): the branch has no room between them")
-    name = name_of(parameter)
-    value = checked(system).parameters.get(name, low)
-    if not low <= value <= high:
-        bound = f"in the bounds {low:g} to {high:g} of the branch"
-        message = f"{name} = {value:g}: it must be {bound}; set it by with_parameters"
-        raise OptionError(message, name, value, bound)
+    name, low, high = _range(system, parameter, bounds)
     with shown(progress, "continuation", "orbits") as report:
         found = called(
             _core.continuation,
@@ -453,3 +528,77 @@ def continuation(
         )
     found["special"] = structured(found["special"])
     return kept(found, Branch, name=name, system=system)
+
+
+def equilibrium_continuation(
+    system: System,
+    parameter: str | Parameter,
+    bounds: tuple[float, float],
+    y0: ArrayLike | Mapping[State, float] | None = None,
+    *,
+    transient: float | None = None,
+    step: float = 0.02,
+    most_points: int = 1000,
+    **options: Unpack[Options],
+) -> EquilibriumBranch:
+    """Follows an equilibrium along a parameter, both ways, stable or not.
+
+    It is followed into the sliding field of contacts and out of it. It is what the program's
+    ``continue --equilibrium`` computes.
+
+    Parameters
+    ----------
+    system : System
+        The system; it may not depend on time.
+    parameter : str or Parameter
+        The parameter.
+    bounds : (float, float)
+        The branch ends where the parameter leaves them; the lower one first.
+    y0 : array_like, shape (n,), or dict, optional
+        State at the start, in order or as ``{x: 1, v: 0}``; that of the system unless given.
+    transient : float, optional
+        How long the run to the equilibrium is, at least. The default is 2000; it ends earlier where
+        the equilibrium is reached. With 0 there is no run, and the equilibrium near `y0` is taken.
+    step : float, optional
+        Longest step, as a part of the bounds and of the size of the first equilibrium.
+    most_points : int, optional
+        Most equilibria in each direction.
+    **options : Options
+        Tolerances and other settings.
+
+    Returns
+    -------
+    EquilibriumBranch
+
+    Raises
+    ------
+    OptionError
+        If the parameter is outside `bounds`, or these are not the lower and the upper one.
+    ValueError
+        If the system depends on time.
+    StickslipError
+        If the run comes to another motion, or the equilibrium is one of a set of equilibria.
+    Interrupted
+        On Ctrl-C, when the branch is computed (some 0.1 ms a point); nothing is kept.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> x = ss.state("x")
+    >>> p = ss.parameter("p", 1.0)
+    >>> branch = ss.equilibrium_continuation(ss.System({x: p - x**2}), p, (-1, 2), [0.5])
+    >>> branch.special["name"], branch.special["parameter"].round(9) + 0
+    (array(['fold'], dtype='<U4'), array([0.]))
+    """
+    along = _range(system, parameter, bounds)
+    found = called(
+        _core.equilibrium_continuation,
+        system._core,
+        state(system, y0),
+        None if transient is None else number(transient, "transient"),
+        along,
+        (real(step, "step"), whole(most_points, "most_points", least=2)),
+        settings(options),
+    )
+    found["special"] = structured(found["special"])
+    return kept(found, EquilibriumBranch, name=along[0], system=system)

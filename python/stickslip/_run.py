@@ -26,7 +26,16 @@ from ._errors import SolverWarning
 from ._plot import new_axes
 from ._progress import shown
 from ._results import called, kept, structured
-from ._symbols import Direction, Expression, Parameter, State, expression, sign_of, whole
+from ._symbols import (
+    Direction,
+    Expression,
+    Parameter,
+    State,
+    expression,
+    out_of_bounds,
+    sign_of,
+    whole,
+)
 from ._system import System
 
 
@@ -126,14 +135,14 @@ class DenseOutput:
 
         Raises
         ------
-        ValueError
+        OptionError
             For a time before or after the run.
         """
         times = np.asarray(t, dtype=np.float64)
         outside = ~((times >= self.t_min) & (times <= self.t_max))
         if outside.any():
-            first = float(times[outside].flat[0])
-            raise ValueError(f"t = {first}: the run goes from {self.t_min} to {self.t_max}")
+            bound = f"within the run, {self.t_min:.15g} to {self.t_max:.15g}"
+            raise out_of_bounds("t", float(times[outside].flat[0]), bound)
         if self._core is None:
             system, start, t_end, options = self._run
             until, nothing = (t_end, self.t_max), np.empty(0)
@@ -272,8 +281,9 @@ def solve_ivp(
 
     Raises
     ------
-    ValueError, TypeError
-        For an argument that cannot be, by its name.
+    OptionError
+        For a number that is out of bounds, NaN or infinite; other wrong arguments raise
+        `ValueError` or `TypeError`.
     StickslipError
         If the run fails at its start. If it fails later, it warns and returns the orbit until then.
     Interrupted
@@ -287,18 +297,15 @@ def solve_ivp(
     >>> (sol.t_events[0] * 6 / np.pi).round(12)
     array([1., 5.])
     """
-    t0, t_end = pair(t_span, "t_span")
-    if not t_end > t0:
-        raise ValueError(
-            f"t_span = ({t0:g}, {t_end:g}): the end must be later than the start; backwards in "
-            "time is a run of the system with negative rates"
-        )
+    backwards = "backwards in time is a run of the system with negative rates"
+    t0, t_end = pair(t_span, "t_span", backwards)
     begin = start(system, t0, y0)
     times = None
     if t_eval is not None:
         times = array(t_eval, "t_eval")
-        if times.size and (times.min() < t0 or times.max() > t_end):
-            raise ValueError(f"values in t_eval are not within t_span, {t0:g} to {t_end:g}")
+        for k in np.flatnonzero((times < t0) | (times > t_end))[:1]:
+            bound = f"within t_span, {t0:.15g} to {t_end:.15g}"
+            raise out_of_bounds(f"t_eval[{k}]", times[k], bound)
         if (np.diff(times) <= 0).any():
             raise ValueError("values in t_eval are not sorted, each larger than the one before")
     given = [] if events is None else events if isinstance(events, (list, tuple)) else [events]

@@ -4,19 +4,57 @@ from __future__ import annotations
 
 import numbers
 import operator
-from collections.abc import Mapping, Sequence
-from typing import Any, Literal
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+
+from ._errors import OptionError
 
 Direction = Literal["rising", "falling", "both"]
 
 # How tightly an operator binds.
 _SUM, _PRODUCT, _SIGN, _POWER, _ATOM = range(5)
 
+_STEPS = (
+    "formulas have no steps. A remainder of time is period * ss.sawtooth(name, period). An angle x "
+    "is taken back by ss.Jump(name, when=x - 2*ss.pi, direction=1, set={x: 0}). What counts or "
+    "rounds is a discrete state that jumps set (ss.discrete)"
+)
+_SIDES = (
+    "a sign is the `.side` of a Contact (of a state) or a Switch (of time), so that each side's "
+    "formula goes on smoothly; two formulas are contact.by_side(below, above)"
+)
+_COMPARED = (
+    "A field with two sides is written with a Contact: contact.by_side(below, above). Bounds are "
+    "np.minimum and np.maximum of single symbols. Events and jumps are where a formula is zero, "
+    "with a direction"
+)
+
+
+def _refuses(operation: str, remedy: str) -> Callable[..., Any]:
+    """A method that raises with a remedy; `{}` in the operation stands for the formula."""
+
+    def method(self: Expression, *of: Any) -> Any:
+        raise TypeError(f"{operation.format(self.text)} is no formula: {remedy}")
+
+    return method
+
 
 class Expression:
-    """A formula of states, parameters and time."""
+    """A formula of states, parameters and time.
+
+    Operators and NumPy's functions on it make further formulas. What no formula can be, such as a
+    comparison, a sign or a remainder, raises a `TypeError` that says what to write instead.
+
+    Attributes
+    ----------
+    text : str
+        The formula as the program reads it.
+    parts : frozenset
+        The states, parameters, contacts and inputs in it.
+    """
 
     __slots__ = ("text", "_binds", "parts")
 
@@ -26,7 +64,6 @@ class Expression:
     def __init__(self, text: str, binds: int = _ATOM, parts: frozenset[Any] = frozenset()) -> None:
         self.text = text
         self._binds = binds
-        #: The named objects that it is made of.
         self.parts = parts
 
     def __repr__(self) -> str:
@@ -78,30 +115,46 @@ class Expression:
             "np.minimum and np.maximum"
         )
 
-    def __lt__(self, other: Any) -> Expression:
-        return self._compared("<")
+    __lt__ = _refuses("a comparison (`<` with `{}`)", _COMPARED)
+    __le__ = _refuses("a comparison (`<=` with `{}`)", _COMPARED)
+    __gt__ = _refuses("a comparison (`>` with `{}`)", _COMPARED)
+    __ge__ = _refuses("a comparison (`>=` with `{}`)", _COMPARED)
+    __and__ = __rand__ = _refuses("a condition (`&` with `{}`)", _COMPARED)
+    __or__ = __ror__ = _refuses("a condition (`|` with `{}`)", _COMPARED)
+    __invert__ = _refuses("a condition (`~{}`)", _COMPARED)
+    __xor__ = __rxor__ = _refuses("`^` with `{}`", "a power is x**2")
+    __mod__ = __rmod__ = _refuses("a remainder (`%` with `{}`)", _STEPS)
+    __floordiv__ = __rfloordiv__ = _refuses("a floored quotient (`//` with `{}`)", _STEPS)
+    __divmod__ = __rdivmod__ = _refuses("`divmod` of `{}`", _STEPS)
+    __round__ = _refuses("`round` of `{}`", _STEPS)
+    __floor__ = _refuses("`floor` of `{}`", _STEPS)
+    __ceil__ = _refuses("`ceil` of `{}`", _STEPS)
+    __trunc__ = _refuses("`trunc` of `{}`", _STEPS)
 
-    def __le__(self, other: Any) -> Expression:
-        return self._compared("<=")
+    def __eq__(self, other: object) -> bool:
+        if isinstance(other, (numbers.Number, np.ndarray)):
+            raise TypeError(f"a comparison (`==` with `{self.text}`) is no formula: {_COMPARED}")
+        return self is other
 
-    def __gt__(self, other: Any) -> Expression:
-        return self._compared(">")
+    __hash__ = object.__hash__
 
-    def __ge__(self, other: Any) -> Expression:
-        return self._compared(">=")
-
-    def _compared(self, sign: str) -> Expression:
+    def __float__(self) -> Any:
         raise TypeError(
-            f"a formula cannot be compared (`{self.text} {sign} …`). A field with two sides is "
-            "written with a Contact: contact.by_side(below, above); bounds are np.minimum and "
-            "np.maximum; events and jumps are where a formula is zero, with a direction"
+            f"`{self.text}` is a formula, not a number. Functions that take it are NumPy's, as "
+            "np.sin, and not those of math, scipy and np.linalg; an array of formulas has "
+            "dtype=object"
         )
 
-    def __float__(self) -> float:
-        raise TypeError(
-            f"`{self.text}` is a formula, not a number: use NumPy's functions on it (np.sin), not "
-            "those of math"
-        )
+    __int__ = __index__ = __complex__ = __float__
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            # On an array of objects, np.sin calls the method `sin` of each.
+            function = vars(np).get(name)
+            if isinstance(function, np.ufunc):
+                return partial(function, self)
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
         if method != "__call__" or options:
@@ -117,14 +170,8 @@ class Expression:
             return _binary(inputs[0], sign, inputs[1], binds)
         if name in _FUNCTIONS:
             return _call(_FUNCTIONS[name], *inputs)
-        special: dict[str, Any] = {
-            "negative": lambda x: -x,
-            "positive": lambda x: x,
-            "square": lambda x: x**2,
-            "reciprocal": lambda x: 1 / x,
-        }
-        if name in special:
-            return special[name](*inputs)
+        if name in _COMPOSED:
+            return _COMPOSED[name](*(expression(one) for one in inputs))
         raise TypeError(f"np.{name} of a formula: {_INSTEAD.get(name, _KNOWN)}")
 
     def __array_function__(self, function: Any, types: Any, of: Any, options: Any) -> Any:
@@ -160,25 +207,51 @@ _FUNCTIONS = {
     "fmin": "min",
 }
 
-_KNOWN = "the functions are np." + ", np.".join(sorted(set(_FUNCTIONS) - {"fabs", "fmax", "fmin"}))
-_SIDES = (
-    "a sign is the `.side` of a Contact (of a state) or a Switch (of time), so that each side's "
-    "formula goes on smoothly; two formulas are contact.by_side(below, above)"
+# Functions that are formulas of the others, exact up to rounding.
+_COMPOSED: dict[str, Callable[..., Expression]] = {
+    "negative": lambda x: -x,
+    "positive": lambda x: x,
+    "conjugate": lambda x: x,
+    "square": lambda x: x**2,
+    "reciprocal": lambda x: 1 / x,
+    "hypot": lambda x, y: _call("sqrt", x**2 + y**2),
+    "log10": lambda x: _call("ln", x) / _call("ln", 10),
+    "log2": lambda x: _call("ln", x) / _call("ln", 2),
+    "exp2": lambda x: _call("exp", x * _call("ln", 2)),
+    **dict.fromkeys(["deg2rad", "radians"], lambda x: x * (pi / 180)),
+    **dict.fromkeys(["rad2deg", "degrees"], lambda x: x * (180 / pi)),
+}
+
+_KNOWN = "the functions are np." + ", np.".join(
+    sorted({*_FUNCTIONS, *_COMPOSED} - {"fabs", "fmax", "fmin", "negative", "positive"})
 )
 _INSTEAD = {
-    "sign": _SIDES,
-    "where": _SIDES,
-    "heaviside": _SIDES,
-    "select": _SIDES,
-    "piecewise": _SIDES,
-    "less": _SIDES,
-    "greater": _SIDES,
-    "less_equal": _SIDES,
-    "greater_equal": _SIDES,
+    **dict.fromkeys(["sign", "copysign", "signbit", "heaviside"], _SIDES),
+    **dict.fromkeys(["where", "select", "piecewise", "choose"], _SIDES),
+    **dict.fromkeys(["less", "less_equal", "greater", "greater_equal"], _COMPARED),
+    **dict.fromkeys(["equal", "not_equal", "isclose", "allclose"], _COMPARED),
+    **dict.fromkeys(["logical_and", "logical_or", "logical_not", "logical_xor"], _COMPARED),
+    **dict.fromkeys(["bitwise_and", "bitwise_or", "invert"], _COMPARED),
+    **dict.fromkeys(["remainder", "fmod", "floor_divide", "divmod", "modf"], _STEPS),
+    **dict.fromkeys(["floor", "ceil", "trunc", "rint", "round", "around", "fix"], _STEPS),
+    **dict.fromkeys(
+        ["sum", "prod", "mean", "dot", "matmul"],
+        "it takes a list of symbols, as np.sum([x, v]) and K @ [x, v]",
+    ),
     "clip": "write np.minimum(np.maximum(x, low), high)",
-    "hypot": "write np.sqrt(x**2 + y**2)",
     "interp": "a table of time is ss.table",
-    "remainder": "of time it is ss.sawtooth",
+    "bitwise_xor": "a power is x**2",
+    "cbrt": "write x**(1/3), for x > 0",
+    "sinc": "write np.sin(np.pi*x) / (np.pi*x); it has no value at 0",
+    "expm1": "write np.exp(x) - 1; near 0 it has few digits",
+    "log1p": "write np.log(1 + x); near 0 it has few digits",
+    "arcsin": "write 2*np.arctan(x / (1 + np.sqrt((1 - x)*(1 + x))))",
+    "arccos": "write 2*np.arctan(np.sqrt((1 - x) / (1 + x)))",
+    "arctan2": "write np.arctan(y / x) for x > 0, or let the angle be a state",
+    "arcsinh": "write np.log(x + np.sqrt(x**2 + 1)); for x < 0 it has few digits",
+    "arccosh": "write np.log(x + np.sqrt(x**2 - 1))",
+    "arctanh": "write np.log((1 + x) / (1 - x)) / 2",
+    "logaddexp": "write np.log(np.exp(x) + np.exp(y))",
 }
 
 
@@ -188,27 +261,37 @@ def _object(value: Any) -> np.ndarray[Any, Any]:
     return array
 
 
-def number(value: Any, what: str = "a number") -> float:
-    """A finite number; what is none is refused by the name of what it was to be."""
+def out_of_bounds(
+    name: str, value: float, bound: str, help: str = "", what: str = ""
+) -> OptionError:
+    """The error of an argument that must satisfy a bound."""
+    return OptionError(f"{what}{name} = {value:.15g}: it must be {bound}{help}", name, value, bound)
+
+
+def number(value: Any, name: str = "a number", what: str = "") -> float:
+    """A finite number; another value is refused by `name`, with `what` it is before that."""
     if not isinstance(value, numbers.Real):
-        raise TypeError(f"{what} must be a number, not {value!r}")
+        raise TypeError(f"{what}{name} must be a number, not {value!r}")
     result = float(value)
     if not np.isfinite(result):
-        raise ValueError(f"{what} = {result} is not finite")
+        raise out_of_bounds(name, result, "finite", what=what)
     return result
 
 
 def whole(value: Any, name: str, least: int = 1) -> int:
     """A whole number of at least 1, or of another bound."""
     try:
-        found = operator.index(value)
+        result = operator.index(value)
     except TypeError:
+        if isinstance(value, (float, np.floating)) and not np.isfinite(value):
+            bound = f"a whole number of at least {least}"
+            raise out_of_bounds(name, float(value), bound) from None
         if not (isinstance(value, (float, np.floating)) and float(value).is_integer()):
             raise TypeError(f"{name} must be a whole number, not {value!r}") from None
-        found = int(value)
-    if found < least:
-        raise ValueError(f"{name} = {found}: it must be at least {least}")
-    return found
+        result = int(value)
+    if result < least:
+        raise out_of_bounds(name, result, f"at least {least}")
+    return result
 
 
 def written(value: float) -> str:
@@ -274,7 +357,7 @@ class Symbol(Expression):
 
     def __eq__(self, other: object) -> bool:
         # Two of one name that differ stay apart, so that a system refuses them.
-        return other is self or (
+        return super().__eq__(other) or (
             type(other) is type(self) and repr(self.__reduce__()[1]) == repr(other.__reduce__()[1])
         )
 
@@ -301,14 +384,30 @@ class Parameter(Symbol):
 
     def __init__(self, name: str, value: float) -> None:
         super().__init__(name)
-        self.value = number(value, f"the parameter {name}")
+        self.value = number(value, name, "the parameter ")
 
     def __reduce__(self) -> Any:
         return type(self), (self.name, self.value)
 
 
 def states(names: str | Sequence[str]) -> tuple[State, ...]:
-    """States by their names, as in `x, v = ss.states("x v")`; of one name, too, it is a tuple."""
+    """States by their names, as in ``x, v = ss.states("x v")``.
+
+    Parameters
+    ----------
+    names : str or sequence of str
+        The names, with spaces or commas between.
+
+    Returns
+    -------
+    tuple of State
+        It is a tuple of one name, too: ``x, = ss.states("x")``, or ``x = ss.state("x")``.
+
+    Raises
+    ------
+    ValueError
+        If a name is none, or stands there twice.
+    """
     each = names.replace(",", " ").split() if isinstance(names, str) else list(names)
     if len(set(each)) < len(each):
         raise ValueError(f"the states {', '.join(each)} must have different names")
@@ -321,7 +420,22 @@ def state(name: str) -> State:
 
 
 def parameters(**values: float) -> tuple[Parameter, ...]:
-    """Parameters with their values, as in `k, mu0 = ss.parameters(k=1.0, mu0=0.4)`."""
+    """Parameters with their values, as in ``k, mu0 = ss.parameters(k=1.0, mu0=0.4)``.
+
+    Parameters
+    ----------
+    **values : float
+        The value of each.
+
+    Returns
+    -------
+    tuple of Parameter
+
+    Raises
+    ------
+    OptionError
+        If a value is infinite or NaN.
+    """
     return tuple(Parameter(name, value) for name, value in values.items())
 
 
@@ -331,7 +445,13 @@ def parameter(name: str, value: float) -> Parameter:
 
 
 class DiscreteState(Symbol):
-    """A state that changes by jumps only."""
+    """A state that changes by jumps only.
+
+    Attributes
+    ----------
+    start : Expression
+        Its value at the start of runs, a formula of parameters; 0 unless given.
+    """
 
     __slots__ = ("start",)
 
@@ -344,7 +464,18 @@ class DiscreteState(Symbol):
 
 
 def discrete(**starts: Any) -> tuple[DiscreteState, ...]:
-    """Discrete states with their values at the start."""
+    """Discrete states with their values at the start, as in ``heater, = ss.discrete(heater=1)``.
+
+    Parameters
+    ----------
+    **starts : float or Expression
+        The value of each at the start of runs, a number or a formula of parameters.
+
+    Returns
+    -------
+    tuple of DiscreteState
+        In this order they stand behind the other states, sorted by name.
+    """
     return tuple(DiscreteState(name, start) for name, start in starts.items())
 
 
@@ -414,7 +545,15 @@ class Contact(Symbol):
 
 
 class Switch(Symbol):
-    """The sign of a function of time alone."""
+    """The sign of a function of time alone.
+
+    Parameters
+    ----------
+    name : str
+        Its name in formulas and results.
+    function : Expression
+        A formula of time and parameters. Steps of the solver end at its zeros.
+    """
 
     __slots__ = ("function",)
 
@@ -432,7 +571,10 @@ class Switch(Symbol):
 
 
 class Input(Symbol):
-    """An input of time alone, linear between its kinks."""
+    """An input of time alone, linear between its kinks.
+
+    It is made by `square`, `triangle`, `sawtooth`, `pulse` or `table`.
+    """
 
     __slots__ = ("entries",)
 
@@ -452,22 +594,66 @@ def _repeated(name: str, shape: str, period: Any, phase: Any, **more: Any) -> In
 
 
 def square(name: str, period: Any, phase: Any = None) -> Input:
-    """1 in the first half of each period, -1 in the second."""
+    """An input that is 1 in the first half of each period, -1 in the second.
+
+    Parameters
+    ----------
+    name : str
+        Its name in formulas and results.
+    period : float or Expression
+        A number or a formula of parameters.
+    phase : float or Expression, optional
+        Part of the period that has passed at time 0; 0 unless given.
+    """
     return _repeated(name, "square", period, phase)
 
 
 def triangle(name: str, period: Any, phase: Any = None) -> Input:
-    """From 0 to 1, to -1 and to 0 in each period."""
+    """An input that goes from 0 to 1, to -1 and to 0 in each period.
+
+    Parameters
+    ----------
+    name : str
+        Its name in formulas and results.
+    period : float or Expression
+        A number or a formula of parameters.
+    phase : float or Expression, optional
+        Part of the period that has passed at time 0; 0 unless given.
+    """
     return _repeated(name, "triangle", period, phase)
 
 
 def sawtooth(name: str, period: Any, phase: Any = None) -> Input:
-    """From 0 to 1 in each period."""
+    """An input that goes from 0 to 1 in each period.
+
+    ``period * ss.sawtooth("clock", period)`` is the remainder ``t % period``.
+
+    Parameters
+    ----------
+    name : str
+        Its name in formulas and results.
+    period : float or Expression
+        A number or a formula of parameters.
+    phase : float or Expression, optional
+        Part of the period that has passed at time 0; 0 unless given.
+    """
     return _repeated(name, "sawtooth", period, phase)
 
 
 def pulse(name: str, period: Any, width: float, phase: Any = None) -> Input:
-    """1 in the part `width` of each period, 0 in the rest."""
+    """An input that is 1 in the first part of each period, 0 in the rest.
+
+    Parameters
+    ----------
+    name : str
+        Its name in formulas and results.
+    period : float or Expression
+        A number or a formula of parameters.
+    width : float
+        That part, between 0 and 1.
+    phase : float or Expression, optional
+        Part of the period that has passed at time 0; 0 unless given.
+    """
     return _repeated(name, "pulse", period, phase, width=number(width, "width"))
 
 
@@ -477,9 +663,19 @@ def table(
     values: Any,
     between: Literal["linear", "constant"] = "linear",
 ) -> Input:
-    """Through points in time."""
+    """An input through points in time; constant before the first and behind the last.
+
+    Parameters
+    ----------
+    name : str
+        Its name in formulas and results.
+    times, values : array_like, shape (m,)
+        The points, sorted by time.
+    between : {"linear", "constant"}, optional
+        What is between two points: a line, or the value of the first.
+    """
     lists = {
-        what: [number(one, what) for one in np.asarray(given).ravel()]
+        what: [number(one, f"{what}[{k}]") for k, one in enumerate(np.asarray(given).ravel())]
         for what, given in (("times", times), ("values", values))
     }
     return Input(name, {"shape": "table", **lists, "between": between})
@@ -552,4 +748,4 @@ class Time(Symbol):
 #: Time.
 t = Time("t")
 #: The circle's number.
-pi = Expression("pi")
+pi: Expression = Expression("pi")

@@ -83,7 +83,23 @@ class System:
 
     @classmethod
     def from_toml(cls, source: str | os.PathLike[str]) -> System:
-        """The system of a file, of a shipped model by its name, or of a text of several lines."""
+        """The system of a file.
+
+        Parameters
+        ----------
+        source : str or path
+            The path of a file, the name of a shipped model as ``"belt"``, or a text of several
+            lines.
+
+        Returns
+        -------
+        System
+
+        Raises
+        ------
+        SystemError
+            If the file cannot be read or is wrong; the message shows the place.
+        """
         if isinstance(source, str) and "\n" in source:
             return cls._of("text", source, {})
         path = os.fspath(source)
@@ -97,10 +113,29 @@ class System:
     def with_parameters(
         self, values: Mapping[Any, float] | None = None, /, **more: float
     ) -> System:
-        """The same system with other values of some parameters, as `mu0=0.3` or `{mu0: 0.3}`."""
+        """The same system with other values of some parameters.
+
+        Parameters
+        ----------
+        values : dict, optional
+            The values by parameter or name, as ``{mu0: 0.3}``.
+        **more : float
+            The values by name, as ``mu0=0.3``.
+
+        Returns
+        -------
+        System
+
+        Raises
+        ------
+        SystemError
+            If there is no such parameter, or its value is not allowed.
+        OptionError
+            If a value is infinite or NaN.
+        """
         given: dict[Any, float] = {} if values is None else dict(values)
         checked = {
-            name: number(value, f"the parameter {name}")
+            name: number(value, name, "the parameter ")
             for key, value in (given | more).items()
             for name in [getattr(key, "name", key)]
         }
@@ -115,6 +150,11 @@ class System:
     def states(self) -> tuple[str, ...]:
         """Names of the states, in their order; discrete ones stand last."""
         return tuple(self._core.states)
+
+    @property
+    def discrete(self) -> tuple[str, ...]:
+        """Names of the discrete states. What is given for a start may leave these out."""
+        return tuple(self._core.discrete)
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -134,13 +174,13 @@ class System:
     @property
     def start(self) -> tuple[float, ...] | None:
         """Where runs begin, if the system says so."""
-        start = self._core.start[1]
-        return None if start is None else tuple(start)
+        start = tuple(one for one in self._core.starts if one is not None)
+        return start if len(start) == len(self.states) else None
 
     @property
     def period(self) -> float | None:
         """Period in time, of a driven system."""
-        return self._core.start[3]
+        return self._core.period
 
     def __repr__(self) -> str:
         def listed(names: list[str]) -> str:

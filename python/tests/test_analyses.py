@@ -86,6 +86,92 @@ def test_a_branch_is_that_of_the_program(tmp_path):
         assert np.array_equal(table[f"{state}_high"], found.y_max[:, k])
 
 
+def block(v0=2.0):
+    """A block on a belt of speed w, whose friction falls with the slip speed: damping 0.1 is less
+    than its slope, exp(-2 w), below w = ln(10)/2."""
+    x, v = ss.states("x v")
+    w = ss.parameter("w", v0)
+    law = lambda side: 0.5 + 0.5 * np.exp(-2 * side * (v - w))
+    belt = ss.Contact("belt", boundary=v - w, friction=law)
+    return ss.System({x: v, v: -x - 0.1 * v - belt.friction}, contacts=[belt], start=[0.5, 0])
+
+
+def test_an_equilibrium_is_followed_through_its_bifurcations():
+    branch = ss.equilibrium_continuation(block(), "w", (0.5, 2.5))
+    assert np.allclose(branch.y[:, 0], 0.5 + 0.5 * np.exp(-2 * branch.parameter), atol=1e-12)
+    assert np.allclose(branch.y[:, 1], 0, rtol=0, atol=1e-12) and set(branch.mode) == {"-"}
+    (hopf,) = branch.special
+    assert hopf["name"] == "Hopf" and hopf["parameter"] == pytest.approx(np.log(10) / 2, abs=1e-12)
+    assert hopf["frequency"] == pytest.approx(1, abs=1e-12)
+    before = branch.parameter[hopf["behind"] - 1 : hopf["behind"] + 1]
+    assert before[0] < hopf["parameter"] < before[1]
+    is_stable = [one == "stable" for one in branch.stability]
+    assert np.array_equal(is_stable, branch.parameter > hopf["parameter"])
+    real = [max(values.real) for values in branch.eigenvalues]
+    assert np.array_equal(np.array(real) < 0, is_stable)
+    assert branch.stops == ("range", "range")
+
+
+def test_an_equilibrium_of_sliding_leaves_its_boundary():
+    """Where |q| < 1 both sides of x' = q - x - side(x) lead to x = 0."""
+    x, y = ss.states("x y")
+    q = ss.parameter("q", 0.0)
+    wall = ss.Contact("wall", boundary=x)
+    system = ss.System({x: q - x - wall.side, y: -y}, contacts=[wall])
+    branch = ss.equilibrium_continuation(system, q, (-2, 2), [0.5, 1])
+    wanted = np.sign(branch.parameter) * np.maximum(np.abs(branch.parameter) - 1, 0)
+    assert np.allclose(branch.y[:, 0], wanted, rtol=0, atol=1e-12)
+    low, high = branch.special
+    assert (low["name"], low["contact"], low["before"], low["after"]) == (
+        "boundary equilibrium", "wall", "-", "S",
+    )  # fmt: skip
+    assert (high["before"], high["after"]) == ("S", "+")
+    assert [low["parameter"], high["parameter"]] == pytest.approx([-1, 1], abs=1e-12)
+
+
+def test_a_branch_of_equilibria_is_that_of_the_program(tmp_path):
+    file = tmp_path / "block.toml"
+    file.write_text(block().to_toml(), encoding="utf-8")
+    settings = ["--parameter", "w=0.5:2.5", "--equilibrium", "--json", "--out", str(tmp_path)]
+    told = program("continue", str(file), *settings)
+    found = ss.equilibrium_continuation(block(), "w", (0.5, 2.5))
+    assert [end["stop"] for end in told["ends"]] == list(found.stops)
+    table = np.genfromtxt(tmp_path / "equilibria.csv", delimiter=",", names=True, dtype=None)
+    assert np.array_equal(table["w"], found.parameter)
+    assert np.array_equal(table["x"], found.y[:, 0])
+    assert np.array_equal(table["eigenvalue1_re"], [one[0].real for one in found.eigenvalues])
+    assert [at["parameter"] for at in told["special"]] == found.special["parameter"].tolist()
+
+
+def test_where_there_is_no_equilibrium_it_is_said():
+    with pytest.raises(ss.StickslipError, match="a motion of kind `periodic`.*transient=0") as one:
+        ss.equilibrium_continuation(rings(), "p", (-1.5, 1), [1, 0])
+    assert one.value.kind == "NotFound"
+    # Without a run it is the one near the start.
+    branch = ss.equilibrium_continuation(rings(), "p", (-1.5, 1), [0.01, 0], transient=0)
+    assert branch.special["name"].tolist() == ["Hopf"] and np.allclose(branch.y, 0, atol=1e-12)
+    x, v = ss.states("x v")
+    driven = ss.System({x: v, v: np.cos(ss.t) - ss.parameter("p", 1.0) * v - x})
+    with pytest.raises(ValueError, match="depends on time, so that it has no equilibrium"):
+        ss.equilibrium_continuation(driven, "p", (0, 2), [0, 0])
+    damped = ss.System({x: v, v: -ss.parameter("p", 1.0) * v - x})
+    with pytest.raises(ss.StickslipError, match="follow it by equilibrium_continuation"):
+        ss.continuation(damped, "p", (0.5, 2), [1, 0], transient=50)
+
+
+def test_a_driven_orbit_that_rests_has_no_branch_and_the_error_says_so():
+    """Steps are measured by the size of the orbit, which is zero at x = p whatever the drive."""
+    x, v = ss.states("x v")
+    p = ss.parameter("p", 1.0)
+    rate = (p - 0.5 * v - x) * (2 + np.cos(ss.t))
+    system = ss.System({x: v, v: rate}, period=2 * np.pi)
+    assert ss.periodic_orbit(system, [0.1, 0]).y[0] == pytest.approx(1, abs=1e-12)
+    with pytest.raises(ss.StickslipError, match="rests at an equilibrium of the driven system"):
+        ss.continuation(system, p, (0.5, 1.5), [0.1, 0])
+    moves = ss.System({x: v, v: rate + 1e-3 * np.cos(ss.t)}, period=2 * np.pi)
+    assert ss.continuation(moves, p, (0.5, 1.5), [0.1, 0]).stops == ("range", "range")
+
+
 def test_a_branch_along_the_frequency_of_a_drive_is_in_its_time():
     x, v = ss.states("x v")
     w = ss.parameter("w", 1.0)
@@ -347,7 +433,8 @@ def test_the_shortest_period_is_found_and_rest_is_told():
         (lambda s: ss.continuation(s, "p", (0, 1), [1, 0], step=2.0), "step = 2 is not allowed"),
         (lambda s: ss.periodic_orbit(s, [1, 0], periods=0), "periods = 0"),
         (lambda s: ss.periodic_orbit(s, [1, 0], periods=2), "does not depend on time"),
-        (lambda s: ss.continuation(s, "p", (1, 1), [1, 0]), "no room between them"),
+        (lambda s: ss.continuation(s, "p", (1, 1), [1, 0]), r"must be larger than bounds\[0\] = 1"),
+        (lambda s: ss.continuation(s, "p", (3, 0), [1, 0]), r"bounds\[1\] = 0.*bounds\[0\] = 3;"),
         (lambda s: ss.basins_of_attraction(s, np.meshgrid([1, 2], [3, 4, 5])), "meshgrid: stack"),
         (lambda s: ss.poincare_map(s, ss.parameter("p", 1.0), [1, 0]), "neither a state nor time"),
     ],

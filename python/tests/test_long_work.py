@@ -10,6 +10,9 @@ import subprocess
 import sys
 import termios
 import textwrap
+import threading
+import time
+import types
 
 import numpy as np
 import pytest
@@ -100,6 +103,26 @@ def test_ctrl_c_ends_work_soon_and_keeps_what_was_found(work, check):
     assert float(time) < 0.2 and is_kept == "True"
 
 
+def test_other_threads_run_meanwhile():
+    """They could not, if a run kept the interpreter's lock."""
+    x, v = ss.states("x v")
+    counted, is_over = 0, threading.Event()
+
+    def count():
+        nonlocal counted
+        while not is_over.wait(0.001):
+            counted += 1
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    begin = time.perf_counter()
+    ss.solve_ivp(ss.System({x: v, v: -(x**3)}), (0, 3e4), [1, 0], t_eval=[])
+    span, seen = time.perf_counter() - begin, counted
+    is_over.set()
+    thread.join()
+    assert span > 0.2 and seen > 100 * span
+
+
 def test_an_interruption_can_be_pickled_and_is_one_of_the_keyboard():
     stop = pickle.loads(pickle.dumps(ss.Interrupted("interrupted", [1, 2])))
     assert isinstance(stop, KeyboardInterrupt) and stop.partial == [1, 2]
@@ -166,6 +189,29 @@ def test_progress_is_shown_on_a_terminal_only(no_tqdm):
     run = [sys.executable, "-c", code.replace("SHOWN", "True")]
     done = subprocess.run(run, capture_output=True, text=True, check=True)
     assert done.stdout == done.stderr == ""
+
+
+def test_one_bar_of_tqdm_is_drawn_as_the_place_demands(monkeypatch):
+    """tqdm.auto chooses between a terminal's bar and a notebook's."""
+    bars = []
+
+    class Bar:
+        def __init__(self, **options):
+            self.n, self.is_closed, self.options = 0, False, options
+            bars.append(self)
+
+        def update(self, more):
+            self.n += more
+
+        def close(self):
+            self.is_closed = True
+
+    monkeypatch.setitem(sys.modules, "tqdm.auto", types.SimpleNamespace(tqdm=Bar))
+    bistable(progress=True)
+    (bar,) = bars
+    assert bar.n == bar.options["total"] == 40 and bar.is_closed
+    # In a notebook None shows it; elsewhere it hides it where there is no terminal.
+    assert bar.options["disable"] is None
 
 
 def test_an_error_in_a_report_ends_the_work():

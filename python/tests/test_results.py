@@ -21,6 +21,11 @@ def belt_system():
     return ss.System({x: v, v: rate}, contacts=[belt])
 
 
+def damped():
+    x, v = ss.states("x v")
+    return ss.System({x: v, v: ss.parameter("p", 1.0) - v - x - x**3}, start=[0, 0])
+
+
 def results():
     system, start = belt_system(), [0.5, 0]
     v = ss.state("v")
@@ -30,6 +35,7 @@ def results():
         "map": ss.poincare_map(system, ss.event(v, -1), start, returns=5),
         "orbit": ss.periodic_orbit(system, start),
         "branch": ss.continuation(system, "mu0", (0.38, 0.42), start),
+        "equilibria": ss.equilibrium_continuation(damped(), "p", (-2, 2)),
         "spectrum": ss.lyapunov_spectrum(system, start, transient=20, duration=50),
         "diagram": ss.bifurcation_diagram(system, "mu0", [0.38, 0.42], start, longest=200),
         "basins": ss.basins_of_attraction(system, grid, longest=200),
@@ -76,7 +82,7 @@ def test_a_solution_from_a_pickle_has_the_same_bits():
         asked = times[times <= sol.sol.t_max]
         assert np.array_equal(again(asked), sol.sol(asked)) and len(asked) > 50
         assert np.array_equal(again(sol.sol.t_max), sol.sol(sol.sol.t_max))
-        with pytest.raises(ValueError, match="the run goes from"):
+        with pytest.raises(ValueError, match="within the run"):
             again(sol.sol.t_max + 1)
 
 

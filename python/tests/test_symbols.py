@@ -1,6 +1,7 @@
 """Formulas and systems of symbols."""
 
 import copy
+import math
 import pickle
 
 import numpy as np
@@ -100,22 +101,111 @@ def test_numpy_works_on_symbols():
         (lambda x: x > 0, "by_side"),
         (lambda x: np.where(x, 1, 2), "by_side"),
         (lambda x: np.sign(x), r"\.side"),
-        (lambda x: np.arcsin(x), "the functions are"),
+        (lambda x: np.arcsin(x), r"write 2\*np.arctan"),
+        (lambda x: np.frexp(x), "the functions are"),
         (lambda x: float(x), "not a number"),
         (lambda x: x + "1", "unsupported operand"),
         (lambda x: np.complex128(1j) * x, "operand type"),
         (lambda x: np.clip(x, 0, 1), r"np.minimum\(np.maximum"),
         (lambda x: ss.Jump("hit", when=x, count=1.5), "count must be a whole number"),
-        (lambda x: ss.System({x: x == 1}), "False cannot stand in a formula"),
+        (lambda x: ss.System({x: x == 1}), "a comparison .*by_side"),
         (lambda x: ss.System({ss.states("x"): 1}), "returns a tuple"),
         (lambda x: ss.System({x: 1}, contacts=["belt"]), "contacts must be made by ss.Contact"),
         (lambda x: ss.Jump("hit", when=x, set={"x": 1}), "'x' is no state"),
         (lambda x: ss.Jump("hit", when=x < 0), "with a direction"),
+        (lambda x: x % 2, r"remainder .*ss.sawtooth\(name, period\).*ss.Jump\(name, when=x - 2"),
+        (lambda x: 2 % x, "remainder .*ss.sawtooth"),
+        (lambda x: x // 2, "floored quotient .*ss.discrete"),
+        (lambda x: 7 // x, "floored quotient .*ss.discrete"),
+        (lambda x: divmod(x, 2), "divmod.*ss.discrete"),
+        (lambda x: divmod(2, x), "divmod.*ss.discrete"),
+        (lambda x: round(x), "round.*ss.discrete"),
+        (lambda x: round(x, 2), "round.*ss.discrete"),
+        (lambda x: int(x), "not a number.*np.sin"),
+        (lambda x: complex(x), "not a number.*np.sin"),
+        (lambda x: range(x), "not a number.*np.sin"),
+        (lambda x: [1, 2] * x, "not a number.*np.sin"),
+        (lambda x: np.zeros(2).__setitem__(0, x), "dtype=object"),
+        (lambda x: np.linalg.inv([[x, 1], [1, x]]), "Cannot cast|np.linalg"),
+        (lambda x: x < 1, "a comparison .*np.minimum"),
+        (lambda x: 1 >= x, "a comparison .*np.minimum"),
+        (lambda x: x == 0, "a comparison .*with a direction"),
+        (lambda x: x + 1 != 0.5, "a comparison .*with a direction"),
+        (lambda x: np.float64(1) == x, "a comparison|equal of a formula"),
+        (lambda x: max(x, 0), "a comparison .*np.maximum"),
+        (lambda x: sorted([x, 2 * x]), "a comparison"),
+        (lambda x: x & 1, "a condition .*by_side"),
+        (lambda x: 1 | x, "a condition .*by_side"),
+        (lambda x: ~x, "a condition .*by_side"),
+        (lambda x: x ^ 2, r"a power is x\*\*2"),
+        (lambda x: 0 < x < 1, "a comparison"),
+        (lambda x: np.round(x, 1), "ss.discrete"),
+        (lambda x: np.interp(x, [0, 1], [2, 3]), "ss.table"),
+        (lambda x: np.sum(x), r"a list of symbols, as np.sum\(\[x, v\]\)"),
     ],
 )
 def test_misuse_says_what_to_write_instead(misuse, words):
     with pytest.raises(TypeError, match=words):
         misuse(ss.state("x"))
+
+
+UFUNCS = sorted(
+    {
+        one.__name__
+        for one in vars(np).values()
+        if isinstance(one, np.ufunc) and hasattr(np, one.__name__)
+        if one.nin <= 2 and not one.signature
+    }
+)
+# Others take lists.
+OF_MATH = sorted(
+    name
+    for name, one in vars(math).items()
+    if callable(one) and name not in ("dist", "fsum", "prod", "sumprod") and name[0] != "_"
+)
+
+
+@pytest.mark.parametrize("name", UFUNCS)
+def test_each_function_of_numpy_is_a_formula_or_says_what_to_write(name):
+    function, values = getattr(np, name), (0.3, 0.7)
+    # Of arrays of objects NumPy compares for the largest, and has no loop for float_power.
+    has_loop = name not in ("maximum", "minimum", "fmax", "fmin", "float_power")
+    x, v = ss.states("x v")
+    of = (x, v)[: function.nin]
+    try:
+        formula = function(*of)
+    except TypeError as error:
+        assert f"np.{name} of a formula: " in str(error), error
+        return
+    formulas = [formula, *(function(*(np.array([one]) for one in of)) if has_loop else [])]
+    for one in formulas:
+        y = ss.state("y")
+        end = ss.solve_ivp(ss.System({x: 0, v: 0, y: one}), (0, 1), [*values, 0]).y[2, -1]
+        assert end == pytest.approx(function(*values[: function.nin]), rel=1e-14)
+
+
+@pytest.mark.parametrize("name", OF_MATH)
+def test_each_function_of_math_says_what_takes_symbols(name):
+    function, x = getattr(math, name), ss.state("x")
+    said = []
+    for count in (1, 2, 3):
+        with pytest.raises(TypeError) as caught:
+            function(*[x] * count)
+        said.append(str(caught.value))
+    # With another number of arguments it says that.
+    assert any("formula" in one for one in said), said
+
+
+def test_what_replaces_a_remainder_is_one():
+    """`%` is refused, and its message names these two."""
+    x, y = ss.states("x y")
+    clock = ss.sawtooth("clock", 0.7)
+    turn = ss.Jump("turn", when=x - 2 * ss.pi, direction=1, set={x: x - 2 * ss.pi})
+    system = ss.System({x: 1, y: 0.7 * clock}, jumps=[turn])
+    sol = ss.solve_ivp(system, (0, 20), [0, 0], t_eval=np.linspace(0, 20, 9))
+    assert np.allclose(sol.y[0], sol.t % (2 * np.pi), rtol=0, atol=1e-12)
+    whole, part = np.divmod(sol.t, 0.7)
+    assert np.allclose(sol.y[1], whole * 0.7**2 / 2 + part**2 / 2, rtol=0, atol=1e-12)
 
 
 def test_a_number_that_is_none_is_refused_by_name():
@@ -125,6 +215,11 @@ def test_a_number_that_is_none_is_refused_by_name():
         belt_system(mu0=np.inf)
     with pytest.raises(ss.SystemError, match="mu0"):
         belt_system(mu=0.3)
+
+
+def test_the_text_of_a_large_system_is_short():
+    states = ss.states([f"x{k}" for k in range(40)])
+    assert len(repr(ss.System({state: 1 for state in states}))) < 120
 
 
 def test_what_is_missing_is_named():

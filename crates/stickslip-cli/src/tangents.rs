@@ -14,29 +14,31 @@ use stickslip::{Scalar, Side};
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::Combination;
 
-/// Number of intervals in the range. Two tangent points within one interval are not detected.
-const FINENESS: usize = 2000;
+/// Number of intervals in the range. It is chosen: two tangent points within one interval are not
+/// detected.
+const LINE_INTERVALS: usize = 2000;
 
-/// Number of intervals in the window of the solved state. Two branches within one of them may be
-/// missed.
-const ACROSS: usize = 64;
+/// Number of intervals in the window of the solved state. It is chosen: two branches within one of
+/// them may be missed.
+const WINDOW_INTERVALS: usize = 64;
 
 /// Number of bisections of an interval, down to the rounding of its ends.
-const HALVINGS: usize = 52;
+const BISECTIONS: usize = 52;
 
 /// Values of the solved state count as equal if they differ by less than this, relative to their
 /// size and the window. It is the square root of rounding, as at a turning point.
-const SAME: f64 = 1e-7;
+const BRANCH_DISTANCE: f64 = 1e-7;
 
 /// Values of the state along the line and of the solved state.
-pub type At = [f64; 2];
+pub type LinePoint = [f64; 2];
 
-/// Maximum number of Newton steps for the solved state.
-const MOST_STEPS: usize = 50;
+/// Maximum number of Newton steps for the solved state. From a turning point each step halves the
+/// distance, and 50 halvings reach rounding.
+const MOST_NEWTON_STEPS: usize = 50;
 
 /// A line on the boundary of a contact.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Line {
+pub struct BoundaryLine {
     /// Contact, counted from 0.
     pub contact: usize,
     /// State that varies along the line.
@@ -50,7 +52,7 @@ pub struct Line {
     /// Values of the other states, and the initial guess for the solved one.
     pub x: Vec<f64>,
     /// Points of a branch, by rising value; empty if no branch is chosen.
-    pub path: Vec<At>,
+    pub path: Vec<LinePoint>,
 }
 
 /// Where a field is tangent to the boundary.
@@ -66,7 +68,7 @@ pub struct TangentPoint {
 
 /// Behaviour of orbits at the boundary, in a part of the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum ZoneKind {
     /// Both fields point towards the boundary: the contact sticks.
     Stick,
     /// Both fields point away: the future is not unique.
@@ -77,7 +79,7 @@ pub enum Kind {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Zone {
     /// Behaviour of orbits in the zone.
-    pub kind: Kind,
+    pub kind: ZoneKind,
     /// Lower end.
     pub from: f64,
     /// Upper end.
@@ -86,7 +88,7 @@ pub struct Zone {
 
 /// Results on a line.
 #[derive(Clone, Debug, PartialEq)]
-pub struct OnLine {
+pub struct LineResults {
     /// Tangent points of the fields of slip, by falling value of the state along the line.
     pub points: Vec<TangentPoint>,
     /// Zones of stick and of repulsion, by falling value.
@@ -105,7 +107,7 @@ enum Fields {
 
 /// Difference of the rate of the boundary function between the field above and the field below.
 /// Friction makes it negative.
-pub struct Jumps {
+pub struct RateJumps {
     /// In slip.
     pub slip: f64,
     /// While the contact holds.
@@ -114,7 +116,7 @@ pub struct Jumps {
     pub rounding: f64,
 }
 
-impl Line {
+impl BoundaryLine {
     /// The line through a point of state space. The solved state is the one on which the boundary
     /// function depends most. The line follows the state `along`, or the first other state. `None`
     /// if there is no other state, or the boundary function depends on no state.
@@ -124,7 +126,7 @@ impl Line {
         along: Option<usize>,
         range: (f64, f64),
         (t, x): (f64, &[f64]),
-    ) -> Option<Line> {
+    ) -> Option<BoundaryLine> {
         let states = 0..system.states();
         // The gradient vanishes in the middle of a closed boundary, so a nearby point is tried.
         let beside: Vec<f64> = x.iter().map(|x| x + 1.0).collect();
@@ -137,7 +139,7 @@ impl Line {
             .filter(|&state| Some(state) != along && slope(state) > 0.0)
             .max_by(|&a, &b| slope(a).total_cmp(&slope(b)))?;
         let along = along.or_else(|| states.clone().find(|&state| state != solved))?;
-        Some(Line {
+        Some(BoundaryLine {
             contact,
             along,
             solved,
@@ -152,7 +154,7 @@ impl Line {
     /// ends, with the results on them. Branches are searched in a window of the solved state: its
     /// range in the file, or else as far from the start as the range is wide. Newton's iteration
     /// from the start may locate further ones.
-    pub fn scan(&self, system: &System) -> Vec<(Line, OnLine)> {
+    pub fn scan(&self, system: &System) -> Vec<(BoundaryLine, LineResults)> {
         let (start, width) = (self.x[self.solved], self.range.1 - self.range.0);
         let shown = system.file.states[self.solved].range;
         let (low, high) = shown.unwrap_or((start - width, start + width));
@@ -161,10 +163,12 @@ impl Line {
             let part = |k| from + (to - from) * k as f64 / parts as f64;
             (0..=parts).map(part).collect()
         };
-        let along = parts(self.range.0, self.range.1, FINENESS);
-        let across = parts(low, high, ACROSS);
-        let is_same = |a: At, b: At| (a[1] - b[1]).abs() <= SAME * (a[1].abs() + (high - low));
-        let mut paths: Vec<Vec<At>> = Vec::new();
+        let along = parts(self.range.0, self.range.1, LINE_INTERVALS);
+        let across = parts(low, high, WINDOW_INTERVALS);
+        let is_same = |a: LinePoint, b: LinePoint| {
+            (a[1] - b[1]).abs() <= BRANCH_DISTANCE * (a[1].abs() + (high - low))
+        };
+        let mut paths: Vec<Vec<LinePoint>> = Vec::new();
         for (k, &s) in along.iter().enumerate() {
             let height = |&y: &f64| (y, self.boundary(system, [s, y]).0);
             let heights: Vec<(f64, f64)> = across.iter().map(height).collect();
@@ -173,7 +177,7 @@ impl Line {
                 .map(|two| 0.5 * (two[0].0 + two[1].0))
                 .chain([start]);
             for seed in guesses.filter_map(|y| self.solve(system, [s, y])) {
-                let passes = |path: &Vec<At>| {
+                let passes = |path: &Vec<LinePoint>| {
                     let there = path.binary_search_by(|at| at[0].total_cmp(&s));
                     there.is_ok_and(|there| is_same(path[there], seed))
                 };
@@ -194,7 +198,7 @@ impl Line {
         });
         let lines = paths.into_iter().map(|path| {
             let range = (path[0][0], path[path.len() - 1][0]);
-            let line = Line {
+            let line = BoundaryLine {
                 range,
                 path,
                 ..self.clone()
@@ -209,13 +213,13 @@ impl Line {
     fn follow<'a>(
         &self,
         system: &System,
-        mut at: At,
+        mut at: LinePoint,
         values: impl Iterator<Item = &'a f64>,
-        is_same: impl Fn(At, At) -> bool,
-    ) -> Vec<At> {
+        is_same: impl Fn(LinePoint, LinePoint) -> bool,
+    ) -> Vec<LinePoint> {
         // The slope must keep its sign, and the iteration must lead back to the previous point.
         // Otherwise the result may be on another branch.
-        let next = |at: At, s: f64| {
+        let next = |at: LinePoint, s: f64| {
             let next = self.solve(system, [s, at[1]])?;
             let back = self.solve(system, [at[0], next[1]])?;
             let slopes = self.boundary(system, next).1 * self.boundary(system, at).1;
@@ -229,7 +233,7 @@ impl Line {
                 continue;
             }
             let (seen, mut beyond) = (at, s);
-            for _ in 0..HALVINGS {
+            for _ in 0..BISECTIONS {
                 let middle = 0.5 * (at[0] + beyond);
                 match next(at, middle) {
                     Some(there) => at = there,
@@ -243,7 +247,7 @@ impl Line {
     }
 
     /// Tangent points and zones on a branch.
-    fn on_branch(&self, system: &System) -> OnLine {
+    fn on_branch(&self, system: &System) -> LineResults {
         let (low, high) = self.range;
         let [rates, holding] = [Fields::Slip, Fields::Holding].map(|fields| {
             let along = self.path.iter().map(|at| at[0]);
@@ -271,25 +275,25 @@ impl Line {
             let (to, from) = (ends[0], ends[1]);
             let [below, above] = self.rates(system, Fields::Holding, 0.5 * (from + to))?;
             let kind = match (below > 0.0 && above < 0.0, below < 0.0 && above > 0.0) {
-                (true, _) => Kind::Stick,
-                (_, true) => Kind::Repelling,
+                (true, _) => ZoneKind::Stick,
+                (_, true) => ZoneKind::Repelling,
                 _ => return None,
             };
             Some(Zone { kind, from, to })
         };
         let zones = ends.windows(2).filter_map(zone).collect();
-        OnLine {
+        LineResults {
             points,
             zones,
             rates,
         }
     }
 
-    /// [`Jumps`] where the state along the line is `s`.
-    pub fn jumps(&self, system: &System, s: f64) -> Option<Jumps> {
+    /// [`RateJumps`] where the state along the line is `s`.
+    pub fn jumps(&self, system: &System, s: f64) -> Option<RateJumps> {
         // Allows for some operations on the terms of a field, each with an error of half a unit in
         // the last place of the largest.
-        const ULPS: f64 = 64.0;
+        const RATE_ULPS: f64 = 64.0;
         let [slip, holding] =
             [Fields::Slip, Fields::Holding].map(|fields| self.rates(system, fields, s));
         let (slip, holding) = (slip?, holding?);
@@ -298,10 +302,10 @@ impl Line {
             .chain(&holding)
             .fold(0.0, |most: f64, rate| most.max(rate.abs()));
         let jump = |[below, above]: [f64; 2]| above - below;
-        Some(Jumps {
+        Some(RateJumps {
             slip: jump(slip),
             holding: jump(holding),
-            rounding: ULPS * f64::EPSILON * largest,
+            rounding: RATE_ULPS * f64::EPSILON * largest,
         })
     }
 
@@ -315,20 +319,20 @@ impl Line {
         Some(self.at(self.solve(system, [s, guess])?))
     }
 
-    fn at(&self, at: At) -> Vec<f64> {
+    fn at(&self, at: LinePoint) -> Vec<f64> {
         let mut x = self.x.clone();
         (x[self.along], x[self.solved]) = (at[0], at[1]);
         x
     }
 
     /// The boundary function, and its derivative with respect to the solved state.
-    fn boundary(&self, system: &System, at: At) -> (f64, f64) {
+    fn boundary(&self, system: &System, at: LinePoint) -> (f64, f64) {
         system.boundary_and_slope(self.contact, self.t, &self.at(at), self.solved)
     }
 
     /// Solves for the solved state by Newton's iteration from `at`.
-    fn solve(&self, system: &System, mut at: At) -> Option<At> {
-        for _ in 0..MOST_STEPS {
+    fn solve(&self, system: &System, mut at: LinePoint) -> Option<LinePoint> {
+        for _ in 0..MOST_NEWTON_STEPS {
             let (height, slope) = self.boundary(system, at);
             if height == 0.0 {
                 return Some(at);
@@ -393,7 +397,7 @@ impl Line {
         sampled: &[(f64, [f64; 2])],
     ) -> Vec<f64> {
         let root = |((mut a, rate_at_a), (mut b, _)): ((f64, f64), (f64, f64))| {
-            for _ in 0..HALVINGS {
+            for _ in 0..BISECTIONS {
                 let middle = 0.5 * (a + b);
                 match self.rates(system, fields, middle) {
                     Some(rates) if rates[side] == 0.0 => return middle,

@@ -24,23 +24,23 @@ thread_local! {
 struct Symbol(Id);
 
 impl Symbol {
-    fn made<E>(make: impl FnOnce(&mut Graph) -> Result<Id, E>) -> Self {
+    fn node<E>(make: impl FnOnce(&mut Graph) -> Result<Id, E>) -> Self {
         GRAPH.with_borrow_mut(|graph| {
-            let made = make(graph).or_else(|_| {
+            let node = make(graph).or_else(|_| {
                 FAILED.set(true);
                 graph.constant(0.0)
             });
             // Zero is always a valid number.
-            Symbol(made.unwrap_or_else(|_| graph.time()))
+            Symbol(node.unwrap_or_else(|_| graph.time()))
         })
     }
 
     fn binary(self, operator: Binary, other: Self) -> Self {
-        Symbol::made(|graph| graph.binary(operator, self.0, other.0))
+        Symbol::node(|graph| graph.binary(operator, self.0, other.0))
     }
 
     fn call(self, function: Function) -> Self {
-        Symbol::made(|graph| graph.call(function, self.0))
+        Symbol::node(|graph| graph.call(function, self.0))
     }
 }
 
@@ -70,13 +70,13 @@ operator!(Div, div, Quotient);
 impl Neg for Symbol {
     type Output = Self;
     fn neg(self) -> Self {
-        Symbol::made(|graph| graph.negative(self.0))
+        Symbol::node(|graph| graph.negative(self.0))
     }
 }
 
 impl Scalar for Symbol {
     fn constant(value: f64) -> Self {
-        Symbol::made(|graph| graph.constant(value))
+        Symbol::node(|graph| graph.constant(value))
     }
     fn value(self) -> f64 {
         FAILED.set(true);
@@ -119,10 +119,10 @@ impl Scalar for Symbol {
         self.call(Function::Ln)
     }
     fn max(self, other: Self) -> Self {
-        Symbol::made(|graph| graph.larger(self.0, other.0))
+        Symbol::node(|graph| graph.larger(self.0, other.0))
     }
     fn min(self, other: Self) -> Self {
-        Symbol::made(|graph| graph.smaller(self.0, other.0))
+        Symbol::node(|graph| graph.smaller(self.0, other.0))
     }
     fn abs(self) -> Self {
         self.call(Function::Abs)

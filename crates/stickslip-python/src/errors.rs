@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use stickslip::Error;
 use stickslip::error::{Point, readable};
 use stickslip_kernels::file::{Interface, PeriodError, SettingError, System};
-use stickslip_kernels::study::SearchError;
+use stickslip_kernels::study::{BOUND_OF_TIMES, SearchError};
 
 pyo3::import_exception!(stickslip._errors, OptionError);
 pyo3::import_exception!(stickslip._errors, StickslipError);
@@ -89,7 +89,10 @@ impl Failure {
             }
             Failure::Setting(error) => wrong(error),
             Failure::Search(error) => match error {
-                SearchError::NoPeriods | SearchError::Setting { .. } => {
+                SearchError::Setting { name, value } => {
+                    option(error.to_string(), name, value, BOUND_OF_TIMES)
+                }
+                SearchError::NoPeriods | SearchError::HasNoEquilibrium => {
                     PyValueError::new_err(error.to_string())
                 }
                 SearchError::Period(error) => no_period(error),
@@ -99,8 +102,17 @@ impl Failure {
                     None,
                 ),
                 other => {
-                    let help = "start elsewhere (y0), or take other parameters";
-                    computation("NotFound", &format!("{other}; {help}"), None)
+                    let help = match other {
+                        SearchError::Equilibrium { .. } => {
+                            ", take other parameters, or follow it by equilibrium_continuation"
+                        }
+                        SearchError::NoEquilibrium(_) => {
+                            ", or near an equilibrium without a run (transient=0)"
+                        }
+                        _ => ", or take other parameters",
+                    };
+                    let message = format!("{other}; start elsewhere (y0){help}");
+                    computation("NotFound", &message, None)
                 }
             },
             Failure::Python(error) => error,

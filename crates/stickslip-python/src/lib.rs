@@ -81,16 +81,24 @@ impl System {
         (contacts.collect(), jumps.collect())
     }
 
-    /// Start time, start state, end time and period, as far as the text specifies them.
+    /// Names of the discrete states, which follow the others.
     #[getter]
-    fn start(&self) -> (f64, Option<Vec<f64>>, Option<f64>, Option<f64>) {
-        let built = &self.ready.built;
-        (
-            built.t_start,
-            built.start.clone(),
-            built.t_end,
-            built.period,
-        )
+    fn discrete(&self) -> Vec<&str> {
+        let states = self.ready.file.states.iter();
+        let discrete = states.filter(|state| state.is_discrete);
+        discrete.map(|state| state.name.as_str()).collect()
+    }
+
+    /// Value of each state at the start, as far as the text specifies it.
+    #[getter]
+    fn starts(&self) -> Vec<Option<f64>> {
+        self.ready.built.starts.clone()
+    }
+
+    /// Period in time, if the text specifies it.
+    #[getter]
+    fn period(&self) -> Option<f64> {
+        self.ready.built.period
     }
 
     #[getter]

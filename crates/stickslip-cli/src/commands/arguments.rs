@@ -64,14 +64,15 @@ fn assignment(option: &str, text: &str) -> Result<(String, f64), Failure> {
     Ok((name.trim().to_owned(), value))
 }
 
-/// Period of a drive for which the default times are chosen.
-const PERIOD: f64 = 0.2;
+/// Period of a drive from which on the default times hold. With it 2000 units of time are 10 000
+/// periods.
+const REFERENCE_PERIOD: f64 = 0.2;
 
-/// Returns the given time, or else the default. For a drive of a shorter period than [`PERIOD`] the
-/// default is reduced in proportion.
+/// Returns the given time, or else the default. For a drive of a shorter period than
+/// [`REFERENCE_PERIOD`] the default is reduced in proportion.
 pub(super) fn time_or(given: Option<f64>, default: f64, system: &System) -> f64 {
     let period = system.built.period.filter(|_| system.built.depends_on_time);
-    let part = period.map_or(1.0, |period| (period / PERIOD).min(1.0));
+    let part = period.map_or(1.0, |period| (period / REFERENCE_PERIOD).min(1.0));
     given.unwrap_or(default * part)
 }
 
@@ -112,11 +113,16 @@ impl StartArguments {
 
     /// Start time and start state.
     pub(super) fn of(&self, system: &System) -> Result<(f64, Vec<f64>), Failure> {
+        self.except(system, &[])
+    }
+
+    /// Start time and start state; the states `replaced` need no value.
+    fn except(&self, system: &System, replaced: &[usize]) -> Result<(f64, Vec<f64>), Failure> {
         let names = || system.file.states.iter().map(|state| state.name.as_str());
-        let mut given: Vec<Option<f64>> = match &system.built.start {
-            Some(start) => start.iter().copied().map(Some).collect(),
-            None => vec![None; system.states()],
-        };
+        let mut given = system.built.starts.clone();
+        for &state in replaced {
+            given[state].get_or_insert(0.0);
+        }
         let mut is_set = vec![false; given.len()];
         for text in &self.start {
             let (name, value) = assignment("--start", text)?;
@@ -141,9 +147,10 @@ impl StartArguments {
         Ok((t, start.collect::<Result<_, _>>()?))
     }
 
-    /// Start state of a computation that begins at time 0, such as the search for attractors.
-    pub(super) fn at_zero(&self, system: &System) -> Result<Vec<f64>, Failure> {
-        match self.of(system)? {
+    /// Start state of a computation that begins at time 0, such as the search for attractors. The
+    /// computation replaces the values of the states `replaced`.
+    pub(super) fn at_zero(&self, system: &System, replaced: &[usize]) -> Result<Vec<f64>, Failure> {
+        match self.except(system, replaced)? {
             (t, _) if t != 0.0 && system.built.depends_on_time => Err(Failure::Usage(format!(
                 "the start is at t = {t}, and attractors are looked for from t = 0 on; give \
                     --t-start 0"

@@ -10,7 +10,7 @@ use super::sweeping::check_period;
 use super::tangents;
 use crate::failure::{Failure, in_words};
 use crate::render::{Answer, Report, rounded};
-use crate::tangents::{Jumps, Line, OnLine};
+use crate::tangents::{BoundaryLine, LineResults, RateJumps};
 use stickslip_kernels::file::{Formula, InputShape, Rate, System};
 
 /// Say what was understood of a file
@@ -32,7 +32,6 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
 /// Lists what was read, line by line.
 fn understood(system: &System) -> Report {
     let (file, built) = (&system.file, &system.built);
-    let start = built.start.as_deref();
     let mut text = format!("{}\n", file.name);
     for row in file.description.iter().flat_map(|text| text.lines()) {
         text.extend(["  ", row, "\n"]);
@@ -98,9 +97,9 @@ fn understood(system: &System) -> Report {
         let object = json!({ "function": function, "direction": direction });
         report.line("section", line).field("section", object);
     }
-    if let Some(start) = start {
+    if let Some(start) = system.start() {
         let lines = file.contacts.iter().enumerate().map(|(k, contact)| {
-            let (side, height) = whereabouts(system, k, start);
+            let (side, height) = whereabouts(system, k, &start);
             let (name, boundary, height) =
                 (&contact.name, &contact.boundary.text, readable(height));
             format!("{side} the boundary of {name} ({boundary} = {height})")
@@ -133,9 +132,8 @@ fn suffix(parts: &[&str]) -> String {
 }
 
 fn states(report: &mut Report, system: &System) {
-    let start = system.built.start.as_deref();
-    let states = system.file.states.iter().enumerate().map(|(k, state)| {
-        let start = start.map(|start| start[k]);
+    let states = system.file.states.iter().zip(&system.built.starts);
+    let states = states.map(|(state, &start)| {
         let from = start.map(|start| format!(", starts at {}", readable(start)));
         let unit = match state.unit.as_str() {
             "" if state.is_discrete => " (discrete)".to_owned(),
@@ -202,8 +200,8 @@ fn contacts(report: &mut Report, system: &System) {
             .as_ref()
             .map(|text| format!("normal force      {text}{note}"));
         report.lines("", [slip, stick, normal].into_iter().flatten());
-        let start = system.built.start.as_deref().map(|start| {
-            let (side, height) = whereabouts(system, k, start);
+        let start = system.start().map(|start| {
+            let (side, height) = whereabouts(system, k, &start);
             json!({ "side": side, "height": height })
         });
         objects.push(json!({
@@ -291,15 +289,15 @@ fn whereabouts(system: &System, contact: usize, start: &[f64]) -> (&'static str,
 
 /// Tangent points and stick zones, for a system of one contact and two states whose range is in the
 /// file.
-fn on_boundary(system: &System) -> Option<(Line, Vec<(Line, OnLine)>)> {
+fn on_boundary(system: &System) -> Option<(BoundaryLine, Vec<(BoundaryLine, LineResults)>)> {
     if system.contacts() != 1 || system.states() != 2 {
         return None;
     }
-    let (t, start) = (system.built.t_start, system.built.start.as_deref()?);
-    let whole = (f64::NEG_INFINITY, f64::INFINITY);
-    let line = Line::through(system, 0, None, whole, (t, start))?;
+    let (t, start) = (system.built.t_start, system.start()?);
+    let everywhere = (f64::NEG_INFINITY, f64::INFINITY);
+    let line = BoundaryLine::through(system, 0, None, everywhere, (t, &start))?;
     let range = system.file.states[line.along].range?;
-    let line = Line { range, ..line };
+    let line = BoundaryLine { range, ..line };
     let found = line.scan(system);
     Some((line, found))
 }
@@ -325,17 +323,17 @@ fn warnings(system: &System) -> Vec<String> {
 
 fn warnings_of(system: &System, contact: usize) -> Vec<String> {
     let described = &system.file.contacts[contact];
-    let Some(start) = system.built.start.as_deref() else {
+    let Some(start) = system.start() else {
         return Vec::new();
     };
     let t = system.built.t_start;
-    let whole = (f64::NEG_INFINITY, f64::INFINITY);
-    let jumps = Line::through(system, contact, None, whole, (t, start))
+    let everywhere = (f64::NEG_INFINITY, f64::INFINITY);
+    let jumps = BoundaryLine::through(system, contact, None, everywhere, (t, &start))
         .and_then(|line| line.jumps(system, start[line.along]));
     let (Some(_), Some(jumps)) = (&described.friction, jumps) else {
         return Vec::new();
     };
-    let Jumps {
+    let RateJumps {
         slip,
         holding,
         rounding,

@@ -99,7 +99,7 @@ impl Map {
         for (column, row) in [(0, 0), (columns, 0), (0, rows), (columns, rows)] {
             let system = map.system(system, map.parameters(column, row))?;
             recurrence(&system, map.until).check()?;
-            map.start.at_zero(&system)?;
+            map.start.at_zero(&system, &[])?;
         }
         Ok(map)
     }
@@ -122,7 +122,7 @@ impl Map {
     fn cell(&self, system: &System, column: usize, row: usize) -> Result<Cell, Failure> {
         let system = self.system(system, self.parameters(column, row))?;
         let (settings, options) = (recurrence(&system, self.until), self.solver.options()?);
-        let start = self.start.at_zero(&system)?;
+        let start = self.start.at_zero(&system, &[])?;
         let outcome = attractors::reached_from_one_of_many(&system, &start, &settings, &options)?;
         let is_there = !outcome.points.is_empty();
         Ok(Cell {

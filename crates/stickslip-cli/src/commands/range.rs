@@ -36,9 +36,10 @@ impl StateRange {
             let Some(&(default, state)) = moving.get(default) else {
                 let help = match states.iter().find(|state| state.is_discrete) {
                     Some(state) => format!(
-                        " besides discrete ones; {option} {}=LOW:HIGH takes one of these all the \
-                            same",
-                        state.name
+                        " besides discrete ones; with {option} {name}=LOW:HIGH one of these is \
+                            taken, as with {option} {name}=-0.5:1.5 and two rows of --grid at 0 \
+                            and 1",
+                        name = state.name
                     ),
                     None => String::new(),
                 };

@@ -14,11 +14,11 @@ use stickslip_kernels::kernel::Watcher;
 
 /// Minimum number of parts of a step for a curve through the orbit. Steps of high order are long,
 /// so that a curve through their ends alone would be a polygon.
-const PER_STEP: u32 = 16;
+const PARTS_PER_STEP: u32 = 16;
 
 /// A part is halved if its midpoint is off the straight line by more than this fraction of the
 /// extent of the orbit so far. The next constant limits the number of halvings.
-const STRAIGHT: f64 = 1e-3;
+const CHORD_TOLERANCE: f64 = 1e-3;
 const MOST_HALVINGS: u32 = 6;
 
 /// Relative differences up to this may be rounding.
@@ -128,7 +128,7 @@ impl Recording {
             let mut states = x.iter().zip(ends).zip(&self.extent);
             let is_bent = states.any(|((x, (a, b)), &(low, high))| {
                 let rounding = ROUNDING * low.abs().max(high.abs());
-                (x - 0.5 * (a + b)).abs() > STRAIGHT * (high - low) + rounding
+                (x - 0.5 * (a + b)).abs() > CHORD_TOLERANCE * (high - low) + rounding
             });
             if is_bent {
                 let middle = Moment { t, x };
@@ -172,7 +172,7 @@ impl Watcher for Recording {
             (*low, *high) = (low.min(x), high.max(x));
         }
         let at = |k: u32| {
-            let part = f64::from(k) / f64::from(PER_STEP);
+            let part = f64::from(k) / f64::from(PARTS_PER_STEP);
             let t = step.t_start + part * (step.t_end - step.t_start);
             let x = solution(t);
             Moment { t, x }
@@ -189,7 +189,7 @@ impl Watcher for Recording {
             t: step.t_end,
             x: step.x_end,
         };
-        for to in (1..PER_STEP).map(at).chain([end]) {
+        for to in (1..PARTS_PER_STEP).map(at).chain([end]) {
             self.part(&*solution, &from, to.clone(), MOST_HALVINGS);
             from = to;
         }

@@ -1,14 +1,12 @@
 //! Options of the search for a periodic orbit.
 
 use serde::Serialize;
-use stickslip::analysis::{PeriodicOrbit, RecurrenceSettings, attractor};
+use stickslip::analysis::PeriodicOrbit;
 use stickslip::error::Point;
 use stickslip::{Error, Options};
 use stickslip_kernels::file::System;
-use stickslip_kernels::kernel::{Motion, Outcome};
-use stickslip_kernels::study::{PeriodicSearch, SearchError, UNTIL};
+use stickslip_kernels::study::{MOTION_SEARCH_TIME, PeriodicSearch, SearchError, equilibrium};
 
-use super::arguments::time_or;
 use super::attractors;
 use super::sweeping::check_period;
 use crate::failure::Failure;
@@ -33,7 +31,7 @@ pub(super) struct SearchArguments {
 }
 
 /// Default for the longest period.
-const LONGEST: f64 = 100.0;
+const DEFAULT_LONGEST: f64 = 100.0;
 
 impl SearchArguments {
     /// Searches the periodic orbit that the run from `(t, x)` approaches. Also returns its number
@@ -48,15 +46,15 @@ impl SearchArguments {
         let search = PeriodicSearch {
             transient: self.transient,
             period: None,
-            longest: self.longest.unwrap_or(LONGEST),
+            longest: self.longest.unwrap_or(DEFAULT_LONGEST),
             periods: self.periods,
         };
         let drive = system.built.period.filter(|_| system.built.depends_on_time);
         self.have_effect(drive)?;
         let found = patiently("looking for a periodic orbit", |_| {
-            search.found(system, (t, x), options)
+            search.orbit(system, (t, x), options)
         });
-        found.map_err(|error| in_words(error, drive.is_some()))
+        found.map_err(|error| in_words(error, system))
     }
 
     /// The equilibrium that the run from `x` approaches, or `x` itself without a run.
@@ -66,30 +64,8 @@ impl SearchArguments {
         x: &[f64],
         options: &Options,
     ) -> Result<Vec<f64>, Failure> {
-        if system.built.depends_on_time {
-            return Err(Failure::Usage(
-                "--equilibrium has no effect: the system depends on time, so that it has none; \
-                 leave it out"
-                    .to_owned(),
-            ));
-        }
-        let transient = time_or(self.transient, 200.0, system);
-        if transient == 0.0 {
-            return Ok(x.to_vec());
-        }
-        let settings = RecurrenceSettings::within(UNTIL.max(transient));
-        let reached = attractor(system.dynamics(), x, &settings, options);
-        let reached = reached.map_err(|error| Failure::from(error).of(system))?;
-        let outcome = Outcome::of(&reached, &|error| crate::failure::in_words(error, system));
-        let point = outcome.points.first();
-        match (&outcome.motion, point) {
-            (Motion::Equilibrium, Some((_, x))) => Ok(x.clone()),
-            _ => Err(Failure::NoPeriodicOrbit(format!(
-                "no equilibrium was found: the run comes to {}; start elsewhere (--start), or \
-                 beside an equilibrium without a run (--transient 0)",
-                attractors::words(system, &outcome, UNTIL)
-            ))),
-        }
+        let found = equilibrium(system, x, self.transient, options);
+        found.map_err(|error| in_words(error, system).of(system))
     }
 
     /// Rejects options without effect.
@@ -109,7 +85,7 @@ impl SearchArguments {
 }
 
 /// Why the search failed, and what to change.
-fn in_words(error: SearchError, is_driven: bool) -> Failure {
+fn in_words(error: SearchError, system: &System) -> Failure {
     let comes_to = |rest: &str| {
         Failure::NoPeriodicOrbit(format!(
             "no periodic orbit was found: the run comes to {rest}; start elsewhere (--start), or \
@@ -137,11 +113,21 @@ fn in_words(error: SearchError, is_driven: bool) -> Failure {
             };
             comes_to(&format!("the equilibrium {}{set}", place(x)))
         }
+        SearchError::HasNoEquilibrium => Failure::Usage(
+            "--equilibrium has no effect: the system depends on time, so that it has none; leave \
+                it out"
+                .to_owned(),
+        ),
+        SearchError::NoEquilibrium(outcome) => Failure::NoPeriodicOrbit(format!(
+            "no equilibrium was found: the run comes to {}; start elsewhere (--start), or beside \
+                an equilibrium without a run (--transient 0)",
+            attractors::words(system, outcome, MOTION_SEARCH_TIME)
+        )),
         SearchError::TakesLonger { .. } => {
             Failure::NoPeriodicOrbit(format!("{error}; give a longer time (--longest)"))
         }
         SearchError::Failed(Error::NotFound { .. }) => {
-            let other = match is_driven {
+            let other = match system.built.depends_on_time {
                 true => "another period (--periods)",
                 false => "a longer time (--longest)",
             };

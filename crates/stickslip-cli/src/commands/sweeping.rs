@@ -16,6 +16,7 @@ use crate::sweep::{
 };
 use crate::terminal::Patience;
 use stickslip_kernels::file::{Source, System, SystemFile};
+use stickslip_kernels::study::MOTION_SEARCH_TIME;
 
 /// How much of a sweep to compute, and by how many.
 #[derive(Debug, clap::Args)]
@@ -41,7 +42,7 @@ pub(super) struct UntilArguments {
 
 impl UntilArguments {
     pub(super) fn of(&self, system: &System) -> f64 {
-        time_or(self.until, 2000.0, system)
+        time_or(self.until, MOTION_SEARCH_TIME, system)
     }
 }
 

@@ -10,11 +10,11 @@ use super::arguments::{StartArguments, SystemArguments, position};
 use super::figures;
 use crate::failure::Failure;
 use crate::render::{Answer, OutputArguments, Report, Table};
-use crate::tangents::{Kind, Line, OnLine, TangentPoint, Zone};
+use crate::tangents::{BoundaryLine, LineResults, TangentPoint, Zone, ZoneKind};
 use stickslip_kernels::file::System;
 
 /// Branches of a boundary, with their tangent points and zones.
-pub(super) type Branches = [(Line, OnLine)];
+pub(super) type Branches = [(BoundaryLine, LineResults)];
 
 /// Tangent points and stick zones on the boundary of a contact
 ///
@@ -78,7 +78,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
 }
 
 impl Arguments {
-    fn line(&self, system: &System, start: (f64, &[f64])) -> Result<Line, Failure> {
+    fn line(&self, system: &System, start: (f64, &[f64])) -> Result<BoundaryLine, Failure> {
         if system.contacts() == 0 {
             let message = "the system has no contact, and so no boundary with tangent points";
             return Err(Failure::Usage(message.to_owned()));
@@ -94,13 +94,14 @@ impl Arguments {
             None => None,
         };
         let whole = (f64::NEG_INFINITY, f64::INFINITY);
-        let line = Line::through(system, contact, along, whole, start).ok_or_else(|| {
-            Failure::Usage(
+        let line =
+            BoundaryLine::through(system, contact, along, whole, start).ok_or_else(|| {
+                Failure::Usage(
                 "there is no line to look along: the boundary must change with one state and leave \
                     another one free"
                     .to_owned(),
             )
-        })?;
+            })?;
         let state = &system.file.states[line.along];
         let end = |option: &str, given: Option<f64>, shown: Option<f64>| {
             given.or(shown).ok_or_else(|| {
@@ -120,7 +121,7 @@ impl Arguments {
             )));
         }
         let range = (from, to);
-        Ok(Line { range, ..line })
+        Ok(BoundaryLine { range, ..line })
     }
 }
 
@@ -139,15 +140,15 @@ fn visibility_name(visibility: Visibility) -> &'static str {
     }
 }
 
-fn kind_name(kind: Kind) -> &'static str {
+fn kind_name(kind: ZoneKind) -> &'static str {
     match kind {
-        Kind::Stick => "stick",
-        Kind::Repelling => "repelling",
+        ZoneKind::Stick => "stick",
+        ZoneKind::Repelling => "repelling",
     }
 }
 
 /// Lists the results, line by line, with the names of the states.
-pub(super) fn listing(system: &System, line: &Line, found: &Branches) -> Vec<String> {
+pub(super) fn listing(system: &System, line: &BoundaryLine, found: &Branches) -> Vec<String> {
     let states = &system.file.states;
     let (along, solved) = (&states[line.along].name, &states[line.solved].name);
     let mut rows = Vec::new();
@@ -187,7 +188,7 @@ pub(super) fn listing(system: &System, line: &Line, found: &Branches) -> Vec<Str
 }
 
 /// The columns of tangent points, with the numbers of their branches.
-fn points<'a>(system: &System, line: &'a Line) -> Table<'a, (usize, &'a TangentPoint)> {
+fn points<'a>(system: &System, line: &'a BoundaryLine) -> Table<'a, (usize, &'a TangentPoint)> {
     Table::new()
         .column("side", |(_, point): &(usize, &TangentPoint)| {
             side_name(point.side)
@@ -199,7 +200,7 @@ fn points<'a>(system: &System, line: &'a Line) -> Table<'a, (usize, &'a TangentP
 }
 
 /// The columns of zones.
-fn zones<'a>(system: &System, line: &Line) -> Table<'a, (usize, &'a Zone)> {
+fn zones<'a>(system: &System, line: &BoundaryLine) -> Table<'a, (usize, &'a Zone)> {
     let along = &system.file.states[line.along].name;
     let end = |end: &str| vec![format!("{along}_{end}")];
     Table::new()
@@ -212,14 +213,14 @@ fn zones<'a>(system: &System, line: &Line) -> Table<'a, (usize, &'a Zone)> {
 /// Items on the branches, with the numbers of the branches from 1.
 fn numbered<'a, T: 'a>(
     found: &'a Branches,
-    of: impl Fn(&'a OnLine) -> &'a [T],
+    of: impl Fn(&'a LineResults) -> &'a [T],
 ) -> impl Iterator<Item = (usize, &'a T)> {
     let branches = (1..).zip(found);
     branches.flat_map(move |(k, (_, on_it))| of(on_it).iter().map(move |one| (k, one)))
 }
 
 /// Results on a line as JSON, without the system.
-pub(super) fn json(system: &System, line: &Line, found: &Branches) -> Value {
+pub(super) fn json(system: &System, line: &BoundaryLine, found: &Branches) -> Value {
     let branches: Vec<(f64, f64)> = found.iter().map(|(branch, _)| branch.range).collect();
     json!({
         "contact": system.file.contacts[line.contact].name,
@@ -232,7 +233,7 @@ pub(super) fn json(system: &System, line: &Line, found: &Branches) -> Value {
     })
 }
 
-fn figure(system: &System, line: &Line, found: &Branches) -> Figure {
+fn figure(system: &System, line: &BoundaryLine, found: &Branches) -> Figure {
     let state = &system.file.states[line.along];
     let (low, high) = line.range;
     let all = found.iter().flat_map(|(_, on_it)| &on_it.rates);
@@ -243,20 +244,20 @@ fn figure(system: &System, line: &Line, found: &Branches) -> Figure {
         figures::axis("rate upwards through Σ", all.chain([0.0])),
     )
     .legend(Legend::Below);
-    let mut seen: Vec<Kind> = Vec::new();
+    let mut in_legend: Vec<ZoneKind> = Vec::new();
     for (_, zone) in numbered(found, |on_it| &on_it.zones) {
         let fill = match zone.kind {
-            Kind::Stick => LIGHT_ORANGE,
-            Kind::Repelling => LIGHT_GREY,
+            ZoneKind::Stick => LIGHT_ORANGE,
+            ZoneKind::Repelling => LIGHT_GREY,
         };
         let band = Band::x(zone.from, zone.to).fill(fill);
-        let is_new = !seen.contains(&zone.kind);
+        let is_new = !in_legend.contains(&zone.kind);
         panel.add(match zone.kind {
-            Kind::Stick if is_new => band.legend("both fields push to Σ: stick"),
-            Kind::Repelling if is_new => band.legend("both fields lead away from Σ"),
+            ZoneKind::Stick if is_new => band.legend("both fields push to Σ: stick"),
+            ZoneKind::Repelling if is_new => band.legend("both fields lead away from Σ"),
             _ => band,
         });
-        seen.push(zone.kind);
+        in_legend.push(zone.kind);
     }
     panel.add(Guide::horizontal(0.0));
     for (side, colour, name) in [(0, BLUE, "field below Σ"), (1, VERMILLION, "field above Σ")] {

@@ -16,19 +16,19 @@ const COLOURS: [Color; 4] = [BLUE, VERMILLION, GREEN, PURPLE];
 const STICKS: [Color; 4] = [ORANGE, GREEN, PURPLE, VERMILLION];
 
 /// Height of a state's panel in the time history, px.
-const HISTORY: f64 = 130.0;
+const STATE_PANEL_HEIGHT: f64 = 130.0;
 
 /// Height of the strip of a contact's stick intervals, px.
-const STRIP: f64 = 24.0;
+const STRIP_HEIGHT: f64 = 24.0;
 
 /// Least height of all strips, px.
-const LEAST: f64 = 36.0;
+const LEAST_STRIPS_HEIGHT: f64 = 36.0;
 
 /// Height of the time axis below the last strip, px.
-const AXIS: f64 = 44.0;
+const AXIS_HEIGHT: f64 = 44.0;
 
 /// Space between two panels and around all of them, px.
-const BETWEEN: f64 = 16.0;
+const PANEL_SPACING: f64 = 16.0;
 
 /// Adds phases and transitions to a report, as tables and, for at least two states, as figures.
 pub(super) fn put(
@@ -156,7 +156,7 @@ fn portrait(system: &System, recording: &Recording) -> Figure {
 
 /// Points of the plane of the first two states at which a contact sticks without visible motion.
 fn standing(recording: &Recording, contact: usize) -> Vec<(f64, f64)> {
-    const UNSEEN: f64 = 0.01;
+    const INVISIBLE_FRACTION: f64 = 0.01;
     let points = &recording.points;
     let width = [0, 1].map(|k| {
         let (low, high) = extremes(points.iter().map(|point| point.x[k]));
@@ -168,7 +168,7 @@ fn standing(recording: &Recording, contact: usize) -> Vec<(f64, f64)> {
         let end = points.partition_point(|point| point.t <= phase.t_end);
         (0..2).all(|k| {
             let (low, high) = extremes(points[from..end].iter().map(|point| point.x[k]));
-            high - low <= UNSEEN * width[k]
+            high - low <= INVISIBLE_FRACTION * width[k]
         })
     });
     stands
@@ -184,13 +184,13 @@ fn history(system: &System, recording: &Recording) -> Figure {
     let time = |label: &str| Axis::new(label, from, to);
     let states = &system.file.states;
     // The minimum is the room for the label beside the strips.
-    let strips_height = (STRIP * system.contacts() as f64).max(LEAST);
+    let strips_height = (STRIP_HEIGHT * system.contacts() as f64).max(LEAST_STRIPS_HEIGHT);
     let panels = states.len() as f64;
     let strips = match system.contacts() {
         0 => 0.0,
-        _ => strips_height + BETWEEN,
+        _ => strips_height + PANEL_SPACING,
     };
-    let height = (HISTORY + BETWEEN) * panels + strips + AXIS;
+    let height = (STATE_PANEL_HEIGHT + PANEL_SPACING) * panels + strips + AXIS_HEIGHT;
     let title = format!("{}: time history", system.file.name);
     let names: Vec<&str> = states.iter().map(|state| state.name.as_str()).collect();
     let description = format!(
@@ -212,8 +212,8 @@ fn history(system: &System, recording: &Recording) -> Figure {
         // Without contacts the time axis is below the panel of the last state.
         let is_lowest = all_sticks.is_empty() && k + 1 == states.len();
         let (below, height) = match is_lowest {
-            true => (time(&time_label(system)), HISTORY + AXIS),
-            false => (time("").bare(), HISTORY),
+            true => (time(&time_label(system)), STATE_PANEL_HEIGHT + AXIS_HEIGHT),
+            false => (time("").bare(), STATE_PANEL_HEIGHT),
         };
         let mut panel = Panel::new(below, axis(&label, values));
         if let [sticks] = &all_sticks[..] {
@@ -244,5 +244,5 @@ fn history(system: &System, recording: &Recording) -> Figure {
             strips.add(Band::rect((begin, end), y).fill(colour));
         }
     }
-    figure.row(strips_height + AXIS, strips)
+    figure.row(strips_height + AXIS_HEIGHT, strips)
 }

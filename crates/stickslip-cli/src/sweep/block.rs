@@ -11,7 +11,7 @@ const MARKER: &str = "stickslip-block";
 #[derive(Debug, PartialEq)]
 pub(super) enum Decoded {
     /// A complete block, with its content.
-    Whole(Vec<u8>),
+    Complete(Vec<u8>),
     /// A block of another sweep.
     Stranger,
     /// A damaged block, and what is wrong with it.
@@ -62,7 +62,7 @@ pub(super) fn decode(fingerprint: &str, index: usize, bytes: &[u8]) -> Decoded {
     if sweep != fingerprint {
         return Decoded::Stranger;
     }
-    Decoded::Whole(content.to_vec())
+    Decoded::Complete(content.to_vec())
 }
 
 /// Splits the content from the words of the first line.
@@ -80,7 +80,7 @@ mod tests {
     fn what_was_written_is_read() {
         for content in [&b""[..], b"1,2\n3,4\n", b"\n\0\xff"] {
             let found = decode("f", 7, &encode("f", 7, content));
-            assert_eq!(found, Decoded::Whole(content.to_vec()));
+            assert_eq!(found, Decoded::Complete(content.to_vec()));
         }
     }
 
@@ -98,7 +98,7 @@ mod tests {
             let mut changed = whole.clone();
             changed[place] ^= 1;
             let found = decode("fingerprint", 7, &changed);
-            assert!(!matches!(found, Decoded::Whole(_)), "changed at {place}");
+            assert!(!matches!(found, Decoded::Complete(_)), "changed at {place}");
         }
     }
 

@@ -7,7 +7,7 @@ use super::plan::Share;
 use super::store::{Store, Writer};
 
 /// Maximum number of ranges of missing blocks that an error lists.
-const NAMED: usize = 12;
+const MOST_LISTED_RANGES: usize = 12;
 
 /// Result of joining shares.
 #[derive(Debug)]
@@ -102,21 +102,21 @@ fn same_sweep(first: &Store, second: &Store) -> Result<(), SweepError> {
 type Picked<'a> = Result<(&'a Store, usize), Vec<String>>;
 
 fn pick(sources: &[Store], block: usize) -> Result<Picked<'_>, SweepError> {
-    let (mut whole, mut damaged) = (Vec::new(), Vec::new());
+    let (mut complete, mut damaged) = (Vec::new(), Vec::new());
     for source in sources {
         match source.find(block)? {
-            Some(Ok(content)) => whole.push((source, content)),
+            Some(Ok(content)) => complete.push((source, content)),
             Some(Err(damage)) => {
                 damaged.push(format!("{} is {damage}", source.path(block).display()));
             }
             None => {}
         }
     }
-    let Some((first, content)) = whole.first() else {
+    let Some((first, content)) = complete.first() else {
         return Ok(Err(damaged));
     };
-    match whole.iter().find(|(_, other)| other != content) {
-        None => Ok(Ok((first, whole.len()))),
+    match complete.iter().find(|(_, other)| other != content) {
+        None => Ok(Ok((first, complete.len()))),
         Some((other, _)) => Err(SweepError::Overlap {
             block,
             one: other.folder().to_owned(),
@@ -133,8 +133,12 @@ fn ranges(blocks: &[usize]) -> String {
         [one] => one.to_string(),
         [] => String::new(),
     };
-    let named: Vec<String> = runs.iter().take(NAMED).map(name).collect();
-    let rest: usize = runs.iter().skip(NAMED).map(|run| run.len()).sum();
+    let named: Vec<String> = runs.iter().take(MOST_LISTED_RANGES).map(name).collect();
+    let rest: usize = runs
+        .iter()
+        .skip(MOST_LISTED_RANGES)
+        .map(|run| run.len())
+        .sum();
     if rest == 0 {
         named.join(", ")
     } else {

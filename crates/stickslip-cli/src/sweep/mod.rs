@@ -27,4 +27,4 @@ pub use error::{BlockError, SweepError};
 pub use merge::{Merged, merge};
 pub use plan::{Definition, Plan, Share};
 pub use run::{Computed, Task, run};
-pub use store::{Store, Whole, Writer, write_whole};
+pub use store::{BlockContent, Store, Writer, write_whole};

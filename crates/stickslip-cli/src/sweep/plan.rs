@@ -20,7 +20,7 @@ use super::error::SweepError;
 pub(super) const MANIFEST: &str = "manifest.json";
 
 /// Version of the file format.
-const FORMAT: u32 = 6;
+const FORMAT_VERSION: u32 = 6;
 
 /// The program and its version. Other versions may compute different bits.
 const PROGRAM: &str = concat!("stickslip ", env!("CARGO_PKG_VERSION"));
@@ -81,7 +81,7 @@ impl Plan {
         system: Definition,
     ) -> Self {
         Self {
-            format: FORMAT,
+            format: FORMAT_VERSION,
             program: PROGRAM.to_owned(),
             command: command.to_owned(),
             arguments,
@@ -110,10 +110,10 @@ impl Plan {
         let value: Value =
             serde_json::from_slice(&bytes).map_err(|error| bad(error.to_string()))?;
         match value.get("format").and_then(Value::as_u64) {
-            Some(format) if format == u64::from(FORMAT) => {}
+            Some(format) if format == u64::from(FORMAT_VERSION) => {}
             Some(format) => {
                 return Err(bad(format!(
-                    "its format is {format}, and this program reads {FORMAT}"
+                    "its format is {format}, and this program reads {FORMAT_VERSION}"
                 )));
             }
             None => return Err(bad("it has no format".to_owned())),

@@ -38,7 +38,7 @@ pub struct Computed {
 }
 
 /// State of a block: absent, complete or damaged.
-type State = Option<Result<(), &'static str>>;
+type BlockState = Option<Result<(), &'static str>>;
 
 /// Computes the missing blocks of a share, on all threads. `compute` receives the index of a block
 /// and, within a chain, the bytes of the block before it. It returns the bytes of the block, which
@@ -69,7 +69,7 @@ where
     let writer = Writer::open(task.folder, task.plan, task.share)?;
     let chains: Vec<Range<usize>> = task.share.chains(task.plan).collect();
     // State of each block before the run. Contents are read again where needed.
-    let inspect = |chain: &Range<usize>| -> Result<Vec<State>, SweepError> {
+    let inspect = |chain: &Range<usize>| -> Result<Vec<BlockState>, SweepError> {
         let states = chain.clone().map(|block| writer.store.find(block));
         let states = states.map(|found| Ok(found?.map(|whole| whole.map(drop))));
         states.collect()
@@ -82,7 +82,7 @@ where
     let all = states().count();
     let done = AtomicUsize::new(old);
     report(old, all);
-    let work = |(chain, states): (&Range<usize>, &Vec<State>)| -> Result<(), SweepError> {
+    let work = |(chain, states): (&Range<usize>, &Vec<BlockState>)| -> Result<(), SweepError> {
         let mut before: Option<Vec<u8>> = None;
         for (block, state) in chain.clone().zip(states) {
             let last = before.take();
@@ -106,7 +106,7 @@ where
     pool.install(|| each.with_max_len(1).try_for_each(work))?;
 
     let blocks = chains.iter().cloned().flatten().zip(states());
-    let damaged = |(block, state): (usize, &State)| match state {
+    let damaged = |(block, state): (usize, &BlockState)| match state {
         Some(Err(damage)) => Some((block, *damage)),
         _ => None,
     };

@@ -17,7 +17,7 @@ const LOCK: &str = "lock";
 const ENDING: &str = ".block";
 
 /// The content of a block, or what is wrong with it.
-pub type Whole = Result<Vec<u8>, &'static str>;
+pub type BlockContent = Result<Vec<u8>, &'static str>;
 
 /// A folder with blocks of a sweep.
 #[derive(Debug)]
@@ -110,11 +110,11 @@ impl Store {
     ///
     /// # Errors
     /// [`SweepError::Stranger`], [`SweepError::Read`].
-    pub fn find(&self, block: usize) -> Result<Option<Whole>, SweepError> {
+    pub fn find(&self, block: usize) -> Result<Option<BlockContent>, SweepError> {
         let path = self.path(block);
         match fs::read(&path) {
             Ok(bytes) => match decode(&self.fingerprint, block, &bytes) {
-                Decoded::Whole(content) => Ok(Some(Ok(content))),
+                Decoded::Complete(content) => Ok(Some(Ok(content))),
                 Decoded::Damaged(damage) => Ok(Some(Err(damage))),
                 Decoded::Stranger => Err(SweepError::Stranger { path }),
             },

@@ -131,7 +131,7 @@ fn separator(sample: &[&str]) -> Option<char> {
 /// are no whole numbers, as -0 before a comma or 05 after it.
 fn are_parts(sample: &[&str]) -> bool {
     let digits = |part: &str| !part.is_empty() && part.bytes().all(|b| b.is_ascii_digit());
-    let mut is_told = false;
+    let mut has_fraction = false;
     for line in sample {
         let cells: Vec<&str> = line.split(',').map(str::trim).collect();
         if !cells.len().is_multiple_of(2) {
@@ -141,10 +141,10 @@ fn are_parts(sample: &[&str]) -> bool {
             if !digits(pair[0].trim_start_matches(['+', '-'])) || !digits(pair[1]) {
                 return false;
             }
-            is_told |= pair[0] == "-0" || (pair[1].len() > 1 && pair[1].starts_with('0'));
+            has_fraction |= pair[0] == "-0" || (pair[1].len() > 1 && pair[1].starts_with('0'));
         }
     }
-    is_told
+    has_fraction
 }
 
 /// Parses a number, also in the notation of Fortran.

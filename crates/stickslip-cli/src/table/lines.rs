@@ -5,7 +5,7 @@ use std::io::{BufRead, Read};
 use super::TableError;
 
 /// Maximum length of a line, in bytes: enough for a million columns.
-const LONGEST: usize = 1 << 24;
+const MOST_LINE_BYTES: usize = 1 << 24;
 
 /// First bytes of files that are not text, with the kind of file and a remedy.
 const FOREIGN: [(&[u8], &str); 9] = [
@@ -91,13 +91,13 @@ impl<'i, R: BufRead> Lines<'i, R> {
         loop {
             self.number += 1;
             self.bytes.clear();
-            let mut part = self.source.by_ref().take(LONGEST as u64 + 1);
+            let mut part = self.source.by_ref().take(MOST_LINE_BYTES as u64 + 1);
             let read = part
                 .read_until(b'\n', &mut self.bytes)
                 .map_err(|source| TableError::read(self.input, source))?;
-            if read > LONGEST {
+            if read > MOST_LINE_BYTES {
                 return Err(self.refused(&format!(
-                    "the line is longer than {LONGEST} bytes: is this \
+                    "the line is longer than {MOST_LINE_BYTES} bytes: is this \
                     a table of numbers with one state in a line?"
                 )));
             }

@@ -16,17 +16,18 @@ use dialect::Dialect;
 use lines::Lines;
 use rows::Rows;
 
-/// Number of lines from which the separator is detected.
-const SAMPLE: usize = 64;
+/// Number of lines from which the separator is detected. It is chosen: a header and comments are
+/// shorter.
+const SAMPLED_LINES: usize = 64;
 /// Maximum number of values that are read: 1 GiB.
-const MOST: usize = 1 << 27;
+const MOST_VALUES: usize = 1 << 27;
 /// Values count as repeated if they differ by at most this fraction of the range of their column.
 /// This allows for the rounding of a function of time.
-const REPEAT: f64 = 1e-9;
+const REPEAT_TOLERANCE: f64 = 1e-9;
 
-/// Values from an attractor nearly all differ. With a smaller fraction of distinct values than
-/// this, a typical value occurs twice.
-const DIFFERENT: f64 = 0.5;
+/// Least fraction of distinct values in a column without rounding. Values from an attractor nearly
+/// all differ; with fewer distinct ones a typical value occurs twice.
+const DISTINCT_FRACTION: f64 = 0.5;
 
 /// The columns chosen from a file.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -118,24 +119,24 @@ pub fn read(
     let input = path.display().to_string();
     let file = File::open(path).map_err(|source| TableError::read(&input, source))?;
     let total = file.metadata().map_or(0, |metadata| metadata.len());
-    let counted = Counted {
+    let reader = ProgressReader {
         file,
         done: 0,
         total,
         report,
     };
-    parse(input, BufReader::new(counted), wanted, dt)
+    parse(input, BufReader::new(reader), wanted, dt)
 }
 
 /// A file that reports how much of it was read.
-struct Counted<'a> {
+struct ProgressReader<'a> {
     file: File,
     done: u64,
     total: u64,
     report: &'a dyn Fn(usize, usize),
 }
 
-impl Read for Counted<'_> {
+impl Read for ProgressReader<'_> {
     fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
         let count = self.file.read(into)?;
         self.done += count as u64;
@@ -162,7 +163,7 @@ pub fn parse(
     }
     let mut lines = Lines::new(&input, source)?;
     let mut sample: Vec<(u64, String)> = Vec::new();
-    while sample.len() < SAMPLE
+    while sample.len() < SAMPLED_LINES
         && let Some((number, text)) = lines.next()?
     {
         sample.push((number, text.to_owned()));
@@ -233,7 +234,7 @@ impl Table {
         let (columns, rows) = (self.names.len(), self.rows());
         let allowed: Vec<f64> = (0..columns)
             .map(|column| self.range(column))
-            .map(|(low, high)| REPEAT * (high - low))
+            .map(|(low, high)| REPEAT_TOLERANCE * (high - low))
             .collect();
         let state = |row: usize| &self.values[row * columns..][..columns];
         let agree = |row: usize, other: usize| {
@@ -267,7 +268,7 @@ impl Table {
             let rows = values.len();
             values.sort_by(f64::total_cmp);
             values.dedup();
-            ((values.len() as f64) < DIFFERENT * rows as f64).then(|| Grid {
+            ((values.len() as f64) < DISTINCT_FRACTION * rows as f64).then(|| Grid {
                 column,
                 values: values.len(),
                 step: time::common_step(&values),

@@ -5,7 +5,7 @@ use std::io::{BufRead, Error, ErrorKind, Read};
 use npyz::{DType, Deserialize, NpyFile, Order, TypeChar};
 
 use super::rows::Rows;
-use super::{MOST, Table, TableError};
+use super::{MOST_VALUES, Table, TableError};
 
 /// Whether the source begins like a NumPy array.
 pub(super) fn is_array(source: &mut impl BufRead) -> bool {
@@ -33,10 +33,10 @@ pub(super) fn read(
         }
     };
     let numbers = usize::try_from(rows.saturating_mul(count)).unwrap_or(usize::MAX);
-    if numbers > MOST {
+    if numbers > MOST_VALUES {
         return Err(refused(format!(
-            "it holds {numbers} numbers, at most {MOST} are read; save fewer columns, or thin the \
-                series"
+            "it holds {numbers} numbers, at most {MOST_VALUES} are read; save fewer columns, or thin \
+                the series"
         )));
     }
     if numbers == 0 {

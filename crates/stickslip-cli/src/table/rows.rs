@@ -5,15 +5,15 @@ use stickslip::error::readable;
 use stickslip_series::MAX_COLUMNS;
 
 use super::dialect::Dialect;
-use super::{MOST, Table, TableError, time};
+use super::{MOST_VALUES, Table, TableError, time};
 
 /// Names of a column that holds the time.
 const TIME: [&str; 2] = ["t", "time"];
 /// Maximum number of names that a message lists, and of characters of a cell that it shows.
-const LISTED: usize = 20;
-const SHOWN: usize = 40;
+const MOST_LISTED_NAMES: usize = 20;
+const MOST_SHOWN_CHARACTERS: usize = 40;
 /// This many values are in rising order by chance with probability 1/10!, one in 3.6 million.
-const RISING: usize = 10;
+const RISING_ROWS: usize = 10;
 
 /// Which columns are read, and the rows so far.
 pub(super) struct Rows<'a> {
@@ -82,8 +82,10 @@ impl<'a> Rows<'a> {
             ([], Ok(number)) if (1..=self.count).contains(&number) => return Ok(number - 1),
             ([], _) => {
                 let names = match &self.names {
-                    Some(names) if names.len() <= LISTED => format!(" ({})", names.join(", ")),
-                    Some(names) => format!(" ({}, …)", names[..LISTED].join(", ")),
+                    Some(names) if names.len() <= MOST_LISTED_NAMES => {
+                        format!(" ({})", names.join(", "))
+                    }
+                    Some(names) => format!(" ({}, …)", names[..MOST_LISTED_NAMES].join(", ")),
                     None => " and no names".to_owned(),
                 };
                 format!(
@@ -137,10 +139,10 @@ impl<'a> Rows<'a> {
             );
             return Err(self.cell(line, cells.len().min(self.count), &cause));
         }
-        if self.values.len() + self.columns.len() > MOST {
+        if self.values.len() + self.columns.len() > MOST_VALUES {
             return Err(TableError::File(format!(
-                "{}, line {line}: more than {MOST} numbers: choose fewer columns with --columns, \
-                    or thin the series",
+                "{}, line {line}: more than {MOST_VALUES} numbers: choose fewer columns with \
+                    --columns, or thin the series",
                 self.input
             )));
         }
@@ -177,7 +179,7 @@ impl<'a> Rows<'a> {
                     points throughout"
             ),
             None => {
-                let mut shown: String = text.chars().take(SHOWN).collect();
+                let mut shown: String = text.chars().take(MOST_SHOWN_CHARACTERS).collect();
                 if shown.len() < text.len() {
                     shown.push('…');
                 }
@@ -299,7 +301,7 @@ fn time_in_first_column(table: &mut Table, given: Option<f64>) -> Result<Option<
         )))
     };
     let is_rising = first().zip(first().skip(1)).all(|(one, next)| one < next);
-    let is_time = is_rising && table.rows() >= RISING;
+    let is_time = is_rising && table.rows() >= RISING_ROWS;
     let Some(step) = time::even_step(first()).filter(|step| *step > 0.0) else {
         let step = time::middle_step(first()).filter(|_| is_time);
         let gap = step.and_then(|step| Some((step, time::first_gap(first(), step)?)));

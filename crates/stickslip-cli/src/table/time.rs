@@ -4,10 +4,10 @@ use stickslip_series::statistics::middle_two;
 
 /// Relative deviation from `dt` that time steps may have. Times are often printed with three
 /// digits.
-const UNEVEN: f64 = 0.01;
-/// A step is rounded to ten digits if that changes it by at most this fraction. The difference is
-/// then rounding of the printed times.
-const ROUNDING: f64 = 1e-9;
+const STEP_TOLERANCE: f64 = 0.01;
+/// Relative error of times that are printed with ten digits. A step is rounded to ten digits if
+/// that changes it by no more.
+const PRINTING_ERROR: f64 = 1e-9;
 
 /// The median of the steps between values; `None` for fewer than two values.
 pub(super) fn middle_step(values: impl Iterator<Item = f64> + Clone) -> Option<f64> {
@@ -43,7 +43,7 @@ pub(super) fn common_step(values: &[f64]) -> Option<f64> {
     let largest = values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
     // Each difference has an error of two half units in the last place, which Euclid's algorithm
     // multiplies by the quotients.
-    let rounding = ROUNDING * largest;
+    let rounding = PRINTING_ERROR * largest;
     let step = values.windows(2).fold(0.0, |step: f64, pair| {
         let (mut a, mut b) = (pair[1] - pair[0], step);
         while b > rounding {
@@ -59,13 +59,13 @@ pub(super) fn common_step(values: &[f64]) -> Option<f64> {
 
 /// Whether two steps are the same.
 pub(super) fn agree(step: f64, dt: f64) -> bool {
-    (step - dt).abs() <= UNEVEN * dt.abs()
+    (step - dt).abs() <= STEP_TOLERANCE * dt.abs()
 }
 
 /// The step, or the number with fewer digits that it equals up to the rounding of printed times.
 fn rounded(step: f64) -> f64 {
     let short: f64 = format!("{step:.9e}").parse().unwrap_or(step);
-    if (short - step).abs() <= ROUNDING * step.abs() {
+    if (short - step).abs() <= PRINTING_ERROR * step.abs() {
         short
     } else {
         step

@@ -29,7 +29,7 @@ fn assert_same(name: &str, file: &[Event], compiled: &[Event]) {
 }
 
 fn compare<S: Filippov<N>, const N: usize>(name: &str, file: &System, system: &S, t_end: f64) {
-    let start = file.built.start.clone().unwrap();
+    let start = file.start().unwrap();
     for options in methods() {
         let x = State::<N>::from_fn(|i, _| start[i]);
         let orbit = solve(system, 0.0, x, t_end, &options).unwrap();
@@ -205,7 +205,7 @@ fn two_contacts_with_static_friction() {
 #[test]
 fn one_contact_has_the_same_bits() {
     let file = open("belt");
-    let start = file.built.start.clone().unwrap();
+    let start = file.start().unwrap();
     for options in methods() {
         let orbit = solve(
             &BeltOscillator::default(),

@@ -1199,12 +1199,33 @@ fn a_plane_of_starts_leaves_discrete_states_where_the_file_has_them() {
         .replace("[jumps.off]", "w = \"-w\"\n[jumps.off]")
         .replace("u = 15", "u = 15\nw = 0")
         .replace("u = [0, 20]", "u = [0, 20]\nw = [0, 1]");
-    let (top, _) = printed(&two, &["basin", "system.toml", "--grid", "2x2"]);
-    let basin = std::fs::read_to_string(top.path().join("out/basin.csv")).unwrap();
-    assert!(
-        basin.starts_with("u,w,") || basin.contains(",w,"),
-        "{basin}"
-    );
+    let starts = |text: &str, arguments: &[&str]| -> Vec<[f64; 3]> {
+        let command = [&["basin", "system.toml", "--grid", "2x2"], arguments].concat();
+        let (top, _) = printed(text, &command);
+        let mut rows = csv::Reader::from_path(top.path().join("out/basin.csv")).unwrap();
+        assert_eq!(rows.headers().unwrap().iter().next(), Some("u"));
+        let rows = rows.records().map(|row| {
+            let row = row.unwrap();
+            [0, 1, 2].map(|k| row[k].parse().unwrap())
+        });
+        rows.collect()
+    };
+    let wanted = [
+        [5.0, 0.25, 1.0],
+        [15.0, 0.25, 1.0],
+        [5.0, 0.75, 1.0],
+        [15.0, 0.75, 1.0],
+    ];
+    assert_eq!(starts(&two, &[]), wanted);
+    // Values that the plane replaces need no start, and a discrete state has its own.
+    let without = two.replace("[start]\nu = 15\nw = 0\n", "");
+    assert_eq!(starts(&without, &[]), wanted);
+    let off = starts(&without, &["--start", "heating=0"]);
+    assert_eq!(off, wanted.map(|[u, w, _]| [u, w, 0.0]));
+    // Whole values of a discrete state are the middles of two cells.
+    let both = starts(&two, &["--y", "heating=-0.5:1.5"]);
+    let heating: Vec<f64> = both.iter().map(|row| row[2]).collect();
+    assert_eq!(heating, [0.0, 0.0, 1.0, 1.0]);
 }
 
 #[test]

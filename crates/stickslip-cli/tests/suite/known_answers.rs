@@ -6,7 +6,7 @@ use stickslip::analysis::{
 };
 use stickslip::models::BeltOscillator;
 use stickslip::{Method, Options, Side, math};
-use stickslip_cli::tangents::{Kind, Line, OnLine};
+use stickslip_cli::tangents::{BoundaryLine, LineResults, ZoneKind};
 
 use super::recorded::{open, read, run};
 
@@ -20,7 +20,7 @@ fn the_largest_exponent_alone_is_the_first_of_the_spectrum() {
     let sticks = "name = \"sticks\"\n[states]\nv = \"\"\n[contacts.belt]\nboundary = \"v - 1\"\n\
                   friction = \"1\"\n[field]\nv = \"-friction(belt)\"\n[start]\nv = 0\n";
     let forced = open("forced");
-    let start = forced.built.start.clone().unwrap();
+    let start = forced.start().unwrap();
     for (system, start) in [
         (forced, start),
         (open("belt"), vec![0.5, 0.1]),
@@ -83,8 +83,8 @@ fn the_amplitudes_of_den_hartog() {
 #[test]
 fn the_tangent_points_of_the_belt_oscillator() {
     let system = open("belt");
-    let start = system.built.start.clone().unwrap();
-    let line = Line::through(&system, 0, None, (-2.0, 2.0), (0.0, &start)).unwrap();
+    let start = system.start().unwrap();
+    let line = BoundaryLine::through(&system, 0, None, (-2.0, 2.0), (0.0, &start)).unwrap();
     let [(_, found)] = &line.scan(&system)[..] else {
         panic!("one branch is expected");
     };
@@ -101,7 +101,7 @@ fn the_tangent_points_of_the_belt_oscillator() {
     let zones: Vec<(f64, f64)> = found
         .zones
         .iter()
-        .filter(|zone| zone.kind == Kind::Stick)
+        .filter(|zone| zone.kind == ZoneKind::Stick)
         .map(|zone| (zone.from, zone.to))
         .collect();
     let known = BeltOscillator::default().stick_zones().unwrap();
@@ -129,7 +129,7 @@ x = "v"
 v = "-x - friction(belt)"
 "#,
     );
-    let line = Line::through(&system, 0, None, (-2.0, 2.0), (0.0, &[0.0, 0.2])).unwrap();
+    let line = BoundaryLine::through(&system, 0, None, (-2.0, 2.0), (0.0, &[0.0, 0.2])).unwrap();
     let [(_, found)] = &line.scan(&system)[..] else {
         panic!("one branch is expected");
     };
@@ -149,12 +149,16 @@ v = "-x - friction(belt)"
     }
     assert_eq!(found.zones.len(), 1);
     let zone = found.zones[0];
-    assert_eq!(zone.kind, Kind::Stick);
+    assert_eq!(zone.kind, ZoneKind::Stick);
     assert!((zone.from + 1.0).abs() < 1e-15 && (zone.to - 1.0).abs() < 1e-15);
 }
 
 /// Two-state fields with a boundary in both states, and the results on it along the first state.
-fn on_boundary(boundary: &str, start: [f64; 2], range: (f64, f64)) -> Vec<(Line, OnLine)> {
+fn on_boundary(
+    boundary: &str,
+    start: [f64; 2],
+    range: (f64, f64),
+) -> Vec<(BoundaryLine, LineResults)> {
     let system = read(&format!(
         r#"
 name = "plane"
@@ -168,7 +172,7 @@ x = {{ below = "x", above = "1" }}
 y = {{ below = "y", above = "-1" }}
 "#
     ));
-    let line = Line::through(&system, 0, Some(0), range, (0.0, &start)).unwrap();
+    let line = BoundaryLine::through(&system, 0, Some(0), range, (0.0, &start)).unwrap();
     assert_eq!((line.along, line.solved), (0, 1));
     line.scan(&system)
 }
@@ -202,7 +206,7 @@ fn a_circle_has_two_branches_and_a_stick_zone_on_each() {
             let [zone] = found.zones[..] else {
                 panic!("{:?}", found.zones);
             };
-            assert_eq!(zone.kind, Kind::Stick);
+            assert_eq!(zone.kind, ZoneKind::Stick);
             assert!(
                 (zone.from + rim).abs() < 1e-14 && (zone.to - side).abs() < 1e-14,
                 "{zone:?}"
@@ -269,7 +273,7 @@ fn branches_end_where_the_boundary_turns() {
 #[test]
 fn the_exponents_of_a_sticking_orbit() {
     let system = open("leine");
-    let start = system.built.start.clone().unwrap();
+    let start = system.start().unwrap();
     let settings = SpectrumOptions::over(50.0, 200.0).solver(taylor());
     let spectrum = lyapunov_spectrum(system.dynamics(), (0.0, &*start), &settings).unwrap();
     assert!(spectrum.exponents[0].value().abs() < 0.05);

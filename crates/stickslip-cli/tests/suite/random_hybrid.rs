@@ -99,7 +99,7 @@ struct RunResult {
 }
 
 fn found(system: &System, method: &str) -> RunResult {
-    let x = Vector::from_vec(system.built.start.clone().unwrap());
+    let x = Vector::from_vec(system.start().unwrap());
     let options = options(method).escape(1e3);
     let start = Moment { t: 0.0, x };
     let mut orbit = match system

@@ -47,7 +47,7 @@ pub fn methods() -> [Options; 2] {
 
 /// A run from the start in the file.
 pub fn run(system: &System, t_end: f64, options: &Options) -> (Summary, Vec<Event>) {
-    let x = system.built.start.clone().expect("the file has a start");
+    let x = system.start().expect("the file has a start");
     let run = Run {
         t: system.built.t_start,
         x: &x,

@@ -13,7 +13,7 @@ use super::recorded::{open, read};
 
 /// Starts whose first two states fill a plane.
 fn starts(system: &System, [x, y]: [(f64, f64); 2], side: usize) -> Vec<Vec<f64>> {
-    let from = system.built.start.clone().unwrap();
+    let from = system.start().unwrap();
     let at =
         |(low, high): (f64, f64), k: usize| low + (high - low) * (k as f64 + 0.5) / side as f64;
     let start = |k: usize| {

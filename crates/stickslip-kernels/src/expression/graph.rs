@@ -73,10 +73,10 @@ impl Node {
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
     nodes: Vec<Node>,
-    known: HashMap<Node, Id>,
+    ids: HashMap<Node, Id>,
 }
 
-type Made = Result<Id, NotANumber>;
+type NodeResult = Result<Id, NotANumber>;
 
 impl Graph {
     /// An empty graph.
@@ -89,12 +89,12 @@ impl Graph {
     }
 
     fn add(&mut self, node: Node) -> Id {
-        if let Some(&id) = self.known.get(&node) {
+        if let Some(&id) = self.ids.get(&node) {
             return id;
         }
         let id = Id::of(self.nodes.len());
         self.nodes.push(node);
-        self.known.insert(node, id);
+        self.ids.insert(node, id);
         id
     }
 
@@ -112,7 +112,7 @@ impl Graph {
     ///
     /// # Errors
     /// [`NotANumber`] unless it is finite.
-    pub fn constant(&mut self, value: f64) -> Made {
+    pub fn constant(&mut self, value: f64) -> NodeResult {
         if !value.is_finite() {
             return Err(NotANumber { value });
         }
@@ -132,7 +132,7 @@ impl Graph {
     ///
     /// # Errors
     /// See [`Graph::constant`].
-    pub fn negative(&mut self, a: Id) -> Made {
+    pub fn negative(&mut self, a: Id) -> NodeResult {
         match self.node(a) {
             Node::Constant(bits) => self.constant(-f64::from_bits(bits)),
             Node::Negative(inner) => Ok(inner),
@@ -144,7 +144,7 @@ impl Graph {
     ///
     /// # Errors
     /// See [`Graph::constant`].
-    pub fn binary(&mut self, operator: Binary, a: Id, b: Id) -> Made {
+    pub fn binary(&mut self, operator: Binary, a: Id, b: Id) -> NodeResult {
         match operator {
             Binary::Sum => self.sum(a, b),
             Binary::Difference => self.difference(a, b),
@@ -154,16 +154,16 @@ impl Graph {
         }
     }
 
-    fn sum(&mut self, a: Id, b: Id) -> Made {
+    fn sum(&mut self, a: Id, b: Id) -> NodeResult {
         match (self.value(a), self.value(b)) {
             (Some(a), Some(b)) => self.constant(a + b),
             (Some(0.0), None) => Ok(b),
             (None, Some(0.0)) => Ok(a),
-            _ => Ok(self.either_way(Node::Sum(a, b), Node::Sum(b, a))),
+            _ => Ok(self.commutative(Node::Sum(a, b), Node::Sum(b, a))),
         }
     }
 
-    fn difference(&mut self, a: Id, b: Id) -> Made {
+    fn difference(&mut self, a: Id, b: Id) -> NodeResult {
         match (self.value(a), self.value(b)) {
             (Some(a), Some(b)) => self.constant(a - b),
             (Some(0.0), None) => self.negative(b),
@@ -173,16 +173,16 @@ impl Graph {
         }
     }
 
-    fn product(&mut self, a: Id, b: Id) -> Made {
+    fn product(&mut self, a: Id, b: Id) -> NodeResult {
         match (self.value(a), self.value(b)) {
             (Some(a), Some(b)) => self.constant(a * b),
             (Some(factor), None) => self.scaled(b, factor),
             (None, Some(factor)) => self.scaled(a, factor),
-            _ => Ok(self.either_way(Node::Product(a, b), Node::Product(b, a))),
+            _ => Ok(self.commutative(Node::Product(a, b), Node::Product(b, a))),
         }
     }
 
-    fn scaled(&mut self, a: Id, factor: f64) -> Made {
+    fn scaled(&mut self, a: Id, factor: f64) -> NodeResult {
         if factor == 1.0 {
             return Ok(a);
         }
@@ -196,7 +196,7 @@ impl Graph {
         Ok(self.add(Node::Product(a, factor)))
     }
 
-    fn quotient(&mut self, a: Id, b: Id) -> Made {
+    fn quotient(&mut self, a: Id, b: Id) -> NodeResult {
         match (self.value(a), self.value(b)) {
             (Some(a), Some(b)) => self.constant(a / b),
             (None, Some(0.0)) => Err(NotANumber {
@@ -209,7 +209,7 @@ impl Graph {
         }
     }
 
-    fn power(&mut self, a: Id, b: Id) -> Made {
+    fn power(&mut self, a: Id, b: Id) -> NodeResult {
         let Some(exponent) = self.value(b) else {
             // For a positive base only: with another base, a power with a varying exponent is not
             // real.
@@ -239,7 +239,7 @@ impl Graph {
     ///
     /// # Errors
     /// See [`Graph::constant`].
-    pub fn call(&mut self, function: Function, a: Id) -> Made {
+    pub fn call(&mut self, function: Function, a: Id) -> NodeResult {
         match self.value(a) {
             Some(a) => self.constant(function.of(a)),
             None => Ok(self.add(Node::Call(function, a))),
@@ -250,7 +250,7 @@ impl Graph {
     ///
     /// # Errors
     /// See [`Graph::constant`].
-    pub fn larger(&mut self, a: Id, b: Id) -> Made {
+    pub fn larger(&mut self, a: Id, b: Id) -> NodeResult {
         match (self.value(a), self.value(b)) {
             (Some(a), Some(b)) => self.constant(a.max(b)),
             _ => Ok(self.add(Node::Larger(a, b))),
@@ -261,7 +261,7 @@ impl Graph {
     ///
     /// # Errors
     /// See [`Graph::constant`].
-    pub fn smaller(&mut self, a: Id, b: Id) -> Made {
+    pub fn smaller(&mut self, a: Id, b: Id) -> NodeResult {
         match (self.value(a), self.value(b)) {
             (Some(a), Some(b)) => self.constant(a.min(b)),
             _ => Ok(self.add(Node::Smaller(a, b))),
@@ -272,7 +272,7 @@ impl Graph {
     ///
     /// # Errors
     /// See [`Graph::constant`].
-    pub fn where_positive(&mut self, condition: Id, a: Id) -> Made {
+    pub fn where_positive(&mut self, condition: Id, a: Id) -> NodeResult {
         match self.value(condition) {
             Some(value) if value > 0.0 => Ok(a),
             Some(_) => self.constant(0.0),
@@ -281,27 +281,27 @@ impl Graph {
     }
 
     /// Adds a node, unless it or the one with exchanged operands exists already.
-    fn either_way(&mut self, node: Node, exchanged: Node) -> Id {
-        match self.known.get(&exchanged) {
+    fn commutative(&mut self, node: Node, exchanged: Node) -> Id {
+        match self.ids.get(&exchanged) {
             Some(&id) => id,
             None => self.add(node),
         }
     }
 
     /// For every index, whether the number is one of `roots` or an operand of them at any depth.
-    pub(super) fn reached(&self, roots: &[Id]) -> Vec<bool> {
-        let mut reached = vec![false; self.nodes.len()];
+    pub(super) fn used_by(&self, roots: &[Id]) -> Vec<bool> {
+        let mut is_used = vec![false; self.nodes.len()];
         for root in roots {
-            reached[root.index()] = true;
+            is_used[root.index()] = true;
         }
         for i in (0..self.nodes.len()).rev() {
-            if reached[i] {
+            if is_used[i] {
                 for operand in self.nodes[i].operands().into_iter().flatten() {
-                    reached[operand.index()] = true;
+                    is_used[operand.index()] = true;
                 }
             }
         }
-        reached
+        is_used
     }
 
     /// Whether a number depends on time.
@@ -320,8 +320,8 @@ impl Graph {
     }
 
     fn depends(&self, root: Id, wanted: impl Fn(u8) -> bool) -> bool {
-        let reached = self.reached(&[root]);
-        let mut nodes = self.nodes.iter().zip(reached);
-        nodes.any(|(node, reached)| reached && matches!(node, Node::Input(k) if wanted(*k)))
+        let is_used = self.used_by(&[root]);
+        let mut nodes = self.nodes.iter().zip(is_used);
+        nodes.any(|(node, is_used)| is_used && matches!(node, Node::Input(k) if wanted(*k)))
     }
 }

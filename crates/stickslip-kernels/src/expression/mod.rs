@@ -24,7 +24,7 @@ pub use graph::{Graph, Id, NotANumber};
 pub use parse::parse;
 pub use tape::{MOST_REGISTERS, Tape, TooLarge};
 pub use token::{begins_name, is_in_name, normal};
-pub use tree::{Binary, Expression, Kind};
+pub use tree::{Binary, Expression, ExpressionKind};
 
 use std::ops::Range;
 

@@ -4,10 +4,11 @@ use std::ops::Range;
 
 use super::SyntaxError;
 use super::token::{Token, tokens};
-use super::tree::{Binary, Expression, Kind};
+use super::tree::{Binary, Expression, ExpressionKind};
 
-/// Greatest depth of nesting.
-const DEEPEST: usize = 100;
+/// Most levels of nesting, so that recursion does not overflow the stack. It is chosen: formulas
+/// written by hand have far fewer.
+const MOST_NESTING: usize = 100;
 
 /// Parses a text into its tree.
 ///
@@ -106,7 +107,7 @@ impl<'a> Parser<'a> {
         let found = if let Some(sign) = self.take(&Token::Minus) {
             let inner = self.signed()?;
             let span = sign.start..inner.span.end;
-            let kind = Kind::Negative(Box::new(inner));
+            let kind = ExpressionKind::Negative(Box::new(inner));
             Ok(Expression { kind, span })
         } else if self.take(&Token::Plus).is_some() {
             self.signed()
@@ -122,7 +123,7 @@ impl<'a> Parser<'a> {
         if let Some((Token::SmallPower(n), place)) = self.peek() {
             self.next += 1;
             let exponent = Expression {
-                kind: Kind::Number(f64::from(*n)),
+                kind: ExpressionKind::Number(f64::from(*n)),
                 span: place.clone(),
             };
             return Ok(joined(Binary::Power, base, exponent));
@@ -141,12 +142,12 @@ impl<'a> Parser<'a> {
         self.next += 1;
         match token {
             Token::Number(value) => Ok(Expression {
-                kind: Kind::Number(*value),
+                kind: ExpressionKind::Number(*value),
                 span: place.clone(),
             }),
             Token::Name(name) if self.take(&Token::Open).is_some() => self.call(name, place),
             Token::Name(name) => Ok(Expression {
-                kind: Kind::Name(name.clone()),
+                kind: ExpressionKind::Name(name.clone()),
                 span: place.clone(),
             }),
             Token::Open => {
@@ -179,7 +180,7 @@ impl<'a> Parser<'a> {
         }
         let end = self.tokens[self.next - 1].1.end;
         Ok(Expression {
-            kind: Kind::Call {
+            kind: ExpressionKind::Call {
                 function: function.to_owned(),
                 place: place.clone(),
                 arguments,
@@ -215,14 +216,14 @@ impl<'a> Parser<'a> {
     /// Parentheses and signs are parsed recursively, and the depth is bounded to protect the stack.
     fn deeper(&mut self) -> Result<(), SyntaxError> {
         self.depth += 1;
-        if self.depth <= DEEPEST {
+        if self.depth <= MOST_NESTING {
             return Ok(());
         }
         let at = self
             .peek()
             .map_or(self.end..self.end, |(_, place)| place.clone());
         Err(
-            SyntaxError::new(format!("nested deeper than {DEEPEST} levels"), at)
+            SyntaxError::new(format!("nested deeper than {MOST_NESTING} levels"), at)
                 .help("give parts of it names in [definitions]"),
         )
     }
@@ -231,7 +232,7 @@ impl<'a> Parser<'a> {
 fn joined(operator: Binary, left: Expression, right: Expression) -> Expression {
     let span = left.span.start..right.span.end;
     Expression {
-        kind: Kind::Binary(operator, Box::new(left), Box::new(right)),
+        kind: ExpressionKind::Binary(operator, Box::new(left), Box::new(right)),
         span,
     }
 }

@@ -5,7 +5,8 @@ use stickslip::Scalar;
 use super::functions::Function;
 use super::graph::{Graph, Id, Node};
 
-/// Most numbers that a tape can hold at once, including time and states.
+/// Most numbers that a tape can hold at once, including time and states. It is chosen: register
+/// numbers fit into 16 bits up to 64 times as many.
 pub const MOST_REGISTERS: usize = 1024;
 
 /// Registers of the short and the medium tapes; powers of two. Most systems need no more, and these
@@ -55,13 +56,13 @@ enum Operation {
     Constant,
     /// Sine into `to`, cosine into `b`.
     SineCosine,
-    Other(Other),
+    Called(CalledOperation),
 }
 
 /// Operations that take longer than a call. For nested dual numbers these are long functions, which
 /// would be compiled for each number of registers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Other {
+enum CalledOperation {
     /// The exponent is the constant.
     IntegerPower,
     RealPower,
@@ -156,7 +157,7 @@ impl Tape {
                 Operation::Negate => r[to] = -r[a],
                 Operation::Constant => r[to] = T::constant(constant),
                 Operation::SineCosine => (r[to], r[b]) = sine_cosine(r[a]),
-                Operation::Other(other) => r[to] = other.of(r[a], r[b], constant),
+                Operation::Called(other) => r[to] = other.of(r[a], r[b], constant),
             }
         }
         for (out, output) in out.iter_mut().zip(&self.outputs) {
@@ -171,17 +172,17 @@ impl Tape {
     }
 }
 
-impl Other {
+impl CalledOperation {
     #[inline(never)]
     fn of<T: Scalar>(self, a: T, b: T, constant: f64) -> T {
         match self {
-            Other::IntegerPower => a.powi(constant as i32),
-            Other::RealPower => a.powf(constant),
-            Other::Call(function) => function.of(a),
-            Other::Larger => a.max(b),
-            Other::Smaller => a.min(b),
-            Other::WherePositive if a.exceeds(T::zero()) => b,
-            Other::WherePositive => T::zero(),
+            CalledOperation::IntegerPower => a.powi(constant as i32),
+            CalledOperation::RealPower => a.powf(constant),
+            CalledOperation::Call(function) => function.of(a),
+            CalledOperation::Larger => a.max(b),
+            CalledOperation::Smaller => a.min(b),
+            CalledOperation::WherePositive if a.exceeds(T::zero()) => b,
+            CalledOperation::WherePositive => T::zero(),
         }
     }
 }
@@ -194,7 +195,7 @@ fn sine_cosine<T: Scalar>(a: T) -> (T, T) {
 /// Assigns registers to numbers and frees them after their last use.
 struct Layout<'a> {
     graph: &'a Graph,
-    reached: Vec<bool>,
+    is_used: Vec<bool>,
     /// The last number that uses each number. An output is its own last user and is kept.
     last_use: Vec<usize>,
     register: Vec<Option<u16>>,
@@ -205,10 +206,10 @@ struct Layout<'a> {
 
 impl<'a> Layout<'a> {
     fn new(graph: &'a Graph, roots: &[Id], states: usize) -> Self {
-        let reached = graph.reached(roots);
-        let count = reached.len();
+        let is_used = graph.used_by(roots);
+        let count = is_used.len();
         let mut last_use = vec![0; count];
-        for (i, _) in reached.iter().enumerate().filter(|(_, reached)| **reached) {
+        for (i, _) in is_used.iter().enumerate().filter(|(_, is_used)| **is_used) {
             for operand in graph.node(Id::of(i)).operands().into_iter().flatten() {
                 last_use[operand.index()] = i;
             }
@@ -218,7 +219,7 @@ impl<'a> Layout<'a> {
         }
         Layout {
             graph,
-            reached,
+            is_used,
             last_use,
             register: vec![None; count],
             free: Vec::new(),
@@ -228,8 +229,8 @@ impl<'a> Layout<'a> {
     }
 
     fn tape(mut self, roots: &[Id]) -> Result<Tape, TooLarge> {
-        for i in 0..self.reached.len() {
-            if self.reached[i] && self.register[i].is_none() {
+        for i in 0..self.is_used.len() {
+            if self.is_used[i] && self.register[i].is_none() {
                 self.make(i)?;
             }
         }
@@ -276,14 +277,24 @@ impl<'a> Layout<'a> {
                 (_, Some(c)) => (Op::DivideByConstant, a, None, c),
                 _ => (Op::Divide, a, Some(b), 0.0),
             },
-            Node::IntegerPower(a, n) => (Op::Other(Other::IntegerPower), a, None, f64::from(n)),
-            Node::RealPower(a, bits) => {
-                (Op::Other(Other::RealPower), a, None, f64::from_bits(bits))
-            }
+            Node::IntegerPower(a, n) => (
+                Op::Called(CalledOperation::IntegerPower),
+                a,
+                None,
+                f64::from(n),
+            ),
+            Node::RealPower(a, bits) => (
+                Op::Called(CalledOperation::RealPower),
+                a,
+                None,
+                f64::from_bits(bits),
+            ),
             Node::Call(function, a) => return self.call(i, function, a),
-            Node::Larger(a, b) => (Op::Other(Other::Larger), a, Some(b), 0.0),
-            Node::Smaller(a, b) => (Op::Other(Other::Smaller), a, Some(b), 0.0),
-            Node::WherePositive(a, b) => (Op::Other(Other::WherePositive), a, Some(b), 0.0),
+            Node::Larger(a, b) => (Op::Called(CalledOperation::Larger), a, Some(b), 0.0),
+            Node::Smaller(a, b) => (Op::Called(CalledOperation::Smaller), a, Some(b), 0.0),
+            Node::WherePositive(a, b) => {
+                (Op::Called(CalledOperation::WherePositive), a, Some(b), 0.0)
+            }
         };
         let from = self.operand(a)?;
         let with = b.map_or(Ok(0), |b| self.operand(b))?;
@@ -313,7 +324,7 @@ impl<'a> Layout<'a> {
             let to = self.take()?;
             self.register[i] = Some(to);
             self.steps.push(Step {
-                operation: Operation::Other(Other::Call(function)),
+                operation: Operation::Called(CalledOperation::Call(function)),
                 a: from,
                 b: 0,
                 to,
@@ -342,8 +353,8 @@ impl<'a> Layout<'a> {
     /// A further call with the same argument that comes after `i`.
     fn partner(&self, i: usize, function: Function, a: Id) -> Option<usize> {
         let wanted = Node::Call(function, a);
-        (i + 1..self.reached.len())
-            .find(|&k| self.reached[k] && self.graph.node(Id::of(k)) == wanted)
+        (i + 1..self.is_used.len())
+            .find(|&k| self.is_used[k] && self.graph.node(Id::of(k)) == wanted)
     }
 
     /// The register of an operand; a constant is loaded into one.

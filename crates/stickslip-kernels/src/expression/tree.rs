@@ -5,15 +5,15 @@ use std::ops::Range;
 /// An expression, or a subexpression.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expression {
-    /// Kind and operands.
-    pub kind: Kind,
+    /// Operation and operands.
+    pub kind: ExpressionKind,
     /// Position in bytes of the text.
     pub span: Range<usize>,
 }
 
 /// The kinds of expressions.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Kind {
+pub enum ExpressionKind {
     /// A number.
     Number(f64),
     /// A name.

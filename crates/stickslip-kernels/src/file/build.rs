@@ -6,7 +6,9 @@ use super::builder::{Builder, Freed, Inputs, Scope, no_number};
 use super::problem::Problem;
 use super::{Formula, InputShape, Rate, SystemFile};
 use crate::expression::{Binary, Graph, Id, NotANumber, Tape, TooLarge};
-use crate::kernel::{Combination, Fields, HELD, Input, Jump, Shape, Switching, sides_to_check};
+use crate::kernel::{
+    Combination, Fields, HELD_PER_INPUT, Input, Jump, Shape, Switching, sides_to_check,
+};
 
 /// The tapes of a system.
 #[derive(Clone, Debug)]
@@ -21,8 +23,8 @@ pub struct Built {
     pub normal_force: Option<Tape>,
     /// The section function.
     pub section: Option<Tape>,
-    /// Initial state; `None` if the file gives none.
-    pub start: Option<Vec<f64>>,
+    /// Initial value of each state, as far as the file gives it. Discrete states have one.
+    pub starts: Vec<Option<f64>>,
     /// Start time of runs.
     pub t_start: f64,
     /// Default end time of runs.
@@ -221,7 +223,7 @@ pub(crate) fn built(
         boundaries: tape(file, &graph, &heights, inputs)?,
         normal_force,
         section,
-        start: start(file, values)?,
+        starts: starts(file, values)?,
         t_start,
         t_end,
         period,
@@ -358,7 +360,7 @@ fn tape(
     roots: &[Id],
     inputs: Inputs<'_>,
 ) -> Result<Tape, Problem> {
-    let states = file.states.len() + inputs.count_free() + HELD * file.inputs.len();
+    let states = file.states.len() + inputs.count_free() + HELD_PER_INPUT * file.inputs.len();
     let too_large = |error: TooLarge| Problem::new(error.to_string(), 0..0);
     Tape::new(graph, roots, states).map_err(too_large)
 }
@@ -401,15 +403,11 @@ fn pace(
     pace.map_err(wrong).map(Some)
 }
 
-fn start(file: &SystemFile, values: &[f64]) -> Result<Option<Vec<f64>>, Problem> {
+fn starts(file: &SystemFile, values: &[f64]) -> Result<Vec<Option<f64>>, Problem> {
     let component = |formula: &Formula| constant(file, values, formula, "a start");
-    let given = file
-        .states
-        .iter()
-        .map(|state| state.start.as_ref().map(component));
-    // All given components are evaluated. They form a start if none is missing.
-    let given: Vec<Option<f64>> = given.map(Option::transpose).collect::<Result<_, _>>()?;
-    Ok(given.into_iter().collect())
+    let starts = file.states.iter();
+    let starts = starts.map(|state| state.start.as_ref().map(component).transpose());
+    starts.collect()
 }
 
 fn period(file: &SystemFile, values: &[f64]) -> Result<Option<f64>, Problem> {

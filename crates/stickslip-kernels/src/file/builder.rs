@@ -5,8 +5,10 @@ use std::ops::Range;
 use super::names::{FURTHER_FUNCTIONS, Meaning, did_you_mean, is_function};
 use super::problem::Problem;
 use super::{Formula, InputEntry, InputShape, Rate, SystemFile};
-use crate::expression::{Binary, Expression, FUNCTIONS, Function, Graph, Id, Kind, NotANumber};
-use crate::kernel::HELD;
+use crate::expression::{
+    Binary, Expression, ExpressionKind, FUNCTIONS, Function, Graph, Id, NotANumber,
+};
+use crate::kernel::HELD_PER_INPUT;
 
 /// What may occur in an expression.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,7 +91,7 @@ pub(super) struct Builder<'a> {
     pub(super) sided: usize,
 }
 
-type Made = Result<Id, Problem>;
+type BuildResult = Result<Id, Problem>;
 
 impl<'a> Builder<'a> {
     pub(super) fn new(
@@ -154,7 +156,7 @@ impl<'a> Builder<'a> {
     }
 
     /// Converts a rate, or a time, of the file to scaled time.
-    fn in_time(&mut self, id: Id, place: Range<usize>) -> Made {
+    fn in_time(&mut self, id: Id, place: Range<usize>) -> BuildResult {
         match self.inputs.pace {
             None => Ok(id),
             Some(pace) => {
@@ -164,24 +166,24 @@ impl<'a> Builder<'a> {
         }
     }
 
-    pub(super) fn formula(&mut self, formula: &Formula) -> Made {
+    pub(super) fn formula(&mut self, formula: &Formula) -> BuildResult {
         self.expression(formula, &formula.tree)
     }
 
-    fn expression(&mut self, formula: &Formula, expression: &Expression) -> Made {
+    fn expression(&mut self, formula: &Formula, expression: &Expression) -> BuildResult {
         let place = formula.at(&expression.span);
         let made = match &expression.kind {
-            Kind::Number(value) => self.graph.constant(*value),
-            Kind::Name(name) => return self.name(name, place),
-            Kind::Negative(inner) => {
+            ExpressionKind::Number(value) => self.graph.constant(*value),
+            ExpressionKind::Name(name) => return self.name(name, place),
+            ExpressionKind::Negative(inner) => {
                 let inner = self.expression(formula, inner)?;
                 self.graph.negative(inner)
             }
-            Kind::Binary(operator, a, b) => {
+            ExpressionKind::Binary(operator, a, b) => {
                 let (a, b) = (self.expression(formula, a)?, self.expression(formula, b)?);
                 self.graph.binary(*operator, a, b)
             }
-            Kind::Call {
+            ExpressionKind::Call {
                 function,
                 place: name,
                 arguments,
@@ -193,7 +195,7 @@ impl<'a> Builder<'a> {
         made.map_err(|error| no_number(error, place))
     }
 
-    fn name(&mut self, name: &str, place: Range<usize>) -> Made {
+    fn name(&mut self, name: &str, place: Range<usize>) -> BuildResult {
         let Some(meaning) = self.meaning(name) else {
             return Err(self.unknown(name, place));
         };
@@ -244,12 +246,12 @@ impl<'a> Builder<'a> {
     }
 
     /// The value of an input: the value held, plus its slope times its clock.
-    fn input(&mut self, number: usize, place: Range<usize>) -> Made {
+    fn input(&mut self, number: usize, place: Range<usize>) -> BuildResult {
         let Some(entry) = self.file.and_then(|file| file.inputs.get(number)) else {
             return Err(Problem::new("there are no inputs here", place));
         };
         let states = self.file.map_or(0, |file| file.states.len()) + self.inputs.count_free();
-        let held = states + HELD * number;
+        let held = states + HELD_PER_INPUT * number;
         let value = self.graph.state(held);
         let pieces = match &entry.shape {
             InputShape::Switch(_) => return Ok(value),
@@ -265,7 +267,7 @@ impl<'a> Builder<'a> {
     }
 
     /// The clock of an input. For a switch, it is the function whose sign it takes.
-    pub(super) fn clock(&mut self, entry: &InputEntry) -> Made {
+    pub(super) fn clock(&mut self, entry: &InputEntry) -> BuildResult {
         let time = self.graph.time();
         let time = self.in_time(time, entry.place.clone())?;
         let (period, phase) = match &entry.shape {
@@ -284,7 +286,7 @@ impl<'a> Builder<'a> {
     }
 
     /// The period or phase of an input, which must be constant so that its clock runs uniformly.
-    fn of_input(&mut self, formula: &Formula, what: &str) -> Made {
+    fn of_input(&mut self, formula: &Formula, what: &str) -> BuildResult {
         let made = self.formula(formula)?;
         if self.graph.depends_on_time(made) {
             let message = format!("the {what} of an input cannot depend on time");
@@ -349,7 +351,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    pub(super) fn definition(&mut self, number: usize) -> Made {
+    pub(super) fn definition(&mut self, number: usize) -> BuildResult {
         let Some(file) = self.file else {
             return Err(Problem::new("there are no definitions here", 0..0));
         };
@@ -375,7 +377,7 @@ impl<'a> Builder<'a> {
         name: Range<usize>,
         arguments: &[Expression],
         place: Range<usize>,
-    ) -> Made {
+    ) -> BuildResult {
         match function {
             "friction" => return self.friction(formula, arguments, place),
             "by_side" => return self.by_side(formula, arguments, place),
@@ -423,7 +425,7 @@ impl<'a> Builder<'a> {
         formula: &Formula,
         arguments: &[Expression],
         place: Range<usize>,
-    ) -> Made {
+    ) -> BuildResult {
         let number = self.contact(formula, "friction", arguments.first(), place.clone())?;
         if arguments.len() != 1 {
             return Err(wrong_count(
@@ -481,7 +483,7 @@ impl<'a> Builder<'a> {
         formula: &Formula,
         arguments: &[Expression],
         place: Range<usize>,
-    ) -> Made {
+    ) -> BuildResult {
         let number = self.contact(formula, "by_side", arguments.first(), place.clone())?;
         let [_, below, above] = arguments else {
             let wanted = "a contact, the expression below and the one above";
@@ -509,7 +511,7 @@ impl<'a> Builder<'a> {
             return Err(wrong_count(function, "the name of a contact", 0, place));
         };
         let place = formula.at(&argument.span);
-        let Kind::Name(name) = &argument.kind else {
+        let ExpressionKind::Name(name) = &argument.kind else {
             return Err(Problem::new(
                 format!("{function} takes the name of a contact here"),
                 place,

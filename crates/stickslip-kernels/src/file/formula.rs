@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::problem::{Problem, Source};
-use crate::expression::{Expression, Kind, parse};
+use crate::expression::{Expression, ExpressionKind, parse};
 
 /// An expression of the file.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,12 +12,12 @@ pub struct Formula {
     pub tree: Expression,
     /// The expression as written.
     pub text: String,
-    place: Place,
+    place: TextPosition,
 }
 
 /// Position of the text of an expression.
 #[derive(Clone, Debug, PartialEq)]
-struct Place {
+struct TextPosition {
     /// The whole value, quotes included.
     whole: Range<usize>,
     /// Start of the text; `None` if it contains escapes, so that bytes cannot be counted.
@@ -29,11 +29,11 @@ impl Formula {
     pub(super) fn number(value: f64, whole: Range<usize>) -> Self {
         Formula {
             tree: Expression {
-                kind: Kind::Number(value),
+                kind: ExpressionKind::Number(value),
                 span: 0..whole.len(),
             },
             text: value.to_string(),
-            place: Place {
+            place: TextPosition {
                 text: Some(whole.start),
                 whole,
             },
@@ -54,7 +54,7 @@ impl Formula {
                 .chars()
                 .all(char::is_whitespace)
         });
-        let place = Place {
+        let place = TextPosition {
             text: begin.map(|skipped| whole.start + quotes + skipped),
             whole,
         };
@@ -81,7 +81,7 @@ impl Formula {
     }
 }
 
-impl Place {
+impl TextPosition {
     fn of(&self, span: &Range<usize>) -> Range<usize> {
         match self.text {
             Some(begin) => begin + span.start..begin + span.end,

@@ -45,22 +45,22 @@
 
 mod build;
 mod builder;
+mod error_text;
 mod formula;
 mod names;
+mod notation;
 mod problem;
 mod read;
 mod switching;
 mod system;
 mod table;
-mod wording;
-mod words;
 
 pub use build::Built;
+pub use error_text::Interface;
 pub use formula::Formula;
 pub use names::{Meaning, Names, did_you_mean};
 pub use problem::{Problem, Source};
 pub use system::{PeriodError, SettingError, System};
-pub use wording::Interface;
 
 use std::ops::Range;
 use std::path::Path;

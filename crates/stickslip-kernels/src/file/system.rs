@@ -11,25 +11,28 @@ use stickslip::{Direction, Scalar};
 use super::build::{self, Built, Variant};
 use super::{FileError, Problem, Source, SystemFile, did_you_mean};
 use crate::kernel::{
-    Combination, Equations, HELD, ManyContacts, OneContact, Section, Stop, dynamics,
+    Combination, Equations, HELD_PER_INPUT, ManyContacts, OneContact, Section, Stop, dynamics,
     sides_to_check, stoppable,
 };
 
-/// Number of states at which a period is checked.
-const PROBES: usize = 16;
+/// Number of random states at which a period or the boundaries are checked. It is chosen: one that
+/// is not special would do.
+const PROBE_STATES: usize = 16;
 
 /// Newton iterations. Where gradients are dependent, each iteration halves the remaining distance.
 const NEWTON_STEPS: usize = 60;
 
 /// Gradients of length 1 are dependent if a singular value is below this. It is ten times the limit
 /// in a run, which may come nearer.
-const DEPENDENT: f64 = 1e-5;
+const DEPENDENT_SINGULAR_VALUE: f64 = 1e-5;
 
-/// A boundary is reached within this distance, relative to the state.
-const ON_BOUNDARY: f64 = 1e-13;
+/// Distance from a boundary that Newton's iteration leaves, relative to the state: some hundred
+/// units in the last place.
+const BOUNDARY_DISTANCE: f64 = 1e-13;
 
-/// Relative difference by which the field may change over a period, for rounding, also in time.
-const PERIODIC: f64 = 1e-6;
+/// Relative difference of the field after a period that counts as rounding. It is chosen so that a
+/// period may be written with seven digits.
+const PERIOD_TOLERANCE: f64 = 1e-6;
 
 /// A system ready to run.
 pub struct System {
@@ -294,7 +297,7 @@ impl System {
             // States at which a value is not finite do not count.
             now.iter().zip(&later).all(|(now, later)| {
                 let off = (now - later).abs();
-                off.is_nan() || off <= PERIODIC * (1.0 + now.abs())
+                off.is_nan() || off <= PERIOD_TOLERANCE * (1.0 + now.abs())
             })
         }))
     }
@@ -302,7 +305,7 @@ impl System {
     /// States around the start, or around zero.
     fn probes(&self) -> Vec<Vec<f64>> {
         let random = &mut SplitMix::new(1);
-        let start = self.built.start.clone();
+        let start = self.start();
         let start = start.unwrap_or_else(|| vec![0.0; self.states()]);
         let mut probe = |_| {
             start
@@ -310,7 +313,7 @@ impl System {
                 .map(|x| x + random.between(-1.0, 1.0))
                 .collect()
         };
-        (0..PROBES).map(&mut probe).collect()
+        (0..PROBE_STATES).map(&mut probe).collect()
     }
 
     /// Contacts whose boundaries vanish together at a state with dependent gradients, and that
@@ -344,13 +347,18 @@ impl System {
                 normal /= size;
                 *height /= size;
             }
-            let is_there =
-                heights.amax() <= ON_BOUNDARY * x.iter().fold(1.0, |far: f64, x| far.max(x.abs()));
+            let is_there = heights.amax()
+                <= BOUNDARY_DISTANCE * x.iter().fold(1.0, |far: f64, x| far.max(x.abs()));
             let normals = normals.svd(true, true);
             if is_there {
-                return (normals.rank(DEPENDENT) < contacts.len()).then_some(x);
+                return (normals.rank(DEPENDENT_SINGULAR_VALUE) < contacts.len()).then_some(x);
             }
-            let step = normals.solve(&heights, DEPENDENT * DEPENDENT).ok()?;
+            let step = normals
+                .solve(
+                    &heights,
+                    DEPENDENT_SINGULAR_VALUE * DEPENDENT_SINGULAR_VALUE,
+                )
+                .ok()?;
             x.iter_mut().zip(&step).for_each(|(x, step)| *x -= step);
         }
         None
@@ -367,6 +375,11 @@ impl System {
             Some(_) => Watched::Own,
             None => Watched::None,
         }
+    }
+
+    /// Initial state, if the file gives every component.
+    pub fn start(&self) -> Option<Vec<f64>> {
+        self.built.starts.iter().copied().collect()
     }
 
     /// Number of states.
@@ -445,8 +458,8 @@ fn solver(
             )
         } else {
             format!(
-                "{states} states and {} inputs are too many: each input counts as {HELD} states, \
-                    and there is room for {}",
+                "{states} states and {} inputs are too many: each input counts as {HELD_PER_INPUT} \
+                    states, and there is room for {}",
                 file.inputs.len(),
                 states + 66 - room.min(66)
             )

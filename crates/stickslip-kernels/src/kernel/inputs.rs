@@ -6,8 +6,9 @@ use stickslip::{Direction, Scalar};
 
 use crate::expression::Tape;
 
-/// Numbers that an input holds from one kink to the next: a value, and a factor on its clock.
-pub const HELD: usize = 2;
+/// Number of states that an input adds. They are constant from one kink to the next: a value, and a
+/// factor on its clock.
+pub const HELD_PER_INPUT: usize = 2;
 
 /// An input that depends on time alone and is linear in its clock between kinks.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,15 +41,17 @@ pub struct Piece {
     pub slope: f64,
 }
 
-/// A kink is reached if the clock is before it by no more than this (units in the last place).
-const ULPS: f64 = 16.0;
+/// Rounding error of a clock, in units in the last place: of a quotient and a sum, with a margin of
+/// about ten. A kink counts as passed if the clock is before it by no more.
+const CLOCK_ULPS: f64 = 16.0;
 
-/// A time is that of a kink within this distance (units in the last place).
-const NEAR: f64 = 1024.0;
+/// Rounding error of the time of a kink, in units in the last place. It is chosen as 64 times that
+/// of the clock, since the time follows from the clock by a difference and a quotient.
+const KINK_TIME_ULPS: f64 = 1024.0;
 
-/// Evaluations per search for the next sign change. After that the run pauses there and searches
-/// again.
-const MOST: usize = 10_000;
+/// Ranges that one search for the next sign change examines. It bounds the time between two steps;
+/// after that the run pauses there and searches again.
+const MOST_SEARCH_RANGES: usize = 10_000;
 
 impl Input {
     fn reading<T: Scalar>(&self, t: T, x: &[T]) -> T {
@@ -64,15 +67,14 @@ impl Input {
         (re, eps)
     }
 
-    /// The clock at a time, advanced by the rounding tolerance, so that a kink that is reached
-    /// counts as passed.
-    fn moved(&self, t: f64, x: &[f64]) -> f64 {
+    /// The clock at a time, plus its rounding error, so that a kink at that time counts as passed.
+    fn rounded_up(&self, t: f64, x: &[f64]) -> f64 {
         let reading = self.reading(t, x);
-        reading + ULPS * f64::EPSILON * (1.0 + reading.abs())
+        reading + CLOCK_ULPS * f64::EPSILON * (1.0 + reading.abs())
     }
 
     /// The numbers held from a time on.
-    pub fn held(&self, t: f64, x: &[f64]) -> [f64; HELD] {
+    pub fn held(&self, t: f64, x: &[f64]) -> [f64; HELD_PER_INPUT] {
         let line = |piece: &Piece, turns: f64| match piece.slope {
             0.0 => [piece.value, 0.0],
             slope => [piece.value - slope * (turns + piece.from), slope],
@@ -80,12 +82,12 @@ impl Input {
         match &self.shape {
             Shape::Sign => [self.sign(t, x), 0.0],
             Shape::Once(pieces) => {
-                let reading = self.moved(t, x);
+                let reading = self.rounded_up(t, x);
                 let behind = pieces.partition_point(|piece| piece.from <= reading);
                 line(&pieces[behind.max(1) - 1], 0.0)
             }
             Shape::Repeated(pieces) => {
-                let reading = self.moved(t, x);
+                let reading = self.rounded_up(t, x);
                 let turns = reading.floor();
                 let behind = pieces.partition_point(|piece| piece.from <= reading - turns);
                 line(&pieces[behind.max(1) - 1], turns)
@@ -95,7 +97,7 @@ impl Input {
 
     /// The next kink, if it is not after `t_end`.
     fn next_kink(&self, t: f64, x: &[f64], t_end: f64) -> f64 {
-        let reading = self.moved(t, x);
+        let reading = self.rounded_up(t, x);
         let target = match &self.shape {
             Shape::Sign => return self.next_change(t, x, t_end),
             Shape::Once(pieces) => pieces
@@ -119,7 +121,8 @@ impl Input {
     /// The sign of the clock just after a time: that of the first value that is not zero, or NaN if
     /// that value is not a number.
     fn sign(&self, t: f64, x: &[f64]) -> f64 {
-        let mut ahead = 4.0 * ULPS * f64::EPSILON * t.abs().max(f64::MIN_POSITIVE / f64::EPSILON);
+        let mut ahead =
+            4.0 * CLOCK_ULPS * f64::EPSILON * t.abs().max(f64::MIN_POSITIVE / f64::EPSILON);
         while ahead.is_finite() {
             let value = self.reading(t + ahead, x);
             if value.is_nan() {
@@ -145,8 +148,8 @@ impl Input {
         let sign = self.sign(t, x);
         let (mut from, mut h) = (t, 1.0_f64);
         // A range in which the clock is zero throughout needs no resolution.
-        let mut least = ULPS * f64::EPSILON;
-        for _ in 0..MOST {
+        let mut least = CLOCK_ULPS * f64::EPSILON;
+        for _ in 0..MOST_SEARCH_RANGES {
             if from >= t_end {
                 return f64::INFINITY;
             }
@@ -161,7 +164,7 @@ impl Input {
                     return self.change_between(from, to, x, sign);
                 }
                 (from, h) = (to, 2.0 * h);
-                least = ULPS * f64::EPSILON;
+                least = CLOCK_ULPS * f64::EPSILON;
             } else if to - from <= least * from.abs().max(f64::MIN_POSITIVE) {
                 // The clock touches zero, within rounding.
                 if self.sign(to, x) != sign && to > t {
@@ -229,7 +232,7 @@ impl Switching {
 
     /// Length of the vector of states and of numbers that inputs hold.
     pub fn room(&self) -> usize {
-        self.states + HELD * self.inputs.len()
+        self.states + HELD_PER_INPUT * self.inputs.len()
     }
 
     /// The states, followed by the numbers that inputs hold from a time on.
@@ -245,9 +248,9 @@ impl Switching {
     }
 
     fn set_held(&self, input: usize, t: f64, x: &mut [f64]) {
-        let place = self.states + HELD * input;
+        let place = self.states + HELD_PER_INPUT * input;
         let held = self.inputs[input].held(t, &x[..self.states]);
-        x[place..place + HELD].copy_from_slice(&held);
+        x[place..place + HELD_PER_INPUT].copy_from_slice(&held);
     }
 }
 
@@ -292,7 +295,7 @@ impl<const N: usize> Jumps<N> for Switching {
     }
 
     fn kinks(&self, input: usize, t: f64, x: &[f64]) -> bool {
-        let near = NEAR * f64::EPSILON * t.abs().max(f64::MIN_POSITIVE / f64::EPSILON);
+        let near = KINK_TIME_ULPS * f64::EPSILON * t.abs().max(f64::MIN_POSITIVE / f64::EPSILON);
         let input = &self.inputs[input];
         input.held(t - near, x) != input.held(t + near, x)
     }

@@ -3,7 +3,7 @@
 mod change;
 mod compiled;
 mod inputs;
-mod reached;
+mod outcome;
 mod stoppable;
 mod system;
 
@@ -17,8 +17,8 @@ use stickslip::{Ending, Error, Options, TransitionKind};
 
 pub use change::Change;
 pub use compiled::dynamics;
-pub use inputs::{HELD, Input, Jump, Piece, Shape, Switching};
-pub use reached::{Motion, Outcome, PhaseThere, TransitionThere};
+pub use inputs::{HELD_PER_INPUT, Input, Jump, Piece, Shape, Switching};
+pub use outcome::{AttractorPhase, AttractorTransition, Motion, Outcome};
 pub use stoppable::Stop;
 pub(crate) use stoppable::stoppable;
 pub use system::{
@@ -92,21 +92,21 @@ pub fn follow(
     };
     let mut orbit = system.begin(&start, run.t_end, run.options, section)?;
     loop {
-        let told = match orbit.step() {
+        let decision = match orbit.step() {
             Ok(Happening::Step) if !watcher.watches_steps() => ControlFlow::Continue(()),
             Ok(Happening::Step) => watcher.step(orbit.last_step(), &mut *orbit),
             Ok(Happening::PhaseEnd(phase)) => watcher.phase(phase),
             Ok(Happening::Kink(at)) => watcher.kink(at),
             Ok(Happening::Passage(at)) => watcher.passage(at),
-            Ok(Happening::Transition(at)) => tell(at, watcher),
+            Ok(Happening::Transition(at)) => report_transition(at, watcher),
             Ok(Happening::End(summary)) => return Ok(summary),
             Err(error) => {
-                tell_last_phase(&*orbit, watcher);
+                report_last_phase(&*orbit, watcher);
                 return Err(error);
             }
         };
-        if told.is_break() {
-            tell_last_phase(&*orbit, watcher);
+        if decision.is_break() {
+            report_last_phase(&*orbit, watcher);
             let Moment { t, x } = orbit.now();
             return Ok(Summary {
                 ending: Ending::Stopped,
@@ -120,7 +120,7 @@ pub fn follow(
 
 /// Reports a transition, and the change of each other contact whose mode changes at the same
 /// instant.
-fn tell(at: Transition, watcher: &mut dyn Watcher) -> ControlFlow<()> {
+fn report_transition(at: Transition, watcher: &mut dyn Watcher) -> ControlFlow<()> {
     let modes = at.from.iter().zip(at.to.iter()).enumerate();
     let others = modes.filter(|(contact, (from, to))| *contact != at.contact && from != to);
     let of = |(contact, (from, to))| Transition {
@@ -134,7 +134,7 @@ fn tell(at: Transition, watcher: &mut dyn Watcher) -> ControlFlow<()> {
 }
 
 /// The current phase also ends where a run stops or fails.
-fn tell_last_phase(orbit: &dyn OrbitUnderWay, watcher: &mut dyn Watcher) {
+fn report_last_phase(orbit: &dyn OrbitUnderWay, watcher: &mut dyn Watcher) {
     if let Some(phase) = orbit.phase() {
         // The run ends whatever the watcher returns.
         let _ = watcher.phase(phase);

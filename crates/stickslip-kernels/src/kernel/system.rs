@@ -72,35 +72,35 @@ pub struct Combination {
 }
 
 /// Builds the tape of the field of a combination; `None` if there is none.
-pub type MakeTape = dyn Fn(Combination) -> Option<Tape> + Send + Sync;
+pub type BuildTape = dyn Fn(Combination) -> Option<Tape> + Send + Sync;
 
-/// Storage for the tape of a combination.
-type Place = OnceLock<(Combination, Option<Tape>)>;
+/// Storage of the tape of a combination.
+type TapeSlot = OnceLock<(Combination, Option<Tape>)>;
 
 /// The fields of all combinations of sides and holding contacts, 4^M for M contacts. Each is built
 /// on first use.
 #[derive(Clone)]
 pub struct Fields {
     contacts: usize,
-    made: Arc<[Place]>,
-    make: Arc<MakeTape>,
+    slots: Arc<[TapeSlot]>,
+    build: Arc<BuildTape>,
 }
 
-/// Number of combinations that are stored, more than an orbit visits. Further ones are rebuilt at
-/// every evaluation.
-const MOST_KEPT: usize = 1 << 12;
+/// Number of combinations that are stored. It bounds memory: six contacts have as many, and with
+/// more an orbit visits few of theirs. Those without room are rebuilt at every evaluation.
+const MOST_STORED_TAPES: usize = 1 << 12;
 
 impl Fields {
     /// No field is built yet.
-    pub fn new(contacts: usize, make: Arc<MakeTape>) -> Self {
+    pub fn new(contacts: usize, build: Arc<BuildTape>) -> Self {
         let all = 1_usize
             .checked_shl(2 * contacts as u32)
-            .unwrap_or(MOST_KEPT);
-        let made = (0..all.min(MOST_KEPT)).map(|_| OnceLock::new());
+            .unwrap_or(MOST_STORED_TAPES);
+        let slots = (0..all.min(MOST_STORED_TAPES)).map(|_| OnceLock::new());
         Fields {
             contacts,
-            made: made.collect(),
-            make,
+            slots: slots.collect(),
+            build,
         }
     }
 
@@ -111,41 +111,40 @@ impl Fields {
 
     /// Stores the tape of a combination, which then need not be built.
     pub fn keep(&self, of: Combination, tape: &Tape) {
-        let kept = || (of, Some(tape.clone()));
-        self.places(of)
-            .find(|place| place.get_or_init(kept).0 == of);
+        let stored = || (of, Some(tape.clone()));
+        self.slots_of(of)
+            .find(|slot| slot.get_or_init(stored).0 == of);
     }
 
     /// The tape of a combination; `None` if there is none.
     pub fn tape(&self, of: Combination) -> Option<Tape> {
-        match self.kept(of) {
+        match self.stored(of) {
             Some(tape) => tape.clone(),
-            None => (self.make)(of),
+            None => (self.build)(of),
         }
     }
 
     /// Evaluates the field of a combination; NaN if there is none.
     pub fn evaluate<T: Scalar>(&self, of: Combination, t: T, x: &[T], out: &mut [T]) {
-        match self.kept(of) {
+        match self.stored(of) {
             Some(tape) => evaluate(tape.as_ref(), t, x, out),
-            None => evaluate((self.make)(of).as_ref(), t, x, out),
+            None => evaluate((self.build)(of).as_ref(), t, x, out),
         }
     }
 
     /// The stored tape of a combination, built if necessary; `None` if there is no room.
-    fn kept(&self, of: Combination) -> Option<&Option<Tape>> {
-        let kept = self
-            .places(of)
-            .map(|place| place.get_or_init(|| (of, (self.make)(of))));
-        let mut own = kept.filter(|(other, _)| *other == of);
+    fn stored(&self, of: Combination) -> Option<&Option<Tape>> {
+        let stored = self
+            .slots_of(of)
+            .map(|slot| slot.get_or_init(|| (of, (self.build)(of))));
+        let mut own = stored.filter(|(other, _)| *other == of);
         own.next().map(|(_, tape)| tape)
     }
 
-    /// The storage places of a combination, in order of search: its own first, then the following
-    /// ones.
-    fn places(&self, of: Combination) -> impl Iterator<Item = &Place> {
-        let own = (of.above | of.held << self.contacts) % self.made.len();
-        let (before, from_own) = self.made.split_at(own);
+    /// The slots of a combination, in order of search: its own first, then the following ones.
+    fn slots_of(&self, of: Combination) -> impl Iterator<Item = &TapeSlot> {
+        let own = (of.above | of.held << self.contacts) % self.slots.len();
+        let (before, from_own) = self.slots.split_at(own);
         from_own.iter().chain(before)
     }
 }
@@ -157,14 +156,15 @@ fn evaluate<T: Scalar>(tape: Option<&Tape>, t: T, x: &[T], out: &mut [T]) {
     }
 }
 
-/// Largest number of contacts for which all combinations of sides are checked before a run.
-const ALL_SIDES: usize = 4;
+/// Largest number of contacts for which all combinations of sides are checked before a run. It
+/// bounds time: each takes the build of a tape.
+const MOST_CONTACTS_WITH_ALL_SIDES: usize = 4;
 
 /// The sides that are checked before a run: all combinations, or with many contacts only these: all
 /// below, all above, and each contact alone on the other side.
 pub fn sides_to_check(contacts: usize) -> Vec<usize> {
     let all = (1 << contacts) - 1;
-    if contacts <= ALL_SIDES {
+    if contacts <= MOST_CONTACTS_WITH_ALL_SIDES {
         return (0..=all).collect();
     }
     let alone = (0..contacts).flat_map(|contact| [1 << contact, all ^ 1 << contact]);

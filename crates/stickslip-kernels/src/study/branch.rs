@@ -33,7 +33,7 @@ pub struct BranchOrbit {
 }
 
 /// A branch in one direction, with minimum and maximum of each state on each orbit.
-pub type Way = (Branch, Vec<Vec<(f64, f64)>>);
+pub type DirectedBranch = (Branch, Vec<Vec<(f64, f64)>>);
 
 /// A branch in both directions, from its lower to its upper end.
 pub struct WholeBranch {
@@ -72,8 +72,10 @@ impl<'a> Along<'a> {
     /// A state of the orbit at a multiple of its period, where the time of the branch begins.
     ///
     /// # Errors
-    /// Those of [`stickslip::run`].
+    /// [`Error::NotFound`] if the orbit of a driven system rests, since steps along the branch are
+    /// measured by its size; those of [`stickslip::run`].
     pub fn at_zero(&self, orbit: &PeriodicOrbit, options: &Options) -> Result<Vector, Error> {
+        self.check_moves(orbit, options)?;
         let behind = orbit.t.rem_euclid(orbit.period);
         let t_end = orbit.t + (orbit.period - behind);
         // By rounding, the remainder may be a whole period or zero.
@@ -86,8 +88,33 @@ impl<'a> Along<'a> {
             t_end,
             options,
         };
-        let ended = whole(self.system, &run, orbit.period, &mut ())?;
+        let ended = follow_period(self.system, &run, orbit.period, &mut ())?;
         Ok(ended.x)
+    }
+
+    fn check_moves(&self, orbit: &PeriodicOrbit, options: &Options) -> Result<(), Error> {
+        if !self.system.built.depends_on_time {
+            return Ok(());
+        }
+        let run = Run {
+            t: orbit.t,
+            x: orbit.x.as_slice(),
+            t_end: orbit.t + orbit.period,
+            options,
+        };
+        let mut extremes = Extremes::from(run.x);
+        follow_period(self.system, &run, orbit.period, &mut extremes)?;
+        let ranges = extremes.ranges();
+        let widest = ranges.iter().map(|(low, high)| high - low);
+        // What rounding leaves of a state that rests is no motion.
+        match widest.fold(0.0, f64::max) <= f64::EPSILON * orbit.x.amax() {
+            true => Err(Error::NotFound {
+                what: "motion along the orbit, which rests at an equilibrium of the driven system,",
+                t: orbit.t,
+                span: orbit.period,
+            }),
+            false => Ok(()),
+        }
     }
 
     /// Minimum and maximum of each state along an orbit of the branch.
@@ -108,7 +135,7 @@ impl<'a> Along<'a> {
             options,
         };
         let mut extremes = Extremes::from(once.x);
-        whole(&system, &once, orbit.period, &mut extremes)?;
+        follow_period(&system, &once, orbit.period, &mut extremes)?;
         Ok(extremes.ranges())
     }
 
@@ -116,7 +143,10 @@ impl<'a> Along<'a> {
     ///
     /// # Errors
     /// Those of the parameter.
-    pub fn joined(&self, [(down, low), (up, high)]: [Way; 2]) -> Result<WholeBranch, SettingError> {
+    pub fn joined(
+        &self,
+        [(down, low), (up, high)]: [DirectedBranch; 2],
+    ) -> Result<WholeBranch, SettingError> {
         // Both directions contain the first orbit.
         let first = down.points.len().saturating_sub(1);
         let below = down.points.into_iter().zip(low).skip(1).rev();
@@ -203,7 +233,7 @@ pub fn only_once(down: &mut Branch, up: &mut Branch) {
 }
 
 /// Follows an orbit to the end of its period.
-fn whole(
+fn follow_period(
     system: &System,
     run: &Run<'_>,
     period: f64,

@@ -13,8 +13,9 @@ use super::{Largest, recurrence};
 use crate::file::{SettingError, System};
 use crate::kernel::{Change, Motion, Outcome};
 
-/// Tolerance with which changes are located.
-const LOCATING: f64 = 1e-13;
+/// Tolerance of the runs that locate changes. It is chosen near rounding: the parameter of a change
+/// is less accurate than the orbit by the slope of the event function.
+const LOCATION_TOLERANCE: f64 = 1e-13;
 
 /// How an attractor is followed along a parameter.
 #[derive(Clone, Copy)]
@@ -68,7 +69,7 @@ pub struct ValueEnd {
 
 impl Diagram<'_> {
     /// Computes the result at a value, the changes of the attractor since the last value, and the
-    /// start for the next one. The first orbit begins at `start`. `told` formats the error of a
+    /// start for the next one. The first orbit begins at `start`. `describe` formats the error of a
     /// failed integration.
     ///
     /// # Errors
@@ -78,7 +79,7 @@ impl Diagram<'_> {
         value: f64,
         last: Option<&ValueEnd>,
         start: impl FnOnce(&System) -> Result<Vec<f64>, E>,
-        told: &dyn Fn(&Error) -> String,
+        describe: &dyn Fn(&Error) -> String,
     ) -> Result<(AtValue, Vec<ChangeBetween>, ValueEnd), E> {
         let here = self.system.with_values(&[(self.parameter, value)])?;
         let settings = recurrence(&here, self.until);
@@ -92,7 +93,7 @@ impl Diagram<'_> {
             None => attractor(system, &*start, &settings, self.options)?,
             Some(_) => attractor_of_many(system, &*start, &settings, self.options)?,
         };
-        let outcome = Outcome::of(&reached, told);
+        let outcome = Outcome::of(&reached, describe);
         let class = here.class(&outcome);
         let mut changes = Vec::new();
         if let Some(last) = last.filter(|last| self.locates && last.class != class) {
@@ -145,7 +146,10 @@ impl Diagram<'_> {
             })
         };
         let between = [last.value, value];
-        let (number, options) = (here.file.parameter(self.parameter)?, Options::tol(LOCATING));
+        let (number, options) = (
+            here.file.parameter(self.parameter)?,
+            Options::tol(LOCATION_TOLERANCE),
+        );
         let along = here.along(number)?;
         // The orbit may not exist all the way.
         let located = sweep(family, between, &*last.start, &settings, self.options)

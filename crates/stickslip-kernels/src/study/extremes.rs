@@ -6,20 +6,21 @@ use stickslip::dynamics::{OrbitUnderWay, Step, Vector};
 
 use crate::kernel::Watcher;
 
-/// Number of equal parts of a step at whose ends motion is sampled.
-pub(super) const PER_STEP: u32 = 16;
+/// Number of equal parts of a step at whose ends motion is sampled. It is chosen: two extrema
+/// within one part are not seen.
+pub(super) const PARTS_PER_STEP: u32 = 16;
 
 /// Time at the end of one of them.
 pub(super) fn time_in(step: &Step, part: u32) -> f64 {
-    step.t_start + (step.t_end - step.t_start) * f64::from(part) / f64::from(PER_STEP)
+    step.t_start + (step.t_end - step.t_start) * f64::from(part) / f64::from(PARTS_PER_STEP)
 }
 
-/// Number of golden sections of the interval around an extremum. The value is accurate to rounding
-/// long before its position is.
-const SECTIONS: usize = 40;
+/// Number of golden sections of the interval around an extremum. They shrink it to 4e-9 of its
+/// length, where the value is accurate to rounding.
+const GOLDEN_SECTIONS: usize = 40;
 
 /// The golden ratio minus 1.
-const GOLDEN: f64 = 0.618_033_988_749_894_9;
+const INVERSE_GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
 
 /// Minimum and maximum of every state, also between the ends of steps.
 pub struct Extremes {
@@ -48,14 +49,14 @@ impl Watcher for Extremes {
     fn step(&mut self, step: Step, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
         let solution = orbit.solution();
         let at = |k: u32| time_in(&step, k);
-        let samples: Vec<Vector> = (0..=PER_STEP).map(|k| solution(at(k))).collect();
+        let samples: Vec<Vector> = (0..=PARTS_PER_STEP).map(|k| solution(at(k))).collect();
         for (i, (low, high)) in self.ranges.iter_mut().enumerate() {
             for sign in [-1.0, 1.0] {
                 let heights = (0_u32..).zip(samples.iter().map(|x| sign * x[i]));
                 let (k, highest) = heights.fold((0, f64::NEG_INFINITY), |best, next| {
                     if next.1 > best.1 { next } else { best }
                 });
-                let around = (at(k.saturating_sub(1)), at((k + 1).min(PER_STEP)));
+                let around = (at(k.saturating_sub(1)), at((k + 1).min(PARTS_PER_STEP)));
                 let height = |t: f64| sign * solution(t)[i];
                 let value = sign * greatest(&height, around).max(highest);
                 (*low, *high) = (low.min(value), high.max(value));
@@ -67,16 +68,19 @@ impl Watcher for Extremes {
 
 /// Maximum of a function that has a single local maximum in an interval.
 fn greatest(function: &impl Fn(f64) -> f64, (mut a, mut b): (f64, f64)) -> f64 {
-    let (mut c, mut d) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
+    let (mut c, mut d) = (
+        b - INVERSE_GOLDEN_RATIO * (b - a),
+        a + INVERSE_GOLDEN_RATIO * (b - a),
+    );
     let (mut at_c, mut at_d) = (function(c), function(d));
-    for _ in 0..SECTIONS {
+    for _ in 0..GOLDEN_SECTIONS {
         if at_c > at_d {
             (b, d, at_d) = (d, c, at_c);
-            c = b - GOLDEN * (b - a);
+            c = b - INVERSE_GOLDEN_RATIO * (b - a);
             at_c = function(c);
         } else {
             (a, c, at_c) = (c, d, at_d);
-            d = a + GOLDEN * (b - a);
+            d = a + INVERSE_GOLDEN_RATIO * (b - a);
             at_d = function(d);
         }
     }

@@ -7,11 +7,13 @@ use stickslip::analysis::{Exponent, SpectrumOptions, largest_exponent};
 use crate::file::System;
 use crate::kernel::Outcome;
 
-/// Exponents of an orbit below this many standard errors count as zero.
-const ERRORS: f64 = 3.0;
+/// An exponent below this many standard errors counts as zero: with normal errors, 0.3 % of zero
+/// exponents are missed.
+const ZERO_WITHIN_ERRORS: f64 = 3.0;
 
-/// Exponents of a periodic orbit are accurate to about this, whatever their standard error.
-const ROUNDING: f64 = 1e-6;
+/// Error of an exponent on a periodic orbit, which its standard error may not show. It is chosen:
+/// the exponents of such orbits were accurate to about this.
+const PERIODIC_EXPONENT_ERROR: f64 = 1e-6;
 
 /// A largest Lyapunov exponent.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,7 +37,7 @@ impl Largest {
     pub fn is_zero(&self) -> bool {
         match *self {
             Largest::Finite { value, std_error } => {
-                value.abs() <= (ERRORS * std_error).max(ROUNDING)
+                value.abs() <= (ZERO_WITHIN_ERRORS * std_error).max(PERIODIC_EXPONENT_ERROR)
             }
             _ => false,
         }

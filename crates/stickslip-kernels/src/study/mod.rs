@@ -2,17 +2,21 @@
 
 mod branch;
 mod diagram;
+mod equilibria;
 mod extremes;
 mod largest;
 mod search;
 
 use stickslip::analysis::RecurrenceSettings;
 
-pub use branch::{Along, BranchEnd, BranchOrbit, EndBifurcation, Way, WholeBranch, only_once};
+pub use branch::{
+    Along, BranchEnd, BranchOrbit, DirectedBranch, EndBifurcation, WholeBranch, only_once,
+};
 pub use diagram::{AtValue, ChangeBetween, Diagram, ValueEnd};
+pub use equilibria::{EquilibriaOfBranch, equilibrium};
 pub use extremes::Extremes;
 pub use largest::Largest;
-pub use search::{MOST_PERIODS, PeriodicSearch, SearchError, UNTIL};
+pub use search::{BOUND_OF_TIMES, MOST_PERIODS, MOTION_SEARCH_TIME, PeriodicSearch, SearchError};
 
 use crate::file::System;
 

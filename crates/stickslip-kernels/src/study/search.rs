@@ -10,25 +10,29 @@ use stickslip::dynamics::{OrbitUnderWay, Section, Step, Summary, Transition, Vec
 use stickslip::error::Point;
 use stickslip::{Ending, Error, Options};
 
-use super::extremes::{PER_STEP, time_in};
+use super::extremes::{PARTS_PER_STEP, time_in};
 use crate::file::{PeriodError, System};
-use crate::kernel::{Run, Watcher, follow};
+use crate::kernel::{Outcome, Run, Watcher, follow};
 
-/// Time for which the run is followed to name its motion if no periodic orbit is found.
-pub const UNTIL: f64 = 2000.0;
+/// Time for which the run is followed to name its motion if no periodic orbit is found. It is the
+/// default of `--until`, too.
+pub const MOTION_SEARCH_TIME: f64 = 2000.0;
 
-/// Largest number of drive periods that is tried as the period of the orbit.
+/// Largest number of drive periods that is tried as the period of the orbit. It is chosen: four
+/// period doublings.
 pub const MOST_PERIODS: u32 = 16;
 
-/// Default length of the transient.
-const TRANSIENT: f64 = 200.0;
+/// Default length of the transient, in units of the file's time. It is chosen: with a decay of 10 %
+/// per unit of time it leaves 2e-9.
+const DEFAULT_TRANSIENT: f64 = 200.0;
 
 /// Transitions, or periods of the drive, after which the default transient ends if that is earlier.
-/// So it fits systems of every time scale: the decay per cycle has none.
-const CYCLES: u32 = 1000;
+/// It is chosen: the decay per cycle has no time scale, and 3 % of it leave 1e-13.
+const DEFAULT_TRANSIENT_CYCLES: u32 = 1000;
 
-/// A fraction of the period is a period if the state returns within this relative distance.
-const RETURNED: f64 = 1e-6;
+/// A fraction of the period is a period if the state returns within this relative distance. It is
+/// chosen: shooting leaves less by orders of magnitude.
+const RETURN_DISTANCE: f64 = 1e-6;
 
 /// Settings of the search for a periodic orbit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,7 +56,7 @@ pub enum SearchError {
     #[error("periods = 0: an orbit takes one period of the drive at least")]
     NoPeriods,
     /// A setting is not allowed.
-    #[error("{name} = {value}: it must be finite and not negative")]
+    #[error("{name} = {value}: it must be {BOUND_OF_TIMES}")]
     Setting {
         /// Its name.
         name: &'static str,
@@ -90,9 +94,25 @@ pub enum SearchError {
         /// The period.
         period: f64,
     },
+    /// A system that depends on time has no equilibrium.
+    #[error("the system depends on time, so that it has no equilibrium")]
+    HasNoEquilibrium,
+    /// The run reaches another motion than an equilibrium.
+    #[error("no equilibrium was found: the run comes to a motion of kind `{}`", .0.motion.word())]
+    NoEquilibrium(Box<Outcome>),
     /// The search failed with an error.
     #[error(transparent)]
     Failed(#[from] Error),
+}
+
+/// What the times of a search must be.
+pub const BOUND_OF_TIMES: &str = "finite and not negative";
+
+pub(super) fn check_time(name: &'static str, value: f64) -> Result<(), SearchError> {
+    match value >= 0.0 && value.is_finite() {
+        true => Ok(()),
+        false => Err(SearchError::Setting { name, value }),
+    }
 }
 
 impl PeriodicSearch {
@@ -101,20 +121,14 @@ impl PeriodicSearch {
     ///
     /// # Errors
     /// [`SearchError`].
-    pub fn found(
+    pub fn orbit(
         &self,
         system: &System,
         (t, x): (f64, &[f64]),
         options: &Options,
     ) -> Result<(PeriodicOrbit, Option<u32>), SearchError> {
-        let transient = self.transient.unwrap_or(TRANSIENT);
-        let times = [("transient", transient), ("longest", self.longest)];
-        if let Some((name, value)) = times
-            .into_iter()
-            .find(|(_, value)| !(*value >= 0.0 && value.is_finite()))
-        {
-            return Err(SearchError::Setting { name, value });
-        }
+        check_time("transient", self.transient.unwrap_or(DEFAULT_TRANSIENT))?;
+        check_time("longest", self.longest)?;
         let search = Search {
             system,
             options,
@@ -123,7 +137,7 @@ impl PeriodicSearch {
         let dynamics = system.dynamics();
         if let Some(period) = self.period {
             let drive = Some(period).filter(|_| system.built.depends_on_time);
-            let (t, x) = search.settled(t, x, drive)?;
+            let (t, x) = search.after_transient(t, x, drive)?;
             let orbit = match drive {
                 Some(period) => periodic_orbit_forced(dynamics, t, &x, period, options),
                 None => periodic_orbit(dynamics, &x, period, options),
@@ -135,7 +149,7 @@ impl PeriodicSearch {
             Some(period) => search.driven(t, x, period),
             None => match search.free(t, x) {
                 Ok(orbit) => Ok((orbit, None)),
-                Err(error) => Err(search.instead(error, x)),
+                Err(error) => Err(search.explained(error, x)),
             },
         }
     }
@@ -166,7 +180,7 @@ impl Search<'_> {
 
     /// The orbit of an autonomous system.
     fn free(&self, t: f64, x: &[f64]) -> Result<PeriodicOrbit, Error> {
-        let (t, x) = self.settled(t, x, None)?;
+        let (t, x) = self.after_transient(t, x, None)?;
         let (system, longest) = (self.system.dynamics(), self.settings.longest);
         // Its clock begins at the end of the transient.
         let found = find_periodic_orbit(system, &x, 0.0, longest, self.options);
@@ -187,7 +201,7 @@ impl Search<'_> {
             let period = orbit.period / f64::from(parts);
             let ended = self.follow((orbit.t, &orbit.x), period, &mut ())?;
             let away = ended.x.iter().zip(&orbit.x).map(|(a, b)| (a - b).abs());
-            if away.fold(0.0, f64::max) <= RETURNED * size {
+            if away.fold(0.0, f64::max) <= RETURN_DISTANCE * size {
                 return periodic_orbit(self.system.dynamics(), &orbit.x, period, self.options);
             }
         }
@@ -205,18 +219,18 @@ impl Search<'_> {
         if self.settings.periods == Some(0) {
             return Err(SearchError::NoPeriods);
         }
-        let (t, x) = self.settled(t, x, Some(period))?;
+        let (t, x) = self.after_transient(t, x, Some(period))?;
         let count = match self.settings.periods {
             Some(count) => count,
-            None => self.comes_back(t, &x, period)?,
+            None => self.return_periods(t, &x, period)?,
         };
         let period = f64::from(count) * period;
-        let mut rest = Rest {
+        let mut detector = RestDetector {
             x: x.clone(),
             lasts: true,
         };
-        self.follow((t, &x), period, &mut rest)?;
-        if rest.lasts {
+        self.follow((t, &x), period, &mut detector)?;
+        if detector.lasts {
             return Err(SearchError::Held { x: (&x).into() });
         }
         let orbit = periodic_orbit_forced(self.system.dynamics(), t, &x, period, self.options)?;
@@ -225,7 +239,7 @@ impl Search<'_> {
 
     /// Why there is no periodic orbit: the run reaches an equilibrium, or it takes longer to
     /// return. Otherwise the error of the search is returned.
-    fn instead(&self, error: Error, x: &[f64]) -> SearchError {
+    fn explained(&self, error: Error, x: &[f64]) -> SearchError {
         let looked = matches!(
             error,
             Error::NotConverged { .. }
@@ -235,8 +249,8 @@ impl Search<'_> {
                 | Error::Shrunk { .. }
         );
         let longest = self.settings.longest;
-        let transient = self.settings.transient.unwrap_or(TRANSIENT);
-        let settings = RecurrenceSettings::within(UNTIL.max(transient + longest));
+        let transient = self.settings.transient.unwrap_or(DEFAULT_TRANSIENT);
+        let settings = RecurrenceSettings::within(MOTION_SEARCH_TIME.max(transient + longest));
         let reached = looked
             .then(|| attractor(self.system.dynamics(), x, &settings, self.options))
             .and_then(Result::ok);
@@ -257,36 +271,42 @@ impl Search<'_> {
     }
 
     /// The time and state after the transient, which is an integer number of periods of the drive.
-    fn settled(&self, t: f64, x: &[f64], drive: Option<f64>) -> Result<(f64, Vector), Error> {
+    fn after_transient(
+        &self,
+        t: f64,
+        x: &[f64],
+        drive: Option<f64>,
+    ) -> Result<(f64, Vector), Error> {
         let given = self.settings.transient;
-        let cycles = f64::from(CYCLES);
-        let span =
-            given.unwrap_or(drive.map_or(TRANSIENT, |period| TRANSIENT.min(cycles * period)));
+        let cycles = f64::from(DEFAULT_TRANSIENT_CYCLES);
+        let span = given.unwrap_or(drive.map_or(DEFAULT_TRANSIENT, |period| {
+            DEFAULT_TRANSIENT.min(cycles * period)
+        }));
         let span = drive.map_or(span, |period| (span / period).ceil() * period);
         let x = Vector::from_column_slice(x);
         if span == 0.0 {
             return Ok((t, x));
         }
         let is_counted = given.is_none() && drive.is_none();
-        let mut counted = Counted {
-            left: is_counted.then_some(CYCLES),
+        let mut limit = TransitionLimit {
+            left: is_counted.then_some(DEFAULT_TRANSIENT_CYCLES),
             end: None,
         };
-        let ended = self.follow((t, &x), span, &mut counted)?;
-        counted.end.map_or_else(|| at_end(ended, t), Ok)
+        let ended = self.follow((t, &x), span, &mut limit)?;
+        limit.end.map_or_else(|| at_end(ended, t), Ok)
     }
 
     /// The time and state after a period.
-    fn strobed(&self, t: f64, x: &Vector, period: f64) -> Result<(f64, Vector), Error> {
+    fn after_period(&self, t: f64, x: &Vector, period: f64) -> Result<(f64, Vector), Error> {
         at_end(self.follow((t, x), period, &mut ())?, t)
     }
 
     /// Number of periods after which the run returns about as near as it ever does.
-    fn comes_back(&self, t: f64, x: &Vector, period: f64) -> Result<u32, Error> {
+    fn return_periods(&self, t: f64, x: &Vector, period: f64) -> Result<u32, Error> {
         let mut distances = Vec::new();
         let (mut at, mut now) = (t, x.clone());
         for _ in 0..MOST_PERIODS {
-            (at, now) = self.strobed(at, &now, period)?;
+            (at, now) = self.after_period(at, &now, period)?;
             let away = now.iter().zip(x).map(|(a, b)| (a - b).abs());
             distances.push(away.fold(0.0, f64::max));
         }
@@ -314,14 +334,14 @@ fn at_end(ended: Summary, begun: f64) -> Result<(f64, Vector), Error> {
 }
 
 /// Ends a run after a number of transitions.
-struct Counted {
+struct TransitionLimit {
     /// How many are left, if they are counted.
     left: Option<u32>,
     /// Where the run was ended.
     end: Option<(f64, Vector)>,
 }
 
-impl Watcher for Counted {
+impl Watcher for TransitionLimit {
     fn watches_steps(&self) -> bool {
         self.left.is_some()
     }
@@ -342,13 +362,13 @@ impl Watcher for Counted {
     }
 }
 
-/// Whether friction holds the state.
-struct Rest {
+/// Detects that friction holds the state.
+struct RestDetector {
     x: Vector,
     lasts: bool,
 }
 
-impl Watcher for Rest {
+impl Watcher for RestDetector {
     fn watches_steps(&self) -> bool {
         true
     }
@@ -356,7 +376,7 @@ impl Watcher for Rest {
     fn step(&mut self, step: Step, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
         let solution = orbit.solution();
         let is_at_x = |k| solution(time_in(&step, k)) == self.x;
-        self.lasts = step.mode.any_sticks() && (0..=PER_STEP).all(is_at_x);
+        self.lasts = step.mode.any_sticks() && (0..=PARTS_PER_STEP).all(is_at_x);
         match self.lasts {
             true => ControlFlow::Continue(()),
             false => ControlFlow::Break(()),

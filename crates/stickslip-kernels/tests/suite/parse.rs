@@ -1,14 +1,14 @@
 //! From text to trees of expressions.
 
-use stickslip_kernels::expression::{Binary, Expression, Kind, parse};
+use stickslip_kernels::expression::{Binary, Expression, ExpressionKind, parse};
 
 /// The expression with all parentheses written.
 fn printed(expression: &Expression) -> String {
     match &expression.kind {
-        Kind::Number(value) => value.to_string(),
-        Kind::Name(name) => name.clone(),
-        Kind::Negative(inner) => format!("(-{})", printed(inner)),
-        Kind::Binary(operator, a, b) => {
+        ExpressionKind::Number(value) => value.to_string(),
+        ExpressionKind::Name(name) => name.clone(),
+        ExpressionKind::Negative(inner) => format!("(-{})", printed(inner)),
+        ExpressionKind::Binary(operator, a, b) => {
             let sign = match operator {
                 Binary::Sum => "+",
                 Binary::Difference => "-",
@@ -18,7 +18,7 @@ fn printed(expression: &Expression) -> String {
             };
             format!("({}{sign}{})", printed(a), printed(b))
         }
-        Kind::Call {
+        ExpressionKind::Call {
             function,
             arguments,
             ..
@@ -69,7 +69,7 @@ fn every_branch_knows_its_place() {
     let text = "a + (b - θ)*2";
     let whole = parse(text).unwrap();
     assert_eq!(whole.span, 0..text.len());
-    let Kind::Binary(_, _, product) = &whole.kind else {
+    let ExpressionKind::Binary(_, _, product) = &whole.kind else {
         panic!("a sum")
     };
     assert_eq!(&text[product.span.clone()], "(b - θ)*2");

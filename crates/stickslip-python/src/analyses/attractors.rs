@@ -21,7 +21,7 @@ use crate::{Settings, System};
 /// Start state of the orbit: as given, or that of the system.
 fn begins(system: &Ready, given: Option<&[f64]>) -> Result<Vec<f64>, Failure> {
     let start = given.map(<[f64]>::to_vec);
-    let start = start.or_else(|| system.built.start.clone());
+    let start = start.or_else(|| system.start());
     start.ok_or_else(|| wrong("the system has no start: give y0").into())
 }
 

@@ -11,7 +11,7 @@ use stickslip::analysis::{
 use stickslip::dynamics::Vector;
 use stickslip_kernels::file::System as Ready;
 use stickslip_kernels::kernel::Change;
-use stickslip_kernels::study::{Along, BranchEnd, Way, WholeBranch, only_once};
+use stickslip_kernels::study::{Along, BranchEnd, DirectedBranch, WholeBranch, only_once};
 
 use super::Start;
 use super::orbits::{Search, approached};
@@ -28,7 +28,7 @@ fn way(
     is_upwards: bool,
     (settings, options): (&ContinuationSettings, &Options),
     task: &Task,
-) -> Result<Way, Failure> {
+) -> Result<DirectedBranch, Failure> {
     let (mut extremes, mut failure) = (Vec::new(), None);
     let observe = |branch: &PartialBranch| {
         for point in &branch.points()[extremes.len()..] {

@@ -3,6 +3,7 @@
 
 mod attractors;
 mod branch;
+mod equilibria;
 mod exponents;
 mod orbits;
 
@@ -16,6 +17,10 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(orbits::periodic_orbit, module)?)?;
     module.add_function(wrap_pyfunction!(orbits::poincare_map, module)?)?;
     module.add_function(wrap_pyfunction!(branch::continuation, module)?)?;
+    module.add_function(wrap_pyfunction!(
+        equilibria::equilibrium_continuation,
+        module
+    )?)?;
     module.add_function(wrap_pyfunction!(exponents::lyapunov_spectrum, module)?)?;
     module.add_function(wrap_pyfunction!(exponents::lyapunov_from_data, module)?)?;
     module.add_function(wrap_pyfunction!(attractors::bifurcation_diagram, module)?)?;

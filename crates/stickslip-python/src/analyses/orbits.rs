@@ -31,7 +31,7 @@ pub(super) fn approached(
         longest,
         periods,
     };
-    Ok(search.found(system, start, options)?.0)
+    Ok(search.orbit(system, start, options)?.0)
 }
 
 /// A periodic orbit.

@@ -29,6 +29,9 @@ use stickslip_kernels::study::recurrence;
 /// all its states and never closes: it is quasi-periodic or chaotic, and `lyapunov` says which.
 /// Starts that escape, fail or are undecided have rows of their own and no number.
 ///
+/// States outside the plane start as the file or --start says. A discrete state can be in the
+/// plane, too: --y n=-0.5:1.5 with two rows of --grid takes it as 0 and as 1.
+///
 /// Writes basin.csv with all starts, attractors.csv with the shares and their standard errors, and
 /// basin.svg. Finished blocks are in sweep/: after a kill the same command goes on from there.
 #[derive(Debug, clap::Args)]
@@ -134,7 +137,8 @@ impl Basin {
                 Points::Grid { columns, rows }
             }
         };
-        let start = arguments.run.start.at_zero(system)?;
+        let replaced = plane.map(|range| range.state);
+        let start = arguments.run.start.at_zero(system, &replaced)?;
         let basin = Self {
             plane,
             points,

@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use plot::{BLUE, Figure, Guide, Legend, Markers, ORANGE, Panel, Shape};
 use stickslip_kernels::file::System;
-use stickslip_kernels::kernel::{Motion, PhaseThere};
+use stickslip_kernels::kernel::{AttractorPhase, Motion};
 use stickslip_kernels::study::Largest;
 
 use super::{AtValue, Bifurcation, Block, ChangeBetween};
@@ -17,7 +17,7 @@ use crate::render::Table;
 use crate::sweep::Store;
 
 /// Names of the two passes through the range.
-pub(super) const WAY_NAMES: [&str; 2] = ["up", "down"];
+pub(super) const DIRECTION_NAMES: [&str; 2] = ["up", "down"];
 
 /// Points of one pass through the range, as parameter and value.
 type Points = Vec<(f64, f64)>;
@@ -62,7 +62,7 @@ impl OneDirection {
 }
 
 /// The phases of a periodic orbit in which a contact sticks.
-fn sticks(at: &AtValue) -> impl Iterator<Item = &PhaseThere> {
+fn sticks(at: &AtValue) -> impl Iterator<Item = &AttractorPhase> {
     let is_periodic = matches!(at.outcome.motion, Motion::Periodic { .. });
     let phases = at.outcome.phases.iter().filter(move |_| is_periodic);
     phases.filter(|phase| phase.modes.any_sticks())
@@ -76,12 +76,12 @@ impl Bifurcation {
         store: &Store,
         [points, sticks_path]: &[PathBuf; 2],
     ) -> Result<[OneDirection; 2], Failure> {
-        let mut ways = [OneDirection::default(), OneDirection::default()];
+        let mut directions = [OneDirection::default(), OneDirection::default()];
         let parameter = self.parameter.name.as_str();
         // A value without section points has one entry without a state.
         type Point = (usize, Rc<AtValue>, Option<usize>);
         let columns = Table::new()
-            .column("way", |&(way, ..): &Point| WAY_NAMES[way])
+            .column("way", |&(way, ..): &Point| DIRECTION_NAMES[way])
             .column(parameter, |(_, at, _)| at.value);
         let columns = attractors::columns(system, columns, |(_, at, _)| &at.outcome);
         let columns = exponent::columns(columns, self.duration, |(_, at, _)| at.largest);
@@ -90,7 +90,7 @@ impl Bifurcation {
         });
         table(store, points, &columns, |block, part: Block| {
             let number = usize::from(!self.is_up(block));
-            let way = &mut ways[number];
+            let way = &mut directions[number];
             way.changes.extend(part.changes);
             let mut rows = Vec::new();
             for at in part.found.into_iter().map(Rc::new) {
@@ -102,13 +102,13 @@ impl Bifurcation {
             Ok(rows)
         })?;
 
-        type Stick = (usize, f64, PhaseThere);
+        type Stick = (usize, f64, AttractorPhase);
         let lengths = |(.., phase): &Stick| -> Vec<f64> {
             let ends = phase.x_end.iter().zip(&phase.x_start);
             ends.map(|(end, start)| end - start).collect()
         };
         let columns = Table::new()
-            .column("way", |&(way, ..): &Stick| WAY_NAMES[way])
+            .column("way", |&(way, ..): &Stick| DIRECTION_NAMES[way])
             .column(parameter, |&(_, value, _)| value)
             .column("duration", |(.., phase)| phase.t_end - phase.t_start)
             .state(system, "_length", lengths);
@@ -120,7 +120,7 @@ impl Bifurcation {
                 .flat_map(|at| sticks(at).map(move |phase| (number, at.value, phase.clone())));
             Ok(all.collect())
         })?;
-        Ok(ways)
+        Ok(directions)
     }
 
     /// The diagram: section, sticks and exponent over the parameter.

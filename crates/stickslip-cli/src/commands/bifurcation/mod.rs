@@ -18,7 +18,7 @@ use super::{attractors, changes};
 use crate::failure::{Failure, in_words};
 use crate::render::{Answer, Report, Table, place, rounded};
 use crate::sweep::{BlockError, Store};
-use diagram::WAY_NAMES;
+use diagram::DIRECTION_NAMES;
 use stickslip_kernels::file::System;
 use stickslip_kernels::study::{AtValue, ChangeBetween, Diagram, ValueEnd, recurrence};
 
@@ -115,7 +115,7 @@ impl Bifurcation {
         for value in [diagram.parameter.low, diagram.parameter.high] {
             let system = diagram.parameter.system(system, value)?;
             recurrence(&system, diagram.until).check()?;
-            diagram.start.at_zero(&system)?;
+            diagram.start.at_zero(&system, &[])?;
         }
         Ok(diagram)
     }
@@ -162,9 +162,9 @@ impl Bifurcation {
         };
         let (mut found, mut changes) = (Vec::new(), Vec::new());
         for value in self.values_of(block) {
-            let start = |here: &System| self.start.at_zero(here);
-            let told = |error: &stickslip::Error| in_words(error, system);
-            let at = diagram.at(value, last.as_ref(), start, &told);
+            let start = |here: &System| self.start.at_zero(here, &[]);
+            let describe = |error: &stickslip::Error| in_words(error, system);
+            let at = diagram.at(value, last.as_ref(), start, &describe);
             let (at, between, end) = at.map_err(|error: Failure| error.of(system))?;
             found.push(at);
             changes.extend(between);
@@ -196,7 +196,7 @@ impl Sweep for Bifurcation {
 
     fn report(&self, system: &System, store: &Store, out: &Path) -> Result<Report, Failure> {
         let paths = ["bifurcation.csv", "sticks.csv"].map(|name| out.join(name));
-        let ways = self.read(system, store, &paths)?;
+        let directions = self.read(system, store, &paths)?;
         let range = &self.parameter;
         let (values, name) = (self.values, &range.name);
         let what = format!(
@@ -204,7 +204,7 @@ impl Sweep for Bifurcation {
             range.low, range.high
         );
         let mut report = Report::of(system, what);
-        for (name, way) in WAY_NAMES.into_iter().zip(&ways) {
+        for (name, way) in DIRECTION_NAMES.into_iter().zip(&directions) {
             for (first, last, motion) in &way.spans {
                 let [first, last] = [*first, *last].map(rounded);
                 let motion = attractors::since(motion, self.until);
@@ -251,10 +251,10 @@ impl Sweep for Bifurcation {
                 changes::phases(system, &at.change).map(|[_, after]| after)
             })
             .state(system, "", |(_, at)| at.change.state());
-        let rows = WAY_NAMES.into_iter().zip(&ways);
+        let rows = DIRECTION_NAMES.into_iter().zip(&directions);
         let rows = rows.flat_map(|(name, way)| way.changes.iter().map(move |at| (name, at)));
         report.table(table.csv("changes", rows)?);
-        report.figure("bifurcation", &self.figure(&ways, system))?;
+        report.figure("bifurcation", &self.figure(&directions, system))?;
         Ok(report)
     }
 }

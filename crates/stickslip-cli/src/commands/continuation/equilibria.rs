@@ -6,6 +6,7 @@ use stickslip::analysis::{
     EquilibriumBifurcation, EquilibriumBranch, EquilibriumPoint, SpecialEquilibrium, Stability,
 };
 use stickslip_kernels::file::System;
+use stickslip_kernels::study::EquilibriaOfBranch;
 
 use super::super::figures;
 use super::super::range::ParameterRange;
@@ -17,36 +18,15 @@ use crate::render::{Report, Table, place, rounded};
 pub(super) fn report(
     system: &System,
     range: &ParameterRange,
-    [down, up]: [EquilibriumBranch; 2],
+    directions: [EquilibriumBranch; 2],
 ) -> Result<Report, Failure> {
     let name = &range.name;
-    let stops = [down.stop, up.stop];
-    // Both directions contain the first equilibrium.
-    let first = down.points.len() - 1;
-    let points: Vec<EquilibriumPoint> = down
-        .points
-        .into_iter()
-        .skip(1)
-        .rev()
-        .chain(up.points)
-        .collect();
-    let before = down.special.into_iter().rev().map(|mut at| {
-        at.behind = first + 1 - at.behind;
-        if let EquilibriumBifurcation::Boundary {
-            before,
-            after: Some(after),
-            ..
-        } = &mut at.what
-        {
-            std::mem::swap(before, after);
-        }
-        at
-    });
-    let behind = up.special.into_iter().map(|at| SpecialEquilibrium {
-        behind: at.behind + first,
-        ..at
-    });
-    let special: Vec<SpecialEquilibrium> = before.chain(behind).collect();
+    let EquilibriaOfBranch {
+        points,
+        special,
+        first,
+        stops,
+    } = EquilibriaOfBranch::joined(directions);
     let count = points.len();
     let (low, high) = (range.low, range.high);
     let mut report = Report::of(

@@ -12,9 +12,9 @@ use super::findings::{Embedded, Findings, short};
 
 const COLOURS: [Color; 6] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY];
 /// Height of a row of panels.
-const ROW: f64 = 420.0;
+const ROW_HEIGHT: f64 = 420.0;
 /// Fraction of the series after which the running means must lie within the vertical axis.
-const SETTLED: f64 = 0.1;
+const SETTLED_FRACTION: f64 = 0.1;
 
 /// The figure.
 pub(super) fn figure(findings: &Findings, name: &str) -> Figure {
@@ -35,20 +35,20 @@ pub(super) fn figure(findings: &Findings, name: &str) -> Figure {
         );
         rows.push(vec![delays(embedded), dimensions(embedded)]);
     }
-    let mut opinions = Vec::new();
+    let mut checks = Vec::new();
     if let Some(curves) = &findings.divergence {
         description += " Mean logarithm of the distance of neighbours over time, with the straight \
             parts whose slopes are exponents.";
-        opinions.push(partings(curves));
+        checks.push(divergence_panel(curves));
     }
     if let Some(test) = &findings.surrogates {
         description += " First exponent and unpredicted part of the series and of surrogates.";
-        opinions.push(surrogates(test));
+        checks.push(surrogates(test));
     }
-    if !opinions.is_empty() {
-        rows.push(opinions);
+    if !checks.is_empty() {
+        rows.push(checks);
     }
-    let height = ROW * rows.len() as f64;
+    let height = ROW_HEIGHT * rows.len() as f64;
     let mut labels = ["(a)", "(b)", "(c)", "(d)", "(e)", "(f)"].into_iter();
     let mut figure = Figure::new("spectrum", (880.0, height), &title, &description);
     for row in rows {
@@ -67,7 +67,7 @@ fn panel(title: &str, x: Axis, y: Axis) -> Panel {
 }
 
 /// Distances between neighbours over time.
-fn partings(divergence: &Divergence) -> Panel {
+fn divergence_panel(divergence: &Divergence) -> Panel {
     let curves = || std::iter::once(&divergence.rosenstein).chain(&divergence.kantz);
     let points = || curves().flat_map(|curve| &curve.points);
     let last = points()
@@ -217,7 +217,7 @@ fn convergence(findings: &Findings) -> Panel {
     };
     let settled = spectrum.convergence.iter();
     let settled = settled
-        .filter(|row| row.t >= SETTLED * end)
+        .filter(|row| row.t >= SETTLED_FRACTION * end)
         .flat_map(|row| row.exponents.iter().enumerate())
         .filter(|(i, _)| scales(*i));
     let (low, high) = range(settled.map(|(_, v)| *v).chain([0.0]));

@@ -12,12 +12,12 @@ use super::findings::{Findings, numbers, short};
 use crate::table::Table;
 
 /// A warning is issued if a larger fraction of the reference points has too few neighbours.
-const STARVED: f64 = 0.1;
+const STARVED_FRACTION: f64 = 0.1;
 /// A warning is issued if a larger fraction of the states equals the state before.
-const STANDING: f64 = 0.01;
+const REPEATED_FRACTION: f64 = 0.01;
 /// Reference points that cover fewer Theiler windows form one short piece of an orbit. The status
 /// `ok` is less reliable there.
-const WINDOWS: usize = 2;
+const LEAST_WINDOWS: usize = 2;
 /// Tolerance for the two ends of a full turn, in mean distances between neighbouring values.
 /// Uniformly distributed values exceed it with probability 4e-8 (21 exp(−20)).
 const MISSED_ENDS: f64 = 20.0;
@@ -88,7 +88,7 @@ fn with_status(spectrum: &DataSpectrum, status: Status) -> Option<String> {
 
 fn starved(spectrum: &DataSpectrum) -> Option<String> {
     let (starved, references) = (spectrum.starved, spectrum.references);
-    if starved as f64 / references as f64 <= STARVED {
+    if starved as f64 / references as f64 <= STARVED_FRACTION {
         return None;
     }
     let remedy = match (spectrum.settings.neighbours, &spectrum.sizes) {
@@ -222,7 +222,7 @@ fn standing_still(findings: &Findings, source: &Table) -> Option<String> {
     let rows: Vec<&[f64]> = source.values.chunks(source.names.len().max(1)).collect();
     let stretches = rows.chunk_by(|one, next| one == next).map(<[_]>::len);
     let states: usize = stretches.map(|rows| rows.saturating_sub(reach + 1)).sum();
-    (states as f64 > STANDING * rows.len() as f64).then(|| {
+    (states as f64 > REPEATED_FRACTION * rows.len() as f64).then(|| {
         format!(
             "{states} states are the same as those before them, as of a system that rests or of \
              values that are held: no distance grows there; leave them out"
@@ -285,12 +285,12 @@ fn short_of_references(spectrum: &DataSpectrum) -> Option<String> {
     let (settings, references) = (&spectrum.settings, spectrum.references);
     let chains = settings.step.div_ceil(settings.stride);
     let reach = references.div_ceil(chains).saturating_mul(settings.step);
-    let wanted = settings.theiler.unwrap_or(0).saturating_mul(WINDOWS);
+    let wanted = settings.theiler.unwrap_or(0).saturating_mul(LEAST_WINDOWS);
     (reach < wanted).then(|| {
         format!(
-            "the {references} reference points reach over {reach} points, less than {WINDOWS} \
-             Theiler windows, which are {wanted}: of so short a piece of an orbit even ok is worth \
-             less; give {} --references or more",
+            "the {references} reference points reach over {reach} points, less than \
+             {LEAST_WINDOWS} Theiler windows, which are {wanted}: of so short a piece of an orbit \
+             even ok is worth less; give {} --references or more",
             wanted.div_ceil(settings.step).saturating_mul(chains)
         )
     })

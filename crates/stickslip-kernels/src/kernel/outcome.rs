@@ -35,7 +35,7 @@ pub enum Motion {
 }
 
 impl Motion {
-    fn of(kind: &AttractorKind, told: &dyn Fn(&Error) -> String) -> Self {
+    fn of(kind: &AttractorKind, describe: &dyn Fn(&Error) -> String) -> Self {
         match kind {
             AttractorKind::Equilibrium => Motion::Equilibrium,
             AttractorKind::EquilibriumSet => Motion::EquilibriumSet,
@@ -44,7 +44,7 @@ impl Motion {
             AttractorKind::Escape => Motion::Escape,
             AttractorKind::Repelling => Motion::Repelling,
             AttractorKind::TwoFold(_) => Motion::TwoFold,
-            AttractorKind::Failure(error) => Motion::Failure(told(error)),
+            AttractorKind::Failure(error) => Motion::Failure(describe(error)),
             AttractorKind::Undecided => Motion::Undecided,
         }
     }
@@ -84,11 +84,11 @@ impl Motion {
     }
 }
 
-/// A transition between phases of an attractor.
+/// A transition between two phases of an attractor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct TransitionThere {
-    /// AttractorKind of transition.
-    #[serde(with = "KindOnDisk")]
+pub struct AttractorTransition {
+    /// Kind of transition.
+    #[serde(with = "StoredTransitionKind")]
     pub kind: TransitionKind,
     /// Contact.
     pub contact: usize,
@@ -97,7 +97,7 @@ pub struct TransitionThere {
 /// Serialized form of the kinds of transitions; the compiler checks that it matches the library's.
 #[derive(Serialize, Deserialize)]
 #[serde(remote = "TransitionKind", rename_all = "kebab-case")]
-enum KindOnDisk {
+enum StoredTransitionKind {
     Crossing,
     StickEntry,
     StickExit,
@@ -109,7 +109,7 @@ enum KindOnDisk {
 
 /// A phase of an attractor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct PhaseThere {
+pub struct AttractorPhase {
     /// Modes of the phase.
     pub modes: Modes,
     /// Start time.
@@ -135,9 +135,9 @@ pub struct Outcome {
     /// not distinguished by points.
     pub points: Vec<(f64, Vec<f64>)>,
     /// The phases that end in one period. Empty for kinds that are not distinguished by points.
-    pub phases: Vec<PhaseThere>,
+    pub phases: Vec<AttractorPhase>,
     /// The transitions of these phases.
-    pub transitions: Vec<TransitionThere>,
+    pub transitions: Vec<AttractorTransition>,
     /// Fraction of the time in which a contact sticks.
     pub in_stick: f64,
     /// Modes at the end of the computation.
@@ -156,14 +156,14 @@ impl Outcome {
         Modes::cycle(self.phases.iter().map(|phase| phase.modes))
     }
 
-    /// Converts the library's result. `told` formats the error of a failed integration.
-    pub fn of(reached: &Attractor, told: &dyn Fn(&Error) -> String) -> Self {
-        let motion = Motion::of(&reached.kind, told);
-        let told_by_points = motion.kind().is_some();
-        let points = reached.points.iter().filter(|_| told_by_points);
-        let phases = reached.phases.iter().filter(|_| told_by_points);
-        let transitions = reached.transitions.iter().filter(|_| told_by_points);
-        let phase = |phase: &Phase| PhaseThere {
+    /// Converts the library's result. `describe` formats the error of a failed integration.
+    pub fn of(reached: &Attractor, describe: &dyn Fn(&Error) -> String) -> Self {
+        let motion = Motion::of(&reached.kind, describe);
+        let has_points = motion.kind().is_some();
+        let points = reached.points.iter().filter(|_| has_points);
+        let phases = reached.phases.iter().filter(|_| has_points);
+        let transitions = reached.transitions.iter().filter(|_| has_points);
+        let phase = |phase: &Phase| AttractorPhase {
             modes: phase.mode,
             t_start: phase.t_start,
             t_end: phase.t_end,
@@ -177,7 +177,7 @@ impl Outcome {
             points: points.map(|at| (at.t, at.x.as_slice().to_vec())).collect(),
             phases: phases.map(phase).collect(),
             transitions: transitions
-                .map(|&(kind, contact)| TransitionThere { kind, contact })
+                .map(|&(kind, contact)| AttractorTransition { kind, contact })
                 .collect(),
             in_stick: reached.in_stick,
             modes: reached.mode,
@@ -186,13 +186,13 @@ impl Outcome {
     }
 
     /// Dimension of the family of periodic orbits that contains it.
-    pub fn family(&self, known: &Attractors<'_>) -> usize {
+    pub fn family(&self, attractors: &Attractors<'_>) -> usize {
         let kind = self.motion.kind();
-        kind.map_or(0, |kind| known.family(&self.restored(kind)))
+        kind.map_or(0, |kind| attractors.family(&self.restored(kind)))
     }
 
     fn restored(&self, kind: AttractorKind) -> Attractor {
-        let phase = |phase: &PhaseThere| Phase {
+        let phase = |phase: &AttractorPhase| Phase {
             mode: phase.modes,
             t_start: phase.t_start,
             t_end: phase.t_end,
@@ -219,9 +219,9 @@ impl Outcome {
     }
 
     /// Whether both are the same attractor of the system.
-    pub fn is_same(&self, other: &Outcome, known: &Attractors<'_>) -> bool {
+    pub fn is_same(&self, other: &Outcome, attractors: &Attractors<'_>) -> bool {
         match (self.motion.kind(), other.motion.kind()) {
-            (Some(one), Some(two)) => known.is_same(&self.restored(one), &other.restored(two)),
+            (Some(one), Some(two)) => attractors.is_same(&self.restored(one), &other.restored(two)),
             (None, None) => self.motion.word() == other.motion.word(),
             _ => false,
         }

@@ -1,0 +1,90 @@
+//! Equilibria: the one that an orbit approaches, and branches of them along a parameter.
+
+use stickslip::Options;
+use stickslip::analysis::{
+    AttractorKind, EquilibriumBifurcation, EquilibriumBranch, EquilibriumPoint, RecurrenceSettings,
+    SpecialEquilibrium, Stop, attractor,
+};
+
+use super::search::{MOTION_SEARCH_TIME, SearchError, check_time};
+use crate::file::System;
+use crate::kernel::{Motion, Outcome};
+
+/// The equilibrium that the orbit from `x` approaches. With a transient of 0 it is `x` itself, as
+/// a guess.
+///
+/// # Errors
+/// [`SearchError`].
+pub fn equilibrium(
+    system: &System,
+    x: &[f64],
+    transient: Option<f64>,
+    options: &Options,
+) -> Result<Vec<f64>, SearchError> {
+    if system.built.depends_on_time {
+        return Err(SearchError::HasNoEquilibrium);
+    }
+    if let Some(transient) = transient {
+        check_time("transient", transient)?;
+    }
+    if transient == Some(0.0) {
+        return Ok(x.to_vec());
+    }
+    let settings = RecurrenceSettings::within(
+        transient
+            .unwrap_or(MOTION_SEARCH_TIME)
+            .max(MOTION_SEARCH_TIME),
+    );
+    let reached = attractor(system.dynamics(), x, &settings, options)?;
+    if let AttractorKind::Failure(error) = reached.kind {
+        return Err(error.into());
+    }
+    let outcome = Outcome::of(&reached, &ToString::to_string);
+    match (&outcome.motion, outcome.points.first()) {
+        (Motion::Equilibrium, Some((_, x))) => Ok(x.clone()),
+        _ => Err(SearchError::NoEquilibrium(Box::new(outcome))),
+    }
+}
+
+/// A branch of equilibria in both directions, from its lower to its upper end.
+pub struct EquilibriaOfBranch {
+    /// The equilibria.
+    pub points: Vec<EquilibriumPoint>,
+    /// The special equilibria, in the same order.
+    pub special: Vec<SpecialEquilibrium>,
+    /// Index of the equilibrium from which the branch was started.
+    pub first: usize,
+    /// Why the branch ends, downwards and upwards.
+    pub stops: [Stop; 2],
+}
+
+impl EquilibriaOfBranch {
+    /// Joins both directions.
+    pub fn joined([down, up]: [EquilibriumBranch; 2]) -> Self {
+        // Both directions contain the first equilibrium.
+        let first = down.points.len().saturating_sub(1);
+        let below = down.points.into_iter().skip(1).rev();
+        let special_below = down.special.into_iter().rev().map(|mut at| {
+            at.behind = (first + 1).saturating_sub(at.behind);
+            if let EquilibriumBifurcation::Boundary {
+                before,
+                after: Some(after),
+                ..
+            } = &mut at.what
+            {
+                std::mem::swap(before, after);
+            }
+            at
+        });
+        let special_above = up.special.into_iter().map(|at| SpecialEquilibrium {
+            behind: at.behind + first,
+            ..at
+        });
+        EquilibriaOfBranch {
+            points: below.chain(up.points).collect(),
+            special: special_below.chain(special_above).collect(),
+            first,
+            stops: [down.stop, up.stop],
+        }
+    }
+}
