@@ -25,9 +25,7 @@ fn spectrum(text: &str, start: &[f64], transient: f64) -> Spectrum {
         alone == found.exponents[0] || (alone.value() - found.exponents[0].value()).abs() < 1e-12,
         "{alone:?} {found:?}"
     );
-    // In each of the steps, of which there is one or more in a unit of time, a tangent vector is
-    // accurate to a hundred tolerances.
-    assert!(found.defect().abs() < 1e-8, "{found:?}");
+    assert!(found.defect().abs() < 1e-11, "{found:?}");
     found
 }
 
@@ -66,7 +64,7 @@ fn a_jump_into_an_equilibrium_annihilates_all_directions() {
     let found = spectrum(text, &[0.1, 1.0], 5.0);
     let values: Vec<f64> = found.exponents.iter().map(Exponent::value).collect();
     assert!(
-        (values[0] - 1.0).abs() < 1e-8 && (values[1] + 2.0).abs() < 1e-8,
+        (values[0] - 1.0).abs() < 1e-11 && (values[1] + 2.0).abs() < 1e-11,
         "{values:?}"
     );
 }
