@@ -482,7 +482,8 @@ def continuation(
     y0, t0, period, periods, transient, longest
         As for `periodic_orbit`.
     step : float, optional
-        Longest step, as a part of the bounds and of the orbit's size.
+        Longest step, as a part of the bounds and of the orbit's size: a small orbit that moves far
+        takes many.
     most_points : int, optional
         Most orbits in each direction.
     progress : bool, optional

@@ -168,7 +168,7 @@ def test_a_driven_orbit_that_rests_has_no_branch_and_the_error_says_so():
     assert ss.periodic_orbit(system, [0.1, 0]).y[0] == pytest.approx(1, abs=1e-12)
     with pytest.raises(ss.StickslipError, match="rests at an equilibrium of the driven system"):
         ss.continuation(system, p, (0.5, 1.5), [0.1, 0])
-    moves = ss.System({x: v, v: rate + 1e-3 * np.cos(ss.t)}, period=2 * np.pi)
+    moves = ss.System({x: v, v: rate + 0.3 * np.cos(ss.t)}, period=2 * np.pi)
     assert ss.continuation(moves, p, (0.5, 1.5), [0.1, 0]).stops == ("range", "range")
 
 
