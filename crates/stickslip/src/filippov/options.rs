@@ -21,9 +21,9 @@ pub enum Method {
     ///
     /// Events are zeros of the boundary function's series, isolated with certainty, so that
     /// `locator` has no effect. Where a field or boundary uses `max`, `min`, `abs` or
-    /// [`crate::Scalar::exceeds`], a step ends where the comparison changes. It also ends at the
-    /// bounds of the range in which `tanh` (−17 to 17), or `exp`, `cosh` and `sinh` (−37 to 37),
-    /// are neither flat to rounding nor negligible beside one.
+    /// [`crate::Scalar::exceeds`], a step ends where the comparison changes. It also ends where a
+    /// function becomes flat to rounding or negligible beside one. These bounds are ±17 for `tanh`,
+    /// and ±37 for `exp`, `cosh` and `sinh`.
     ///
     /// Other flat and narrow features (a high power of `1/(1 + x²)`) need
     /// [`Options::longest_step`]. A function that branches on [`crate::Scalar::value`] is sampled,
