@@ -5,7 +5,7 @@ use std::fmt;
 
 use super::digits::{minus, ten_to};
 use crate::paper::published::{Claim, Digits};
-use crate::readings::{ExponentSpread, Values};
+use crate::readings::{ExponentSpread, ValueRange};
 use crate::text::described;
 
 described! {
@@ -58,7 +58,7 @@ impl ExponentCheck {
 
     /// Whether the published number is within the range of the settings that identify the exponent.
     pub fn within_range(&self) -> bool {
-        let within = |of: Values| (of.least..=of.largest).contains(&self.published);
+        let within = |of: ValueRange| (of.least..=of.largest).contains(&self.published);
         self.spread.values.is_some_and(within)
     }
 
@@ -68,7 +68,7 @@ impl ExponentCheck {
         let Digits::Decimals(decimals) = claim.digits else {
             return false;
         };
-        let wide = |of: Values| of.largest - of.least > ten_to(-(decimals as f64));
+        let wide = |of: ValueRange| of.largest - of.least > ten_to(-(decimals as f64));
         self.spread.unidentified > 0 || self.spread.values.is_none_or(wide)
     }
 
@@ -78,7 +78,7 @@ impl ExponentCheck {
             values,
             settings,
             unidentified,
-            met,
+            agreeing,
             ..
         } = self.spread;
         let given = match values {
@@ -98,7 +98,7 @@ impl ExponentCheck {
         };
         format!(
             "{unidentified} of {settings} settings of the estimator leave it unidentified, \
-                {given}; {met} of all give the published digits"
+                {given}; {agreeing} of all give the published digits"
         )
     }
 }
@@ -117,7 +117,7 @@ mod tests {
     use super::*;
 
     fn of(published: f64, sign: Sign, range: Option<(f64, f64)>) -> ExponentCheck {
-        let values = range.map(|(least, largest)| Values {
+        let values = range.map(|(least, largest)| ValueRange {
             least,
             median: least,
             largest,
@@ -127,7 +127,7 @@ mod tests {
             settings: 2,
             unidentified: 2 * usize::from(range.is_none()),
             doubtful: 0,
-            met: 0,
+            agreeing: 0,
         };
         ExponentCheck {
             published,

@@ -14,13 +14,13 @@ use super::matrix::{Matrix, SUBSETS};
 use super::scan::{self, Scan};
 use super::spread::{self, Spread};
 use super::verdict::{Correction, Verdict};
-use crate::figures::fig08::{FOLLOWED, REACH, Shares};
+use crate::figures::fig08::{PERIODS_FOLLOWED, START_RANGE, Shares};
 use crate::figures::rows::Row;
 use crate::numbers::extent;
 use crate::paper::claim_id::{ClaimId, SpectrumFigure};
 use crate::paper::published::{Claim, Claims, Digits};
 use crate::paper::reading::{Reading, Role};
-use crate::readings::ZERO;
+use crate::readings::ZERO_SIZE;
 use stickslip_series::Status;
 
 /// One claim, the findings of all readings, and the verdict.
@@ -251,7 +251,7 @@ impl Ledger {
         let confirmed_statements = |met: usize, what: &str| {
             let all = search.spread[0][0].settings;
             format!(
-                "{met} of {all} settings of the estimator {what} (sizes up to {ZERO} pass for \
+                "{met} of {all} settings of the estimator {what} (sizes up to {ZERO_SIZE} pass for \
                     zero)"
             )
         };
@@ -335,11 +335,11 @@ fn shares_sentence(shares: &Shares) -> String {
         percent(shares.escapes),
     );
     let (stick_slip, unsettled) = (percent(shares.stick_slip), percent(shares.unsettled));
-    let ([x1, x2], starts) = (REACH, shares.starts);
+    let ([x1, x2], starts) = (START_RANGE, shares.starts);
     format!(
         "Of {starts} starts in the stated model, from −{x1} to {x1} m and −{x2} to {x2} m/s, \
-         within {FOLLOWED} forcing periods {slip} settle on motions that never stick, {escape} \
-         escape, {stick_slip} stick and slip, and {unsettled} do not settle (other windows of \
-         starts have other shares)."
+         within {PERIODS_FOLLOWED} forcing periods {slip} settle on motions that never stick, \
+         {escape} escape, {stick_slip} stick and slip, and {unsettled} do not settle \
+         (other windows of starts have other shares)."
     )
 }

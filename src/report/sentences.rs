@@ -3,13 +3,13 @@
 
 use super::exponent::ExponentCheck;
 use super::ledger::{Entry, Ledger};
-use super::matrix::Cell;
+use super::matrix::ComparedRun;
 use super::verdict::{Correction, Verdict};
 use crate::figures::block_and_bracket::DIVERGES;
 use crate::paper::claim_id::{ClaimId, SpectrumFigure};
 use crate::paper::published::Claim;
 use crate::paper::reading::Reading;
-use crate::readings::{Committed, Match, other_motions, sources_in_words};
+use crate::readings::{CommittedSearch, Match, other_motions, sources_in_words};
 use stickslip::analysis::motion::Class;
 
 /// The parts of the paper in which claims are counted: keys in `data/claims.csv` and names.
@@ -47,7 +47,10 @@ pub(super) fn sentences(ledger: &Ledger) -> [String; 3] {
     let open = |entry: &Entry| entry.verdict == Verdict::Undeterminable;
     let (stated, counted) = (ledger.with(Verdict::Reproduced), ledger.counted());
     let corrected = ledger.with(Verdict::WithCorrections);
-    let (motion, digits) = (least(Cell::gives_class), least(Cell::gives_digits));
+    let (motion, digits) = (
+        least(ComparedRun::gives_class),
+        least(ComparedRun::gives_digits),
+    );
     let printed = gives(&ClaimId::STICK_NUMBERS, &by(Reading::AsPrinted));
     let exact = gives(&ClaimId::STICK_NUMBERS, &by(Reading::Exact));
     let (classes, differing_classes) = (
@@ -155,7 +158,7 @@ pub(super) fn figs_10_to_12(ledger: &Ledger) -> String {
 
 /// The significance of the configuration nearest to one figure, given that three figures were
 /// tried.
-fn nearest_single_figure(search: &Committed) -> String {
+fn nearest_single_figure(search: &CommittedSearch) -> String {
     let each = [0, 1, 2].map(|figure| {
         let level = &search.figure_levels[figure].0;
         let (random, readings) = (level.random.best_of_three(), level.readings.percent());
@@ -185,7 +188,7 @@ fn nearest_single_figure(search: &Committed) -> String {
 }
 
 /// The significance of the nearest configuration among those that count.
-fn joint_match(search: &Committed) -> String {
+fn joint_match(search: &CommittedSearch) -> String {
     let [kept, ranked] = search.joint_levels.each_ref().map(|level| {
         let (random, readings) = (level.random.percent(), level.readings.percent());
         (random, readings, level.readings.of)

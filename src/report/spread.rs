@@ -5,8 +5,8 @@
 use rayon::prelude::*;
 
 use super::ReportError;
-use crate::figures::block_and_bracket::{SETS, Set, TOLERANCE, class};
-use crate::readings::{Committed, ConfigurationRow, Integrator, other_motions};
+use crate::figures::block_and_bracket::{FigureSet, SETS, TOLERANCE, class};
+use crate::readings::{CommittedSearch, ConfigurationRow, Integrator, other_motions};
 use crate::text::joined;
 use stickslip::analysis::motion::Class;
 use stickslip::models::{Caption, Reading};
@@ -16,13 +16,13 @@ use stickslip::{Error, Options};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spread {
     /// The committed search, which has the estimates.
-    pub search: Committed,
+    pub search: CommittedSearch,
     /// Class of the motion of Fig. 10 with its caption corrected, in turn for each of the three
     /// entries that may be wrong.
     pub mended: Vec<(String, Class)>,
 }
 
-/// Number of figures computed.
+/// Number of corrected captions, each of which is computed once.
 pub const JOBS: usize = 3;
 
 impl Spread {
@@ -31,9 +31,9 @@ impl Spread {
     /// # Errors
     /// [`ReportError`].
     pub fn compute(tick: &(dyn Fn() + Sync)) -> Result<Spread, ReportError> {
-        let search = Committed::read()?;
+        let search = CommittedSearch::read()?;
         let of_caption = |(name, caption)| {
-            let set = Set { caption, ..SETS[0] };
+            let set = FigureSet { caption, ..SETS[0] };
             let class = class(&set, &Reading::exact(), Options::tol(TOLERANCE))?;
             tick();
             Ok((name, class))
@@ -122,9 +122,9 @@ pub(super) fn mended_captions() -> [(String, Caption); JOBS] {
         ("mu0", 5, xi6 / (xi4 - 1.0)),
         ("xi4", 3, 1.0 + xi6 / mu0),
     ]
-    .map(|(name, place, value)| {
+    .map(|(name, index, value)| {
         let mut caption = Caption::FIG10;
-        caption.numbers[place] = value;
+        caption.numbers[index] = value;
         (format!("{name} = {value:.3}"), caption)
     })
 }

@@ -20,7 +20,7 @@ use stickslip::analysis::motion::Class;
 use stickslip::models::Reading;
 
 /// Step of the classical Runge–Kutta method. The paper states none for Figs. 10–12.
-const STEP: f64 = 0.01;
+const RK4_STEP: f64 = 0.01;
 
 /// `s5.by_procedure`: Eq. (27) by the procedure of Sect. 3, steps of RK4 with Hénon's step onto Σ.
 /// Classes of the motions of Figs. 10, 11 and 12; `None` where the orbit escapes.
@@ -38,7 +38,7 @@ impl ByProcedure {
         let readings = [Reading::exact(), Reading::as_printed()];
         let runs = readings.map(|reading| SETS.map(|set| (reading, set)));
         let runs = runs.as_flattened().par_iter();
-        let classes = runs.map(|(reading, set)| by_rk4_and_henon(set, reading, STEP));
+        let classes = runs.map(|(reading, set)| by_rk4_and_henon(set, reading, RK4_STEP));
         let mut corrected = classes.collect::<Result<Vec<_>, Error>>()?;
         let as_printed = corrected.split_off(SETS.len());
         Ok(ByProcedure {
@@ -65,10 +65,10 @@ impl ByProcedure {
         };
         let (corrected, printed) = (names(&self.corrected), names(&self.as_printed));
         let line = format!(
-            "by RK4 with steps of {STEP} and Hénon's step, Figs. 10, 11, 12: {corrected}; with the \
-             equations as printed: {printed}. Another reading, that it gave the very trajectories \
-             of the figures, cannot be decided: neither step nor program is stated, and only the \
-             text of the paper was at hand, not its pictures"
+            "by RK4 with steps of {RK4_STEP} and Hénon's step, Figs. 10, 11, 12: {corrected}; with \
+             the equations as printed: {printed}. Another reading, that it gave the very \
+             trajectories of the figures, cannot be decided: neither step nor program is stated, \
+             and only the text of the paper was at hand, not its pictures"
         );
         vec![
             statement(Corrected, parts(&self.corrected), line),

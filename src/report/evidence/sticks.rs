@@ -1,26 +1,19 @@
 //! The paper's statements on stick phases, tested on a grid of starts against the set (24) of
-//! tangent points. Also: without friction there are none.
+//! tangent points.
 
-use rayon::prelude::*;
-
-use super::stick_phases::{GridPhases, ModelPhase, TangentSet, follow, starts};
-use crate::figures::normals;
+use super::stick_phases::{GridPhases, ModelPhase, SAMPLES_PER_PERIOD, TangentSet, starts};
 use crate::figures::rows::Value;
-use crate::numbers::{extent, largest};
-use crate::paper::listing::{End, Instant, Stick, StickPhase};
+use crate::numbers::{ROUNDING, largest};
+use crate::paper::listing::{Instant, Stick, StickPhase, ZoneEnd};
 use crate::paper::published::HALF_DIGIT;
 use crate::paper::reading::Reading::Exact;
 use crate::report::digits::small;
 use crate::report::errata::Proof;
 use crate::report::finding::{Finding, as_printed, statement};
 use stickslip::models::ForcedOscillator;
-use stickslip::{Error, Mode, State, TransitionKind};
-
-/// Distances and times within this count as zero (m, s, m/s): the solver's tolerance with a margin.
-const ROUNDING: f64 = 1e-9;
 
 /// Forcing periods within which a body on the belt always meets a tangent point.
-const SPAN: f64 = 3.0;
+const PERIODS_TO_MEETING: f64 = 3.0;
 
 /// `s4.exact_lengths`: whether the set gives lengths and durations of the stick phases from the
 /// entry alone. Each exit is the root of `x1 + vp (t − t_entry) = z_k + A sin(ωt)`.
@@ -50,7 +43,7 @@ pub(super) fn exact_lengths(grid: &GridPhases) -> Vec<Finding> {
 /// start.
 fn off_prediction(set: &TangentSet, stick: Stick) -> f64 {
     let model = ForcedOscillator::default();
-    let predicted = set.first_meeting(&model, stick.entry, SPAN * model.period());
+    let predicted = set.first_meeting(&model, stick.entry, PERIODS_TO_MEETING * model.period());
     predicted.map_or(f64::INFINITY, |t| (t - stick.exit.t).abs())
 }
 
@@ -81,7 +74,7 @@ impl Exits {
     fn of_listing(phases: &[StickPhase]) -> Exits {
         let mut exits = Exits::default();
         for phase in phases {
-            let end = usize::from(phase.end == End::Lower);
+            let end = usize::from(phase.end == ZoneEnd::Lower);
             match phase.zone {
                 Some(zone) => exits.at[2 * zone as usize + end] += 1,
                 None => exits.elsewhere += 1,
@@ -152,10 +145,6 @@ pub(super) fn exit_at_visible(grid: &GridPhases) -> Vec<Finding> {
     ]
 }
 
-/// Sampling times per forcing period at which passed tangent points are counted. In between, a
-/// point moves by less than a hundredth of a zone.
-const MOMENTS: f64 = 2000.0;
-
 /// Stick phases and the tangent points that move past them.
 #[derive(Debug, Default)]
 struct Meetings {
@@ -181,11 +170,13 @@ fn meetings(
         let distance = set.nearest(model, stick.exit).1;
         meetings.largest_distance = meetings.largest_distance.max(distance);
         let duration = stick.duration();
-        let places = (duration / model.period() * MOMENTS).ceil().max(2.0);
-        let (mut first, mut passes, mut places_outside) = (None, false, 0.0);
-        for k in 0..places as u32 {
+        let samples = (duration / model.period() * SAMPLES_PER_PERIOD)
+            .ceil()
+            .max(2.0);
+        let (mut first, mut passes, mut samples_outside) = (None, false, 0.0);
+        for k in 0..samples as u32 {
             // At the middle of each part: start and end themselves lie on tangent points.
-            let part = (f64::from(k) + 0.5) / places;
+            let part = (f64::from(k) + 0.5) / samples;
             let at = Instant {
                 t: stick.entry.t + part * duration,
                 x1: stick.entry.x1 + part * stick.length(),
@@ -193,11 +184,11 @@ fn meetings(
             let above = set.gaps(model, at).map(|gap| gap > 0.0);
             passes |= *first.get_or_insert(above) != above;
             let in_zone = above.chunks_exact(2).any(|zone| !zone[0] && zone[1]);
-            places_outside += f64::from(u8::from(!in_zone));
+            samples_outside += f64::from(u8::from(!in_zone));
         }
         meetings.passing += usize::from(passes);
         time += duration;
-        outside += duration * places_outside / places;
+        outside += duration * samples_outside / samples;
     }
     meetings.outside_zones = if time > 0.0 { outside / time } else { 0.0 };
     meetings
@@ -289,89 +280,6 @@ pub(super) fn length_is_way(grid: &GridPhases, published: [f64; 4]) -> (Vec<Find
     )
 }
 
-/// Starts on Σ relative to the support (m): where σ vanishes without friction, and between.
-const ON_BOUNDARY: [f64; 7] = [-1.0, -0.7, -0.3, 0.0, 0.3, 0.7, 1.0];
-/// Times of the forcing period at which they start, including its quarters.
-const TIMES: u32 = 8;
-/// A kink below this is rounding (m/s²): accelerations are near 10 m/s².
-const NO_KINK: f64 = 1e-12;
-
-/// `s4.no_stick_at_zero`: model 2 without friction.
-pub(super) fn no_stick_at_zero() -> Result<Vec<Finding>, Error> {
-    let with = ForcedOscillator::default();
-    let without = ForcedOscillator { mu0: 0.0, ..with };
-    let with = tally(&with)?;
-    let EventTally {
-        orbits,
-        sticks,
-        crossings,
-        largest_kink,
-        least_sigma,
-    } = tally(&without)?;
-    let deflects = largest_kink > NO_KINK;
-    let parts = [
-        (
-            "at mu0 = 0 the transition function is nowhere negative",
-            crossings > 0 && least_sigma >= 0.0,
-        ),
-        ("there is no stick", orbits > 0 && sticks == 0),
-        ("orbits that cross Σ are deflected there", deflects),
-    ];
-    let (sigma, kink) = (small(least_sigma), small(largest_kink));
-    let (with_sticks, with_kink) = (with.sticks, with.largest_kink);
-    let line = format!(
-        "model 2 at mu0 = 0 from {orbits} starts: {sticks} stick phases (with the friction of Fig. \
-         8: {with_sticks}), least σ on Σ {sigma} m²/s⁴; at {crossings} crossings the acceleration \
-         jumps by at most {kink} m/s² (with friction by up to {with_kink:.2} m/s²): without \
-         friction nothing deflects; in another reading, that deflections appear nowhere else, the \
-         sentence holds of none: it is not judged, for it says that deflections will appear"
-    );
-    Ok(vec![statement(Exact, parts, line)])
-}
-
-/// Events of orbits from starts off and on Σ.
-struct EventTally {
-    orbits: usize,
-    sticks: usize,
-    crossings: usize,
-    /// Largest jump of the acceleration at a crossing (m/s²).
-    largest_kink: f64,
-    /// Smallest σ at a crossing or a start on Σ (m²/s⁴).
-    least_sigma: f64,
-}
-
-fn tally(model: &ForcedOscillator) -> Result<EventTally, Error> {
-    let off = starts().into_iter().map(|x| (0.0, x));
-    let on = (0..TIMES).flat_map(|k| {
-        let t = model.period() * f64::from(k) / f64::from(TIMES);
-        ON_BOUNDARY.map(|z| (t, State::from([z + model.support(t), model.belt_speed])))
-    });
-    let all: Vec<(f64, State<2>)> = off.chain(on).collect();
-    let orbits = all.par_iter().map(|&(t, x)| follow(model, t, x));
-    let orbits = orbits.collect::<Result<Vec<_>, Error>>()?;
-    let phases = orbits.iter().flat_map(|orbit| &orbit.phases);
-    let transitions = orbits.iter().flat_map(|orbit| &orbit.transitions);
-    let crossings = transitions.filter(|at| at.kind == TransitionKind::Crossing);
-    let crossings: Vec<(f64, State<2>)> = crossings.map(|at| (at.t, at.x)).collect();
-    let normals = |(t, x): &(f64, State<2>)| normals(model, *t, x.as_ref());
-    let kink = |at: &(f64, State<2>)| {
-        let [below, above] = normals(at);
-        (above - below).abs()
-    };
-    let on_boundary = all.iter().filter(|(_, x)| x[1] == model.belt_speed);
-    let sigmas = crossings.iter().chain(on_boundary).map(|at| {
-        let [below, above] = normals(at);
-        below * above
-    });
-    Ok(EventTally {
-        orbits: orbits.len(),
-        sticks: phases.filter(|phase| phase.mode == Mode::Stick).count(),
-        crossings: crossings.len(),
-        largest_kink: largest(crossings.iter().map(kink)),
-        least_sigma: extent(sigmas).0,
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::stick_phases::of_model;
@@ -404,7 +312,7 @@ mod tests {
         let set = TangentSet::published(claims());
         let sticks = of_model(&model).unwrap();
         let off = sticks.iter().map(|phase| phase.stick).filter(|stick| {
-            let t = set.first_meeting(&slower, stick.entry, SPAN * model.period());
+            let t = set.first_meeting(&slower, stick.entry, PERIODS_TO_MEETING * model.period());
             t.is_none_or(|t| (t - stick.exit.t).abs() > ROUNDING)
         });
         assert!(off.count() > sticks.len() / 2);
@@ -477,21 +385,5 @@ mod tests {
         let belt = ForcedOscillator::default().belt_speed;
         let (found, misprint) = length_is_way(&grid, [0.4, 0.2, 0.4 / belt, 0.2 / belt]);
         assert!(found[0].agrees && !misprint.holds);
-    }
-
-    #[test]
-    fn without_friction_nothing_sticks_and_nothing_deflects() {
-        assert_eq!(no_stick_at_zero().unwrap()[0].parts(), [true, true, false]);
-        assert!(tally(&ForcedOscillator::default()).unwrap().sticks > 0);
-    }
-
-    #[test]
-    fn a_little_friction_is_seen() {
-        let found = tally(&ForcedOscillator {
-            mu0: 0.05,
-            ..ForcedOscillator::default()
-        })
-        .unwrap();
-        assert!(found.sticks > 0 && found.largest_kink > NO_KINK);
     }
 }

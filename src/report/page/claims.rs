@@ -10,7 +10,7 @@ use super::super::readme::formatted_values;
 use super::super::sentences::PARTS;
 use super::super::verdict::{Correction, Verdict};
 use super::parts::{columns, heading};
-use crate::paper::published::ClaimKind;
+use crate::paper::published::{ClaimKind, Digits};
 use crate::paper::reading::{Reading, Role};
 use crate::text::joined;
 
@@ -85,8 +85,8 @@ pub(super) fn section(ledger: &Ledger) -> Markup {
                 }
                 (columns(&["Claim", "Published", "Found", "Verdict"]))
                 tbody {
-                    @for (place, entry) in ledger.entries.iter().enumerate() {
-                        (row(ledger, place, entry))
+                    @for (index, entry) in ledger.entries.iter().enumerate() {
+                        (row(ledger, index, entry))
                     }
                 }
             }
@@ -114,13 +114,13 @@ pub(super) fn verdict_badge(verdict: Verdict) -> Markup {
     html! { span class={ "mark " (verdict.key()) } { (verdict) } }
 }
 
-fn row(ledger: &Ledger, place: usize, entry: &Entry) -> Markup {
+fn row(ledger: &Ledger, index: usize, entry: &Entry) -> Markup {
     let claim = &entry.claim;
     html! {
         tr class=(entry.verdict.key()) id={ "claim-" (claim.id) } {
-            th scope="row" data-key=(place) {
+            th scope="row" data-key=(index) {
                 (claim.what)
-                " " span.soft { (claim.place) " · " code { (claim.id) } }
+                " " span.soft { (claim.location) " · " code { (claim.id) } }
                 details {
                     summary { "evidence" }
                     ul { @for line in entry.lines() { li { (line) } } }
@@ -169,9 +169,9 @@ fn published(entry: &Entry) -> String {
     if claim.kind == ClaimKind::Set {
         parts.sort_by(|one, other| other.1.total_cmp(one.1));
     }
-    let texts = parts.into_iter().map(|(text, value)| match text.len() {
-        0..=SHORT => minus(text),
-        _ => plot::number(*value, 6) + "…",
+    let texts = parts.into_iter().map(|(text, value)| match claim.digits {
+        Digits::Exact if text.len() > 8 => plot::number(*value, 6) + "…",
+        _ => minus(text),
     });
     let text = match joined(texts, "; ") {
         none if none.is_empty() => claim.published.clone(),
@@ -183,9 +183,6 @@ fn published(entry: &Entry) -> String {
         unit => format!("{text} {unit}"),
     }
 }
-
-/// A number with more characters is a closed form in full precision; it is shortened.
-const SHORT: usize = 8;
 
 /// The sign and the spread of an exponent.
 fn sign_and_spread(exponent: &ExponentCheck) -> String {

@@ -3,10 +3,10 @@
 
 use maud::{Markup, html};
 
-use super::super::convergence::SLOPE_OFF;
+use super::super::convergence::SLOPE_TOLERANCE;
 use super::super::ledger::Ledger;
-use super::super::matrix::Cell;
-use super::super::scan::{Class, Point};
+use super::super::matrix::ComparedRun;
+use super::super::scan::{ParameterPoint, StartClass};
 use super::figures::figure;
 use super::parts::{Report, columns, heading};
 use crate::paper::claim_id::ClaimId;
@@ -29,8 +29,8 @@ fn conditions() -> [String; 3] {
             .to_owned(),
         format!(
             "The program's numbers approach those of that solver as its step goes to zero, at \
-             first order: fitted slopes within {SLOPE_OFF} of one, and the finest steps within the \
-             bound found without them"
+             first order: fitted slopes within {SLOPE_TOLERANCE} of one, and the finest steps \
+             within the bound found without them"
         ),
         "What is left at the printed step is within that bound, and is the program's own error of \
          the step: of the digits that the motion leaves open, these come from the step alone"
@@ -67,7 +67,7 @@ pub(super) fn cause(report: &Report) -> Markup {
                 summary { "The defects, and the program with each alone and with each mended" }
                 dl {
                     @for erratum in &ledger.errata {
-                        @if let Some(lines) = erratum.place.strip_prefix("Listing, ") {
+                        @if let Some(lines) = erratum.location.strip_prefix("Listing, ") {
                             dt { code { (erratum.name) } }
                             dd { (erratum.printed) " (" (lines) ")" }
                         }
@@ -114,7 +114,7 @@ fn matrix(ledger: &Ledger) -> Markup {
     }
 }
 
-fn number(cell: &Cell, i: usize) -> String {
+fn number(cell: &ComparedRun, i: usize) -> String {
     match (cell.numbers, cell.digits) {
         (Some(numbers), Some(digits)) => format!("{:.4} ({})", numbers[i], digits[i]),
         _ => String::new(),
@@ -137,8 +137,8 @@ pub(super) fn existence(report: &Report) -> Markup {
 }
 
 /// The number of starts in each class.
-fn counts(point: &Point) -> String {
-    let counts = Class::ALL.iter().zip(point.counts);
+fn counts(point: &ParameterPoint) -> String {
+    let counts = StartClass::ALL.iter().zip(point.counts);
     let some = counts.filter(|(_, count)| *count > 0);
     let texts = some.map(|(class, count)| {
         let name = class.name().replace('_', " ");

@@ -18,7 +18,7 @@ pub(super) fn errata(ledger: &Ledger) -> Markup {
                 tbody {
                     @for erratum in &ledger.errata {
                         tr {
-                            th scope="row" { (erratum.place) }
+                            th scope="row" { (erratum.location) }
                             td data-column="Printed" { (erratum.printed) }
                             td data-column="Should read" { (erratum.correct) }
                             td data-column="Shown by" {
