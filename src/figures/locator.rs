@@ -15,6 +15,7 @@ use plot::{
 use stickslip::math;
 use stickslip::models::BeltOscillator;
 use stickslip::ode::{Dense, Dop853, Rk4, RungeKutta, Timed, dense_slopes, henon_step, stages};
+use stickslip::statistics::PowerLaw;
 use stickslip::{Filippov, Side, State};
 
 /// One method to locate an event.
@@ -219,16 +220,9 @@ fn error(model: &BeltOscillator, h: f64, locate: fn(&Step) -> f64) -> f64 {
 
 /// Slope of the logarithms, by least squares.
 fn order(errors: &[(f64, f64)]) -> f64 {
-    let logs: Vec<(f64, f64)> = errors
-        .iter()
-        .filter(|(h, error)| *error > LEAST_FITTED_ERROR && *h < LONGEST_FITTED_STEP)
-        .map(|&(h, error)| (math::ln(h), math::ln(error)))
-        .collect();
-    let n = logs.len() as f64;
-    let mean = |of: &dyn Fn(&(f64, f64)) -> f64| logs.iter().map(of).sum::<f64>() / n;
-    let (x, y) = (mean(&|p| p.0), mean(&|p| p.1));
-    let above = mean(&|p| (p.0 - x) * (p.1 - y));
-    above / mean(&|p| (p.0 - x) * (p.0 - x))
+    let is_fitted =
+        |(h, error): &(f64, f64)| *error > LEAST_FITTED_ERROR && *h < LONGEST_FITTED_STEP;
+    PowerLaw::through(errors.iter().copied().filter(is_fitted)).exponent
 }
 
 #[cfg(test)]
@@ -236,9 +230,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_way_has_the_order_of_its_construction() {
-        let ways = LOCATOR.compute().unwrap();
-        let orders: Vec<f64> = ways.iter().map(|method| method.order).collect();
+    fn each_method_has_the_order_of_its_construction() {
+        let methods = LOCATOR.compute().unwrap();
+        let orders: Vec<f64> = methods.iter().map(|method| method.order).collect();
         // Over one step, an interpolant of degree p and a step of order p both have errors of
         // h^(p+1). Order 8 reaches rounding early, so its measured order is lower.
         let wanted = [1.9..2.1, 3.8..4.4, 4.7..5.3, 7.3..8.3, 8.0..9.3];

@@ -203,12 +203,12 @@ impl Convergence {
         let give = if with_digits == 1 { "gives" } else { "give" };
         let limit = joined(self.limit_digits, ", ");
         format!(
-            "From h = {coarsest:e} to {finest:e} s the listing's four numbers keep within {bounds} \
-             h of the limit, the printed step left out of this fit; the slopes of log |error| \
-             against log h are {slopes}. Where the grid of steps meets Σ scatters the error \
-             between nothing and that bound: {around} steps within {percent} % of the printed one \
-             move the numbers by {moved} units of 1e-4, and {with_digits} of them {give} all four \
-             to all printed digits. The limit has {limit} of the printed digits."
+            "From h = {coarsest:e} to {finest:e} s the listing's four numbers stay within {bounds} \
+             h of the limit; the printed step is left out of this fit. The slopes of log |error| \
+             against log h are {slopes}. The error scatters between zero and that bound with the \
+             phase at which the grid of steps meets Σ: {around} steps within {percent} % of the \
+             printed one move the numbers by {moved} units of 1e-4, and {with_digits} of them \
+             {give} all four to all printed digits. The limit has {limit} of the printed digits."
         )
     }
 }

@@ -81,24 +81,22 @@ impl ExponentCheck {
             agreeing,
             ..
         } = self.spread;
-        let given = match values {
-            Some(values) => {
-                let (least, largest) = (rounded(values.least), rounded(values.largest));
-                let others = settings - unidentified;
-                let lies = match self.within_range() {
-                    true => "inside",
-                    false => "outside of what all of these give",
-                };
-                format!(
-                    "the {others} others give {least} to {largest}, and the published value lies \
-                        {lies}"
-                )
-            }
-            None => "there is no other".to_owned(),
+        let Some(values) = values else {
+            return format!(
+                "none of {settings} settings of the estimator identifies it; {agreeing} give the \
+                 published digits"
+            );
+        };
+        let (least, largest) = (rounded(values.least), rounded(values.largest));
+        let identifying = settings - unidentified;
+        let contains = match self.within_range() {
+            true => "contains",
+            false => "does not contain",
         };
         format!(
-            "{unidentified} of {settings} settings of the estimator leave it unidentified, \
-                {given}; {agreeing} of all give the published digits"
+            "{identifying} of {settings} settings of the estimator identify it and give {least} to \
+             {largest}, which {contains} the published value; {agreeing} of all settings give the \
+             published digits"
         )
     }
 }
@@ -144,8 +142,9 @@ mod tests {
         assert!(with(Some((-0.0002, -0.00005))).is_undetermined(claim));
         assert!(!with(Some((-0.0002, -0.00015))).is_undetermined(claim));
         assert!(with(None).is_undetermined(claim));
-        assert!(with(Some((-0.0005, -0.0003))).sentence().contains("inside"));
-        assert!(with(Some((0.0, 0.1))).sentence().contains("outside"));
+        let sentence = |range| with(Some(range)).sentence();
+        assert!(sentence((-0.0005, -0.0003)).contains("which contains"));
+        assert!(sentence((0.0, 0.1)).contains("does not contain"));
     }
 
     #[test]

@@ -273,10 +273,10 @@ impl Ledger {
                 let figure = &self.computed.fig04;
                 let (sticking, all) = (figure.sticking, figure.orbits.len());
                 vec![format!(
-                    "{sticking} of the {all} orbits of the figure ride the belt before they \
-                    settle; of the periodic solution alone the sentence holds; that reading is not \
-                    judged, for it says “in the considered system” and goes on to the transient \
-                    trajectory"
+                    "{sticking} of the {all} orbits of the figure stick to the belt before \
+                     they settle. Of the periodic solution alone the sentence holds. That reading \
+                     is not judged: the sentence says “in the considered system”, and the text \
+                     goes on to the transient trajectory"
                 )]
             }
             ClaimId::Fig08TwoPeriodic => vec![
@@ -316,8 +316,8 @@ impl Ledger {
                 let settings = exponent.sentence();
                 let settings = match all_agree {
                     true => format!(
-                        "equations and data round to the published digits; that decides nothing \
-                            where other settings do not: {settings}"
+                        "equations and data round to the published digits; that decides nothing, \
+                         since other settings do not: {settings}"
                     ),
                     false => settings,
                 };

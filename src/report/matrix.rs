@@ -170,7 +170,7 @@ impl Matrix {
                     with.filter(|cell| !property(cell)).count(),
                 );
                 let others = match lost {
-                    0 => "sufficient whatever else is present".to_owned(),
+                    0 => "sufficient, whatever others are present".to_owned(),
                     _ => format!(
                         "sufficient by themselves (with others added, {lost} of the {all} subsets \
                             that contain them lose it)"
@@ -183,15 +183,15 @@ impl Matrix {
                 let sets = sets.map(|cell| format!("{{{}}}", list(cell.present.present())));
                 let needed = match &*named {
                     "" => "no defect is necessary".to_owned(),
-                    named => format!("{named} necessary"),
+                    named => format!("{named} are necessary"),
                 };
                 let sets = joined(sets, " or ");
-                format!("{needed}, and one of the least sets {sets} sufficient")
+                format!("{needed}, and each of the smallest sets {sets} is sufficient")
             }
         };
         let idle = match &*list(self.irrelevant(property)) {
             "" => String::new(),
-            idle => format!(", {idle} without influence"),
+            idle => format!(", and {idle} have no influence"),
         };
         format!("{count} give {what}: {conditions}{idle}")
     }

@@ -142,12 +142,13 @@ pub(super) fn figs_10_to_12(ledger: &Ledger) -> String {
     format!(
         "Figs. 10–12 publish {} classes of motion. The corrected equations give {met} of \
          them{differing_classes}. With the signs as printed {diverging} of the three motions \
-         diverge. Of the {} published exponents {of_open} are {open}: settings of the estimator \
-         that the paper does not state decide their digits; {missed}: {of_missed}. {signs} have \
-         the computed sign, {within} lie inside what those of {settings} settings give that \
-         identify them. A search over {configurations} ways to read and evaluate the figures \
-         ({citation}) finds {} of its {} pairs of equations and integrator with all three \
-         captioned classes, and {} with the same kinds of motion, loops aside. {nearest} {joint}",
+         diverge. Of the {} published exponents {of_open} are {open}, since their digits depend on \
+         settings of the estimator that the paper does not state, and {of_missed} are {missed}. \
+         {signs} have the computed sign. {within} lie in the range of the settings that identify \
+         them, of {settings} tried. A search over {configurations} configurations of equations, \
+         integrator and estimator ({citation}) finds {} of {} pairs of equations and integrator \
+         with all three captioned classes, and {} with all three kinds of motion, whatever the \
+         number of loops. {nearest} {joint}",
         classes.len(),
         exponents.len(),
         pairs.classes,
@@ -171,17 +172,17 @@ fn nearest_single_figure(search: &CommittedSearch) -> String {
     let rare = if level.is_rare(3) {
         "a rare"
     } else {
-        "no rare"
+        "not a rare"
     };
     let leaves = match row.is_ranked() {
         true => "has all three kinds of motion".to_owned(),
-        false => format!("is no match: it leaves {}", other_motions(motions, figure)),
+        false => format!("is no match: it gives {}", other_motions(motions, figure)),
     };
     let (reading, integrator) = (row.reading(), row.integrator());
     format!(
-        "Each figure by itself, as many random targets (the best of three looks) and spectra of \
-         other readings are met as well as its exponents: {}. The nearest, Fig. {}, is {rare} \
-         match; its reading ({reading}; {integrator}) {leaves}.",
+        "For each figure alone, the shares of random targets (best of three figures) and of \
+         spectra of other readings that are matched as well as its exponents are: {}. The nearest, \
+         Fig. {}, is {rare} match; its reading ({reading}; {integrator}) {leaves}.",
         join(&each),
         figure + 10,
     )
@@ -197,10 +198,10 @@ fn joint_match(search: &CommittedSearch) -> String {
     let single = if is_rare { "a" } else { "no" };
     let sources = sources_in_words(search.ranked_from);
     format!(
-        "Taken together, the twelve exponents single out {single} setting. By the {} \
-         configurations with all three kinds of motion ({sources}) {:.0} % of random targets and \
-         {:.1} % of the {} spectra of other readings are met as well; by the {} that keep all \
-         three motions {:.0} % and {:.1} %.",
+        "Together, the twelve exponents single out {single} setting. The {} configurations with \
+         all three kinds of motion ({sources}) match {:.0} % of random targets and {:.1} % of the \
+         {} spectra of other readings as well; the {} with three bounded motions match {:.0} % and \
+         {:.1} %.",
         search.ranked, ranked.0, ranked.1, ranked.2, search.kept, kept.0, kept.1,
     )
 }

@@ -47,7 +47,7 @@ impl Spread {
     pub fn mended_sentence(&self) -> String {
         let each = self.mended.iter();
         let each = joined(each.map(|(entry, class)| format!("{entry}: {class}")), ", ");
-        format!("the caption's entries contradict each other; mended one at a time, {each}")
+        format!("the caption's entries contradict each other; corrected one at a time, {each}")
     }
 
     /// The readings that give Fig. 10 as captioned, including its loops, and the motions of the
@@ -63,7 +63,7 @@ impl Spread {
         });
         match joined(each, " | ") {
             none if none.is_empty() => "no reading of the search is two-periodic".to_owned(),
-            each => format!("read otherwise it is two-periodic: {each}"),
+            each => format!("other readings make it two-periodic: {each}"),
         }
     }
 
@@ -87,8 +87,8 @@ impl Spread {
             .iter()
             .map(|one| format!("{}: {}", one.reading(), one.classes[2]));
         format!(
-            "with the signs corrected and solved exactly, {} of {} readings give the class ({}): \
-                {}",
+            "with the signs corrected and solved exactly, {} of {} readings give the class (those \
+             with {}): {}",
             chaotic.len(),
             all.len(),
             joined(needed, "; "),
@@ -99,14 +99,15 @@ impl Spread {
     /// How often the search matches an exponent to its printed digits, and the significance of
     /// that; `figure` and `k` from 0.
     pub fn digits_sentence(&self, figure: usize, k: usize) -> String {
-        let (met, kept) = (self.search.digits[figure][k], self.search.kept);
+        let (agreeing, kept) = (self.search.digits[figure][k], self.search.kept);
         let of = format!(
-            "of {kept} configurations that keep all three motions {met} give the printed digits"
+            "{agreeing} of the {kept} configurations with three bounded motions give the printed \
+             digits"
         );
         match self.search.digits_by_random_targets[figure][k] {
             Some(share) => {
                 let percent = share.percent();
-                format!("{of}; {percent:.0} % of random targets are met by as many")
+                format!("{of}; as many match {percent:.0} % of random targets")
             }
             None => of,
         }

@@ -36,10 +36,10 @@ macro_rules! figure {
                 ", with the signs that Newton demands and a normal force that cannot pull; the end \
                  of the run. Panel (c): the running exponents over that time, from the equations \
                  and from the sampled states. Table: published exponents against both; biased: \
-                 identified by the data, and yet off the equations by more than three standard \
-                 errors and twice the neighbourhoods explain. Numbers: exponents, class of the \
-                 motion with its evidence, stick, normal force; and when the equations as printed \
-                 diverge."
+                 identified by the data, but further from the equations than three standard \
+                 errors and the change with doubled neighbourhoods. Numbers: exponents, class of \
+                 the motion with its evidence, stick, normal force; and when the equations as \
+                 printed diverge."
             ),
             compute: || compute(&SETS[$index]),
             numbers,

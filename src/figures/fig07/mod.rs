@@ -73,7 +73,10 @@ fn tangency(data: &Data) -> Vec<Row> {
             "sigma touches the axis from above in three points at mu0 = 0",
             above == 3,
         ),
-        ("and from below in two at mu0 = 2√3/9", below == 2),
+        (
+            "sigma touches it from below in two points at mu0 = 2√3/9",
+            below == 2,
+        ),
     ];
     let detail = |name: &str, count| detail(ClaimId::Fig07aTangency, name, count);
     vec![
@@ -114,7 +117,7 @@ fn branches(data: &Data) -> Vec<Row> {
     let [zero, below, at, above] = data.branches.counts;
     let parts = [
         ("six branches below the critical mu0", below == 6),
-        ("two above it", above == 2),
+        ("two branches above it", above == 2),
     ];
     let detail = |name: &str, count| detail(ClaimId::Fig07cBranches, name, count);
     vec![

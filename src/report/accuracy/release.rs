@@ -83,8 +83,8 @@ impl Releases {
         let of_belt = on_belt(&belt)?;
         let of_forced = on_forced(&forced)?;
         let still = |_: f64, _: f64| 0.0;
-        let printed = "release in the listing as printed to";
-        let mended = "release in the listing mended to";
+        let printed = "release in the listing as printed to the side";
+        let mended = "release in the listing mended to the side";
         Ok(Releases {
             belt: release(&belt, belt.belt_speed, &of_belt, still)?,
             forced: release(&forced, forced.belt_speed, &of_forced, |from, to| {
@@ -121,7 +121,7 @@ fn release<S: Filippov<2>>(
         let slope = |at: &Timed<2>| 1.0 / system.field(side, at.t, at.x.as_ref())[1];
         with(what, side, &slope)
     };
-    let corrected = "release by Eq. (15) with 1/x2 to";
+    let corrected = "release by Eq. (15) with 1/x2 to the side";
     Ok(Release {
         literal: [literal(Side::Below)?, literal(Side::Above)?],
         corrected: with(corrected, event.to, &|at| 1.0 / at.x[1])?,
@@ -139,7 +139,7 @@ fn moving(model: &ForcedOscillator, event: &Event) -> Result<EventErrors, Report
             x: State::from([at.x[1] * rate, 0.0]),
         }
     };
-    let what = "release with the distance as variable to";
+    let what = "release with the distance as variable to the side";
     EventErrors::measure(what, (event.to, event.t), |h, part| {
         let at = event.before(part * h, model.belt_speed);
         let gap = at.x[0] - tangent_point - model.support(at.t);

@@ -1,6 +1,7 @@
 //! Misprints on model 3 shown by a rig in SI units: the friction of Eq. (28) and the unit of time.
 
 use super::proof::Proof;
+use crate::paper::TOLERANCE;
 use crate::report::ReportError;
 use stickslip::models::{BlockAndBracket, Caption, Reading, Rig, Unloading};
 use stickslip::{Error, Options, State, solve};
@@ -31,7 +32,7 @@ fn rig_state(rig: &Rig, start: &State<4>) -> Result<State<4>, Error> {
     let (length, time) = (rig.length_unit(), rig.time_unit());
     let units = State::from([length, length / time, length, length / time]);
     let x = start.component_mul(&units);
-    let end = solve(rig, 0.0, x, RIG_SPAN * time, &Options::tol(1e-12))?;
+    let end = solve(rig, 0.0, x, RIG_SPAN * time, &Options::tol(TOLERANCE))?;
     Ok(end.x_end.component_div(&units))
 }
 
@@ -58,7 +59,7 @@ pub(super) fn friction_counted_twice() -> Result<Proof, ReportError> {
             ..Reading::exact()
         };
         let model = BlockAndBracket::from_caption(&caption, &reading)?;
-        let end = solve(&model, 0.0, start, RIG_SPAN, &Options::tol(1e-12))?;
+        let end = solve(&model, 0.0, start, RIG_SPAN, &Options::tol(TOLERANCE))?;
         Ok((end.x_end - newton).amax())
     };
     let (printed, corrected) = (with(Unloading::Plain)?, with(Unloading::OverMu0)?);

@@ -54,7 +54,7 @@ pub(super) fn beside_curves(
     let slips = all(|one| one.outside_slips);
     let parts = [
         ("bodies put just inside the drawn curves stick", sticks),
-        ("bodies put just outside slip", slips),
+        ("bodies put just outside them slip", slips),
     ];
     let distances = beside.iter().map(|one| {
         let (distance, pairs) = (one.distance, one.pairs);

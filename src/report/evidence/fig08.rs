@@ -68,8 +68,8 @@ pub(super) fn start(claims: &Claims) -> Result<(Vec<Finding>, Proof), Error> {
     let (captioned, listed) = (from(claims, points[2])?, from(claims, points[3])?);
     let what = "from the third tangent point the stated model settles on stick–slip of period two";
     let parts = [(what, captioned.model_two_periodic)];
-    let what = "the program settles on the published trajectory with the third point put in the \
-        place of its own start, the fourth";
+    let what = "with its start moved from the fourth tangent point to the third, the program \
+        settles on the published trajectory";
     let printed = [(what, captioned.digits == ClaimId::STICK_NUMBERS.len())];
     let [from_third, from_fourth] = [&captioned, &listed].map(|from| {
         let (x1, release, digits) = (number(from.x1, 4), from.first_release, from.digits);
@@ -228,22 +228,12 @@ pub(super) fn found_by_appendix(claims: &Claims, defects: Defects) -> Vec<Findin
     );
     let what = "the Appendix's program as printed gives the published trajectory";
     let parts = [(what, printed.motion == Motion::PUBLISHED && digits == all)];
-    let (printed, mended) = (words(printed.motion), words(mended.motion));
+    let (printed, mended) = (printed.motion, mended.motion);
     let line = format!(
         "listing as printed: {printed}, {digits} of {all} published numbers to all digits; with \
             its defects mended: {mended}"
     );
     vec![statement(AsPrinted, parts, line)]
-}
-
-fn words(motion: Motion) -> String {
-    match motion {
-        Motion::StickSlip { sticks, period } => {
-            format!("stick–slip, stick phases in {period} forcing periods: {sticks}")
-        }
-        Motion::Stalled { t } => format!("the clock stands at {t:.4} s"),
-        other => other.to_string(),
-    }
 }
 
 #[cfg(test)]

@@ -42,9 +42,9 @@ pub(super) fn no_stick_at_zero() -> Result<Vec<Finding>, Error> {
     let line = format!(
         "model 2 at mu0 = 0 from {orbits} starts: {sticks} stick phases (with the friction of Fig. \
          8: {with_sticks}), least σ on Σ {sigma} m²/s⁴; at {crossings} crossings the acceleration \
-         jumps by at most {kink} m/s² (with friction by up to {with_kink:.2} m/s²): without \
-         friction nothing deflects; in another reading, that deflections appear nowhere else, the \
-         sentence holds of none: it is not judged, for it says that deflections will appear"
+         jumps by at most {kink} m/s² (with friction by up to {with_kink:.2} m/s²). Without \
+         friction nothing deflects. That deflections appear nowhere else is another reading, which \
+         is not judged: the sentence says that they will appear"
     );
     Ok(vec![statement(Exact, parts, line)])
 }

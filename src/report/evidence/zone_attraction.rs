@@ -53,7 +53,7 @@ fn statement_findings((attracting, least_pull): (usize, f64), sweeps: &[Sweep]) 
             any(|sweep| sweep.with_cycles() > 0),
         ),
         (
-            "they are what the attraction results in: at most of the values tried",
+            "they are what the attraction results in: they exist at most of the values tried",
             any(|sweep| 2 * sweep.with_cycles() > sweep.points.len()),
         ),
         (
@@ -66,17 +66,17 @@ fn statement_findings((attracting, least_pull): (usize, f64), sweeps: &[Sweep]) 
         let (cycles, values) = (sweep.with_cycles(), sweep.points.len());
         let (births, changes) = (sweep.births_and_deaths(), sweep.cycle_changes());
         format!(
-            "with the parameters of {caption} stick–slip cycles at {cycles} of {values} values \
-             below it ({starts} starts each), which between neighbours appear or vanish {births} \
-             times and change period or number of sticks {changes} times; at the critical friction \
-             itself, which is another reading of the sentence, {critical} starts lead to one"
+            "with the parameters of {caption}, stick–slip cycles exist at {cycles} of {values} \
+             values below it ({starts} starts each); from one value to the next they appear or \
+             vanish {births} times and change period or number of sticks {changes} times; in \
+             another reading, at the critical friction itself, {critical} starts lead to one"
         )
     });
     let (pull, each) = (small(least_pull), joined(each, "; "));
     let line = format!(
-        "at the critical friction {attracting} of {ZONE_POSITIONS} places of the zone attract, the \
-         weaker field by {pull} m/s² where it is weakest; “strongly” is not tested, for the paper \
-         gives no measure; {each}"
+        "at the critical friction {attracting} of {ZONE_POSITIONS} positions in the zone attract, \
+         and the weaker field has at least {pull} m/s² there; “strongly” is not tested, for the \
+         paper gives no measure; {each}"
     );
     vec![statement(Exact, parts, line)]
 }

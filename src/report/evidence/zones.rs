@@ -58,13 +58,13 @@ pub(super) fn location(model: &ForcedOscillator) -> Vec<Finding> {
     let ends = stick_ends(model, 0.0).len();
     let (named, others) = (shifts(model, NAMED), shifts(model, OTHERS));
     let moves = named.iter().all(|(_, (least, _))| *least > ROUNDING);
-    let what = "the place of the stick zones depends on k1, k2 and mu0";
+    let what = "the location of the stick zones depends on k1, k2 and mu0";
     let each = |(name, (_, most)): (&str, (f64, f64))| format!("{name} {}", small(most));
     let [named, others] = [named, others].map(|of| joined(of.map(each), ", "));
     let percent = 100.0 * (PARAMETER_FACTOR - 1.0);
     let line = format!(
         "each parameter {percent:.0} % larger moves the {ends} ends of the zones by up to (m): \
-            {named}; not named and without influence: {others}"
+            {named}; those that the paper does not name: {others}"
     );
     vec![statement(Exact, [(what, ends > 0 && moves)], line)]
 }

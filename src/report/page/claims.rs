@@ -10,6 +10,7 @@ use super::super::readme::formatted_values;
 use super::super::sentences::PARTS;
 use super::super::verdict::{Correction, Verdict};
 use super::parts::{columns, heading};
+use crate::figures::rows::Value;
 use crate::paper::published::{ClaimKind, Digits};
 use crate::paper::reading::{Reading, Role};
 use crate::text::joined;
@@ -81,7 +82,7 @@ pub(super) fn section(ledger: &Ledger) -> Markup {
                     "Every quantity and statement that the paper publishes, in its order. The \
                         evidence is folded under each claim. An identity "
                     "could not have come out otherwise and is not counted. Of two honest readings \
-                        the kinder is judged and the evidence names the other."
+                        of a sentence the kinder is judged, and the evidence names the other."
                 }
                 (columns(&["Claim", "Published", "Found", "Verdict"]))
                 tbody {
@@ -98,11 +99,12 @@ pub(super) fn section(ledger: &Ledger) -> Markup {
                 dl {
                     @for reading in Reading::ALL { dt { (reading) } dd { (reading.meaning()) } }
                     dt { "unidentified, starved, unstable, unpredictable" }
-                    dd { "what the estimator itself says of an exponent from data: the data do not \
-                        determine it, or too few neighbours do" }
+                    dd { "the estimator's own status of an exponent from data: the data do not \
+                        spread in its direction, too few neighbours are near, the size of the \
+                        neighbourhoods moves it, or the maps do not predict the data" }
                     dt { "biased" }
-                    dd { "the estimator says it is determined, and it is off the exponent from the \
-                        equations by more than its own errors explain" }
+                    dd { "the estimator's status is good, but the exponent differs from that of \
+                        the equations by more than the known errors" }
                 }
             }
         }
@@ -148,7 +150,7 @@ fn row(ledger: &Ledger, index: usize, entry: &Entry) -> Markup {
             td data-column="Verdict" data-key=(entry.verdict as usize) {
                 (verdict_badge(entry.verdict))
                 @if !entry.corrections.is_empty()
-                    && matches!(entry.verdict, Verdict::WithCorrections | Verdict::InKind)
+                    && matches!(entry.verdict, Verdict::WithCorrections | Verdict::InPart)
                 {
                     span.soft { " (" a href="#corrections" { (labels(&entry.corrections)) } ")" }
                 }
@@ -191,9 +193,17 @@ fn sign_and_spread(exponent: &ExponentCheck) -> String {
     format!("sign: {sign}, {not}as published; {sentence}")
 }
 
-/// The values of a reading and, in brackets, their quality.
+/// The values of a reading with their quality in brackets, or the parts of a statement that fail.
 fn value_quality(entry: &Entry, finding: &Finding) -> String {
     let values = formatted_values(entry, finding);
+    if let [Value::Statement(parts)] = &finding.values[..] {
+        let failing = parts.iter().filter(|(_, holds)| !holds);
+        return match joined(failing.map(|(what, _)| what), "; ") {
+            none if none.is_empty() => values,
+            failing if values == "fails" => format!("fails: {failing}"),
+            failing => format!("{values}; fails: {failing}"),
+        };
+    }
     match finding.note.as_deref() {
         None | Some("ok" | "annihilated") => values,
         Some(note) if finding.digits.is_some() => format!("{values} ({note})"),

@@ -23,17 +23,17 @@ const NUMBERS: [&str; 4] = [
 /// Conditions for a cause to count as shown.
 fn conditions() -> [String; 3] {
     [
-        "Put into the event-exact solver, the two defects that outlast a vanishing step make the \
-         same motion, and its four numbers are off the published ones by no more than the \
-         program's own numbers move between its step and none, and half a printed digit"
+        "Injected into the event-exact solver, the two defects that remain as the step goes to \
+         zero must give the same motion. Its four numbers may differ from the published ones by \
+         the program's own step error and half a printed digit"
             .to_owned(),
         format!(
-            "The program's numbers approach those of that solver as its step goes to zero, at \
-             first order: fitted slopes within {SLOPE_TOLERANCE} of one, and the finest steps \
+            "As its step goes to zero, the program's numbers must approach those of that solver \
+             at first order: fitted slopes within {SLOPE_TOLERANCE} of one, and the finest steps \
              within the bound found without them"
         ),
-        "What is left at the printed step is within that bound, and is the program's own error of \
-         the step: of the digits that the motion leaves open, these come from the step alone"
+        "The difference at the printed step must be within that bound and equal the program's own \
+         step error, which is measured without the solver"
             .to_owned(),
     ]
 }
@@ -43,15 +43,17 @@ pub(super) fn cause(report: &Report) -> Markup {
     html! {
         section aria-labelledby="cause" {
             (heading("cause"))
-            p { b { "The cause is " (ledger.cause.status()) "." } " Three things are asked for, \
+            p { b { "The cause is " (ledger.cause.status()) "." } " Three conditions are tested, \
                 each of which could have failed." }
             table.cards {
-                (columns(&["What is asked for", "What was found", "Holds"]))
+                (columns(&["Condition", "Result", "Holds"]))
                 tbody {
-                    @for (asked, (found, holds)) in conditions().iter().zip(ledger.cause.parts()) {
+                    @for (condition, (result, holds)) in
+                        conditions().iter().zip(ledger.cause.parts())
+                    {
                         tr {
-                            th scope="row" { (asked) }
-                            td data-column="Found" { (found) }
+                            th scope="row" { (condition) }
+                            td data-column="Result" { (result) }
                             td data-column="Holds" { @if holds { "yes" } @else { "no" } }
                         }
                     }

@@ -15,8 +15,6 @@ const START_STRIDE: usize = 10;
 const TRANSIENT: f64 = 100.0;
 /// Forcing periods measured.
 const MEASURED: u32 = 2000;
-/// Forcing periods in which stick phases are counted.
-const COUNTED: u32 = 200;
 /// Standard errors by which a positive exponent must exceed zero. An estimate of a zero exponent
 /// exceeds this once in 30 000.
 const STANDARD_ERRORS: f64 = 4.0;
@@ -37,11 +35,6 @@ pub struct MeasuredStart {
 }
 
 impl MeasuredStart {
-    /// Stick phases per [`COUNTED`] forcing periods, averaged over all that were measured.
-    pub fn sticks(&self) -> f64 {
-        self.lengths.len() as f64 * f64::from(COUNTED) / f64::from(MEASURED)
-    }
-
     /// Whether the first exponent is positive by several standard errors.
     pub fn is_chaotic(&self) -> bool {
         self.lambda > STANDARD_ERRORS * self.std_error
@@ -117,7 +110,7 @@ impl Chaos {
         let least_and_most = |of: fn(&MeasuredStart) -> f64| extent(followed.iter().map(of));
         let (low, high) = least_and_most(|one| one.lambda);
         let (_, error) = least_and_most(|one| one.std_error);
-        let (few, many) = least_and_most(MeasuredStart::sticks);
+        let (few, many) = least_and_most(|one| one.lengths.len() as f64);
         let (shortest, longest) = extent(followed.iter().flat_map(|one| one.lengths.clone()));
         let of_stick = match shortest <= longest {
             true => {
@@ -127,15 +120,20 @@ impl Chaos {
         };
         let percent = 100.0 * self.distance();
         let nearest = match percent.is_finite() {
-            true => format!("two in succession come no nearer to both than {percent:.0} %"),
+            true => {
+                let [first, second] = self.published;
+                format!(
+                    "no two in succession come nearer to the published {first} and {second} m than \
+                     {percent:.0} %"
+                )
+            }
             false => "no two of them follow each other".to_owned(),
         };
-        let [first, second] = self.published;
         format!(
             "With the spring of Eq. (4) the block {sticks}, {chaotic}, and {near}: from {all} \
              starts, every {START_STRIDE}th of the scan's, λ1 = {low:.2} to {high:.2} 1/s with \
-             standard errors up to {error:.2}, and in {COUNTED} forcing periods {of_stick}; \
-             published are {first} and {second} m, and {nearest}."
+             standard errors up to {error:.2}, and in {MEASURED} forcing periods {of_stick}; \
+             {nearest}."
         )
     }
 }

@@ -177,8 +177,8 @@ impl Scan {
                 false => "where two are published".to_owned(),
             };
             text += &format!(
-                " Nearest {what}: {name} x {factor:.3}, period {period}, stick phases in it \
-                    {count}, the longest {longest} m, {off}."
+                " The nearest {what} is at {name} times {factor:.3}: its period is {period}, the \
+                 longest of its {count} stick phases {longest} m, {off}."
             );
         }
         text
