@@ -24,7 +24,7 @@ build-replication:
 $(FIGURES): build-figures
 	$(CARGO) run $(REPLICATION) $(FIGURES_BUILD) --bin $@ -- --out-dir figures
 
-report: build-replication ## The verdict on every claim: report/index.html, report/claims.csv, figures/{convergence,scan}.*, README's table
+report: build-replication ## The verdict on every claim: report/index.html, report/claims.csv, README's verdicts
 	$(CARGO) run $(REPLICATION) --release --bin report
 
 # All packages that are tested without Python. `cargo test` alone is the check of the replication.
@@ -33,7 +33,7 @@ TESTED := --locked --workspace --exclude stickslip-python --features stickslip-r
 test: ## Run all tests; the test profile is optimised, see Cargo.toml
 	$(CARGO) test $(TESTED)
 
-golden: ## Rewrite golden/ and what repeats it (figures/, report/, README) on purpose; look at the diff before committing it
+golden: ## Rewrite golden/, figures/, report/ and README's verdicts on purpose
 	$(MAKE) figures report diagrams
 	INSTA_UPDATE=always $(CARGO) test $(TESTED)
 
@@ -51,7 +51,7 @@ DIAGRAM = cd $(DIAGRAMS) && $(STICKSLIP)
 
 SPEEDS := 1.1 1.175 1.25 1.4 1.475 1.55 1.7 1.775 1.85
 
-diagrams: ## Figures of the program stickslip: figures/{basin,basins,bifurcation,branch,map}.svg with their goldens, some minutes
+diagrams: ## Figures of the program stickslip with their goldens, some minutes
 	$(CARGO) test $(TESTED) --no-run
 	rm -rf $(DIAGRAMS) && mkdir -p $(DIAGRAMS)
 	$(DIAGRAM) basin forced --grid 100x100 --out basin --json > basin.json
@@ -69,7 +69,7 @@ diagrams: ## Figures of the program stickslip: figures/{basin,basins,bifurcation
 	cp $(DIAGRAMS)/*.json golden/
 
 # The program as the tests build it: its bits are the same, and nothing is compiled twice.
-cluster-test: ## A sweep as a job array on a Slurm of one node, with a kill and a requeue; needs slurm-wlm and munge
+cluster-test: ## A sweep as a job array on a Slurm of one node; needs slurm-wlm and munge
 	$(CARGO) test $(TESTED) --no-run
 	timeout --kill-after=10 150 cluster/test.sh $(STICKSLIP)
 
@@ -89,7 +89,7 @@ PEERS_INSTALL := { cmp -s $(PEERS_WANTED) $(PEERS_STAMP) \
     && $(PEERS_VENV)/bin/python -m pip install --quiet --disable-pip-version-check -r $(PEERS_WANTED) \
     && cp $(PEERS_WANTED) $(PEERS_STAMP); }; }
 
-bench-peers: ## Error against run time beside SciPy, numba, heyoka and pydiffsol, and bench-spectra; ours alone without Python
+bench-peers: ## Error against run time beside other solvers, and bench-spectra; ours alone without Python
 	$(CARGO) build --locked --release -p stickslip-replication --features peers --bin peers
 	@if $(PEERS_INSTALL); then \
 	    $(CARGO) run --locked --release --quiet -p stickslip-replication --features peers --bin peers -- --python $(PEERS_VENV)/bin/python $(PEERS_ARGS); \
@@ -100,7 +100,7 @@ bench-peers: ## Error against run time beside SciPy, numba, heyoka and pydiffsol
 	fi
 	@! cmp -s $(PEERS_WANTED) $(PEERS_STAMP) || $(MAKE) bench-spectra
 
-bench-basins: ## Starts of a basin per second on one thread, by library and program, beside heyoka and SciPy with events written by hand: report/basins.csv; and cells of a map; needs Python
+bench-basins: ## Starts of a basin per second beside heyoka and SciPy: report/basins.csv; needs Python
 	$(CARGO) build --locked --release -p stickslip-cli
 	$(CARGO) build --locked --release -p stickslip --example basin
 	@$(PEERS_INSTALL) || { echo "Python 3.11 or later ($(PYTHON)) with venv, and a network to install $(PEERS_WANTED) from, are needed" >&2; exit 1; }
@@ -108,33 +108,34 @@ bench-basins: ## Starts of a basin per second on one thread, by library and prog
 
 SPECTRA_ARGS ?=
 
-bench-spectra: ## Exponents of ten series beside nolds and neurokit2, error and time: report/spectra.csv; needs Python
+bench-spectra: ## Exponents of ten series beside nolds and neurokit2: report/spectra.csv; needs Python
 	$(CARGO) build --locked --release -p stickslip-cli
 	@$(PEERS_INSTALL) || { echo "Python 3.11 or later ($(PYTHON)) with venv, and a network to install $(PEERS_WANTED) from, are needed" >&2; exit 1; }
 	$(PEERS_VENV)/bin/python benches/peers/spectra.py $(subst /debug/,/release/,$(STICKSLIP)) $(SPECTRA_ARGS)
 
-# WHEEL_PROFILE=dev compiles faster; tests use it. Both need Python 3.11 or later and, the first time, a network.
+# WHEEL_PROFILE=dev compiles faster; tests use it. Both need Python 3.11 or later and, the first time,
+# a network.
 wheel: ## The Python package: dist/*.whl
 	PYTHON=$(PYTHON) CARGO=$(CARGO) python/make.sh wheel $(WHEEL_PROFILE)
 
-python-test: ## Install the wheel into an empty environment and run its tests; python/make.sh says by 75 that there is no network
+python-test: ## Install the wheel into an empty environment and run its tests; exit code 75: no network
 	PYTHON=$(PYTHON) CARGO=$(CARGO) python/make.sh test $(WHEEL_PROFILE)
 
 # The peers get an environment of their own, as above. BENCH_ARGS="--rounds 1" makes a short run.
 PYTHON_BENCH_VENV := target/python-bench-venv
 BENCH_ARGS ?=
 
-bench-python: wheel ## The Python package beside SciPy with events and restarts by hand, heyoka and pydiffsol: report/python.csv
+bench-python: wheel ## The Python package beside SciPy, heyoka and pydiffsol: report/python.csv
 	cmp -s benches/python/requirements.txt $(PYTHON_BENCH_VENV)/installed.txt || { $(PYTHON) -m venv --clear $(PYTHON_BENCH_VENV) \
 	    && $(PYTHON_BENCH_VENV)/bin/python -m pip install --quiet --disable-pip-version-check -r benches/python/requirements.txt \
 	    && cp benches/python/requirements.txt $(PYTHON_BENCH_VENV)/installed.txt; }
 	$(PYTHON_BENCH_VENV)/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --force-reinstall dist/*.whl
 	$(PYTHON_BENCH_VENV)/bin/python benches/python/bench.py report/python.csv $(BENCH_ARGS)
 
-# Code blocks run on the wheel and the program, and write the pictures that the pages show. The
-# documentation of the crates and the report stand beside the pages. Of the crates only the libraries
-# are documented, since the program has the name of one. Examples run anew each time: what they use
-# may have changed.
+# Code blocks run on the wheel and the program, and write the pictures of the pages. The documentation
+# of the crates and the report are copied beside the pages. Of the crates only the libraries are
+# documented, since the program has the name of one. Examples run each time, since what they use may
+# have changed.
 DOCS_VENV := target/docs-venv
 DOCS := target/docs/html
 

@@ -4,7 +4,10 @@
 # usage: test.sh STICKSLIP      (the program; absolute path)
 set -euo pipefail
 for need in sbatch slurmctld slurmd munged; do
-    command -v "$need" >/dev/null || { echo "error: $need is missing; apt-get install slurm-wlm munge" >&2; exit 1; }
+    command -v "$need" >/dev/null || {
+        echo "error: $need is missing; apt-get install slurm-wlm munge" >&2
+        exit 1
+    }
 done
 here=$(cd "$(dirname "$0")" && pwd)
 export STICKSLIP=$1
@@ -39,9 +42,9 @@ sweep=(basin basins --grid 512x384)
 timeout 60 "$STICKSLIP" "${sweep[@]}" --out "$folder/single" >/dev/null
 "$here/loopback/up.sh" "$slurm"
 export SLURM_CONF=$slurm/slurm.conf
-said=$("$here/submit.sh" 8 "$out" "${sweep[@]}")
-echo "$said"
-array=$(sed -E 's/^array ([0-9]+) .*/\1/' <<<"$said")
+submitted=$("$here/submit.sh" 8 "$out" "${sweep[@]}")
+echo "$submitted"
+array=$(sed -E 's/^array ([0-9]+) .*/\1/' <<<"$submitted")
 
 some_blocks() { compgen -G "$out/shares/$1-of-8/sweep/blocks/*.block"; }
 await "the first blocks of share 1" some_blocks 1
@@ -57,5 +60,6 @@ grep -q 'killed by signal 9; it is queued again' <(log 1) || fail "share 1 was n
 for restarted in 1 3; do
     grep -q 'restarts: 1' <(log $restarted) || fail "share $restarted was not started again"
 done
-diff -r "$folder/single" "$out" --exclude=shares --exclude=log --exclude=work || fail "the merged files are not those of a single run"
+diff -r "$folder/single" "$out" --exclude=shares --exclude=log --exclude=work ||
+    fail "the merged files are not those of a single run"
 echo "8 shares, one killed and one requeued: the same bytes as a single run"

@@ -2,6 +2,10 @@
 
 use stickslip::Error;
 
+/// Largest difference that counts as rounding: relative, or absolute for values of order one in SI
+/// units. It is thousands of rounding errors, and far below any printed digit.
+pub(crate) const ROUNDING: f64 = 1e-12;
+
 /// The least number in `(low, high]` for which `is_after` holds, to the last bit. `is_after` must
 /// be monotone: once true, it stays true.
 pub(crate) fn bisect(mut low: f64, mut high: f64, is_after: impl Fn(f64) -> bool) -> f64 {
@@ -62,7 +66,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn neighbours_are_told_apart_and_signs_do_not_matter() {
+    fn bisection_ends_at_neighbouring_numbers() {
         for step in [1.0 / 3.0, 0.7, -0.4, -1e-300, 0.0] {
             let found = bisect(-1.0, 1.0, |x| x >= step);
             assert_eq!(found.to_bits() << 1, step.to_bits() << 1, "{step}");

@@ -107,7 +107,7 @@ fn check_svg(path: &Path, name: &str) {
     );
 }
 
-fn help_tells_what_is_written(mut program: Command, name: &str) {
+fn help_names_the_files_written(mut program: Command, name: &str) {
     program.arg("--help").assert().success().stdout(
         predicate::str::contains("--out-dir")
             .and(predicate::str::contains("--png"))
@@ -204,7 +204,7 @@ macro_rules! figure_programs {
 
             #[test]
             fn help() {
-                help_tells_what_is_written(program(), NAME);
+                help_names_the_files_written(program(), NAME);
             }
 
             #[test]

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use proptest::prelude::*;
 use replication::paper::claim_id::ClaimId;
 use replication::paper::listing::{
-    Crossing, Defect, Defects, Direction, End, Motion, Run, Sample, Setup, Zone, run, run_with,
+    Crossing, Defect, Defects, Direction, Motion, Run, Sample, Setup, Zone, ZoneEnd, run, run_with,
 };
 use replication::paper::published::Claims;
 use stickslip::math;
@@ -149,7 +149,7 @@ fn as_printed_it_has_the_published_class_and_deflections() {
     assert!(
         phases
             .iter()
-            .all(|phase| phase.zone == Some(Zone::Middle) && phase.end == End::Upper)
+            .all(|phase| phase.zone == Some(Zone::Middle) && phase.end == ZoneEnd::Upper)
     );
     // Two deflections on the left in each pattern. The other crossings are corrections of the wrong
     // exit side.
@@ -176,10 +176,7 @@ fn length_and_duration_disagree_by_the_zero_time_correction() {
     }
     // With that mended the two agree to rounding. In its transient to a motion without stick it
     // sticks a few times.
-    let mended = Setup {
-        defects: Defects::MENDED,
-        ..Setup::default()
-    };
+    let mended = Setup::with(Defects::MENDED);
     let phases = run(&mended).phases;
     assert!(!phases.is_empty(), "there is nothing to compare");
     for phase in phases {
@@ -220,11 +217,7 @@ fn the_window_is_the_listings() {
 fn stick_slip_needs_the_stages_in_place() {
     // Among the single defects only this one gives the published class, whatever the others are.
     for (defect, defects) in Defects::MENDED.one_flipped() {
-        let motion = run(&Setup {
-            defects,
-            ..Setup::default()
-        })
-        .motion;
+        let motion = run(&Setup::with(defects)).motion;
         let sticks = matches!(motion, Motion::StickSlip { .. });
         assert_eq!(
             sticks,
@@ -393,10 +386,7 @@ fn the_matrix_is_frozen() {
         line(
             &mut table,
             &format!("mended: {}", defect.name()),
-            &Setup {
-                defects,
-                ..Setup::default()
-            },
+            &Setup::with(defects),
         );
     }
     for second in [Defect::ReversedExitSide, Defect::S2StepSign] {
@@ -404,31 +394,14 @@ fn the_matrix_is_frozen() {
             .flipped(Defect::InPlaceStages)
             .flipped(second);
         let name = format!("mended: in_place_stages, {}", second.name());
-        line(
-            &mut table,
-            &name,
-            &Setup {
-                defects,
-                ..Setup::default()
-            },
-        );
+        line(&mut table, &name, &Setup::with(defects));
     }
-    line(
-        &mut table,
-        "mended: all",
-        &Setup {
-            defects: Defects::MENDED,
-            ..Setup::default()
-        },
-    );
+    line(&mut table, "mended: all", &Setup::with(Defects::MENDED));
     for (defect, defects) in Defects::MENDED.one_flipped() {
         line(
             &mut table,
             &format!("mended: only {} present", defect.name()),
-            &Setup {
-                defects,
-                ..Setup::default()
-            },
+            &Setup::with(defects),
         );
     }
     insta::with_settings!({

@@ -1,15 +1,20 @@
-"""The chain of blocks of crates/stickslip/examples/chain.rs by SciPy's solve_ivp, with events and modes written by hand.
+"""The chain of blocks of crates/stickslip/examples/chain.rs by SciPy's solve_ivp.
+
+Events and modes are written by hand.
 
     target/peers-venv/bin/python benches/peers/chain.py [blocks ...] [--events]
 
-`make bench-peers` makes that environment. Ours beside it: `cargo bench -p stickslip --bench chain`, and the example.
+`make bench-peers` makes that environment. Ours beside it: `cargo bench -p stickslip --bench chain`,
+and the example.
 
-An event function for each contact: the slip speed where it slips, what friction has left where it sticks. After each event the
-contact that it belongs to decides for itself, which is right here because each block's friction acts on that block alone.
+Each contact has an event function: the slip speed where it slips, and the friction that is left
+where it sticks. After each event its contact decides for itself. That is right here, because each
+block's friction acts on that block alone.
 
-Left out: friction of blocks on one another, where the contacts must be decided together; contacts that come to zero at the same
-time; touches, from which a guard returns within one step, and two zeros of a guard in one step, both unseen by signs at the
-steps' ends; static friction; moving boundaries.
+Left out: friction of blocks on one another, where the contacts must be decided together; contacts
+that reach zero at the same time; touches, from which a guard returns within one step, and two zeros
+of a guard in one step, both of which signs at the ends of steps do not show; static friction;
+moving boundaries.
 """
 
 import argparse
@@ -29,8 +34,8 @@ def springs(x):
     return force
 
 
-def walk(blocks, tolerance, t_end):
-    """Events as (time, block, sides then), and the number of steps; side 0 sticks."""
+def integrate(blocks, tolerance, t_end):
+    """Events as (time, block, sides afterwards), and the number of steps; side 0 sticks."""
     sides = numpy.zeros(blocks)
 
     def field(_t, state):
@@ -48,10 +53,12 @@ def walk(blocks, tolerance, t_end):
         return guard
 
     guards = [event(i) for i in range(blocks)]
-    t, found, steps = 0.0, [], 0
-    state = numpy.concatenate((0.05 * numpy.sin(5.0 * numpy.arange(1, blocks + 1)), numpy.full(blocks, BELT_SPEED)))
+    t, events, steps = 0.0, [], 0
+    positions = 0.05 * numpy.sin(5.0 * numpy.arange(1, blocks + 1))
+    state = numpy.concatenate((positions, numpy.full(blocks, BELT_SPEED)))
+    settings = {"method": "DOP853", "rtol": tolerance, "atol": tolerance, "events": guards}
     while t < t_end:
-        run = solve_ivp(field, (t, t_end), state, method="DOP853", rtol=tolerance, atol=tolerance, events=guards)
+        run = solve_ivp(field, (t, t_end), state, **settings)
         if run.status < 0:
             raise RuntimeError(run.message)
         steps += len(run.t) - 1
@@ -62,12 +69,13 @@ def walk(blocks, tolerance, t_end):
                 is_held = sides[i] != 0.0 and abs(pull) < FRICTION
                 sides[i] = 0.0 if is_held else numpy.sign(pull)
                 state[blocks + i] = BELT_SPEED
-                found.append((t, i, sides.copy()))
-    return found, steps
+                events.append((t, i, sides.copy()))
+    return events, steps
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    raw = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=raw)
     parser.add_argument("blocks", type=int, nargs="*", default=[1, 2, 4, 8])
     parser.add_argument("--events", action="store_true", help="print every event")
     parser.add_argument("--tolerance", type=float, default=1e-10)
@@ -76,13 +84,16 @@ def main():
         best = float("inf")
         for _ in range(3):
             begin = time.perf_counter()
-            found, steps = walk(blocks, wanted.tolerance, 100.0)
+            events, steps = integrate(blocks, wanted.tolerance, 100.0)
             best = min(best, time.perf_counter() - begin)
         if wanted.events:
-            for t, i, sides in found:
-                print(f"t = {t:12.8f}  block {i}  {''.join('<=>'[int(side) + 1] for side in sides)}")
+            for t, i, sides in events:
+                signs = "".join("<=>"[int(side) + 1] for side in sides)
+                print(f"t = {t:12.8f}  block {i}  {signs}")
+        per_step = 1e6 * best / max(steps, 1)
         print(
-            f"SciPy, {blocks} blocks: {len(found)} events, {steps} steps, {best:.3f} s, {1e6 * best / max(steps, 1):.0f} us a step"
+            f"SciPy, {blocks} blocks: {len(events)} events, {steps} steps, {best:.3f} s, "
+            f"{per_step:.0f} us a step"
         )
 
 

@@ -1,4 +1,6 @@
-"""Solves one problem once and prints its events: what is timed as a whole process. It imports only what its solver needs.
+"""Solves one problem once and prints its events: what is timed as a whole process.
+
+It imports only what its solver needs.
 
     python3 one.py problems.json --problem decay --solver heyoka --setting tol --tolerance 1e-12
 """
@@ -8,7 +10,12 @@ import importlib
 
 import systems
 
-MODULES = {"SciPy": "with_scipy", "numba": "with_numba", "heyoka": "with_heyoka", "pydiffsol": "with_diffsol"}
+MODULES = {
+    "SciPy": "with_scipy",
+    "numba": "with_numba",
+    "heyoka": "with_heyoka",
+    "pydiffsol": "with_diffsol",
+}
 
 
 def main():
@@ -26,7 +33,9 @@ def main():
             for kind, t in call():
                 print(f"{kind},{t!r}")
             return
-    parser.error(f"no setting '{wanted.setting}' with tolerance {wanted.tolerance} of {wanted.solver}")
+    parser.error(
+        f"{wanted.solver} has no setting '{wanted.setting}' with tolerance {wanted.tolerance}"
+    )
 
 
 if __name__ == "__main__":

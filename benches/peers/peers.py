@@ -1,4 +1,6 @@
-"""Solves the problems with other people's solvers, line by line on command: see src/peers/child.rs for what is said.
+"""Solves the problems with other solvers on command, a line each.
+
+src/peers/child.rs has the format.
 
     python3 peers.py problems.json
 """
@@ -16,11 +18,11 @@ import with_numba
 import with_scipy
 
 # A solver that takes longer than this, in seconds, to compile and run once has failed.
-PATIENCE = 60
+TIME_LIMIT = 60
 PEERS = (with_scipy, with_numba, with_heyoka, with_diffsol)
 
 
-def say(*cells):
+def answer(*cells):
     print(*cells, sep=",", flush=True)
 
 
@@ -28,22 +30,23 @@ def prepare(problem, calls):
     system = systems.make_compiled(problem, numba.njit)
     for peer in PEERS:
         for solver, setting, tolerance, build in peer.curves(problem, system):
-            signal.alarm(PATIENCE)
+            signal.alarm(TIME_LIMIT)
             try:
                 call, compiled = build()
                 begin = time.perf_counter()
                 events = call()
                 first = time.perf_counter() - begin
-                # What a solver puts off until its first run is compilation too.
+                # What a solver does only in its first run is compilation too.
                 compiled += max(first - seconds(call, 0.0), 0.0)
-            except Exception as error:  # Whatever a solver cannot do is its row's note, not the end of the others.
+            # A solver that fails gets a note in its row, and the others go on.
+            except Exception as error:
                 reason = " ".join(f"failed: {type(error).__name__}: {error}".split())[:200]
-                say("cannot", solver, setting, repr(tolerance), reason)
+                answer("cannot", solver, setting, repr(tolerance), reason)
                 continue
             finally:
                 signal.alarm(0)
-            told = ";".join(f"{kind}@{float(t)!r}" for kind, t in events)
-            say("curve", len(calls), solver, setting, repr(tolerance), f"{compiled:.6g}", told)
+            text = ";".join(f"{kind}@{float(t)!r}" for kind, t in events)
+            answer("curve", len(calls), solver, setting, repr(tolerance), f"{compiled:.6g}", text)
             calls.append(call)
 
 
@@ -58,7 +61,7 @@ def seconds(call, batch):
 
 
 def late(_signal, _frame):
-    raise TimeoutError(f"not done after {PATIENCE} s")
+    raise TimeoutError(f"not done after {TIME_LIMIT} s")
 
 
 def main():
@@ -69,13 +72,13 @@ def main():
         command, *arguments = line.split()
         if command == "prepare":
             for package, number in versions:
-                say("version", package, number)
+                answer("version", package, number)
             versions = []
             prepare(problems[arguments[0]], calls)
         elif command == "time":
             index = int(arguments[0])
-            say("seconds", index, repr(seconds(calls[index], float(arguments[1]))))
-        say("done")
+            answer("seconds", index, repr(seconds(calls[index], float(arguments[1]))))
+        answer("done")
 
 
 if __name__ == "__main__":

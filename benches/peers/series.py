@@ -2,8 +2,8 @@
 
     python series.py
 
-prints the exponents from the equations (variational equations along an orbit of a million points) beside those that are
-taken for true.
+prints the exponents from the variational equations, along an orbit of a million points, beside
+those that are taken for true.
 """
 
 import math
@@ -34,7 +34,9 @@ def ikeda(s, out, jac):
     c, d = math.cos(turn), math.sin(turn)
     u, v = x * c - y * d, x * d + y * c
     out[0], out[1] = 1.0 + 0.9 * u, 0.9 * v
-    jac[:] = 0.9 * np.array([[c - v * steep * x, -d - v * steep * y], [d + u * steep * x, c + u * steep * y]])
+    first = [c - v * steep * x, -d - v * steep * y]
+    second = [d + u * steep * x, c + u * steep * y]
+    jac[:] = 0.9 * np.array([first, second])
 
 
 @njit
@@ -75,7 +77,8 @@ def pendulum(s, out, jac):
     out[0] = velocity
     out[1] = 1.5 * math.cos(phase) - 0.5 * velocity - math.sin(angle)
     out[2] = 2.0 / 3.0
-    jac[:] = np.array([[0.0, 1.0, 0.0], [-math.cos(angle), -0.5, -1.5 * math.sin(phase)], [0.0, 0.0, 0.0]])
+    second = [-math.cos(angle), -0.5, -1.5 * math.sin(phase)]
+    jac[:] = np.array([[0.0, 1.0, 0.0], second, [0.0, 0.0, 0.0]])
 
 
 @njit
@@ -92,14 +95,16 @@ def chua(s, out, jac):
 @njit
 def circle(s, out, jac):
     x, y = s
-    rest = 1.0 - x * x - y * y
-    out[0], out[1] = x * rest - y, y * rest + x
-    jac[:] = np.array([[rest - 2.0 * x * x, -2.0 * x * y - 1.0], [1.0 - 2.0 * x * y, rest - 2.0 * y * y]])
+    growth = 1.0 - x * x - y * y
+    out[0], out[1] = x * growth - y, y * growth + x
+    first = [growth - 2.0 * x * x, -2.0 * x * y - 1.0]
+    second = [1.0 - 2.0 * x * y, growth - 2.0 * y * y]
+    jac[:] = np.array([first, second])
 
 
 @njit
 def product(a, b):
-    """Small matrices: their library's product takes longer to be called than this to be done."""
+    """Product of small matrices, for which a call of the library's takes longer than this."""
     out = np.zeros_like(b)
     for i in range(a.shape[0]):
         for k in range(a.shape[1]):
@@ -109,7 +114,7 @@ def product(a, b):
 
 
 def flow(field, dt):
-    """The map over `dt` by the classical Runge-Kutta method, for the state and the tangent vectors."""
+    """The map over `dt` by the classical Runge-Kutta method, for state and tangent vectors."""
     h = dt / SUBSTEPS
 
     @njit
@@ -145,7 +150,7 @@ def iteration(function):
 
 @njit
 def orthonormalise(vectors, sums):
-    """Makes the columns orthonormal, one after the other, and adds the logarithms of what is left of their lengths."""
+    """Gram-Schmidt on the columns. Adds the logarithms of their lengths to `sums`."""
     n = len(sums)
     for i in range(n):
         for k in range(i):
@@ -165,17 +170,17 @@ def orthonormalise(vectors, sums):
 
 @dataclass(frozen=True)
 class Case:
-    """A system, what is seen of it, and the embedding that the packages are given, which do not choose one."""
+    """A system, the observed column, and the embedding for packages that choose none themselves."""
 
     name: str
     step: Callable
     dt: float
     start: tuple
-    seen: Callable
-    # Descending.
+    observed: Callable
+    # True exponents, descending.
     known: tuple
     source: str
-    # The first so many are compared: of strong contractions of a flow a column shows nothing.
+    # The first so many are compared: a column does not show the strong contractions of a flow.
     compared: int
     dimension: int
     delay: int
@@ -197,7 +202,7 @@ class Case:
         return run(s, TRANSIENT, points)
 
     def column(self, points):
-        return np.array([self.seen(s) for s in self.states(points)])
+        return np.array([self.observed(s) for s in self.states(points)])
 
     def exponents(self, points):
         """From the variational equations."""
@@ -221,23 +226,32 @@ def first(s):
     return s[0]
 
 
+SPROTT = "Sprott 2003"
 EQUATIONS = "variational equations"
 
 CASES = (
-    Case("Henon", iteration(henon), 1.0, (0.1, 0.1), first, (0.4192, -1.6232), "Sprott 2003", 2, 2, 1),
+    Case("Henon", iteration(henon), 1.0, (0.1, 0.1), first, (0.4192, -1.6232), SPROTT, 2, 2, 1),
     Case("Ikeda", iteration(ikeda), 1.0, (0.5, -0.3), first, (0.5076, -0.7184), EQUATIONS, 2, 4, 1),
     Case("logistic", iteration(logistic), 1.0, (0.3,), first, (0.4960,), EQUATIONS, 1, 2, 1),
-    Case("coupled logistic", iteration(coupled), 1.0, (0.3, 0.6), first, (0.4146, 0.3082), EQUATIONS, 2, 4, 1),
-    Case("Lorenz", flow(lorenz(10.0, 28.0, 8.0 / 3.0), 0.02), 0.02, (1.0, 1.0, 20.0), first, (0.9056, 0.0, -14.5723), "Sprott 2003", 2, 3, 8),
-    Case("Lorenz (Wolf)", flow(lorenz(16.0, 45.92, 4.0), 0.01), 0.01, (1.0, 1.0, 40.0), first, (1.5025, 0.0, -22.5025), EQUATIONS, 2, 3, 10),
-    Case("Roessler", flow(roessler, 0.1), 0.1, (1.0, 1.0, 0.0), first, (0.0714, 0.0, -5.3943), "Sprott 2003", 2, 3, 14),
-    Case("driven pendulum", flow(pendulum, 0.1), 0.1, (0.2, 0.1, 0.0), lambda s: s[1], (0.1130, 0.0, -0.6130), EQUATIONS, 2, 4, 12),
-    Case("Chua", flow(chua, 0.05), 0.05, (0.7, 0.0, 0.0), first, (0.4325, 0.0, -4.2234), EQUATIONS, 2, 4, 6),
-    Case("limit cycle", flow(circle, 0.1), 0.1, (0.5, 0.0), first, (0.0, -2.0), "closed form", 1, 2, 15),
+    Case("coupled logistic", iteration(coupled), 1.0, (0.3, 0.6), first,
+         (0.4146, 0.3082), EQUATIONS, 2, 4, 1),
+    Case("Lorenz", flow(lorenz(10.0, 28.0, 8.0 / 3.0), 0.02), 0.02, (1.0, 1.0, 20.0), first,
+         (0.9056, 0.0, -14.5723), SPROTT, 2, 3, 8),
+    Case("Lorenz (Wolf)", flow(lorenz(16.0, 45.92, 4.0), 0.01), 0.01, (1.0, 1.0, 40.0), first,
+         (1.5025, 0.0, -22.5025), EQUATIONS, 2, 3, 10),
+    Case("Roessler", flow(roessler, 0.1), 0.1, (1.0, 1.0, 0.0), first,
+         (0.0714, 0.0, -5.3943), SPROTT, 2, 3, 14),
+    Case("driven pendulum", flow(pendulum, 0.1), 0.1, (0.2, 0.1, 0.0), lambda s: s[1],
+         (0.1130, 0.0, -0.6130), EQUATIONS, 2, 4, 12),
+    Case("Chua", flow(chua, 0.05), 0.05, (0.7, 0.0, 0.0), first,
+         (0.4325, 0.0, -4.2234), EQUATIONS, 2, 4, 6),
+    Case("limit cycle", flow(circle, 0.1), 0.1, (0.5, 0.0), first,
+         (0.0, -2.0), "closed form", 1, 2, 15),
 )
 
 
 if __name__ == "__main__":
     for case in CASES:
-        found = case.exponents(1_000_000)
-        print(f"{case.name:17s}{case.known!s:30s}{case.source:23s}", *(f"{v:9.5f}" for v in found))
+        exponents = case.exponents(1_000_000)
+        texts = (f"{v:9.5f}" for v in exponents)
+        print(f"{case.name:17s}{case.known!s:30s}{case.source:23s}", *texts)

@@ -1,12 +1,13 @@
 """The problems as Python functions, written so that numba can compile them.
 
-A system is a namespace of functions made by `make(problem, jit)`; `jit` is numba.njit or a function that changes nothing.
-Sides are 1.0 (above the boundary) and -1.0 (below).
+A system is a namespace of functions made by `make(problem, jit)`. `jit` is numba.njit or a function
+that changes nothing. Sides are 1.0 (above the boundary) and -1.0 (below).
 
     field(side, t, x, out)         derivative of the state
     boundary(t, x)                 h, negative below, positive above
     normal(side, t, x)             rate of h along the field of a side
-    stick(t, x, t_end)             sticking in closed form: (end, side); side 0.0 if it lasts until t_end. x is moved there
+    stick(t, x, t_end)             sticking in closed form: (end, side), side 0.0 if it lasts until
+                                   t_end; moves x there
 """
 
 import json
@@ -16,8 +17,9 @@ import types
 
 # Halvings that take any interval here to neighbouring doubles.
 HALVINGS = 80
-# Places at which the guards of a stick phase without closed form are looked at, per unit of time.
-SCAN = 0.02
+# Time between two evaluations of the guards of a stick phase without closed form: an eightieth of
+# the shortest period here, the forcing of model 2.
+GUARD_INTERVAL = 0.02
 
 
 def load(path):
@@ -39,7 +41,7 @@ def make(problem, jit=plain):
 
 
 def make_compiled(problem, jit):
-    """The same on numpy arrays, compiled; the time that takes is kept."""
+    """The same on numpy arrays, compiled, with the time of compilation."""
     import numpy
 
     begin = time.perf_counter()
@@ -55,13 +57,13 @@ def make_compiled(problem, jit):
 
 
 def first_guard(jit, above, below):
-    """The end of a stick phase: `above(t, t0, x)` rises through zero, or `below` falls through it."""
+    """The end of a stick phase: `above(t, t0, x)` rises through 0, or `below` falls through it."""
 
     @jit
     def find(t0, x, t_end):
         before = t0
         while before < t_end:
-            after = min(before + SCAN, t_end)
+            after = min(before + GUARD_INTERVAL, t_end)
             end, side = t_end + 1.0, 0.0
             for candidate in (1.0, -1.0):
                 # Both as functions that are negative while it sticks.
@@ -88,8 +90,11 @@ def first_guard(jit, above, below):
 
 
 def cubic_ends(k1, k2, mu0):
-    """Positions at which k1 x - k2 x³ is mu0 or -mu0, rising, with the side on which the body leaves: above where the
-    spring pulls forward harder than friction holds."""
+    """Positions at which k1 x - k2 x³ is mu0 or -mu0, in ascending order.
+
+    With each comes the side to which the body is released: above, where the spring pulls forward
+    with more than the static friction.
+    """
     ends = []
     for force, side in ((mu0, 1.0), (-mu0, -1.0)):
         if k2 == 0.0:
@@ -97,13 +102,14 @@ def cubic_ends(k1, k2, mu0):
         else:
             import numpy
 
-            roots = [root.real for root in numpy.roots([-k2, 0.0, k1, -force]) if abs(root.imag) < 1e-6]
+            roots = numpy.roots([-k2, 0.0, k1, -force])
+            roots = [root.real for root in roots if abs(root.imag) < 1e-6]
         for root in roots:
             for _ in range(3):
                 slope = k1 - 3.0 * k2 * root * root
                 if slope != 0.0:
                     root -= (k1 * root - k2 * root**3 - force) / slope
-            # Beyond it the force must be larger than what friction holds.
+            # Beyond the root the force must exceed static friction.
             slope = k1 - 3.0 * k2 * root * root
             if slope * side > 0.0:
                 ends.append((root, side))
@@ -111,16 +117,19 @@ def cubic_ends(k1, k2, mu0):
 
 
 def belt(p, jit):
-    mass, k1, k2, mu0, delta, vp = (p[name] for name in ("mass", "k1", "k2", "mu0", "delta", "belt_speed"))
+    mass, k1, k2, mu0, delta, vp = (
+        p[name] for name in ("mass", "k1", "k2", "mu0", "delta", "belt_speed")
+    )
     ends = cubic_ends(k1, k2, mu0)
-    places = tuple(place for place, _ in ends)
+    positions = tuple(position for position, _ in ends)
     sides = tuple(side for _, side in ends)
 
     @jit
     def field(side, t, x, out):
         v = x[1]
+        friction = side * mu0 / (1.0 + delta * side * (v - vp))
         out[0] = v
-        out[1] = (x[0] * (k1 - k2 * x[0] * x[0]) - side * mu0 / (1.0 + delta * side * (v - vp))) / mass
+        out[1] = (x[0] * (k1 - k2 * x[0] * x[0]) - friction) / mass
 
     @jit
     def boundary(t, x):
@@ -128,20 +137,22 @@ def belt(p, jit):
 
     @jit
     def normal(side, t, x):
-        v = x[1]
-        return (x[0] * (k1 - k2 * x[0] * x[0]) - side * mu0 / (1.0 + delta * side * (v - vp))) / mass
+        friction = side * mu0 / (1.0 + delta * side * (x[1] - vp))
+        return (x[0] * (k1 - k2 * x[0] * x[0]) - friction) / mass
 
     @jit
     def stick(t, x, t_end):
-        side, place = 0.0, x[0] + vp * (t_end - t)
-        for i in range(len(places)):
-            if x[0] < places[i] <= place:
-                place, side = places[i], sides[i]
-        end = t_end if side == 0.0 else t + (place - x[0]) / vp
-        x[0], x[1] = place, vp
+        side, position = 0.0, x[0] + vp * (t_end - t)
+        for i in range(len(positions)):
+            if x[0] < positions[i] <= position:
+                position, side = positions[i], sides[i]
+        end = t_end if side == 0.0 else t + (position - x[0]) / vp
+        x[0], x[1] = position, vp
         return end, side
 
-    return types.SimpleNamespace(field=field, boundary=boundary, normal=normal, stick=stick, speed=vp)
+    return types.SimpleNamespace(
+        field=field, boundary=boundary, normal=normal, stick=stick, speed=vp
+    )
 
 
 def forced(p, jit):
@@ -185,7 +196,9 @@ def forced(p, jit):
         x[1] = vp
         return end, side
 
-    return types.SimpleNamespace(field=field, boundary=boundary, normal=normal, stick=stick, speed=vp)
+    return types.SimpleNamespace(
+        field=field, boundary=boundary, normal=normal, stick=stick, speed=vp
+    )
 
 
 def moving(p, jit):
@@ -216,7 +229,9 @@ def moving(p, jit):
         side = 1.0 if cos(end) < 0.0 else -1.0
         return end, side
 
-    return types.SimpleNamespace(field=field, boundary=boundary, normal=normal, stick=stick, speed=None)
+    return types.SimpleNamespace(
+        field=field, boundary=boundary, normal=normal, stick=stick, speed=None
+    )
 
 
 def bracket(p, jit):
@@ -263,7 +278,8 @@ def bracket(p, jit):
 
     @jit
     def stuck(t, t0, x):
-        # x3'' = -mobility (stiffness x3 + x1) with x1 growing steadily: a line and an oscillation about it.
+        # x3'' = -mobility (stiffness x3 + x1), where x1 grows linearly: a line and an oscillation
+        # about it.
         time = t - t0
         line, slope = -x[0] / stiffness, -vp / stiffness
         cosine, sine = x[2] - line, (x[3] - slope) / frequency
@@ -293,10 +309,12 @@ def bracket(p, jit):
         x[0], x[1], x[2], x[3] = x1, vp, x3, x4
         return end, side
 
-    return types.SimpleNamespace(field=field, boundary=boundary, normal=normal, stick=stick, speed=vp)
+    return types.SimpleNamespace(
+        field=field, boundary=boundary, normal=normal, stick=stick, speed=vp
+    )
 
 
-def slip_mode(system, t, x):
+def starting_mode(system, t, x):
     """The mode at a start: 0.0 where it sticks."""
     h = system.boundary(t, x)
     if h != 0.0:
@@ -306,11 +324,14 @@ def slip_mode(system, t, x):
     return 1.0 if system.normal(1.0, t, x) > 0.0 else -1.0
 
 
-def walk(system, slip):
-    """From phase to phase. `slip(side, t, x, t_end)` moves x along a side until the boundary and returns the time, or
-    None when t_end comes first."""
+def integrate(system, slip):
+    """The events of an orbit, phase by phase.
+
+    `slip(side, t, x, t_end)` moves x along a side until the boundary and returns the time, or None
+    if t_end comes first.
+    """
     t, x = system.t_start, system.start.copy()
-    mode, events = slip_mode(system, t, x), []
+    mode, events = starting_mode(system, t, x), []
     while True:
         if mode == 0.0:
             t, mode = system.stick(t, x, system.t_end)
@@ -330,4 +351,4 @@ def walk(system, slip):
             mode = -mode
             events.append(("crossing", t))
         if len(events) > 10_000:
-            raise RuntimeError("10000 events: stuck at the boundary")
+            raise RuntimeError("10000 events: transitions accumulate at the boundary")

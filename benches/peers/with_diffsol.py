@@ -1,4 +1,7 @@
-"""pydiffsol: equations in DiffSL, compiled by LLVM; side, start and first time are parameters, the boundary is a stop."""
+"""pydiffsol: equations in DiffSL, compiled by LLVM.
+
+Side, start and first time are parameters, and the boundary is a stop.
+"""
 
 import time
 
@@ -12,8 +15,8 @@ TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-11, 1e-12, 1e-13)
 
 
 def curves(problem, system):
-    # The best of its methods here: on belt_sensitive at 1e-8 esdirk34 and tr_bdf2 are 7 and 17 times slower and a thousand
-    # times less exact, and bdf gives up with too small a step.
+    # The best of its methods here. On belt_sensitive at 1e-8, esdirk34 and tr_bdf2 are 7 and 17
+    # times slower with a thousand times the error, and bdf stops with too small a step.
     for tolerance in TOLERANCES:
 
         def build(tolerance=tolerance):
@@ -39,7 +42,7 @@ def prepare(problem, tolerance, system):
         return t + end if end < t_end - t else None
 
     def call():
-        return systems.walk(system, slip)
+        return systems.integrate(system, slip)
 
     return call, compiled
 
@@ -47,7 +50,8 @@ def prepare(problem, tolerance, system):
 def code(problem):
     p, model = problem["parameters"], problem["model"]
     names = [f"x{i}" for i in range(len(problem["start"]))]
-    inputs = "in_i { side = 1.0, first = 0.0, " + ", ".join(f"start{name} = 0.0" for name in names) + " }\n"
+    starts = ", ".join(f"start{name} = 0.0" for name in names)
+    inputs = f"in_i {{ side = 1.0, first = 0.0, {starts} }}\n"
     constants = "".join(f"{name.replace('_', '')} {{ {value!r} }}\n" for name, value in p.items())
     state = "u_i { " + ", ".join(f"{name} = start{name}" for name in names) + " }\n"
     if model == "moving":

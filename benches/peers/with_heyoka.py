@@ -1,4 +1,7 @@
-"""heyoka: a Taylor integrator for each side, with a terminal event of one direction; the stick phase in closed form."""
+"""heyoka: a Taylor integrator for each side, with a terminal event of one direction.
+
+The stick phase is in closed form.
+"""
 
 import time
 
@@ -17,9 +20,10 @@ SETTINGS = (
     ("tol", 2.220446049250313e-16),
     ("tol high_accuracy", 2.220446049250313e-16),
 )
-# After a stick phase the start is a double zero of the event function, which heyoka may report. An event as soon as this is
-# the start, and for as long none is looked for again; heyoka's own choice would be endless or nothing, the slope being zero.
-AT_ONCE = 1e-5
+# After a stick phase the start is a double zero of the event function, which heyoka may report. An
+# event within this time is the start, and as long no event is searched for again. heyoka would
+# derive that time from the slope, which is zero.
+COOLDOWN = 1e-5
 
 
 def curves(problem, system):
@@ -33,7 +37,9 @@ def curves(problem, system):
 
 def prepare(problem, tolerance, high_accuracy, system):
     begin = time.perf_counter()
-    integrators = {side: integrator(problem, side, tolerance, high_accuracy) for side in (1.0, -1.0)}
+    integrators = {
+        side: integrator(problem, side, tolerance, high_accuracy) for side in (1.0, -1.0)
+    }
     compiled = time.perf_counter() - begin
 
     def slip(side, t, x, t_end):
@@ -47,13 +53,13 @@ def prepare(problem, tolerance, high_accuracy, system):
                 return None
             if int(outcome) >= 0 or outcome == hy.taylor_outcome.err_nf_state:
                 raise RuntimeError(f"heyoka stopped with {outcome}")
-            if ta.time - t > AT_ONCE:
+            if ta.time - t > COOLDOWN:
                 x[:] = ta.state
                 return ta.time
-        raise RuntimeError(f"the event at the start of a phase, t = {t!r}, is found again and again")
+        raise RuntimeError(f"the event at the start of a phase, t = {t!r}, is reported repeatedly")
 
     def call():
-        return systems.walk(system, slip)
+        return systems.integrate(system, slip)
 
     return call, compiled
 
@@ -67,7 +73,7 @@ def integrator(problem, side, tolerance, high_accuracy):
         tol=tolerance,
         high_accuracy=high_accuracy,
         compact_mode=False,
-        t_events=[hy.t_event(boundary, direction=direction, cooldown=AT_ONCE)],
+        t_events=[hy.t_event(boundary, direction=direction, cooldown=COOLDOWN)],
     )
 
 
@@ -81,7 +87,8 @@ def expressions(problem, side):
         force = 1.0 - p["unloading"] * x3 - p["unloading_rate"] * x4
         friction = side * p["mu0"] * force / (1.0 + p["delta"] * side * (x2 - p["belt_speed"]))
         second = -x1 - p["coupling"] * (p["coupling_damping"] * (x2 + x4) + x3 + friction)
-        pull = x1 + p["coupling_damping"] * x2 + p["bracket_stiffness"] * x3 + p["bracket_damping"] * x4
+        pull = x1 + p["coupling_damping"] * x2
+        pull += p["bracket_stiffness"] * x3 + p["bracket_damping"] * x4
         return [(x1, x2), (x2, second), (x3, x4), (x4, -p["mobility"] * pull)], x2 - p["belt_speed"]
     x, v = hy.make_vars("x", "v")
     sign, z = 1.0, x

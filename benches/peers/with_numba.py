@@ -1,6 +1,9 @@
-"""Everything compiled by numba, the mode machine too: Runge-Kutta of order 4 with a fixed step and Henon's step onto the
-boundary, and DOP853 with SciPy's coefficients and step-size control, events by Newton's method on the length of the last
-step."""
+"""Everything compiled by numba, with the mode machine.
+
+One solver is Runge-Kutta of order 4 with a fixed step and Henon's step onto the boundary. The other
+is DOP853 with SciPy's coefficients and step-size control; Newton's method on the length of the last
+step locates events.
+"""
 
 import time
 
@@ -16,7 +19,8 @@ VERSIONS = [("numba", numba.__version__), ("llvmlite", llvmlite.__version__)]
 STEPS = (1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4)
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14)
 KINDS = ("crossing", "entry", "exit")
-MOST = 10_000
+# Most events of a run.
+EVENT_LIMIT = 10_000
 
 STAGES = coefficients.N_STAGES
 A = coefficients.A[:STAGES, :STAGES].copy()
@@ -63,7 +67,7 @@ def machine(problem, make_slip):
 
     @njit
     def run(parameter):
-        kinds, times = numpy.empty(MOST, numpy.int64), numpy.empty(MOST)
+        kinds, times = numpy.empty(EVENT_LIMIT, numpy.int64), numpy.empty(EVENT_LIMIT)
         count = 0
         t, x = t_start, start.copy()
         memory = numpy.zeros(1)
@@ -74,7 +78,7 @@ def machine(problem, make_slip):
             mode = 0.0
         else:
             mode = 1.0 if normal(1.0, t, x) > 0.0 else -1.0
-        while count < MOST:
+        while count < EVENT_LIMIT:
             if mode == 0.0:
                 t, mode = stick(t, x, t_end)
                 if mode == 0.0:
@@ -135,7 +139,10 @@ def rk4_slip(system, size):
         sixth = length / 6.0
         for i in range(x.size):
             x[i] += sixth * (
-                k[0, i] * parts[0] + 2.0 * k[1, i] * parts[1] + 2.0 * k[2, i] * parts[2] + k[3, i] * parts[3]
+                k[0, i] * parts[0]
+                + 2.0 * k[1, i] * parts[1]
+                + 2.0 * k[2, i] * parts[2]
+                + k[3, i] * parts[3]
             )
         return t + sixth * (parts[0] + 2.0 * parts[1] + 2.0 * parts[2] + parts[3])
 
@@ -195,7 +202,7 @@ def dop853_slip(system, size):
 
     @njit
     def land(side, t, x, high, k, trial, new):
-        """The step length at which the boundary is met, between 0 and `high`, where it has been passed."""
+        """Moves x onto the boundary, which a step of `high` crosses, and returns the time."""
         low, s = 0.0, high
         for _ in range(60):
             step(side, t, x, s, k, trial, new)
@@ -220,7 +227,7 @@ def dop853_slip(system, size):
     def slip(side, t, x, t_end, tolerance, memory):
         k, trial, new = numpy.empty((stages + 1, size)), numpy.empty(size), numpy.empty(size)
         field(side, t, x, k[0])
-        # The step that the last phase ended with is a good first one.
+        # The last step of the previous phase is a good first one.
         h = memory[0] if memory[0] > 0.0 else 0.01
         toward = side * normal(side, t, x)
         while t < t_end:
@@ -230,7 +237,8 @@ def dop853_slip(system, size):
             field(side, t + h, new, k[stages])
             size_of_error = error(x, new, h, k, tolerance)
             if not size_of_error <= 1.0:
-                h *= max(0.2, 0.9 * size_of_error**-0.125) if size_of_error == size_of_error else 0.2
+                is_number = size_of_error == size_of_error
+                h *= max(0.2, 0.9 * size_of_error**-0.125) if is_number else 0.2
                 if h < 1e-14 * (1.0 + abs(t)):
                     return t, False
                 continue
@@ -239,7 +247,7 @@ def dop853_slip(system, size):
                 memory[0] = h
                 return land(side, t, x, h, k, trial, new), True
             if toward < 0.0 < now:
-                # It came nearer and left again: look at the nearest place, where the rates say it is.
+                # The boundary came nearer and receded: test the minimum that the rates predict.
                 nearest = h * toward / (toward - now)
                 kept = k[stages].copy()
                 end = new.copy()

@@ -1,5 +1,8 @@
-"""SciPy's solve_ivp: terminal events with a direction, right sides compiled by numba if the system is (in a single process it
-is not: there compilation takes longer than it saves)."""
+"""SciPy's solve_ivp: terminal events with a direction.
+
+Right sides are compiled by numba if the system is. In a single process it is not, since compilation
+takes longer than it saves there.
+"""
 
 import numpy
 import scipy
@@ -8,7 +11,8 @@ from scipy.integrate import solve_ivp
 import systems
 
 VERSIONS = [("scipy", scipy.__version__), ("numpy", numpy.__version__)]
-# Not Radau: at 1e-8 it takes 26 times as long as DOP853 on belt_sensitive for a fifth of the error; nothing here is stiff.
+# Without Radau: at 1e-8 it takes 26 times as long as DOP853 on belt_sensitive for a fifth of the
+# error. No problem here is stiff.
 LADDERS = {
     "SciPy DOP853": ("DOP853", (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 3e-14)),
     "SciPy LSODA": ("LSODA", (1e-6, 1e-8, 1e-10, 1e-12, 3e-14)),
@@ -44,18 +48,20 @@ def prepare(system, method, tolerance):
             return out
 
     def event(direction):
-        def leaves(t, x, side):
+        def meets(t, x, side):
             return boundary(t, x)
 
-        leaves.terminal, leaves.direction = True, direction
-        return leaves
+        meets.terminal, meets.direction = True, direction
+        return meets
 
-    # A slip above ends when h falls, one below when it rises; the direction also keeps the start from being an event.
+    # A slip above ends when h falls, one below when it rises. The direction also keeps the start
+    # from being an event.
     events = {1.0: event(-1.0), -1.0: event(1.0)}
 
     def slip(side, t, x, t_end):
+        settings = {"method": method, "rtol": tolerance, "atol": tolerance}
         run = solve_ivp(
-            right_side, (t, t_end), x, method=method, rtol=tolerance, atol=tolerance, events=events[side], args=(side,)
+            right_side, (t, t_end), x, events=events[side], args=(side,), **settings
         )
         if run.status < 0:
             raise RuntimeError(run.message)
@@ -63,6 +69,6 @@ def prepare(system, method, tolerance):
         return run.t[-1] if run.status == 1 else None
 
     def call():
-        return systems.walk(system, slip)
+        return systems.integrate(system, slip)
 
     return call, system.compile_seconds

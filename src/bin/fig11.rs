@@ -1,8 +1,5 @@
 //! Quasi-periodic motion of the block and the bracket, Fig. 11 of the paper.
 
-use replication::figures::block_and_bracket::FIG11;
-use replication::figures::cli;
-
 fn main() -> std::process::ExitCode {
-    cli::main(&FIG11)
+    replication::figures::cli::main(&replication::figures::block_and_bracket::FIG11)
 }

@@ -1,8 +1,5 @@
 //! Error of a located event against the step.
 
-use replication::figures::cli;
-use replication::figures::locator::LOCATOR;
-
 fn main() -> std::process::ExitCode {
-    cli::main(&LOCATOR)
+    replication::figures::cli::main(&replication::figures::locator::LOCATOR)
 }

@@ -1,7 +1,7 @@
 //! Fig. 6: the friction law of Eq. (2).
 
 use super::rows::Row;
-use super::{Failure, FigureError, FigureSpec, side_by_side};
+use super::{ComputeError, FigureError, FigureSpec, side_by_side};
 use crate::paper::claim_id::ClaimId;
 use crate::paper::reading::Reading::Exact;
 use plot::{
@@ -48,9 +48,9 @@ pub const FIG06: FigureSpec<Data> = FigureSpec {
     draw,
 };
 
-fn compute() -> Result<Data, Failure> {
+fn compute() -> Result<Data, ComputeError> {
     let root = 3f64.sqrt();
-    let graph = |mu0, text, delta| -> Result<Graph, Failure> {
+    let graph = |mu0, text, delta| -> Result<Graph, ComputeError> {
         let law = Friction::new(mu0, delta)?;
         Ok(Graph {
             law,

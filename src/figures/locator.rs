@@ -6,7 +6,7 @@ use crate::numbers::bisect;
 use std::f64::consts::PI;
 
 use super::rows::Row;
-use super::{Failure, FigureError, FigureSpec};
+use super::{ComputeError, FigureError, FigureSpec};
 use crate::paper::reading::Reading::Exact;
 use plot::{
     Axis, BLACK, BLUE, Color, Curve, Dash, Figure, GREEN, Legend, Markers, ORANGE, Panel, Shape,
@@ -15,6 +15,7 @@ use plot::{
 use stickslip::math;
 use stickslip::models::BeltOscillator;
 use stickslip::ode::{Dense, Dop853, Rk4, RungeKutta, Timed, dense_slopes, henon_step, stages};
+use stickslip::statistics::PowerLaw;
 use stickslip::{Filippov, Side, State};
 
 /// One method to locate an event.
@@ -33,19 +34,20 @@ pub struct LocatorMethod {
 
 /// The event is at this fraction of the step. The middle would favour methods with symmetric
 /// errors.
-const PART: f64 = 0.6;
+const EVENT_FRACTION: f64 = 0.6;
 /// Speed of the belt, m/s.
 const BELT_SPEED: f64 = 1.3;
-/// Steps are 10^(-k/8), k from 0.
-const FACTOR: f64 = 0.749_894_209_332_455_8;
+/// Steps are 10^(-k/8), k from 0: three decades.
+const STEP_RATIO: f64 = 0.749_894_209_332_455_8;
 const STEPS: usize = 25;
 /// Indices of the steps 0.1 and 0.01.
-const REPORTED: [(usize, &str); 2] = [(8, "error_at_0.1"), (16, "error_at_0.01")];
-/// Errors below this are rounding.
-const FLOOR: f64 = 2e-15;
-/// Errors below this are not used for the order, nor those of steps longer than the next constant.
-const ORDER_FLOOR: f64 = 3e-14;
-const ORDER_STEP: f64 = 0.5;
+const REPORTED_STEPS: [(usize, &str); 2] = [(8, "error_at_0.1"), (16, "error_at_0.01")];
+/// Errors below this are rounding: some units in the last place of times of order one.
+const ROUNDING_FLOOR: f64 = 2e-15;
+/// Least error that is used for the order: ten times the rounding.
+const LEAST_FITTED_ERROR: f64 = 3e-14;
+/// Longest step that is used for the order. Errors of longer ones are not yet a power of the step.
+const LONGEST_FITTED_STEP: f64 = 0.5;
 
 /// Error of the located event against step length.
 pub const LOCATOR: FigureSpec<[LocatorMethod; 5]> = FigureSpec {
@@ -62,7 +64,7 @@ pub const LOCATOR: FigureSpec<[LocatorMethod; 5]> = FigureSpec {
     draw,
 };
 
-fn compute() -> Result<[LocatorMethod; 5], Failure> {
+fn compute() -> Result<[LocatorMethod; 5], ComputeError> {
     let belt = BeltOscillator {
         k1: -1.0,
         k2: 0.0,
@@ -72,7 +74,7 @@ fn compute() -> Result<[LocatorMethod; 5], Failure> {
         ..BeltOscillator::default()
     };
     let method = |id, name, locate: fn(&Step) -> f64| {
-        let errors = (0..STEPS).map(|k| math::powi(FACTOR, k as i32));
+        let errors = (0..STEPS).map(|k| math::powi(STEP_RATIO, k as i32));
         let errors: Vec<(f64, f64)> = errors.map(|h| (h, error(&belt, h, locate))).collect();
         LocatorMethod {
             id,
@@ -107,8 +109,8 @@ fn numbers(methods: &[LocatorMethod; 5]) -> Vec<Row> {
     for method in methods {
         let id = |what: &str| format!("locator.{}.{what}", method.id);
         rows.push(Row::number(id("order"), Exact, method.order, "1"));
-        for (place, what) in REPORTED {
-            if let Some((_, error)) = method.errors.get(place) {
+        for (index, what) in REPORTED_STEPS {
+            if let Some((_, error)) = method.errors.get(index) {
                 rows.push(Row::number(id(what), Exact, *error, "s"));
             }
         }
@@ -123,7 +125,10 @@ fn draw(methods: &[LocatorMethod; 5]) -> Result<String, FigureError> {
     )
     .legend(Legend::Below);
     for (method, (color, dash, shape)) in methods.iter().zip(LINE_STYLES) {
-        let above = method.errors.iter().filter(|(_, error)| *error > FLOOR);
+        let above = method
+            .errors
+            .iter()
+            .filter(|(_, error)| *error > ROUNDING_FLOOR);
         let points = above.map(|&(h, e)| (math::log10(h), math::log10(e)));
         let name = format!("{}: slope {:.1}", method.name, method.order);
         let curve = Curve::new(points.clone()).color(color).dash(dash);
@@ -198,7 +203,7 @@ fn error(model: &BeltOscillator, h: f64, locate: fn(&Step) -> f64) -> f64 {
     // Below the belt's speed the block moves on a circle about μ₀. At angle t its velocity is minus
     // the radius times sin t. The belt's speed is half the radius: the event is at 7π/6, where the
     // velocity is curved. Times are relative to the event.
-    let lead = PART * h;
+    let lead = EVENT_FRACTION * h;
     let angle = 7.0 * PI / 6.0 - lead;
     let radius = 2.0 * BELT_SPEED;
     let x = State::from([
@@ -215,16 +220,9 @@ fn error(model: &BeltOscillator, h: f64, locate: fn(&Step) -> f64) -> f64 {
 
 /// Slope of the logarithms, by least squares.
 fn order(errors: &[(f64, f64)]) -> f64 {
-    let logs: Vec<(f64, f64)> = errors
-        .iter()
-        .filter(|(h, error)| *error > ORDER_FLOOR && *h < ORDER_STEP)
-        .map(|&(h, error)| (math::ln(h), math::ln(error)))
-        .collect();
-    let n = logs.len() as f64;
-    let mean = |of: &dyn Fn(&(f64, f64)) -> f64| logs.iter().map(of).sum::<f64>() / n;
-    let (x, y) = (mean(&|p| p.0), mean(&|p| p.1));
-    let above = mean(&|p| (p.0 - x) * (p.1 - y));
-    above / mean(&|p| (p.0 - x) * (p.0 - x))
+    let is_fitted =
+        |(h, error): &(f64, f64)| *error > LEAST_FITTED_ERROR && *h < LONGEST_FITTED_STEP;
+    PowerLaw::through(errors.iter().copied().filter(is_fitted)).exponent
 }
 
 #[cfg(test)]
@@ -232,9 +230,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_way_has_the_order_of_its_construction() {
-        let ways = LOCATOR.compute().unwrap();
-        let orders: Vec<f64> = ways.iter().map(|method| method.order).collect();
+    fn each_method_has_the_order_of_its_construction() {
+        let methods = LOCATOR.compute().unwrap();
+        let orders: Vec<f64> = methods.iter().map(|method| method.order).collect();
         // Over one step, an interpolant of degree p and a step of order p both have errors of
         // h^(p+1). Order 8 reaches rounding early, so its measured order is lower.
         let wanted = [1.9..2.1, 3.8..4.4, 4.7..5.3, 7.3..8.3, 8.0..9.3];

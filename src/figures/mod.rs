@@ -18,7 +18,7 @@ use stickslip::filippov::normal_component;
 use stickslip::{Error, Filippov, Mode, Orbit, Scalar, Side, Transition, TransitionKind};
 
 /// Error of a computation.
-pub(crate) type Failure = Box<dyn std::error::Error + Send + Sync>;
+pub(crate) type ComputeError = Box<dyn std::error::Error + Send + Sync>;
 
 /// A figure of the paper. Computing, reporting and drawing are separate.
 pub struct FigureSpec<D> {
@@ -28,7 +28,7 @@ pub struct FigureSpec<D> {
     pub title: &'static str,
     /// Help text: what is drawn and which numbers are reported.
     pub about: &'static str,
-    compute: fn() -> Result<D, Failure>,
+    compute: fn() -> Result<D, ComputeError>,
     /// The numbers behind the figure.
     pub numbers: fn(&D) -> Vec<Row>,
     /// The picture as SVG. It never computes.
@@ -58,7 +58,7 @@ pub enum FigureError {
         /// Name of the figure, such as `fig06`.
         figure: &'static str,
         /// Error of the solver or of the listing.
-        source: Failure,
+        source: ComputeError,
     },
     /// The table of published values is malformed.
     #[error(transparent)]
@@ -82,15 +82,16 @@ pub enum FigureError {
 
 /// Points per integration step. A step of order 8 is long, and a curve through its ends alone would
 /// be polygonal. Drawing thins out invisible points.
-const PER_STEP: u32 = 24;
+const POINTS_PER_STEP: u32 = 24;
 
 /// Points along the orbit, computed by `point` from time and state. They include every step's end
 /// and every transition.
 fn points<const N: usize, P>(orbit: &Orbit<N>, point: impl Fn(f64, &[f64]) -> P) -> Vec<P> {
     let mut points = vec![point(orbit.t_start, orbit.x_start.as_slice())];
     for step in &orbit.steps {
-        for k in 1..PER_STEP {
-            let t = step.t_start + f64::from(k) / f64::from(PER_STEP) * (step.t_end - step.t_start);
+        for k in 1..POINTS_PER_STEP {
+            let t = step.t_start
+                + f64::from(k) / f64::from(POINTS_PER_STEP) * (step.t_end - step.t_start);
             points.push(point(t, step.dense.at_time(t).as_slice()));
         }
         points.push(point(step.t_end, step.x_end.as_slice()));
@@ -137,7 +138,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_cannot_be_written_is_told_with_the_option_that_helps() {
+    fn a_write_error_names_the_option_that_helps() {
         let file = tempfile::NamedTempFile::new().unwrap();
         let error = output::write_all(&file.path().join("sub"), &[]).unwrap_err();
         let error = FigureError::from(error);

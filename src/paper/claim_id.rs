@@ -139,8 +139,8 @@ impl SpectrumFigure {
         self.row(4)
     }
 
-    fn row(self, place: usize) -> ClaimId {
-        ClaimId::ALL[self.described().1 as usize + place]
+    fn row(self, index: usize) -> ClaimId {
+        ClaimId::ALL[self.described().1 as usize + index]
     }
 }
 

@@ -23,7 +23,7 @@ pub enum Breakdown {
         t: f64,
     },
     /// A component is not a number.
-    BrokenDown {
+    NotFinite {
         /// Time of the last finite state.
         t: f64,
     },
@@ -77,7 +77,7 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
             Mode::Slip(side) => self.slip(side),
         }
         if !self.t.is_finite() || self.x.iter().any(|v| !v.is_finite()) {
-            return Err(Breakdown::BrokenDown { t });
+            return Err(Breakdown::NotFinite { t });
         }
         if self.x.amax() > self.bound {
             return Err(Breakdown::Escaped { t });

@@ -18,11 +18,15 @@ mod stages;
 
 use stickslip::Options;
 
-/// Options for a run of model 2. Beyond 10 m or 10 m/s its softening spring drives the body away
-/// for good.
+/// Tolerance of accurate solutions: far below the printed digits, and some hundred times the
+/// rounding of a double.
+pub(crate) const TOLERANCE: f64 = 1e-13;
+/// Tolerance of runs that only have to settle. Their states are compared to 1e-6 or more.
+pub(crate) const SETTLING_TOLERANCE: f64 = 1e-9;
+/// Beyond 10 m or 10 m/s the softening spring of model 2 drives the body away for good.
+pub(crate) const ESCAPE: f64 = 10.0;
+
+/// Options for a run of model 2, which ends with an error where the body escapes.
 pub(crate) fn bounded(tolerance: f64) -> Options {
     Options::tol(tolerance).escape(ESCAPE)
 }
-
-/// See [`bounded`].
-pub(crate) const ESCAPE: f64 = 10.0;

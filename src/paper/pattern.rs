@@ -6,8 +6,6 @@ use super::listing::{
 };
 use stickslip::{Mode, Phase, Side, State};
 
-/// Longest pattern searched for, in forcing periods, as in [`Motion`].
-const LONGEST_PATTERN: usize = Motion::LONGEST_PATTERN;
 /// Tolerance for two events of an accurate solution to be equal (m, s). It is far above the
 /// solver's tolerance and far below the printed digits.
 const EVENT_TOLERANCE: f64 = 1e-6;
@@ -61,8 +59,8 @@ impl Pattern {
     /// The first phase and a phase cut off at `t_end` are not complete stick phases.
     pub fn of_phases(phases: &[Phase<2>], t_end: f64, forcing_period: f64) -> Option<Pattern> {
         let instant = |t: f64, x: &State<2>| Instant { t, x1: x[0] };
-        let whole = |phase: &&Phase<2>| phase.mode == Mode::Stick && phase.t_end != t_end;
-        let sticks = phases.iter().skip(1).filter(whole);
+        let complete = |phase: &&Phase<2>| phase.mode == Mode::Stick && phase.t_end != t_end;
+        let sticks = phases.iter().skip(1).filter(complete);
         let sticks = sticks.map(|phase| Stick {
             entry: instant(phase.t_start, &phase.x_start),
             exit: instant(phase.t_end, &phase.x_end),
@@ -80,7 +78,7 @@ impl Pattern {
             })
         });
         let events = Events::new(sticks.collect(), crossings.collect(), forcing_period);
-        let period = (1..=LONGEST_PATTERN).find(|&period| events.repeat_after(period))?;
+        let period = (1..=Motion::LONGEST_PATTERN).find(|&period| events.repeat_after(period))?;
         events.pattern(period)
     }
 
@@ -170,7 +168,7 @@ impl Events {
         let last_exit = sticks.last().map(|stick| stick.exit.t);
         let last_crossing = crossings.last().map(|crossing| crossing.at.t);
         // A motion that has not stuck for longer than any pattern no longer sticks.
-        let span = LONGEST_PATTERN as f64 * forcing_period;
+        let span = Motion::LONGEST_PATTERN as f64 * forcing_period;
         let current = last_exit.filter(|exit| last_crossing.is_none_or(|last| last - exit <= span));
         Events {
             sticks: if current.is_some() {

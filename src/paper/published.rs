@@ -7,17 +7,17 @@
 use std::sync::LazyLock;
 
 use super::claim_id::ClaimId;
+use crate::numbers::ROUNDING;
 use crate::text::described;
 
 /// The table in the repository.
 const CLAIMS: &str = include_str!("../../data/claims.csv");
-/// Half a unit of the fourth decimal. The paper prints lengths, durations and exponents to four
+/// Unit of the last printed digit: the paper gives lengths, durations and exponents to four
 /// decimals.
+pub const LAST_DIGIT: f64 = 1e-4;
+/// Half of it: the largest difference that rounding of print explains.
 #[cfg(feature = "report")]
-pub const HALF_DIGIT: f64 = 0.5e-4;
-/// Largest relative difference from an exact value: thousands of rounding errors, and far below any
-/// printed digit.
-const EXACT_TOLERANCE: f64 = 1e-12;
+pub const HALF_DIGIT: f64 = 0.5 * LAST_DIGIT;
 
 described! {
     /// What a row of the table claims.
@@ -73,7 +73,7 @@ pub struct Claim {
     /// Its identifier.
     pub id: ClaimId,
     /// Where in the paper.
-    pub place: String,
+    pub location: String,
     /// What sort of claim it is.
     pub kind: ClaimKind,
     /// What is published, as printed. Members of a set are separated by `;`.
@@ -132,7 +132,7 @@ impl Claim {
         };
         Ok(Claim {
             id: ClaimId::named(id).ok_or_else(unknown)?,
-            place: text(1),
+            location: text(1),
             kind,
             published: text(3),
             digits,
@@ -166,7 +166,7 @@ impl Claim {
             Digits::Decimals(decimals) => format!("{value:.decimals$}")
                 .parse::<f64>()
                 .is_ok_and(|rounded| rounded == published),
-            Digits::Exact => (value - published).abs() <= EXACT_TOLERANCE * scale(published),
+            Digits::Exact => (value - published).abs() <= ROUNDING * scale(published),
             Digits::None => false,
         }
     }

@@ -22,32 +22,33 @@ described! {
         /// The same: Lyapunov exponents from the equations.
         CorrectedEquations = (
             "corrected/equations",
-            "of that, exponents from the equations",
+            "the same; exponents from the equations",
             Role::Corrected,
         ),
         /// The same: Lyapunov exponents from the sampled motion, Eqs. (25) and (26).
         CorrectedData = (
             "corrected/data",
-            "of that, exponents from the sampled motion by Eqs. (25), (26)",
+            "the same; exponents from the sampled motion by Eqs. (25), (26)",
             Role::Corrected,
         ),
         /// The paper's program or equations, taken literally.
         AsPrinted = (
             "as-printed",
-            "the paper's program or equations to the letter",
+            "the paper's program or equations, taken literally",
             Role::AsPrinted,
         ),
         /// The equations taken literally: Lyapunov exponents.
         AsPrintedEquations = (
             "as-printed/equations",
-            "exponents of the equations to the letter",
+            "exponents of the equations, taken literally",
             Role::AsPrinted,
         ),
         /// The event-exact solver with the two defects of the paper's program that remain as the
         /// step goes to zero.
         SlipTimesThree = (
             "slip-times-three",
-            "the accurate solver with the two defects of the program that outlast a vanishing step",
+            "the accurate solver with the two defects of the program that remain as the step goes \
+            to zero",
             Role::Supplementary,
         ),
         /// The nearest of the search's settings for the corrected equations, with radii in units of

@@ -4,16 +4,16 @@
 //! Two defects of the Appendix remain in the limit. Its in-place stages move the state by three
 //! steps along the field while the clock advances by one. So a slip phase runs three times too fast
 //! relative to the forcing; a stick phase does not. And a stick phase ends only at the upper end of
-//! the zone that it entered; the lower end, which may pass the body, is not tested. [`run`] injects
+//! the zone that it entered. The lower end, which may pass the body, is not tested. [`run`] injects
 //! both or either of them into the event-exact solver ([`InjectedDefects`]). The result does not
 //! depend on the listing's arithmetic, nor on any published number.
 
 use std::ops::ControlFlow;
 
 use crate::numbers::not_found;
-use crate::paper::bounded;
 use crate::paper::listing::{END, Setup};
 use crate::paper::pattern::Pattern;
+use crate::paper::{TOLERANCE, bounded};
 use stickslip::filippov::first_zero;
 use stickslip::models::ForcedOscillator;
 use stickslip::{
@@ -68,9 +68,6 @@ impl InjectedDefects {
         ..InjectedDefects::SLIP_ALONE
     };
 }
-
-/// Tolerance of the runs of [`settled`].
-const TOLERANCE: f64 = 1e-13;
 
 /// The motion that Fig. 8's oscillator settles on from the listing's start, with the defects
 /// `injected`, over the length of the listing's run.

@@ -44,7 +44,7 @@ pub fn parse(line: &str) -> Result<Answer, String> {
     let cells: Vec<&str> = line.splitn(count, ',').collect();
     match cells[..] {
         ["version", package, number] => Ok(Answer::Version(package.into(), number.into())),
-        ["curve", place, solver, setting, tolerance, compile, events] => {
+        ["curve", index, solver, setting, tolerance, compile, events] => {
             let row = Measurement {
                 solver: solver.into(),
                 setting: setting.into(),
@@ -58,7 +58,7 @@ pub fn parse(line: &str) -> Result<Answer, String> {
             };
             let events = events.split(';').filter(|event| !event.is_empty());
             let events = events.map(str::parse).collect::<Result<_, _>>()?;
-            Ok(Answer::Curve(index(place)?, row, events))
+            Ok(Answer::Curve(parse_index(index)?, row, events))
         }
         ["cannot", solver, setting, tolerance, reason] => {
             let tolerance = (!tolerance.is_empty()).then(|| positive(tolerance));
@@ -70,7 +70,7 @@ pub fn parse(line: &str) -> Result<Answer, String> {
                 ..Measurement::default()
             }))
         }
-        ["seconds", place, seconds] => Ok(Answer::Seconds(index(place)?, positive(seconds)?)),
+        ["seconds", index, seconds] => Ok(Answer::Seconds(parse_index(index)?, positive(seconds)?)),
         ["done"] => Ok(Answer::Done),
         _ if count == 1 => Err("it is neither version, curve, cannot, seconds nor done".into()),
         _ => {
@@ -80,7 +80,7 @@ pub fn parse(line: &str) -> Result<Answer, String> {
     }
 }
 
-fn index(text: &str) -> Result<usize, String> {
+fn parse_index(text: &str) -> Result<usize, String> {
     text.parse().map_err(|_| format!("'{text}' is no index"))
 }
 
@@ -99,14 +99,14 @@ fn number(text: &str, is_allowed: fn(f64) -> bool, fault: &str) -> Result<f64, S
 
 /// The running process. It ends when this is dropped.
 #[derive(Debug)]
-pub struct Peers {
+pub struct PeerProcess {
     child: Child,
     input: Option<ChildStdin>,
     output: BufReader<ChildStdout>,
     line: usize,
 }
 
-impl Peers {
+impl PeerProcess {
     /// Starts `python` with the script `peers.py` in `scripts`. The problems are read from
     /// `problems`.
     ///
@@ -127,7 +127,7 @@ impl Peers {
         let no_pipe = || failed(std::io::Error::other("no pipe to it"));
         let input = child.stdin.take().ok_or_else(no_pipe)?;
         let output = child.stdout.take().ok_or_else(no_pipe)?;
-        Ok(Peers {
+        Ok(PeerProcess {
             child,
             input: Some(input),
             output: BufReader::new(output),
@@ -169,7 +169,7 @@ impl Peers {
     /// Time of a call of a curve (s), averaged over as many calls as take about `batch` seconds.
     ///
     /// # Errors
-    /// As [`Peers::ask`].
+    /// As [`PeerProcess::ask`].
     pub fn time(&mut self, curve: usize, batch: f64) -> Result<f64, PeersError> {
         let command = format!("time {curve} {batch}");
         match self.ask(&command)?[..] {
@@ -187,7 +187,7 @@ impl Peers {
     }
 }
 
-impl Drop for Peers {
+impl Drop for PeerProcess {
     fn drop(&mut self) {
         // The process exits at the end of its input.
         self.input = None;
@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_answer_is_refused_with_its_fault() {
+    fn a_malformed_answer_is_refused_with_its_fault() {
         for (line, fault) in [
             (
                 "curve,3,heyoka,tol,1e-9,0.25",

@@ -7,8 +7,9 @@ use stickslip::math;
 
 /// Errors below this count as equal: the rounding of the times themselves.
 const LEAST_ERROR: f64 = 1e-16;
-/// The accuracy at which solvers are compared, if they reach it.
-pub const WANTED: f64 = 1e-12;
+/// The error at which solvers are compared, if they reach it. It is chosen: near rounding, where
+/// solvers differ most.
+pub const COMPARED_ERROR: f64 = 1e-12;
 
 /// The Pareto front of a solver on a problem, as (time, error): points at which neither can be
 /// improved without the other. Time rises and the error falls.
@@ -47,8 +48,8 @@ pub struct Ratio {
     pub peer: String,
     /// Our solver.
     pub ours: String,
-    /// The error at which both are compared: [`WANTED`], or the peer's smallest error if that is
-    /// larger.
+    /// The error at which both are compared: [`COMPARED_ERROR`], or the peer's smallest error if
+    /// that is larger.
     pub error: f64,
     /// The peer's time (s).
     pub their_time: f64,
@@ -68,7 +69,7 @@ pub fn ratios(rows: &[Measurement], ours: &[&str]) -> Vec<Ratio> {
         let Some(best) = theirs.last().filter(|_| !ours.contains(&peer)) else {
             continue;
         };
-        let error = best.1.max(WANTED);
+        let error = best.1.max(COMPARED_ERROR);
         let Some(their_time) = time_for(&theirs, error) else {
             continue;
         };

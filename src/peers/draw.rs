@@ -21,9 +21,9 @@ const LINE_STYLES: [(Color, Dash, Shape); 9] = [
 ];
 const PANELS_IN_ROW: usize = 2;
 /// Height of a row, px. Panels are a little wider than high.
-const ROW: f64 = 290.0;
+const ROW_HEIGHT: f64 = 290.0;
 /// Height of the legend under the last row, px.
-const LEGEND: f64 = 60.0;
+const LEGEND_HEIGHT: f64 = 60.0;
 
 /// The SVG: a panel for every problem, and one with the times of whole processes if they were
 /// measured.
@@ -47,7 +47,7 @@ pub fn draw(rows: &[Measurement], problems: &[Problem]) -> Result<String, PlotEr
         panels.push(with_legend(last, &names));
     }
     let lines = panels.len().div_ceil(PANELS_IN_ROW);
-    let height = lines as f64 * ROW + LEGEND;
+    let height = lines as f64 * ROW_HEIGHT + LEGEND_HEIGHT;
     let (count, solvers) = (problems.len(), names.join(", "));
     let description = format!(
         "{count} panels, one for each problem: largest error of the event times against the time \
@@ -58,19 +58,23 @@ pub fn draw(rows: &[Measurement], problems: &[Problem]) -> Result<String, PlotEr
     let mut panels = panels.into_iter().map(|panel| (1.0, panel.into()));
     for line in 0..lines {
         let row: Vec<(f64, Cell)> = panels.by_ref().take(PANELS_IN_ROW).collect();
-        let weight = if line + 1 == lines { ROW + LEGEND } else { ROW };
+        let weight = if line + 1 == lines {
+            ROW_HEIGHT + LEGEND_HEIGHT
+        } else {
+            ROW_HEIGHT
+        };
         figure = figure.columns(weight, row);
     }
     figure.render()
 }
 
 /// The label of a panel.
-fn letter(place: usize) -> String {
-    format!("({})", char::from(b'a' + place as u8))
+fn letter(index: usize) -> String {
+    format!("({})", char::from(b'a' + index as u8))
 }
 
-fn line_style(place: usize) -> (Color, Dash, Shape) {
-    LINE_STYLES[place % LINE_STYLES.len()]
+fn line_style(index: usize) -> (Color, Dash, Shape) {
+    LINE_STYLES[index % LINE_STYLES.len()]
 }
 
 fn work_precision(rows: &[&Measurement], names: &[&str]) -> Panel {
@@ -123,20 +127,20 @@ fn processes(rows: &[Measurement], names: &[&str], problems: &[Problem]) -> Pane
             .collect()
     };
     let times: Vec<_> = names.iter().map(times).collect();
-    let place = |i: usize| (names.len() - i) as f64;
-    let lines = names.iter().enumerate().map(|(i, name)| (place(i), *name));
+    let line = |i: usize| (names.len() - i) as f64;
+    let lines = names.iter().enumerate().map(|(i, name)| (line(i), *name));
     let shown = range(times.iter().flatten().map(|(_, time)| *time));
     let mut panel = Panel::new(
         Axis::decades("time to start, compile and run once, s", shown),
         // The solver names identify the lines. An axis label would overlap the longest.
-        Axis::new("", 0.0, place(0) + 1.0).ticks(lines),
+        Axis::new("", 0.0, line(0) + 1.0).ticks(lines),
     )
     .title(&title);
     for (i, times) in times.iter().enumerate() {
         let (color, _, shape) = line_style(i);
         for filled in [true, false] {
             let own = times.iter().filter(|one| (first == Some(one.0)) == filled);
-            let marks = Markers::new(own.map(|(_, t)| (*t, place(i))));
+            let marks = Markers::new(own.map(|(_, t)| (*t, line(i))));
             let marks = marks.color(color).shape(shape).size(5.5);
             panel.add(if filled { marks } else { marks.open() });
         }

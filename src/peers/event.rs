@@ -167,8 +167,8 @@ mod tests {
         // In units in the last place of each event's own time. One unit means that only the
         // rounding errors of the reference and of ours remain. The first event of `decay`, at 0.24,
         // is a sum of terms with a larger unit than its own. The first problem amplifies rounding
-        // errors at random: for starts one unit apart the error was 1, 19 or 96 with one order of
-        // additions, and 49, 69 or 101 with another. So the maximum over all these starts is
+        // errors at random. For starts one unit apart the errors are 1, 19 and 96 with one order of
+        // additions, and 49, 69 and 101 with another. So the maximum over all these starts is
         // tested.
         let measured = [
             ("belt_sensitive", 101.0),

@@ -4,7 +4,7 @@ use std::hint::black_box;
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
-use super::child::{Answer, Peers};
+use super::child::{Answer, PeerProcess};
 use super::compare::most_accurate;
 use super::error::PeersError;
 use super::event::{Event, event_time_error};
@@ -14,11 +14,12 @@ use crate::numbers::median;
 
 /// A sample is the mean over as many calls as take this long (s). That is thousands of times the
 /// clock's resolution.
-const BATCH: f64 = 5e-3;
-/// A row that has taken longer than this (s) gets no further rounds once it has `ENOUGH`. A median
-/// of three excludes an outlier.
-const PATIENCE: f64 = 10.0;
-const ENOUGH: usize = 3;
+const SAMPLE_TIME: f64 = 5e-3;
+/// A row that has taken longer than this (s) gets no further rounds once it has
+/// [`LEAST_ROUNDS`]. The limit keeps a whole measurement within minutes.
+const ROW_TIME: f64 = 10.0;
+/// A median of three excludes an outlier.
+const LEAST_ROUNDS: usize = 3;
 
 /// The solver that is timed for a row.
 enum TimedSolver {
@@ -35,7 +36,7 @@ enum TimedSolver {
 pub fn problem(
     problem: &Problem,
     rounds: u32,
-    peers: Option<&mut Peers>,
+    peers: Option<&mut PeerProcess>,
     versions: &mut Vec<(String, String)>,
 ) -> Result<Vec<Measurement>, PeersError> {
     let reference = problem.reference()?;
@@ -56,13 +57,17 @@ pub fn problem(
     }
     for _ in 0..rounds {
         for (row, timed) in &mut entries {
-            let spent: f64 = row.seconds.iter().map(|seconds| seconds.max(BATCH)).sum();
-            if row.seconds.len() >= ENOUGH && spent > PATIENCE {
+            let spent: f64 = row
+                .seconds
+                .iter()
+                .map(|seconds| seconds.max(SAMPLE_TIME))
+                .sum();
+            if row.seconds.len() >= LEAST_ROUNDS && spent > ROW_TIME {
                 continue;
             }
             row.seconds.push(match (&timed, &mut peers) {
                 (TimedSolver::Ours(solver, tolerance), _) => time(problem, solver, *tolerance)?,
-                (TimedSolver::Theirs(index), Some(peers)) => peers.time(*index, BATCH)?,
+                (TimedSolver::Theirs(index), Some(peers)) => peers.time(*index, SAMPLE_TIME)?,
                 _ => continue,
             });
         }
@@ -128,7 +133,7 @@ fn time(problem: &Problem, solver: &Solver, tolerance: f64) -> Result<f64, Peers
         black_box(&events);
         calls += 1;
         let spent = begin.elapsed().as_secs_f64();
-        if spent >= BATCH {
+        if spent >= SAMPLE_TIME {
             return Ok(spent / f64::from(calls));
         }
     }

@@ -95,15 +95,15 @@ pub fn read(text: &str, problems: &[Problem]) -> Result<Vec<Measurement>, PeersE
             continue;
         }
         if cells.len() != HEADER.len() {
-            let (found, due) = (cells.len(), HEADER.len());
-            return Err(wrong(format!("{found} cells where {due} are due")));
+            let (actual, expected) = (cells.len(), HEADER.len());
+            return Err(wrong(format!("{actual} cells where {expected} are due")));
         }
         let number = |cell: usize| parse_optional(cells[cell], "number").map_err(wrong);
-        let known = problems.iter().find(|known| known.name == cells[1]);
+        let problem = problems.iter().find(|one| one.name == cells[1]);
         let unknown = || wrong(format!("'{}' is none of the problems", cells[1]));
         rows.push(Measurement {
             solver: cells[0].into(),
-            problem: known.ok_or_else(unknown)?.name,
+            problem: problem.ok_or_else(unknown)?.name,
             setting: cells[2].into(),
             tolerance: number(3)?,
             error: number(4)?,

@@ -20,7 +20,7 @@ use crate::terminal;
 use crate::text::joined;
 use output::Artifact;
 
-use child::Peers;
+use child::PeerProcess;
 use error::PeersError;
 use event::Event;
 use measurement::Measurement;
@@ -177,7 +177,7 @@ fn run(all: &MeasureArguments) -> Result<String, PeersError> {
     for folder in [&all.folders.report_dir, &all.folders.figures_dir] {
         output::write_all(folder, &[])?;
     }
-    let start = |python: &PathBuf| Peers::start(python, &all.scripts, &all.numbers);
+    let start = |python: &PathBuf| PeerProcess::start(python, &all.scripts, &all.numbers);
     let mut peers = all.python.as_ref().map(start).transpose()?;
     let mut versions = Vec::new();
     let mut rows = Vec::new();

@@ -185,7 +185,7 @@ impl Problem {
     ///
     /// # Errors
     /// [`PeersError::Formulas`].
-    fn by_formulas(&self) -> Result<Ready<'_>, PeersError> {
+    fn by_formulas(&self) -> Result<PreparedProblem<'_>, PeersError> {
         fn traced<S: Filippov<N>, const N: usize>(
             system: &S,
             start: [f64; N],
@@ -202,7 +202,7 @@ impl Problem {
         };
         let problem = self.name;
         let (system, start) = traced.ok_or(PeersError::Formulas { problem })?;
-        Ok(Ready::ByFormulas(self, system, start))
+        Ok(PreparedProblem::ByFormulas(self, system, start))
     }
 
     fn events<S: Filippov<N>, const N: usize>(
@@ -220,22 +220,22 @@ impl Problem {
 }
 
 /// A problem that can be solved any number of times.
-pub enum Ready<'a> {
+pub enum PreparedProblem<'a> {
     /// By its compiled functions.
     Compiled(&'a Problem),
     /// By its formulas, from a start.
     ByFormulas(&'a Problem, DynamicsRef<'static>, Vec<f64>),
 }
 
-impl Ready<'_> {
+impl PreparedProblem<'_> {
     /// As [`Problem::solve`].
     ///
     /// # Errors
     /// As [`Problem::solve`].
     pub fn solve(&self, options: &Options, events: &mut Vec<Event>) -> Result<(), PeersError> {
         let (problem, system, x) = match self {
-            Ready::Compiled(problem) => return problem.solve(options, events),
-            Ready::ByFormulas(problem, system, x) => (problem, system, x),
+            PreparedProblem::Compiled(problem) => return problem.solve(options, events),
+            PreparedProblem::ByFormulas(problem, system, x) => (problem, system, x),
         };
         events.clear();
         let (t, t_end) = (problem.t_start, problem.t_end);
@@ -301,7 +301,7 @@ pub struct Solver {
     pub tolerances: &'static [f64],
 }
 
-const LADDER: [f64; 12] = [
+const TOLERANCES: [f64; 12] = [
     1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14, 1e-15,
 ];
 
@@ -311,20 +311,20 @@ pub const SOLVERS: &[Solver] = &[
         name: "stickslip Taylor",
         method: Method::Taylor,
         by_formulas: false,
-        tolerances: &LADDER,
+        tolerances: &TOLERANCES,
     },
     Solver {
         name: "stickslip Dop853",
         method: Method::Dop853,
         by_formulas: false,
         // Rounding limits the accuracy of Runge–Kutta steps.
-        tolerances: LADDER.split_at(11).0,
+        tolerances: TOLERANCES.split_at(11).0,
     },
     Solver {
         name: "stickslip formulas",
         method: Method::Taylor,
         by_formulas: true,
-        tolerances: &LADDER,
+        tolerances: &TOLERANCES,
     },
 ];
 
@@ -347,10 +347,10 @@ impl Solver {
     ///
     /// # Errors
     /// [`PeersError::Formulas`].
-    pub fn ready<'a>(&self, problem: &'a Problem) -> Result<Ready<'a>, PeersError> {
+    pub fn ready<'a>(&self, problem: &'a Problem) -> Result<PreparedProblem<'a>, PeersError> {
         match self.by_formulas {
             true => problem.by_formulas(),
-            false => Ok(Ready::Compiled(problem)),
+            false => Ok(PreparedProblem::Compiled(problem)),
         }
     }
 

@@ -1,6 +1,6 @@
 //! The printed report, also written to report/bench.txt.
 
-use super::compare::{Ratio, WANTED, most_accurate, ratios};
+use super::compare::{COMPARED_ERROR, Ratio, most_accurate, ratios};
 use super::measurement::Measurement;
 use crate::numbers::median;
 use crate::text::{SectionMarkers, distinct};
@@ -43,8 +43,8 @@ pub fn text(rows: &[Measurement], ours: &[&str], head: &str) -> String {
     if !ratios.is_empty() {
         text += &format!(
             "\n\
-                Times at equal error, {WANTED:e} or the peer's least if that is larger, between \
-                settings by interpolation\n"
+                Times at equal error, {COMPARED_ERROR:e} or the peer's least if that is larger, \
+                between settings by interpolation\n"
         );
         text +=
             "  problem         peer                        error      peer       ours  peer/ours\n";
@@ -105,8 +105,8 @@ pub fn block(rows: &[Measurement], ours: &str) -> String {
     let peers = all.iter().map(|one| one.peer.as_str());
     let peers = distinct(peers.filter(|peer| !peer.starts_with(OWN_PREFIX)));
     let mut text = format!(
-        "| time for an error of {WANTED:e} (or the peer's least), over that of `{ours}` | least | \
-            most | on |\n\
+        "| time for an error of {COMPARED_ERROR:e} (or the peer's least), over that of `{ours}` \
+            | least | most | on |\n\
             |---|--:|--:|---|\n"
     );
     for peer in peers {

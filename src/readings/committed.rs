@@ -6,11 +6,11 @@ use sha2::{Digest, Sha256};
 use super::error::ReadingsError;
 use super::plan::{self, Plan};
 use super::scoring::{
-    ConfirmedStatements, ExponentSpread, Pairs, RowsByRole, count_matching, for_each_exponent,
+    ConfirmedStatements, ExponentSpread, PairCounts, RowsByRole, count_matching, for_each_exponent,
     sources,
 };
 use super::search;
-use super::significance::{MatchLevel, Share, alone, digits};
+use super::significance::{MatchLevel, Share, digits_share, single_figure_levels};
 use super::table::ConfigurationRow;
 
 /// The committed table of all readings.
@@ -20,7 +20,7 @@ const FILE: &str = "golden/readings.csv";
 
 /// The results of the committed search.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Committed {
+pub struct CommittedSearch {
     /// The file.
     pub file: &'static str,
     /// SHA-256 of its content, in hexadecimal.
@@ -35,7 +35,7 @@ pub struct Committed {
     /// configurations.
     pub ranked_from: [usize; 3],
     /// Pairs of reading and integrator, by class.
-    pub pairs: Pairs,
+    pub pairs: PairCounts,
     /// Number of configurations that keep all three motions and match a published exponent to the
     /// printed digits, for each exponent.
     pub digits: [[usize; 4]; 3],
@@ -65,17 +65,17 @@ pub struct Match {
     pub motions: [String; 3],
 }
 
-impl Committed {
+impl CommittedSearch {
     /// Reads the table.
     ///
     /// # Errors
     /// [`ReadingsError::Incomplete`] if a configuration of the full search is missing or has other
     /// settings; [`ReadingsError::Published`].
-    pub fn read() -> Result<Committed, ReadingsError> {
-        Committed::of(TABLE)
+    pub fn read() -> Result<CommittedSearch, ReadingsError> {
+        CommittedSearch::of(TABLE)
     }
 
-    fn of(table: &str) -> Result<Committed, ReadingsError> {
+    fn of(table: &str) -> Result<CommittedSearch, ReadingsError> {
         let plan = Plan::full()?;
         let (published, target) = (&plan.published, &plan.target);
         let rows: Vec<ConfigurationRow> =
@@ -98,35 +98,35 @@ impl Committed {
             pairs,
             recommended,
         } = RowsByRole::of(&rows);
-        let met = for_each_exponent(|exponent| count_matching(&kept, exponent, published));
-        let alone = alone(&search, target, plan.draws).ok_or_else(incomplete)?;
+        let agreeing = for_each_exponent(|exponent| count_matching(&kept, exponent, published));
+        let levels = single_figure_levels(&search, target, plan.draws).ok_or_else(incomplete)?;
         let digest = Sha256::digest(table.as_bytes());
         let by_random_targets = |(figure, k): (usize, usize)| {
-            let met = met[figure][k];
-            (met > 0).then(|| digits(&kept, (figure, k), met, plan.draws))
+            let rows = agreeing[figure][k];
+            (rows > 0).then(|| digits_share(&kept, (figure, k), rows, plan.draws))
         };
         let level = |rows| MatchLevel::of(rows, &kept, (target, &[0, 1, 2]), plan.draws);
         let with_motions = |(level, row): (MatchLevel, &ConfigurationRow)| {
             let (row, motions) = (row.clone(), search::motions(&plan, row));
             (level, Match { row, motions })
         };
-        Ok(Committed {
+        Ok(CommittedSearch {
             file: FILE,
             sha256: digest.iter().map(|byte| format!("{byte:02x}")).collect(),
             configurations: search.len(),
             kept: kept.len(),
             ranked: ranked.len(),
             ranked_from: sources(&ranked),
-            pairs: Pairs::count(&pairs),
+            pairs: PairCounts::count(&pairs),
             joint_levels: [level(&kept), level(&ranked)],
-            figure_levels: alone.map(with_motions),
+            figure_levels: levels.map(with_motions),
             motions: pairs.into_iter().cloned().collect(),
             digits_by_random_targets: for_each_exponent(by_random_targets),
             spread: for_each_exponent(|exponent| {
                 ExponentSpread::of(&recommended, exponent, published)
             }),
             confirmed_statements: ConfirmedStatements::count(&recommended),
-            digits: met,
+            digits: agreeing,
         })
     }
 
@@ -139,7 +139,7 @@ impl Committed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::readings::plan::{of_spread, spread_settings};
+    use crate::readings::settings::{spread_settings, with_spread_unit};
 
     /// Of the settings of the spread, one in so many is recomputed, starting with the first.
     const EVERY: usize = 15;
@@ -150,7 +150,7 @@ mod tests {
         assert_eq!(kept.len(), 2);
         let plan = Plan {
             search: Vec::new(),
-            spread: of_spread(kept),
+            spread: with_spread_unit(kept),
             ..Plan::full().unwrap()
         };
         let recommended = plan
@@ -172,7 +172,7 @@ mod tests {
 
     #[test]
     fn a_table_that_is_not_the_full_search_is_refused() {
-        assert!(Committed::read().is_ok());
+        assert!(CommittedSearch::read().is_ok());
         let last = TABLE.trim_end().rfind('\n').unwrap();
         for other in [
             TABLE[..last].to_owned(),
@@ -183,16 +183,17 @@ mod tests {
             ),
             TABLE.replacen(",quasi-periodic,", ",quasi,", 1),
         ] {
-            let refused = Committed::of(&other);
+            let refused = CommittedSearch::of(&other);
             assert!(matches!(refused, Err(ReadingsError::Incomplete { .. })));
         }
     }
 
     #[test]
     fn another_number_in_the_table_is_another_hash_and_another_spread() {
-        let committed = Committed::read().unwrap();
+        let committed = CommittedSearch::read().unwrap();
         let least = committed.spread[0][1].values.unwrap().least;
-        let other = Committed::of(&TABLE.replacen(&format!(",{least},"), ",-99,", 1)).unwrap();
+        let other =
+            CommittedSearch::of(&TABLE.replacen(&format!(",{least},"), ",-99,", 1)).unwrap();
         assert_ne!(other.sha256, committed.sha256);
         assert_eq!(other.spread[0][1].values.unwrap().least, -99.0);
     }

@@ -13,6 +13,7 @@ mod orbit;
 mod plan;
 mod scoring;
 mod search;
+mod settings;
 mod significance;
 mod store;
 mod summary;
@@ -30,11 +31,11 @@ use rayon::prelude::*;
 use crate::terminal;
 use output::{Artifact, write_all};
 
-pub use committed::{Committed, Match};
+pub use committed::{CommittedSearch, Match};
 pub use error::ReadingsError;
 use plan::Plan;
-pub use plan::{Integrator, ZERO};
-pub use scoring::{ConfirmedStatements, ExponentSpread, Pairs, Values, sources_in_words};
+pub use plan::{Integrator, ZERO_SIZE};
+pub use scoring::{ConfirmedStatements, ExponentSpread, PairCounts, ValueRange, sources_in_words};
 pub use significance::{MatchLevel, Share};
 use store::{Store, TABLE};
 pub use table::{ConfigurationRow, OrbitVerdict, other_motions};
@@ -171,8 +172,9 @@ pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
 mod tests {
     use super::*;
     use crate::figures::block_and_bracket::best_common_settings;
-    use plan::{Group, Unit};
+    use plan::Group;
     use scoring::RowsByRole;
+    use settings::{Unit, settings_name};
     use stickslip::models::Reading;
 
     fn committed(name: &str) -> String {
@@ -212,7 +214,7 @@ mod tests {
         assert!(torus.classes[1].is_of_kind(1) && torus.sizes[1][1] < 1.1);
         for h in ["0.01", "0.005", "0.001"] {
             let scheme = of(&format!("in-place h={h}"));
-            assert!(scheme.classes[1].stays() && !scheme.classes[1].is_of_kind(1));
+            assert!(scheme.classes[1].is_bounded() && !scheme.classes[1].is_of_kind(1));
             assert!(scheme.sizes[1][0] < 0.6 * torus.sizes[1][0], "{h}");
         }
     }
@@ -231,7 +233,7 @@ mod tests {
             .collect();
         let best = summary::minimal_by(&search, ConfigurationRow::kinds_first).unwrap();
         let setting = (Unit::Spread, best_common_settings());
-        assert_eq!(best.key[3], plan::settings_name(&setting));
+        assert_eq!(best.key[3], settings_name(&setting));
         // The figures compute the same exponents, in the same order of size.
         for figure in 0..3 {
             let shown = committed(&format!("figures/fig{}.csv", figure + 10));

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use super::plan::{CURVE, Group, Integrator, MOST_STEPS, Plan, SAME};
+use super::plan::{CURVE_DIMENSION, Group, Integrator, Plan, SECTION_TOLERANCE, STEP_LIMIT};
 use super::table::OrbitVerdict;
 use crate::figures::block_and_bracket::{DIVERGED, DT, TOLERANCE};
 use crate::numbers::extent;
@@ -121,7 +121,7 @@ struct OrbitRecorder<'a> {
 impl Observer<4> for OrbitRecorder<'_> {
     fn step(&mut self, step: &StepRecord<4>) -> ControlFlow<()> {
         self.steps += 1;
-        if self.steps > MOST_STEPS {
+        if self.steps > STEP_LIMIT {
             return ControlFlow::Break(());
         }
         self.samples.step(step);
@@ -157,8 +157,8 @@ fn crossing(before: &State<4>, after: &State<4>) -> Option<State<4>> {
 
 /// Runs the scheme. One of several passes is a point, as the listing counts its records.
 fn in_place(system: &BlockAndBracket, start: State<4>, h: f64, plan: &Plan) -> Outcome {
-    let passes = |t: f64| (t / h).round() as usize;
-    let (first, every) = (passes(plan.from), passes(DT).max(1));
+    let steps = |t: f64| (t / h).round() as usize;
+    let (first, every) = (steps(plan.from), steps(DT).max(1));
     let last = first + (plan.points - 1) * every;
     let mut scheme = InPlace::start(system, start, h, DIVERGED);
     let (mut series, mut section) = (Vec::new(), Vec::new());
@@ -170,21 +170,21 @@ fn in_place(system: &BlockAndBracket, start: State<4>, h: f64, plan: &Plan) -> O
         match scheme.advance() {
             Ok(()) => {}
             Err(Breakdown::Escaped { t }) => return Outcome::Escaped(t),
-            Err(Breakdown::BrokenDown { .. }) => return Outcome::Failed,
+            Err(Breakdown::NotFinite { .. }) => return Outcome::Failed,
         }
         if let Some(at) = crossing(&before, &scheme.x).filter(|_| pass >= first) {
             section.push((scheme.t, at.into()));
         }
     }
     let criterion = Criterion {
-        same: SAME,
+        same: SECTION_TOLERANCE,
         ..Criterion::default()
     };
     let closing = Evidence::gather(&section, (Of::ReturnMap, &[], 1.0), &criterion).class();
     let mut motion = Bounded::new(series, &section, closing);
     motion.class = match closing {
-        Class::Undecided if motion.dimension < CURVE => Class::QuasiPeriodic,
-        Class::Undecided if motion.dimension >= CURVE => Class::Chaotic,
+        Class::Undecided if motion.dimension < CURVE_DIMENSION => Class::QuasiPeriodic,
+        Class::Undecided if motion.dimension >= CURVE_DIMENSION => Class::Chaotic,
         closing => closing,
     };
     Outcome::Bounded(motion)
@@ -192,9 +192,9 @@ fn in_place(system: &BlockAndBracket, start: State<4>, h: f64, plan: &Plan) -> O
 
 /// Range of C(r) in which the slope is taken: beyond the scatter of the few nearest pairs, and well
 /// within the set.
-const SHARES: (f64, f64) = (2e-3, 2e-2);
+const FITTED_SHARES: (f64, f64) = (2e-3, 2e-2);
 /// Radii at which it is measured: a dozen per decade average out the scatter.
-const RADII: u32 = 12;
+const FITTED_RADII: u32 = 12;
 
 /// The correlation dimension (Grassberger & Procaccia 1983): the slope of ln C(r). C is the
 /// fraction of pairs of points nearer than r in every component.
@@ -211,9 +211,9 @@ fn correlation_dimension<const N: usize>(points: &[[f64; N]]) -> f64 {
         let index = (share * distances.len() as f64) as usize;
         distances.get(index).copied().unwrap_or(f64::NAN)
     };
-    let ratio = SHARES.1 / SHARES.0;
-    let shares = (0..RADII).map(|k| f64::from(k) / f64::from(RADII - 1));
-    let shares = shares.map(|part| SHARES.0 * math::pow(ratio, part));
+    let ratio = FITTED_SHARES.1 / FITTED_SHARES.0;
+    let shares = (0..FITTED_RADII).map(|k| f64::from(k) / f64::from(FITTED_RADII - 1));
+    let shares = shares.map(|part| FITTED_SHARES.0 * math::pow(ratio, part));
     PowerLaw::through(shares.map(|share| (at(share), share))).exponent
 }
 

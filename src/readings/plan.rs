@@ -2,6 +2,9 @@
 
 use std::fmt::Display;
 
+use super::settings::{
+    Setting, Unit, search_settings, settings, settings_name, spread_settings, with_spread_unit,
+};
 use super::table::{ConfigurationRow, Twelve};
 use crate::figures::block_and_bracket::{DIVERGED, DT, START, TOLERANCE};
 use crate::paper::claim_id::SpectrumFigure;
@@ -9,7 +12,6 @@ use crate::paper::published::{Claim, Claims, PublishedError};
 use crate::text::joined;
 use stickslip::analysis::motion::Criterion;
 use stickslip::models::{Amplitude, Caption, CaptionOrder, Reading, Unloading};
-use stickslip_series::{DataSettings, Neighbourhood};
 
 /// Integrator of the equations.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,20 +41,6 @@ pub const SEARCH: &str = "search";
 /// Part that measures, together with the search's settings, how far the settings alone move the
 /// estimate for the recommended reading.
 pub const SPREAD: &str = "spread";
-
-/// Unit of the radius of a ball of neighbours.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unit {
-    /// The signal's spread `√Σ var`.
-    Spread,
-    /// The variables' own unit.
-    Absolute,
-    /// The range of each column, which is scaled by it.
-    Ranges,
-}
-
-/// Settings of the estimator, with the unit of the radius of balls.
-pub type Setting = (Unit, DataSettings);
 
 /// A reading and an integrator. Their three trajectories serve all settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -105,27 +93,24 @@ pub struct Plan {
 pub const CAPTIONS: [Caption; 3] = [Caption::FIG10, Caption::FIG11, Caption::FIG12];
 /// Limit on the number of steps of an orbit. It allows for the shortest fixed steps and for some
 /// hundred thousand events.
-pub const MOST_STEPS: usize = 3_000_000;
+pub const STEP_LIMIT: usize = 3_000_000;
 /// Section points of the in-place scheme nearer than this, as a fraction of its extent, count as
 /// one. The passes do not end on the section, and a closed motion is sampled at different phases of
 /// the pass.
-pub const SAME: f64 = 1e-3;
-/// Added to the size of a published exponent before a difference is divided by it. Otherwise
-/// exponents near zero would dominate.
-pub const FLOOR: f64 = 0.002;
+pub const SECTION_TOLERANCE: f64 = 1e-3;
 /// Limit on a difference. A missing exponent or one of −∞ counts as much.
-pub const CAP: f64 = 3.0;
-/// A zero exponent may be printed as any value from minus this to this; random targets are uniform.
-pub const ZERO: f64 = 0.002;
+pub const DIFFERENCE_CAP: f64 = 3.0;
+/// Exponents up to this size pass for zero: more than any that the paper prints for one, and less
+/// than its positive one. It is added to the size of a published exponent before a difference is
+/// divided by it. Otherwise exponents near zero would dominate.
+pub const ZERO_SIZE: f64 = 0.002;
 /// A set of smaller correlation dimension is a curve: for a torus, up to 1.1 is estimated.
-pub const CURVE: f64 = 1.2;
+pub const CURVE_DIMENSION: f64 = 1.2;
 /// Version of the table. Increase it whenever the same settings give other rows: tables of other
 /// formats are refused.
 const FORMAT: u32 = 4;
 /// First line of every table.
 const MARKER: &str = "# stickslip readings";
-/// Maximum number of neighbours in a ball of a tenth of the spread.
-const MANY: usize = 400;
 
 impl Plan {
     /// All readings, over the time window of the paper.
@@ -146,7 +131,7 @@ impl Plan {
             published,
             target,
             search: search_settings(),
-            spread: of_spread(spread_settings()),
+            spread: with_spread_unit(spread_settings()),
         })
     }
 
@@ -171,7 +156,7 @@ impl Plan {
                 (Unit::Spread, settings(0.1, 40, 1, false)),
                 (Unit::Ranges, settings(0.2, 40, 3, true)),
             ],
-            spread: of_spread(vec![
+            spread: with_spread_unit(vec![
                 settings(0.1, 40, 3, false),
                 settings(0.2, 80, 2, false),
             ]),
@@ -210,19 +195,22 @@ impl Plan {
             ("points of the series", &self.points),
             ("time between points", &DT),
             ("tolerance of the exact solver", &TOLERANCE),
-            ("most steps of the solver", &MOST_STEPS),
+            ("most steps of the solver", &STEP_LIMIT),
             ("bound beyond which an orbit has escaped", &DIVERGED),
             ("equal points of the section, exact", &same),
-            ("equal points of the section, in-place", &SAME),
-            ("dimension below which a section is a curve", &CURVE),
+            ("equal points of the section, in-place", &SECTION_TOLERANCE),
+            (
+                "dimension below which a section is a curve",
+                &CURVE_DIMENSION,
+            ),
             (
                 "uncertainty up to which an exponent can be zero",
                 &resolution,
             ),
             ("captions", &joined(captions, "; ")),
             ("published exponents", &numbers(self.target.as_flattened())),
-            ("distance floor", &FLOOR),
-            ("distance cap", &CAP),
+            ("distance floor", &ZERO_SIZE),
+            ("distance cap", &DIFFERENCE_CAP),
         ];
         let line = |(name, value): &(&str, &dyn Display)| format!("# {name} = {value}\n");
         let lines: String = common.iter().map(line).collect();
@@ -251,7 +239,7 @@ fn groups(readings: &[Reading], integrators: &[Integrator]) -> Vec<Group> {
     readings.iter().flat_map(with).collect()
 }
 
-/// All signs, clipped or not, with the three consistent pairs of amplitude and unloading; and the
+/// All signs, clipped or not, with the three consistent pairs of amplitude and unloading. Also the
 /// captions' numbers in the order of their heading, with μ0 = 1.
 fn readings() -> Vec<Reading> {
     let scalings = [
@@ -305,90 +293,6 @@ pub fn reading_name(reading: &Reading) -> String {
     format!("{x3}x3 {friction}T; amplitude {amplitude}; unloading {unloading}; {contact}; {order}")
 }
 
-/// Reference points from the whole series, so far apart that each map begins where the previous one
-/// ends. The search varies the neighbourhoods itself and needs no second estimate of each.
-pub(super) fn everywhere(step: usize) -> DataSettings {
-    DataSettings {
-        step,
-        stride: step,
-        references: None,
-        sensitivity: false,
-        ..DataSettings::sano_sawada()
-    }
-}
-
-fn settings(eps: f64, max: usize, step: usize, affine: bool) -> DataSettings {
-    DataSettings {
-        neighbours: Neighbourhood::Ball { eps, min: 12, max },
-        step,
-        affine,
-        ..everywhere(step)
-    }
-}
-
-pub fn of_spread(settings: Vec<DataSettings>) -> Vec<Setting> {
-    let all = settings.into_iter();
-    all.map(|one| (Unit::Spread, one)).collect()
-}
-
-fn search_settings() -> Vec<Setting> {
-    let ridge = |ridge, settings| DataSettings { ridge, ..settings };
-    let mut all = of_spread(vec![
-        settings(0.02, 40, 5, false),
-        settings(0.05, 100, 1, true),
-        ridge(1e-6, settings(0.05, 100, 3, false)),
-        ridge(1e-3, settings(0.05, 100, 3, true)),
-        settings(0.1, MANY, 1, false),
-        settings(0.1, MANY, 3, true),
-        ridge(1e-2, settings(0.1, MANY, 3, true)),
-        // A thousand reference points: λ2 of Fig. 10 looks like a transient of that length.
-        settings(0.02, 40, 45, false),
-        // Consecutive reference points: all of them, and the first thousand.
-        DataSettings {
-            stride: 1,
-            ..settings(0.05, 100, 3, false)
-        },
-        DataSettings {
-            references: Some(1000),
-            ..settings(0.1, MANY, 1, false)
-        },
-    ]);
-    all.extend([
-        (Unit::Absolute, settings(0.2, MANY, 1, true)),
-        (Unit::Absolute, settings(0.05, 100, 3, false)),
-        (Unit::Ranges, settings(0.1, MANY, 3, true)),
-    ]);
-    all
-}
-
-/// The name of settings in the table.
-pub fn settings_name((unit, settings): &Setting) -> String {
-    let unit = match unit {
-        Unit::Spread => "",
-        Unit::Absolute => " absolute",
-        Unit::Ranges => " of ranges",
-    };
-    let neighbours = match settings.neighbours {
-        Neighbourhood::Ball { eps, min, max } => format!("eps={eps}{unit} neighbours={min}-{max}"),
-        Neighbourhood::Nearest(k) => format!("nearest={k}"),
-    };
-    let fit = if settings.affine { "affine" } else { "linear" };
-    let or = |value: Option<usize>, none: &str| value.map_or(none.to_owned(), |v| v.to_string());
-    let DataSettings {
-        step,
-        stride,
-        ridge,
-        rank_tolerance,
-        ..
-    } = settings;
-    let [theiler, rank] = [settings.theiler, settings.fixed_rank].map(|one| or(one, "auto"));
-    let references = or(settings.references, "all");
-    format!(
-        "{neighbours} d={step} stride={stride} {fit} ridge={ridge:e} theiler={theiler} rank={rank} \
-            rank-tolerance={rank_tolerance:e} references={references}"
-    )
-}
-
 /// The keys of a group's rows, in order.
 pub fn keys(plan: &Plan, group: &Group) -> Vec<[String; 4]> {
     let (reading, integrator) = (reading_name(&group.reading), group.integrator.name());
@@ -396,55 +300,4 @@ pub fn keys(plan: &Plan, group: &Group) -> Vec<[String; 4]> {
         [part, &reading, &integrator, &settings_name(&settings)].map(str::to_owned)
     };
     plan.settings_of(group).into_iter().map(key).collect()
-}
-
-/// Neighbourhoods by count and by radius, none so small that it starves. A radius is a fraction of
-/// the signal's spread.
-const NEIGHBOURHOODS: [Neighbourhood; 5] = [
-    Neighbourhood::Nearest(12),
-    Neighbourhood::Nearest(40),
-    Neighbourhood::Nearest(120),
-    ball(0.1, 12, MANY),
-    ball(0.2, 40, 2 * MANY),
-];
-
-const fn ball(eps: f64, min: usize, max: usize) -> Neighbourhood {
-    Neighbourhood::Ball { eps, min, max }
-}
-
-/// `d` of Eq. (25).
-const STEPS: [usize; 3] = [1, 3, 5];
-/// Regularization of the inverse in Eq. (25).
-const RIDGES: [f64; 2] = [0.0, 1e-3];
-
-/// Reasonable choices of a reader of Eq. (25): all combinations of neighbourhoods, steps and
-/// regularization, with affine maps and reference points from the whole series.
-pub fn spread_settings() -> Vec<DataSettings> {
-    let of = |neighbours: Neighbourhood, step, ridge| DataSettings {
-        neighbours,
-        ridge,
-        affine: true,
-        ..everywhere(step)
-    };
-    let steps = |neighbours| {
-        let ridges = move |step| RIDGES.map(move |ridge| of(neighbours, step, ridge));
-        STEPS.into_iter().flat_map(ridges)
-    };
-    NEIGHBOURHOODS.into_iter().flat_map(steps).collect()
-}
-
-/// The settings in words.
-pub fn described() -> String {
-    let (mut nearest, mut balls) = (Vec::new(), Vec::new());
-    for one in NEIGHBOURHOODS {
-        match one {
-            Neighbourhood::Nearest(k) => nearest.push(k),
-            Neighbourhood::Ball { eps, min, max } => {
-                balls.push(format!("eps {eps} with {min} to {max}"));
-            }
-        }
-    }
-    let (nearest, balls) = (joined(nearest, ", "), joined(balls, ", "));
-    let (steps, ridges) = (joined(STEPS, ", "), joined(RIDGES, ", "));
-    format!("the nearest {nearest} neighbours or {balls}; d = {steps}; ridge {ridges}; affine maps")
 }

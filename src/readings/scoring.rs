@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use super::plan::{CAP, Exponents, FLOOR, Group, SEARCH, ZERO};
+use super::plan::{DIFFERENCE_CAP, Exponents, Group, SEARCH, ZERO_SIZE};
 use super::table::{ConfigurationRow, OrbitVerdict, Twelve};
 use crate::numbers::{extent, median};
 use stickslip_series::Status;
@@ -11,8 +11,8 @@ use stickslip_series::Status;
 /// Root mean square of the differences over some figures (0, 1, 2).
 pub fn distance(values: &Twelve, wanted: &Twelve, figures: &[usize]) -> f64 {
     let square = |(value, wanted): (&f64, &f64)| {
-        let difference = (value - wanted).abs() / (wanted.abs() + FLOOR);
-        let bounded = difference.min(CAP);
+        let difference = (value - wanted).abs() / (wanted.abs() + ZERO_SIZE);
+        let bounded = difference.min(DIFFERENCE_CAP);
         bounded * bounded
     };
     let of_figure = |&f: &usize| values[f].iter().zip(&wanted[f]).map(square).sum::<f64>();
@@ -49,7 +49,7 @@ impl<'a> RowsByRole<'a> {
         let mut pairs = search.clone();
         pairs.dedup_by(|one, other| one.key[1..3] == other.key[1..3]);
         RowsByRole {
-            kept: of(&|row| competes(row) && row.keeps_all()),
+            kept: of(&|row| competes(row) && row.all_bounded()),
             ranked: of(&|row| competes(row) && row.is_ranked()),
             recommended: of(&|row| Group::recommended().has(row)),
             search,
@@ -78,7 +78,7 @@ pub fn sources_in_words([readings, integrators, settings]: [usize; 3]) -> String
 }
 
 /// Number of settings, tried with the recommended reading, that confirm the statements of Sect. 5.2
-/// on exponents. An exponent of size up to [`ZERO`] counts as zero.
+/// on exponents. An exponent of size up to [`ZERO_SIZE`] counts as zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ConfirmedStatements {
     /// Each figure has a zero exponent.
@@ -94,11 +94,11 @@ impl ConfirmedStatements {
     pub fn count(rows: &[&ConfigurationRow]) -> ConfirmedStatements {
         let with =
             |is: &dyn Fn(&Twelve) -> bool| rows.iter().filter(|row| is(&row.exponents)).count();
-        let zero = |value: &f64| value.abs() <= ZERO;
+        let zero = |value: &f64| value.abs() <= ZERO_SIZE;
         ConfirmedStatements {
             zero: with(&|all| all.iter().all(|four| four.iter().any(zero))),
             two_zeros: with(&|all| all[1][..2].iter().all(zero)),
-            positive: with(&|all| all[2][0] > ZERO),
+            positive: with(&|all| all[2][0] > ZERO_SIZE),
         }
     }
 }
@@ -106,7 +106,7 @@ impl ConfirmedStatements {
 /// Pairs of reading and integrator. Each pair has one class for each figure, whatever the
 /// estimator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Pairs {
+pub struct PairCounts {
     /// Number of pairs.
     pub all: usize,
     /// Pairs whose three motions stay bounded and can be integrated.
@@ -122,14 +122,14 @@ pub struct Pairs {
     pub kinds: usize,
 }
 
-impl Pairs {
+impl PairCounts {
     /// Counts over one row for each pair.
-    pub fn count(pairs: &[&ConfigurationRow]) -> Pairs {
+    pub fn count(pairs: &[&ConfigurationRow]) -> PairCounts {
         let with =
             |has: &dyn Fn(&ConfigurationRow) -> bool| pairs.iter().filter(|row| has(row)).count();
-        Pairs {
+        PairCounts {
             all: pairs.len(),
-            kept: with(&ConfigurationRow::keeps_all),
+            kept: with(&ConfigurationRow::all_bounded),
             class: [0, 1, 2].map(|f| with(&|row| row.classes[f].is_published(f))),
             classes: with(&|row| row.right(OrbitVerdict::is_published) == 3),
             kind: [0, 1, 2].map(|f| with(&|row| row.classes[f].is_of_kind(f))),
@@ -157,7 +157,7 @@ pub fn for_each_exponent<T>(of: impl Fn((usize, usize)) -> T) -> [[T; 4]; 3] {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExponentSpread {
     /// The finite values from settings that identify it; `None` if there is none.
-    pub values: Option<Values>,
+    pub values: Option<ValueRange>,
     /// Number of settings.
     pub settings: usize,
     /// Settings whose neighbours do not span the direction: the exponent is
@@ -166,12 +166,12 @@ pub struct ExponentSpread {
     /// Settings for which it is [`Status::Starved`] or [`Status::Unpredictable`].
     pub doubtful: usize,
     /// Settings that give the published digits, identified or not.
-    pub met: usize,
+    pub agreeing: usize,
 }
 
 /// Finite values of an exponent (1/t).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Values {
+pub struct ValueRange {
     /// Minimum.
     pub least: f64,
     /// Median; for an even count, the mean of the middle two.
@@ -201,7 +201,7 @@ impl ExponentSpread {
         let finite: Vec<f64> = finite.filter(|value| value.is_finite()).collect();
         let (least, largest) = extent(finite.iter().copied());
         ExponentSpread {
-            values: median(&finite).map(|median| Values {
+            values: median(&finite).map(|median| ValueRange {
                 least,
                 median,
                 largest,
@@ -209,7 +209,7 @@ impl ExponentSpread {
             settings: rows.len(),
             unidentified: having(&[Status::Unidentified]),
             doubtful: having(&[Status::Starved, Status::Unpredictable]),
-            met: count_matching(rows, (figure, k), published),
+            agreeing: count_matching(rows, (figure, k), published),
         }
     }
 }
@@ -224,11 +224,11 @@ mod tests {
         let target = Plan::full().unwrap().target;
         // One exponent of twelve is off by half its size with the floor: the root of 0.25/12.
         let mut off = target;
-        off[2][0] += 0.5 * (target[2][0].abs() + FLOOR);
+        off[2][0] += 0.5 * (target[2][0].abs() + ZERO_SIZE);
         let wanted = (0.25_f64 / 12.0).sqrt();
         assert!((distance(&off, &target, &[0, 1, 2]) - wanted).abs() < 1e-12);
         assert_eq!(distance(&off, &target, &[0, 1]), 0.0);
         let none = [[f64::NAN, f64::NEG_INFINITY, 1e9, -1e9]; 3];
-        assert_eq!(distance(&none, &target, &[0, 1, 2]), CAP);
+        assert_eq!(distance(&none, &target, &[0, 1, 2]), DIFFERENCE_CAP);
     }
 }

@@ -1,8 +1,9 @@
 //! Integration and estimation for each configuration.
 
 use super::orbit::{Outcome, follow};
-use super::plan::{self, CAPTIONS, Group, Plan, Setting, Unit};
+use super::plan::{self, CAPTIONS, Group, Plan};
 use super::scoring::scores;
+use super::settings::{Setting, Unit};
 use super::table::{self, ConfigurationRow, OrbitVerdict};
 use crate::figures::block_and_bracket::DT;
 use crate::numbers::extent;
@@ -46,7 +47,7 @@ fn with_spread(rows: &[[f64; 4]]) -> Option<(Series, f64)> {
 pub fn group_rows(group: &Group, plan: &Plan) -> Vec<ConfigurationRow> {
     let outcomes = CAPTIONS.map(|caption| follow(group, &caption, plan));
     let classes = outcomes.each_ref().map(Outcome::verdict);
-    let kept = classes.iter().all(|class| class.stays());
+    let kept = classes.iter().all(|class| class.is_bounded());
     let (mut sizes, mut series) = ([[f64::NAN; 2]; 3], [const { Err(table::NO_SERIES) }; 3]);
     for (figure, outcome) in outcomes.iter().enumerate() {
         let Outcome::Bounded(motion) = outcome else {
@@ -126,7 +127,7 @@ fn spectrum(scaled: &Scaled, (unit, settings): &Setting) -> FourExponents {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::readings::plan::everywhere;
+    use crate::readings::settings::everywhere;
     use stickslip::math;
 
     /// A torus with two incommensurate frequencies, one of them in columns of another scale.

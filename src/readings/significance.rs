@@ -1,6 +1,6 @@
 //! Distances of rows from the published exponents, compared with distances from other targets.
 
-use super::plan::ZERO;
+use super::plan::ZERO_SIZE;
 use super::scoring::distance;
 use super::table::{ConfigurationRow, Twelve};
 use crate::paper::published::HALF_DIGIT;
@@ -9,13 +9,13 @@ use stickslip::statistics::SplitMix;
 
 /// Smallest and largest size of a random negative exponent, a little wider than the published
 /// range. Its logarithm is uniform.
-pub const NEGATIVE: (f64, f64) = (0.003, 1.0);
+pub const NEGATIVE_SIZES: (f64, f64) = (0.003, 1.0);
 /// Smallest and largest random positive exponent, around the published one. Its logarithm is
 /// uniform.
-pub const POSITIVE: (f64, f64) = (0.001, 0.05);
+pub const POSITIVE_SIZES: (f64, f64) = (0.001, 0.05);
 /// Significance level (%). A match is rare if at most this share of either kind of targets is
 /// matched as well.
-const RARE: f64 = 5.0;
+const SIGNIFICANCE_LEVEL: f64 = 5.0;
 
 /// Seed of the random targets, the same in every run: the paper's year, volume and pages.
 const SEED: u64 = 0x2013_0073_0723_0736;
@@ -36,9 +36,9 @@ impl Targets {
     /// A spectrum of each of the published classes.
     fn target(&mut self) -> Twelve {
         let mut draw = |sign| match sign {
-            b'0' => ZERO * (2.0 * self.0.uniform() - 1.0),
-            b'-' => -self.logarithmic(NEGATIVE.0, NEGATIVE.1),
-            _ => self.logarithmic(POSITIVE.0, POSITIVE.1),
+            b'0' => ZERO_SIZE * (2.0 * self.0.uniform() - 1.0),
+            b'-' => -self.logarithmic(NEGATIVE_SIZES.0, NEGATIVE_SIZES.1),
+            _ => self.logarithmic(POSITIVE_SIZES.0, POSITIVE_SIZES.1),
         };
         let mut all = [*b"0---", *b"00--", *b"+0--"].map(|signs| signs.map(&mut draw));
         for row in &mut all {
@@ -63,21 +63,24 @@ pub fn nearest<'a>(
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Share {
     /// Targets matched.
-    pub met: usize,
+    pub matched: usize,
     /// Targets tried.
     pub of: usize,
 }
 
 impl Share {
-    fn count(met: impl Iterator<Item = bool>) -> Share {
-        let all: Vec<bool> = met.collect();
-        let met = all.iter().filter(|met| **met).count();
-        Share { met, of: all.len() }
+    fn count(matched: impl Iterator<Item = bool>) -> Share {
+        let all: Vec<bool> = matched.collect();
+        let matched = all.iter().filter(|one| **one).count();
+        Share {
+            matched,
+            of: all.len(),
+        }
     }
 
     /// In per cent.
     pub fn percent(&self) -> f64 {
-        100.0 * self.met as f64 / self.of.max(1) as f64
+        100.0 * self.matched as f64 / self.of.max(1) as f64
     }
 
     /// The probability, in per cent, that the best of three figures is matched so well (Šidák
@@ -143,23 +146,25 @@ impl MatchLevel {
             3 => self.random.best_of_three(),
             _ => self.random.percent(),
         };
-        random <= RARE && self.readings.of > 0 && self.readings.percent() <= RARE
+        random <= SIGNIFICANCE_LEVEL
+            && self.readings.of > 0
+            && self.readings.percent() <= SIGNIFICANCE_LEVEL
     }
 }
 
-/// Whether the exponents have the signs of the target's. One of size up to [`ZERO`] counts as zero
-/// and may have either sign.
+/// Whether the exponents have the signs of the target's. One of size up to [`ZERO_SIZE`] counts as
+/// zero and may have either sign.
 fn has_signs_of(row: &ConfigurationRow, target: &Twelve, figures: &[usize]) -> bool {
     figures.iter().all(|&f| {
         let mut pairs = row.exponents[f].iter().zip(&target[f]);
         pairs.all(|(found, wanted)| {
-            found.is_finite() && (wanted.abs() <= ZERO || found * wanted > 0.0)
+            found.is_finite() && (wanted.abs() <= ZERO_SIZE || found * wanted > 0.0)
         })
     })
 }
 
 /// For each figure alone: its level among all rows, and the nearest row. `None` without rows.
-pub fn alone<'a>(
+pub fn single_figure_levels<'a>(
     search: &[&'a ConfigurationRow],
     target: &Twelve,
     draws: usize,
@@ -176,7 +181,7 @@ pub fn alone<'a>(
 
 /// Number of random targets for exponent `k` of a figure that at least `wanted` rows match to the
 /// printed digits.
-pub fn digits(
+pub fn digits_share(
     rows: &[&ConfigurationRow],
     (figure, k): (usize, usize),
     wanted: usize,
@@ -223,35 +228,38 @@ mod tests {
         let of = |rows: &[&ConfigurationRow]| {
             MatchLevel::of(rows, rows, (&target, &[0, 1, 2]), 10).readings
         };
-        assert_eq!(of(&all), Share { met: 3, of: 3 });
+        assert_eq!(of(&all), Share { matched: 3, of: 3 });
         // A single reading has no other reading to match it, so it is not a target.
-        assert_eq!(of(&all[1..]), Share { met: 0, of: 0 });
+        assert_eq!(of(&all[1..]), Share { matched: 0, of: 0 });
         // The same spectrum under another name is not another reading.
         let twin = row("c", 0.901);
-        assert_eq!(of(&[&twin, all[1]]), Share { met: 0, of: 0 });
+        assert_eq!(of(&[&twin, all[1]]), Share { matched: 0, of: 0 });
         // A spectrum with another pattern of signs is not a target.
         let other = row("a", -0.9);
-        assert_eq!(of(&[&other, all[1]]), Share { met: 0, of: 1 });
+        assert_eq!(of(&[&other, all[1]]), Share { matched: 0, of: 1 });
     }
 
     #[test]
     fn three_looks_count_as_three() {
-        let share = Share { met: 1, of: 100 };
+        let share = Share {
+            matched: 1,
+            of: 100,
+        };
         assert!((share.best_of_three() - 2.9701).abs() < 1e-10);
         let level = |random, readings| MatchLevel {
             published: 0.1,
             random: Share {
-                met: random,
+                matched: random,
                 of: 100,
             },
             readings: Share {
-                met: readings,
+                matched: readings,
                 of: 100,
             },
         };
         assert!(level(1, 5).is_rare(3) && level(5, 5).is_rare(1));
         assert!(!level(2, 5).is_rare(3) && !level(1, 6).is_rare(1));
-        let without = Share { met: 0, of: 0 };
+        let without = Share { matched: 0, of: 0 };
         let untested = MatchLevel {
             readings: without,
             ..level(1, 0)

@@ -38,9 +38,9 @@ impl<'a> Store<'a> {
         if !plan.heading().starts_with(&text) {
             same_search(&text, plan, path)?;
         }
-        let whole = text.rfind('\n').map_or("", |end| &text[..end]);
+        let complete = text.rfind('\n').map_or("", |end| &text[..end]);
         let sound = |row: &ConfigurationRow| row.scores == scores(&row.exponents, &plan.target);
-        let rows: Vec<ConfigurationRow> = whole
+        let rows: Vec<ConfigurationRow> = complete
             .lines()
             .filter_map(ConfigurationRow::parse)
             .filter(sound)

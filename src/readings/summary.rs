@@ -1,23 +1,27 @@
 //! The results of the search in words: `readings.txt`.
 
-use super::plan::{CAP, FLOOR, Plan, SEARCH, ZERO, described};
+use super::plan::{DIFFERENCE_CAP, Plan, SEARCH, ZERO_SIZE};
 use super::scoring::{
-    ExponentSpread, Pairs, RowsByRole, count_matching, for_each_exponent, sources, sources_in_words,
+    ExponentSpread, PairCounts, RowsByRole, count_matching, for_each_exponent, sources,
+    sources_in_words,
 };
 use super::search;
+use super::settings::spread_in_words;
 use super::significance::{self, MatchLevel};
 use super::table::{ConfigurationRow, OrbitVerdict, Twelve};
 use crate::figures::block_and_bracket::DT;
 use crate::numbers::{extent, median};
+use crate::paper::published::LAST_DIGIT;
 use crate::text::distinct;
 
 /// The text of `readings.txt`.
 pub fn summary(plan: &Plan, rows: &[ConfigurationRow]) -> String {
     let rows = RowsByRole::of(rows);
     let mut text = tried(plan, rows.search.len());
-    if let Some(alone) = significance::alone(&rows.search, &plan.target, plan.draws) {
+    let levels = significance::single_figure_levels(&rows.search, &plan.target, plan.draws);
+    if let Some(levels) = levels {
         text += &motions(&rows.pairs);
-        let each = alone.into_iter().enumerate();
+        let each = levels.into_iter().enumerate();
         text.extend(each.map(|(figure, one)| nearest(plan, figure, one)));
     }
     if !rows.kept.is_empty() {
@@ -49,28 +53,30 @@ fn tried(plan: &Plan, done: usize) -> String {
 
 /// The classes of the three motions, and Fig. 11 by each integrator.
 fn motions(pairs: &[&ConfigurationRow]) -> String {
-    let Pairs {
+    let PairCounts {
         all,
         kept,
         class: [c10, c11, c12],
         classes,
         kind: [k10, k11, k12],
         kinds,
-    } = Pairs::count(pairs);
+    } = PairCounts::count(pairs);
     let integrators = distinct(pairs.iter().map(|row| row.integrator()));
     let by_integrator = integrators.into_iter().map(|integrator| {
         let of = pairs.iter().copied();
         let of: Vec<&ConfigurationRow> = of.filter(|row| row.integrator() == integrator).collect();
-        let count = Pairs::count(&of);
+        let count = PairCounts::count(&of);
         let (all, kept, kinds, quasi_periodic) =
             (count.all, count.kept, count.kinds, count.kind[1]);
-        let stays: Vec<&&ConfigurationRow> =
-            of.iter().filter(|row| row.classes[1].stays()).collect();
+        let bounded: Vec<&&ConfigurationRow> = of
+            .iter()
+            .filter(|row| row.classes[1].is_bounded())
+            .collect();
         let range = |size: usize| {
-            let (least, most) = extent(stays.iter().map(|row| row.sizes[1][size]));
+            let (least, most) = extent(bounded.iter().map(|row| row.sizes[1][size]));
             format!("{least:.2} to {most:.2}")
         };
-        let of_fig11 = match stays.len() {
+        let of_fig11 = match bounded.len() {
             0 => "stays in none".to_owned(),
             count => format!("{quasi_periodic} of {count}, {}, {}", range(0), range(1)),
         };
@@ -87,8 +93,8 @@ fn motions(pairs: &[&ConfigurationRow]) -> String {
          Fig. 11 where it stays: how often it is quasi-periodic,\n\
          half the extent of x1, correlation dimension of the section:\n\
          {by_integrator}\n\
-         Distance: root mean square of |found - published| / (|published| + {FLOOR}), each at most \
-         {CAP}; a missing or infinite exponent counts {CAP}.\n\
+         Distance: root mean square of |found - published| / (|published| + {ZERO_SIZE}), each at \
+         most {DIFFERENCE_CAP}; a missing or infinite exponent counts {DIFFERENCE_CAP}.\n\
          Exponents in descending order, those marked ? (unidentified) or * (starved or \
          unpredictable) included.\n\n"
     )
@@ -181,7 +187,11 @@ fn joint_chance_levels(plan: &Plan, rows: &RowsByRole) -> String {
         let figures = (&plan.target, &[0, 1, 2][..]);
         text += &level_of(&MatchLevel::of(of, &rows.kept, figures, plan.draws));
     }
-    let (zero, negative, positive) = (ZERO, significance::NEGATIVE, significance::POSITIVE);
+    let (zero, negative, positive) = (
+        ZERO_SIZE,
+        significance::NEGATIVE_SIZES,
+        significance::POSITIVE_SIZES,
+    );
     text + &format!(
         "Random targets: a zero exponent evenly from -{zero} to {zero}; a negative one from -{} to \
          -{}, a positive one from {} to {}, their logarithms\n\
@@ -204,17 +214,17 @@ fn level_of(level: &MatchLevel) -> String {
     format!(
         "  distance {published:.3}; as near or nearer are {} of {} random targets ({of_random:.2} \
             %) and {} of {} spectra that other readings give ({of_readings:.1} %)\n",
-        random.met, random.of, readings.met, readings.of,
+        random.matched, random.of, readings.matched, readings.of,
     )
 }
 
 fn own_spread(plan: &Plan, spread: &[&ConfigurationRow]) -> String {
     let (reading, integrator) = (spread[0].reading(), spread[0].integrator());
-    let (count, described) = (spread.len(), described());
+    let (count, settings) = (spread.len(), spread_in_words());
     let mut text = format!(
         "The estimator's own spread: the recommended reading ({reading}; {integrator}) under \
          {count} settings\n\
-         ({described}; and those of the search), same three series throughout; ranges of the \
+         ({settings}; and those of the search), same three series throughout; ranges of the \
          settings that identify the exponent:\n  \
          exponent          min    median       max   published   unidentified   starved or \
          unpredictable   published digits\n"
@@ -232,16 +242,16 @@ fn own_spread(plan: &Plan, spread: &[&ConfigurationRow]) -> String {
             None => format!("  identified by none {published:>21.4}"),
         };
         let (figure, k) = (figure + 10, k + 1);
-        let (unidentified, all, doubtful, met) =
-            (of.unidentified, of.settings, of.doubtful, of.met);
+        let (unidentified, all, doubtful, agreeing) =
+            (of.unidentified, of.settings, of.doubtful, of.agreeing);
         text += &format!(
             "  fig{figure}.lambda.{k} {values}   {unidentified:>2} of {all:<15} {doubtful:<26} \
-                {met}\n"
+                {agreeing}\n"
         );
     }
     if let Some(median) = median(&widths) {
         let (least, most) = extent(widths.iter().copied());
-        let (count, units) = (widths.len(), median / 1e-4);
+        let (count, units) = (widths.len(), median / LAST_DIGIT);
         text += &format!(
             "The settings, which the paper does not state, move the {count} exponents that some of \
              them identify by {least:.4} to {most:.4}, median {median:.4}:\n\

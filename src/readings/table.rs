@@ -42,7 +42,7 @@ impl OrbitVerdict {
     }
 
     /// Whether the orbit stays bounded.
-    pub fn stays(self) -> bool {
+    pub fn is_bounded(self) -> bool {
         matches!(self, OrbitVerdict::Motion(_))
     }
 }
@@ -94,6 +94,7 @@ pub const NO_SERIES: &str = "no series";
 pub const READING_LOST: &str = "reading lost";
 /// Why an exponent is missing: the estimator gives none.
 pub const NO_ESTIMATE: &str = "no estimate";
+/// Key, three figures of class, two sizes and four exponents with their status, and six scores.
 const FIELDS: usize = 4 + 3 * 11 + 6;
 
 /// The motions of the other two figures in words; `figure` is 0, 1 or 2.
@@ -170,9 +171,9 @@ impl ConfigurationRow {
         self.right(OrbitVerdict::is_of_kind) == 3
     }
 
-    /// Whether all three motions stay.
-    pub fn keeps_all(&self) -> bool {
-        self.classes.iter().all(|class| class.stays())
+    /// Whether all three motions stay bounded.
+    pub fn all_bounded(&self) -> bool {
+        self.classes.iter().all(|class| class.is_bounded())
     }
 
     /// Number of motions of the published class ([`OrbitVerdict::is_published`]) or kind
@@ -260,8 +261,8 @@ mod tests {
     fn loops_count_for_the_class_and_not_for_the_kind() {
         let one_loop: OrbitVerdict = "periodic".parse().unwrap();
         assert!(one_loop.is_of_kind(0) && !one_loop.is_published(0));
-        assert!(!one_loop.is_of_kind(1) && one_loop.stays());
-        assert!(!OrbitVerdict::Escaped.stays());
+        assert!(!one_loop.is_of_kind(1) && one_loop.is_bounded());
+        assert!(!OrbitVerdict::Escaped.is_bounded());
     }
 
     #[test]

@@ -7,8 +7,9 @@
 //! step goes to zero ([`Approach`]). The difference at the printed step must be the listing's own
 //! step error, which is measured without the injected solver ([`StepError`]).
 
-use super::convergence::{Approach, Convergence, PRINTED_STEP};
+use super::convergence::{Approach, Convergence};
 use crate::numbers::not_found;
+use crate::paper::listing::PRINTED_STEP;
 use crate::paper::pattern::Pattern;
 use crate::paper::published::HALF_DIGIT;
 use crate::paper::slip_times_three::{InjectedDefects, settled};

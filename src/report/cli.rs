@@ -14,9 +14,9 @@ use crate::paper::published::Claims;
 use crate::terminal;
 use output::{Artifact, listing, write_all};
 
-const ABOUT: &str = "Computes what becomes of every claim of the paper, and why: values under each \
-    reading, digits in agreement, verdict, evidence; the matrix of the listing's defects, its \
-    convergence, a scan of parameters, the misprints.";
+const ABOUT: &str = "Judges every claim of the paper by computation: values under each reading, \
+    digits in agreement, verdict, evidence; the matrix of the listing's defects, its convergence, \
+    a scan of parameters, the misprints.";
 
 const AFTER: &str = "\
 Files written:

@@ -4,10 +4,10 @@ use rayon::prelude::*;
 use stickslip::statistics::PowerLaw;
 
 use super::digits::Agreement;
-use super::matrix::{Cell, four_digits};
+use super::matrix::{ComparedRun, four_digits};
 use crate::numbers::{extent, largest};
-use crate::paper::listing::Defects;
-use crate::paper::published::Claims;
+use crate::paper::listing::{Defects, PRINTED_STEP};
+use crate::paper::published::{Claims, LAST_DIGIT};
 use crate::text::joined;
 
 /// Steps (s), from ten times the printed one to a hundredth of it. The finest take longest and come
@@ -30,29 +30,27 @@ const STEPS: [f64; 16] = [
     7e-4,
     1e-3,
 ];
-/// Steps below this are fine (s), finer than a tenth of the printed one. They test the bound
-/// obtained from the others.
-pub const FINE: f64 = 0.99e-5;
+/// Steps below this (s) are fine. They test the bound obtained from the others.
+const FINE_STEP: f64 = PRINTED_STEP / 10.0;
 /// Allowed deviation of a fitted slope from one for first order. The error scatters between zero
-/// and its bound, so that a slope over three decades is not more accurate.
-pub const SLOPE_OFF: f64 = 0.25;
+/// and its bound, so that slopes over three decades have standard errors of 0.1 to 0.15. An order
+/// of one half or of two is off by 0.5 or more.
+pub const SLOPE_TOLERANCE: f64 = 0.25;
 /// Number of steps around the printed one, half a per cent apart, with the printed one in the
 /// middle.
-const AROUND: usize = 21;
-/// Largest relative difference from the printed step. It is large enough for the grid of steps to
-/// meet Σ at any phase.
-pub const REACH: f64 = 0.05;
-/// The printed step (s).
-pub const PRINTED_STEP: f64 = 1e-4;
+const NEIGHBOURS: usize = 21;
+/// Largest relative difference of these from the printed step. The 600 000 steps of a run then meet
+/// Σ at any phase.
+pub const NEIGHBOUR_RANGE: f64 = 0.05;
 
 /// Number of runs.
-pub const RUNS: usize = STEPS.len() + AROUND;
+pub const RUNS: usize = STEPS.len() + NEIGHBOURS;
 
 /// Convergence of one of the four numbers as the step goes to zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Approach {
-    /// The bound C of |error| ≤ C h: the largest |error|/h over all steps except the printed one,
-    /// including those around it (m/s for a length, 1 for a duration).
+    /// The bound C of |error| ≤ C h (m/s for a length, 1 for a duration). It is the largest
+    /// |error|/h over all steps except the printed one, including those around it.
     pub bound: f64,
     /// The same over the steps of at least 1e-5 s.
     pub coarse: f64,
@@ -83,8 +81,8 @@ impl Approach {
         let law = PowerLaw::through(sizes.iter().copied());
         Approach {
             bound: largest_ratio(|_| true),
-            coarse: largest_ratio(|h| h >= FINE),
-            fine: largest_ratio(|h| h < FINE),
+            coarse: largest_ratio(|h| h >= FINE_STEP),
+            fine: largest_ratio(|h| h < FINE_STEP),
             slope: law.exponent,
             slope_error: law.std_error,
         }
@@ -93,7 +91,7 @@ impl Approach {
     /// Whether the errors vanish at first order. The slope must be near one, and the errors of fine
     /// steps must be within the bound of the others.
     pub fn first_order(&self) -> bool {
-        (self.slope - 1.0).abs() <= SLOPE_OFF && self.fine <= self.coarse
+        (self.slope - 1.0).abs() <= SLOPE_TOLERANCE && self.fine <= self.coarse
     }
 }
 
@@ -107,9 +105,9 @@ pub struct Convergence {
     /// cause, the others to the step.
     pub limit_digits: [Agreement; 4],
     /// Over three decades of steps, in ascending order.
-    pub steps: Vec<Cell>,
+    pub steps: Vec<ComparedRun>,
     /// Around the printed step, in ascending order.
-    pub around: Vec<Cell>,
+    pub around: Vec<ComparedRun>,
     /// Convergence of each number to the limit.
     pub approach: [Approach; 4],
     /// Convergence of each number to the listing's own value at the finest step, over the other
@@ -120,17 +118,17 @@ pub struct Convergence {
 impl Convergence {
     /// Runs the listing as printed at all steps and calls `tick` after each.
     pub fn compute(claims: &Claims, limit: [f64; 4], tick: &(dyn Fn() + Sync)) -> Convergence {
-        let middle = (AROUND / 2) as f64;
-        let around =
-            (0..AROUND).map(|k| PRINTED_STEP * (1.0 + REACH * (k as f64 - middle) / middle));
+        let middle = (NEIGHBOURS / 2) as f64;
+        let around = (0..NEIGHBOURS)
+            .map(|k| PRINTED_STEP * (1.0 + NEIGHBOUR_RANGE * (k as f64 - middle) / middle));
         let all: Vec<f64> = STEPS.into_iter().chain(around).collect();
         let run = |&h: &f64| {
-            let cell = Cell::run(claims, Defects::AS_PRINTED, h);
+            let cell = ComparedRun::run(claims, Defects::AS_PRINTED, h);
             tick();
             cell
         };
         let runs = all.par_iter().with_max_len(1).map(run);
-        let mut steps: Vec<Cell> = runs.collect();
+        let mut steps: Vec<ComparedRun> = runs.collect();
         let around = steps.split_off(STEPS.len());
         Convergence::new(limit, four_digits(claims, &limit), steps, around)
     }
@@ -139,12 +137,12 @@ impl Convergence {
     pub fn new(
         limit: [f64; 4],
         limit_digits: [Agreement; 4],
-        steps: Vec<Cell>,
-        around: Vec<Cell>,
+        steps: Vec<ComparedRun>,
+        around: Vec<ComparedRun>,
     ) -> Convergence {
         let own = steps.first().and_then(|finest| finest.numbers);
         let finest = steps.first().map_or(0.0, |finest| finest.h);
-        let own_errors = |steps: &[Cell], i: usize| -> Vec<(f64, f64)> {
+        let own_errors = |steps: &[ComparedRun], i: usize| -> Vec<(f64, f64)> {
             let limit = own.unwrap_or([f64::NAN; 4]);
             // The finest step has its own step error, so that a difference is compared with the sum
             // of both steps.
@@ -152,7 +150,7 @@ impl Convergence {
             errors.map(|(h, e)| (h, e * h / (h + finest))).collect()
         };
         let coarser = steps.get(1..).unwrap_or_default();
-        let to_limit = |steps: &[Cell], i| errors(steps, &limit, i);
+        let to_limit = |steps: &[ComparedRun], i| errors(steps, &limit, i);
         let fit = |i| Approach::fit(&to_limit(&steps, i), &to_limit(&around, i));
         let own = |i| Approach::fit(&own_errors(coarser, i), &own_errors(&around, i));
         Convergence {
@@ -166,12 +164,12 @@ impl Convergence {
     }
 
     /// The listing at the finest step.
-    pub fn finest(&self) -> Option<&Cell> {
+    pub fn finest(&self) -> Option<&ComparedRun> {
         self.steps.first()
     }
 
     /// The listing at the printed step.
-    pub fn printed(&self) -> Option<&Cell> {
+    pub fn printed(&self) -> Option<&ComparedRun> {
         self.steps.iter().find(|at| at.h == PRINTED_STEP)
     }
 
@@ -199,30 +197,30 @@ impl Convergence {
             [self.steps.last(), self.finest()].map(|at| at.map_or(0.0, |at| at.h));
         let bounds = each(|one| format!("{:.1}", one.bound));
         let slopes = each(|one| format!("{:.2} ± {:.2}", one.slope, one.slope_error));
-        let moved = (0..4).map(|i| format!("{:.1}", self.moved_around(i) / 1e-4));
+        let moved = (0..4).map(|i| format!("{:.1}", self.moved_around(i) / LAST_DIGIT));
         let (moved, around) = (joined(moved, ", "), self.around.len());
-        let (percent, with_digits) = (100.0 * REACH, self.steps_that_give_digits());
+        let (percent, with_digits) = (100.0 * NEIGHBOUR_RANGE, self.steps_that_give_digits());
         let give = if with_digits == 1 { "gives" } else { "give" };
         let limit = joined(self.limit_digits, ", ");
         format!(
-            "From h = {coarsest:e} to {finest:e} s the listing's four numbers keep within {bounds} \
-             h of the limit, the printed step left out of this fit; the slopes of log |error| \
-             against log h are {slopes}. Where the grid of steps meets Σ scatters the error \
-             between nothing and that bound: {around} steps within {percent} % of the printed one \
-             move the numbers by {moved} units of 1e-4, and {with_digits} of them {give} all four \
-             to all printed digits. The limit has {limit} of the printed digits."
+            "From h = {coarsest:e} to {finest:e} s the listing's four numbers stay within {bounds} \
+             h of the limit; the printed step is left out of this fit. The slopes of log |error| \
+             against log h are {slopes}. The error scatters between zero and that bound with the \
+             phase at which the grid of steps meets Σ: {around} steps within {percent} % of the \
+             printed one move the numbers by {moved} units of 1e-4, and {with_digits} of them \
+             {give} all four to all printed digits. The limit has {limit} of the printed digits."
         )
     }
 }
 
 /// Steps (s) and distances of number `i`, from 0, from the limit.
-pub(super) fn distances(steps: &[Cell], limit: &[f64; 4], i: usize) -> Vec<(f64, f64)> {
+pub(super) fn distances(steps: &[ComparedRun], limit: &[f64; 4], i: usize) -> Vec<(f64, f64)> {
     let signed = errors(steps, limit, i).into_iter();
     signed.map(|(h, e)| (h, e.abs())).collect()
 }
 
 /// Steps (s) and signed errors of number `i`.
-fn errors(steps: &[Cell], limit: &[f64; 4], i: usize) -> Vec<(f64, f64)> {
-    let of = |at: &Cell| Some((at.h, at.numbers?[i] - limit[i]));
+fn errors(steps: &[ComparedRun], limit: &[f64; 4], i: usize) -> Vec<(f64, f64)> {
+    let of = |at: &ComparedRun| Some((at.h, at.numbers?[i] - limit[i]));
     steps.iter().filter_map(of).collect()
 }

@@ -4,7 +4,9 @@ use std::fmt;
 
 use crate::paper::published::{Claim, Digits, scale};
 
-/// Digits of values that are published in closed form, as required by [`Claim::agrees`].
+/// Digits of values that are published in closed form: those that [`ROUNDING`] leaves.
+///
+/// [`ROUNDING`]: crate::numbers::ROUNDING
 const EXACT_DIGITS: u32 = 12;
 
 /// Agreement of a value with a published one.

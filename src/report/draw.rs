@@ -1,9 +1,11 @@
 //! The pictures of the listing's convergence and of the scan over parameters.
 
-use super::convergence::{Convergence, PRINTED_STEP, REACH, distances};
+use super::convergence::{Convergence, NEIGHBOUR_RANGE, distances};
 use super::figures::Picture;
-use super::scan::{Class, ParameterScan, Point, Scan};
+use super::scan::{ParameterPoint, ParameterScan, Scan, StartClass};
 use crate::figures::side_by_side;
+use crate::paper::listing::PRINTED_STEP;
+use crate::paper::published::LAST_DIGIT;
 use crate::text::joined;
 use plot::*;
 use stickslip::math;
@@ -21,7 +23,7 @@ fn about_convergence(data: &Convergence) -> String {
          steps within {} per cent of the printed one; at {good} of them all four lie within half a \
          unit.",
         joined(bounds, ", "),
-        100.0 * REACH
+        100.0 * NEIGHBOUR_RANGE
     )
 }
 
@@ -80,15 +82,15 @@ fn approach(data: &Convergence) -> Panel {
         panel.add(markers(&data.steps).size(6.0).legend(name));
         panel.add(markers(&data.around).size(2.5));
     }
-    let small = format!("small: steps within {} % of it", 100.0 * REACH);
+    let small = format!("small: steps within {} % of it", 100.0 * NEIGHBOUR_RANGE);
     panel.add(Markers::new([]).color(GREY).size(2.5).legend(&small));
     panel
 }
 
 fn around(data: &Convergence, published: [f64; 4]) -> Panel {
-    let units = |at: &super::matrix::Cell, i: usize| {
+    let units = |at: &super::matrix::ComparedRun, i: usize| {
         let x = 100.0 * (at.h / PRINTED_STEP - 1.0);
-        Some((x, (at.numbers?[i] - published[i]) / 1e-4))
+        Some((x, (at.numbers?[i] - published[i]) / LAST_DIGIT))
     };
     let of_step = |at| (0..4).filter_map(move |i| units(at, i));
     let all = data.around.iter().flat_map(of_step);
@@ -117,7 +119,8 @@ fn around(data: &Convergence, published: [f64; 4]) -> Panel {
 /// Description of the picture for screen readers.
 fn about_scan(scan: &Scan) -> String {
     let sticking = scan.printed().map_or(0, |point| {
-        point.counts[Class::StickSlip as usize] + point.counts[Class::StickSlipTwo as usize]
+        point.counts[StartClass::StickSlip as usize]
+            + point.counts[StartClass::StickSlipTwo as usize]
     });
     format!(
         "One strip for each of {} parameters, multiplied by a factor from one half to two. At each \
@@ -131,16 +134,16 @@ fn about_scan(scan: &Scan) -> String {
 }
 
 /// Height of a strip, the rest being space between strips.
-const HEIGHT: f64 = 0.8;
+const STRIP_HEIGHT: f64 = 0.8;
 
 /// Colour and name of a class.
-fn class_style(class: Class) -> (Color, &'static str) {
+fn class_style(class: StartClass) -> (Color, &'static str) {
     match class {
-        Class::Escape => (LIGHT_GREY, "escapes"),
-        Class::SlipOnly => (SKY, "slip only"),
-        Class::StickSlip => (ORANGE, "stick–slip, period not two"),
-        Class::StickSlipTwo => (VERMILLION, "stick–slip of period two"),
-        Class::Unsettled => (GREY, "nothing repeats"),
+        StartClass::Escape => (LIGHT_GREY, "escapes"),
+        StartClass::SlipOnly => (SKY, "slip only"),
+        StartClass::StickSlip => (ORANGE, "stick–slip, period not two"),
+        StartClass::StickSlipTwo => (VERMILLION, "stick–slip of period two"),
+        StartClass::Unsettled => (GREY, "nothing repeats"),
     }
 }
 
@@ -155,7 +158,7 @@ pub fn scan(scan: &Scan) -> Result<Picture, PlotError> {
     let factors = [0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.2, 1.4, 1.6, 1.8, 2.0];
     let ticks = factors.map(|factor| (position(factor), number(factor, 1)));
     let names = scan.lines.iter().enumerate();
-    let names = names.map(|(k, line)| (base(k) + 0.5 * HEIGHT, line.symbol));
+    let names = names.map(|(k, line)| (base(k) + 0.5 * STRIP_HEIGHT, line.symbol));
     let half = half_column(scan);
     let (low, high) = (-1.0 - 2.0 * half, 1.0 + 2.0 * half);
     let factor = Axis::new("factor on the printed value", low, high);
@@ -174,7 +177,7 @@ pub fn scan(scan: &Scan) -> Result<Picture, PlotError> {
     let printed = Guide::vertical(0.0).color(BLACK).width(0.8);
     panel.add(printed.dash(Dash::Dashed));
     let two = scan.lines.iter().enumerate().flat_map(|(k, line)| {
-        let has = |point: &&Point| point.counts[Class::StickSlipTwo as usize] > 0;
+        let has = |point: &&ParameterPoint| point.counts[StartClass::StickSlipTwo as usize] > 0;
         let points = line.points.iter().filter(has);
         points.map(move |point| (position(point.factor), base(k) + 0.15))
     });
@@ -214,11 +217,11 @@ fn strip(line: &ParameterScan, base: f64, half: f64, listed: &mut [bool; 5]) -> 
         let all = point.counts.iter().sum::<usize>().max(1) as f64;
         let middle = position(point.factor);
         let mut bottom = base;
-        for (class, count) in Class::ALL.into_iter().zip(point.counts) {
+        for (class, count) in StartClass::ALL.into_iter().zip(point.counts) {
             if count == 0 {
                 continue;
             }
-            let top = bottom + HEIGHT * count as f64 / all;
+            let top = bottom + STRIP_HEIGHT * count as f64 / all;
             let (color, name) = class_style(class);
             let mut band = Band::rect((middle - half, middle + half), (bottom, top)).fill(color);
             if !std::mem::replace(&mut listed[class as usize], true) {

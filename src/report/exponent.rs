@@ -5,7 +5,7 @@ use std::fmt;
 
 use super::digits::{minus, ten_to};
 use crate::paper::published::{Claim, Digits};
-use crate::readings::{ExponentSpread, Values};
+use crate::readings::{ExponentSpread, ValueRange};
 use crate::text::described;
 
 described! {
@@ -58,7 +58,7 @@ impl ExponentCheck {
 
     /// Whether the published number is within the range of the settings that identify the exponent.
     pub fn within_range(&self) -> bool {
-        let within = |of: Values| (of.least..=of.largest).contains(&self.published);
+        let within = |of: ValueRange| (of.least..=of.largest).contains(&self.published);
         self.spread.values.is_some_and(within)
     }
 
@@ -68,7 +68,7 @@ impl ExponentCheck {
         let Digits::Decimals(decimals) = claim.digits else {
             return false;
         };
-        let wide = |of: Values| of.largest - of.least > ten_to(-(decimals as f64));
+        let wide = |of: ValueRange| of.largest - of.least > ten_to(-(decimals as f64));
         self.spread.unidentified > 0 || self.spread.values.is_none_or(wide)
     }
 
@@ -78,27 +78,25 @@ impl ExponentCheck {
             values,
             settings,
             unidentified,
-            met,
+            agreeing,
             ..
         } = self.spread;
-        let given = match values {
-            Some(values) => {
-                let (least, largest) = (rounded(values.least), rounded(values.largest));
-                let others = settings - unidentified;
-                let lies = match self.within_range() {
-                    true => "inside",
-                    false => "outside of what all of these give",
-                };
-                format!(
-                    "the {others} others give {least} to {largest}, and the published value lies \
-                        {lies}"
-                )
-            }
-            None => "there is no other".to_owned(),
+        let Some(values) = values else {
+            return format!(
+                "none of {settings} settings of the estimator identifies it; {agreeing} give the \
+                 published digits"
+            );
+        };
+        let (least, largest) = (rounded(values.least), rounded(values.largest));
+        let identifying = settings - unidentified;
+        let contains = match self.within_range() {
+            true => "contains",
+            false => "does not contain",
         };
         format!(
-            "{unidentified} of {settings} settings of the estimator leave it unidentified, \
-                {given}; {met} of all give the published digits"
+            "{identifying} of {settings} settings of the estimator identify it and give {least} to \
+             {largest}, which {contains} the published value; {agreeing} of all settings give the \
+             published digits"
         )
     }
 }
@@ -117,7 +115,7 @@ mod tests {
     use super::*;
 
     fn of(published: f64, sign: Sign, range: Option<(f64, f64)>) -> ExponentCheck {
-        let values = range.map(|(least, largest)| Values {
+        let values = range.map(|(least, largest)| ValueRange {
             least,
             median: least,
             largest,
@@ -127,7 +125,7 @@ mod tests {
             settings: 2,
             unidentified: 2 * usize::from(range.is_none()),
             doubtful: 0,
-            met: 0,
+            agreeing: 0,
         };
         ExponentCheck {
             published,
@@ -144,8 +142,9 @@ mod tests {
         assert!(with(Some((-0.0002, -0.00005))).is_undetermined(claim));
         assert!(!with(Some((-0.0002, -0.00015))).is_undetermined(claim));
         assert!(with(None).is_undetermined(claim));
-        assert!(with(Some((-0.0005, -0.0003))).sentence().contains("inside"));
-        assert!(with(Some((0.0, 0.1))).sentence().contains("outside"));
+        let sentence = |range| with(Some(range)).sentence();
+        assert!(sentence((-0.0005, -0.0003)).contains("which contains"));
+        assert!(sentence((0.0, 0.1)).contains("does not contain"));
     }
 
     #[test]

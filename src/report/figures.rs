@@ -57,7 +57,11 @@ impl Picture {
     }
 }
 
-fn made<D>(figure: &FigureSpec<D>, tick: &(dyn Fn() + Sync)) -> Result<(D, Picture), FigureError> {
+/// Data and picture of a figure.
+fn computed<D>(
+    figure: &FigureSpec<D>,
+    tick: &(dyn Fn() + Sync),
+) -> Result<(D, Picture), FigureError> {
     let data = figure.compute()?;
     let picture = Picture::of(figure, &data)?;
     tick();
@@ -71,12 +75,12 @@ impl Computed {
     /// [`FigureError`] of the first figure that fails.
     pub fn compute(tick: &(dyn Fn() + Sync)) -> Result<Computed, FigureError> {
         let ((fig04, fig06), (fig07, fig08)) = rayon::join(
-            || (made(&FIG04, tick), made(&FIG06, tick)),
-            || (made(&FIG07, tick), made(&FIG08, tick)),
+            || (computed(&FIG04, tick), computed(&FIG06, tick)),
+            || (computed(&FIG07, tick), computed(&FIG08, tick)),
         );
         let (fig10, (fig11, fig12)) = rayon::join(
-            || made(&FIG10, tick),
-            || rayon::join(|| made(&FIG11, tick), || made(&FIG12, tick)),
+            || computed(&FIG10, tick),
+            || rayon::join(|| computed(&FIG11, tick), || computed(&FIG12, tick)),
         );
         let ((fig04, fig06), (fig07, fig08)) = ((fig04?, fig06?), (fig07?, fig08?));
         let (fig10, fig11, fig12) = (fig10?, fig11?, fig12?);

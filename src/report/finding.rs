@@ -92,11 +92,11 @@ impl Finding {
                 _ => None,
             };
             let agrees = row.comparison(claims).is_some_and(|one| one.agrees);
-            let of_reading = |known: &&mut Finding| known.reading == row.reading;
-            if let Some(known) = findings.iter_mut().find(of_reading) {
-                known.values.push(row.value.clone());
-                known.agrees &= agrees;
-                known.digits = match (known.digits, digits) {
+            let of_reading = |one: &&mut Finding| one.reading == row.reading;
+            if let Some(finding) = findings.iter_mut().find(of_reading) {
+                finding.values.push(row.value.clone());
+                finding.agrees &= agrees;
+                finding.digits = match (finding.digits, digits) {
                     (Some(one), Some(other)) => Some(one.and(other)),
                     (one, other) => one.or(other),
                 };
@@ -112,8 +112,8 @@ impl Finding {
             });
         }
         if claim.kind == ClaimKind::Set {
-            for found in &mut findings {
-                found.agrees &= found.has_every_member(claim);
+            for finding in &mut findings {
+                finding.agrees &= finding.has_every_member(claim);
             }
         }
         findings
@@ -142,13 +142,13 @@ impl Finding {
     }
 
     /// In words, with numbers to so many decimals.
-    pub fn line(&self, places: usize) -> String {
+    pub fn line(&self, decimals: usize) -> String {
         let part = |(what, holds): &Part| {
             let word = if *holds { "holds" } else { "fails" };
             format!("{what}: {word}")
         };
         let texts = self.values.iter().map(|value| match value {
-            Value::Number(v) if v.is_finite() => plot::number(*v, places),
+            Value::Number(v) if v.is_finite() => plot::number(*v, decimals),
             Value::Statement(parts) => joined(parts.iter().map(part), "; "),
             other => other.to_string(),
         });

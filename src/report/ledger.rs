@@ -14,13 +14,13 @@ use super::matrix::{Matrix, SUBSETS};
 use super::scan::{self, Scan};
 use super::spread::{self, Spread};
 use super::verdict::{Correction, Verdict};
-use crate::figures::fig08::{FOLLOWED, REACH, Shares};
+use crate::figures::fig08::{PERIODS_FOLLOWED, START_RANGE, Shares};
 use crate::figures::rows::Row;
 use crate::numbers::extent;
 use crate::paper::claim_id::{ClaimId, SpectrumFigure};
 use crate::paper::published::{Claim, Claims, Digits};
 use crate::paper::reading::{Reading, Role};
-use crate::readings::ZERO;
+use crate::readings::ZERO_SIZE;
 use stickslip_series::Status;
 
 /// One claim, the findings of all readings, and the verdict.
@@ -251,7 +251,7 @@ impl Ledger {
         let confirmed_statements = |met: usize, what: &str| {
             let all = search.spread[0][0].settings;
             format!(
-                "{met} of {all} settings of the estimator {what} (sizes up to {ZERO} pass for \
+                "{met} of {all} settings of the estimator {what} (sizes up to {ZERO_SIZE} pass for \
                     zero)"
             )
         };
@@ -273,10 +273,10 @@ impl Ledger {
                 let figure = &self.computed.fig04;
                 let (sticking, all) = (figure.sticking, figure.orbits.len());
                 vec![format!(
-                    "{sticking} of the {all} orbits of the figure ride the belt before they \
-                    settle; of the periodic solution alone the sentence holds; that reading is not \
-                    judged, for it says “in the considered system” and goes on to the transient \
-                    trajectory"
+                    "{sticking} of the {all} orbits of the figure stick to the belt before \
+                     they settle. Of the periodic solution alone the sentence holds. That reading \
+                     is not judged: the sentence says “in the considered system”, and the text \
+                     goes on to the transient trajectory"
                 )]
             }
             ClaimId::Fig08TwoPeriodic => vec![
@@ -316,8 +316,8 @@ impl Ledger {
                 let settings = exponent.sentence();
                 let settings = match all_agree {
                     true => format!(
-                        "equations and data round to the published digits; that decides nothing \
-                            where other settings do not: {settings}"
+                        "equations and data round to the published digits; that decides nothing, \
+                         since other settings do not: {settings}"
                     ),
                     false => settings,
                 };
@@ -335,11 +335,11 @@ fn shares_sentence(shares: &Shares) -> String {
         percent(shares.escapes),
     );
     let (stick_slip, unsettled) = (percent(shares.stick_slip), percent(shares.unsettled));
-    let ([x1, x2], starts) = (REACH, shares.starts);
+    let ([x1, x2], starts) = (START_RANGE, shares.starts);
     format!(
         "Of {starts} starts in the stated model, from −{x1} to {x1} m and −{x2} to {x2} m/s, \
-         within {FOLLOWED} forcing periods {slip} settle on motions that never stick, {escape} \
-         escape, {stick_slip} stick and slip, and {unsettled} do not settle (other windows of \
-         starts have other shares)."
+         within {PERIODS_FOLLOWED} forcing periods {slip} settle on motions that never stick, \
+         {escape} escape, {stick_slip} stick and slip, and {unsettled} do not settle \
+         (other windows of starts have other shares)."
     )
 }

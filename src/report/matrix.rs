@@ -13,7 +13,7 @@ pub const SUBSETS: usize = 1 << Defect::ALL.len();
 
 /// One run of the listing, compared with the four published numbers.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Cell {
+pub struct ComparedRun {
     /// Its step (s).
     pub h: f64,
     /// The defects it has.
@@ -26,15 +26,15 @@ pub struct Cell {
     pub digits: Option<[Agreement; 4]>,
 }
 
-impl Cell {
+impl ComparedRun {
     /// Runs the listing with these defects and this step.
-    pub(super) fn run(claims: &Claims, present: Defects, h: f64) -> Cell {
+    pub(super) fn run(claims: &Claims, present: Defects, h: f64) -> ComparedRun {
         let outcome = run(&Setup {
             h,
             ..Setup::with(present)
         });
         let numbers = outcome.stick_numbers();
-        Cell {
+        ComparedRun {
             h,
             present,
             numbers,
@@ -59,38 +59,38 @@ impl Cell {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Matrix {
     /// One run for each subset, in the order of [`Defects::subsets`].
-    pub cells: Vec<Cell>,
+    pub runs: Vec<ComparedRun>,
 }
 
 /// A property of a run.
-pub type Property = fn(&Cell) -> bool;
+pub type Property = fn(&ComparedRun) -> bool;
 
 impl Matrix {
     /// Runs all subsets and calls `tick` after each.
     pub fn compute(claims: &Claims, tick: &(dyn Fn() + Sync)) -> Matrix {
         let subsets: Vec<Defects> = Defects::subsets().collect();
-        let cells = subsets.into_par_iter().map(|defects| {
-            let cell = Cell::run(claims, defects, Setup::default().h);
+        let runs = subsets.into_par_iter().map(|defects| {
+            let cell = ComparedRun::run(claims, defects, Setup::default().h);
             tick();
             cell
         });
         Matrix {
-            cells: cells.collect(),
+            runs: runs.collect(),
         }
     }
 
     /// The run with these defects.
-    pub fn with(&self, defects: Defects) -> &Cell {
-        &self.cells[defects.number()]
+    pub fn with(&self, defects: Defects) -> &ComparedRun {
+        &self.runs[defects.number()]
     }
 
     /// The run with one defect mended and all others present.
-    pub fn mended(&self, defect: Defect) -> &Cell {
+    pub fn mended(&self, defect: Defect) -> &ComparedRun {
         self.with(Defects::AS_PRINTED.flipped(defect))
     }
 
     /// The runs that are shown: with all defects, with none, with each alone, and with each mended.
-    pub fn named(&self) -> Vec<(String, &Cell)> {
+    pub fn named(&self) -> Vec<(String, &ComparedRun)> {
         let (printed, mended) = (Defects::AS_PRINTED, Defects::MENDED);
         let mut named = vec![
             ("as printed".to_owned(), self.with(printed)),
@@ -107,8 +107,8 @@ impl Matrix {
     }
 
     /// The runs that have a property.
-    pub fn having(&self, property: Property) -> impl Iterator<Item = &Cell> {
-        self.cells.iter().filter(move |cell| property(cell))
+    pub fn having(&self, property: Property) -> impl Iterator<Item = &ComparedRun> {
+        self.runs.iter().filter(move |cell| property(cell))
     }
 
     /// Defects without which no run has the property; empty if no run has it at all.
@@ -124,12 +124,12 @@ impl Matrix {
 
     /// Runs with the property such that no proper subset of their defects has it, the smallest
     /// first.
-    pub fn minimal(&self, property: Property) -> Vec<&Cell> {
-        let is_least = |cell: &&Cell| {
+    pub fn minimal(&self, property: Property) -> Vec<&ComparedRun> {
+        let is_least = |cell: &&ComparedRun| {
             let mut others = self.having(property);
             !others.any(|one| one != *cell && one.present.are_among(cell.present))
         };
-        let mut minimal: Vec<&Cell> = self.having(property).filter(is_least).collect();
+        let mut minimal: Vec<&ComparedRun> = self.having(property).filter(is_least).collect();
         minimal.sort_by_key(|cell| cell.present.present().count());
         minimal
     }
@@ -146,8 +146,8 @@ impl Matrix {
     /// The results in words.
     pub fn sentence(&self) -> String {
         let what = "the four published numbers to all printed digits";
-        let digits = self.about(what, Cell::gives_digits);
-        let motion = self.about("the published kind of motion", Cell::gives_class);
+        let digits = self.about(what, ComparedRun::gives_digits);
+        let motion = self.about("the published kind of motion", ComparedRun::gives_class);
         format!(
             "Of all {SUBSETS} subsets of the defects, run in the listing at its printed step, \
                 {digits}; {motion}."
@@ -163,14 +163,14 @@ impl Matrix {
         let named = list(necessary.iter().copied());
         let conditions = match &self.minimal(property)[..] {
             [only] if only.present.present().eq(necessary) => {
-                let with = |cell: &&Cell| only.present.are_among(cell.present);
-                let with = self.cells.iter().filter(with);
+                let with = |cell: &&ComparedRun| only.present.are_among(cell.present);
+                let with = self.runs.iter().filter(with);
                 let (all, lost) = (
                     with.clone().count(),
                     with.filter(|cell| !property(cell)).count(),
                 );
                 let others = match lost {
-                    0 => "sufficient whatever else is present".to_owned(),
+                    0 => "sufficient, whatever others are present".to_owned(),
                     _ => format!(
                         "sufficient by themselves (with others added, {lost} of the {all} subsets \
                             that contain them lose it)"
@@ -183,15 +183,15 @@ impl Matrix {
                 let sets = sets.map(|cell| format!("{{{}}}", list(cell.present.present())));
                 let needed = match &*named {
                     "" => "no defect is necessary".to_owned(),
-                    named => format!("{named} necessary"),
+                    named => format!("{named} are necessary"),
                 };
                 let sets = joined(sets, " or ");
-                format!("{needed}, and one of the least sets {sets} sufficient")
+                format!("{needed}, and each of the smallest sets {sets} is sufficient")
             }
         };
         let idle = match &*list(self.irrelevant(property)) {
             "" => String::new(),
-            idle => format!(", {idle} without influence"),
+            idle => format!(", and {idle} have no influence"),
         };
         format!("{count} give {what}: {conditions}{idle}")
     }

@@ -1,11 +1,15 @@
 //! The report: the verdict on every claim of the paper, by computation, with its reasons.
 //!
-//! [`ledger::Ledger::compute`] computes all of it. Its parts are the findings of the readings for a
-//! claim ([`finding`]) and their verdict ([`verdict`]); evidence for statements ([`evidence`],
-//! [`accuracy`]); and the cause of Fig. 8's numbers ([`cause`], [`matrix`], [`convergence`]).
-//! Further parts are the search for Fig. 8's motion in the stated model ([`scan`]), the estimator's
-//! spread in Figs. 10–12 ([`spread`]) and the misprints ([`errata`]). [`page`] and [`readme`] show
-//! the results.
+//! [`ledger::Ledger::compute`] computes all of it:
+//!
+//! * the findings of the readings for a claim ([`finding`]) and their verdict ([`verdict`]);
+//! * evidence for statements ([`evidence`], [`accuracy`]);
+//! * the cause of Fig. 8's numbers ([`cause`], [`matrix`], [`convergence`]);
+//! * the search for Fig. 8's motion in the stated model ([`scan`]);
+//! * the estimator's spread in Figs. 10–12 ([`spread`]);
+//! * the misprints ([`errata`]).
+//!
+//! [`page`] and [`readme`] show the results.
 
 pub mod accuracy;
 pub mod cause;
@@ -93,7 +97,7 @@ fn stick_exits(orbit: &Orbit<2>) -> impl Iterator<Item = (&Transition<2>, Side, 
         })
 }
 
-/// Equidistant places on the belt from `-outer` to `outer` (m), at the middles of equal parts.
+/// Equidistant positions on the belt from `-outer` to `outer` (m), at the middles of equal parts.
 fn belt_positions(outer: f64, count: u32, belt_speed: f64) -> impl Iterator<Item = State<2>> {
     (0..count).map(move |k| {
         let part = 2.0 * (f64::from(k) + 0.5) / f64::from(count) - 1.0;

@@ -3,13 +3,13 @@
 
 use super::exponent::ExponentCheck;
 use super::ledger::{Entry, Ledger};
-use super::matrix::Cell;
+use super::matrix::ComparedRun;
 use super::verdict::{Correction, Verdict};
 use crate::figures::block_and_bracket::DIVERGES;
 use crate::paper::claim_id::{ClaimId, SpectrumFigure};
 use crate::paper::published::Claim;
 use crate::paper::reading::Reading;
-use crate::readings::{Committed, Match, other_motions, sources_in_words};
+use crate::readings::{CommittedSearch, Match, other_motions, sources_in_words};
 use stickslip::analysis::motion::Class;
 
 /// The parts of the paper in which claims are counted: keys in `data/claims.csv` and names.
@@ -47,7 +47,10 @@ pub(super) fn sentences(ledger: &Ledger) -> [String; 3] {
     let open = |entry: &Entry| entry.verdict == Verdict::Undeterminable;
     let (stated, counted) = (ledger.with(Verdict::Reproduced), ledger.counted());
     let corrected = ledger.with(Verdict::WithCorrections);
-    let (motion, digits) = (least(Cell::gives_class), least(Cell::gives_digits));
+    let (motion, digits) = (
+        least(ComparedRun::gives_class),
+        least(ComparedRun::gives_digits),
+    );
     let printed = gives(&ClaimId::STICK_NUMBERS, &by(Reading::AsPrinted));
     let exact = gives(&ClaimId::STICK_NUMBERS, &by(Reading::Exact));
     let (classes, differing_classes) = (
@@ -139,12 +142,13 @@ pub(super) fn figs_10_to_12(ledger: &Ledger) -> String {
     format!(
         "Figs. 10–12 publish {} classes of motion. The corrected equations give {met} of \
          them{differing_classes}. With the signs as printed {diverging} of the three motions \
-         diverge. Of the {} published exponents {of_open} are {open}: settings of the estimator \
-         that the paper does not state decide their digits; {missed}: {of_missed}. {signs} have \
-         the computed sign, {within} lie inside what those of {settings} settings give that \
-         identify them. A search over {configurations} ways to read and evaluate the figures \
-         ({citation}) finds {} of its {} pairs of equations and integrator with all three \
-         captioned classes, and {} with the same kinds of motion, loops aside. {nearest} {joint}",
+         diverge. Of the {} published exponents {of_open} are {open}, since their digits depend on \
+         settings of the estimator that the paper does not state, and {of_missed} are {missed}. \
+         {signs} have the computed sign. {within} lie in the range of the settings that identify \
+         them, of {settings} tried. A search over {configurations} configurations of equations, \
+         integrator and estimator ({citation}) finds {} of {} pairs of equations and integrator \
+         with all three captioned classes, and {} with all three kinds of motion, whatever the \
+         number of loops. {nearest} {joint}",
         classes.len(),
         exponents.len(),
         pairs.classes,
@@ -155,7 +159,7 @@ pub(super) fn figs_10_to_12(ledger: &Ledger) -> String {
 
 /// The significance of the configuration nearest to one figure, given that three figures were
 /// tried.
-fn nearest_single_figure(search: &Committed) -> String {
+fn nearest_single_figure(search: &CommittedSearch) -> String {
     let each = [0, 1, 2].map(|figure| {
         let level = &search.figure_levels[figure].0;
         let (random, readings) = (level.random.best_of_three(), level.readings.percent());
@@ -168,24 +172,24 @@ fn nearest_single_figure(search: &Committed) -> String {
     let rare = if level.is_rare(3) {
         "a rare"
     } else {
-        "no rare"
+        "not a rare"
     };
     let leaves = match row.is_ranked() {
         true => "has all three kinds of motion".to_owned(),
-        false => format!("is no match: it leaves {}", other_motions(motions, figure)),
+        false => format!("is no match: it gives {}", other_motions(motions, figure)),
     };
     let (reading, integrator) = (row.reading(), row.integrator());
     format!(
-        "Each figure by itself, as many random targets (the best of three looks) and spectra of \
-         other readings are met as well as its exponents: {}. The nearest, Fig. {}, is {rare} \
-         match; its reading ({reading}; {integrator}) {leaves}.",
+        "For each figure alone, the shares of random targets (best of three figures) and of \
+         spectra of other readings that are matched as well as its exponents are: {}. The nearest, \
+         Fig. {}, is {rare} match; its reading ({reading}; {integrator}) {leaves}.",
         join(&each),
         figure + 10,
     )
 }
 
 /// The significance of the nearest configuration among those that count.
-fn joint_match(search: &Committed) -> String {
+fn joint_match(search: &CommittedSearch) -> String {
     let [kept, ranked] = search.joint_levels.each_ref().map(|level| {
         let (random, readings) = (level.random.percent(), level.readings.percent());
         (random, readings, level.readings.of)
@@ -194,10 +198,10 @@ fn joint_match(search: &Committed) -> String {
     let single = if is_rare { "a" } else { "no" };
     let sources = sources_in_words(search.ranked_from);
     format!(
-        "Taken together, the twelve exponents single out {single} setting. By the {} \
-         configurations with all three kinds of motion ({sources}) {:.0} % of random targets and \
-         {:.1} % of the {} spectra of other readings are met as well; by the {} that keep all \
-         three motions {:.0} % and {:.1} %.",
+        "Together, the twelve exponents single out {single} setting. The {} configurations with \
+         all three kinds of motion ({sources}) match {:.0} % of random targets and {:.1} % of the \
+         {} spectra of other readings as well; the {} with three bounded motions match {:.0} % and \
+         {:.1} %.",
         search.ranked, ranked.0, ranked.1, ranked.2, search.kept, kept.0, kept.1,
     )
 }

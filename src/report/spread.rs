@@ -5,8 +5,8 @@
 use rayon::prelude::*;
 
 use super::ReportError;
-use crate::figures::block_and_bracket::{SETS, Set, TOLERANCE, class};
-use crate::readings::{Committed, ConfigurationRow, Integrator, other_motions};
+use crate::figures::block_and_bracket::{FigureSet, SETS, TOLERANCE, class};
+use crate::readings::{CommittedSearch, ConfigurationRow, Integrator, other_motions};
 use crate::text::joined;
 use stickslip::analysis::motion::Class;
 use stickslip::models::{Caption, Reading};
@@ -16,13 +16,13 @@ use stickslip::{Error, Options};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spread {
     /// The committed search, which has the estimates.
-    pub search: Committed,
+    pub search: CommittedSearch,
     /// Class of the motion of Fig. 10 with its caption corrected, in turn for each of the three
     /// entries that may be wrong.
     pub mended: Vec<(String, Class)>,
 }
 
-/// Number of figures computed.
+/// Number of corrected captions, each of which is computed once.
 pub const JOBS: usize = 3;
 
 impl Spread {
@@ -31,9 +31,9 @@ impl Spread {
     /// # Errors
     /// [`ReportError`].
     pub fn compute(tick: &(dyn Fn() + Sync)) -> Result<Spread, ReportError> {
-        let search = Committed::read()?;
+        let search = CommittedSearch::read()?;
         let of_caption = |(name, caption)| {
-            let set = Set { caption, ..SETS[0] };
+            let set = FigureSet { caption, ..SETS[0] };
             let class = class(&set, &Reading::exact(), Options::tol(TOLERANCE))?;
             tick();
             Ok((name, class))
@@ -47,7 +47,7 @@ impl Spread {
     pub fn mended_sentence(&self) -> String {
         let each = self.mended.iter();
         let each = joined(each.map(|(entry, class)| format!("{entry}: {class}")), ", ");
-        format!("the caption's entries contradict each other; mended one at a time, {each}")
+        format!("the caption's entries contradict each other; corrected one at a time, {each}")
     }
 
     /// The readings that give Fig. 10 as captioned, including its loops, and the motions of the
@@ -63,7 +63,7 @@ impl Spread {
         });
         match joined(each, " | ") {
             none if none.is_empty() => "no reading of the search is two-periodic".to_owned(),
-            each => format!("read otherwise it is two-periodic: {each}"),
+            each => format!("other readings make it two-periodic: {each}"),
         }
     }
 
@@ -87,8 +87,8 @@ impl Spread {
             .iter()
             .map(|one| format!("{}: {}", one.reading(), one.classes[2]));
         format!(
-            "with the signs corrected and solved exactly, {} of {} readings give the class ({}): \
-                {}",
+            "with the signs corrected and solved exactly, {} of {} readings give the class (those \
+             with {}): {}",
             chaotic.len(),
             all.len(),
             joined(needed, "; "),
@@ -99,14 +99,15 @@ impl Spread {
     /// How often the search matches an exponent to its printed digits, and the significance of
     /// that; `figure` and `k` from 0.
     pub fn digits_sentence(&self, figure: usize, k: usize) -> String {
-        let (met, kept) = (self.search.digits[figure][k], self.search.kept);
+        let (agreeing, kept) = (self.search.digits[figure][k], self.search.kept);
         let of = format!(
-            "of {kept} configurations that keep all three motions {met} give the printed digits"
+            "{agreeing} of the {kept} configurations with three bounded motions give the printed \
+             digits"
         );
         match self.search.digits_by_random_targets[figure][k] {
             Some(share) => {
                 let percent = share.percent();
-                format!("{of}; {percent:.0} % of random targets are met by as many")
+                format!("{of}; as many match {percent:.0} % of random targets")
             }
             None => of,
         }
@@ -122,9 +123,9 @@ pub(super) fn mended_captions() -> [(String, Caption); JOBS] {
         ("mu0", 5, xi6 / (xi4 - 1.0)),
         ("xi4", 3, 1.0 + xi6 / mu0),
     ]
-    .map(|(name, place, value)| {
+    .map(|(name, index, value)| {
         let mut caption = Caption::FIG10;
-        caption.numbers[place] = value;
+        caption.numbers[index] = value;
         (format!("{name} = {value:.3}"), caption)
     })
 }

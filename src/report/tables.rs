@@ -4,11 +4,11 @@ use std::fmt::Display;
 
 use super::exponent::ExponentCheck;
 use super::ledger::{Entry, Ledger};
-use super::scan::Class;
+use super::scan::StartClass;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::published::Digits;
 use crate::paper::reading::Reading;
-use crate::readings::Values;
+use crate::readings::ValueRange;
 use crate::text::{csv, joined};
 
 /// Every claim with its values under each reading, verdict, cause and evidence.
@@ -35,7 +35,7 @@ fn claim(ledger: &Ledger, entry: &Entry) -> Vec<(String, String)> {
     let mut row = Vec::new();
     let mut add = |name: &str, text: &dyn Display| row.push((name.to_owned(), text.to_string()));
     add("id", &claim.id);
-    add("where", &claim.place);
+    add("where", &claim.location);
     add("claim", &claim.what);
     add("kind", &claim.kind.name());
     add("published", &claim.published);
@@ -54,7 +54,8 @@ fn claim(ledger: &Ledger, entry: &Entry) -> Vec<(String, String)> {
     // Both are empty except for a published exponent.
     let exponent = entry.exponent.as_ref();
     let range = exponent.and_then(|one| one.spread.values);
-    let number = |of: fn(Values) -> f64| range.map_or_else(String::new, |v| format!("{:?}", of(v)));
+    let number =
+        |of: fn(ValueRange) -> f64| range.map_or_else(String::new, |v| format!("{:?}", of(v)));
     let text = |of: fn(&ExponentCheck) -> String| exponent.map(of).unwrap_or_default();
     add("sign_agrees", &text(|one| one.sign_agrees().to_string()));
     add("least_over_unstated", &number(|range| range.least));
@@ -106,7 +107,7 @@ pub fn convergence(ledger: &Ledger) -> String {
 pub fn scan(ledger: &Ledger) -> String {
     let scan = &ledger.scan;
     let mut header = vec!["parameter", "factor", "value"];
-    header.extend(Class::ALL.map(Class::name));
+    header.extend(StartClass::ALL.map(StartClass::name));
     header.extend(["motions", "distance"]);
     let mut rows = vec![header.into_iter().map(str::to_owned).collect::<Vec<_>>()];
     let variants = scan.variants.iter().map(|(name, point)| (*name, point));

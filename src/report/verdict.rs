@@ -29,15 +29,15 @@ described! {
         AsPrintedOnly = [
             "reproduced as printed only",
             "printed",
-            "the paper's own program or equations, to the letter, give it to every printed digit \
+            "the paper's own program or equations, taken literally, give it to every printed digit \
             or in all its parts; neither the model as stated nor a corrected one does",
         ],
         /// For a statement: a part holds.
-        InKind = [
-            "in kind only",
-            "kind",
-            "of statements and curves alone: a part holds and a part does not, and the evidence \
-                names both",
+        InPart = [
+            "in part only",
+            "part",
+            "for statements and curves only: some of its parts hold and others fail; the failing \
+            ones are named",
         ],
         /// None of these.
         NotReproduced = [
@@ -103,7 +103,7 @@ impl Verdict {
         } else if all_agree(Role::AsPrinted) {
             Verdict::AsPrintedOnly
         } else if matches!(kind, ClaimKind::Statement | ClaimKind::Curve) && a_part_holds() {
-            Verdict::InKind
+            Verdict::InPart
         } else {
             Verdict::NotReproduced
         }
@@ -209,7 +209,7 @@ mod tests {
                 numbers(&[(Exact, wrong), (AsPrinted, right)]),
                 Verdict::AsPrintedOnly,
             ),
-            (statement(&[(Exact, &[true, false])]), Verdict::InKind),
+            (statement(&[(Exact, &[true, false])]), Verdict::InPart),
             (
                 numbers(&[(Exact, wrong), (AsPrinted, wrong)]),
                 Verdict::NotReproduced,
@@ -238,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn a_number_is_never_right_in_kind() {
+    fn a_number_is_never_right_in_part() {
         assert_eq!(numbers(&[(Exact, 0.4698)]), Verdict::NotReproduced);
         assert_eq!(
             numbers(&[(CorrectedEquations, 0.4697), (CorrectedData, 0.4711)]),
@@ -260,7 +260,7 @@ mod tests {
         );
         assert_eq!(
             statement(&[(Corrected, &[true]), (Corrected, &[false])]),
-            Verdict::InKind
+            Verdict::InPart
         );
     }
 

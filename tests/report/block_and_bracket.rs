@@ -25,7 +25,7 @@ fn set_3_is_chaotic_and_lifts_off() {
 }
 
 #[test]
-fn exponents_from_data_are_those_of_the_equations_where_the_data_tell_them() {
+fn exponents_from_data_are_those_of_the_equations_where_the_data_determine_them() {
     with(|report| {
         let [first, second, third] = &report.ledger.computed.bracket;
         data_against_equations(&[("fig10", first), ("fig11", second), ("fig12", third)]);
@@ -137,14 +137,14 @@ pub fn data_against_equations(figures: &[(&str, &Data)]) {
                 println!(
                     "{figure}.lambda.{} {reading}: data {:.6}, equations {:.6}, off by {:.6}, \
                         allowed {:.6}",
-                    one.place + 1,
+                    one.index + 1,
                     one.from_data,
                     one.from_equations,
                     one.difference(),
                     one.allowed
                 );
                 if !one.agrees() {
-                    off.push(format!("{figure}.lambda.{} {reading}", one.place + 1));
+                    off.push(format!("{figure}.lambda.{} {reading}", one.index + 1));
                 }
             }
         }

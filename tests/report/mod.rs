@@ -19,7 +19,7 @@ use replication::paper::reading::Role;
 use replication::report::cli::{Arguments, run};
 use replication::report::finding::Finding;
 use replication::report::ledger::{Ledger, TICKS};
-use replication::report::matrix::Cell;
+use replication::report::matrix::ComparedRun;
 use replication::report::readme;
 use replication::report::verdict::Verdict;
 
@@ -149,11 +149,11 @@ fn a_changed_digit_in_the_table_of_claims_changes_its_row() {
 fn the_cause_of_fig_8_is_in_the_matrix() {
     with(|report| {
         let matrix = &report.ledger.matrix;
-        assert_eq!(matrix.cells.len(), 128);
+        assert_eq!(matrix.runs.len(), 128);
         assert!(matrix.with(Defects::AS_PRINTED).gives_digits());
         assert!(!matrix.with(Defects::MENDED).gives_class());
         // Nothing in the smallest set can be mended.
-        let least = matrix.minimal(Cell::gives_digits);
+        let least = matrix.minimal(ComparedRun::gives_digits);
         assert!(!least.is_empty());
         for cell in least {
             for defect in cell.present.present() {
@@ -161,7 +161,7 @@ fn the_cause_of_fig_8_is_in_the_matrix() {
                 assert!(!without.gives_digits(), "without {defect:?}");
             }
         }
-        let necessary = matrix.necessary(Cell::gives_digits);
+        let necessary = matrix.necessary(ComparedRun::gives_digits);
         assert!(!necessary.is_empty());
         for defect in necessary {
             assert!(matrix.sentence().contains(defect.name()));
@@ -260,7 +260,7 @@ fn golden(ledger: &Ledger) -> String {
     .unwrap();
     writeln!(text, "cause {}", ledger.cause.status()).unwrap();
     for erratum in &ledger.errata {
-        writeln!(text, "{}: {}", erratum.place, erratum.holds).unwrap();
+        writeln!(text, "{}: {}", erratum.location, erratum.holds).unwrap();
     }
     text
 }

@@ -1,7 +1,7 @@
 //! The orbit, its spectra, and the outcome of the equations as printed.
 
 use super::recorder::{DT, END, OrbitRecorder, START};
-use crate::figures::Failure;
+use crate::figures::ComputeError;
 use crate::paper::claim_id::SpectrumFigure;
 use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
 use stickslip::analysis::{Spectrum, SpectrumOptions, lyapunov_spectrum_watched};
@@ -11,7 +11,7 @@ use stickslip_series::{DataSettings, DataSpectrum, Neighbourhood, Series, data_s
 
 /// The parameters and texts of one of the three figures.
 #[derive(Clone, Copy, Debug)]
-pub struct Set {
+pub struct FigureSet {
     /// Which of the three.
     pub figure: SpectrumFigure,
     /// Its parameters.
@@ -24,25 +24,27 @@ pub struct Set {
     pub description: &'static str,
 }
 
+/// Description of the two figures whose block never leaves the belt.
+const PLANES_AND_EXPONENTS: &str = "The block's and the bracket's phase planes with the line of \
+    belt speed, and below them the running exponents beside the published ones.";
+
 /// Figs. 10, 11 and 12.
-pub const SETS: [Set; 3] = [
-    Set {
+pub const SETS: [FigureSet; 3] = [
+    FigureSet {
         figure: SpectrumFigure::Fig10,
         caption: Caption::FIG10,
         shown: 40.0,
         title: "Fig. 10: periodic motion of the block and the bracket",
-        description: "The block's and the bracket's phase planes with the line of belt speed, and \
-            below them the running exponents beside the published ones.",
+        description: PLANES_AND_EXPONENTS,
     },
-    Set {
+    FigureSet {
         figure: SpectrumFigure::Fig11,
         caption: Caption::FIG11,
         shown: 300.0,
         title: "Fig. 11: quasi-periodic motion of the block and the bracket",
-        description: "The block's and the bracket's phase planes with the line of belt speed, and \
-            below them the running exponents beside the published ones.",
+        description: PLANES_AND_EXPONENTS,
     },
-    Set {
+    FigureSet {
         figure: SpectrumFigure::Fig12,
         caption: Caption::FIG12,
         shown: 300.0,
@@ -55,7 +57,7 @@ pub const SETS: [Set; 3] = [
 
 /// Tolerance of the solver, far below the distance at which section points count as equal.
 pub const TOLERANCE: f64 = 1e-10;
-/// A component beyond this has diverged; bounded motions are far smaller.
+/// A component beyond this has diverged; bounded motions are far smaller, in Figs. 10–12 below 11.
 pub(crate) const DIVERGED: f64 = 1e3;
 
 /// Results for a bounded motion from `START` to `END`.
@@ -86,7 +88,7 @@ pub enum AsPrintedOutcome {
 #[derive(Clone, Debug)]
 pub struct Data {
     /// Which of the three figures.
-    pub set: &'static Set,
+    pub set: &'static FigureSet,
     /// The model by the corrected equations.
     pub model: BlockAndBracket,
     /// Its motion.
@@ -108,20 +110,13 @@ pub struct Data {
 }
 
 /// Computes one of the three figures.
-pub(super) fn compute(set: &'static Set) -> Result<Data, Failure> {
+pub(super) fn compute(set: &'static FigureSet) -> Result<Data, ComputeError> {
     let model = BlockAndBracket::from_caption(&set.caption, &Reading::exact())?;
     // Two independent sequential runs: the result does not depend on the number of threads.
     let exact = || measure(&model, set, Options::tol(TOLERANCE));
     let (exact, literal) = rayon::join(exact, || literal(set));
-    let (
-        exact,
-        OrbitRecorder {
-            samples,
-            turning_points,
-            curve,
-            ..
-        },
-    ) = exact?;
+    let (exact, record) = exact?;
+    let (samples, turning_points) = (record.samples, record.turning_points);
     let series = Series::from_rows(samples.states.iter().copied(), DT)?;
     let section: Vec<[f64; 4]> = turning_points.points.iter().map(|(_, x)| *x).collect();
     Ok(Data {
@@ -130,7 +125,7 @@ pub(super) fn compute(set: &'static Set) -> Result<Data, Failure> {
         from_data: data_spectrum(&series, &DataSettings::sano_sawada())?,
         best_of_readings: data_spectrum(&series, &best_common_settings())?,
         samples: samples.states.len(),
-        curve,
+        curve: record.curve,
         turning_points: section.iter().take(16).copied().collect(),
         section,
         literal: literal?,
@@ -138,7 +133,7 @@ pub(super) fn compute(set: &'static Set) -> Result<Data, Failure> {
     })
 }
 
-fn literal(set: &Set) -> Result<AsPrintedOutcome, Error> {
+fn literal(set: &FigureSet) -> Result<AsPrintedOutcome, Error> {
     let model = BlockAndBracket::from_caption(&set.caption, &Reading::as_printed())?;
     let options = Options::tol(TOLERANCE).escape(DIVERGED);
     let start = State::from(set.caption.start);
@@ -156,7 +151,7 @@ fn literal(set: &Set) -> Result<AsPrintedOutcome, Error> {
 ///
 /// # Errors
 /// Those of [`lyapunov_spectrum_watched`].
-pub fn class(set: &Set, reading: &Reading, solver: Options) -> Result<Class, Error> {
+pub fn class(set: &FigureSet, reading: &Reading, solver: Options) -> Result<Class, Error> {
     let model = BlockAndBracket::from_caption(&set.caption, reading)?;
     Ok(measure(&model, set, solver)?.0.class)
 }
@@ -166,7 +161,11 @@ pub fn class(set: &Set, reading: &Reading, solver: Options) -> Result<Class, Err
 ///
 /// # Errors
 /// Those of [`class`] except an escape.
-pub fn by_rk4_and_henon(set: &Set, reading: &Reading, step: f64) -> Result<Option<Class>, Error> {
+pub fn by_rk4_and_henon(
+    set: &FigureSet,
+    reading: &Reading,
+    step: f64,
+) -> Result<Option<Class>, Error> {
     let options = Options::tol(TOLERANCE)
         .method(Method::Rk4 { step })
         .locator(Locator::Henon)
@@ -179,7 +178,7 @@ pub fn by_rk4_and_henon(set: &Set, reading: &Reading, step: f64) -> Result<Optio
 
 fn measure<'a>(
     model: &'a BlockAndBracket,
-    set: &Set,
+    set: &FigureSet,
     solver: Options,
 ) -> Result<(BoundedMotion, OrbitRecorder<'a>), Error> {
     let settings = SpectrumOptions::over(START, END - START).solver(solver);

@@ -19,14 +19,14 @@ const COLOURS: [Color; 4] = [BLUE, VERMILLION, GREEN, PURPLE];
 /// Margin around a curve, as a fraction of its extent.
 const MARGIN: f64 = 0.06;
 /// Running exponents before this fraction of the time still oscillate; they may leave the panel.
-const SETTLED: f64 = 0.12;
+const SETTLED_FRACTION: f64 = 0.12;
 /// Widths of the curves from data, px. They are broad under the curves from the equations, and each
 /// is narrower than the one it may cover.
-const BROAD: [f64; 4] = [6.0, 4.0, 3.0, 2.0];
+const DATA_WIDTHS: [f64; 4] = [6.0, 4.0, 3.0, 2.0];
 /// Neighbouring exponents may coincide; one of two is dashed and on top.
 const DASHES: [Dash; 4] = [Dash::Solid, Dash::Dashed, Dash::Solid, Dash::Dashed];
 /// The axis of exponents is linear below this and logarithmic above.
-const LINEAR: f64 = 1e-3;
+const LINEAR_RANGE: f64 = 1e-3;
 
 /// Description of the picture for screen readers.
 fn description(data: &Data) -> String {
@@ -130,7 +130,7 @@ fn caption(caption: &Caption) -> Table {
 
 /// An exponent on an axis that is linear near zero and logarithmic elsewhere.
 fn scaled(exponent: f64) -> f64 {
-    math::log10(1.0 + exponent.abs() / LINEAR).copysign(exponent)
+    math::log10(1.0 + exponent.abs() / LINEAR_RANGE).copysign(exponent)
 }
 
 fn running(data: &Data) -> Result<Panel, PublishedError> {
@@ -142,9 +142,9 @@ fn running(data: &Data) -> Result<Panel, PublishedError> {
     let reliable = of_data.filter(|(_, exponent)| exponent.status == Status::Ok);
     let reliable: Vec<usize> = reliable.map(|(i, _)| i).collect();
     let end = END - START;
-    let settled = convergence().filter(|at| at.elapsed > SETTLED * end);
+    let settled = convergence().filter(|at| at.elapsed > SETTLED_FRACTION * end);
     let settled = settled.flat_map(|at| at.exponents.iter().copied());
-    let settled_data = by_data().filter(|at| at.t > SETTLED * end);
+    let settled_data = by_data().filter(|at| at.t > SETTLED_FRACTION * end);
     let settled_data = settled_data.flat_map(|at| reliable.iter().map(|&i| at.exponents[i]));
     let shown = settled.chain(settled_data).chain(published).chain([0.0]);
     let (low, high) = range(shown.map(scaled));
@@ -166,7 +166,9 @@ fn running(data: &Data) -> Result<Panel, PublishedError> {
     // Broad and pale, under the equations' curves: where both agree, both remain visible.
     for &i in &reliable {
         let points = by_data().map(|at| (at.t, scaled(at.exponents[i])));
-        let broad = Curve::new(points).color(COLOURS[i].pale()).width(BROAD[i]);
+        let broad = Curve::new(points)
+            .color(COLOURS[i].pale())
+            .width(DATA_WIDTHS[i]);
         panel.add(broad.legend(&format!("*λ*_{}, data", i + 1)));
     }
     for (i, value) in published.into_iter().enumerate() {

@@ -11,22 +11,22 @@ pub(crate) use compute::DIVERGED;
 #[cfg(all(test, feature = "report"))]
 pub(crate) use compute::best_common_settings;
 pub use compute::{
-    AsPrintedOutcome, BoundedMotion, Data, SETS, Set, TOLERANCE, by_rk4_and_henon, class,
+    AsPrintedOutcome, BoundedMotion, Data, FigureSet, SETS, TOLERANCE, by_rk4_and_henon, class,
 };
 
 use super::FigureSpec;
 use compute::compute;
 use draw::draw;
 use numbers::numbers;
-pub use numbers::{Comparison, DIVERGES, compare};
+pub use numbers::{DIVERGES, ExponentComparison, compare};
 #[cfg(feature = "report")]
 pub(crate) use recorder::{DT, START};
 
 /// A figure with its description: the set of parameters, and the class that the paper publishes.
 macro_rules! figure {
-    ($place:literal, $title:literal, $set:literal, $published:literal) => {
+    ($index:literal, $title:literal, $set:literal, $published:literal) => {
         FigureSpec {
-            name: SETS[$place].figure.name(),
+            name: SETS[$index].figure.name(),
             title: $title,
             about: concat!(
                 "Panels (a), (b): phase planes of model 3, Eq. (27)-(28), for the ",
@@ -36,12 +36,12 @@ macro_rules! figure {
                 ", with the signs that Newton demands and a normal force that cannot pull; the end \
                  of the run. Panel (c): the running exponents over that time, from the equations \
                  and from the sampled states. Table: published exponents against both; biased: \
-                 identified by the data, and yet off the equations by more than three standard \
-                 errors and twice the neighbourhoods explain. Numbers: exponents, class of the \
-                 motion with its evidence, stick, normal force; and when the equations as printed \
-                 diverge."
+                 identified by the data, but further from the equations than three standard \
+                 errors and the change with doubled neighbourhoods. Numbers: exponents, class of \
+                 the motion with its evidence, stick, normal force; and when the equations as \
+                 printed diverge."
             ),
-            compute: || compute(&SETS[$place]),
+            compute: || compute(&SETS[$index]),
             numbers,
             draw,
         }

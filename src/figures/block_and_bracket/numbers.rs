@@ -68,8 +68,8 @@ impl FigureReading {
         Row::word(self.figure.class(), self.reading, class)
     }
 
-    fn exponent(&self, place: usize, value: f64, quality: &'static str) -> Row {
-        let id = self.figure.exponents()[place];
+    fn exponent(&self, index: usize, value: f64, quality: &'static str) -> Row {
+        let id = self.figure.exponents()[index];
         Row::number(id, self.reading, value, "1/t").status(quality)
     }
 
@@ -108,14 +108,14 @@ impl FigureReading {
                 ("fixed_rank_lambda", fixed.0),
                 ("fixed_rank_std_error", fixed.1),
             ];
-            let known = quality.into_iter().filter(|(_, value)| value.is_finite());
+            let estimated = quality.into_iter().filter(|(_, value)| value.is_finite());
             let row = |(what, value)| self.number(&format!("{what}.{}", i + 1), value, "1/t");
-            rows.extend(known.map(row));
+            rows.extend(estimated.map(row));
         }
         for one in &comparisons {
-            let place = one.place + 1;
-            let allowed = format!("off_equations_allowed.{place}");
-            rows.push(self.number(&format!("off_equations.{place}"), one.difference(), "1/t"));
+            let index = one.index + 1;
+            let allowed = format!("off_equations_allowed.{index}");
+            rows.push(self.number(&format!("off_equations.{index}"), one.difference(), "1/t"));
             rows.push(self.number(&allowed, one.allowed, "1/t"));
         }
         let relative = spectrum.mean_eps / spectrum.spread;
@@ -187,9 +187,9 @@ const STANDARD_ERRORS: f64 = 3.0;
 
 /// An exponent that both methods give.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Comparison {
+pub struct ExponentComparison {
     /// Index in the spectrum, from 0.
-    pub place: usize,
+    pub index: usize,
     /// From data, per unit of `t`.
     pub from_data: f64,
     /// From the equations, per unit of `t`.
@@ -198,7 +198,7 @@ pub struct Comparison {
     pub allowed: f64,
 }
 
-impl Comparison {
+impl ExponentComparison {
     /// Estimate from data minus that from the equations, per unit of `t`.
     pub fn difference(&self) -> f64 {
         self.from_data - self.from_equations
@@ -221,15 +221,15 @@ impl Comparison {
 ///
 /// A larger difference is a bias that doubling the neighbourhoods does not show. This may happen
 /// where no power of ε dominates yet.
-pub fn compare(data: &DataSpectrum, equations: &[Exponent]) -> Vec<Comparison> {
+pub fn compare(data: &DataSpectrum, equations: &[Exponent]) -> Vec<ExponentComparison> {
     let pairs = data.exponents.iter().zip(equations).enumerate();
     pairs
         .filter(|(_, (from_data, _))| from_data.status == Status::Ok)
-        .filter_map(|(place, (from_data, from_equations))| {
+        .filter_map(|(index, (from_data, from_equations))| {
             let own = from_equations.std_error()?;
             let statistical = (from_data.stderr * from_data.stderr + own * own).sqrt();
-            Some(Comparison {
-                place,
+            Some(ExponentComparison {
+                index,
                 from_data: from_data.value,
                 from_equations: from_equations.value(),
                 allowed: STANDARD_ERRORS * statistical + from_data.eps_sensitivity.abs(),
@@ -242,14 +242,14 @@ pub fn compare(data: &DataSpectrum, equations: &[Exponent]) -> Vec<Comparison> {
 /// status is `ok` and the equations disagree.
 pub(super) fn quality(
     data: &DataSpectrum,
-    place: usize,
-    comparisons: &[Comparison],
+    index: usize,
+    comparisons: &[ExponentComparison],
 ) -> &'static str {
-    let off = |one: &Comparison| one.place == place && !one.agrees();
+    let off = |one: &ExponentComparison| one.index == index && !one.agrees();
     if comparisons.iter().any(off) {
         return "biased";
     }
-    let exponent = data.exponents.get(place);
+    let exponent = data.exponents.get(index);
     exponent.map_or("", |exponent| exponent.status.word())
 }
 
@@ -270,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_the_data_tell_is_compared_and_a_wrong_number_is_found() {
+    fn only_determined_exponents_are_compared_and_a_wrong_one_disagrees() {
         let data = circle();
         assert_eq!(data.exponents[0].status, Status::Ok);
         let finite = |value| Exponent::Finite {
@@ -284,8 +284,8 @@ mod tests {
             Exponent::Annihilated,
         ];
         let compared = compare(&data, &right);
-        let places: Vec<usize> = compared.iter().map(|one| one.place).collect();
-        assert_eq!(places, [0]);
+        let indices: Vec<usize> = compared.iter().map(|one| one.index).collect();
+        assert_eq!(indices, [0]);
         assert!(compared[0].agrees(), "{compared:?}");
         assert_eq!(quality(&data, 0, &compared), "ok");
         assert_eq!(quality(&data, 1, &compared), "unidentified");
@@ -297,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_known_passes_nothing() {
+    fn an_unknown_error_allows_no_difference() {
         let mut data = circle();
         data.exponents[0].eps_sensitivity = f64::NAN;
         let finite = Exponent::Finite {

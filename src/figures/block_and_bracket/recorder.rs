@@ -14,13 +14,13 @@ pub(super) const END: f64 = 12_000.0;
 pub(crate) const DT: f64 = 0.2;
 /// Parts of a step, each searched for the minimum of the normal force. A step is a fraction of an
 /// oscillation, so each part has at most one minimum.
-const PARTS: u32 = 8;
+const SEARCHED_PARTS: u32 = 8;
 /// Iterations of the golden-section search. They shrink a part to 1e-12 of its length.
 const REFINEMENTS: u32 = 60;
 /// Golden ratio minus one: the fraction of its interval that a golden-section search keeps.
-const KEPT: f64 = 0.618_033_988_749_894_9;
+const GOLDEN_FRACTION: f64 = 0.618_033_988_749_894_9;
 /// Points drawn per step.
-const DRAWN: u32 = 10;
+const POINTS_PER_STEP: u32 = 10;
 
 /// The sampled series, the section, the minimum of the normal force, and the part of the orbit that
 /// is drawn.
@@ -59,16 +59,19 @@ impl<'a> OrbitRecorder<'a> {
             self.model
                 .unclipped_normal_force(step.dense.at_time(t).as_ref())
         };
-        let (mut one, mut other) = (to - KEPT * (to - from), from + KEPT * (to - from));
+        let (mut one, mut other) = (
+            to - GOLDEN_FRACTION * (to - from),
+            from + GOLDEN_FRACTION * (to - from),
+        );
         let (mut at_one, mut at_other) = (force(one), force(other));
         for _ in 0..REFINEMENTS {
             if at_one < at_other {
                 (to, other, at_other) = (other, one, at_one);
-                one = to - KEPT * (to - from);
+                one = to - GOLDEN_FRACTION * (to - from);
                 at_one = force(one);
             } else {
                 (from, one, at_one) = (one, other, at_other);
-                other = from + KEPT * (to - from);
+                other = from + GOLDEN_FRACTION * (to - from);
                 at_other = force(other);
             }
         }
@@ -77,17 +80,17 @@ impl<'a> OrbitRecorder<'a> {
 
     fn scan(&mut self, step: &StepRecord<4>) {
         let span = step.t_end - step.t_start;
-        let at = |k: u32| step.t_start + span * f64::from(k) / f64::from(PARTS);
+        let at = |k: u32| step.t_start + span * f64::from(k) / f64::from(SEARCHED_PARTS);
         let state = |k: u32| -> State<4> {
             match k {
-                PARTS => step.x_end,
+                SEARCHED_PARTS => step.x_end,
                 _ => step.dense.at_time(at(k)),
             }
         };
-        for k in 1..=PARTS {
+        for k in 1..=SEARCHED_PARTS {
             let force = self.model.unclipped_normal_force(state(k).as_ref());
             if force < self.least_force {
-                let within = self.least(step, at(k - 1), at((k + 1).min(PARTS)));
+                let within = self.least(step, at(k - 1), at((k + 1).min(SEARCHED_PARTS)));
                 self.least_force = force.min(within);
             }
         }
@@ -95,8 +98,8 @@ impl<'a> OrbitRecorder<'a> {
 
     fn draw(&mut self, step: &StepRecord<4>) {
         let span = step.t_end - step.t_start;
-        for k in 0..DRAWN {
-            let t = step.t_start + span * f64::from(k) / f64::from(DRAWN);
+        for k in 0..POINTS_PER_STEP {
+            let t = step.t_start + span * f64::from(k) / f64::from(POINTS_PER_STEP);
             self.curve.push(step.dense.at_time(t).into());
         }
         self.curve.push(step.x_end.into());

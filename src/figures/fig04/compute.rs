@@ -1,7 +1,8 @@
 //! The orbits, the tangent points and the cycle.
 
-use crate::figures::{Failure, crossing, normals, phase_plane};
+use crate::figures::{ComputeError, crossing, normals, phase_plane};
 use crate::numbers::{change_points, not_found};
+use crate::paper::TOLERANCE;
 use stickslip::analysis::{multipliers, periodic_orbit};
 use stickslip::models::{BeltOscillator, BeltTangency};
 use stickslip::scalar::Dual;
@@ -50,26 +51,24 @@ pub struct Data {
     pub cycle: Cycle,
 }
 
-/// Tolerance: errors of a run stay far below the differences that decide here.
-const TOLERANCE: f64 = 1e-13;
 /// Length of the drawn orbits (s): about two oscillations. After that they cannot be distinguished
 /// from the cycle.
-const DRAWN: f64 = 16.0;
+const DRAWN_TIME: f64 = 16.0;
 /// Time after which an orbit is near enough to the cycle for Newton's iteration (s).
-const SETTLED: f64 = 60.0;
+const SETTLING_TIME: f64 = 60.0;
 /// Starts besides the tangent points: inside the cycle below the belt's speed, and outside the
 /// cycle above it.
-const FURTHER: [(f64, f64); 2] = [(-0.4, 0.4), (-0.6, 1.5)];
+const FURTHER_STARTS: [(f64, f64); 2] = [(-0.4, 0.4), (-0.6, 1.5)];
 
-pub(super) fn compute() -> Result<Data, Failure> {
+pub(super) fn compute() -> Result<Data, ComputeError> {
     let model = BeltOscillator::default();
     let options = Options::tol(TOLERANCE);
     let tangents = model.tangent_points()?;
     let on_belt = tangents.iter().map(|at| (at.position, model.belt_speed));
-    let starts: Vec<(f64, f64)> = on_belt.chain(FURTHER).collect();
+    let starts: Vec<(f64, f64)> = on_belt.chain(FURTHER_STARTS).collect();
     let (mut orbits, mut sticking) = (Vec::new(), 0);
     for &(x1, x2) in &starts {
-        let orbit = solve(&model, 0.0, State::from([x1, x2]), DRAWN, &options)?;
+        let orbit = solve(&model, 0.0, State::from([x1, x2]), DRAWN_TIME, &options)?;
         sticking += usize::from(orbit.sticks().next().is_some());
         orbits.push(phase_plane(&orbit));
     }
@@ -109,7 +108,7 @@ fn stationary(model: &BeltOscillator) -> Vec<f64> {
 
 fn cycle(model: &BeltOscillator, options: &Options) -> Result<Cycle, Error> {
     let start = State::from([0.0, model.belt_speed]);
-    let settled = solve(model, 0.0, start, SETTLED, options)?;
+    let settled = solve(model, 0.0, start, SETTLING_TIME, options)?;
     let upward = |at: &&Transition<2>| at.to == Mode::Slip(Side::Above);
     let crossings: Vec<f64> = settled
         .transitions
@@ -118,17 +117,17 @@ fn cycle(model: &BeltOscillator, options: &Options) -> Result<Cycle, Error> {
         .map(|at| at.t)
         .collect();
     let [.., before, last] = crossings[..] else {
-        return Err(not_found("two upward crossings of Σ", 0.0, SETTLED));
+        return Err(not_found("two upward crossings of Σ", 0.0, SETTLING_TIME));
     };
     // Off Σ, a tenth of an oscillation before the crossing.
     let guess = settled.at(last - 0.1 * (last - before))?;
-    let found = periodic_orbit(model, guess, last - before, options)?;
-    let turn = solve(model, 0.0, &found.x, found.period, options)?;
+    let orbit = periodic_orbit(model, guess, last - before, options)?;
+    let turn = solve(model, 0.0, &orbit.x, orbit.period, options)?;
     let (up, down) = (crossing(&turn, Side::Above)?, crossing(&turn, Side::Below)?);
     let acceleration = |side| model.field(side, up.t, up.x.as_ref())[1];
     Ok(Cycle {
-        period: found.period,
-        multiplier: multipliers(&found.monodromy)[1].re,
+        period: orbit.period,
+        multiplier: multipliers(&orbit.monodromy)[1].re,
         left: up.x[0],
         right: down.x[0],
         kink: [Side::Below, Side::Above].map(acceleration),

@@ -1,6 +1,6 @@
 //! The transition function, its oscillating zeros and their bifurcation.
 
-use crate::figures::Failure;
+use crate::figures::ComputeError;
 use crate::numbers::bisect;
 use stickslip::Error;
 use stickslip::models::ForcedOscillator;
@@ -14,11 +14,11 @@ pub struct Data {
     /// Critical `μ₀` for the spring, Eq. (23), N.
     pub critical: f64,
     /// (a) `σ(z)` without friction.
-    pub without_friction: Transition,
+    pub without_friction: SigmaGraph,
     /// (a) `σ(z)` with critical friction.
-    pub with_critical: Transition,
+    pub with_critical: SigmaGraph,
     /// (b) The zones over time.
-    pub oscillation: Oscillation,
+    pub oscillation: TangentPointMotion,
     /// (c) Tangent points against `μ₀`.
     pub branches: Branches,
     /// Another spring, with `k₁ ≠ k₂`. For the paper's own, Eqs. (22) and (23) coincide with Eqs.
@@ -30,7 +30,7 @@ pub struct Data {
 
 /// A graph of `σ` and its zeros.
 #[derive(Clone, Debug)]
-pub struct Transition {
+pub struct SigmaGraph {
     /// Friction coefficient.
     pub mu0: f64,
     /// `(z, σ)`, m and m²/s⁴, for `m = 1 kg`.
@@ -43,7 +43,7 @@ pub struct Transition {
 
 /// The tangent points as they move with the support of the spring.
 #[derive(Clone, Debug)]
-pub struct Oscillation {
+pub struct TangentPointMotion {
     /// The oscillator of Fig. 8.
     pub model: ForcedOscillator,
     /// The six tangent points without forcing, m.
@@ -68,9 +68,9 @@ pub struct Branches {
 /// Range of `z` shown in (a), m.
 pub(super) const Z_MAX: f64 = 1.35;
 /// Forcing periods shown in (b).
-const PERIODS: f64 = 2.0;
+const PERIODS_SHOWN: f64 = 2.0;
 
-pub(super) fn compute() -> Result<Data, Failure> {
+pub(super) fn compute() -> Result<Data, ComputeError> {
     let spring = Cubic::new(1.0, 1.0)?;
     let critical = spring.critical_mu0()[1];
     let unequal = Cubic::new(3.0, 12.0)?;
@@ -86,8 +86,8 @@ pub(super) fn compute() -> Result<Data, Failure> {
     })
 }
 
-fn transition(spring: &Cubic, mu0: f64) -> Result<Transition, Error> {
-    Ok(Transition {
+fn transition(spring: &Cubic, mu0: f64) -> Result<SigmaGraph, Error> {
+    Ok(SigmaGraph {
         mu0,
         graph: grid(-Z_MAX, Z_MAX, 1000)
             .map(|z| (z, spring.sigma(z, mu0, 1.0)))
@@ -97,13 +97,13 @@ fn transition(spring: &Cubic, mu0: f64) -> Result<Transition, Error> {
     })
 }
 
-fn oscillation(spring: &Cubic) -> Result<Oscillation, Error> {
+fn oscillation(spring: &Cubic) -> Result<TangentPointMotion, Error> {
     let model = ForcedOscillator::default();
     let points = spring.tangent_points(model.mu0)?;
     let points: Vec<f64> = points.iter().map(|point| point.z).collect();
-    let times: Vec<f64> = grid(0.0, PERIODS * model.period(), 600).collect();
+    let times: Vec<f64> = grid(0.0, PERIODS_SHOWN * model.period(), 600).collect();
     let over_time = |z: &f64| times.iter().map(|t| z + model.support(*t)).collect();
-    Ok(Oscillation {
+    Ok(TangentPointMotion {
         positions: points.iter().map(over_time).collect(),
         model,
         points,

@@ -1,6 +1,6 @@
 //! The picture of Fig. 7.
 
-use super::compute::{Branches, Data, Oscillation, Transition, Z_MAX};
+use super::compute::{Branches, Data, SigmaGraph, TangentPointMotion, Z_MAX};
 use crate::figures::{FigureError, side_by_side};
 use plot::{
     Axis, BLACK, BLUE, Band, Color, Curve, Dash, Figure, GREY, Guide, LIGHT_GREY, Legend, MID_GREY,
@@ -39,8 +39,8 @@ fn transition(data: &Data) -> Panel {
         panel.add(bar.legend("stick zone, *μ*_0 = 2√3/9"));
     }
     panel.add(Guide::horizontal(0.0).dash(Dash::Dotted));
-    let graph = |of: &Transition| Curve::new(of.graph.iter().copied());
-    let zeros = |of: &Transition| Markers::new(of.zeros.iter().map(|zero| (zero.z, 0.0)));
+    let graph = |of: &SigmaGraph| Curve::new(of.graph.iter().copied());
+    let zeros = |of: &SigmaGraph| Markers::new(of.zeros.iter().map(|zero| (zero.z, 0.0)));
     let without_friction = graph(&data.without_friction).color(BLUE).dash(Dash::Dashed);
     panel.add(without_friction.legend("*μ*_0 = 0"));
     let critical = graph(&data.with_critical).color(VERMILLION);
@@ -50,7 +50,7 @@ fn transition(data: &Data) -> Panel {
     panel
 }
 
-fn oscillation(data: &Oscillation) -> Panel {
+fn oscillation(data: &TangentPointMotion) -> Panel {
     let (period, amplitude) = (data.model.period(), data.model.amplitude);
     let end = data.times.last().copied().unwrap_or(period);
     let mut panel = Panel::new(

@@ -8,7 +8,7 @@ use crate::figures::rows::{Quantity, Row};
 use crate::paper::claim_id::ClaimId;
 use crate::paper::reading::Reading::Exact;
 use compute::compute;
-pub use compute::{Branches, Data, Oscillation, Transition};
+pub use compute::{Branches, Data, SigmaGraph, TangentPointMotion};
 use draw::draw;
 
 /// Fig. 7.
@@ -73,7 +73,10 @@ fn tangency(data: &Data) -> Vec<Row> {
             "sigma touches the axis from above in three points at mu0 = 0",
             above == 3,
         ),
-        ("and from below in two at mu0 = 2√3/9", below == 2),
+        (
+            "sigma touches it from below in two points at mu0 = 2√3/9",
+            below == 2,
+        ),
     ];
     let detail = |name: &str, count| detail(ClaimId::Fig07aTangency, name, count);
     vec![
@@ -83,7 +86,7 @@ fn tangency(data: &Data) -> Vec<Row> {
     ]
 }
 
-fn touching(data: &Data, transition: &Transition, side: f64) -> usize {
+fn touching(data: &Data, transition: &SigmaGraph, side: f64) -> usize {
     /// Distance (m) at which the sign is evaluated: far above rounding, far below the distance of
     /// zeros.
     const SIGN_OFFSET: f64 = 1e-3;
@@ -95,7 +98,7 @@ fn touching(data: &Data, transition: &Transition, side: f64) -> usize {
 
 /// Fig. 7b: the data of the curves. The report computes whether they bound the stick zones.
 fn oscillation(data: &Data) -> Vec<Row> {
-    let Oscillation { model, points, .. } = &data.oscillation;
+    let TangentPointMotion { model, points, .. } = &data.oscillation;
     let mut rows = vec![
         Row::number("fig07b.amplitude", Exact, model.amplitude, "m"),
         Row::number("fig07b.period", Exact, model.period(), "s"),
@@ -114,7 +117,7 @@ fn branches(data: &Data) -> Vec<Row> {
     let [zero, below, at, above] = data.branches.counts;
     let parts = [
         ("six branches below the critical mu0", below == 6),
-        ("two above it", above == 2),
+        ("two branches above it", above == 2),
     ];
     let detail = |name: &str, count| detail(ClaimId::Fig07cBranches, name, count);
     vec![

@@ -2,19 +2,20 @@
 
 use rayon::prelude::*;
 
-use crate::figures::{Failure, crossing, time_curve};
+use crate::figures::{ComputeError, crossing, time_curve};
 use crate::numbers::not_found;
-use crate::paper::bounded;
-use crate::paper::listing::{self, END, Sample, Setup};
+use crate::paper::listing::{self, END, Motion, Sample, Setup};
 use crate::paper::pattern::{Pattern, two_periodic};
+use crate::paper::published::LAST_DIGIT;
 use crate::paper::slip_times_three::{self, InjectedDefects};
+use crate::paper::{SETTLING_TOLERANCE, TOLERANCE, bounded};
 use stickslip::analysis::{Destination, destination, multipliers, periodic_orbit_forced};
 use stickslip::models::ForcedOscillator;
 use stickslip::{Error, Mode, Options, Side, State, solve};
 
 /// The listing's settled motion.
 #[derive(Clone, Debug)]
-pub struct AsPrinted {
+pub struct ListingMotion {
     /// Its pattern.
     pub pattern: Pattern,
     /// Stick phases in the plotted window: time and position at the start and at the end of each.
@@ -27,7 +28,7 @@ pub struct AsPrinted {
 
 /// The stated model's attractor.
 #[derive(Clone, Debug)]
-pub struct Exact {
+pub struct StatedMotion {
     /// Its pattern.
     pub pattern: Pattern,
     /// Position of the upward crossing (m).
@@ -70,31 +71,26 @@ pub struct Data {
     pub model: ForcedOscillator,
     /// Stick zones (lower end, upper end) in z (m).
     pub zones: Vec<(f64, f64)>,
-    /// The listing's step (s).
-    pub step: f64,
     /// The listing.
-    pub as_printed: AsPrinted,
+    pub as_printed: ListingMotion,
     /// The listing's limit.
     pub slip_times_three: Pattern,
     /// The stated model.
-    pub exact: Exact,
+    pub exact: StatedMotion,
     /// Attractors of its starts.
     pub shares: Shares,
 }
 
-/// Tolerance: errors of a run stay far below the differences that decide here.
-const TOLERANCE: f64 = 1e-13;
 /// Forcing periods drawn: the published pattern.
-const SHOWN: f64 = 2.0;
+const PERIODS_SHOWN: f64 = 2.0;
 /// Forcing periods in which a pattern of any length repeats: three times the longest.
-const REPEATED: f64 = 24.0;
+const PERIODS_COMPARED: f64 = 3.0 * Motion::LONGEST_PATTERN as f64;
 
-pub(super) fn compute() -> Result<Data, Failure> {
+pub(super) fn compute() -> Result<Data, ComputeError> {
     let model = ForcedOscillator::default();
     let zones = model.stick_zones()?;
     let options = Options::tol(TOLERANCE);
     Ok(Data {
-        step: Setup::default().h,
         as_printed: as_printed(&model, &zones)?,
         slip_times_three: slip_times_three::settled(InjectedDefects::BOTH)?,
         exact: exact(&model, &options)?,
@@ -104,7 +100,10 @@ pub(super) fn compute() -> Result<Data, Failure> {
     })
 }
 
-fn as_printed(model: &ForcedOscillator, zones: &[(f64, f64)]) -> Result<AsPrinted, Failure> {
+fn as_printed(
+    model: &ForcedOscillator,
+    zones: &[(f64, f64)],
+) -> Result<ListingMotion, ComputeError> {
     let mut trajectory = Vec::new();
     let mut stuck: Vec<[(f64, f64); 2]> = Vec::new();
     let mut sticking = false;
@@ -132,7 +131,7 @@ fn as_printed(model: &ForcedOscillator, zones: &[(f64, f64)]) -> Result<AsPrinte
     let run = listing::run_with(&Setup::default(), keep);
     let what = "a motion of the listing that repeats";
     let pattern = Pattern::of_listing(&run).ok_or_else(|| not_found(what, 0.0, END))?;
-    Ok(AsPrinted {
+    Ok(ListingMotion {
         pattern,
         stuck,
         outside_zones: f64::from(steps_outside) / f64::from(steps_stuck.max(1)),
@@ -140,17 +139,17 @@ fn as_printed(model: &ForcedOscillator, zones: &[(f64, f64)]) -> Result<AsPrinte
     })
 }
 
-fn exact(model: &ForcedOscillator, options: &Options) -> Result<Exact, Error> {
+fn exact(model: &ForcedOscillator, options: &Options) -> Result<StatedMotion, Error> {
     let period = model.period();
     let start = Setup::default().state();
-    let whole = (END / period).floor() * period;
-    let settled = solve(model, 0.0, start, whole, options)?;
+    let whole_periods = (END / period).floor() * period;
+    let settled = solve(model, 0.0, start, whole_periods, options)?;
     let orbit = periodic_orbit_forced(model, 0.0, settled.x_end, period, options)?;
-    let turns = solve(model, 0.0, &orbit.x, SHOWN * period, options)?;
-    let many = solve(model, 0.0, &orbit.x, REPEATED * period, options)?;
+    let turns = solve(model, 0.0, &orbit.x, PERIODS_SHOWN * period, options)?;
+    let many = solve(model, 0.0, &orbit.x, PERIODS_COMPARED * period, options)?;
     let pattern = Pattern::of_phases(&many.phases, many.t_end, period);
-    let pattern =
-        pattern.ok_or_else(|| not_found("a motion that repeats", 0.0, REPEATED * period))?;
+    let pattern = pattern
+        .ok_or_else(|| not_found("a motion that repeats", 0.0, PERIODS_COMPARED * period))?;
     let (up, down) = (
         crossing(&turns, Side::Above)?,
         crossing(&turns, Side::Below)?,
@@ -159,7 +158,7 @@ fn exact(model: &ForcedOscillator, options: &Options) -> Result<Exact, Error> {
     let mut multipliers = [0, 1].map(|k| stickslip::math::hypot(sizes[k].re, sizes[k].im));
     multipliers.sort_by(|one, other| other.total_cmp(one));
     let above = (down.t - up.t).rem_euclid(period);
-    Ok(Exact {
+    Ok(StatedMotion {
         pattern,
         left: up.x[0],
         right: down.x[0],
@@ -170,28 +169,34 @@ fn exact(model: &ForcedOscillator, options: &Options) -> Result<Exact, Error> {
     })
 }
 
-/// Number of positions and velocities of the starts.
-const GRID: (u32, u32) = (61, 41);
-/// Largest position and velocity of a start (m, m/s).
-pub const REACH: [f64; 2] = [1.2, 2.0];
-/// Forcing periods over which a start is integrated.
-pub const FOLLOWED: usize = 40;
-/// Tolerance for states one pattern apart to be equal: the paper's last digit.
-const CLOSENESS: f64 = 1e-4;
+/// Number of positions and velocities of the starts. They are chosen: 2501 starts give shares to
+/// about one per cent.
+const START_GRID: (u32, u32) = (61, 41);
+/// Largest position and velocity of a start (m, m/s): beyond the outer tangent points and the
+/// settled motion. Other windows have other shares, which the report says.
+pub const START_RANGE: [f64; 2] = [1.2, 2.0];
+/// Forcing periods over which a start is integrated: the length of the listing's run.
+pub const PERIODS_FOLLOWED: usize = 40;
 
-/// A grid of starts with its corners at [`REACH`].
+/// A grid of starts with its corners at [`START_RANGE`].
 pub(crate) fn starts(columns: u32, rows: u32) -> Vec<State<2>> {
     let part = |k: u32, of: u32| 2.0 * f64::from(k) / f64::from(of - 1) - 1.0;
-    let at = |i, j| State::from([REACH[0] * part(i, columns), REACH[1] * part(j, rows)]);
+    let at = |i, j| {
+        State::from([
+            START_RANGE[0] * part(i, columns),
+            START_RANGE[1] * part(j, rows),
+        ])
+    };
     let all = (0..columns).flat_map(|i| (0..rows).map(move |j| at(i, j)));
     all.collect()
 }
 
 fn shares(model: &ForcedOscillator) -> Result<Shares, Error> {
-    let options = bounded(1e-9);
-    let starts = starts(GRID.0, GRID.1);
-    let (period, periods) = (model.period(), FOLLOWED);
-    let end = |&x: &State<2>| destination(model, (0.0, x), period, periods, CLOSENESS, &options);
+    let options = bounded(SETTLING_TOLERANCE);
+    let starts = starts(START_GRID.0, START_GRID.1);
+    let (period, periods) = (model.period(), PERIODS_FOLLOWED);
+    // States one pattern apart are equal to the paper's last digit.
+    let end = |&x: &State<2>| destination(model, (0.0, x), period, periods, LAST_DIGIT, &options);
     let ends = starts.par_iter().map(end);
     let ends = ends.collect::<Result<Vec<_>, Error>>()?;
     let each = 1.0 / starts.len() as f64;

@@ -3,7 +3,7 @@
 use super::compute::Data;
 use crate::figures::{FigureError, belt_line, side_by_side};
 use crate::numbers::extent;
-use crate::paper::listing::Crossing;
+use crate::paper::listing::{Crossing, PRINTED_STEP};
 use plot::*;
 use stickslip::math;
 
@@ -53,7 +53,7 @@ fn periods(count: usize) -> String {
 pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
     let printed_side = HalfFigure::of(data, &data.as_printed.trajectory, BLUE);
     let exact_side = HalfFigure::of(data, &data.exact.trajectory, VERMILLION);
-    let power = number(math::log10(data.step), 0);
+    let power = number(math::log10(PRINTED_STEP), 0);
     let title = format!("listing as printed, *h* = 10^{{{power}}} s");
     let mut left = printed_side.plane("(a)", &title);
     add_stick_phases(&mut left, data);

@@ -11,7 +11,7 @@ use crate::paper::reading::Reading;
 use compute::compute;
 #[cfg(feature = "report")]
 pub(crate) use compute::starts;
-pub use compute::{AsPrinted, Data, Exact, FOLLOWED, REACH, Shares};
+pub use compute::{Data, ListingMotion, PERIODS_FOLLOWED, START_RANGE, Shares, StatedMotion};
 use draw::draw;
 
 /// Fig. 8.

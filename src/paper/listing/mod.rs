@@ -37,9 +37,11 @@ mod setup;
 mod step;
 
 pub use defects::{Defect, Defects};
-pub use record::{Crossing, Direction, End, Instant, Motion, Run, Sample, Stick, StickPhase, Zone};
+pub use record::{
+    Crossing, Direction, Instant, Motion, Run, Sample, Stick, StickPhase, Zone, ZoneEnd,
+};
 pub(super) use record::{LEAST_COMPARED, pattern_begin};
-pub use setup::{END, Setup};
+pub use setup::{END, PRINTED_STEP, Setup};
 
 use regime::Strobe;
 use step::{Event, Machine};

@@ -7,8 +7,8 @@ use stickslip::Mode;
 /// Amount by which a pattern is shortened, in forcing periods. An event exactly one pattern before
 /// the end belongs to the previous pattern, and its time may jitter.
 const PATTERN_MARGIN: f64 = 0.01;
-/// Minimum number of forcing periods compared before a pattern counts as repeating. It is three
-/// times the shortest published pattern.
+/// Minimum number of forcing periods compared before a pattern counts as repeating: three times the
+/// published pattern.
 pub(in crate::paper) const LEAST_COMPARED: usize = 6;
 
 /// The time (s) at which the last `periods` forcing periods begin.
@@ -30,7 +30,7 @@ pub enum Zone {
 
 /// An end of a stick zone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum End {
+pub enum ZoneEnd {
     /// The end with the larger displacement.
     Upper,
     /// The end with the smaller displacement.
@@ -132,7 +132,7 @@ pub struct StickPhase {
     /// The stick zone; `None` where rounding put the entry just outside.
     pub zone: Option<Zone>,
     /// The end of the zone at which the phase ended.
-    pub end: End,
+    pub end: ZoneEnd,
 }
 
 /// A passage through the belt's speed without sticking (the paper's Σc).

@@ -6,6 +6,8 @@ use super::defects::Defects;
 use stickslip::models::ForcedOscillator;
 use stickslip::{State, math};
 
+/// The listing's step `h` (s), line 3.
+pub const PRINTED_STEP: f64 = 1e-4;
 /// Length of the listing's run (s), line 3: N·h. By then its motion has settled.
 pub const END: f64 = 63.3;
 
@@ -22,7 +24,7 @@ pub struct Setup {
     pub start: [f64; 3],
     /// Which defects are present.
     pub defects: Defects,
-    /// Step `h` in seconds (line 3: 1e-4). Longer steps than a twentieth of the forcing period
+    /// Step in seconds. Longer steps than a twentieth of the forcing period
     /// cannot distinguish periods.
     pub h: f64,
     /// Start of the plotted window in seconds after the start (line 3: N0·h = 60).
@@ -47,7 +49,7 @@ impl Default for Setup {
             start: [0.0, -t3, model.belt_speed],
             model,
             defects: Defects::AS_PRINTED,
-            h: 1e-4,
+            h: PRINTED_STEP,
             window_start: 60.0,
             end: END,
         }

@@ -1,7 +1,7 @@
 //! One pass of the listing's loop (lines 28–79).
 
 use super::defects::Defect;
-use super::record::{Direction, End, Instant, Motion, Sample, Zone, ends};
+use super::record::{Direction, Instant, Motion, Sample, Zone, ZoneEnd, ends};
 use super::setup::Setup;
 use crate::paper::stages::{in_time, in_velocity};
 use stickslip::{Mode, Side, State, math};
@@ -16,7 +16,7 @@ pub(super) enum Event {
     /// The body began to stick.
     Entry(Option<Zone>),
     /// It left the stick zone through an end.
-    Exit(End),
+    Exit(ZoneEnd),
     /// It passed the belt's speed without sticking.
     Crossing(Direction),
 }
@@ -141,9 +141,9 @@ impl<'a> Machine<'a> {
             return None;
         }
         let (end, zone_end) = if through_lower {
-            (End::Lower, lower)
+            (ZoneEnd::Lower, lower)
         } else {
-            (End::Upper, upper)
+            (ZoneEnd::Upper, upper)
         };
         self.move_to(self.stick_exit(start, moved, zone_end, xs));
         self.mode = if setup.defects.has(Defect::ReversedExitSide) {

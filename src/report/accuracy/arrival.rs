@@ -1,6 +1,6 @@
 //! Arrival on Σ from slip, Eq. (14): the stated method, its parts, and the listing.
 
-use super::errors::{EventErrors, TOLERANCE};
+use super::errors::{EXACT_TOLERANCE, EventErrors};
 use crate::numbers::not_found;
 use crate::paper::listing::{Defects, END, Run, Setup, run};
 use crate::report::ReportError;
@@ -11,7 +11,7 @@ use stickslip::{
 };
 
 /// Time of a run before the event (s), not a multiple of any step.
-const LEAD: f64 = 0.2003;
+const LEAD_TIME: f64 = 0.2003;
 
 /// A crossing on the settled orbit, and a state before it.
 pub(super) struct Arrival<'a> {
@@ -28,16 +28,16 @@ pub(super) struct Arrival<'a> {
 impl<'a> Arrival<'a> {
     /// The last crossing from one side on the settled orbit.
     pub(super) fn from(model: &'a ForcedOscillator, from: Side) -> Result<Self, ReportError> {
-        let options = Options::tol(TOLERANCE);
+        let options = Options::tol(EXACT_TOLERANCE);
         let settled = solve(model, 0.0, Setup::default().state(), END, &options)?;
         let mut transitions = settled.transitions.iter();
         let crossing = transitions
             .rfind(|at| at.kind == TransitionKind::Crossing && at.from == Mode::Slip(from))
             .ok_or_else(|| not_found("a crossing of Σ", 0.0, END))?;
-        let t0 = crossing.t - LEAD;
+        let t0 = crossing.t - LEAD_TIME;
         let x0 = settled.at(t0)?;
         // Restarted from that state, which alone determines the orbit.
-        let orbit = solve(model, t0, x0, crossing.t + LEAD, &options)?;
+        let orbit = solve(model, t0, x0, crossing.t + LEAD_TIME, &options)?;
         Ok(Arrival {
             model,
             from,
@@ -91,8 +91,8 @@ impl<'a> Arrival<'a> {
                     if gap(&next) * self.from.sign() <= 0.0 {
                         break;
                     }
-                    if next.t > self.t + LEAD {
-                        return Err(not_found("a crossing of Σ", self.t0, 2.0 * LEAD).into());
+                    if next.t > self.t + LEAD_TIME {
+                        return Err(not_found("a crossing of Σ", self.t0, 2.0 * LEAD_TIME).into());
                     }
                     at = next;
                 }
@@ -125,13 +125,13 @@ impl<'a> Arrival<'a> {
                 defects,
                 h: self.step(h, part),
                 window_start: 0.0,
-                end: 2.0 * LEAD,
+                end: 2.0 * LEAD_TIME,
                 start: [self.t0, self.x0[0], self.x0[1]],
                 ..Setup::default()
             });
             let what = "a crossing of Σ by the listing";
             let first = first_on_belt(&outcome);
-            Ok(first.ok_or_else(|| not_found(what, self.t0, 2.0 * LEAD))?)
+            Ok(first.ok_or_else(|| not_found(what, self.t0, 2.0 * LEAD_TIME))?)
         })
     }
 
@@ -159,7 +159,7 @@ impl<'a> Arrival<'a> {
 
 fn first_transition(orbit: &Orbit<2>, t: f64) -> Result<f64, ReportError> {
     let first = orbit.transitions.first().map(|at| at.t);
-    Ok(first.ok_or_else(|| not_found("a crossing of Σ", t, 2.0 * LEAD))?)
+    Ok(first.ok_or_else(|| not_found("a crossing of Σ", t, 2.0 * LEAD_TIME))?)
 }
 
 /// Time at which the listing first reaches the belt's speed.

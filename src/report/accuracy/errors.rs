@@ -1,19 +1,19 @@
 //! Errors of the time of one event over the step, and their order.
 
+use crate::numbers::ROUNDING;
+use crate::paper::listing::PRINTED_STEP;
 use crate::paper::published::HALF_DIGIT;
 use crate::report::ReportError;
-use crate::report::convergence::PRINTED_STEP;
 use stickslip::Side;
 use stickslip::statistics::PowerLaw;
 
-/// Tolerance: errors of a run stay far below the differences that decide here.
-pub(super) const TOLERANCE: f64 = 1e-14;
+/// Tolerance of the exact orbits. Single Hénon steps are compared with them, so that it is ten
+/// times finer than that of other accurate solutions.
+pub(super) const EXACT_TOLERANCE: f64 = 1e-14;
 /// Steps (s) at which orders are measured: their errors are well above rounding.
 pub(super) const STEPS: [f64; 5] = [1.6e-2, 1.13e-2, 8e-3, 5.7e-3, 4e-3];
 /// Fractions of a step at which the event comes. The largest error counts.
-const PARTS: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
-/// Errors below this are accumulated rounding of the times (s) and have no order.
-const ROUNDING: f64 = 1e-12;
+const STEP_FRACTIONS: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 
 /// Errors of the time of one event.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,11 +40,13 @@ impl EventErrors {
     ) -> Result<EventErrors, ReportError> {
         // A missing event counts as an infinite error.
         let error = |h: f64| {
-            PARTS.into_iter().try_fold(0.0, |worst: f64, part| {
-                let off = (locate(h, part)? - t).abs();
-                let off = if off.is_nan() { f64::INFINITY } else { off };
-                Ok::<f64, ReportError>(worst.max(off))
-            })
+            STEP_FRACTIONS
+                .into_iter()
+                .try_fold(0.0, |worst: f64, part| {
+                    let off = (locate(h, part)? - t).abs();
+                    let off = if off.is_nan() { f64::INFINITY } else { off };
+                    Ok::<f64, ReportError>(worst.max(off))
+                })
         };
         let errors = STEPS.into_iter().map(|h| Ok((h, error(h)?)));
         let errors = errors.collect::<Result<Vec<_>, ReportError>>()?;
@@ -57,7 +59,7 @@ impl EventErrors {
         })
     }
 
-    /// Whether all errors are rounding.
+    /// Whether all errors are accumulated rounding of the times, which has no order.
     pub fn is_exact(&self) -> bool {
         self.at_printed_step <= ROUNDING && self.errors.iter().all(|(_, error)| *error <= ROUNDING)
     }

@@ -1,7 +1,7 @@
 //! Release from stick, Eq. (15): the step as printed, corrected, and the listing's.
 
-use super::errors::{EventErrors, STEPS, TOLERANCE};
-use crate::numbers::not_found;
+use super::errors::{EXACT_TOLERANCE, EventErrors, STEPS};
+use crate::numbers::{ROUNDING, not_found};
 use crate::paper::listing::{Defect, Defects, Setup, run};
 use crate::report::{ReportError, stick_exits, until_escape};
 use stickslip::math;
@@ -10,13 +10,14 @@ use stickslip::ode::{Rk4, Timed, henon_step};
 use stickslip::{Error, Filippov, Options, Side, State, Transition, solve};
 
 /// Starts of model 1 on the belt (m), one in each of its stick zones.
-const ON_BELT: [f64; 3] = [-1.0, 0.0, 1.0];
+const BELT_STARTS: [f64; 3] = [-1.0, 0.0, 1.0];
 /// Time within which a body on the belt of model 1 is released (s): by then it has passed all
 /// zones.
-const RIDE: f64 = 2.0;
-/// Starts of model 2. The longest of their stick phases are used.
-const STARTS: [f64; 9] = [-1.0, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0];
-const FOLLOWED: f64 = 4.0;
+const RIDE_TIME: f64 = 2.0;
+/// Starts of model 2 (m) and the forcing periods over which they are integrated. The longest of
+/// their stick phases is used, so that other starts give the same one or a longer one.
+const FORCED_STARTS: [f64; 9] = [-1.0, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0];
+const PERIODS_FOLLOWED: f64 = 4.0;
 
 /// Errors of one release, of a body that rides the belt until a tangent point is met.
 #[derive(Clone, Debug, PartialEq)]
@@ -82,8 +83,8 @@ impl Releases {
         let of_belt = on_belt(&belt)?;
         let of_forced = on_forced(&forced)?;
         let still = |_: f64, _: f64| 0.0;
-        let printed = "release in the listing as printed to";
-        let mended = "release in the listing mended to";
+        let printed = "release in the listing as printed to the side";
+        let mended = "release in the listing mended to the side";
         Ok(Releases {
             belt: release(&belt, belt.belt_speed, &of_belt, still)?,
             forced: release(&forced, forced.belt_speed, &of_forced, |from, to| {
@@ -120,7 +121,7 @@ fn release<S: Filippov<2>>(
         let slope = |at: &Timed<2>| 1.0 / system.field(side, at.t, at.x.as_ref())[1];
         with(what, side, &slope)
     };
-    let corrected = "release by Eq. (15) with 1/x2 to";
+    let corrected = "release by Eq. (15) with 1/x2 to the side";
     Ok(Release {
         literal: [literal(Side::Below)?, literal(Side::Above)?],
         corrected: with(corrected, event.to, &|at| 1.0 / at.x[1])?,
@@ -129,7 +130,7 @@ fn release<S: Filippov<2>>(
 
 /// The release with the distance to the moving tangent point as the independent variable.
 fn moving(model: &ForcedOscillator, event: &Event) -> Result<EventErrors, ReportError> {
-    let rest = event.x1 - model.support(event.t);
+    let tangent_point = event.x1 - model.support(event.t);
     let swapped = |at: &Timed<2>| {
         let speed = model.amplitude * model.omega * math::cos(model.omega * at.t);
         let rate = 1.0 / (at.x[1] - speed);
@@ -138,10 +139,10 @@ fn moving(model: &ForcedOscillator, event: &Event) -> Result<EventErrors, Report
             x: State::from([at.x[1] * rate, 0.0]),
         }
     };
-    let what = "release with the distance as variable to";
+    let what = "release with the distance as variable to the side";
     EventErrors::measure(what, (event.to, event.t), |h, part| {
         let at = event.before(part * h, model.belt_speed);
-        let gap = at.x[0] - rest - model.support(at.t);
+        let gap = at.x[0] - tangent_point - model.support(at.t);
         Ok(henon_step::<Rk4, 2>(&mut |at| swapped(at), &at, -gap).t)
     })
 }
@@ -178,16 +179,16 @@ fn listing(
 fn on_belt(model: &BeltOscillator) -> Result<Event, Error> {
     let first_release = |x1| {
         let start = State::from([x1, model.belt_speed]);
-        let orbit = solve(model, 0.0, start, RIDE, &Options::tol(TOLERANCE))?;
+        let orbit = solve(model, 0.0, start, RIDE_TIME, &Options::tol(EXACT_TOLERANCE))?;
         let first = stick_exits(&orbit).next();
         Ok(first.map(|(at, to, _)| Event::new(at, to)))
     };
-    let releases = ON_BELT.into_iter().map(first_release);
+    let releases = BELT_STARTS.into_iter().map(first_release);
     let releases = releases.collect::<Result<Vec<Option<Event>>, Error>>()?;
     // Of equally late ones, the first.
     let later = |one: Event, other: Event| if other.t > one.t { other } else { one };
     let latest = releases.into_iter().flatten().reduce(later);
-    latest.ok_or_else(|| not_found("a release from stick", 0.0, RIDE))
+    latest.ok_or_else(|| not_found("a release from stick", 0.0, RIDE_TIME))
 }
 
 /// The longest stick phase of model 2, over the starts, that ends at the upper end of its zone. The
@@ -196,14 +197,14 @@ fn on_forced(model: &ForcedOscillator) -> Result<Event, Error> {
     let points = model.tangent_points(0.0)?;
     let is_upper = |z: f64| {
         let mut uppers = points.iter().step_by(2);
-        uppers.any(|point| (point.position - z).abs() < 1e-9)
+        uppers.any(|point| (point.position - z).abs() < ROUNDING)
     };
-    let span = FOLLOWED * model.period();
+    let span = PERIODS_FOLLOWED * model.period();
     let mut longest = 2.0 * STEPS[0];
     let mut event = None;
-    for x1 in STARTS {
+    for x1 in FORCED_STARTS {
         let start = (0.0, State::from([x1, 0.0]));
-        let (orbit, _) = until_escape(model, start, span, TOLERANCE)?;
+        let (orbit, _) = until_escape(model, start, span, EXACT_TOLERANCE)?;
         for (at, to, phase) in stick_exits(&orbit) {
             if phase.duration() > longest && is_upper(at.x[0] - model.support(at.t)) {
                 longest = phase.duration();

@@ -1,5 +1,5 @@
-//! Misprints on model 3: Eqs. (27) and (28), the unit of time, the abstract, and the captions of
-//! Figs. 10–12, with their effect on the motion.
+//! Misprints on model 3 with their effect on the motion: the signs of Eq. (27), the abstract, and
+//! the captions of Figs. 10–12.
 
 use std::ops::ControlFlow;
 
@@ -12,7 +12,7 @@ use crate::orbit_records::TurningPoints;
 use crate::report::ReportError;
 use crate::report::spread::mended_captions;
 use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
-use stickslip::models::{BlockAndBracket, Caption, CaptionOrder, Reading, Rig, Unloading};
+use stickslip::models::{BlockAndBracket, Caption, CaptionOrder, Reading};
 use stickslip::{Error, Observer, Options, State, StepRecord, run, solve};
 
 /// The section is recorded from the start of the published series to here: over a hundred
@@ -48,8 +48,8 @@ enum MotionOutcome {
     Diverges(f64),
     /// No component does; the largest component until [`START`].
     Bounded(f64),
-    /// The block has no turning points: it rests or sticks for good.
-    Rests,
+    /// The block has no turning points: it is in equilibrium or sticks for good.
+    NoTurns,
     /// The section closes after so many points; time of one round.
     Closes(usize, f64),
     /// The section does not close within the window; its points.
@@ -74,7 +74,7 @@ fn outcome(caption: &Caption, reading: &Reading, end: f64) -> Result<MotionOutco
     let evidence = Evidence::gather(&section, window, &Criterion::default());
     Ok(match evidence.class() {
         _ if end <= START => MotionOutcome::Bounded(observer.largest),
-        _ if section.is_empty() => MotionOutcome::Rests,
+        _ if section.is_empty() => MotionOutcome::NoTurns,
         Class::Periodic(turns) => MotionOutcome::Closes(turns, turns as f64 * evidence.return_time),
         _ => MotionOutcome::Open(section.len()),
     })
@@ -98,7 +98,7 @@ impl MotionOutcome {
                 size.into(),
                 "1",
             ),
-            MotionOutcome::Rests => (String::new(), "comes to rest".into(), ""),
+            MotionOutcome::NoTurns => (String::new(), "comes to rest".into(), ""),
             MotionOutcome::Closes(turns, round) => (
                 format!(": closes (turns: {turns}) after"),
                 round.into(),
@@ -135,101 +135,27 @@ pub(super) fn signs() -> Result<Proof, Error> {
     Ok(Proof::new("signs", all, holds))
 }
 
-/// A block and a bracket in SI units, undamped as in the captions.
-fn rig(gravity: f64, stiffness: f64) -> Rig {
-    Rig {
-        mass: 1.0,
-        inertia: 0.5,
-        arm: 0.7,
-        k1: 2.0 * stiffness,
-        k2: stiffness,
-        k3: 0.9 * stiffness,
-        c1: 0.0,
-        c2: 0.0,
-        gravity,
-        mu0: 0.7,
-        delta: 0.1,
-        belt_speed: 0.2,
-    }
-}
-
-/// Time over which the rig is integrated, in units of 1/ω: several oscillations.
-const RIG_SPAN: f64 = 40.0;
-
-/// The state of a rig after [`RIG_SPAN`], in the units of Eq. (27).
-fn rig_state(rig: &Rig, start: &State<4>) -> Result<State<4>, Error> {
-    let (length, time) = (rig.length_unit(), rig.time_unit());
-    let units = State::from([length, length / time, length, length / time]);
-    let x = start.component_mul(&units);
-    let end = solve(rig, 0.0, x, RIG_SPAN * time, &Options::tol(1e-12))?;
-    Ok(end.x_end.component_div(&units))
-}
-
-/// Newton's law in SI units, compared with two ways to write the normal force with ξ6.
-pub(super) fn friction_counted_twice() -> Result<Proof, ReportError> {
-    let rig = rig(9.81, 1.0);
-    let start = State::from([0.0, 0.01, 0.0, -0.05]);
-    let newton = rig_state(&rig, &start)?;
-    let plain = rig.nondimensional();
-    // The captions' sixth and seventh numbers for this rig.
-    let (sixth, seventh) = (rig.mu0, rig.mu0 * rig.k3 / rig.k2);
-    let stiffness = plain.bracket_stiffness;
-    let first = [plain.coupling, 0.0, plain.mobility, stiffness, 0.0];
-    let last = [sixth, seventh, plain.delta, plain.belt_speed];
-    let mut caption = Caption {
-        numbers: [0.0; 9],
-        start: start.into(),
-    };
-    caption.numbers[..5].copy_from_slice(&first);
-    caption.numbers[5..].copy_from_slice(&last);
-    let with = |unloading| -> Result<f64, ReportError> {
-        let reading = Reading {
-            unloading,
-            ..Reading::exact()
-        };
-        let model = BlockAndBracket::from_caption(&caption, &reading)?;
-        let end = solve(&model, 0.0, start, RIG_SPAN, &Options::tol(1e-12))?;
-        Ok((end.x_end - newton).amax())
-    };
-    let (printed, corrected) = (with(Unloading::Plain)?, with(Unloading::OverMu0)?);
-    let holds = corrected < 1e-6 && printed > 1e-3;
-    Ok(Proof::new(
-        "friction_counted_twice",
-        [printed, corrected],
-        holds,
-    ))
-}
-
-/// Two rigs with different units of time have the same Eq. (27).
-pub(super) fn unit_of_time() -> Result<Proof, ReportError> {
-    let slow = rig(9.81, 1.0);
-    // Four times the stiffness and, to keep the unit of length, four times gravity. Speeds double.
-    let fast = Rig {
-        belt_speed: 2.0 * slow.belt_speed,
-        delta: 0.5 * slow.delta,
-        ..rig(4.0 * 9.81, 4.0)
-    };
-    let start = State::from([0.0, 0.01, 0.0, -0.05]);
-    let apart = (rig_state(&slow, &start)? - rig_state(&fast, &start)?).amax();
-    let (slow, fast) = (slow.time_unit(), fast.time_unit());
-    let holds = (slow / fast - 2.0).abs() < 1e-12 && apart < 1e-6;
-    Ok(Proof::new("unit_of_time", [slow, fast, apart], holds))
-}
-
 /// Time over which the states of model 3 are sampled: a hundred oscillations.
-const SAMPLED: f64 = 1000.0;
+const SAMPLED_TIME: f64 = 1000.0;
+/// Samples in that time: some thirty in an oscillation.
 const SAMPLES: u32 = 4000;
 /// A direction counts if the spread of the states along it exceeds this fraction of their largest
 /// spread. Less would show as a line in a phase plane.
-const PART: f64 = 1e-2;
+const SPREAD_FRACTION: f64 = 1e-2;
 
 /// Spreads (standard deviations) of the sampled states along their principal directions, the
 /// largest first.
 fn spreads(caption: &Caption) -> Result<[f64; 4], ReportError> {
     let model = BlockAndBracket::from_caption(caption, &Reading::exact())?;
     let options = Options::tol(TOLERANCE);
-    let orbit = solve(&model, 0.0, State::from(caption.start), SAMPLED, &options)?;
-    let times = (0..SAMPLES).map(|k| SAMPLED * f64::from(k) / f64::from(SAMPLES));
+    let orbit = solve(
+        &model,
+        0.0,
+        State::from(caption.start),
+        SAMPLED_TIME,
+        &options,
+    )?;
+    let times = (0..SAMPLES).map(|k| SAMPLED_TIME * f64::from(k) / f64::from(SAMPLES));
     let states = orbit.sample(times)?;
     let n = f64::from(SAMPLES);
     let mean = states.iter().fold(State::<4>::zeros(), |sum, x| sum + x) / n;
@@ -246,7 +172,7 @@ pub(super) fn four_states() -> Result<Proof, ReportError> {
     let mut holds = true;
     for (_, caption) in FIGURES {
         let spreads = spreads(&caption)?;
-        let is_one = |spread: &&f64| **spread > PART * spreads[0];
+        let is_one = |spread: &&f64| **spread > SPREAD_FRACTION * spreads[0];
         let directions = spreads.iter().filter(is_one).count();
         shown.extend([directions.into(), (spreads[3] / spreads[0]).into()]);
         holds &= directions > 2;
@@ -307,19 +233,4 @@ pub(super) fn caption_of_fig10() -> Result<Proof, ReportError> {
     let with = mended.iter().zip(outcomes);
     all.extend(with.map(|((entry, _), one)| one.proof_result(&format!("with {entry}"))));
     Ok(Proof::new("caption_of_fig10", all, holds))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_same_equations_run_at_two_paces() {
-        // With the belt of the slow rig, the fast one is another system.
-        let slow = rig(9.81, 1.0);
-        let other = rig(4.0 * 9.81, 4.0);
-        let start = State::from([0.0, 0.01, 0.0, -0.05]);
-        let apart = rig_state(&slow, &start).unwrap() - rig_state(&other, &start).unwrap();
-        assert!(apart.amax() > 1e-3);
-    }
 }

@@ -4,7 +4,9 @@
 mod bracket;
 mod listing;
 mod proof;
+mod rig;
 mod sections_two_to_four;
+mod shifts;
 
 use std::collections::BTreeMap;
 
@@ -21,7 +23,7 @@ pub struct Erratum {
     /// Its name; for a defect, [`Defect::name`].
     pub name: String,
     /// Where in the paper.
-    pub place: String,
+    pub location: String,
     /// What is printed, in our words.
     pub printed: String,
     /// What is correct.
@@ -53,10 +55,10 @@ pub fn errata(
         sections_two_to_four::time_in_stick(accuracy),
         sections_two_to_four::sign_of_friction()?,
         sections_two_to_four::spring_signs()?,
-        listing::shifts(),
+        shifts::shifts(),
         bracket::signs()?,
-        bracket::friction_counted_twice()?,
-        bracket::unit_of_time()?,
+        rig::friction_counted_twice()?,
+        rig::unit_of_time()?,
         bracket::four_states()?,
         bracket::order_of_captions()?,
         bracket::caption_of_fig10()?,
@@ -94,7 +96,7 @@ fn misprints_with_proofs(table: &str, proofs: Vec<Proof>) -> Result<Vec<Erratum>
         }
         all.push(Erratum {
             name,
-            place: cell(1),
+            location: cell(1),
             printed: cell(2),
             correct: cell(3),
             shown,
@@ -122,7 +124,7 @@ mod tests {
         };
         let proven_one = of(&["one"]).unwrap().remove(0);
         assert_eq!(
-            (&*proven_one.place, proven_one.shown),
+            (&*proven_one.location, proven_one.shown),
             ("Eq. (1)", vec![ProofResult::new("c", 1.0, "m")])
         );
         assert!(of(&[]).is_err() && of(&["one", "two"]).is_err());

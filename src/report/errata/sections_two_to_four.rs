@@ -7,13 +7,14 @@ use super::proof::Proof;
 use crate::figures::normals;
 use crate::figures::rows::Value;
 use crate::numbers::{bisect, extent};
+use crate::paper::TOLERANCE;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::published::Claims;
 use crate::report::accuracy::{Accuracy, EventErrors};
 use crate::report::{belt_positions, tangent_at, until_escape};
 use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::system::Unchecked;
-use stickslip::{Ending, Error, Fate, Filippov, Options, Side, State, TransitionKind, fate, solve};
+use stickslip::{Ending, Error, Fate, Options, State, TransitionKind, fate, solve};
 
 /// Positions between the outer tangent points that are tested for sticking. The results are ratios
 /// over the same positions, so their number does not matter.
@@ -84,9 +85,9 @@ pub(super) fn negative_friction(claims: &Claims) -> Proof {
             mu0,
             ..BeltOscillator::default()
         };
-        let places = belt_positions(2.0 / 3f64.sqrt(), POSITIONS_TESTED, model.belt_speed);
-        let fates: Vec<Fate> = places.map(|x| fate(&model, 0.0, &x)).collect();
-        let of = |wanted| fates.iter().filter(|found| **found == wanted).count();
+        let states = belt_positions(2.0 / 3f64.sqrt(), POSITIONS_TESTED, model.belt_speed);
+        let fates: Vec<Fate> = states.map(|x| fate(&model, 0.0, &x)).collect();
+        let of = |fate| fates.iter().filter(|one| **one == fate).count();
         (of(Fate::Stick), of(Fate::Repelling))
     };
     let (negative, positive) = extent(values.iter().copied());
@@ -98,8 +99,8 @@ pub(super) fn negative_friction(claims: &Claims) -> Proof {
 
 /// Sect. 3 cites Eq. (12) as the system to be solved.
 pub(super) fn wrong_reference(claims: &Claims) -> Result<Proof, Error> {
-    // The system that has a solution: the orbit of Eq. (5) through each member of Eq. (12), off the
-    // belt's speed.
+    /// Length of the orbits of Eq. (5) through each member of Eq. (12), off the belt's speed (s): a
+    /// few oscillations.
     const SPAN: f64 = 30.0;
     let points = claims.of(ClaimId::Eq12CriticalPoints).values();
     let crossings = |belt_speed: f64| -> Result<usize, Error> {
@@ -109,7 +110,7 @@ pub(super) fn wrong_reference(claims: &Claims) -> Result<Proof, Error> {
         };
         points.iter().try_fold(0, |count, &x1| {
             let start = State::from([x1, 0.5 * belt_speed]);
-            let orbit = solve(&model, 0.0, start, SPAN, &Options::tol(1e-12))?;
+            let orbit = solve(&model, 0.0, start, SPAN, &Options::tol(TOLERANCE))?;
             let changes = orbit.transitions.iter();
             let changes = changes.filter(|at| at.kind != TransitionKind::Touch);
             Ok(count + changes.count())
@@ -152,10 +153,8 @@ pub(super) fn time_in_stick(accuracy: &Accuracy) -> Proof {
     Proof::new("time_in_stick", shown, holds)
 }
 
-/// Tolerance: errors of a run stay far below the differences that decide here.
-const TOLERANCE: f64 = 1e-12;
 /// Forcing periods over which starts are integrated: long enough for stick and for escape.
-const FOLLOWED: f64 = 6.0;
+const PERIODS_FOLLOWED: f64 = 6.0;
 
 /// Starts of both models: positions (m) and velocities (m/s).
 fn starts() -> Vec<State<2>> {
@@ -167,7 +166,7 @@ fn starts() -> Vec<State<2>> {
 
 /// Number of stick phases of model 2 from all starts, and of orbits that end where Σ repels.
 fn sticks_and_ends(model: &ForcedOscillator) -> Result<(usize, usize), Error> {
-    let span = FOLLOWED * model.period();
+    let span = PERIODS_FOLLOWED * model.period();
     let counts = starts().into_par_iter().map(|x| {
         // Friction of the other sign is the subject.
         let (orbit, _) = until_escape(&Unchecked(model), (0.0, x), span, TOLERANCE)?;
@@ -202,11 +201,10 @@ pub(super) fn spring_signs() -> Result<Proof, Error> {
     let mut sigma = 0.0_f64;
     for k in -150..=150 {
         let x = [f64::from(k) / 100.0, first.belt_speed];
-        let one = [Side::Below, Side::Above].map(|side| first.field(side, 0.0, &x)[1]);
-        let other = [Side::Below, Side::Above].map(|side| second.field(side, 0.0, &x)[1]);
+        let (one, other) = (normals(&first, 0.0, &x), normals(&second, 0.0, &x));
         sigma = sigma.max((one[0] * one[1] - other[0] * other[1]).abs());
     }
-    let span = FOLLOWED * ForcedOscillator::default().period();
+    let span = PERIODS_FOLLOWED * ForcedOscillator::default().period();
     let (mut escapes_first, mut escapes_second) = (0, 0);
     for x in starts() {
         escapes_first += usize::from(until_escape(&first, (0.0, x), span, TOLERANCE)?.1);

@@ -2,6 +2,8 @@
 //! model 1.
 
 use crate::figures::fig04::kind;
+use crate::numbers::ROUNDING;
+use crate::paper::TOLERANCE;
 use crate::paper::reading::Reading::Exact;
 use crate::report::digits::small;
 use crate::report::finding::{Finding, statement};
@@ -9,16 +11,11 @@ use crate::report::tangent_at;
 use stickslip::models::BeltOscillator;
 use stickslip::{Error, Mode, Options, State, solve};
 
-/// Tolerance: errors of a run stay far below the differences that decide here.
-const TOLERANCE: f64 = 1e-13;
 /// Start on the belt (m): left of both inner points, inside the zone.
 const START: f64 = -0.9;
-/// A release this near to the outer point is at it (m). The largest excess of friction moves that
-/// point by less.
-const RELEASE_TOLERANCE: f64 = 1e-9;
 /// Relative excess of friction over the critical value. At the critical value itself, rounding
-/// decides at the inner points.
-const EXCESSES: [f64; 4] = [0.0, 1e-15, 1e-12, 1e-9];
+/// decides at the inner points. The largest moves the outer point by less than [`ROUNDING`].
+const EXCESSES: [f64; 4] = [0.0, 1e-15, 1e-14, 1e-13];
 
 /// A ride on the belt until the body slips.
 #[derive(Clone, Copy)]
@@ -33,8 +30,7 @@ struct Ride {
 impl Ride {
     /// Whether the body passes both inner points and is released at the outer one.
     fn goes_through(&self) -> bool {
-        START + self.length > inner()
-            && (self.released_at - 2.0 * inner()).abs() <= RELEASE_TOLERANCE
+        START + self.length > inner() && (self.released_at - 2.0 * inner()).abs() <= ROUNDING
     }
 }
 

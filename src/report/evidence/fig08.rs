@@ -1,26 +1,23 @@
 //! The paper's statements on Fig. 8's motion: its start, its arcs, and that the Appendix's program
 //! computes it.
 
-use super::stick_phases::TOLERANCE;
 use crate::figures::rows::Value;
-use crate::paper::bounded;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::listing::{Defects, END, Motion, Run, Sample, Setup, run, run_with};
 use crate::paper::pattern::two_periodic;
 use crate::paper::published::Claims;
 use crate::paper::reading::Reading::{AsPrinted, Exact};
+use crate::paper::{TOLERANCE, bounded};
 use crate::report::errata::Proof;
 use crate::report::finding::{Finding, as_printed, statement};
+use crate::report::scan::{CLOSENESS, PERIODS_FOLLOWED};
 use plot::number;
 use stickslip::analysis::{Destination, destination};
 use stickslip::models::ForcedOscillator;
 use stickslip::{Error, Filippov, Mode, Side, solve};
 
-/// Forcing periods over which a start of the stated model is integrated, and the distance of equal
-/// states, as in the scan over parameters.
-const SETTLING_LIMITS: (usize, f64) = (60, 1e-5);
 /// Forcing periods of the settled motion that are examined: two of the published pattern.
-const SHOWN: f64 = 4.0;
+const PERIODS_EXAMINED: f64 = 4.0;
 
 /// How many of the four published numbers a run of the listing gives to all printed digits.
 fn published_digits(claims: &Claims, run: &Run) -> usize {
@@ -50,9 +47,8 @@ fn from(claims: &Claims, x1: f64) -> Result<StartResult, Error> {
         ..Setup::default()
     };
     let (outcome, start) = (run(&setup), (0.0, setup.state()));
-    let (periods, same) = SETTLING_LIMITS;
-    let options = bounded(TOLERANCE);
-    let end = destination(&model, start, model.period(), periods, same, &options)?;
+    let (period, options) = (model.period(), bounded(TOLERANCE));
+    let end = destination(&model, start, period, PERIODS_FOLLOWED, CLOSENESS, &options)?;
     let first = outcome.phases.first();
     Ok(StartResult {
         x1,
@@ -72,8 +68,8 @@ pub(super) fn start(claims: &Claims) -> Result<(Vec<Finding>, Proof), Error> {
     let (captioned, listed) = (from(claims, points[2])?, from(claims, points[3])?);
     let what = "from the third tangent point the stated model settles on stick–slip of period two";
     let parts = [(what, captioned.model_two_periodic)];
-    let what = "the program settles on the published trajectory with the third point put in the \
-        place of its own start, the fourth";
+    let what = "with its start moved from the fourth tangent point to the third, the program \
+        settles on the published trajectory";
     let printed = [(what, captioned.digits == ClaimId::STICK_NUMBERS.len())];
     let [from_third, from_fourth] = [&captioned, &listed].map(|from| {
         let (x1, release, digits) = (number(from.x1, 4), from.first_release, from.digits);
@@ -171,7 +167,7 @@ pub(super) fn arcs() -> Result<(Vec<Finding>, Proof), Error> {
 /// For the attractor of the stated model, or of a similar one.
 fn sides_of_model<S: Filippov<2>>(system: &S) -> Result<SlipSides, Error> {
     let printed = ForcedOscillator::default();
-    let end = END + SHOWN * printed.period();
+    let end = END + PERIODS_EXAMINED * printed.period();
     let orbit = solve(
         system,
         0.0,
@@ -232,22 +228,12 @@ pub(super) fn found_by_appendix(claims: &Claims, defects: Defects) -> Vec<Findin
     );
     let what = "the Appendix's program as printed gives the published trajectory";
     let parts = [(what, printed.motion == Motion::PUBLISHED && digits == all)];
-    let (printed, mended) = (words(printed.motion), words(mended.motion));
+    let (printed, mended) = (printed.motion, mended.motion);
     let line = format!(
         "listing as printed: {printed}, {digits} of {all} published numbers to all digits; with \
             its defects mended: {mended}"
     );
     vec![statement(AsPrinted, parts, line)]
-}
-
-fn words(motion: Motion) -> String {
-    match motion {
-        Motion::StickSlip { sticks, period } => {
-            format!("stick–slip, stick phases in {period} forcing periods: {sticks}")
-        }
-        Motion::Stalled { t } => format!("the clock stands at {t:.4} s"),
-        other => other.to_string(),
-    }
 }
 
 #[cfg(test)]

@@ -4,11 +4,14 @@
 //! these into a sentence. If the same results show a misprint, it returns that too.
 
 mod belt;
+mod beside_curves;
 mod fig08;
 mod motions;
 mod sigma;
 mod stick_phases;
 mod sticks;
+mod without_friction;
+mod zone_attraction;
 mod zones;
 
 pub use motions::{ByProcedure, Shape, Shapes};
@@ -45,12 +48,12 @@ impl Statements {
     pub fn compute(claims: &Claims, computed: &Computed) -> Result<Statements, Error> {
         use ClaimId::*;
         let ((zone_attracts, grid), by_procedure) = rayon::join(
-            || rayon::join(zones::attracts, || GridPhases::compute(claims)),
+            || rayon::join(zone_attraction::attracts, || GridPhases::compute(claims)),
             ByProcedure::compute,
         );
         let (grid, by_procedure) = (grid?, by_procedure?);
         let model = ForcedOscillator::default();
-        let zone = zones::Oscillation::of(&model, &grid.set);
+        let zone = zones::ZoneMotion::of(&model, &grid.set);
         let shapes = Shapes(computed.bracket.each_ref().map(Shape::of));
         let (arcs, regions) = fig08::arcs()?;
         let (start, start_erratum) = fig08::start(claims)?;
@@ -61,9 +64,12 @@ impl Statements {
             (S2Sigma, sigma::of_belt()),
             (Eq19Sigma, sigma::of_forced()),
             (S2InnerPoints, belt::inner_points()?),
-            (Fig07bOscillation, zones::beside_curves(&model, drawn)?),
+            (
+                Fig07bOscillation,
+                beside_curves::beside_curves(&model, drawn)?,
+            ),
             (S4ZoneAttracts, zone_attracts?),
-            (S4NoStickAtZero, sticks::no_stick_at_zero()?),
+            (S4NoStickAtZero, without_friction::no_stick_at_zero()?),
             (S4ZoneLocation, zones::location(&model)),
             (S4ExactLengths, sticks::exact_lengths(&grid)),
             (
@@ -92,8 +98,8 @@ impl Statements {
 
     /// Findings on a claim; empty if a table of a figure decides it.
     pub fn of(&self, id: ClaimId) -> &[Finding] {
-        let known = self.findings.iter().find(|(known, _)| *known == id);
-        known.map_or(&[], |(_, findings)| findings)
+        let entry = self.findings.iter().find(|(claim, _)| *claim == id);
+        entry.map_or(&[], |(_, findings)| findings)
     }
 }
 

@@ -20,7 +20,7 @@ use stickslip::analysis::motion::Class;
 use stickslip::models::Reading;
 
 /// Step of the classical Runge–Kutta method. The paper states none for Figs. 10–12.
-const STEP: f64 = 0.01;
+const RK4_STEP: f64 = 0.01;
 
 /// `s5.by_procedure`: Eq. (27) by the procedure of Sect. 3, steps of RK4 with Hénon's step onto Σ.
 /// Classes of the motions of Figs. 10, 11 and 12; `None` where the orbit escapes.
@@ -38,7 +38,7 @@ impl ByProcedure {
         let readings = [Reading::exact(), Reading::as_printed()];
         let runs = readings.map(|reading| SETS.map(|set| (reading, set)));
         let runs = runs.as_flattened().par_iter();
-        let classes = runs.map(|(reading, set)| by_rk4_and_henon(set, reading, STEP));
+        let classes = runs.map(|(reading, set)| by_rk4_and_henon(set, reading, RK4_STEP));
         let mut corrected = classes.collect::<Result<Vec<_>, Error>>()?;
         let as_printed = corrected.split_off(SETS.len());
         Ok(ByProcedure {
@@ -49,7 +49,7 @@ impl ByProcedure {
 
     pub(super) fn findings(&self) -> Vec<Finding> {
         let whats = [
-            "Fig. 10: the captioned class, loops counted",
+            "Fig. 10: the captioned class, with its number of loops",
             "Fig. 11: the captioned class",
             "Fig. 12: the captioned class",
         ];
@@ -65,10 +65,10 @@ impl ByProcedure {
         };
         let (corrected, printed) = (names(&self.corrected), names(&self.as_printed));
         let line = format!(
-            "by RK4 with steps of {STEP} and Hénon's step, Figs. 10, 11, 12: {corrected}; with the \
-             equations as printed: {printed}. Another reading, that it gave the very trajectories \
-             of the figures, cannot be decided: neither step nor program is stated, and only the \
-             text of the paper was at hand, not its pictures"
+            "by RK4 with steps of {RK4_STEP} and Hénon's step, Figs. 10, 11, 12: {corrected}; with \
+             the equations as printed: {printed}. Another reading, that it gave the very \
+             trajectories of the figures, cannot be decided: neither step nor program is stated, \
+             and only the text of the paper was at hand, not its pictures"
         );
         vec![
             statement(Corrected, parts(&self.corrected), line),
@@ -93,9 +93,8 @@ pub struct Shape {
     pub points: usize,
     /// Distinct points, if the section closes.
     pub closes_after: Option<usize>,
-    /// Fraction of points at which the minimum spanning tree branches, if the section does not
-    /// close.
-    pub branching: Option<f64>,
+    /// Fraction of points at which the minimum spanning tree branches; NaN if the section closes.
+    pub branching: f64,
     /// Exponents that are zero within their errors.
     pub zeros: usize,
     /// Whether the first exponent is positive.
@@ -110,7 +109,10 @@ impl Shape {
             class: data.exact.class,
             points: data.section.len(),
             closes_after: closes.then_some(evidence.distinct),
-            branching: (!closes).then(|| branching(&data.section)),
+            branching: match closes {
+                true => f64::NAN,
+                false => branching(&data.section),
+            },
             zeros: evidence.zeros,
             positive: evidence.positive,
         }
@@ -134,27 +136,21 @@ impl Shape {
     }
 
     fn line(&self, figure: usize) -> String {
-        let all = self.points;
-        let section = match (self.closes_after, self.branching) {
-            (Some(points), _) => format!("closes (distinct points: {points})"),
-            (None, Some(branching)) => {
-                let percent = 100.0 * branching;
-                let can = if branching < CURVE_BRANCHING {
-                    "can"
-                } else {
-                    "cannot"
+        let section = match self.closes_after {
+            Some(points) => format!("closes (distinct points: {points})"),
+            None => {
+                let (all, percent) = (self.points, 100.0 * self.branching);
+                let like = match self.branching < CURVE_BRANCHING {
+                    true => "like",
+                    false => "unlike",
                 };
                 format!(
-                    "of {all} points does not close (it branches at {percent:.1} % of them and \
-                        {can} be strung, which decides nothing)"
+                    "of {all} points does not close (its minimum spanning tree branches at \
+                     {percent:.1} % of them, {like} that of a curve, which decides nothing)"
                 )
             }
-            _ => "does not tell".to_owned(),
         };
-        let class = match self.by_exponents() {
-            Class::Undecided => "untold".to_owned(),
-            class => class.to_string(),
-        };
+        let class = self.by_exponents();
         let (zeros, positive) = (self.zeros, usize::from(self.positive));
         format!(
             "Fig. {}: the section {section}; the exponents ({zeros} zero, {positive} positive): \
@@ -202,8 +198,8 @@ impl Shapes {
     pub(super) fn kinds(&self) -> Vec<Finding> {
         let whats = [
             "Fig. 10: a periodic motion",
-            "Fig. 11: a quasi-periodic one",
-            "Fig. 12: a chaotic one",
+            "Fig. 11: a quasi-periodic motion",
+            "Fig. 12: a chaotic motion",
         ];
         let holds = |i: usize| OrbitVerdict::Motion(self.0[i].class).is_of_kind(i);
         let parts = [0, 1, 2].map(|i| (whats[i], holds(i)));
@@ -213,9 +209,9 @@ impl Shapes {
     /// `s5.shapes`: whether exponents and sections show the same kind of motion.
     pub(super) fn findings(&self) -> Vec<Finding> {
         let whats = [
-            "Fig. 10: the section closes as the exponents say",
-            "Fig. 11: it does not close as they say",
-            "Fig. 12: it does not close as they say",
+            "Fig. 10: the section closes, as the exponents say",
+            "Fig. 11: the section stays open, as the exponents say",
+            "Fig. 12: the section stays open, as the exponents say",
         ];
         let parts = [0, 1, 2].map(|i| (whats[i], self.0[i].confirmed()));
         vec![statement(CorrectedEquations, parts, self.line())]
@@ -225,7 +221,7 @@ impl Shapes {
     pub fn line(&self) -> String {
         let each = self.0.iter().enumerate();
         let each = joined(each.map(|(figure, one)| one.line(figure)), ". ");
-        format!("{each}. How many loops a closed orbit has the exponents cannot tell")
+        format!("{each}. The exponents do not give the number of loops of a closed orbit")
     }
 }
 
@@ -277,7 +273,7 @@ mod tests {
             class: Class::Undecided,
             points: 1000,
             closes_after,
-            branching: None,
+            branching: f64::NAN,
             zeros,
             positive,
         };

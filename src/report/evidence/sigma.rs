@@ -1,17 +1,15 @@
 //! The product of the two normal components on Σ, its derivative, and the region where friction
 //! holds the body.
 
-use super::zones::critical;
+use super::zone_attraction::critical;
 use crate::figures::normals;
+use crate::numbers::ROUNDING;
 use crate::paper::reading::Reading::Exact;
 use crate::report::digits::small;
 use crate::report::finding::{Finding, statement};
 use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::scalar::Dual;
 use stickslip::{Fate, Filippov, State, fate};
-
-/// Differences within this are rounding, relative to the terms that are subtracted.
-const ROUNDING: f64 = 1e-13;
 
 /// `s2.sigma`: model 1, with springs of 1 N/m and 1 N/m³ as in Eq. (9).
 pub(super) fn of_belt() -> Vec<Finding> {
@@ -65,7 +63,8 @@ struct SigmaComparison {
     /// of parameters.
     points: usize,
     parameters: usize,
-    /// Largest difference of the product from the polynomial, relative to its two terms.
+    /// Largest difference of the product from the polynomial, relative to the terms that are
+    /// subtracted.
     off: f64,
     /// Largest difference of its derivative, by dual numbers, from the printed factors, relative to
     /// the terms.

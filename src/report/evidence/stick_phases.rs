@@ -5,8 +5,11 @@ use rayon::prelude::*;
 
 use crate::figures::fig08;
 use crate::numbers::{bisect, largest};
+use crate::paper::TOLERANCE;
 use crate::paper::claim_id::ClaimId;
-use crate::paper::listing::{Defect, Defects, Instant, Run, Setup, Stick, StickPhase, run};
+use crate::paper::listing::{
+    Defect, Defects, Instant, PRINTED_STEP, Run, Setup, Stick, StickPhase, run,
+};
 use crate::paper::published::Claims;
 use crate::report::{stick_exits, until_escape};
 use stickslip::analysis::{Visibility, visibility};
@@ -14,23 +17,24 @@ use stickslip::models::ForcedOscillator;
 use stickslip::{Error, Orbit, State};
 
 /// Number of positions and velocities of the starts. No row has the belt's speed.
-const STARTS: (u32, u32) = (13, 9);
+const START_GRID: (u32, u32) = (13, 9);
 /// Forcing periods over which each start is integrated. Stick phases occur only in the transient.
-const FOLLOWED: f64 = 10.0;
-/// Tolerance: errors of a run stay far below the differences that decide here.
-pub(super) const TOLERANCE: f64 = 1e-13;
+const PERIODS_FOLLOWED: f64 = 10.0;
+/// Sampling times per forcing period, between which a tangent point moves by less than a hundredth
+/// of a zone.
+pub(super) const SAMPLES_PER_PERIOD: f64 = 2000.0;
 /// A stick phase of the listing no longer than ten of its steps (s) is chatter. The body leaves a
 /// zone's end on the wrong side, returns and sticks again, thousands of times.
-const CHATTER: f64 = 1e-3;
+const CHATTER: f64 = 10.0 * PRINTED_STEP;
 
 /// The starts, none of them at the belt's speed.
 pub(super) fn starts() -> Vec<State<2>> {
-    fig08::starts(STARTS.0, STARTS.1)
+    fig08::starts(START_GRID.0, START_GRID.1)
 }
 
-/// The orbit from `(t0, x)` over [`FOLLOWED`] forcing periods, or until it escapes.
+/// The orbit from `(t0, x)` over [`PERIODS_FOLLOWED`] forcing periods, or until it escapes.
 pub(super) fn follow(model: &ForcedOscillator, t0: f64, x: State<2>) -> Result<Orbit<2>, Error> {
-    Ok(until_escape(model, (t0, x), FOLLOWED * model.period(), TOLERANCE)?.0)
+    Ok(until_escape(model, (t0, x), PERIODS_FOLLOWED * model.period(), TOLERANCE)?.0)
 }
 
 /// A complete stick phase of the stated model.
@@ -122,7 +126,7 @@ fn of_listing(model: &ForcedOscillator, defects: Defects) -> ListingPhases {
         run(&Setup {
             start: [0.0, x[0], x[1]],
             defects,
-            end: FOLLOWED * model.period(),
+            end: PERIODS_FOLLOWED * model.period(),
             window_start: 0.0,
             ..Setup::default()
         })
@@ -170,8 +174,7 @@ impl TangentSet {
         begin: Instant,
         span: f64,
     ) -> Option<f64> {
-        // A gap changes by less than its own size over this fraction of the forcing period.
-        let part = model.period() / 2000.0;
+        let part = model.period() / SAMPLES_PER_PERIOD;
         let ahead = |later: f64| {
             let at = Instant {
                 t: begin.t + later,

@@ -1,26 +1,19 @@
 //! The paper's statements on stick phases, tested on a grid of starts against the set (24) of
-//! tangent points. Also: without friction there are none.
+//! tangent points.
 
-use rayon::prelude::*;
-
-use super::stick_phases::{GridPhases, ModelPhase, TangentSet, follow, starts};
-use crate::figures::normals;
+use super::stick_phases::{GridPhases, ModelPhase, SAMPLES_PER_PERIOD, TangentSet, starts};
 use crate::figures::rows::Value;
-use crate::numbers::{extent, largest};
-use crate::paper::listing::{End, Instant, Stick, StickPhase};
+use crate::numbers::{ROUNDING, largest};
+use crate::paper::listing::{Defects, Instant, Setup, Stick, StickPhase, ZoneEnd, run};
 use crate::paper::published::HALF_DIGIT;
 use crate::paper::reading::Reading::Exact;
 use crate::report::digits::small;
 use crate::report::errata::Proof;
 use crate::report::finding::{Finding, as_printed, statement};
 use stickslip::models::ForcedOscillator;
-use stickslip::{Error, Mode, State, TransitionKind};
-
-/// Distances and times within this count as zero (m, s, m/s): the solver's tolerance with a margin.
-const ROUNDING: f64 = 1e-9;
 
 /// Forcing periods within which a body on the belt always meets a tangent point.
-const SPAN: f64 = 3.0;
+const PERIODS_TO_MEETING: f64 = 3.0;
 
 /// `s4.exact_lengths`: whether the set gives lengths and durations of the stick phases from the
 /// entry alone. Each exit is the root of `x1 + vp (t − t_entry) = z_k + A sin(ωt)`.
@@ -38,10 +31,10 @@ pub(super) fn exact_lengths(grid: &GridPhases) -> Vec<Finding> {
     let printed = [(what, settled > 0 && listing_error <= ROUNDING)];
     let (all, error) = (sticks.len(), small(error));
     let line = format!(
-        "ends of {all} stick phases of the stated model by the scalar equation from the set and \
-         the begin: off by at most {error} s; of the {settled} of Fig. 8's motion, which the \
-         listing makes and which are another reading of the sentence: by up to {listing_error:.3} \
-         s"
+        "the equation x1 + vp (t − t_entry) = z_k + A sin(ωt) gives the ends of {all} stick phases \
+         of the stated model to within {error} s; in another reading, of Fig. 8's motion, which \
+         the listing makes, it misses the ends of {settled} stick phases by up to \
+         {listing_error:.3} s"
     );
     vec![statement(Exact, parts, line), as_printed(printed)]
 }
@@ -50,7 +43,7 @@ pub(super) fn exact_lengths(grid: &GridPhases) -> Vec<Finding> {
 /// start.
 fn off_prediction(set: &TangentSet, stick: Stick) -> f64 {
     let model = ForcedOscillator::default();
-    let predicted = set.first_meeting(&model, stick.entry, SPAN * model.period());
+    let predicted = set.first_meeting(&model, stick.entry, PERIODS_TO_MEETING * model.period());
     predicted.map_or(f64::INFINITY, |t| (t - stick.exit.t).abs())
 }
 
@@ -81,7 +74,7 @@ impl Exits {
     fn of_listing(phases: &[StickPhase]) -> Exits {
         let mut exits = Exits::default();
         for phase in phases {
-            let end = usize::from(phase.end == End::Lower);
+            let end = usize::from(phase.end == ZoneEnd::Lower);
             match phase.zone {
                 Some(zone) => exits.at[2 * zone as usize + end] += 1,
                 None => exits.elsewhere += 1,
@@ -119,7 +112,7 @@ pub(super) fn exit_at_visible(grid: &GridPhases) -> Vec<Finding> {
             all > 0 && model.elsewhere == 0,
         ),
         (
-            "and it is visible there, the movement of the point counted",
+            "each is visible, the movement of the point included",
             all > 0 && visible == all,
         ),
     ];
@@ -139,11 +132,11 @@ pub(super) fn exit_at_visible(grid: &GridPhases) -> Vec<Finding> {
     let [chatter, more] = [&grid.listing, &grid.both_ends_tested].map(|of| of.chatter);
     let line = format!(
         "stated model: {visible} of {all} ends of stick phases are visibly tangent, all within \
-         {distance} m of a point; in another reading, by the points that Fig. 4's caption calls \
-         visible at rest, {odd} are at 1, 3, 5 and {even} at 2, 4, 6 (by number {at:?}); the \
-         listing tests upper ends only, so that {of_listing} of its {all_of_listing} are at 1, 3, \
-         5 whatever the motion; with both ends tested {of_mended} of {all_of_mended} ({chatter} \
-         and {more} of no more than ten steps left out)"
+         {distance} m of a point. In another reading, by the points that Fig. 4's caption calls \
+         visible at rest, {odd} are at 1, 3, 5 and {even} at 2, 4, 6 (by number {at:?}). The \
+         listing tests upper ends only: {of_listing} of its {all_of_listing} are at 1, 3, 5 \
+         whatever the motion; with both ends tested, {of_mended} of {all_of_mended} (phases of at \
+         most ten steps left out: {chatter} and {more})"
     );
     // The listing tests only the points 1, 3 and 5.
     vec![
@@ -151,10 +144,6 @@ pub(super) fn exit_at_visible(grid: &GridPhases) -> Vec<Finding> {
         as_printed(printed).by_construction(),
     ]
 }
-
-/// Sampling times per forcing period at which passed tangent points are counted. In between, a
-/// point moves by less than a hundredth of a zone.
-const MOMENTS: f64 = 2000.0;
 
 /// Stick phases and the tangent points that move past them.
 #[derive(Debug, Default)]
@@ -181,11 +170,13 @@ fn meetings(
         let distance = set.nearest(model, stick.exit).1;
         meetings.largest_distance = meetings.largest_distance.max(distance);
         let duration = stick.duration();
-        let places = (duration / model.period() * MOMENTS).ceil().max(2.0);
-        let (mut first, mut passes, mut places_outside) = (None, false, 0.0);
-        for k in 0..places as u32 {
+        let samples = (duration / model.period() * SAMPLES_PER_PERIOD)
+            .ceil()
+            .max(2.0);
+        let (mut first, mut passes, mut samples_outside) = (None, false, 0.0);
+        for k in 0..samples as u32 {
             // At the middle of each part: start and end themselves lie on tangent points.
-            let part = (f64::from(k) + 0.5) / places;
+            let part = (f64::from(k) + 0.5) / samples;
             let at = Instant {
                 t: stick.entry.t + part * duration,
                 x1: stick.entry.x1 + part * stick.length(),
@@ -193,11 +184,11 @@ fn meetings(
             let above = set.gaps(model, at).map(|gap| gap > 0.0);
             passes |= *first.get_or_insert(above) != above;
             let in_zone = above.chunks_exact(2).any(|zone| !zone[0] && zone[1]);
-            places_outside += f64::from(u8::from(!in_zone));
+            samples_outside += f64::from(u8::from(!in_zone));
         }
         meetings.passing += usize::from(passes);
         time += duration;
-        outside += duration * places_outside / places;
+        outside += duration * samples_outside / samples;
     }
     meetings.outside_zones = if time > 0.0 { outside / time } else { 0.0 };
     meetings
@@ -214,6 +205,7 @@ pub(super) fn until_tangent(grid: &GridPhases, sticks_of_fig08: usize) -> Vec<Fi
     let model = met(&mut sticks.clone().map(|one| one.stick));
     let fig08 = met(&mut grid.of_fig08());
     let listing = met(&mut grid.listing.sticks());
+    let both_ends = met(&mut grid.both_ends_tested.sticks());
     let speed_error = largest(sticks.map(|one| one.speed_error));
     let holds_in_the_model = model.phases > 0
         && speed_error <= ROUNDING
@@ -224,7 +216,7 @@ pub(super) fn until_tangent(grid: &GridPhases, sticks_of_fig08: usize) -> Vec<Fi
     let parts = [(what, sticks_of_fig08 > 0 && holds_in_the_model)];
     let what = "the body of Fig. 8's motion, which the program makes, does so";
     let printed = [(what, fig08.phases > 0 && fig08.passing == 0)];
-    let [of_fig08, of_listing] = [&fig08, &listing].map(|of| {
+    let [of_fig08, of_listing, of_mended] = [&fig08, &listing, &both_ends].map(|of| {
         let outside = 100.0 * of.outside_zones;
         (
             format!("{} of {}", of.passing, of.phases),
@@ -236,14 +228,15 @@ pub(super) fn until_tangent(grid: &GridPhases, sticks_of_fig08: usize) -> Vec<Fi
     let (phases, passing) = (model.phases, model.passing);
     let distance = small(model.largest_distance);
     let line = format!(
-        "judged by Fig. 8's motion, of which the sentence speaks; from its start the stated model \
-         settles on {sticks_of_fig08} stick phases; of those of the listing {} pass a tangent \
-         point, and the body is in no zone for {} of the time in stick (on its first ten forcing \
-         periods from {starts} starts, phases of ten steps and less left out: {}, and {}). In \
-         another reading, of any stick phase of the stated model, it {holds}: {phases} phases, \
-         velocity off the belt's by at most {speed_error} m/s, {passing} of them pass a tangent \
-         point before they end, and the end is within {distance} m of one",
-        of_fig08.0, of_fig08.1, of_listing.0, of_listing.1,
+        "judged by Fig. 8's motion, of which the sentence speaks. From its start the stated model \
+         settles on {sticks_of_fig08} stick phases. Of the listing's, {} pass a tangent point \
+         before they end, and the body is outside all zones for {} of its time in stick. Over the \
+         first ten forcing periods from {starts} starts, without phases of at most ten steps, it \
+         is {} and {}; with both ends of the zone tested it is {} and {}. In another reading, of \
+         any stick phase of the stated model, the sentence {holds}: {phases} phases, velocity off \
+         the belt's by at most {speed_error} m/s, {passing} pass a tangent point before they end, \
+         and each ends within {distance} m of one",
+        of_fig08.0, of_fig08.1, of_listing.0, of_listing.1, of_mended.0, of_mended.1,
     );
     vec![statement(Exact, parts, line), as_printed(printed)]
 }
@@ -252,31 +245,31 @@ pub(super) fn until_tangent(grid: &GridPhases, sticks_of_fig08: usize) -> Vec<Fi
 /// follows.
 pub(super) fn length_is_way(grid: &GridPhases, published: [f64; 4]) -> (Vec<Finding>, Proof) {
     let belt = ForcedOscillator::default().belt_speed;
-    let excess = |published_stick_numbers: [f64; 4]| {
-        [
-            published_stick_numbers[2] - published_stick_numbers[0] / belt,
-            published_stick_numbers[3] - published_stick_numbers[1] / belt,
-        ]
-    };
+    let excess = |four: [f64; 4]| [four[2] - four[0] / belt, four[3] - four[1] / belt];
     let published = excess(published);
     let listing = excess(grid.fig08.stick_numbers().unwrap_or([f64::NAN; 4]));
     // Half a unit of the last printed digit in both numbers.
     let rounding = HALF_DIGIT + HALF_DIGIT / belt;
-    let sticks = grid.model.iter().map(|phase| phase.stick);
-    let of_model = largest(sticks.map(|one| (one.duration() - one.length() / belt).abs()));
+    let off = |stick: Stick| (stick.duration() - stick.length() / belt).abs();
+    let of_model = largest(grid.model.iter().map(|phase| off(phase.stick)));
+    // Without its defects the program corrects the clock at the end of a stick phase.
+    let mended = run(&Setup::with(Defects::MENDED)).phases;
+    let of_mended = largest(mended.iter().map(|phase| off(phase.stick)));
     let within = |excess: [f64; 2]| excess.iter().all(|one| one.abs() <= rounding);
     let what =
-        "the published lengths are vp times the published durations, as far as rounding lets tell";
+        "the published lengths are vp times the published durations, within rounding of print";
     let parts = [(what, within(published))];
-    let what = "the lengths of the program's settled stick phases are";
+    let what = "the lengths of the program's settled stick phases are vp times their durations";
     let printed = [(what, within(listing))];
     let both = |[one, other]: [f64; 2]| format!("{:.2} and {:.2} ms", 1e3 * one, 1e3 * other);
     let (of_published, of_listing, allowed) = (both(published), both(listing), 1e3 * rounding);
-    let (sticks, most) = (grid.model.len(), small(of_model));
+    let (sticks, most, phases) = (grid.model.len(), small(of_model), mended.len());
+    let of_mended = small(of_mended);
     let line = format!(
-        "durations less lengths/vp: published {of_published}, the program {of_listing}, \
-         {allowed:.2} ms can be rounding; of {sticks} stick phases of the stated model, which are \
-         another reading of the sentence, at most {most} s"
+        "duration minus length/vp: {of_published} as published, {of_listing} by the program, where \
+         rounding of print explains {allowed:.2} ms; at most {of_mended} s in the {phases} stick \
+         phases of the program with its defects mended; in another reading, of the {sticks} stick \
+         phases of the stated model, at most {most} s"
     );
     let [first, second] = [0, 1].map(|k| [published[k], listing[k]]);
     let seconds = [first[0], first[1], second[0], second[1], rounding].map(Value::from);
@@ -287,89 +280,6 @@ pub(super) fn length_is_way(grid: &GridPhases, published: [f64; 4]) -> (Vec<Find
         vec![statement(Exact, parts, line), as_printed(printed)],
         Proof::new("durations", shown, holds),
     )
-}
-
-/// Starts on Σ relative to the support (m): where σ vanishes without friction, and between.
-const ON_BOUNDARY: [f64; 7] = [-1.0, -0.7, -0.3, 0.0, 0.3, 0.7, 1.0];
-/// Times of the forcing period at which they start, including its quarters.
-const TIMES: u32 = 8;
-/// A kink below this is rounding (m/s²): accelerations are near 10 m/s².
-const NO_KINK: f64 = 1e-12;
-
-/// `s4.no_stick_at_zero`: model 2 without friction.
-pub(super) fn no_stick_at_zero() -> Result<Vec<Finding>, Error> {
-    let with = ForcedOscillator::default();
-    let without = ForcedOscillator { mu0: 0.0, ..with };
-    let with = tally(&with)?;
-    let EventTally {
-        orbits,
-        sticks,
-        crossings,
-        largest_kink,
-        least_sigma,
-    } = tally(&without)?;
-    let deflects = largest_kink > NO_KINK;
-    let parts = [
-        (
-            "at mu0 = 0 the transition function is nowhere negative",
-            crossings > 0 && least_sigma >= 0.0,
-        ),
-        ("there is no stick", orbits > 0 && sticks == 0),
-        ("orbits that cross Σ are deflected there", deflects),
-    ];
-    let (sigma, kink) = (small(least_sigma), small(largest_kink));
-    let (with_sticks, with_kink) = (with.sticks, with.largest_kink);
-    let line = format!(
-        "model 2 at mu0 = 0 from {orbits} starts: {sticks} stick phases (with the friction of Fig. \
-         8: {with_sticks}), least σ on Σ {sigma} m²/s⁴; at {crossings} crossings the acceleration \
-         jumps by at most {kink} m/s² (with friction by up to {with_kink:.2} m/s²): without \
-         friction nothing deflects; in another reading, that deflections appear nowhere else, the \
-         sentence holds of none: it is not judged, for it says that deflections will appear"
-    );
-    Ok(vec![statement(Exact, parts, line)])
-}
-
-/// Events of orbits from starts off and on Σ.
-struct EventTally {
-    orbits: usize,
-    sticks: usize,
-    crossings: usize,
-    /// Largest jump of the acceleration at a crossing (m/s²).
-    largest_kink: f64,
-    /// Smallest σ at a crossing or a start on Σ (m²/s⁴).
-    least_sigma: f64,
-}
-
-fn tally(model: &ForcedOscillator) -> Result<EventTally, Error> {
-    let off = starts().into_iter().map(|x| (0.0, x));
-    let on = (0..TIMES).flat_map(|k| {
-        let t = model.period() * f64::from(k) / f64::from(TIMES);
-        ON_BOUNDARY.map(|z| (t, State::from([z + model.support(t), model.belt_speed])))
-    });
-    let all: Vec<(f64, State<2>)> = off.chain(on).collect();
-    let orbits = all.par_iter().map(|&(t, x)| follow(model, t, x));
-    let orbits = orbits.collect::<Result<Vec<_>, Error>>()?;
-    let phases = orbits.iter().flat_map(|orbit| &orbit.phases);
-    let transitions = orbits.iter().flat_map(|orbit| &orbit.transitions);
-    let crossings = transitions.filter(|at| at.kind == TransitionKind::Crossing);
-    let crossings: Vec<(f64, State<2>)> = crossings.map(|at| (at.t, at.x)).collect();
-    let normals = |(t, x): &(f64, State<2>)| normals(model, *t, x.as_ref());
-    let kink = |at: &(f64, State<2>)| {
-        let [below, above] = normals(at);
-        (above - below).abs()
-    };
-    let on_boundary = all.iter().filter(|(_, x)| x[1] == model.belt_speed);
-    let sigmas = crossings.iter().chain(on_boundary).map(|at| {
-        let [below, above] = normals(at);
-        below * above
-    });
-    Ok(EventTally {
-        orbits: orbits.len(),
-        sticks: phases.filter(|phase| phase.mode == Mode::Stick).count(),
-        crossings: crossings.len(),
-        largest_kink: largest(crossings.iter().map(kink)),
-        least_sigma: extent(sigmas).0,
-    })
 }
 
 #[cfg(test)]
@@ -404,7 +314,7 @@ mod tests {
         let set = TangentSet::published(claims());
         let sticks = of_model(&model).unwrap();
         let off = sticks.iter().map(|phase| phase.stick).filter(|stick| {
-            let t = set.first_meeting(&slower, stick.entry, SPAN * model.period());
+            let t = set.first_meeting(&slower, stick.entry, PERIODS_TO_MEETING * model.period());
             t.is_none_or(|t| (t - stick.exit.t).abs() > ROUNDING)
         });
         assert!(off.count() > sticks.len() / 2);
@@ -477,21 +387,5 @@ mod tests {
         let belt = ForcedOscillator::default().belt_speed;
         let (found, misprint) = length_is_way(&grid, [0.4, 0.2, 0.4 / belt, 0.2 / belt]);
         assert!(found[0].agrees && !misprint.holds);
-    }
-
-    #[test]
-    fn without_friction_nothing_sticks_and_nothing_deflects() {
-        assert_eq!(no_stick_at_zero().unwrap()[0].parts(), [true, true, false]);
-        assert!(tally(&ForcedOscillator::default()).unwrap().sticks > 0);
-    }
-
-    #[test]
-    fn a_little_friction_is_seen() {
-        let found = tally(&ForcedOscillator {
-            mu0: 0.05,
-            ..ForcedOscillator::default()
-        })
-        .unwrap();
-        assert!(found.sticks > 0 && found.largest_kink > NO_KINK);
     }
 }

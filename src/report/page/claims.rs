@@ -10,7 +10,8 @@ use super::super::readme::formatted_values;
 use super::super::sentences::PARTS;
 use super::super::verdict::{Correction, Verdict};
 use super::parts::{columns, heading};
-use crate::paper::published::ClaimKind;
+use crate::figures::rows::Value;
+use crate::paper::published::{ClaimKind, Digits};
 use crate::paper::reading::{Reading, Role};
 use crate::text::joined;
 
@@ -81,12 +82,12 @@ pub(super) fn section(ledger: &Ledger) -> Markup {
                     "Every quantity and statement that the paper publishes, in its order. The \
                         evidence is folded under each claim. An identity "
                     "could not have come out otherwise and is not counted. Of two honest readings \
-                        the kinder is judged and the evidence names the other."
+                        of a sentence the kinder is judged, and the evidence names the other."
                 }
                 (columns(&["Claim", "Published", "Found", "Verdict"]))
                 tbody {
-                    @for (place, entry) in ledger.entries.iter().enumerate() {
-                        (row(ledger, place, entry))
+                    @for (index, entry) in ledger.entries.iter().enumerate() {
+                        (row(ledger, index, entry))
                     }
                 }
             }
@@ -98,11 +99,12 @@ pub(super) fn section(ledger: &Ledger) -> Markup {
                 dl {
                     @for reading in Reading::ALL { dt { (reading) } dd { (reading.meaning()) } }
                     dt { "unidentified, starved, unstable, unpredictable" }
-                    dd { "what the estimator itself says of an exponent from data: the data do not \
-                        determine it, or too few neighbours do" }
+                    dd { "the estimator's own status of an exponent from data: the data do not \
+                        spread in its direction, too few neighbours are near, the size of the \
+                        neighbourhoods moves it, or the maps do not predict the data" }
                     dt { "biased" }
-                    dd { "the estimator says it is determined, and it is off the exponent from the \
-                        equations by more than its own errors explain" }
+                    dd { "the estimator's status is good, but the exponent differs from that of \
+                        the equations by more than the known errors" }
                 }
             }
         }
@@ -114,13 +116,13 @@ pub(super) fn verdict_badge(verdict: Verdict) -> Markup {
     html! { span class={ "mark " (verdict.key()) } { (verdict) } }
 }
 
-fn row(ledger: &Ledger, place: usize, entry: &Entry) -> Markup {
+fn row(ledger: &Ledger, index: usize, entry: &Entry) -> Markup {
     let claim = &entry.claim;
     html! {
         tr class=(entry.verdict.key()) id={ "claim-" (claim.id) } {
-            th scope="row" data-key=(place) {
+            th scope="row" data-key=(index) {
                 (claim.what)
-                " " span.soft { (claim.place) " · " code { (claim.id) } }
+                " " span.soft { (claim.location) " · " code { (claim.id) } }
                 details {
                     summary { "evidence" }
                     ul { @for line in entry.lines() { li { (line) } } }
@@ -148,7 +150,7 @@ fn row(ledger: &Ledger, place: usize, entry: &Entry) -> Markup {
             td data-column="Verdict" data-key=(entry.verdict as usize) {
                 (verdict_badge(entry.verdict))
                 @if !entry.corrections.is_empty()
-                    && matches!(entry.verdict, Verdict::WithCorrections | Verdict::InKind)
+                    && matches!(entry.verdict, Verdict::WithCorrections | Verdict::InPart)
                 {
                     span.soft { " (" a href="#corrections" { (labels(&entry.corrections)) } ")" }
                 }
@@ -169,9 +171,9 @@ fn published(entry: &Entry) -> String {
     if claim.kind == ClaimKind::Set {
         parts.sort_by(|one, other| other.1.total_cmp(one.1));
     }
-    let texts = parts.into_iter().map(|(text, value)| match text.len() {
-        0..=SHORT => minus(text),
-        _ => plot::number(*value, 6) + "…",
+    let texts = parts.into_iter().map(|(text, value)| match claim.digits {
+        Digits::Exact if text.len() > 8 => plot::number(*value, 6) + "…",
+        _ => minus(text),
     });
     let text = match joined(texts, "; ") {
         none if none.is_empty() => claim.published.clone(),
@@ -184,9 +186,6 @@ fn published(entry: &Entry) -> String {
     }
 }
 
-/// A number with more characters is a closed form in full precision; it is shortened.
-const SHORT: usize = 8;
-
 /// The sign and the spread of an exponent.
 fn sign_and_spread(exponent: &ExponentCheck) -> String {
     let not = if exponent.sign_agrees() { "" } else { "not " };
@@ -194,9 +193,17 @@ fn sign_and_spread(exponent: &ExponentCheck) -> String {
     format!("sign: {sign}, {not}as published; {sentence}")
 }
 
-/// The values of a reading and, in brackets, their quality.
+/// The values of a reading with their quality in brackets, or the parts of a statement that fail.
 fn value_quality(entry: &Entry, finding: &Finding) -> String {
     let values = formatted_values(entry, finding);
+    if let [Value::Statement(parts)] = &finding.values[..] {
+        let failing = parts.iter().filter(|(_, holds)| !holds);
+        return match joined(failing.map(|(what, _)| what), "; ") {
+            none if none.is_empty() => values,
+            failing if values == "fails" => format!("fails: {failing}"),
+            failing => format!("{values}; fails: {failing}"),
+        };
+    }
     match finding.note.as_deref() {
         None | Some("ok" | "annihilated") => values,
         Some(note) if finding.digits.is_some() => format!("{values} ({note})"),

@@ -3,10 +3,10 @@
 
 use maud::{Markup, html};
 
-use super::super::convergence::SLOPE_OFF;
+use super::super::convergence::SLOPE_TOLERANCE;
 use super::super::ledger::Ledger;
-use super::super::matrix::Cell;
-use super::super::scan::{Class, Point};
+use super::super::matrix::ComparedRun;
+use super::super::scan::{ParameterPoint, StartClass};
 use super::figures::figure;
 use super::parts::{Report, columns, heading};
 use crate::paper::claim_id::ClaimId;
@@ -23,17 +23,17 @@ const NUMBERS: [&str; 4] = [
 /// Conditions for a cause to count as shown.
 fn conditions() -> [String; 3] {
     [
-        "Put into the event-exact solver, the two defects that outlast a vanishing step make the \
-         same motion, and its four numbers are off the published ones by no more than the \
-         program's own numbers move between its step and none, and half a printed digit"
+        "Injected into the event-exact solver, the two defects that remain as the step goes to \
+         zero must give the same motion. Its four numbers may differ from the published ones by \
+         the program's own step error and half a printed digit"
             .to_owned(),
         format!(
-            "The program's numbers approach those of that solver as its step goes to zero, at \
-             first order: fitted slopes within {SLOPE_OFF} of one, and the finest steps within the \
-             bound found without them"
+            "As its step goes to zero, the program's numbers must approach those of that solver \
+             at first order: fitted slopes within {SLOPE_TOLERANCE} of one, and the finest steps \
+             within the bound found without them"
         ),
-        "What is left at the printed step is within that bound, and is the program's own error of \
-         the step: of the digits that the motion leaves open, these come from the step alone"
+        "The difference at the printed step must be within that bound and equal the program's own \
+         step error, which is measured without the solver"
             .to_owned(),
     ]
 }
@@ -43,15 +43,17 @@ pub(super) fn cause(report: &Report) -> Markup {
     html! {
         section aria-labelledby="cause" {
             (heading("cause"))
-            p { b { "The cause is " (ledger.cause.status()) "." } " Three things are asked for, \
+            p { b { "The cause is " (ledger.cause.status()) "." } " Three conditions are tested, \
                 each of which could have failed." }
             table.cards {
-                (columns(&["What is asked for", "What was found", "Holds"]))
+                (columns(&["Condition", "Result", "Holds"]))
                 tbody {
-                    @for (asked, (found, holds)) in conditions().iter().zip(ledger.cause.parts()) {
+                    @for (condition, (result, holds)) in
+                        conditions().iter().zip(ledger.cause.parts())
+                    {
                         tr {
-                            th scope="row" { (asked) }
-                            td data-column="Found" { (found) }
+                            th scope="row" { (condition) }
+                            td data-column="Result" { (result) }
                             td data-column="Holds" { @if holds { "yes" } @else { "no" } }
                         }
                     }
@@ -67,7 +69,7 @@ pub(super) fn cause(report: &Report) -> Markup {
                 summary { "The defects, and the program with each alone and with each mended" }
                 dl {
                     @for erratum in &ledger.errata {
-                        @if let Some(lines) = erratum.place.strip_prefix("Listing, ") {
+                        @if let Some(lines) = erratum.location.strip_prefix("Listing, ") {
                             dt { code { (erratum.name) } }
                             dd { (erratum.printed) " (" (lines) ")" }
                         }
@@ -114,7 +116,7 @@ fn matrix(ledger: &Ledger) -> Markup {
     }
 }
 
-fn number(cell: &Cell, i: usize) -> String {
+fn number(cell: &ComparedRun, i: usize) -> String {
     match (cell.numbers, cell.digits) {
         (Some(numbers), Some(digits)) => format!("{:.4} ({})", numbers[i], digits[i]),
         _ => String::new(),
@@ -137,8 +139,8 @@ pub(super) fn existence(report: &Report) -> Markup {
 }
 
 /// The number of starts in each class.
-fn counts(point: &Point) -> String {
-    let counts = Class::ALL.iter().zip(point.counts);
+fn counts(point: &ParameterPoint) -> String {
+    let counts = StartClass::ALL.iter().zip(point.counts);
     let some = counts.filter(|(_, count)| *count > 0);
     let texts = some.map(|(class, count)| {
         let name = class.name().replace('_', " ");

@@ -30,8 +30,8 @@ pub(super) const SECTIONS: [(&str, &str); 9] = [
 
 /// A section's heading.
 pub(super) fn heading(anchor: &str) -> Markup {
-    let known = SECTIONS.iter().find(|(known, _)| *known == anchor);
-    html! { h2 id=(anchor) { (known.map_or(anchor, |(_, heading)| heading)) } }
+    let section = SECTIONS.iter().find(|(name, _)| *name == anchor);
+    html! { h2 id=(anchor) { (section.map_or(anchor, |(_, heading)| heading)) } }
 }
 
 /// The head of a table.

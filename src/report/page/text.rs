@@ -12,13 +12,13 @@ pub(super) fn errata(ledger: &Ledger) -> Markup {
     html! {
         section.errata aria-labelledby="errata" {
             (heading("errata"))
-            p { "Misprints and slips of the paper, each with the computation that shows it." }
+            p { "Misprints and errors of the paper, each with the computation that shows it." }
             table.cards {
                 (columns(&["Place", "Printed", "Should read", "Shown by"]))
                 tbody {
                     @for erratum in &ledger.errata {
                         tr {
-                            th scope="row" { (erratum.place) }
+                            th scope="row" { (erratum.location) }
                             td data-column="Printed" { (erratum.printed) }
                             td data-column="Should read" { (erratum.correct) }
                             td data-column="Shown by" {
@@ -27,7 +27,7 @@ pub(super) fn errata(ledger: &Ledger) -> Markup {
                                         li { (shown.what) ": " b { (value(shown)) } }
                                     }
                                 }
-                                @if !erratum.holds { p { "The computation does not bear it out." } }
+                                @if !erratum.holds { p { "The computation does not confirm it." } }
                             }
                         }
                     }
@@ -44,7 +44,9 @@ fn value(shown: &ProofResult) -> String {
         Value::Count(_) | Value::Word(_) | Value::Statement(_) => return shown.value.to_string(),
     };
     let size = v.abs();
-    let text = if v.fract() == 0.0 && size < 1e6 {
+    let text = if v.is_infinite() {
+        "∞".to_owned()
+    } else if v.fract() == 0.0 && size < 1e6 {
         format!("{v}")
     } else if (1e-3..1e6).contains(&size) {
         let decimals = (5.0 - math::log10(size).floor()).max(0.0) as usize;

@@ -3,29 +3,24 @@
 use std::ops::ControlFlow;
 
 use super::point::{double_well, starts};
+use crate::figures::block_and_bracket::{DIVERGED, TOLERANCE};
 use crate::numbers::extent;
 use stickslip::analysis::{SpectrumOptions, lyapunov_spectrum_watched};
 use stickslip::models::ForcedOscillator;
 use stickslip::{Error, Mode, Observer, Options, Phase, State};
 
 /// One of so many of the scan's starts is integrated: all lead to motions of one kind.
-const EVERY: usize = 10;
+const START_STRIDE: usize = 10;
 /// Forcing periods before measuring.
 const TRANSIENT: f64 = 100.0;
 /// Forcing periods measured.
 const MEASURED: u32 = 2000;
-/// Forcing periods in which stick phases are counted.
-const COUNTED: u32 = 200;
-/// Tolerance, as in the figures' spectra.
-const TOLERANCE: f64 = 1e-10;
-/// Bound of a bounded motion (m, m/s): this spring pulls back for large stretches.
-const ESCAPE: f64 = 1e3;
 /// Standard errors by which a positive exponent must exceed zero. An estimate of a zero exponent
 /// exceeds this once in 30 000.
 const STANDARD_ERRORS: f64 = 4.0;
 /// Stick phases are near the published ones if their lengths differ by at most this fraction: one
 /// of the four printed digits.
-const NEAR_FRACTION: f64 = 0.1;
+const LENGTH_TOLERANCE: f64 = 0.1;
 
 /// Results for one start.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,11 +35,6 @@ pub struct MeasuredStart {
 }
 
 impl MeasuredStart {
-    /// Stick phases per [`COUNTED`] forcing periods, averaged over all that were measured.
-    pub fn sticks(&self) -> f64 {
-        self.lengths.len() as f64 * f64::from(COUNTED) / f64::from(MEASURED)
-    }
-
     /// Whether the first exponent is positive by several standard errors.
     pub fn is_chaotic(&self) -> bool {
         self.lambda > STANDARD_ERRORS * self.std_error
@@ -54,7 +44,7 @@ impl MeasuredStart {
     /// the larger of the relative differences from the published pair, in either order. The minimum
     /// over all pairs is returned; it is infinite with fewer than two.
     pub fn distance(&self, published: [f64; 2]) -> f64 {
-        let off = |found: f64, wanted: f64| (found / wanted - 1.0).abs();
+        let off = |length: f64, published: f64| (length / published - 1.0).abs();
         let [first, second] = published;
         let of = |pair: &[f64]| {
             let forward = off(pair[0], first).max(off(pair[1], second));
@@ -82,7 +72,7 @@ impl Chaos {
     pub(super) fn compute(published: [f64; 2]) -> Result<Chaos, Error> {
         let model = double_well();
         let starts = starts(&ForcedOscillator::default())?.into_iter();
-        let followed = starts.step_by(EVERY).map(|x| follow(&model, x));
+        let followed = starts.step_by(START_STRIDE).map(|x| follow(&model, x));
         Ok(Chaos {
             followed: followed.collect::<Result<_, Error>>()?,
             published,
@@ -97,7 +87,7 @@ impl Chaos {
 
     /// Whether any of them has two successive stick phases with lengths near the published ones.
     pub fn is_near(&self) -> bool {
-        self.distance() <= NEAR_FRACTION
+        self.distance() <= LENGTH_TOLERANCE
     }
 
     /// The motions in words.
@@ -120,7 +110,7 @@ impl Chaos {
         let least_and_most = |of: fn(&MeasuredStart) -> f64| extent(followed.iter().map(of));
         let (low, high) = least_and_most(|one| one.lambda);
         let (_, error) = least_and_most(|one| one.std_error);
-        let (few, many) = least_and_most(MeasuredStart::sticks);
+        let (few, many) = least_and_most(|one| one.lengths.len() as f64);
         let (shortest, longest) = extent(followed.iter().flat_map(|one| one.lengths.clone()));
         let of_stick = match shortest <= longest {
             true => {
@@ -130,15 +120,20 @@ impl Chaos {
         };
         let percent = 100.0 * self.distance();
         let nearest = match percent.is_finite() {
-            true => format!("two in succession come no nearer to both than {percent:.0} %"),
+            true => {
+                let [first, second] = self.published;
+                format!(
+                    "no two in succession come nearer to the published {first} and {second} m than \
+                     {percent:.0} %"
+                )
+            }
             false => "no two of them follow each other".to_owned(),
         };
-        let [first, second] = self.published;
         format!(
             "With the spring of Eq. (4) the block {sticks}, {chaotic}, and {near}: from {all} \
-             starts, every {EVERY}th of the scan's, λ1 = {low:.2} to {high:.2} 1/s with standard \
-             errors up to {error:.2}, and in {COUNTED} forcing periods {of_stick}; published are \
-             {first} and {second} m, and {nearest}."
+             starts, every {START_STRIDE}th of the scan's, λ1 = {low:.2} to {high:.2} 1/s with \
+             standard errors up to {error:.2}, and in {MEASURED} forcing periods {of_stick}; \
+             {nearest}."
         )
     }
 }
@@ -147,7 +142,7 @@ impl Chaos {
 fn follow(model: &ForcedOscillator, x: State<2>) -> Result<MeasuredStart, Error> {
     let period = model.period();
     let (transient, measured) = (TRANSIENT * period, f64::from(MEASURED) * period);
-    let options = Options::tol(TOLERANCE).escape(ESCAPE);
+    let options = Options::tol(TOLERANCE).escape(DIVERGED);
     let settings = SpectrumOptions::over(transient, measured).solver(options);
     let mut sticks = Sticks {
         from: transient,

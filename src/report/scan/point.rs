@@ -1,8 +1,10 @@
 //! The attractors of all starts at one set of parameters.
 
+use crate::figures::block_and_bracket::DIVERGED;
 use crate::numbers::largest;
-use crate::paper::ESCAPE;
 use crate::paper::pattern::two_periodic;
+use crate::paper::published::LAST_DIGIT;
+use crate::paper::{ESCAPE, SETTLING_TOLERANCE};
 use crate::report::stick_exits;
 use crate::text::described;
 use stickslip::analysis::{Destination, destination};
@@ -13,7 +15,7 @@ use stickslip::{AtRepelling, Error, Options, State, solve};
 
 described! {
     /// Class of the motion from a start.
-    Class: &'static str as pub name {
+    StartClass: &'static str as pub name {
         /// Beyond the spring's reach.
         Escape = "escapes",
         /// Periodic without stick.
@@ -31,8 +33,8 @@ described! {
 /// Number of positions of the starts, symmetric about 0. The unit is √(k1/k2), beyond which the
 /// spring drives bodies away.
 const POSITIONS: usize = 9;
-/// The outermost position.
-const REACH: f64 = 1.2;
+/// The outermost position, a little beyond the outer tangent points.
+const OUTERMOST: f64 = 1.2;
 /// Velocities of the starts (m/s), besides the belt's speed.
 const VELOCITIES: [f64; 4] = [-1.6, -0.8, 0.0, 1.2];
 
@@ -43,7 +45,7 @@ pub(in crate::report) fn starts(model: &ForcedOscillator) -> Result<Vec<State<2>
     let speeds = || VELOCITIES.into_iter().chain([model.belt_speed]);
     let middle = (POSITIONS / 2) as f64;
     let mut all: Vec<State<2>> = (0..POSITIONS)
-        .map(|k| unit * REACH * (k as f64 - middle) / middle)
+        .map(|k| unit * OUTERMOST * (k as f64 - middle) / middle)
         .flat_map(|x1| speeds().map(move |x2| State::from([x1, x2])))
         .collect();
     for (lower, upper) in model.stick_zones()? {
@@ -61,9 +63,6 @@ pub(super) fn double_well() -> ForcedOscillator {
         ..printed
     }
 }
-
-/// Stick phases whose lengths differ by no more are equal (m): they agree in the printed digits.
-const SAME_LENGTH: f64 = 1e-4;
 
 /// A periodic motion with stick.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,15 +84,15 @@ impl StickSlip {
         match (all.next(), all.next()) {
             (Some(first), Some(second)) => {
                 let pairs = [(first, published[0]), (second, published[1])];
-                largest(pairs.map(|(found, wanted)| (found / wanted - 1.0).abs()))
+                largest(pairs.map(|(length, published)| (length / published - 1.0).abs()))
             }
             _ => f64::INFINITY,
         }
     }
 
-    /// Whether two starts lead to the same motion.
+    /// Whether two starts lead to the same motion: its lengths agree in the printed digits.
     pub(super) fn is_same(&self, other: &StickSlip) -> bool {
-        let near = |(a, b): (&f64, &f64)| (a - b).abs() <= SAME_LENGTH;
+        let near = |(a, b): (&f64, &f64)| (a - b).abs() <= LAST_DIGIT;
         self.period == other.period
             && self.lengths.len() == other.lengths.len()
             && self.lengths.iter().zip(&other.lengths).all(near)
@@ -101,26 +100,24 @@ impl StickSlip {
 }
 
 /// Forcing periods over which a start is integrated: 1.5 times the length of the listing's run.
-const FOLLOWED: usize = 60;
-/// Tolerance for states one pattern apart to be equal: a tenth of a printed digit.
-const CLOSENESS: f64 = 1e-5;
-/// Tolerance of the solver, a hundred times below [`CLOSENESS`] with its accumulated errors.
-const TOLERANCE: f64 = 1e-9;
+pub(in crate::report) const PERIODS_FOLLOWED: usize = 60;
+/// Largest difference of equal states one pattern apart: a tenth of a printed digit.
+pub(in crate::report) const CLOSENESS: f64 = LAST_DIGIT / 10.0;
 
 /// The attractors of all starts at one set of parameters.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Point {
+pub struct ParameterPoint {
     /// Factor by which the printed value is multiplied.
     pub factor: f64,
     /// The value.
     pub value: f64,
-    /// Number of starts in each class, in the order of [`Class::ALL`].
+    /// Number of starts in each class, in the order of [`StartClass::ALL`].
     pub counts: [usize; 5],
     /// The distinct stick–slip motions.
     pub stick_slip: Vec<StickSlip>,
 }
 
-impl Point {
+impl ParameterPoint {
     /// Integrates all starts in a model with `value` for one parameter, `factor` times the printed
     /// one.
     ///
@@ -131,20 +128,20 @@ impl Point {
         starts: &[State<2>],
         factor: f64,
         value: f64,
-    ) -> Result<Point, Error> {
+    ) -> Result<ParameterPoint, Error> {
         // A spring that pulls back for large stretches lets no body escape at any speed.
         let pushes_out = model.k2 > 0.0;
-        let options = Options::tol(TOLERANCE)
-            .escape(if pushes_out { ESCAPE } else { 100.0 * ESCAPE })
+        let options = Options::tol(SETTLING_TOLERANCE)
+            .escape(if pushes_out { ESCAPE } else { DIVERGED })
             .at_repelling(AtRepelling::GoAbove);
         let mut counts = [0; 5];
         let mut stick_slip: Vec<StickSlip> = Vec::new();
         for &x in starts {
             let end = settled(model, x, &options)?;
             let class = match end {
-                Destination::Escapes { .. } => Class::Escape,
-                Destination::Unsettled => Class::Unsettled,
-                Destination::Periodic { sticks: 0, .. } => Class::SlipOnly,
+                Destination::Escapes { .. } => StartClass::Escape,
+                Destination::Unsettled => StartClass::Unsettled,
+                Destination::Periodic { sticks: 0, .. } => StartClass::SlipOnly,
                 Destination::Periodic { period, x, sticks } => {
                     let motion = StickSlip {
                         period,
@@ -154,15 +151,15 @@ impl Point {
                         stick_slip.push(motion);
                     }
                     if two_periodic(sticks, period) {
-                        Class::StickSlipTwo
+                        StartClass::StickSlipTwo
                     } else {
-                        Class::StickSlip
+                        StartClass::StickSlip
                     }
                 }
             };
             counts[class as usize] += 1;
         }
-        Ok(Point {
+        Ok(ParameterPoint {
             factor,
             value,
             counts,
@@ -191,9 +188,9 @@ fn settled(model: &ForcedOscillator, x: State<2>, options: &Options) -> Result<D
     let follow = |x: &Vector, periods, closeness| {
         destination(&system, (0.0, x), period, periods, closeness, options)
     };
-    match follow(&x.vector(), FOLLOWED, CLOSENESS)? {
+    match follow(&x.vector(), PERIODS_FOLLOWED, CLOSENESS)? {
         Destination::Periodic { sticks, x, .. } if sticks > 0 => {
-            follow(&x, 4 * FOLLOWED, 0.1 * CLOSENESS)
+            follow(&x, 4 * PERIODS_FOLLOWED, 0.1 * CLOSENESS)
         }
         end => Ok(end),
     }
