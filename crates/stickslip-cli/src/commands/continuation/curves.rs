@@ -8,7 +8,7 @@ use stickslip_kernels::file::System;
 use super::super::figures;
 use super::super::range::ParameterRange;
 use super::branch::Also;
-use super::{json as special_json, what, words as special_words};
+use super::special::{json as special_json, name_of, words as special_words};
 use crate::failure::Failure;
 use crate::render::{Report, Table, rounded};
 
@@ -49,7 +49,7 @@ pub(super) fn report(
     report.field("curves", objects);
     let found = || curves.iter().enumerate();
     let rows = found().flat_map(|(number, (at, curve))| {
-        let what = what(at);
+        let what = name_of(at);
         let points = curve.iter().flat_map(|curve| &curve.points);
         points.map(move |point| (number, what.clone(), point))
     });
@@ -122,7 +122,7 @@ fn diagram(
             let [other, own] = point.parameters;
             (own, other)
         });
-        let what = what(at);
+        let what = name_of(at);
         let line = Line::new(points.collect::<Vec<_>>()).color(COLORS[number % COLORS.len()]);
         panel.add(line.width(1.4).legend(&format!("{} {what}", number + 1)));
     }

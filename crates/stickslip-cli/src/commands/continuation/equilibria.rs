@@ -9,7 +9,7 @@ use stickslip_kernels::file::System;
 
 use super::super::figures;
 use super::super::range::ParameterRange;
-use super::End;
+use super::ends::End;
 use crate::failure::Failure;
 use crate::render::{Report, Table, place, rounded};
 
