@@ -47,8 +47,8 @@ pub(super) fn report(
     }
     report.field("also", &also.range);
     report.field("curves", objects);
-    let found = || curves.iter().enumerate();
-    let rows = found().flat_map(|(number, (at, curve))| {
+    let rows = curves.iter().enumerate();
+    let rows = rows.flat_map(|(number, (at, curve))| {
         let what = name_of(at);
         let points = curve.iter().flat_map(|curve| &curve.points);
         points.map(move |point| (number, what.clone(), point))
@@ -114,10 +114,10 @@ fn diagram(
         figures::parameter_axis(system, &range.name, (range.low, range.high), true)
     };
     let mut panel = Panel::new(axis(range), axis(&also.range));
-    let found = curves
+    let complete = curves
         .iter()
         .filter_map(|(at, curve)| Some((at, curve.as_ref()?)));
-    for (number, (at, curve)) in found.enumerate() {
+    for (number, (at, curve)) in complete.enumerate() {
         let points = curve.points.iter().map(|point| {
             let [other, own] = point.parameters;
             (own, other)

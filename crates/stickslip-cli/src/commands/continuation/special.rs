@@ -1,7 +1,7 @@
 //! Special orbits in words and as JSON objects.
 
 use serde_json::{Value, json};
-use stickslip::analysis::{Special, SpecialPoint};
+use stickslip::analysis::{CycleBifurcation, SpecialPoint};
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::Change;
 
@@ -11,7 +11,7 @@ use crate::render::rounded;
 /// The change of the phases at a special orbit, if it is one.
 pub(super) fn change(at: &SpecialPoint) -> Option<Change> {
     match &at.what {
-        Special::Sequence(change) => Some(Change::from(&**change)),
+        CycleBifurcation::Sequence(change) => Some(Change::from(&**change)),
         _ => None,
     }
 }
@@ -40,7 +40,7 @@ pub(super) fn words(at: &SpecialPoint, system: &System) -> String {
 
 pub(super) fn angle(at: &SpecialPoint) -> Option<f64> {
     match at.what {
-        Special::NeimarkSacker { angle } => Some(angle),
+        CycleBifurcation::NeimarkSacker { angle } => Some(angle),
         _ => None,
     }
 }
