@@ -1,5 +1,6 @@
 //! Places on branches: one name and one order of the phases, wherever a branch is begun.
 
+use std::collections::HashMap;
 use std::f64::consts::PI;
 
 use assert_cmd::Command;
@@ -33,14 +34,46 @@ x = 0
 v = 0
 "#;
 
+/// The force at which the oscillator's amplitude is the distance of the wall (Den Hartog 1931).
+fn at_wall(frequency: f64) -> f64 {
+    let half = PI / frequency;
+    let v = 1.0 / (1.0 - frequency * frequency);
+    let u = math::sin(half) / (frequency * (1.0 + math::cos(half)));
+    (0.8 * 0.8 + 0.1 * 0.1 * u * u).sqrt() / v
+}
+
+#[test]
+fn the_graze_of_a_wall_is_followed_in_two_parameters_along_its_closed_form() {
+    let top = tempfile::tempdir().unwrap();
+    std::fs::write(top.path().join("system.toml"), WALL).unwrap();
+    for method in ["dop853", "taylor"] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
+        let command = command.current_dir(top.path());
+        let along = ["--parameter", "A=0.2:0.9", "--also", "w=0.55:0.7"];
+        let how = ["--method", method, "--out", method];
+        let command = command.args(["continue", "system.toml"]);
+        command.args(along).args(how).assert().success();
+        let table = top.path().join(method).join("curves.csv");
+        let mut table = csv::Reader::from_path(table).unwrap();
+        let rows: Vec<HashMap<String, String>> = table.deserialize().map(Result::unwrap).collect();
+        let of = |row: &HashMap<String, String>, key: &str| row[key].parse::<f64>().unwrap();
+        for row in &rows {
+            assert_eq!(row["what"], "grazing of a jump");
+            let (force, frequency) = (of(row, "A"), of(row, "w"));
+            let off = (force - at_wall(frequency)).abs();
+            assert!(off < 1e-7, "{method} at {frequency}: {off:e}");
+        }
+        let ends = [&rows[0], &rows[rows.len() - 1]].map(|row| of(row, "w"));
+        assert!((ends[0] - 0.55).abs() < 1e-9 && (ends[1] - 0.7).abs() < 1e-9);
+        assert!(rows.len() > 5);
+    }
+}
+
 /// The block turns back at its amplitude. So the wall's function and the velocity of the contact
 /// are zero at once, and rounding decides on which side of that moment the least distance lies.
 #[test]
 fn a_graze_of_a_wall_where_the_velocity_is_zero_has_one_name() {
-    let half = PI / 0.6;
-    let v = 1.0 / (1.0 - 0.36);
-    let u = math::sin(half) / (0.6 * (1.0 + math::cos(half)));
-    let exact = (0.8 * 0.8 + 0.1 * 0.1 * u * u).sqrt() / v;
+    let exact = at_wall(0.6);
     for start in ["A=0.3", "A=0.33", "A=0.35", "A=0.38", "A=0.4", "A=0.42"] {
         let range = ["--set", start, "--parameter", "A=0.2:0.9"];
         let json = json_of(WALL, &[&["continue", "system.toml"], &range[..]].concat());

@@ -2,7 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use stickslip::analysis::{Branch, BranchPoint, PeriodicOrbit, Special, SpecialPoint, Stop};
+use stickslip::analysis::{
+    Branch, BranchPoint, CycleBifurcation, PeriodicOrbit, SpecialPoint, Stop,
+};
 use stickslip::dynamics::{DynamicsRef, Section, Summary, Vector};
 use stickslip::{Ending, Error, Options};
 
@@ -157,7 +159,7 @@ impl<'a> Along<'a> {
         });
         let below = down.special.into_iter().rev().map(|mut at| {
             at.behind = (first + 1).saturating_sub(at.behind);
-            if let Special::Sequence(change) = &mut at.what {
+            if let CycleBifurcation::Sequence(change) = &mut at.what {
                 std::mem::swap(&mut change.before, &mut change.after);
             }
             at
@@ -171,7 +173,7 @@ impl<'a> Along<'a> {
             let pace = self.pace(&[(self.name, at.parameter)])?;
             at.period *= pace;
             at.x = self.states_of(&at.x);
-            if let Special::Sequence(change) = &mut at.what {
+            if let CycleBifurcation::Sequence(change) = &mut at.what {
                 change.period *= pace;
                 change.x = self.states_of(&change.x);
             }

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stickslip::Options;
 use stickslip::analysis::{
-    ContinuationSettings, PartialBranch, PeriodicOrbit, Special, SpecialPoint,
+    ContinuationSettings, CycleBifurcation, PartialBranch, PeriodicOrbit, SpecialPoint,
 };
 use stickslip::dynamics::Vector;
 use stickslip_kernels::file::System as Ready;
@@ -173,7 +173,7 @@ struct Row {
 impl Row {
     fn of(at: &SpecialPoint, system: &Ready) -> Self {
         let (name, phases) = match &at.what {
-            Special::Sequence(change) => (
+            CycleBifurcation::Sequence(change) => (
                 Change::from(&**change).name(),
                 [&change.before, &change.after].map(|phases| system.sequence(phases)),
             ),

@@ -29,9 +29,9 @@ pub use bifurcation::{
     AttractorChange, SweepPoint, SweepSettings, WhatChanges, locate_changes, sweep,
 };
 pub use continuation::{
-    Branch, BranchPoint, ContinuationSettings, Curve, CurvePoint, CurveStop,
-    EquilibriumBifurcation, EquilibriumBranch, EquilibriumPoint, PartialBranch, Special,
-    SpecialEquilibrium, SpecialPoint, Stop, SwitchedBranch, continue_change, continue_equilibrium,
+    Branch, BranchPoint, ContinuationSettings, Curve, CurvePoint, CurveStop, CycleBifurcation,
+    EquilibriumBifurcation, EquilibriumBranch, EquilibriumPoint, PartialBranch, SpecialEquilibrium,
+    SpecialPoint, Stop, SwitchedBranch, continue_change, continue_equilibrium,
     continue_periodic_orbit, switch_branches,
 };
 pub use cycle::{SequenceBifurcation, SequenceChange};

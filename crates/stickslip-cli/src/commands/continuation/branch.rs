@@ -1,26 +1,27 @@
-//! The branch through an orbit, in both directions.
+//! The branch through an orbit in both directions, and the curves and branches that begin on it.
 
 use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 use serde_json::json;
 use stickslip::analysis::{
-    Branch, ContinuationSettings, Curve, EquilibriumBranch, PartialBranch, PeriodicOrbit, Special,
-    SpecialPoint, Stop, SwitchedBranch, continue_change, continue_equilibrium, switch_branches,
+    Branch, ContinuationSettings, Curve, CycleBifurcation, EquilibriumBranch, PartialBranch,
+    PeriodicOrbit, SpecialPoint, Stop, SwitchedBranch, continue_change, continue_equilibrium,
+    switch_branches,
 };
 use stickslip::dynamics::DynamicsRef;
 use stickslip::{Error, Options};
+use stickslip_kernels::file::System;
 use stickslip_kernels::study::{Along, WholeBranch, only_once};
 
 use super::super::range::ParameterRange;
-use super::saving::{Saving, kept, saved};
+use super::saving::{Saving, saved, saved_or_computed};
 use crate::failure::Failure;
 use crate::sweep::Writer;
 use crate::terminal::Status;
-use stickslip_kernels::file::System;
 
-/// The blocks behind those of both directions: for each special orbit, its curve in two parameters
-/// and the branches that begin there.
+/// The first blocks behind those of both directions. For each special orbit there are two: its
+/// curve in two parameters, and the branches that begin there.
 const CURVES: usize = super::WAYS.get();
 const BRANCHES: usize = CURVES + 1;
 
@@ -67,8 +68,25 @@ impl<'a> Begin<'a> {
         })
     }
 
-    /// The branch through an orbit. `periods` is the number of periods of the drive in it, if there
-    /// is a drive.
+    /// Settings and start of a continuation from an orbit: a state at a multiple of its period,
+    /// then the other parameter, if there is one, and the parameter. `periods` is the number of
+    /// periods of the drive in the orbit, if there is a drive.
+    fn start(
+        &self,
+        (orbit, periods): (&PeriodicOrbit, Option<u32>),
+        (settings, options): (&ContinuationSettings, &Options),
+        other: Option<f64>,
+    ) -> Result<(ContinuationSettings, Vec<f64>), Failure> {
+        let settings = ContinuationSettings {
+            forced: periods.map(|_| orbit.period),
+            ..*settings
+        };
+        let x = self.along.at_zero(orbit, options)?;
+        let parameters = other.into_iter().chain([self.along.value]);
+        Ok((settings, x.iter().copied().chain(parameters).collect()))
+    }
+
+    /// The branch through an orbit.
     pub(super) fn branch(
         &self,
         (orbit, periods): (&PeriodicOrbit, Option<u32>),
@@ -76,12 +94,7 @@ impl<'a> Begin<'a> {
         options: &Options,
         (writer, status): (&Writer, &Status),
     ) -> Result<WholeBranch, Failure> {
-        let settings = ContinuationSettings {
-            forced: periods.map(|_| orbit.period),
-            ..*settings
-        };
-        let x = self.along.at_zero(orbit, options)?;
-        let x = [x.as_slice(), &[self.along.value]].concat();
+        let (settings, x) = self.start((orbit, periods), (settings, options), None)?;
         let far = Mutex::new([(0_usize, self.along.value); 2]);
         let way = |upwards| {
             let mut saving = Saving::of(writer, usize::from(upwards));
@@ -158,29 +171,22 @@ impl<'a> Begin<'a> {
         (settings, options): (&ContinuationSettings, &Options),
         writer: &Writer,
     ) -> Result<Vec<(SpecialPoint, Option<Curve>)>, Failure> {
-        let settings = ContinuationSettings {
-            forced: periods.map(|_| orbit.period),
-            ..*settings
-        };
-        let x = self.along.at_zero(orbit, options)?;
-        let x = [x.as_slice(), &[also.value, self.along.value]].concat();
-        let is_above = |at: &SpecialPoint| at.behind > branch.first;
-        let below = branch.special.iter().filter(|at| !is_above(at)).count();
+        let start = (orbit, periods);
+        let (settings, x) = self.start(start, (settings, options), Some(also.value))?;
+        let special: Vec<&SpecialPoint> = branch.special.iter().collect();
         let by = json!(also.range).to_string();
         let curve = |(k, at): (usize, &SpecialPoint)| {
-            // In each direction, orbits are counted from the one that the branch was started from.
-            let upwards = is_above(at);
-            let number = if upwards { k - below } else { below - 1 - k };
+            let (upwards, number) = counted(branch, &special, k);
             let ranges = (&settings, (also.range.low, also.range.high));
             let way = (orbit.period, upwards, number);
-            let mut found = kept(writer, (CURVES + 2 * k, &by), || {
+            let mut curve = saved_or_computed(writer, (CURVES + 2 * k, &by), || {
                 match continue_change(&also.both, &*x, way, ranges, options) {
                     Ok(curve) => Ok(Some(curve)),
                     Err(Error::NotFound { .. }) => Ok(None),
                     Err(error) => Err(Failure::from(error)),
                 }
             })?;
-            for point in found.iter_mut().flat_map(|curve| &mut curve.points) {
+            for point in curve.iter_mut().flat_map(|curve| &mut curve.points) {
                 let pace = self.along.pace(&[
                     (&also.range.name, point.parameters[0]),
                     (&self.range.name, point.parameters[1]),
@@ -188,11 +194,11 @@ impl<'a> Begin<'a> {
                 point.period *= pace;
                 point.t *= pace;
             }
-            Ok((at.clone(), found))
+            Ok((at.clone(), curve))
         };
         let followed = branch.special.iter().enumerate();
         let followed: Vec<_> = followed
-            .filter(|(_, at)| at.what != Special::BranchPoint)
+            .filter(|(_, at)| at.what != CycleBifurcation::BranchPoint)
             .collect();
         followed.into_par_iter().map(curve).collect()
     }
@@ -205,44 +211,42 @@ impl<'a> Begin<'a> {
         (settings, options): (&ContinuationSettings, &Options),
         writer: &Writer,
     ) -> Result<Vec<Other>, Failure> {
-        let settings = ContinuationSettings {
-            forced: periods.map(|_| orbit.period),
-            ..*settings
-        };
-        let x = self.along.at_zero(orbit, options)?;
-        let x = [x.as_slice(), &[self.along.value]].concat();
+        let (settings, x) = self.start((orbit, periods), (settings, options), None)?;
         let special = branch.special.iter().enumerate();
-        let meets = |at: &SpecialPoint| matches!(at.what, Special::Flip | Special::BranchPoint);
+        let meets = |at: &SpecialPoint| {
+            matches!(
+                at.what,
+                CycleBifurcation::Flip | CycleBifurcation::BranchPoint
+            )
+        };
         let junctions: Vec<_> = special.filter(|(_, at)| meets(at)).collect();
-        let is_above = |at: &SpecialPoint| at.behind > branch.first;
-        let below = junctions.iter().filter(|(_, at)| !is_above(at)).count();
-        let switched = |(k, &(from, at)): (usize, &(usize, &SpecialPoint))| {
-            let upwards = is_above(at);
-            let number = if upwards { k - below } else { below - 1 - k };
+        let points: Vec<&SpecialPoint> = junctions.iter().map(|(_, at)| *at).collect();
+        let switched = |(k, &(from, _)): (usize, &(usize, &SpecialPoint))| {
+            let (upwards, number) = counted(branch, &points, k);
             let way = (orbit.period, upwards, number);
-            let found = kept(writer, (BRANCHES + 2 * from, ""), || match switch_branches(
-                &self.along.dynamics,
-                &*x,
-                way,
-                &settings,
-                options,
-            ) {
-                Ok(SwitchedBranch { branches, .. }) => Ok(branches),
-                Err(Error::NotFound { .. }) => Ok(Vec::new()),
-                Err(error) => Err(Failure::from(error)),
-            })?;
-            // On one side, the branch ends with its first orbit.
+            let branches =
+                saved_or_computed(writer, (BRANCHES + 2 * from, ""), || match switch_branches(
+                    &self.along.dynamics,
+                    &*x,
+                    way,
+                    &settings,
+                    options,
+                ) {
+                    Ok(SwitchedBranch { branches, .. }) => Ok(branches),
+                    Err(Error::NotFound { .. }) => Ok(Vec::new()),
+                    Err(error) => Err(Failure::from(error)),
+                })?;
+            // Downwards, the branch ends with its first orbit.
             let begin = |way: &Branch| Branch {
                 points: way.points.iter().take(1).cloned().collect(),
                 special: Vec::new(),
                 stop: Stop::Points,
             };
-            let found = found.into_iter();
-            let told = found.map(|way| {
+            let others = branches.into_iter().map(|way| {
                 let branch = self.joined(begin(&way), way, options)?;
                 Ok(Other { from, branch })
             });
-            told.collect::<Result<Vec<Other>, Failure>>()
+            others.collect::<Result<Vec<Other>, Failure>>()
         };
         let junctions = junctions.par_iter().enumerate();
         let others: Result<Vec<_>, Failure> = junctions.map(switched).collect();
@@ -260,4 +264,13 @@ impl<'a> Begin<'a> {
         let ((low, down), (high, up)) = (down?, up?);
         Ok(self.along.joined([(down, low), (up, high)])?)
     }
+}
+
+/// A special orbit among some of those of a branch: whether it lies upwards of the first orbit of
+/// the branch, and its number, counted in that direction.
+fn counted(branch: &WholeBranch, among: &[&SpecialPoint], k: usize) -> (bool, usize) {
+    let is_above = |at: &SpecialPoint| at.behind > branch.first;
+    let below = among.iter().filter(|at| !is_above(at)).count();
+    let upwards = is_above(among[k]);
+    (upwards, if upwards { k - below } else { below - 1 - k })
 }

@@ -8,7 +8,7 @@ use stickslip_kernels::file::System;
 use super::super::figures;
 use super::super::range::ParameterRange;
 use super::branch::Also;
-use super::{json as special_json, what, words as special_words};
+use super::special::{json as special_json, name_of, words as special_words};
 use crate::failure::Failure;
 use crate::render::{Report, Table, rounded};
 
@@ -47,9 +47,9 @@ pub(super) fn report(
     }
     report.field("also", &also.range);
     report.field("curves", objects);
-    let found = || curves.iter().enumerate();
-    let rows = found().flat_map(|(number, (at, curve))| {
-        let what = what(at);
+    let rows = curves.iter().enumerate();
+    let rows = rows.flat_map(|(number, (at, curve))| {
+        let what = name_of(at);
         let points = curve.iter().flat_map(|curve| &curve.points);
         points.map(move |point| (number, what.clone(), point))
     });
@@ -114,15 +114,15 @@ fn diagram(
         figures::parameter_axis(system, &range.name, (range.low, range.high), true)
     };
     let mut panel = Panel::new(axis(range), axis(&also.range));
-    let found = curves
+    let complete = curves
         .iter()
         .filter_map(|(at, curve)| Some((at, curve.as_ref()?)));
-    for (number, (at, curve)) in found.enumerate() {
+    for (number, (at, curve)) in complete.enumerate() {
         let points = curve.points.iter().map(|point| {
             let [other, own] = point.parameters;
             (own, other)
         });
-        let what = what(at);
+        let what = name_of(at);
         let line = Line::new(points.collect::<Vec<_>>()).color(COLORS[number % COLORS.len()]);
         panel.add(line.width(1.4).legend(&format!("{} {what}", number + 1)));
     }

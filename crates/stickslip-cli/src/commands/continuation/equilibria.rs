@@ -10,7 +10,7 @@ use stickslip_kernels::study::EquilibriaOfBranch;
 
 use super::super::figures;
 use super::super::range::ParameterRange;
-use super::End;
+use super::ends::End;
 use crate::failure::Failure;
 use crate::render::{Report, Table, place, rounded};
 

@@ -4,20 +4,21 @@ use plot::{
     BLACK, BLUE, Color, Curve, Dash, Figure, GREEN, Guide, Legend, Markers, ORANGE, PURPLE, Panel,
     Shape, VERMILLION,
 };
-use stickslip::analysis::{Special, SpecialPoint, Stability, Stop};
+use stickslip::analysis::{CycleBifurcation, SpecialPoint, Stability, Stop};
+use stickslip_kernels::file::System;
+use stickslip_kernels::study::{BranchOrbit, WholeBranch};
 
 use super::super::figures;
 use super::super::range::ParameterRange;
-use stickslip_kernels::file::System;
-use stickslip_kernels::study::{BranchOrbit, WholeBranch};
 
 /// Computes a value of an orbit.
 type Value = fn(&BranchOrbit) -> f64;
 
 const LARGEST_MULTIPLIER: &str = "largest multiplier";
 
-/// Largest multiplier that is drawn. Those of unstable orbits may have any size.
-const LARGEST: f64 = 3.0;
+/// Largest multiplier that is drawn. Those of unstable orbits may have any size. Chosen: the unit
+/// circle stays visible.
+const LARGEST_DRAWN: f64 = 3.0;
 
 /// Plots the branches. The first is the one through the initial orbit.
 pub(super) fn diagram(
@@ -30,7 +31,7 @@ pub(super) fn diagram(
         let sizes = at.orbit.multipliers.iter().map(|one| one.norm());
         // For orbits that stick it is zero up to rounding.
         match sizes.fold(0.0, f64::max) {
-            largest if largest > LARGEST => f64::NAN,
+            largest if largest > LARGEST_DRAWN => f64::NAN,
             largest if largest < 1e-9 => 0.0,
             largest => largest,
         }
@@ -56,11 +57,10 @@ pub(super) fn diagram(
     let rows: Vec<(String, Value)> = extents.into_iter().chain(others).collect();
     let title = format!("{}: branch of periodic orbits", system.file.name);
     let description = format!(
-        "A branch of periodic orbits of {} over {} from {} to {}: least and \
-         greatest {}, period, and the largest multiplier up to {LARGEST}; whole lines where it is \
-         stable, dotted where neutral, dashed where unstable; marks at folds, flips, branch \
-         points, torus bifurcations, changes of its phases, and where it ends in an \
-         equilibrium, a homoclinic orbit or rest.",
+        "A branch of periodic orbits of {} over {} from {} to {}: least and greatest {}, period, and \
+         the largest multiplier up to {LARGEST_DRAWN}; whole lines where it is stable, dotted where \
+         neutral, dashed where unstable; marks at folds, flips, branch points, torus bifurcations, \
+         changes of its phases, and where it ends in an equilibrium, a homoclinic orbit or rest.",
         system.file.name, range.name, range.low, range.high, first.name
     );
     let height = 90.0 + 160.0 * rows.len() as f64;
@@ -76,8 +76,8 @@ pub(super) fn diagram(
         let ends: Vec<(&Stop, (f64, f64))> = ends
             .filter_map(|(end, stop)| Some((stop, end_mark(end?, stop, value, k < of_extents))))
             .collect();
-        let marked = ends.iter().map(|(_, mark)| mark.1);
-        let all = points(branches).map(value).chain(marked);
+        let of_ends = ends.iter().map(|(_, mark)| mark.1);
+        let all = points(branches).map(value).chain(of_ends);
         let is_size = label == LARGEST_MULTIPLIER;
         let mut panel = Panel::new(x, figures::axis(&label, all));
         if is_size {
@@ -97,28 +97,8 @@ pub(super) fn diagram(
             }
             panel.add(curve);
         }
-        for name in SPECIAL {
-            let there = branches.iter().flat_map(|branch| {
-                let special = branch.special.iter();
-                special.map(move |at| (mark(&at.what), branch, at))
-            });
-            let there: Vec<_> = there.filter(|(mark, ..)| mark.0 == name).collect();
-            if let Some(&((_, color, shape), ..)) = there.first() {
-                let points = there
-                    .iter()
-                    .map(|(_, branch, at)| place(branch, at, value, is_size));
-                let markers = Markers::new(points).shape(shape).color(color).size(6.0);
-                panel.add(markers.legend(name));
-            }
-        }
-        for (number, (name, shape)) in ENDS.into_iter().enumerate() {
-            let there = ends.iter().filter(|end| mark_of_end(end.0) == Some(number));
-            let points: Vec<(f64, f64)> = there.map(|(_, mark)| *mark).collect();
-            if !points.is_empty() {
-                let markers = Markers::new(points).shape(shape).color(BLACK).open();
-                panel.add(markers.size(7.0).legend(name));
-            }
-        }
+        add_special(&mut panel, branches, value, is_size);
+        add_ends(&mut panel, &ends);
         if k == last {
             panel = panel.legend(Legend::Below);
         }
@@ -136,14 +116,44 @@ const SPECIAL: [&str; 5] = [
     "change of phases",
 ];
 
+/// Adds the markers of the special orbits to the panel of a value.
+fn add_special(panel: &mut Panel, branches: &[&WholeBranch], value: Value, is_size: bool) {
+    for name in SPECIAL {
+        let there = branches.iter().flat_map(|branch| {
+            let special = branch.special.iter();
+            special.map(move |at| (mark(&at.what), branch, at))
+        });
+        let there: Vec<_> = there.filter(|(mark, ..)| mark.0 == name).collect();
+        if let Some(&((_, color, shape), ..)) = there.first() {
+            let points = there
+                .iter()
+                .map(|(_, branch, at)| place(branch, at, value, is_size));
+            let markers = Markers::new(points).shape(shape).color(color).size(6.0);
+            panel.add(markers.legend(name));
+        }
+    }
+}
+
+/// Adds the markers of the ends of branches.
+fn add_ends(panel: &mut Panel, ends: &[(&Stop, (f64, f64))]) {
+    for (number, (name, shape)) in ENDS.into_iter().enumerate() {
+        let there = ends.iter().filter(|end| mark_of_end(end.0) == Some(number));
+        let points: Vec<(f64, f64)> = there.map(|(_, mark)| *mark).collect();
+        if !points.is_empty() {
+            let markers = Markers::new(points).shape(shape).color(BLACK).open();
+            panel.add(markers.size(7.0).legend(name));
+        }
+    }
+}
+
 /// Label and marker of a special orbit, as in the legend.
-fn mark(kind: &Special) -> (&'static str, Color, Shape) {
+fn mark(kind: &CycleBifurcation) -> (&'static str, Color, Shape) {
     match kind {
-        Special::Fold => (SPECIAL[0], BLACK, Shape::Circle),
-        Special::BranchPoint => (SPECIAL[1], PURPLE, Shape::Up),
-        Special::Flip => (SPECIAL[2], GREEN, Shape::Diamond),
-        Special::NeimarkSacker { .. } => (SPECIAL[3], VERMILLION, Shape::Down),
-        Special::Sequence(_) => (SPECIAL[4], ORANGE, Shape::Square),
+        CycleBifurcation::Fold => (SPECIAL[0], BLACK, Shape::Circle),
+        CycleBifurcation::BranchPoint => (SPECIAL[1], PURPLE, Shape::Up),
+        CycleBifurcation::Flip => (SPECIAL[2], GREEN, Shape::Diamond),
+        CycleBifurcation::NeimarkSacker { .. } => (SPECIAL[3], VERMILLION, Shape::Down),
+        CycleBifurcation::Sequence(_) => (SPECIAL[4], ORANGE, Shape::Square),
     }
 }
 
@@ -211,7 +221,7 @@ fn ends(range: &ParameterRange, branches: &[&WholeBranch]) -> (f64, f64) {
 fn place(branch: &WholeBranch, at: &SpecialPoint, value: Value, is_size: bool) -> (f64, f64) {
     let stability = |k: usize| branch.points.get(k).map(|point| point.orbit.stability());
     let changes = at.behind.checked_sub(1).and_then(stability) != stability(at.behind);
-    if is_size && changes && !matches!(at.what, Special::Sequence(_)) {
+    if is_size && changes && !matches!(at.what, CycleBifurcation::Sequence(_)) {
         return (at.parameter, 1.0);
     }
     let orbit = |k: usize| {
@@ -226,7 +236,7 @@ fn place(branch: &WholeBranch, at: &SpecialPoint, value: Value, is_size: bool) -
             let [from, to] = [a.0, b.0].map(|parameter| (parameter - at.parameter).abs());
             // A fold lies beyond both neighbours: there the parameter is quadratic along the
             // branch.
-            let is_fold = matches!(at.what, Special::Fold);
+            let is_fold = matches!(at.what, CycleBifurcation::Fold);
             let [from, to] = [from, to].map(|way| if is_fold { way.sqrt() } else { way });
             let part = if from + to > 0.0 {
                 from / (from + to)

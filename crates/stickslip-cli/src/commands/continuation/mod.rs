@@ -2,30 +2,29 @@
 
 mod branch;
 mod curves;
+mod ends;
 mod equilibria;
 mod figure;
+mod report;
 mod saving;
+mod special;
+mod tables;
 
 use std::num::NonZeroUsize;
 
 use serde::Serialize;
-use serde_json::{Value, json};
-use stickslip::analysis::{ContinuationSettings, Special, SpecialPoint, Stop};
+use stickslip::analysis::ContinuationSettings;
 use stickslip_kernels::file::System;
-use stickslip_kernels::kernel::Change;
-use stickslip_kernels::study::{BranchEnd, BranchOrbit, WholeBranch};
 
 use super::arguments::{Ready, RunArguments, SolverArguments, StartArguments, count};
-use super::attractors::family_words;
-use super::changes;
 use super::range::ParameterRange;
 use super::search::SearchArguments;
 use super::sweeping::{folder, plan};
-use crate::failure::{Failure, in_words};
-use crate::render::{Answer, Report, Table, explained, place, rounded, within};
+use crate::failure::Failure;
+use crate::render::{Answer, Report};
 use crate::sweep::{Share, Writer};
 use crate::terminal::patiently;
-use branch::{Begin, Other};
+use branch::Begin;
 
 /// Continue a periodic orbit or an equilibrium along a parameter, stable or not, through folds and
 /// changes of its phases
@@ -86,8 +85,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     if arguments.equilibrium {
         return arguments.run.answered(|ready| equilibria(arguments, ready));
     }
-    let found = found(arguments, &ready).map_err(|failure| failure.of(&ready.system));
-    let (report, writer) = found?;
+    let outcome = continued(arguments, &ready).map_err(|failure| failure.of(&ready.system));
+    let (report, writer) = outcome?;
     Ok(report.written(&writer.store.staging()?, &arguments.run.output)?)
 }
 
@@ -129,7 +128,8 @@ struct Wanted<'a> {
 /// Number of directions along the branch. Each is saved in a block.
 const WAYS: NonZeroUsize = NonZeroUsize::MIN.saturating_add(1);
 
-fn found(arguments: &Arguments, ready: &Ready) -> Result<(Report, Writer), Failure> {
+/// Follows the branch and what begins on it, and reports them.
+fn continued(arguments: &Arguments, ready: &Ready) -> Result<(Report, Writer), Failure> {
     let Ready {
         system, options, ..
     } = ready;
@@ -163,88 +163,7 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<(Report, Writer), Failu
         })
     });
     let others = others.transpose()?;
-    let (name, points) = (&range.name, &branch.points);
-    let orbits = points.len();
-    let what = format!(
-        "{orbits} periodic orbits over {name} from {} to {}",
-        range.low, range.high
-    );
-    let mut report = Report::of(system, what);
-    report
-        .field("parameter", &range)
-        .field("points", orbits)
-        .field("family_dimension", orbit.family);
-    if let Some(BranchOrbit { orbit, .. }) = points.get(branch.first) {
-        let [at, period] = [orbit.parameter, orbit.period].map(rounded);
-        let phases = explained(system, &orbit.sequence);
-        let phases = phases.map_or(String::new(), |phases| format!(", phases {phases}"));
-        let stability = orbit.stability();
-        report.note(format!(
-            "begun at {name} = {at}: period {period}, {stability}{phases}"
-        ));
-    }
-    if orbit.family > 0 {
-        let family = family_words(orbit.family);
-        report.note(format!(
-            "it is {family}; at each value the one nearest to that before is followed"
-        ));
-    }
-    for at in &branch.special {
-        let (at, what) = (place(at.parameter, at.uncertainty), words(at, system));
-        report.note(format!("at {name} = {at}: {what}"));
-    }
-    let special: Vec<Value> = branch.special.iter().map(|at| json(at, system)).collect();
-    report.field("special", special);
-
-    let ends = branch
-        .stops
-        .each_ref()
-        .map(|stop| End::of(stop, system, name));
-    let last = [points.first(), points.last()];
-    let mut objects = Vec::new();
-    for ((last, end), way) in last.into_iter().zip(&ends).zip(["downwards", "upwards"]) {
-        if let Some(BranchOrbit { orbit, .. }) = last {
-            let (stability, at, words) = (orbit.stability(), rounded(orbit.parameter), &end.words);
-            report.note(format!(
-                "begun {way}, {stability} at its last orbit ({name} = {at}), it ends {words}"
-            ));
-        }
-        let mut object = json!({
-            "parameter": last.map(|last| last.orbit.parameter),
-            "stop": end.stop,
-            "error": null,
-            "hopf": null,
-            "boundary_equilibrium": null,
-            "two_fold": null,
-            "homoclinic": null,
-        });
-        if let Some((key, value)) = &end.detail {
-            object[key] = value.clone();
-        }
-        objects.push(object);
-    }
-    report.field("ends", objects);
-
-    if let Some(others) = &others {
-        let objects = others.iter().enumerate().map(|(k, other)| {
-            let (note, object) = told(k + 1, other, &branch, system, name);
-            report.note(note);
-            object
-        });
-        let objects: Vec<Value> = objects.collect();
-        report.field("branches", objects);
-    }
-
-    let is_numbered = others.is_some();
-    let others = others.iter().flatten().map(|other| &other.branch);
-    let branches: Vec<&WholeBranch> = std::iter::once(&branch).chain(others).collect();
-    let numbered = || branches.iter().copied().enumerate();
-    let points = numbered().flat_map(|(k, one)| one.points.iter().map(move |at| (k, at)));
-    let points: Vec<(usize, &BranchOrbit)> = points.collect();
-    report.table(columns(system, name, (is_numbered, &points)).csv("branch", &points)?);
-    let rows = numbered().flat_map(|(k, one)| rows(k, one, system, name));
-    report.table(special_columns(system, name, is_numbered).csv("special", rows)?);
-    report.figure("continue", &figure::diagram(system, &range, &branches))?;
+    let mut report = report::of(system, &range, (&branch, orbit.family), others.as_deref())?;
     if let Some(also) = also {
         let curves = patiently("following the special orbits in two parameters", |_| {
             let how = (&settings, options);
@@ -253,336 +172,4 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<(Report, Writer), Failu
         curves::report(&mut report, system, &range, &also, &curves)?;
     }
     Ok((report, writer))
-}
-
-/// A branch that begins at another branch, in words and as a JSON object.
-fn told(
-    number: usize,
-    Other { from, branch }: &Other,
-    main: &WholeBranch,
-    system: &System,
-    name: &str,
-) -> (String, Value) {
-    let at = main.special.get(*from);
-    let begin = at.map_or_else(String::new, |at| {
-        let place = place(at.parameter, at.uncertainty);
-        format!(" from the {} at {name} = {place}", what(at))
-    });
-    let [_, stop] = &branch.stops;
-    let end = End::of(stop, system, name);
-    let last = branch.points.last();
-    let of_last = last.map_or_else(String::new, |BranchOrbit { orbit, .. }| {
-        let [at, period] = [orbit.parameter, orbit.period].map(rounded);
-        let stability = orbit.stability();
-        format!(", {stability} at its last orbit ({name} = {at}, period {period})")
-    });
-    let orbits = branch.points.len();
-    let words = &end.words;
-    let special: Vec<Value> = branch.special.iter().map(|at| json(at, system)).collect();
-    let mut object = json!({
-        "branch": number,
-        "from": from,
-        "points": orbits,
-        "parameter": last.map(|last| last.orbit.parameter),
-        "special": special,
-        "stop": end.stop,
-    });
-    if let Some((key, value)) = end.detail {
-        object[key] = value;
-    }
-    let note = format!("branch {number}{begin}: {orbits} orbits{of_last}; it ends {words}");
-    (note, object)
-}
-
-/// Rows of the special orbits of branch `number`. Ends that are bifurcations come before and after
-/// them.
-fn rows(number: usize, branch: &WholeBranch, system: &System, name: &str) -> Vec<Row> {
-    let [first, last] = branch
-        .stops
-        .each_ref()
-        .map(|stop| End::of(stop, system, name));
-    let special = branch.special.iter().map(|at| Row::of(at, system));
-    let rows = first.row(0).into_iter().chain(special);
-    let rows = rows.chain(last.row(branch.points.len()));
-    rows.map(|row| Row {
-        branch: number,
-        ..row
-    })
-    .collect()
-}
-
-/// The change of the phases at a special orbit, if it is one.
-fn change(at: &SpecialPoint) -> Option<Change> {
-    match &at.what {
-        Special::Sequence(change) => Some(Change::from(&**change)),
-        _ => None,
-    }
-}
-
-/// Name of a special orbit.
-fn what(at: &SpecialPoint) -> String {
-    change(at).map_or_else(|| at.what.to_string(), |change| change.name())
-}
-
-/// A special orbit in words.
-fn words(at: &SpecialPoint, system: &System) -> String {
-    if let Some(angle) = angle(at) {
-        return format!("{}, angle {}", what(at), rounded(angle));
-    }
-    let Some(change) = change(at) else {
-        return what(at);
-    };
-    let name = changes::words(system, &change);
-    match changes::phases(system, &change) {
-        Some([before, after]) if !before.is_empty() && !after.is_empty() => {
-            format!("{name}, between phases {before} and {after}")
-        }
-        _ => name,
-    }
-}
-
-fn angle(at: &SpecialPoint) -> Option<f64> {
-    match at.what {
-        Special::NeimarkSacker { angle } => Some(angle),
-        _ => None,
-    }
-}
-
-fn json(at: &SpecialPoint, system: &System) -> Value {
-    let change = change(at).map(|change| changes::json(system, &change));
-    json!({
-        "parameter": at.parameter,
-        "uncertainty": at.uncertainty,
-        "what": what(at),
-        "behind": at.behind,
-        "period": at.period,
-        "x": at.x.as_slice(),
-        "angle": angle(at),
-        "change": change,
-    })
-}
-
-/// The end of a branch.
-struct End {
-    /// Name for programs.
-    stop: &'static str,
-    /// Words that follow "it ends".
-    words: String,
-    /// A value for programs, with its name.
-    detail: Option<(&'static str, Value)>,
-    /// The row of `special.csv`, if the end is a bifurcation. It has no phases, and a homoclinic
-    /// orbit has no period.
-    row: Option<Row>,
-}
-
-impl End {
-    fn of(stop: &Stop, system: &System, name: &str) -> Self {
-        let BranchEnd { word, bifurcation } = stop.into();
-        let (words, detail) = match *stop {
-            Stop::Range => ("at an end of the range".to_owned(), None),
-            Stop::Points => (
-                "after as many orbits as were asked for (--points)".to_owned(),
-                None,
-            ),
-            Stop::Closed => ("where it began: the branch is closed".to_owned(), None),
-            Stop::Equilibrium {
-                parameter,
-                frequency,
-            } => (
-                format!(
-                    "in an equilibrium: Hopf bifurcation at {name} = {}, frequency {}",
-                    rounded(parameter),
-                    rounded(frequency)
-                ),
-                Some((
-                    "hopf",
-                    json!({ "parameter": parameter, "frequency": frequency }),
-                )),
-            ),
-            Stop::BoundaryEquilibrium { parameter } => (
-                format!(
-                    "in an equilibrium on the boundary or at a jump: boundary-equilibrium \
-                     bifurcation at {name} = {}",
-                    rounded(parameter)
-                ),
-                Some(("boundary_equilibrium", json!(parameter))),
-            ),
-            Stop::TwoFold {
-                parameter,
-                uncertainty,
-            } => (
-                format!(
-                    "in a two-fold, to which it shrinks: at {name} = {}",
-                    within(parameter, uncertainty)
-                ),
-                Some((
-                    "two_fold",
-                    json!({ "parameter": parameter, "uncertainty": uncertainty }),
-                )),
-            ),
-            Stop::Homoclinic {
-                parameter,
-                uncertainty,
-                saddles,
-                leaves,
-                comes,
-            } => {
-                let orbit = match saddles.get() {
-                    1 => "a homoclinic orbit of a saddle".to_owned(),
-                    number => format!("a heteroclinic cycle of {number} saddles"),
-                };
-                (
-                    format!(
-                        "in {orbit}: at {name} = {}, rates {} and {}",
-                        within(parameter, uncertainty),
-                        rounded(comes),
-                        rounded(leaves)
-                    ),
-                    Some((
-                        "homoclinic",
-                        json!({
-                            "parameter": parameter,
-                            "uncertainty": uncertainty,
-                            "saddles": saddles,
-                            "leaves": leaves,
-                            "comes": comes,
-                        }),
-                    )),
-                )
-            }
-            Stop::Rest => (
-                "where it comes to rest: it moves a thousandth of what it did".to_owned(),
-                None,
-            ),
-            Stop::Refused(ref error) => {
-                let words = in_words(error, system);
-                (format!("where {words}"), Some(("error", json!(words))))
-            }
-            Stop::SequenceEnds => (
-                "where its phases change: no orbit with other phases was found next to it"
-                    .to_owned(),
-                None,
-            ),
-            Stop::NoConvergence => (
-                "where no further orbit was found; a shorter --step or a smaller --tol may lead on"
-                    .to_owned(),
-                None,
-            ),
-        };
-        End {
-            stop: word,
-            words,
-            detail,
-            row: bifurcation.map(|end| Row {
-                parameter: end.parameter,
-                what: end.name.to_owned(),
-                uncertainty: end.uncertainty,
-                period: end.period,
-                ..Row::default()
-            }),
-        }
-    }
-
-    /// Row of the end, after the number of orbits in `behind`.
-    fn row(&self, behind: usize) -> Option<Row> {
-        let row = self.row.clone()?;
-        Some(Row { behind, ..row })
-    }
-}
-
-/// A row of `special.csv`.
-#[derive(Clone, Default)]
-struct Row {
-    branch: usize,
-    behind: usize,
-    parameter: f64,
-    what: String,
-    contacts: String,
-    angle: Option<f64>,
-    uncertainty: Option<f64>,
-    phases: Option<[String; 2]>,
-    period: Option<f64>,
-    x: Vec<f64>,
-}
-
-impl Row {
-    fn of(at: &SpecialPoint, system: &System) -> Self {
-        let change = change(at);
-        let contacts = change
-            .as_ref()
-            .map(|change| changes::contacts(system, change));
-        Row {
-            branch: 0,
-            behind: at.behind,
-            parameter: at.parameter,
-            what: what(at),
-            contacts: contacts.unwrap_or_default(),
-            angle: angle(at),
-            uncertainty: Some(at.uncertainty),
-            phases: change
-                .as_ref()
-                .and_then(|change| changes::phases(system, change)),
-            period: Some(at.period),
-            x: at.x.as_slice().to_vec(),
-        }
-    }
-}
-
-/// The columns of `special.csv`: special orbits and ends that are bifurcations. Each has the number
-/// of rows of its branch that come before it in `branch.csv`.
-fn special_columns<'a>(system: &System, parameter: &str, is_numbered: bool) -> Table<'a, Row> {
-    let phases = |k: usize| move |row: &Row| row.phases.as_ref().map(|phases| phases[k].clone());
-    numbered(is_numbered, |row: &Row| row.branch)
-        .column("behind", |row| row.behind)
-        .column(parameter, |row| row.parameter)
-        .column("what", |row| row.what.clone())
-        .column("contacts", |row| row.contacts.clone())
-        .column("angle", |row| row.angle)
-        .column("uncertainty", |row| row.uncertainty)
-        .column("before", phases(0))
-        .column("after", phases(1))
-        .column("period", |row| row.period)
-        .state(system, "", |row| row.x.clone())
-}
-
-/// A table with a column for the number of the branch, if `is_numbered`.
-fn numbered<'a, R>(is_numbered: bool, number: impl Fn(&R) -> usize + 'a) -> Table<'a, R> {
-    match is_numbered {
-        true => Table::new().column("branch", number),
-        false => Table::new(),
-    }
-}
-
-/// The columns of `branch.csv`: one row per orbit, from the lower to the upper end of the branch.
-fn columns<'a>(
-    system: &'a System,
-    parameter: &str,
-    (is_numbered, points): (bool, &[(usize, &BranchOrbit)]),
-) -> Table<'a, &'a (usize, &'a BranchOrbit)> {
-    let states = system.file.states.iter().map(|state| &state.name);
-    let ends = states.flat_map(|name| ["low", "high"].map(|end| format!("{name}_{end}")));
-    let of_points = points.iter().map(|(_, at)| at.orbit.multipliers.len());
-    let multipliers = of_points.max();
-    let numbers = 1..=multipliers.unwrap_or(0);
-    let parts = numbers.flat_map(|k| ["re", "im"].map(|part| format!("multiplier{k}_{part}")));
-    numbered(is_numbered, |(number, _): &&(usize, &BranchOrbit)| *number)
-        .column(parameter, |(_, at)| at.orbit.parameter)
-        .column("period", |(_, at)| at.orbit.period)
-        .column("stability", |(_, at)| at.orbit.stability().to_string())
-        .column("phases", |(_, at)| system.sequence(&at.orbit.sequence))
-        .column("t", |(_, at)| at.orbit.t)
-        .state(system, "", |(_, at)| at.orbit.x.clone())
-        .many("extremes", ends.collect(), |(_, at)| -> Vec<f64> {
-            at.extremes
-                .iter()
-                .flat_map(|&(low, high)| [low, high])
-                .collect()
-        })
-        .many("multipliers", parts.collect(), |(_, at)| -> Vec<f64> {
-            at.orbit
-                .multipliers
-                .iter()
-                .flat_map(|one| [one.re, one.im])
-                .collect()
-        })
 }

@@ -1,4 +1,4 @@
-//! Saves a branch while it is followed, and what begins at its special orbits, so that the
+//! Saves a branch while it is followed, and the curves and branches that begin on it, so that the
 //! computation resumes after a kill.
 
 use std::ops::ControlFlow;
@@ -11,7 +11,7 @@ use super::super::sweeping::{from_content, to_content};
 use crate::failure::Failure;
 use crate::sweep::{SweepError, Writer};
 
-/// Reads what was saved in a block. `None` if there is no complete block.
+/// Reads a saved block. `None` if there is no complete one.
 pub(super) fn saved<T: DeserializeOwned>(
     writer: &Writer,
     block: usize,
@@ -23,23 +23,23 @@ pub(super) fn saved<T: DeserializeOwned>(
     }
 }
 
-/// A result by a block in which it is saved once it is complete. In addition to the plan of the
-/// sweep it depends on `by`: a result of something else is replaced.
-pub(super) fn kept<T: Serialize + DeserializeOwned>(
+/// A result, read from its block or computed and saved there. Besides the plan of the sweep it
+/// depends on `by`: a saved result of another `by` is replaced.
+pub(super) fn saved_or_computed<T: Serialize + DeserializeOwned>(
     writer: &Writer,
     (block, by): (usize, &str),
     compute: impl FnOnce() -> Result<T, Failure>,
 ) -> Result<T, Failure> {
-    let kept = saved::<(String, T)>(writer, block)?;
-    if let Some((_, found)) = kept.filter(|(of, _)| of == by) {
-        return Ok(found);
+    let saved = saved::<(String, T)>(writer, block)?;
+    if let Some((_, result)) = saved.filter(|(of, _)| of == by) {
+        return Ok(result);
     }
-    let found = compute()?;
-    // A branch that the solver refuses to follow ends in an error, which has no form in a file.
-    if let Ok(content) = to_content(&(by, &found)) {
+    let result = compute()?;
+    // The end of a branch that the solver refuses to follow cannot be written to a file.
+    if let Ok(content) = to_content(&(by, &result)) {
         writer.put(block, &content)?;
     }
-    Ok(found)
+    Ok(result)
 }
 
 /// Saves one direction along a branch in a block.
@@ -87,7 +87,8 @@ impl<'a> Saving<'a> {
     }
 
     fn save(&mut self, branch: &PartialBranch) -> Result<(), SweepError> {
-        /// Time between two saves, in units of the duration of a save.
+        /// Time between two saves, in units of the duration of a save: saving takes a twentieth of
+        /// the time at most.
         const TIMES: u32 = 20;
         let block = self.block;
         let begun = Instant::now();

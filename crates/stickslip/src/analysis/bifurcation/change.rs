@@ -5,21 +5,22 @@ use std::ops::ControlFlow;
 use super::{SweepPoint, WhatChanges};
 use crate::analysis::attractors::{Attractor, AttractorKind};
 use crate::analysis::continuation::{
-    ContinuationSettings, EquilibriumBifurcation, Special, Stop, Walk, continue_equilibrium,
+    Continuation, ContinuationSettings, CycleBifurcation, EquilibriumBifurcation, Stop,
+    continue_equilibrium,
 };
-use crate::analysis::cycle::Extra;
 use crate::dynamics::{Dynamics, DynamicsRef, Vector};
 use crate::filippov::Options;
 
-/// A change counts as hit by a value of the sweep within this fraction of the interval behind it;
-/// farther on it belongs to another pair.
-const NEXT_TO: f64 = 1e-6;
+/// A change counts as hit by a value of the sweep up to this distance behind it, as a fraction of
+/// the interval. Chosen: far above rounding. Two changes that are nearer count as one.
+pub(super) const NEXT_TO: f64 = 1e-6;
 
-/// Longest step between the values, as a fraction of the interval and of the orbit's size.
-const STEP: f64 = 0.1;
+/// Longest step between the values, as a fraction of the interval and of the orbit's size. Chosen:
+/// steps are shortened where that is too long.
+const LONGEST_STEP: f64 = 0.1;
 
-/// The change of an attractor between two values: where it ends and, if that is a different place,
-/// where the other one begins.
+/// The changes between two values: where the first attractor ends and, if that is elsewhere, where
+/// the second one begins.
 pub(super) fn locate(
     system: &dyn Dynamics,
     ends: [&SweepPoint; 2],
@@ -28,19 +29,23 @@ pub(super) fn locate(
 ) -> Vec<WhatChanges> {
     let [one, other] = ends;
     let first = Located::from(system, [one, other], forcing, options);
-    let second = Located::from(system, [other, one], forcing, options).turned_round();
+    let second = Located::from(system, [other, one], forcing, options).reversed();
     let width = other.parameter - one.parameter;
     let phases = ends.map(|end| &end.reached);
     let places = [first.place(), second.place()];
-    let joins = [&first, &second].map(|one| one.joins(phases));
-    let found = match (joins, places) {
+    let connects = [&first, &second].map(|one| one.connects(phases));
+    let found = match (connects, places) {
         ([false, true], _) => [second.named, None],
         ([false, false], [Some(a), Some(b)]) if (a - b).abs() > NEXT_TO * width.abs() => {
             [first, second].map(|one| one.named.or(one.smooth))
         }
         _ => {
             let named = first.named.or(second.named);
-            [named.or(primary([first.smooth, second.smooth])), None]
+            let smooth = match (first.smooth, second.smooth) {
+                (Some(one), Some(other)) => Some(primary([one, other])),
+                (one, other) => one.or(other),
+            };
+            [named.or(smooth), None]
         }
     };
     match found {
@@ -49,15 +54,18 @@ pub(super) fn locate(
     }
 }
 
-/// Of two names of one place, that by the orbit of the shorter period. An orbit of a multiple of
-/// its period is born there; its own multiplier 1 does not tell a flip from a fold.
-fn primary(changes: [Option<WhatChanges>; 2]) -> Option<WhatChanges> {
+/// Of two names of one place, that by the orbit of the shorter period. The other orbit begins
+/// there, and its multiplier 1 does not distinguish a flip from a fold.
+pub(super) fn primary([one, other]: [WhatChanges; 2]) -> WhatChanges {
     let period = |change: &WhatChanges| match change {
         WhatChanges::Multiplier { period, .. } => *period,
         _ => f64::INFINITY,
     };
-    let changes = changes.into_iter().flatten();
-    changes.min_by(|one, other| period(one).total_cmp(&period(other)))
+    if period(&other) < period(&one) {
+        other
+    } else {
+        one
+    }
 }
 
 /// Where the equilibrium at a value loses its stability, or reaches the edge of its mode's domain.
@@ -101,20 +109,22 @@ fn orbit(
     settings: &ContinuationSettings,
     options: &Options,
 ) -> Option<Located> {
-    // Stick forgets the error of a start in slip. With a forcing, the orbit begins at the strobe.
+    // From a start in slip, the next stick removes its error. With a forcing, the orbit begins at
+    // the strobe.
     let mut phases = from.reached.phases.iter();
     let slip = phases.find(|phase| settings.forced.is_none() && !phase.mode.any_sticks());
     let points = || from.reached.points.first().map(|at| &at.x);
     let x = slip.map(|phase| &phase.x_start).or_else(points)?;
     let start = (extended(x, from.parameter), period, upwards);
-    let mut walk = Walk::begin(system, start, settings, (Extra::None, options)).ok()?;
-    let ends = |what: &Special| matches!(what, Special::Sequence(_) | Special::Fold);
-    walk.wanted = Some((ends, 0));
-    let stop = walk.go_on(&mut |_| ControlFlow::Continue(()));
-    // Next to a boundary equilibrium a graze would be reported: the whole orbit comes to the
-    // boundary.
+    let mut continuation = Continuation::begin(system, start, settings, (None, options)).ok()?;
+    let ends = |what: &CycleBifurcation| {
+        matches!(what, CycleBifurcation::Sequence(_) | CycleBifurcation::Fold)
+    };
+    continuation.wanted = Some((ends, 0));
+    let stop = continuation.go_on(&mut |_| ControlFlow::Continue(()));
+    // Next to a boundary equilibrium the whole orbit comes to the boundary, and would graze it.
     if stop != Stop::Range
-        && let Some((parameter, x)) = walk.ends_at()
+        && let Some((parameter, x)) = continuation.ends_at()
     {
         let x = states(x);
         return Some(Located {
@@ -123,9 +133,9 @@ fn orbit(
         });
     }
     let mut located = Located::default();
-    for at in walk.into_branch(stop).special {
+    for at in continuation.into_branch(stop).special {
         match at.what {
-            Special::Sequence(mut change) => {
+            CycleBifurcation::Sequence(mut change) => {
                 change.x = states(change.x);
                 located.named = Some(WhatChanges::Sequence(*change));
             }
@@ -165,7 +175,7 @@ struct Located {
 }
 
 impl Located {
-    /// On the way from one value to another.
+    /// From one value towards another.
     fn from(
         system: &dyn Dynamics,
         [from, to]: [&SweepPoint; 2],
@@ -174,7 +184,7 @@ impl Located {
     ) -> Self {
         let (here, there) = (from.parameter, to.parameter);
         let settings = ContinuationSettings {
-            step: STEP,
+            step: LONGEST_STEP,
             ..ContinuationSettings::over(here, there + NEXT_TO * (there - here))
         };
         let upwards = there > here;
@@ -191,8 +201,8 @@ impl Located {
         found.unwrap_or_default()
     }
 
-    /// The same, of which what was before is behind.
-    fn turned_round(mut self) -> Self {
+    /// The same in the opposite direction.
+    fn reversed(mut self) -> Self {
         if let Some(WhatChanges::Sequence(change)) = &mut self.named {
             std::mem::swap(&mut change.before, &mut change.after);
         }
@@ -205,16 +215,16 @@ impl Located {
             WhatChanges::Sequence(change) => Some(change.parameter),
             WhatChanges::Multiplier {
                 parameter,
-                what: Special::Fold,
+                what: CycleBifurcation::Fold,
                 ..
             } => Some(*parameter),
             _ => None,
         }
     }
 
-    /// Whether it is a change of one attractor's phases into the other's, or a change without such
-    /// sides.
-    fn joins(&self, ends: [&Attractor; 2]) -> bool {
+    /// Whether it is a change from the phases of one attractor to those of the other, or not a
+    /// change of phases.
+    fn connects(&self, ends: [&Attractor; 2]) -> bool {
         match &self.named {
             Some(WhatChanges::Sequence(change)) => {
                 let sides = [&change.before, &change.after];

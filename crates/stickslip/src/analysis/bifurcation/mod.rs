@@ -4,7 +4,7 @@
 mod change;
 
 use super::attractors::{Attractor, AttractorKind, RecurrenceSettings, attractor_of};
-use super::continuation::Special;
+use super::continuation::CycleBifurcation;
 use super::cycle::SequenceChange;
 use super::lyapunov::{Exponent, SpectrumOptions, spectrum_of};
 use crate::dynamics::{AsDynamics, Components, DynamicsRef, Moment, Vector};
@@ -94,8 +94,8 @@ pub enum WhatChanges {
         parameter: f64,
         /// Uncertainty of the parameter.
         uncertainty: f64,
-        /// Which bifurcation; never [`Special::Sequence`].
-        what: Special,
+        /// Which bifurcation; never [`CycleBifurcation::Sequence`].
+        what: CycleBifurcation,
         /// A state on the orbit.
         x: Vector,
         /// Its period.
@@ -104,6 +104,26 @@ pub enum WhatChanges {
     /// The change could not be located. The orbits on both sides continue through the interval, are
     /// not periodic, or do not converge.
     Unlocated,
+}
+
+impl WhatChanges {
+    /// The parameter; `None` where it could not be located.
+    pub fn parameter(&self) -> Option<f64> {
+        match self {
+            WhatChanges::Sequence(change) => Some(change.parameter),
+            WhatChanges::Equilibrium { parameter, .. }
+            | WhatChanges::BoundaryEquilibrium { parameter, .. }
+            | WhatChanges::Multiplier { parameter, .. } => Some(*parameter),
+            WhatChanges::Unlocated => None,
+        }
+    }
+
+    /// Whether another one is of the same kind and within a distance of it.
+    fn is_next_to(&self, other: &WhatChanges, distance: f64) -> bool {
+        let kinds = [self, other].map(std::mem::discriminant);
+        let parameters = self.parameter().zip(other.parameter());
+        kinds[0] == kinds[1] && parameters.is_some_and(|(a, b)| (a - b).abs() <= distance)
+    }
 }
 
 /// Follows an attractor through `parameters`, in the given order. Each run starts from the state
@@ -226,7 +246,7 @@ pub fn locate_changes<Kind>(
     options: &Options,
 ) -> Result<Vec<AttractorChange>, Error> {
     let system = &*system.dynamics();
-    let mut changes = Vec::new();
+    let mut changes: Vec<AttractorChange> = Vec::new();
     for ends in points.windows(2) {
         let [one, other] = ends else { continue };
         if one.reached.x.len() + 1 != system.states() {
@@ -238,8 +258,18 @@ pub fn locate_changes<Kind>(
         }
         if is_change(&one.reached, &other.reached) {
             let between = (one.parameter, other.parameter);
-            let found = change::locate(system, [one, other], forcing, options).into_iter();
-            changes.extend(found.map(|what| AttractorChange { between, what }));
+            let found = change::locate(system, [one, other], forcing, options);
+            let distance = change::NEXT_TO * (other.parameter - one.parameter).abs();
+            for what in found {
+                // A change at the value that two pairs share belongs to the first pair.
+                let is_same = |before: &&mut AttractorChange| {
+                    before.between.1 == between.0 && before.what.is_next_to(&what, distance)
+                };
+                match changes.iter_mut().find(is_same) {
+                    Some(before) => before.what = change::primary([before.what.clone(), what]),
+                    None => changes.push(AttractorChange { between, what }),
+                }
+            }
         }
     }
     Ok(changes)

@@ -2,11 +2,13 @@
 
 use std::ops::ControlFlow;
 
-use super::line::{Line, Units};
-use super::walk::{Junction, SHORTEST, Vanishing, Walk};
-use super::{ContinuationSettings, Special, SpecialPoint, check_start, critical, parameter_of};
+use super::steps::{Continuation, Junction, SHORTEST_STEP};
+use super::tangent_line::{TangentLine, Units};
+use super::{
+    ContinuationSettings, CycleBifurcation, SpecialPoint, check_start, critical, parameter_of,
+};
 use crate::analysis::critical::Critical;
-use crate::analysis::cycle::{Cycle, Extra, Margin, Outline, Path, Shooting};
+use crate::analysis::cycle::{Cycle, Margin, MarginKind, Outline, Path, Shooting};
 use crate::dynamics::{AsDynamics, Components, Vector};
 use crate::error::Error;
 use crate::filippov::Options;
@@ -58,10 +60,10 @@ pub struct Curve {
 ///
 /// **The parameters are the last two states.** The last is the branch parameter, as in
 /// [`super::continue_periodic_orbit`]; the other is fixed on the branch and has the range `other`.
-/// At a change of the phases, the vanishing margin is added to the equations, with its gradient
-/// from dual numbers (Thota & Dankowicz 2008). A function of the multipliers vanishes at one orbit
-/// of the branch in the plane across the curve; it is located as on any branch. So curves pass
-/// their own folds, and curves of folds pass cusps.
+/// In the plane across the curve, orbits form a branch. The function that vanishes at the special
+/// orbit has a zero on it, located as on any branch: a function of the multipliers or, at a change
+/// of the phases, any of the margins. So curves pass their own folds, and curves of folds pass
+/// cusps. Where two contacts switch at once, the phase between them keeps the duration zero.
 ///
 /// # Errors
 /// Those of [`super::continue_periodic_orbit`]; [`Error::NotFound`] where the branch has no such
@@ -81,33 +83,34 @@ pub fn continue_change<Kind>(
     let place = x.len() - 2;
     let value = x[place];
     let by_other = Vector::from_fn(place + 1, |i, _| f64::from(u8::from(i == place)));
-    let fixed = Extra::Plane(&by_other, value);
     let start = (x, period, upwards);
-    let mut walk = Walk::begin(system, start, settings, (fixed, options))?;
-    walk.wanted = Some((|_| true, number));
-    walk.go_on(&mut |_| ControlFlow::Continue(()));
+    let fixed = Some((&by_other, value));
+    let mut continuation = Continuation::begin(system, start, settings, (fixed, options))?;
+    continuation.wanted = Some((|_| true, number));
+    continuation.go_on(&mut |_| ControlFlow::Continue(()));
     let not_found = |what| Error::NotFound {
         what,
         t: 0.0,
         span: period,
     };
-    let junction = walk.junction.take();
-    let Junction { at, cycle, by } = junction.ok_or(not_found("a special orbit on the branch"))?;
-    let condition = Condition::of(&at.what, by);
+    let junction = continuation.junction.take();
+    let junction = junction.ok_or(not_found("a special orbit on the branch"))?;
+    let condition = Condition::of(&junction);
     let condition = condition.ok_or(not_found("a curve through the branch point"))?;
-    let way = CurveWalk {
-        shooting: walk.shooting,
+    let Junction { at, cycle, .. } = junction;
+    let curve = CurveContinuation {
+        shooting: continuation.shooting,
         units: Units {
             other: Some(other.1 - other.0),
-            ..walk.branch.units
+            ..continuation.branch.units
         },
         settings,
         place,
         other,
     };
-    let first = way.solve(&condition, &cycle.outline, (&by_other, value));
+    let first = curve.solve(&condition, &cycle.outline, (&by_other, value));
     let (first, condition) = first.ok_or(not_found("an orbit to begin the curve with"))?;
-    let follow = |sign: f64| way.follow(&first, condition.clone(), sign);
+    let follow = |sign: f64| curve.follow(&first, condition.clone(), sign);
     let ((mut points, before), (behind, after)) = (follow(-1.0), follow(1.0));
     points.reverse();
     let begun = points.len();
@@ -131,33 +134,71 @@ fn point(cycle: &Cycle) -> CurvePoint {
     }
 }
 
-/// The function that vanishes on a curve.
+/// A function that vanishes on a curve.
+#[derive(Clone)]
+enum TestFunction {
+    /// A margin, whose position moves along the orbit.
+    Margin(Box<Margin>),
+    /// A function of the multipliers.
+    Multipliers(fn(&Critical) -> Option<f64>),
+}
+
+impl TestFunction {
+    fn value(&self, cycle: &Cycle, shooting: &Shooting<'_>) -> Option<f64> {
+        match self {
+            TestFunction::Margin(margin) => Some(cycle.margin_like(margin)?.value),
+            TestFunction::Multipliers(function) => function(&critical(cycle, shooting)),
+        }
+    }
+
+    /// The same function near another orbit of the curve.
+    fn near(self, cycle: &Cycle) -> Self {
+        match self {
+            TestFunction::Margin(margin) => {
+                let near = cycle.margin_like(&margin).cloned();
+                TestFunction::Margin(near.map_or(margin, Box::new))
+            }
+            of_multipliers => of_multipliers,
+        }
+    }
+}
+
+/// What the orbits of a curve have in common.
 #[derive(Clone)]
 enum Condition {
-    /// A margin, whose position moves along the orbit.
-    Margin(Margin),
-    /// A function of the multipliers, and the line across the curve on which it was located.
-    Multiplier(fn(&Critical) -> Option<f64>, Line),
+    /// A segment has no duration: two contacts switch at once.
+    NoDuration(usize),
+    /// A function vanishes. It was located on this line across the curve.
+    Zero(TestFunction, TangentLine),
 }
 
 impl Condition {
-    fn of(what: &Special, by: Vanishing) -> Option<Self> {
-        let line = match by {
-            Vanishing::Margin(margin) => return Some(Condition::Margin(margin)),
-            Vanishing::Multiplier(line) => line,
+    fn of(junction: &Junction) -> Option<Self> {
+        let multipliers: fn(&Critical) -> Option<f64> = match (&junction.at.what, &junction.margin)
+        {
+            (CycleBifurcation::Sequence(_), Some(margin))
+                if margin.kind == MarginKind::Duration =>
+            {
+                // Of one contact, a segment without duration determines nothing.
+                margin.other?;
+                return Some(Condition::NoDuration(margin.part));
+            }
+            (CycleBifurcation::Sequence(_), Some(margin)) => {
+                let function = TestFunction::Margin(Box::new(margin.clone()));
+                return Some(Condition::Zero(function, junction.line.clone()));
+            }
+            (CycleBifurcation::Fold, _) => |of| Some(of.one),
+            (CycleBifurcation::Flip, _) => |of| Some(of.minus_one),
+            (CycleBifurcation::NeimarkSacker { .. }, _) => |of| of.circle,
+            (CycleBifurcation::BranchPoint | CycleBifurcation::Sequence(_), _) => return None,
         };
-        let function: fn(&Critical) -> Option<f64> = match what {
-            Special::Fold => |of| Some(of.one),
-            Special::Flip => |of| Some(of.minus_one),
-            Special::NeimarkSacker { .. } => |of| of.circle,
-            Special::BranchPoint | Special::Sequence(_) => return None,
-        };
-        Some(Condition::Multiplier(function, line))
+        let function = TestFunction::Multipliers(multipliers);
+        Some(Condition::Zero(function, junction.line.clone()))
     }
 }
 
 /// One direction along a curve.
-struct CurveWalk<'a> {
+struct CurveContinuation<'a> {
     shooting: Shooting<'a>,
     units: Units,
     settings: &'a ContinuationSettings,
@@ -166,72 +207,61 @@ struct CurveWalk<'a> {
     other: (f64, f64),
 }
 
-impl CurveWalk<'_> {
-    fn with<'b>(&'b self, extra: Extra<'b>) -> Shooting<'b> {
-        Shooting {
-            extra,
-            ..self.shooting
-        }
-    }
-
-    /// The orbit of the curve near a guess at which the product of the unknowns with `row` has a
-    /// given value, with the function that vanishes there.
+impl CurveContinuation<'_> {
+    /// The orbit of the curve near a guess, in a plane: on it, the product of the unknowns with a
+    /// row has a given value. With the condition near that orbit.
     fn solve(
         &self,
         condition: &Condition,
         guess: &Outline,
-        (row, value): (&Vector, f64),
+        plane: (&Vector, f64),
     ) -> Option<(Cycle, Condition)> {
         match condition {
-            Condition::Margin(margin) => {
-                let shooting = self.with(Extra::Zero(margin));
-                let found = shooting.solve(guess, Some((row, value)))?;
-                let moved = found.margin_like(margin).unwrap_or(margin).clone();
-                Some((found, Condition::Margin(moved)))
+            Condition::NoDuration(number) => {
+                let duration = guess.unit(guess.begin.x.len() + number);
+                let shooting = Shooting {
+                    plane: Some((&duration, 0.0)),
+                    ..self.shooting
+                };
+                Some((shooting.solve(guess, Some(plane))?, condition.clone()))
             }
-            Condition::Multiplier(function, line) => {
-                let shooting = self.with(Extra::Plane(row, value));
-                let value = |cycle: &Cycle| function(&critical(cycle, &shooting));
+            Condition::Zero(function, line) => {
+                let shooting = Shooting {
+                    plane: Some(plane),
+                    ..self.shooting
+                };
+                let value = |cycle: &Cycle| function.value(cycle, &shooting);
                 let row = line.across();
                 let begin = shooting.solve(guess, Some((row, row.dot(&guess.unknowns()))))?;
-                let line = Line::tangent(&shooting, self.units, &begin, row)?;
+                let line = TangentLine::tangent(&shooting, self.units, &begin, row)?;
                 let path = line.orbits(&shooting);
                 let ends = path.bracket((0.0, value(&begin)?), self.settings.step, &value)?;
                 let (s, found) = path.root(ends, &value)?;
+                let function = function.clone().near(&found);
                 let is_near = s.abs() <= self.settings.step;
-                is_near.then_some((found, Condition::Multiplier(*function, line)))
+                is_near.then_some((found, Condition::Zero(function, line)))
             }
         }
     }
 
-    /// The line on which the curve continues from an orbit behind another one.
-    fn goes_on(&self, condition: &Condition, from: &Line, next: &Cycle) -> Option<Line> {
-        match condition {
-            Condition::Margin(margin) => {
-                from.goes_on(&self.with(Extra::Zero(margin)), self.units, next)
-            }
-            Condition::Multiplier(..) => {
-                let way = next.outline.unknowns() - from.from.unknowns();
-                Line::along(&self.shooting, self.units, next, way)
-            }
-        }
+    /// The line through the second of two orbits of the curve, in the direction from the first.
+    fn secant(&self, from: &Outline, to: &Cycle) -> Option<TangentLine> {
+        let direction = to.outline.unknowns() - from.unknowns();
+        TangentLine::along(&self.shooting, self.units, to, direction)
     }
 
     /// The line on which the curve leaves its first orbit in one direction.
-    fn leaves(&self, first: &Cycle, condition: &Condition, sign: f64) -> Option<Line> {
-        // Fraction of a step over which the curve is straight.
-        const SHORT: f64 = 1e-2;
+    fn first_line(&self, first: &Cycle, condition: &Condition, sign: f64) -> Option<TangentLine> {
+        // Length of a first, short step by the other parameter, as a fraction of the longest one.
+        // Chosen: over it the curve is straight, and the orbits differ by more than rounding.
+        const FIRST_STEP: f64 = 1e-2;
         let row = first.outline.unit(self.place);
-        if let Condition::Margin(margin) = condition {
-            let shooting = self.with(Extra::Zero(margin));
-            return Line::tangent(&shooting, self.units, first, &(row * sign));
-        }
-        let short = sign * SHORT * self.settings.step * (self.other.1 - self.other.0);
+        let short = sign * FIRST_STEP * self.settings.step * (self.other.1 - self.other.0);
         let there = first.outline.unknowns() + &row * short;
         let guess = first.outline.with(&there);
         let (next, _) = self.solve(condition, &guess, (&row, row.dot(&there)))?;
-        let way = next.outline.unknowns() - first.outline.unknowns();
-        Line::along(&self.shooting, self.units, first, way)
+        let direction = next.outline.unknowns() - first.outline.unknowns();
+        TangentLine::along(&self.shooting, self.units, first, direction)
     }
 
     fn follow(
@@ -241,26 +271,26 @@ impl CurveWalk<'_> {
         sign: f64,
     ) -> (Vec<CurvePoint>, CurveStop) {
         let mut points = Vec::new();
-        let Some(mut line) = self.leaves(first, &condition, sign) else {
+        let Some(mut line) = self.first_line(first, &condition, sign) else {
             return (points, CurveStop::NoConvergence);
         };
-        // Ratio of a step to one in which no orbit was found.
+        // Ratio of a step to the one before, in which no orbit was found. Chosen, as for branches.
         const SHORTER: f64 = 0.3;
         let mut step = self.settings.step;
         loop {
             if 2 * points.len() >= self.settings.most_points {
                 return (points, CurveStop::Points);
             }
-            if step < SHORTEST {
+            if step < SHORTEST_STEP {
                 let stop = match line.vanishing(step / SHORTER).is_empty() {
                     true => CurveStop::NoConvergence,
                     false => CurveStop::AnotherChange,
                 };
                 return (points, stop);
             }
-            let found = line.plane(step).and_then(|(guess, value)| {
+            let found = line.plane(&self.shooting, step).and_then(|(guess, value)| {
                 let (next, moved) = self.solve(&condition, &guess, (line.across(), value))?;
-                let onward = self.goes_on(&condition, &line, &next)?;
+                let onward = self.secant(&line.from, &next)?;
                 line.bends_little(&onward).then_some((next, moved, onward))
             });
             let Some((next, moved, onward)) = found else {
@@ -286,11 +316,11 @@ impl CurveWalk<'_> {
         }
     }
 
-    /// The orbit at the end of the range, if the given orbit lies beyond it.
+    /// The orbit at the end of a range, if the given orbit lies beyond it.
     fn at_end(
         &self,
         condition: &Condition,
-        line: &Line,
+        line: &TangentLine,
         step: f64,
         next: &Cycle,
     ) -> Option<Option<Cycle>> {

@@ -1,26 +1,30 @@
-//! Where a branch ends.
+//! Where a branch ends: at an equilibrium or a two-fold to which its orbits shrink, at rest, or
+//! where it began.
 
-use super::Stop;
-use super::walk::Walk;
-use super::{parameter_of, with_parameter};
+use super::steps::Continuation;
+use super::{EquilibriumBifurcation, Stop, continue_equilibrium, parameter_of, with_parameter};
 use crate::analysis::boundary_equilibrium::{Approach, ModeEquilibrium, ends_in};
 use crate::analysis::cycle::{Cycle, MarginKind};
 use crate::analysis::lagrange::weights;
-use crate::dynamics::{Happening, Modes, Moment, Orbit, Section, Vector, run};
+use crate::dynamics::{DynamicsRef, Happening, Modes, Moment, Orbit, Section, Vector, run};
 use crate::filippov::Direction;
 
-/// An orbit below this fraction of the widest one's extent is about to shrink to an equilibrium.
-const SMALL: f64 = 0.04;
+/// Extent below which an orbit may be about to shrink to a point, as a fraction of the widest
+/// one's. Chosen: there the Hopf point or two-fold is close, and a bifurcation of other orbits is
+/// not.
+const SHRUNK: f64 = 0.04;
 
-/// A driven orbit whose motion is below this fraction of the widest one's extent may be about to
-/// come to rest.
+/// Extent below which a driven orbit may be about to come to rest, as a fraction of the widest
+/// one's. Chosen: it is what the end [`Stop::Rest`] says.
 const AT_REST: f64 = 1e-3;
 
-/// Two orbits at one parameter are the same if they come this near, as a fraction of the extent.
-const SAME: f64 = 1e-6;
+/// Distance below which two orbits at one parameter are the same, as a fraction of the extent.
+/// Chosen: far above the tolerances, and far below the distance of two orbits, unless they are next
+/// to a fold.
+const SAME_ORBIT: f64 = 1e-6;
 
-impl Walk<'_> {
-    /// Whether the orbit is about to shrink to an equilibrium or to come to rest.
+impl Continuation<'_> {
+    /// The end to which the orbits shrink, if they do: an equilibrium, a two-fold, or rest.
     pub(super) fn shrinks(&self) -> Option<Stop> {
         let extent = self.branch.last.extent;
         if extent >= self.branch.before.extent {
@@ -34,7 +38,7 @@ impl Walk<'_> {
         if end.is_some() {
             return end;
         }
-        if extent >= SMALL * self.branch.widest {
+        if extent >= SHRUNK * self.branch.widest {
             return None;
         }
         let two_fold = self.ends_at().is_none().then(|| self.two_fold());
@@ -74,22 +78,28 @@ impl Walk<'_> {
     /// polynomial.
     fn two_fold(&self) -> Option<Stop> {
         const NODES: usize = 5;
-        // Tolerance for rates that decrease in proportion to the extents.
-        const LIKE: f64 = 0.2;
+        // Relative difference of the factors by which rates and extents decrease. Chosen: in
+        // proportion to the extent it becomes small.
+        const PROPORTIONAL: f64 = 0.2;
         let rates = |cycle: &Cycle| {
             let landings = cycle.margins.iter();
             let landings = landings.filter(|margin| margin.kind == MarginKind::Landing);
             landings.map(|margin| margin.scale).collect::<Vec<f64>>()
         };
         let (before, last) = (&self.branch.before, &self.branch.last);
-        let falls = last.extent / before.extent;
-        let is_like = |(before, last): (&f64, &f64)| (last / before / falls - 1.0).abs() < LIKE;
+        let ratio = last.extent / before.extent;
+        let is_proportional =
+            |(before, last): (&f64, &f64)| (last / before / ratio - 1.0).abs() < PROPORTIONAL;
         let is_crossing = !last.outline.modes().iter().any(Modes::any_sticks);
         // Near an equilibrium the period would remain finite.
         let periods = (&before.period, &last.period);
         let (before, last) = (rates(before), rates(last));
         let mut all = before.iter().zip(&last).chain([periods]);
-        if !is_crossing || last.is_empty() || before.len() != last.len() || !all.all(is_like) {
+        if !is_crossing
+            || last.is_empty()
+            || before.len() != last.len()
+            || !all.all(is_proportional)
+        {
             return None;
         }
         // Each is about twice as large as the one before.
@@ -102,22 +112,45 @@ impl Walk<'_> {
                 break;
             }
         }
-        let at_nothing = |nodes: &[(f64, f64)]| -> f64 {
+        let extrapolated = |nodes: &[(f64, f64)]| -> f64 {
             let extents: Vec<f64> = nodes.iter().map(|node| node.0).collect();
             let weighted = weights(&extents, 0.0).into_iter().zip(nodes);
             weighted.map(|(weight, node)| weight * node.1).sum()
         };
-        // Not yet: the largest of them is not small.
+        // The largest of them must be small.
         if nodes.len() < NODES || nodes[NODES - 1].0 > 0.5 * self.branch.widest {
             return None;
         }
-        let parameter = at_nothing(&nodes);
-        let uncertainty = (parameter - at_nothing(&nodes[..NODES - 1])).abs();
-        // Smaller ones determine it better.
+        let parameter = extrapolated(&nodes);
+        let uncertainty = (parameter - extrapolated(&nodes[..NODES - 1])).abs();
+        // Best uncertainty that is waited for, as a fraction of the range: smaller orbits yield a
+        // better one. Chosen.
         const RESOLVED: f64 = 1e-9;
         (uncertainty <= RESOLVED * self.branch.units.width).then_some(Stop::TwoFold {
             parameter,
             uncertainty: self.at_least(parameter, uncertainty),
+        })
+    }
+
+    /// The nearest Hopf bifurcation of the equilibrium that the last orbit surrounds.
+    fn hopf(&self) -> Option<Stop> {
+        let (system, options) = (self.shooting.system, self.shooting.options);
+        let system = DynamicsRef::Borrowed(system);
+        let branch = |upwards| {
+            let x = self.branch.last.anchor.x.clone();
+            continue_equilibrium(&system, x, upwards, self.settings, options).ok()
+        };
+        let special = [false, true].into_iter().filter_map(branch);
+        let special = special.flat_map(|branch| branch.special);
+        let stops = special.filter_map(|at| match at.what {
+            EquilibriumBifurcation::Hopf { frequency } => Some((at.parameter, frequency)),
+            _ => None,
+        });
+        let off = |stop: &(f64, f64)| (stop.0 - self.parameter()).abs();
+        let (parameter, frequency) = stops.min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        Some(Stop::Equilibrium {
+            parameter,
+            frequency,
         })
     }
 
@@ -128,8 +161,8 @@ impl Walk<'_> {
         let Some((_, stuck)) = segments.find(|(segment, _)| segment.mode.any_sticks()) else {
             return false;
         };
-        let way = self.parameter() - parameter_of(&self.branch.before);
-        let further = way.signum() * self.settings.step * self.branch.units.width;
+        let change = self.parameter() - parameter_of(&self.branch.before);
+        let further = change.signum() * self.settings.step * self.branch.units.width;
         let start = Moment {
             t: stuck.t,
             x: with_parameter(stuck.x.clone(), self.parameter() + further),
@@ -157,7 +190,7 @@ impl Walk<'_> {
         if !self.is_first(&found) {
             return None;
         }
-        // What lies behind the first orbit was computed at the beginning.
+        // Special orbits behind the first orbit were recorded at the beginning.
         let last = self.branch.points.len() - 1;
         self.branch
             .special
@@ -170,21 +203,21 @@ impl Walk<'_> {
 
     /// Whether an orbit at the first one's parameter is the first one.
     fn is_first(&self, found: &Cycle) -> bool {
-        let near = SAME * self.branch.first.extent;
-        self.comes_by(found).is_some_and(|off| off <= near)
+        let near = SAME_ORBIT * self.branch.first.extent;
+        self.distance_to_first(found).is_some_and(|off| off <= near)
     }
 
     /// The least distance of an orbit from the first one's anchor; of a driven one, at its time.
-    fn comes_by(&self, found: &Cycle) -> Option<f64> {
+    fn distance_to_first(&self, found: &Cycle) -> Option<f64> {
         let (system, options) = (self.shooting.system, self.shooting.options);
         let (start, place) = (&found.anchor, &self.branch.first.anchor);
         let off = |x: &Vector| (x - &place.x).norm();
         if self.shooting.forced.is_some() {
-            let away = (place.t - start.t).rem_euclid(found.period);
-            if away == 0.0 {
+            let later = (place.t - start.t).rem_euclid(found.period);
+            if later == 0.0 {
                 return Some(off(&start.x));
             }
-            return Some(off(&run(system, start, start.t + away, options).ok()?.x));
+            return Some(off(&run(system, start, start.t + later, options).ok()?.x));
         }
         let t_end = start.t + found.period;
         let begun = system.begin(place, place.t + found.period, options, &Section::None);

@@ -1,12 +1,13 @@
-//! Equilibria followed along a parameter: of the field on one side of each boundary, and of
-//! sliding.
+//! Continuation of equilibria along a parameter: of the field on one side of each boundary, and of
+//! the sliding field.
 
 use std::fmt;
 
 use nalgebra::Complex;
 
-use super::line::BEND;
-use super::walk::SHORTEST;
+use super::sequence_changes::STEP_BEYOND;
+use super::steps::SHORTEST_STEP;
+use super::tangent_line::LEAST_COSINE;
 use super::{ContinuationSettings, Stop, check_rate, check_start};
 use crate::analysis::attractors::equilibrium::{
     ZERO, along_boundaries, equations, jacobian_of, least_guard,
@@ -165,26 +166,26 @@ pub fn continue_equilibrium<Kind>(
     if units[0] == 0.0 {
         units.rows_mut(0, last).fill(1.0);
     }
-    let walk = Walk {
+    let continuation = EquilibriumContinuation {
         system,
         settings,
         options,
         units,
     };
     let by_parameter = unit(last + 1, last);
-    let near = |mode: Modes| walk.solve(mode, &at.x, &by_parameter);
-    let is_held = |one: &Equilibrium| walk.least_guard(one) > 0.0;
+    let near = |mode: Modes| continuation.solve(mode, &at.x, &by_parameter);
+    let is_held = |one: &Equilibrium| continuation.least_guard(one) > 0.0;
     let modes = std::iter::once(mode).chain((0..mode.iter().count()).flat_map(|k| others(mode, k)));
     let first = modes.filter_map(near).find(is_held);
     let first = first
-        .filter(|one| walk.is_isolated(one))
+        .filter(|one| continuation.is_isolated(one))
         .ok_or(Error::NotFound {
             what: "an equilibrium near the start of the branch that is none of a set of equilibria",
             t: at.t,
             span: 0.0,
         })?;
     let sign = if upwards { 1.0 } else { -1.0 };
-    Ok(walk.follow(first, &(by_parameter * sign)))
+    Ok(continuation.follow(first, &(by_parameter * sign)))
 }
 
 /// The other modes of a contact.
@@ -199,7 +200,7 @@ fn others(mode: Modes, contact: usize) -> impl Iterator<Item = Modes> {
     other.map(move |one| mode.with(contact, one))
 }
 
-/// Fraction of the cancelling terms that is rounding.
+/// Rounding of a difference, as a fraction of its terms: of about so many operations.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 #[derive(Clone)]
@@ -241,9 +242,9 @@ impl Equilibrium {
     }
 }
 
-/// The line through an equilibrium along which the next one is sought.
+/// The tangent of a branch at an equilibrium, along which the next one is sought.
 #[derive(Clone)]
-struct Line {
+struct EquilibriumTangent {
     mode: Modes,
     from: Vector,
     direction: Vector,
@@ -251,13 +252,13 @@ struct Line {
     row: Vector,
 }
 
-impl Line {
+impl EquilibriumTangent {
     fn heading(&self) -> f64 {
         self.direction[self.direction.len() - 1]
     }
 }
 
-struct Walk<'a> {
+struct EquilibriumContinuation<'a> {
     system: &'a dyn Dynamics,
     settings: &'a ContinuationSettings,
     options: &'a Options,
@@ -266,22 +267,22 @@ struct Walk<'a> {
 }
 
 /// The equilibria on a line.
-struct OnLine<'l> {
-    walk: &'l Walk<'l>,
-    line: &'l Line,
+struct EquilibriaOnLine<'l> {
+    continuation: &'l EquilibriumContinuation<'l>,
+    line: &'l EquilibriumTangent,
 }
 
-impl Path for OnLine<'_> {
+impl Path for EquilibriaOnLine<'_> {
     type Solution = Equilibrium;
 
     fn solution(&self, place: f64, _: &Options) -> Option<Equilibrium> {
         let line = self.line;
         let guess = &line.from + &line.direction * place;
-        self.walk.solve(line.mode, &guess, &line.row)
+        self.continuation.solve(line.mode, &guess, &line.row)
     }
 
     fn options(&self) -> &Options {
-        self.walk.options
+        self.continuation.options
     }
 
     fn parameter(&self, one: &Equilibrium) -> f64 {
@@ -289,17 +290,18 @@ impl Path for OnLine<'_> {
     }
 }
 
-impl Walk<'_> {
+impl EquilibriumContinuation<'_> {
     /// The equilibrium of a mode near a guess, in the plane through it across a row.
     fn solve(&self, mode: Modes, guess: &Vector, row: &Vector) -> Option<Equilibrium> {
-        const MOST: usize = 20;
+        // Plain Newton steps converge within ten, unless the Jacobian is nearly singular.
+        const MOST_ITERATIONS: usize = 20;
         let count = guess.len();
         let mut at = Moment {
             t: 0.0,
             x: guess.clone(),
         };
         let mut last = f64::INFINITY;
-        for iterations in 1..=MOST {
+        for iterations in 1..=MOST_ITERATIONS {
             let jacobian = jacobian_of(self.system, mode, &at);
             let (equations, right) = equations(self.system, mode, &at, &jacobian, count)?;
             let off = row.dot(&(guess - &at.x));
@@ -372,7 +374,7 @@ impl Walk<'_> {
         let last = self.units.len() - 1;
         let line = self.tangent(one, &unit(last + 1, last));
         // A set at one parameter is a line as well.
-        let moves = |line: Line| line.heading() > ROUNDING * self.units[last];
+        let moves = |line: EquilibriumTangent| line.heading() > ROUNDING * self.units[last];
         is_line && line.is_some_and(moves)
     }
 
@@ -382,7 +384,7 @@ impl Walk<'_> {
 
     /// The tangent of the branch at an equilibrium, in the direction in which the product with a
     /// row grows.
-    fn tangent(&self, one: &Equilibrium, row: &Vector) -> Option<Line> {
+    fn tangent(&self, one: &Equilibrium, row: &Vector) -> Option<EquilibriumTangent> {
         let (_, directions) = self.parts(one);
         let directions = directions?;
         let way = directions.row(directions.nrows() - 1).transpose();
@@ -391,7 +393,7 @@ impl Walk<'_> {
             direction.neg_mut();
         }
         let squares = self.units.component_mul(&self.units);
-        Some(Line {
+        Some(EquilibriumTangent {
             mode: one.mode,
             from: one.at.x.clone(),
             row: direction.component_div(&squares),
@@ -403,11 +405,14 @@ impl Walk<'_> {
     /// none.
     fn between(
         &self,
-        line: &Line,
+        line: &EquilibriumTangent,
         (last, next): (&Equilibrium, &Equilibrium),
         length: f64,
     ) -> Vec<(Zero<Equilibrium>, EquilibriumBifurcation)> {
-        let path = OnLine { walk: self, line };
+        let path = EquilibriaOnLine {
+            continuation: self,
+            line,
+        };
         let width = self.units[self.units.len() - 1];
         let heading = |one: &Equilibrium| Some(self.tangent(one, &line.row)?.heading() / width);
         let branch = |one: &Equilibrium| Some(one.along.determinant() / heading(one)?);
@@ -441,7 +446,7 @@ impl Walk<'_> {
         }
         let of_guards = guards.iter();
         functions.extend(of_guards.map(|(what, value)| (what.clone(), value as _, 0.0)));
-        let mut found: Vec<_> = functions
+        let mut zeros: Vec<_> = functions
             .into_iter()
             .filter_map(|(what, function, noise)| {
                 let (a, b) = (function(last)?, function(next)?);
@@ -454,20 +459,22 @@ impl Walk<'_> {
                 Some((path.zero([(0.0, a), (length, b)], function)?, what))
             })
             .collect();
-        found.sort_by(|a, b| a.0.s.total_cmp(&b.0.s));
+        zeros.sort_by(|a, b| a.0.s.total_cmp(&b.0.s));
         let is_end =
             |what: &EquilibriumBifurcation| matches!(what, EquilibriumBifurcation::Boundary { .. });
-        if let Some(end) = found.iter().position(|(_, what)| is_end(what)) {
-            found.truncate(end + 1);
+        if let Some(end) = zeros.iter().position(|(_, what)| is_end(what)) {
+            zeros.truncate(end + 1);
         }
-        found
+        zeros
     }
 
     /// The equilibrium of another mode of a contact that continues one on its boundary, and the
     /// line on which it leaves the boundary.
-    fn behind(&self, at: &Equilibrium, contact: usize) -> Option<(Equilibrium, Line)> {
-        // Fraction of a step over which the guards of the other mode decide the direction.
-        const SHORT: f64 = 1e-3;
+    fn behind(
+        &self,
+        at: &Equilibrium,
+        contact: usize,
+    ) -> Option<(Equilibrium, EquilibriumTangent)> {
         let last = at.at.x.len() - 1;
         let by_parameter = unit(last + 1, last);
         others(at.mode, contact).find_map(|mode| {
@@ -477,9 +484,12 @@ impl Walk<'_> {
                 return None;
             }
             let line = self.tangent(&one, &by_parameter)?;
-            let is_held = |line: &Line| {
-                let path = OnLine { walk: self, line };
-                let beyond = path.on(SHORT * self.settings.step);
+            let is_held = |line: &EquilibriumTangent| {
+                let path = EquilibriaOnLine {
+                    continuation: self,
+                    line,
+                };
+                let beyond = path.on(STEP_BEYOND * self.settings.step);
                 beyond.is_some_and(|beyond| self.least_guard(&beyond) > 0.0)
             };
             let back = self.tangent(&one, &-&line.row);
@@ -500,7 +510,13 @@ impl Walk<'_> {
         branch
     }
 
-    fn go_on(&self, branch: &mut EquilibriumBranch, mut last: Equilibrium, mut line: Line) -> Stop {
+    /// Follows the branch to its end.
+    fn go_on(
+        &self,
+        branch: &mut EquilibriumBranch,
+        mut last: Equilibrium,
+        mut line: EquilibriumTangent,
+    ) -> Stop {
         let (low, high) = self.settings.range;
         let mut step = 0.1 * self.settings.step;
         loop {
@@ -511,68 +527,21 @@ impl Walk<'_> {
             if branch.points.len() >= self.settings.most_points {
                 return Stop::Points;
             }
-            if step < SHORTEST {
+            if step < SHORTEST_STEP {
                 return Stop::NoConvergence;
             }
-            let path = OnLine {
-                walk: self,
-                line: &line,
-            };
-            let mut is_at_end = false;
-            let next = path.on(step).and_then(|next| {
-                let end = next.parameter().clamp(low, high);
-                if end == next.parameter() {
-                    return Some(next);
-                }
-                is_at_end = true;
-                let part = (end - here) / (next.parameter() - here);
-                let mut guess = &line.from + (&next.at.x - &line.from) * part;
-                let place = guess.len() - 1;
-                guess[place] = end;
-                let mut next = self.solve(last.mode, &guess, &unit(place + 1, place))?;
-                next.at.x[place] = end;
-                Some(next)
-            });
-            let onward = next.as_ref().and_then(|next| self.tangent(next, &line.row));
+            let next = self.next(&line, step);
+            let onward = next
+                .as_ref()
+                .and_then(|(next, _)| self.tangent(next, &line.row));
             let both = next
                 .zip(onward)
-                .filter(|(_, onward)| line.row.dot(&onward.direction) >= BEND);
-            let Some((next, onward)) = both else {
+                .filter(|(_, onward)| line.row.dot(&onward.direction) >= LEAST_COSINE);
+            let Some(((next, is_at_end), onward)) = both else {
                 step *= 0.3;
                 continue;
             };
-            let place = line.row.dot(&(&next.at.x - &line.from));
-            let mut behind = None;
-            for (zero, mut what) in self.between(&line, (&last, &next), place) {
-                match &mut what {
-                    EquilibriumBifurcation::Hopf { frequency } => {
-                        *frequency = zero.solution.pair().map_or(f64::NAN, |pair| pair.im);
-                    }
-                    EquilibriumBifurcation::Boundary {
-                        contact,
-                        after,
-                        turns,
-                        ..
-                    } => {
-                        let found = self.behind(&zero.solution, *contact);
-                        if let Some((begin, onward)) = &found {
-                            *after = Some(begin.mode);
-                            *turns = heading * onward.heading() < 0.0;
-                        }
-                        let parameter = zero.parameter;
-                        behind = Some(found.ok_or(Stop::BoundaryEquilibrium { parameter }));
-                    }
-                    _ => {}
-                }
-                branch.special.push(SpecialEquilibrium {
-                    parameter: zero.parameter,
-                    uncertainty: at_least((zero.parameter, zero.uncertainty), place, high - low),
-                    what,
-                    behind: branch.points.len(),
-                    x: zero.solution.at.x,
-                });
-            }
-            match behind {
+            match self.record_between(branch, &line, (&last, &next)) {
                 Some(Err(stop)) => return stop,
                 Some(Ok(behind)) => (last, line) = behind,
                 None if is_at_end => {
@@ -587,5 +556,71 @@ impl Walk<'_> {
                 }
             }
         }
+    }
+
+    /// The equilibrium after a step on a line, or at the end of the range if that comes first; and
+    /// whether it does.
+    fn next(&self, line: &EquilibriumTangent, step: f64) -> Option<(Equilibrium, bool)> {
+        let path = EquilibriaOnLine {
+            continuation: self,
+            line,
+        };
+        let (low, high) = self.settings.range;
+        let next = path.on(step)?;
+        let end = next.parameter().clamp(low, high);
+        if end == next.parameter() {
+            return Some((next, false));
+        }
+        let place = line.from.len() - 1;
+        let here = line.from[place];
+        let part = (end - here) / (next.parameter() - here);
+        let mut guess = &line.from + (&next.at.x - &line.from) * part;
+        guess[place] = end;
+        let mut next = self.solve(line.mode, &guess, &unit(place + 1, place))?;
+        next.at.x[place] = end;
+        Some((next, true))
+    }
+
+    /// Records the special equilibria between two on a line. At a boundary, returns the equilibrium
+    /// with which the branch goes on and its tangent, or the end of the branch.
+    fn record_between(
+        &self,
+        branch: &mut EquilibriumBranch,
+        line: &EquilibriumTangent,
+        (last, next): (&Equilibrium, &Equilibrium),
+    ) -> Option<Result<(Equilibrium, EquilibriumTangent), Stop>> {
+        let (low, high) = self.settings.range;
+        let length = line.row.dot(&(&next.at.x - &line.from));
+        let mut behind = None;
+        for (zero, mut what) in self.between(line, (last, next), length) {
+            match &mut what {
+                EquilibriumBifurcation::Hopf { frequency } => {
+                    *frequency = zero.solution.pair().map_or(f64::NAN, |pair| pair.im);
+                }
+                EquilibriumBifurcation::Boundary {
+                    contact,
+                    after,
+                    turns,
+                    ..
+                } => {
+                    let begin = self.behind(&zero.solution, *contact);
+                    if let Some((begin, onward)) = &begin {
+                        *after = Some(begin.mode);
+                        *turns = line.heading() * onward.heading() < 0.0;
+                    }
+                    let parameter = zero.parameter;
+                    behind = Some(begin.ok_or(Stop::BoundaryEquilibrium { parameter }));
+                }
+                _ => {}
+            }
+            branch.special.push(SpecialEquilibrium {
+                parameter: zero.parameter,
+                uncertainty: at_least((zero.parameter, zero.uncertainty), length, high - low),
+                what,
+                behind: branch.points.len(),
+                x: zero.solution.at.x,
+            });
+        }
+        behind
     }
 }

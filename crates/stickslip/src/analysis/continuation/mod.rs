@@ -1,15 +1,15 @@
-//! Periodic orbits, stable or not, followed along a parameter through folds and changes of their
-//! phases.
+//! Continuation of periodic orbits, stable or not, along a parameter through folds and changes of
+//! their phases.
 
-mod change;
 mod curve;
 mod ends;
 mod equilibrium;
-mod line;
-mod rest;
-mod special;
+mod homoclinic;
+mod sequence_changes;
+mod steps;
 mod switching;
-mod walk;
+mod tangent_line;
+mod test_functions;
 
 use std::fmt;
 use std::num::NonZeroUsize;
@@ -18,7 +18,7 @@ use std::ops::ControlFlow;
 use nalgebra::Complex;
 
 use super::critical::Critical;
-use super::cycle::{Cycle, Extra, SequenceChange, Shooting};
+use super::cycle::{Cycle, SequenceChange, Shooting};
 use super::stability::Stability;
 use crate::dynamics::{AsDynamics, Components, Modes, Vector};
 use crate::error::Error;
@@ -28,9 +28,9 @@ pub use equilibrium::{
     EquilibriumBifurcation, EquilibriumBranch, EquilibriumPoint, SpecialEquilibrium,
     continue_equilibrium,
 };
-use line::{Line, Units};
+pub(super) use steps::Continuation;
 pub use switching::{SwitchedBranch, switch_branches};
-pub(super) use walk::Walk;
+use tangent_line::{TangentLine, Units};
 
 /// The range and the step sizes of a continuation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,10 +97,10 @@ impl ContinuationSettings {
 pub struct BranchPoint {
     /// The parameter.
     pub parameter: f64,
-    /// A time and a state on the orbit, in the middle of a phase; the phase may change along the
-    /// branch. The last component is the parameter.
+    /// A time at which the orbit is in the middle of a phase; the phase may change along the
+    /// branch.
     pub t: f64,
-    /// See `t`.
+    /// The state at `t`, with the parameter as its last component.
     pub x: Vector,
     /// Period.
     pub period: f64,
@@ -121,10 +121,10 @@ impl BranchPoint {
 /// The kind of a special orbit on a branch.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Special {
-    /// A fold: the branch turns back, and a multiplier is 1.
+pub enum CycleBifurcation {
+    /// A fold: a multiplier is 1, and the branch turns back.
     Fold,
-    /// A branch point: a multiplier is 1, the branch continues and another one meets it.
+    /// A branch point: a multiplier is 1, the branch goes on, and another one crosses it.
     BranchPoint,
     /// A flip: a multiplier is −1, and a branch of twice the period begins.
     Flip,
@@ -138,14 +138,14 @@ pub enum Special {
     Sequence(Box<SequenceChange>),
 }
 
-impl fmt::Display for Special {
+impl fmt::Display for CycleBifurcation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Special::Fold => f.write_str("fold"),
-            Special::BranchPoint => f.write_str("branch point"),
-            Special::Flip => f.write_str("flip"),
-            Special::NeimarkSacker { .. } => f.write_str("Neimark-Sacker"),
-            Special::Sequence(change) => change.bifurcation.fmt(f),
+            CycleBifurcation::Fold => f.write_str("fold"),
+            CycleBifurcation::BranchPoint => f.write_str("branch point"),
+            CycleBifurcation::Flip => f.write_str("flip"),
+            CycleBifurcation::NeimarkSacker { .. } => f.write_str("Neimark-Sacker"),
+            CycleBifurcation::Sequence(change) => change.bifurcation.fmt(f),
         }
     }
 }
@@ -156,13 +156,13 @@ impl fmt::Display for Special {
 pub struct SpecialPoint {
     /// The parameter.
     pub parameter: f64,
-    /// Uncertainty of the parameter. For a change of phases it is [`SequenceChange::uncertainty`].
-    /// Otherwise it is the residual of the multipliers' function with its rounding error, over its
-    /// slope along the branch, and the effect of the tolerances, as there.
+    /// Uncertainty of the parameter: the residual of the test function with its rounding error,
+    /// over its slope along the branch, and the effect of the tolerances, as in
+    /// [`SequenceChange::uncertainty`].
     pub uncertainty: f64,
-    /// The kind of the special orbit.
-    pub what: Special,
-    /// Number of branch points before it.
+    /// Its kind.
+    pub what: CycleBifurcation,
+    /// Number of orbits in [`Branch::points`] before it.
     pub behind: usize,
     /// A state on the orbit, or on the nearest one that could be computed.
     pub x: Vector,
@@ -226,12 +226,11 @@ pub enum Stop {
         /// the boundary, in finite time.
         comes: f64,
     },
-    /// The phases change at the last point, and no orbit with other phases could be computed next
-    /// to it. In an autonomous system, neither could one that returns to a state next to it with
-    /// another period.
+    /// The phases change behind the last orbit, and no orbit with other phases could be computed
+    /// next to it.
     SequenceEnds,
-    /// Behind the last orbit the solver cannot follow the friction law, such as static below
-    /// kinetic friction. It cannot be written to a file.
+    /// Behind the last orbit the solver cannot follow the friction law, as where static friction is
+    /// below kinetic friction. It cannot be written to a file.
     #[cfg_attr(feature = "serde", serde(skip))]
     Refused(Error),
     /// No further orbit could be computed within the shortest step behind the last one.
@@ -244,7 +243,7 @@ pub enum Stop {
 pub struct Branch {
     /// The orbits, in the order in which they were computed.
     pub points: Vec<BranchPoint>,
-    /// The special ones between them, in the same order.
+    /// The special orbits between them, in the same order.
     pub special: Vec<SpecialPoint>,
     /// Why the branch stops.
     pub stop: Stop,
@@ -254,16 +253,15 @@ pub struct Branch {
 /// downwards by pseudo-arclength.
 ///
 /// **The parameter is the last state**, and its rate is zero: a system of two states and a
-/// parameter is a [`crate::Filippov`] system of three. So all derivatives, by the states and by the
-/// parameter, come from the user's functions on dual numbers and from saltation at every
-/// transition. No finite differences are used. For a system from a file, the parameter is one more
-/// input to the same formulas.
+/// parameter is a [`crate::Filippov`] system of three. All derivatives, by the states and by the
+/// parameter, come from the user's functions on dual numbers and from the saltation at each
+/// transition. No finite differences are used.
 ///
 /// Every orbit is computed by Newton's iteration as segments with a given sequence of modes, in the
-/// plane across the branch's tangent (Keller 1977; Thota & Dankowicz 2008). Where a function of the
-/// multipliers (Govaerts & Kuznetsov) or the margin to a change of the phases changes sign, its
-/// zero is located ([`SequenceChange`]). The branch continues with the phases behind the change; it
-/// turns back there at a nonsmooth fold.
+/// plane across the branch's tangent (Keller 1977; Thota & Dankowicz 2008). Where a test function
+/// changes sign, its zero is located: a function of the multipliers (Govaerts 2000), or the margin
+/// to a change of the phases ([`SequenceChange`]). The branch goes on with the phases behind the
+/// change. At a nonsmooth fold it turns back there.
 ///
 /// # Errors
 /// Those of [`crate::Integration::new`]; [`Error::Option`] for a setting that is not allowed;
@@ -271,7 +269,7 @@ pub struct Branch {
 /// no orbit near the start.
 ///
 /// ```
-/// use stickslip::analysis::{ContinuationSettings, Special, continue_periodic_orbit};
+/// use stickslip::analysis::{ContinuationSettings, CycleBifurcation, continue_periodic_orbit};
 /// use stickslip::{Filippov, Options, Scalar, Side};
 ///
 /// /// r' = r (p + 2 r² - r⁴), θ' = 1: two cycles for -1 < p < 0.
@@ -290,7 +288,7 @@ pub struct Branch {
 /// let settings = ContinuationSettings::over(-1.5, 0.0);
 /// let (start, options) = ([1.3, 0.0, -0.5], Options::tol(1e-12));
 /// let branch = continue_periodic_orbit(&Rings, start, 6.3, false, &settings, &options)?;
-/// assert_eq!(branch.special[0].what, Special::Fold);
+/// assert_eq!(branch.special[0].what, CycleBifurcation::Fold);
 /// assert!((branch.special[0].parameter + 1.0).abs() < 1e-9);
 /// # Ok::<(), stickslip::Error>(())
 /// ```
@@ -306,21 +304,21 @@ pub fn continue_periodic_orbit<Kind>(
     begun.follow(system, settings, options, |_| ControlFlow::Continue(()))
 }
 
-/// A branch as far as it has been followed, with all that is needed to continue it.
+/// A branch that is not complete, with all that its continuation needs.
 ///
 /// With the feature `serde` it can be written to a file. Continued from the file, it is bit-for-bit
-/// the same as without the interruption.
+/// the branch without the interruption.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PartialBranch {
     units: Units,
     first: Cycle,
-    /// Extent of the widest orbit so far.
+    /// Extent of the widest of its orbits.
     widest: f64,
     /// The last two orbits, and the line on which the branch continues.
     before: Cycle,
     last: Cycle,
-    line: Option<Line>,
+    line: Option<TangentLine>,
     step: f64,
     points: Vec<BranchPoint>,
     /// The extent of each of them.
@@ -344,8 +342,8 @@ impl PartialBranch {
         settings.check()?;
         let system = &*system.dynamics();
         let start = (x.vector(), period, upwards);
-        let walk = Walk::begin(system, start, settings, (Extra::None, options))?;
-        Ok(walk.branch)
+        let continuation = Continuation::begin(system, start, settings, (None, options))?;
+        Ok(continuation.branch)
     }
 
     /// Follows the branch to its end, with its original settings and options.
@@ -364,9 +362,9 @@ impl PartialBranch {
     ) -> Result<Branch, Error> {
         settings.check()?;
         let system = &*system.dynamics();
-        let mut walk = Walk::resume(system, self, settings, options);
-        let stop = walk.go_on(&mut observe);
-        Ok(walk.into_branch(stop))
+        let mut continuation = Continuation::resume(system, self, settings, options);
+        let stop = continuation.go_on(&mut observe);
+        Ok(continuation.into_branch(stop))
     }
 
     /// The orbits computed so far.
@@ -375,7 +373,7 @@ impl PartialBranch {
     }
 }
 
-/// Checks that a state ends with so many parameters, and that the last one is in its range.
+/// Checks that a state ends with as many parameters, and that the last one is in its range.
 fn check_start(
     x: &Vector,
     parameters: usize,
@@ -424,7 +422,7 @@ fn with_parameter(mut x: Vector, parameter: f64) -> Vector {
     x
 }
 
-/// The functions of an orbit's multipliers.
+/// The test functions of an orbit's multipliers.
 fn critical(cycle: &Cycle, shooting: &Shooting<'_>) -> Critical {
     Critical::of(&cycle.monodromy, shooting.family)
 }

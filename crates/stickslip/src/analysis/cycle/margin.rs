@@ -1,4 +1,4 @@
-//! How far the event functions of a periodic orbit are from a change of its phases.
+//! Margins: how far a periodic orbit is from each change of its phases.
 
 use super::Outline;
 use super::pieces::Piece;
@@ -7,7 +7,7 @@ use crate::dynamics::{Dynamics, Modes, Moment, SmoothFlow};
 use crate::filippov::Options;
 use crate::system::{Mode, Side};
 
-/// Where on an orbit a change of its phases may begin.
+/// How a change of the phases of an orbit may begin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum MarginKind {
@@ -19,7 +19,7 @@ pub(crate) enum MarginKind {
     Begin(usize),
     /// A slip ends on the boundary near the edge of the sliding region.
     Landing,
-    /// A slip ends on the boundary ever more tangentially, until it misses it.
+    /// A slip comes to the boundary ever more tangentially, until it misses it.
     Arrival,
     /// A phase is short.
     Duration,
@@ -30,17 +30,17 @@ pub(crate) enum MarginKind {
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Margin {
-    /// The segment, and what may begin there.
+    /// The segment.
     pub part: usize,
     pub kind: MarginKind,
     pub value: f64,
-    /// Typical size of such values on this orbit.
+    /// Typical size of the function on this orbit.
     pub scale: f64,
-    /// Mode before.
+    /// The mode before the change.
     pub incoming: Modes,
     pub contact: usize,
-    /// The contact that ends a segment, where it is not the one that begins it; or the contact at
-    /// whose transition a guard is smallest.
+    /// A second contact: the one that ends a short segment, where another one begins it; or the one
+    /// at whose transition a guard is smallest.
     pub other: Option<usize>,
     pub at: Moment,
     pub is_contact_function: bool,
@@ -61,6 +61,7 @@ impl Margin {
 
     /// The margin of the same kind at about the same time, among those of an orbit with a period.
     pub fn like<'m>(&self, margins: &'m [Margin], period: f64) -> Option<&'m Margin> {
+        // Fraction of the period. Chosen: in one step of a branch, times move by less.
         const SAME_TIME: f64 = 0.1;
         let off = |margin: &&Margin| {
             let way = (margin.at.t - self.at.t) / period;
@@ -72,8 +73,8 @@ impl Margin {
         (off(&nearest) <= SAME_TIME).then_some(nearest)
     }
 
-    /// The end of a slip: the flow in which the contact would stick, and the smallest of its
-    /// guards.
+    /// At the end of a slip: the flow in which the contact would stick, and the smallest of its
+    /// guards there.
     pub fn landing<'s>(
         &self,
         system: &'s dyn Dynamics,
@@ -87,8 +88,8 @@ impl Margin {
     }
 }
 
-/// First and second time derivative of a contact's distance from the boundary along the fields of
-/// both sides. The distance is positive on the respective side.
+/// First and second time derivative of a contact's distance from the boundary, along the fields of
+/// both sides. On each side the distance is positive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Rates {
     /// On the side from which the orbit comes.
@@ -120,10 +121,10 @@ impl Rates {
     }
 }
 
-/// The margins at the events: whether a slip that ends on the boundary sticks there, how fast it
-/// arrives, and how long each segment lasts.
+/// The margins at the events: whether a slip that ends on the boundary sticks there, its speed of
+/// arrival, and the duration of each segment.
 pub(super) fn at_events(system: &dyn Dynamics, outline: &Outline, pieces: &[Piece]) -> Vec<Margin> {
-    let mut found = Vec::new();
+    let mut margins = Vec::new();
     let count = outline.segments.len();
     for (part, (segment, piece)) in outline.segments.iter().zip(pieces).enumerate() {
         let before = outline.before(part);
@@ -146,7 +147,7 @@ pub(super) fn at_events(system: &dyn Dynamics, outline: &Outline, pieces: &[Piec
         // Loss or gain of contact changes no mode: the segment continues.
         if count > 1 {
             let other = (end.contact != begin.contact).then_some(end.contact);
-            found.push(Margin {
+            margins.push(Margin {
                 other,
                 ..margin(MarginKind::Duration, segment.duration, outline.period())
             });
@@ -161,10 +162,10 @@ pub(super) fn at_events(system: &dyn Dynamics, outline: &Outline, pieces: &[Piec
             let landing = if sticks { least } else { -least };
             // Where the fields of both sides agree, no holding force is determined.
             if landing.is_finite() {
-                found.push(margin(MarginKind::Landing, landing, scale));
+                margins.push(margin(MarginKind::Landing, landing, scale));
             }
-            found.push(margin(MarginKind::Arrival, -rates.own[0], scale));
+            margins.push(margin(MarginKind::Arrival, -rates.own[0], scale));
         }
     }
-    found
+    margins
 }

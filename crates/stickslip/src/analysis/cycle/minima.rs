@@ -8,11 +8,13 @@ use super::shooting::TOLERANCES;
 use crate::dynamics::{Dynamics, Moment};
 use crate::filippov::Options;
 
-/// Samples per step for locating the minima of its guards.
+/// Samples per step among which the minima of a guard are bracketed. Chosen: the guard's rate is
+/// nearly a polynomial of the method's order in a step, and two minima closer than this are rare.
 const SAMPLES: usize = 8;
 
-/// Fraction of a step after which a guard has left zero.
-const BEHIND: f64 = 1.0 / 128.0;
+/// Fraction of a step after which a guard has left the zero with which its phase begins: a
+/// sixteenth of the distance of samples.
+const AFTER_BEGIN: f64 = 1.0 / (16.0 * SAMPLES as f64);
 
 /// A guard within a phase: its value and time derivatives in a step, at a fraction of it.
 struct Sample {
@@ -29,7 +31,7 @@ pub(super) fn minima(
     pieces: &[Piece],
     options: &Options,
 ) -> Vec<Margin> {
-    let mut found: Vec<Margin> = Vec::new();
+    let mut margins: Vec<Margin> = Vec::new();
     let count = outline.segments.len();
     for (part, (segment, piece)) in outline.segments.iter().zip(pieces).enumerate() {
         let flow = system.flow(segment.mode, &segment.inside);
@@ -48,9 +50,9 @@ pub(super) fn minima(
                 s,
                 jet: jet(step, s),
             };
-            // The guard with which a phase begins may leave zero with zero rate.
-            let leaves = ends[0] == Some(contact);
-            let first = (0, if leaves { BEHIND } else { 0.0 });
+            // The guard with which the phase begins may leave zero at zero rate.
+            let leaves_zero = ends[0] == Some(contact);
+            let first = (0, if leaves_zero { AFTER_BEGIN } else { 0.0 });
             let of_step = |step| (1..=SAMPLES).map(move |k| (step, k as f64 / SAMPLES as f64));
             let steps = (0..piece.steps.len()).flat_map(of_step);
             let samples: Vec<Sample> = std::iter::once(first)
@@ -62,30 +64,30 @@ pub(super) fn minima(
                 continue;
             };
             let last = samples.len() - 1;
-            // A rate that is zero to within the tolerances has no sign. So a minimum at which the
-            // velocity of another contact is zero, too, is one wherever rounding puts it.
+            // A rate that is zero to within the tolerances has no sign. So a minimum at a zero of
+            // another contact's velocity is one minimum, on whichever side rounding puts it.
             let rates = samples.iter().map(|one| one.jet[1].abs());
             let still = TOLERANCES * options.rtol.max(options.atol) * rates.fold(0.0, f64::max);
             let falls = |one: &Sample| one.jet[1] < -still;
             let mut places = Vec::new();
-            // A jump does not occur at a zero that its function passed before the phase: it must
-            // have been positive since.
-            let above = samples.iter().position(|one| one.jet[0] > 0.0);
-            let may_come = |by: usize| !guard.is_of_jump || above.is_some_and(|first| first <= by);
-            // Where another contact switches, the rate may jump. A guard released by that switch
-            // leaves zero, or reaches it.
+            // A jump occurs at a zero of its function only after this was positive in the phase.
+            let positive = samples.iter().position(|one| one.jet[0] > 0.0);
+            let may_vanish =
+                |by: usize| !guard.is_of_jump || positive.is_some_and(|first| first <= by);
+            // Where another contact switches, the rate may jump. A guard that this switch releases
+            // leaves zero there, or comes to it.
             let by_other = |k: usize| {
                 let is_held = neighbours[k].mode.get(contact) == segment.mode.get(contact);
                 ends[k].filter(|other| is_held && *other != contact)
             };
             if let Some(other) = by_other(0)
-                && may_come(0)
+                && may_vanish(0)
                 && begin.jet[1] > still
             {
                 places.push((MarginKind::Begin(number), Some(other), (0, 0.0)));
             }
             if let Some(other) = by_other(1)
-                && may_come(last - 1)
+                && may_vanish(last - 1)
                 && falls(end)
             {
                 places.push((MarginKind::End(number), Some(other), (end.step, 1.0)));
@@ -93,11 +95,11 @@ pub(super) fn minima(
             let turns = |a: &Sample, b: &Sample| falls(a) && !falls(b);
             let minimum = MarginKind::Minimum(number);
             // An orbit without transitions continues from its end to its beginning.
-            if segment.end.is_none() && may_come(last) && turns(end, begin) {
+            if segment.end.is_none() && may_vanish(last) && turns(end, begin) {
                 places.push((minimum, None, (0, 0.0)));
             }
             for (k, (a, b)) in samples.iter().zip(&samples[1..]).enumerate() {
-                if may_come(k) && turns(a, b) {
+                if may_vanish(k) && turns(a, b) {
                     let step = &piece.steps[b.step].0;
                     let from = if a.step == b.step { a.s } else { 0.0 };
                     let length = step.t_end - step.t_start;
@@ -109,7 +111,7 @@ pub(super) fn minima(
             let scale = sizes.fold(f64::MIN_POSITIVE, f64::max);
             for (kind, other, (step, s)) in places {
                 let at = moment(step, s);
-                found.push(Margin {
+                margins.push(Margin {
                     part,
                     kind,
                     value: flow.guard(number, &at),
@@ -124,11 +126,11 @@ pub(super) fn minima(
             }
         }
     }
-    found
+    margins
 }
 
-/// Where a guard with these time derivatives is smallest between two fractions of a step: Newton's
-/// iteration on the rate, safeguarded by bisection.
+/// Where a guard with these time derivatives is smallest, between two fractions of a step: Newton's
+/// iteration for the zero of its rate, safeguarded by bisection.
 fn lowest((mut a, mut b): (f64, f64), length: f64, jet: impl Fn(f64) -> [f64; 4]) -> f64 {
     let mut s = 0.5 * (a + b);
     for _ in 0..60 {

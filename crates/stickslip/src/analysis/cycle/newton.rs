@@ -1,11 +1,11 @@
-//! The equations of a Newton step, which may leave directions free.
+//! The linear equations of a Newton step, which may leave directions undetermined.
 
 use crate::dynamics::{Matrix, Vector};
 
-/// Solves the equations of a Newton step, of which the first belong to so many states. The
-/// equations may leave directions undetermined, to within their error: the position of a block that
-/// nothing depends on, the energy of a pendulum. The solution has no component in these directions,
-/// and at least a given number are excluded. The number of excluded directions is returned, too.
+/// Solves the equations of a Newton step, the first of which are those of so many states. To within
+/// their error, equations may leave directions undetermined: the position of a block on which
+/// nothing depends, the energy of a pendulum. The solution has no component in these directions. At
+/// least a given number of directions are excluded; the number excluded is returned, too.
 pub(super) fn newton_solution(
     matrix: Matrix,
     right: &Vector,
@@ -46,12 +46,13 @@ pub(super) fn newton_solution(
     let parts = scaled.svd(true, true);
     let mut values: Vec<f64> = parts.singular_values.iter().copied().collect();
     values.sort_by(f64::total_cmp);
-    let known = error.max(count as f64 * f64::EPSILON) * parts.singular_values.max();
+    let rounding = count as f64 * f64::EPSILON;
+    let resolved = error.max(rounding) * parts.singular_values.max();
     let bound = values
         .iter()
         .take(least_free)
         .copied()
-        .fold(known, f64::max);
+        .fold(resolved, f64::max);
     let free = values.iter().filter(|value| **value <= bound);
     match free.count() {
         0 => Some((matrix.lu().solve(right)?, 0)),

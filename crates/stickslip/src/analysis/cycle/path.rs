@@ -1,11 +1,12 @@
 //! Solutions along a path, by their arclength.
 
 use super::Cycle;
+use super::shooting::ULPS;
 use crate::analysis::critical::zero_between;
 use crate::filippov::Options;
 
-/// Solutions of one kind, each at a place: periodic orbits with one sequence, or equilibria of one
-/// mode.
+/// Solutions of one kind, each with its place: periodic orbits with one sequence, or equilibria of
+/// one mode.
 pub(crate) trait Path {
     type Solution: Clone;
 
@@ -30,18 +31,20 @@ pub(crate) trait Path {
         step: f64,
         function: &Function<'_, Self::Solution>,
     ) -> Option<[Value; 2]> {
-        // First step, and how far the next one goes beyond the extrapolated zero.
-        const FIRST: f64 = 1e-2;
-        const FURTHER: f64 = 1.5;
-        const MOST: usize = 8;
-        let mut b = a + FIRST * step;
-        for _ in 0..MOST {
+        // First step, as a fraction of the given one. Chosen: short beside it, long beside
+        // rounding.
+        const FIRST_STEP: f64 = 1e-2;
+        // The next steps lead beyond the extrapolated zero by half the distance to it.
+        const OVERSHOOT: f64 = 1.5;
+        const MOST_STEPS: usize = 8;
+        let mut b = a + FIRST_STEP * step;
+        for _ in 0..MOST_STEPS {
             let at_b = function(&self.on(b)?)?;
             if at_a * at_b <= 0.0 {
                 return Some([(a, at_a), (b, at_b)]);
             }
             let slope = (at_b - at_a) / (b - a);
-            (a, at_a, b) = (b, at_b, b - FURTHER * at_b / slope);
+            (a, at_a, b) = (b, at_b, b - OVERSHOOT * at_b / slope);
         }
         None
     }
@@ -54,9 +57,10 @@ pub(crate) trait Path {
     ) -> Option<(f64, Self::Solution)> {
         let s = zero_between(a, b, |s| function(&self.on(s)?))?;
         let solution = self.on(s)?;
-        // In a family, a function may jump.
-        const SMALL: f64 = 1e-3;
-        let is_zero = function(&solution)?.abs() <= SMALL * a.1.abs().max(b.1.abs());
+        // Value at a zero, as a fraction of those at the ends. Chosen: at a jump of the function,
+        // as in a family, it is about 1; at a zero it is rounding.
+        const AT_ZERO: f64 = 1e-3;
+        let is_zero = function(&solution)?.abs() <= AT_ZERO * a.1.abs().max(b.1.abs());
         is_zero.then_some((s, solution))
     }
 
@@ -85,31 +89,33 @@ pub(crate) trait Path {
         length: f64,
         function: &Function<'_, Self::Solution>,
     ) -> Option<f64> {
-        const APART: f64 = 1e-4;
-        // Most of a value's error is its difference to that with a tenth of the tolerances; twice
-        // that is safe.
-        const SAFE: f64 = 2.0;
-        let places = [s - APART * length, s + APART * length];
+        // Distance of the places between which the slope is measured, as a fraction of the bracket.
+        // Chosen: the curvature then changes the slope by about as much.
+        const NEIGHBOUR: f64 = 1e-4;
+        let places = [s - NEIGHBOUR * length, s + NEIGHBOUR * length];
         let [one, two] = [self.on(places[0])?, self.on(places[1])?];
         let (value, [before, behind]) = (function(solution)?, [function(&one)?, function(&two)?]);
         let finer = self.solution(s, &self.options().finer())?;
-        let by_tolerance = SAFE * (function(&finer)? - value).abs();
-        let lacks = value.abs() + (behind - 2.0 * value + before).abs() + by_tolerance;
+        let by_tolerance = SAFETY * (function(&finer)? - value).abs();
+        let error = value.abs() + (behind - 2.0 * value + before).abs() + by_tolerance;
         let parameter = self.parameter(solution);
         // At a fold the parameter is quadratic in the place.
-        let ways = [&one, &two].map(|one| (self.parameter(one) - parameter).abs());
-        let along = ways[0].max(ways[1]) * (2.0 * lacks / (behind - before)).abs();
-        Some(along + SAFE * (self.parameter(&finer) - parameter).abs())
+        let steps = [&one, &two].map(|one| (self.parameter(one) - parameter).abs());
+        let along = steps[0].max(steps[1]) * (2.0 * error / (behind - before)).abs();
+        Some(along + SAFETY * (self.parameter(&finer) - parameter).abs())
     }
 }
 
-/// An uncertainty of a parameter where the function was resolved, or else the other one. It is at
-/// least what Newton's iteration leaves of the last digits in a range of this width.
+/// Ratio of an error due to the tolerances to the change that a tenth of them causes: by that
+/// change the error is known to a tenth or so, and twice the change bounds it.
+pub(crate) const SAFETY: f64 = 2.0;
+
+/// An uncertainty of a parameter or, where that is not finite, the other one. It is at least what
+/// Newton's iteration leaves of the last digits in a range of this width.
 pub(crate) fn at_least((parameter, uncertainty): (f64, f64), otherwise: f64, width: f64) -> f64 {
-    const ROUNDING: f64 = 16.0 * f64::EPSILON;
     let is_known = uncertainty.is_finite();
     let uncertainty = if is_known { uncertainty } else { otherwise };
-    uncertainty.max(ROUNDING * parameter.abs().max(width))
+    uncertainty.max(ULPS * f64::EPSILON * parameter.abs().max(width))
 }
 
 /// A function of solutions, such as of periodic orbits.
@@ -119,10 +125,9 @@ pub(crate) type Function<'f, S = Cycle> = dyn Fn(&S) -> Option<f64> + 'f;
 pub(crate) struct Zero<S = Cycle> {
     /// Its place.
     pub s: f64,
-    /// Its parameter, and the computed solution.
     pub parameter: f64,
     pub solution: S,
-    /// Uncertainty of its parameter; NaN where there is no estimate.
+    /// Uncertainty of the parameter; NaN where there is no estimate.
     pub uncertainty: f64,
 }
 

@@ -24,32 +24,34 @@ impl Piece {
     }
 }
 
-/// The derivative of the flow over a part of the orbit, without its component along the flow, and
-/// that component: near a saddle one is small beside the other.
-pub(super) struct Map {
+/// The derivative of the flow over a part of the orbit, split into the component along the flow and
+/// the rest: near a saddle, one is small beside the other.
+pub(super) struct FlowDerivative {
+    /// Without the component along the flow.
     pub across: Matrix,
+    /// Coefficients of the velocity in that component.
     pub along: Vector,
-    /// The vector that moves the orbit at its end.
+    /// The velocity at its end.
     pub velocity: Vector,
     pub is_autonomous: bool,
 }
 
-impl Map {
-    pub(super) fn whole(&self) -> Matrix {
+impl FlowDerivative {
+    pub(super) fn total(&self) -> Matrix {
         &self.across + &self.velocity * self.along.transpose()
     }
 
-    /// After a saltation; `rate` is that of the guard with this gradient.
-    pub(super) fn salted(&mut self, kick: &Vector, gradient: &Vector, rate: f64) {
+    /// Appends a saltation; `rate` is that of the guard with this gradient.
+    pub(super) fn apply_saltation(&mut self, kick: &Vector, gradient: &Vector, rate: f64) {
         let by_guard = gradient.tr_mul(&self.across) / rate;
         self.across += kick * by_guard;
         self.velocity += kick;
-        self.take_out();
+        self.remove_along();
     }
 
-    /// After a jump of the state, from the derivative of its map; the kick is that of the
+    /// Appends a jump of the state, from the derivative of its map; the kick is that of the
     /// saltation.
-    pub(super) fn reset(
+    pub(super) fn apply_jump(
         &mut self,
         by_state: &Matrix,
         (kick, gradient, rate): (&Vector, &Vector, f64),
@@ -58,11 +60,11 @@ impl Map {
         let by_guard = gradient.tr_mul(&self.across) / rate;
         self.across = by_state * &self.across + kick * by_guard;
         self.velocity = velocity;
-        self.take_out();
+        self.remove_along();
     }
 
-    /// Removes the component along the flow.
-    fn take_out(&mut self) {
+    /// Moves the component along the flow from `across` to `along`.
+    fn remove_along(&mut self) {
         let square = self.velocity.norm_squared();
         if self.is_autonomous && square > 0.0 {
             let part = self.across.tr_mul(&self.velocity) / square;
@@ -72,7 +74,7 @@ impl Map {
     }
 
     /// Composition of this one with a later one.
-    fn followed_by(mut self, next: &Map) -> Map {
+    fn followed_by(mut self, next: &FlowDerivative) -> FlowDerivative {
         self.along += self.across.tr_mul(&next.along);
         self.across = &next.across * self.across;
         self.velocity.clone_from(&next.velocity);
@@ -107,14 +109,15 @@ impl Shooting<'_> {
     pub(super) fn margins(&self, outline: &Outline, pieces: &[Piece]) -> Vec<Margin> {
         let mut margins = minima(self.system, outline, pieces, self.options);
         for margin in &mut margins {
-            self.settle(outline, pieces, margin);
+            self.refine(outline, pieces, margin);
         }
         margins.extend(margin::at_events(self.system, outline, pieces));
         margins
     }
 
-    /// A minimum from a step that ends there: within a step the error is larger than at its ends.
-    fn settle(&self, outline: &Outline, pieces: &[Piece], margin: &mut Margin) {
+    /// Computes a minimum by a step that ends there: within a step, the error is larger than at its
+    /// ends.
+    fn refine(&self, outline: &Outline, pieces: &[Piece], margin: &mut Margin) {
         let MarginKind::Minimum(guard) = margin.kind else {
             return;
         };
@@ -135,9 +138,14 @@ impl Shooting<'_> {
         }
     }
 
-    /// The derivative by state and time of the state in which a segment begins. Sticking contacts
-    /// are projected onto their boundaries by a change of the first `free` components.
-    pub(super) fn landed(&self, segment: &Segment, at: &Moment, free: usize) -> (Matrix, Vector) {
+    /// The derivative, by state and time, of the state in which a segment begins. A change of the
+    /// first `free` components projects sticking contacts onto their boundaries.
+    pub(super) fn projected(
+        &self,
+        segment: &Segment,
+        at: &Moment,
+        free: usize,
+    ) -> (Matrix, Vector) {
         let n = at.x.len();
         let modes = segment.mode.iter().enumerate();
         let sticks = modes.filter(|(_, mode)| *mode == Mode::Stick);
@@ -164,7 +172,7 @@ impl Shooting<'_> {
     }
 
     /// The derivative of the state at the end of a piece by that at its beginning.
-    pub(super) fn carried(&self, segment: &Segment, piece: &Piece) -> Map {
+    pub(super) fn flow_derivative(&self, segment: &Segment, piece: &Piece) -> FlowDerivative {
         let tangent = Tangent::new(self.system, self.options);
         let n = piece.begin.x.len();
         let is_autonomous = self.forced.is_none();
@@ -177,7 +185,7 @@ impl Shooting<'_> {
             map.through_step(&tangent, step);
         }
         let (across, along) = map.apart();
-        Map {
+        FlowDerivative {
             across,
             along: along.cloned().unwrap_or_else(|| Vector::zeros(n)),
             velocity: flow.velocity(&piece.end),
@@ -195,31 +203,31 @@ impl Shooting<'_> {
         (of_state, of_time): (&Matrix, &Vector),
     ) -> Matrix {
         let flow = self.system.flow(segment.mode, &segment.inside);
-        let [before, behind] = [&piece.begin, &piece.end].map(|at| flow.velocity(at));
-        let (landed, by_time) = self.landed(segment, &piece.begin, piece.begin.x.len());
-        let begun = landed * of_state + (by_time - before) * of_time.transpose();
-        map * begun + behind * of_time.transpose()
+        let [first, last] = [&piece.begin, &piece.end].map(|at| flow.velocity(at));
+        let (projected, by_time) = self.projected(segment, &piece.begin, piece.begin.x.len());
+        let begun = projected * of_state + (by_time - first) * of_time.transpose();
+        map * begun + last * of_time.transpose()
     }
 
     /// The derivative of the flow map of the states over the period from the cut; in an autonomous
     /// system, transverse to the flow.
     pub(super) fn monodromy(
         &self,
-        maps: &mut [Map],
+        maps: &mut [FlowDerivative],
         cut: usize,
-        (landed, velocity): (Matrix, Vector),
+        (projected, velocity): (Matrix, Vector),
     ) -> Matrix {
-        // The maps behind the cut come first; the cut lies behind the first piece of its segment.
+        // The map of the piece that begins at the cut comes first: the second one of its segment.
         maps.rotate_left(cut + 1);
         let is_autonomous = self.forced.is_none();
-        let start = Map {
-            across: landed,
+        let start = FlowDerivative {
+            across: projected,
             along: Vector::zeros(velocity.len()),
             velocity: velocity.clone(),
             is_autonomous,
         };
-        let whole = maps.iter().fold(start, Map::followed_by);
-        let of_states = whole.across.view((0, 0), (self.states, self.states));
+        let period = maps.iter().fold(start, FlowDerivative::followed_by);
+        let of_states = period.across.view((0, 0), (self.states, self.states));
         if !is_autonomous {
             return of_states.into_owned();
         }

@@ -3,27 +3,32 @@
 use super::equations::Equations;
 use super::newton::newton_solution;
 use super::pieces::Piece;
-use super::{Cut, Cycle, Margin, Outline, Segment, to_cut};
+use super::{Cut, Cycle, Margin, Outline, segment_to_cut};
 use crate::dynamics::{Dynamics, Modes, Moment, Vector};
 use crate::filippov::Options;
 
-/// Iterations allowed.
-const MOST: usize = 14;
+/// Number of Newton iterations allowed. Chosen: from a guess with one digit, five iterations reach
+/// rounding. More are of use where the Jacobian is nearly singular.
+const MOST_ITERATIONS: usize = 14;
 
-/// Number of tolerances within which an orbit closes and its event functions vanish.
+/// Number of tolerances within which an orbit closes and its event functions vanish: an allowance
+/// for the errors of about as many steps.
 pub(super) const TOLERANCES: f64 = 100.0;
 
-/// Units in the last place that a step may leave in a residual.
+/// Units in the last place that a step may leave in a residual: about one for each stage.
 pub(super) const ULPS: f64 = 16.0;
 
-/// If rounding leaves a residual above this fraction of the orbit's extent, no orbit closes.
-const CLOSED: f64 = 1e-6;
+/// Largest residual that is attributed to rounding, as a fraction of the orbit's extent. Chosen:
+/// orbits next to a saddle amplify rounding by up to ten digits.
+const LARGEST_ROUNDING: f64 = 1e-6;
 
-/// An iterate is abandoned if it goes this many times as far as orbits of the branch do.
-const FAR: f64 = 100.0;
+/// An iterate is abandoned if it goes this many times as far as orbits of the branch do. Chosen:
+/// only iterates that run off go so far.
+const FARTHEST: f64 = 100.0;
 
-/// Relative precision to which the velocity closes. Where an orbit is slow, this is stricter than
-/// closing in position: next to an equilibrium any orbit returns to where it was.
+/// Relative precision to which the velocity closes. It excludes states next to an equilibrium, from
+/// which any orbit returns to within the tolerances. Chosen: there the velocities differ by about
+/// 1.
 const SAME_VELOCITY: f64 = 1e-4;
 
 /// The equations for a periodic orbit of a system.
@@ -34,24 +39,14 @@ pub(crate) struct Shooting<'a> {
     pub states: usize,
     /// The period, where the forcing prescribes it.
     pub forced: Option<f64>,
-    /// Extent of the widest known orbit.
+    /// Extent of the widest orbit so far.
     pub extent: f64,
     /// Dimension of the families to which the orbits belong.
     pub family: usize,
-    /// An additional equation where two parameters are unknown.
-    pub extra: Extra<'a>,
+    /// An additional equation where two parameters are unknown: the product of the unknowns with a
+    /// row has a given value.
+    pub plane: Option<(&'a Vector, f64)>,
     pub options: &'a Options,
-}
-
-/// An additional equation.
-#[derive(Clone, Copy, Default)]
-pub(crate) enum Extra<'a> {
-    #[default]
-    None,
-    /// The product of the unknowns with a row has a given value.
-    Plane(&'a Vector, f64),
-    /// A margin is zero.
-    Zero(&'a Margin),
 }
 
 impl<'a> Shooting<'a> {
@@ -68,7 +63,7 @@ impl<'a> Shooting<'a> {
             forced,
             extent: outline.extent,
             family: 0,
-            extra: Extra::None,
+            plane: None,
             options,
         }
     }
@@ -83,7 +78,7 @@ impl<'a> Shooting<'a> {
         !cycle.margins.iter().any(|margin| self.is_violated(margin))
     }
 
-    /// [`Shooting::solve`]; in a family, the orbit nearest to the guess.
+    /// As [`Shooting::solve`]; in a family, the orbit nearest to the guess.
     pub fn nearest(&self, guess: &Outline, row: Option<(&Vector, f64)>) -> Option<Cycle> {
         let with_family = |family| Shooting { family, ..*self }.solve(guess, row);
         match with_family(0) {
@@ -105,25 +100,23 @@ impl<'a> Shooting<'a> {
         self.cycle(outline, equations, (period, sizes.amax()), (0, self.family))
     }
 
-    /// Solves the equations near a guess. `row` closes the system where a parameter is unknown: the
-    /// product of the unknowns with it has a given value.
+    /// Solves the equations near a guess. `row` is the last equation where a parameter is unknown:
+    /// the product of the unknowns with it has a given value.
     pub fn solve(&self, guess: &Outline, row: Option<(&Vector, f64)>) -> Option<Cycle> {
         let by_tolerance = TOLERANCES * self.options.atol.max(self.options.rtol);
-        let reach = guess.begin.x.amax() + FAR * self.extent;
-        let bounded = self.options.escape(self.options.escape.min(reach));
+        let farthest = guess.begin.x.amax() + FARTHEST * self.extent;
+        let bounded = self.options.escape(self.options.escape.min(farthest));
         let guessed = guess.period();
         let mut outline = match guess.cut {
             Some(_) => guess.clone(),
             None => self.cut(guess, &bounded)?,
         };
-        // A segment that vanishes with another one does so to within the tolerances.
-        let lasts = |one: &Segment| one.duration >= -by_tolerance * guessed;
-        let mut last_off = f64::INFINITY;
-        for iterations in 1..=MOST {
+        let mut last_residual = f64::INFINITY;
+        for iterations in 1..=MOST_ITERATIONS {
             let equations = self.equations(&outline, guess, &bounded)?;
             let unknowns = outline.unknowns();
             let mut matrix = equations.jacobian.clone();
-            let mut right = -&equations.left;
+            let mut right = -&equations.residuals;
             let mut is_on = true;
             if let Some((row, value)) = row {
                 let row = &row.clone().resize_vertically(unknowns.len(), 0.0);
@@ -135,30 +128,31 @@ impl<'a> Shooting<'a> {
                 right = right.insert_row(rows, off);
             }
             let wanted = self.closes_to(&equations);
-            let closes = equations.off <= wanted
+            let closes = equations.largest <= wanted
                 && is_on
-                && (equations.off >= 0.5 * last_off || equations.off <= f64::EPSILON * wanted);
+                && (equations.largest >= 0.5 * last_residual
+                    || equations.largest <= f64::EPSILON * wanted);
             let sizes = sizes(&equations.pieces);
             let most = sizes.amax();
             let other = if most > by_tolerance { most } else { 1.0 };
             let scales = sizes.map(|size| if size > by_tolerance { size } else { other });
-            let known = by_tolerance.max(ULPS * f64::EPSILON * equations.steps as f64);
+            let error = by_tolerance.max(ULPS * f64::EPSILON * equations.steps as f64);
             // Next to a saddle nearly all directions seem undetermined; only in families some are.
-            let (free, known) = match self.family {
-                _ if closes => (0, known),
+            let (free, error) = match self.family {
+                _ if closes => (0, error),
                 0 => (0, 0.0),
-                family => (family, known),
+                family => (family, error),
             };
-            let solved = newton_solution(matrix, &right, (self.states, free), (scales, known));
+            let solved = newton_solution(matrix, &right, (self.states, free), (scales, error));
             if closes {
                 let family = solved.map_or(0, |(_, free)| free);
                 return self.cycle(outline, equations, (guessed, most), (iterations, family));
             }
-            last_off = equations.off;
+            last_residual = equations.largest;
             outline = outline.with(&(unknowns + solved?.0));
             let period = outline.period();
             let is_possible = (period - guessed).abs() < guessed
-                && outline.segments.iter().all(lasts)
+                && self.lasts(&outline, guessed)
                 && outline.begin.x.iter().all(|v| v.is_finite());
             if !is_possible {
                 return None;
@@ -167,24 +161,36 @@ impl<'a> Shooting<'a> {
         None
     }
 
-    /// Residual allowed in the equations, in units of length.
-    fn closes_to(&self, equations: &Equations) -> f64 {
+    /// Whether no segment of an orbit with a period has a negative duration. Where two segments vanish
+    /// at once, the second does so to within the tolerances.
+    pub fn lasts(&self, outline: &Outline, period: f64) -> bool {
         let by_tolerance = TOLERANCES * self.options.atol.max(self.options.rtol);
-        by_tolerance.max(equations.rounding.min(CLOSED * self.extent))
+        let mut segments = outline.segments.iter();
+        segments.all(|one| one.duration >= -by_tolerance * period)
     }
 
-    /// State and mode of an orbit at a time, or whole periods before or after it.
+    /// Residual allowed in the equations, in the unit of the states.
+    fn closes_to(&self, equations: &Equations) -> f64 {
+        let by_tolerance = TOLERANCES * self.options.atol.max(self.options.rtol);
+        by_tolerance.max(equations.rounding.min(LARGEST_ROUNDING * self.extent))
+    }
+
+    /// State and mode of an orbit at a time that may differ by whole periods.
     pub fn place(&self, cycle: &Cycle, t: f64) -> Option<(Moment, Modes)> {
-        // A phase that begins here, to rounding, is not the end of the previous one.
-        let blur = 64.0 * f64::EPSILON * (t.abs() + cycle.period);
-        let behind = |at: &Moment| {
-            let way = (t - at.t).rem_euclid(cycle.period);
-            if cycle.period - way <= blur { 0.0 } else { way }
+        // At a transition, to rounding, the next phase counts.
+        let rounding = 64.0 * f64::EPSILON * (t.abs() + cycle.period);
+        let since = |at: &Moment| {
+            let time = (t - at.t).rem_euclid(cycle.period);
+            if cycle.period - time <= rounding {
+                0.0
+            } else {
+                time
+            }
         };
         let begins = cycle.begins.iter().zip(&cycle.outline.segments);
-        let last = begins.min_by(|(a, _), (b, _)| behind(a).total_cmp(&behind(b)));
+        let last = begins.min_by(|(a, _), (b, _)| since(a).total_cmp(&since(b)));
         let (begin, segment) = last?;
-        let piece = self.piece(segment, begin.clone(), behind(begin), self.options)?;
+        let piece = self.piece(segment, begin.clone(), since(begin), self.options)?;
         Some((piece.end, segment.mode))
     }
 
@@ -229,10 +235,9 @@ impl<'a> Shooting<'a> {
         })
     }
 
-    /// The outline with a cut in the middle of the longest of the segments with the fewest sticking
-    /// contacts.
+    /// The outline with the states between its segments and in the middle of one of them.
     fn cut(&self, outline: &Outline, options: &Options) -> Option<Outline> {
-        let number = to_cut(&outline.segments);
+        let number = segment_to_cut(&outline.segments);
         let mut at = outline.begin.clone();
         let mut states = Vec::with_capacity(outline.segments.len());
         let mut middle = at.x.clone();

@@ -3,11 +3,16 @@
 use std::f64::consts::PI;
 
 use stickslip::analysis::{
-    ContinuationSettings, Curve, CurveStop, SequenceBifurcation, SequenceChange, Special,
+    ContinuationSettings, Curve, CurveStop, CycleBifurcation, SequenceBifurcation, SequenceChange,
     continue_change,
 };
-use stickslip::{Error, Filippov, Method, Options, Scalar, Side, math};
+use stickslip::dynamics::{self, Components};
+use stickslip::{
+    Contacts, Error, Filippov, Method, Options, Scalar, Several, Side, TransitionKind, math, solve,
+};
 
+use super::sweeps::{coming_back, landing};
+use super::systems::FasterBelt;
 use crate::listed::{Listed, traced};
 
 traced!(3: Lag);
@@ -16,11 +21,13 @@ traced!(4: Rings);
 traced!(3: Cusp);
 traced!(4: Doubled);
 traced!(4: Turned);
+traced!(3: TwoParameters);
+traced!(4: Damped);
 
 /// The change of phases with which a curve begins.
 fn change(curve: &Curve) -> &SequenceChange {
     match &curve.at.what {
-        Special::Sequence(change) => change,
+        CycleBifurcation::Sequence(change) => change,
         other => panic!("{other}"),
     }
 }
@@ -148,6 +155,226 @@ fn a_curve_of_grazes_goes_round_the_fold_of_the_orbits_that_graze() {
     );
 }
 
+/// The curve through the first change of the phases, by both methods and at two tolerances, along
+/// its closed form from one end of the range of `q` to the other. With a closed form that is itself
+/// as accurate as `at_best`.
+fn follows<Any>(
+    system: &impl dynamics::AsDynamics<Any>,
+    start: impl Components + Copy,
+    (period, upwards): (f64, bool),
+    (settings, other): (&ContinuationSettings, (f64, f64)),
+    (name, exact): (SequenceBifurcation, impl Fn(f64) -> f64),
+    at_best: f64,
+) {
+    for method in [Method::Dop853, Method::Taylor] {
+        for tolerance in [1e-9, 1e-12] {
+            let options = Options::tol(tolerance).method(method);
+            let way = (period, upwards, 0);
+            let found = continue_change(system, start, way, (settings, other), &options);
+            let found = found.unwrap_or_else(|error| panic!("{name}: {error}"));
+            assert_eq!(change(&found).bifurcation, name);
+            let at = format!("{name} by {method:?} at {tolerance:e}");
+            assert_eq!(found.stops, [CurveStop::Range; 2], "{at}: {found:?}");
+            for point in &found.points {
+                let [q, p] = point.parameters;
+                let off = (p - exact(q)).abs();
+                assert!(off < 1e3 * tolerance + at_best, "{at}, {q}: {off:e}");
+            }
+            let ends = [found.points.first(), found.points.last()];
+            let [low, high] = ends.map(|point| point.unwrap().parameters[0]);
+            assert!((low - other.0).abs() < 1e-9 && (high - other.1).abs() < 1e-9);
+            assert!(found.points.len() > 5, "{at}: {}", found.points.len());
+        }
+    }
+}
+
+/// The rhythms of [`super::systems::Rhythm`] with a second parameter `q`.
+#[derive(Clone, Copy, Debug)]
+enum TwoParameters {
+    /// Up at `9/5 + 2 sin t` from below, down at `q - p cos t` from above.
+    Part,
+    /// Up at `1/2 + sin t` from below, up at `sin(t - p) - q` above.
+    Meet,
+    /// `y = sin t` attracts below a distant boundary. Contact is lost where `q cos t > p`.
+    Lift,
+}
+
+impl Filippov<3> for TwoParameters {
+    fn field<T: Scalar>(&self, side: Side, t: T, &[y, q, p]: &[T; 3]) -> [T; 3] {
+        let rate = match (self, side) {
+            (TwoParameters::Part, Side::Below) => t.sin() * 2.0 + 1.8,
+            (TwoParameters::Part, Side::Above) => t.cos() * p - q,
+            (TwoParameters::Meet, Side::Below) => t.sin() + 0.5,
+            (TwoParameters::Meet, Side::Above) => (t - p).sin() - q,
+            (TwoParameters::Lift, _) => -y + t.sin() + t.cos(),
+        };
+        [rate, T::zero(), T::zero()]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, &[y, ..]: &[T; 3]) -> T {
+        match self {
+            TwoParameters::Lift => y - 5.0,
+            _ => y,
+        }
+    }
+    fn contact<T: Scalar>(&self, t: T, &[_, q, p]: &[T; 3]) -> Option<T> {
+        matches!(self, TwoParameters::Lift).then(|| p - q * t.cos())
+    }
+}
+
+#[test]
+fn curves_of_sliding_bifurcations_and_lost_contact_have_closed_forms() {
+    let arcsin = |q: f64| math::atan(q / (1.0 - q * q).sqrt());
+    let crossing = |q: f64| landing() - arcsin(q);
+    let switching = |q: f64| landing() - PI + arcsin(q);
+    let same = |q: f64| q;
+    type Exact<'e> = &'e dyn Fn(f64) -> f64;
+    let curves: [(_, _, f64, Exact<'_>); 4] = [
+        (
+            TwoParameters::Part,
+            SequenceBifurcation::AddingSliding,
+            1.0,
+            &same,
+        ),
+        (
+            TwoParameters::Meet,
+            SequenceBifurcation::CrossingSliding,
+            0.7,
+            &crossing,
+        ),
+        (
+            TwoParameters::Meet,
+            SequenceBifurcation::SwitchingSliding,
+            0.7,
+            &switching,
+        ),
+        (
+            TwoParameters::Lift,
+            SequenceBifurcation::ContactGrazing,
+            1.0,
+            &same,
+        ),
+    ];
+    for (system, name, q, exact) in curves {
+        for upwards in [false, true] {
+            let begin = exact(q) + if upwards { -0.1 } else { 0.09 };
+            let settings = ContinuationSettings::over(exact(q) - 0.3, exact(q) + 0.3);
+            let settings = settings.forced(2.0 * PI);
+            let options = Options::tol(1e-12);
+            let run = solve(&system.any(), 0.0, [-0.5, q, begin], 40.0 * PI, &options);
+            let start = [run.unwrap().x_end[0], q, begin];
+            let ranges = (&settings, (q - 0.1, q + 0.1));
+            let system = &system.dynamics();
+            follows(system, start, (6.3, upwards), ranges, (name, exact), 1e-12);
+        }
+    }
+}
+
+/// [`FasterBelt`] with its damping as a second parameter, before the static friction.
+struct Damped;
+
+impl Damped {
+    fn rates<T: Scalar>([x, v, damping, _]: [T; 4], friction: T) -> [T; 4] {
+        [v, -x - damping * v * 2.0 - friction, T::zero(), T::zero()]
+    }
+}
+
+impl Filippov<4> for Damped {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 4]) -> [T; 4] {
+        Damped::rates(*x, T::constant(side.sign()))
+    }
+    fn holding<T: Scalar>(&self, side: Side, _t: T, x: &[T; 4]) -> [T; 4] {
+        Damped::rates(*x, x[3] * side.sign())
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 4]) -> T {
+        x[1] - 1.0
+    }
+}
+
+/// The block comes back to the belt ever more tangentially, until it misses it.
+#[test]
+fn a_curve_of_grazes_at_the_end_of_a_slip_has_a_closed_form() {
+    let damping = FasterBelt::DAMPING;
+    let begin = coming_back(damping) + 0.01;
+    let options = Options::tol(1e-12);
+    let run = solve(
+        &Damped.any(),
+        0.0,
+        [0.0, 1.0, damping, begin],
+        100.0,
+        &options,
+    )
+    .unwrap();
+    let exits = run.transitions.iter();
+    let exits = exits.filter(|at| at.kind == TransitionKind::StickExit);
+    let times: Vec<f64> = exits.map(|at| at.t).collect();
+    let period = times[times.len() - 1] - times[times.len() - 2];
+    let (system, start) = (Damped.dynamics(), run.x_end);
+    let settings = ContinuationSettings::over(1.2, 3.0);
+    let ranges = (&settings, (0.03, 0.08));
+    let kind = (SequenceBifurcation::GrazingSliding, coming_back);
+    follows(&system, start, (period, false), ranges, kind, 1e-12);
+}
+
+/// Two contacts, the first of which is a clock that crosses its boundary at 3/10 and 3/10 + π.
+#[derive(Clone, Copy, Debug)]
+enum Pair {
+    /// The second is pulled by `1 + q cos(t - 3/10) - |sin(t - 3/10)|` and held by `p`. The pull
+    /// has a kink where the clock crosses, and is largest there: `1 + q`.
+    Kinked,
+    /// The second is pulled by `3/10 sin(t - 3/10) + 1/5 cos(t - 3/10) + 1/10 - q`, with `+ q`
+    /// until the clock crosses upwards, and held by `p`. At that crossing the pull has risen to `q
+    /// + 3/10`.
+    Dropped,
+    /// Both are clocks, which cross at `q` and `p`, and half a period later.
+    Clocks,
+}
+
+impl Contacts<4, 2> for Pair {
+    fn field<T: Scalar>(&self, sides: &[Side; 2], t: T, &[first, second, q, p]: &[T; 4]) -> [T; 4] {
+        let clock = |x: T, phase: T| (t - phase).sin() + (t - phase).cos() - x;
+        let (sin, cos) = (t - 0.3).sin_cos();
+        let [one, other] = sides.map(Side::sign);
+        let (start, rate) = match self {
+            Pair::Kinked => (T::constant(0.3), q * cos - first * one + 1.0 - p * other),
+            Pair::Dropped => (
+                T::constant(0.3),
+                sin * 0.3 + cos * 0.2 + 0.1 - q * one - p * other,
+            ),
+            Pair::Clocks => (q, clock(second, p)),
+        };
+        [clock(first, start), rate, T::zero(), T::zero()]
+    }
+    fn boundaries<T: Scalar>(&self, _t: T, &[first, second, ..]: &[T; 4]) -> [T; 2] {
+        [first, second]
+    }
+}
+
+#[test]
+fn curves_of_changes_where_another_contact_switches_have_closed_forms() {
+    type Exact = fn(f64) -> f64;
+    let curves: [(Pair, Exact, f64); 3] = [
+        (Pair::Kinked, |q| 1.0 + q, 0.3),
+        (Pair::Dropped, |q| 0.3 + q, 0.3),
+        (Pair::Clocks, |q| q, 0.5),
+    ];
+    for (pair, exact, crosses) in curves {
+        for off in [-0.1, 0.1] {
+            let q = 0.5;
+            let p = exact(q) + off;
+            let second = match pair {
+                Pair::Clocks => -math::sin(p),
+                _ => 0.0,
+            };
+            let start = [-math::sin(crosses), second, q, p];
+            let settings = ContinuationSettings::over(exact(q) - 0.3, exact(q) + 0.3);
+            let settings = settings.forced(2.0 * PI);
+            let ranges = (&settings, (q - 0.1, q + 0.1));
+            let kind = (SequenceBifurcation::Coincidence, exact);
+            follows(&Several(pair), start, (6.3, off < 0.0), ranges, kind, 0.0);
+        }
+    }
+}
+
 /// `r' = r (p + q r² - r⁴)`, `θ' = 1`: cycles fold where `p = -q²/4`, at `r² = q/2`. A boundary at
 /// x = 0.1 is crossed without effect.
 struct Rings;
@@ -174,7 +401,7 @@ fn a_curve_of_folds_has_a_closed_form_by_both_methods_at_any_tolerance() {
             let found =
                 continue_change(&Rings.dynamics(), start, (6.3, false, 0), ranges, &options);
             let found = found.unwrap();
-            assert_eq!(found.at.what, Special::Fold);
+            assert_eq!(found.at.what, CycleBifurcation::Fold);
             assert_eq!(found.stops, [CurveStop::Range; 2]);
             for point in &found.points {
                 let [q, p] = point.parameters;
@@ -217,7 +444,7 @@ fn a_curve_of_folds_goes_round_its_cusp() {
         let ranges = (&settings, (-0.5, 1.0));
         let found = continue_change(&Cusp.dynamics(), start, (6.3, false, 0), ranges, &options);
         let found = found.unwrap();
-        assert_eq!(found.at.what, Special::Fold);
+        assert_eq!(found.at.what, CycleBifurcation::Fold);
         assert!((found.at.parameter + 0.25).abs() < 1e-9);
         assert_eq!(found.stops, [CurveStop::Range; 2]);
         let mut least = f64::INFINITY;
@@ -293,8 +520,8 @@ fn curves_of_flips_and_of_tori_have_closed_forms_by_both_methods() {
             let flips = continue_change(&Doubled.dynamics(), start, way, ranges, &options);
             let tori = continue_change(&Turned.dynamics(), start, way, ranges, &options);
             let [flips, tori] = [flips.unwrap(), tori.unwrap()];
-            assert_eq!(flips.at.what, Special::Flip);
-            let Special::NeimarkSacker { angle } = tori.at.what else {
+            assert_eq!(flips.at.what, CycleBifurcation::Flip);
+            let CycleBifurcation::NeimarkSacker { angle } = tori.at.what else {
                 panic!("{}", tori.at.what);
             };
             assert!((angle - 0.6 * PI).abs() < 1e-5, "{angle}");

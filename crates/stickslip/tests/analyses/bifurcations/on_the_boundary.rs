@@ -3,8 +3,9 @@
 use std::f64::consts::PI;
 
 use stickslip::analysis::{
-    AttractorKind, ContinuationSettings, SequenceBifurcation, Special, Stop, SweepSettings,
-    WhatChanges, continue_periodic_orbit, find_periodic_orbit, is_same_cycle, multipliers,
+    AttractorKind, ContinuationSettings, CycleBifurcation, SequenceBifurcation, Stop,
+    SweepSettings, WhatChanges, continue_periodic_orbit, find_periodic_orbit, is_same_cycle,
+    multipliers,
 };
 use stickslip::{Method, Mode, Options, Side, math};
 
@@ -75,7 +76,7 @@ fn it_is_followed_round_a_fold_on_a_boundary_that_moves_with_the_parameter() {
     let [fold] = found.special.as_slice() else {
         panic!("{:?}", found.special);
     };
-    assert_eq!(fold.what, Special::Fold);
+    assert_eq!(fold.what, CycleBifurcation::Fold);
     // The focus in the sliding field to which the inner cycle shrinks. The boundary is elsewhere at
     // every parameter.
     is_hopf_at_zero(found.stop);
@@ -124,7 +125,7 @@ fn where_it_begins_to_slip_is_located_from_both_sides() {
             let places = if upwards { [0.9, 1.1] } else { [1.1, 0.9] };
             assert_eq!(found.special.len(), places.len(), "{:?}", found.special);
             for (special, exact) in found.special.iter().zip(places) {
-                let Special::Sequence(change) = &special.what else {
+                let CycleBifurcation::Sequence(change) = &special.what else {
                     panic!("{special:?}");
                 };
                 assert_eq!(change.bifurcation, SequenceBifurcation::AddingSliding);
@@ -229,7 +230,7 @@ fn on_a_belt_that_shakes_the_block_sticks_for_ever_from_a_known_friction_on() {
             let [change] = found.special.as_slice() else {
                 panic!("{:?}", found.special);
             };
-            let Special::Sequence(change) = &change.what else {
+            let CycleBifurcation::Sequence(change) = &change.what else {
                 panic!("{change:?}");
             };
             assert_eq!(change.bifurcation, SequenceBifurcation::AddingSliding);
@@ -278,7 +279,7 @@ fn a_branch_goes_on_where_two_slips_begin_at_once_and_where_two_sticks_end() {
             }
             assert_eq!(found.special.len(), wanted.len(), "{:?}", found.special);
             for (special, (exact, name, mut sides)) in found.special.iter().zip(wanted) {
-                let Special::Sequence(change) = &special.what else {
+                let CycleBifurcation::Sequence(change) = &special.what else {
                     panic!("{special:?}");
                 };
                 assert_eq!(change.bifurcation, name);

@@ -3,9 +3,9 @@
 use std::f64::consts::PI;
 
 use stickslip::analysis::{
-    AttractorChange, AttractorKind, ContinuationSettings, RecurrenceSettings, SequenceBifurcation,
-    SequenceChange, Special, Stop, SweepSettings, WhatChanges, attractor, continue_periodic_orbit,
-    is_same_cycle, periodic_orbit_forced,
+    AttractorChange, AttractorKind, ContinuationSettings, CycleBifurcation, RecurrenceSettings,
+    SequenceBifurcation, SequenceChange, Stop, SweepSettings, WhatChanges, attractor,
+    continue_periodic_orbit, is_same_cycle, periodic_orbit_forced,
 };
 use stickslip::dynamics::Modes;
 use stickslip::{Mode, Options, Several, Side, State, math, solve};
@@ -168,7 +168,7 @@ fn a_branch_of_two_contacts_is_followed_through_the_change_of_one() {
         )
         .unwrap();
         let named = found.special.iter().filter_map(|at| match &at.what {
-            Special::Sequence(change) => Some((change.bifurcation, change)),
+            CycleBifurcation::Sequence(change) => Some((change.bifurcation, change)),
             _ => None,
         });
         let grazes: Vec<_> = named
@@ -264,7 +264,7 @@ fn a_slip_about_the_switch_of_another_contact_vanishes_at_a_known_friction() {
             let [special] = found.special.as_slice() else {
                 panic!("{:?}", found.special);
             };
-            let Special::Sequence(change) = &special.what else {
+            let CycleBifurcation::Sequence(change) = &special.what else {
                 panic!("{special:?}");
             };
             assert_eq!(change.bifurcation, SequenceBifurcation::Coincidence);
@@ -293,7 +293,7 @@ fn a_contact_that_another_one_lets_go_hides_no_change() {
         let [special] = found.special.as_slice() else {
             panic!("{:?}", found.special);
         };
-        let Special::Sequence(change) = &special.what else {
+        let CycleBifurcation::Sequence(change) = &special.what else {
             panic!("{special:?}");
         };
         let name = (change.bifurcation, change.contacts.as_slice());

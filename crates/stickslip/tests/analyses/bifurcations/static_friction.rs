@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use stickslip::analysis::{
-    ContinuationSettings, SequenceBifurcation, Special, Stop, SweepSettings, WhatChanges,
+    ContinuationSettings, CycleBifurcation, SequenceBifurcation, Stop, SweepSettings, WhatChanges,
     continue_periodic_orbit,
 };
 use stickslip::dynamics::Modes;
@@ -134,7 +134,7 @@ fn a_branch_goes_on_behind_a_jump_and_does_not_take_another_family_for_it() {
                     branch.points.last().unwrap().parameter
                 )
             });
-            let Special::Sequence(change) = &at.what else {
+            let CycleBifurcation::Sequence(change) = &at.what else {
                 panic!("{at:?}");
             };
             assert_eq!(
@@ -228,7 +228,10 @@ fn a_fold_is_reported_beside_the_graze_in_which_another_orbit_begins() {
     let branch =
         continue_periodic_orbit(&Dragged.dynamics(), x, period, false, &settings, &options);
     let branch = branch.unwrap();
-    let mut folds = branch.special.iter().filter(|at| at.what == Special::Fold);
+    let mut folds = branch
+        .special
+        .iter()
+        .filter(|at| at.what == CycleBifurcation::Fold);
     let fold = folds.next().unwrap().parameter;
     let family = |value| {
         let system = AtParameter {
@@ -246,7 +249,7 @@ fn a_fold_is_reported_beside_the_graze_in_which_another_orbit_begins() {
     };
     let WhatChanges::Multiplier {
         parameter,
-        what: Special::Fold,
+        what: CycleBifurcation::Fold,
         ..
     } = ends.what
     else {

@@ -3,12 +3,14 @@
 use std::f64::consts::{LN_10, PI};
 
 use stickslip::analysis::{
-    AttractorChange, AttractorKind, Exponent, SequenceBifurcation, SequenceChange, Special,
-    SpectrumOptions, SweepPoint, SweepSettings, WhatChanges, is_same_cycle, locate_changes, sweep,
+    AttractorChange, AttractorKind, CycleBifurcation, Exponent, SequenceBifurcation,
+    SequenceChange, SpectrumOptions, SweepPoint, SweepSettings, WhatChanges, is_same_cycle,
+    locate_changes, sweep,
 };
 use stickslip::dynamics::{self, Components};
 use stickslip::{Error, Mode, Options, Side, math, solve};
 
+use super::switching::Doubled;
 use super::systems::{
     AtParameter, Beat, BeatFamily, DenHartogFamily, DrivenFamily, End, Ends, EndsFamily,
     FasterBelt, Rhythm, Twisted,
@@ -109,7 +111,7 @@ fn check(change: &SequenceChange, name: SequenceBifurcation, exact: f64) {
 }
 
 /// The only change in a sweep, by a multiplier: its location, uncertainty and kind.
-fn multiplier(found: &Swept) -> ([f64; 2], &Special) {
+fn multiplier(found: &Swept) -> ([f64; 2], &CycleBifurcation) {
     let [change] = found.changes.as_slice() else {
         panic!("{:?}", found.changes);
     };
@@ -144,8 +146,8 @@ fn a_flip_a_torus_and_a_fold_of_an_attractor_are_located_and_named() {
             "{parameter:e} {bound:e}"
         );
         match *what {
-            Special::Flip => assert!(half_turn),
-            Special::NeimarkSacker { angle } => {
+            CycleBifurcation::Flip => assert!(half_turn),
+            CycleBifurcation::NeimarkSacker { angle } => {
                 assert!(!half_turn && (angle - 0.6 * PI).abs() < 1e-8, "{angle}");
             }
             ref other => panic!("{other:?}"),
@@ -162,7 +164,25 @@ fn a_flip_a_torus_and_a_fold_of_an_attractor_are_located_and_named() {
     let ([parameter, bound], what) = multiplier(&found);
     let off = (parameter + 1.0).abs();
     assert!(off <= bound && bound < 1e-9, "{off:e} {bound:e}");
-    assert_eq!(*what, Special::Fold);
+    assert_eq!(*what, CycleBifurcation::Fold);
+}
+
+/// A value of the sweep may hit a change exactly: it belongs to the pair that ends there. On one side
+/// the orbit of twice the period folds at the flip, which has the name by the shorter orbit.
+#[test]
+fn a_flip_that_a_value_of_the_sweep_hits_is_reported_once() {
+    let settings = SweepSettings::within(2000.0).forced(2.0 * PI);
+    let options = Options::tol(1e-11);
+    let family = |value| {
+        let system = Doubled;
+        leaked(AtParameter { system, value }).dynamics()
+    };
+    let any = Doubled.dynamics();
+    let (values, start) = ([0.1, 0.0, -0.1], [1.01, 0.0]);
+    let found = swept((family, &any), values, start, &settings, &options);
+    let ([parameter, bound], what) = multiplier(&found);
+    assert!(parameter.abs() <= bound && bound < 1e-9, "{parameter:e}");
+    assert_eq!(*what, CycleBifurcation::Flip);
 }
 
 #[test]
@@ -342,8 +362,7 @@ fn the_ends_of_bistability_are_found_by_sweeps_up_and_down() {
 /// Static friction, in units of the kinetic one, above which a released block returns to the belt's
 /// speed. With ω² = 1 - ζ² its velocity is R exp(-ζt) cos(ωt + φ), R cos φ = 1, R sin φ = (z +
 /// ζ)/ω, and z = `ratio` - 2ζ - 1. It is largest where ωt + φ = 2π - atan(ζ/ω).
-fn coming_back() -> f64 {
-    let damping = FasterBelt::DAMPING;
+pub fn coming_back(damping: f64) -> f64 {
     let omega = (1.0 - damping * damping).sqrt();
     let highest = |ratio: f64| {
         let sine = (ratio - damping - 1.0) / omega;
@@ -365,7 +384,7 @@ fn coming_back() -> f64 {
 
 #[test]
 fn with_static_friction_the_graze_that_ends_stick_and_slip_is_located_and_named() {
-    let exact = coming_back();
+    let exact = coming_back(FasterBelt::DAMPING);
     let settings = SweepSettings::within(3e3);
     let options = Options::tol(1e-11);
     for width in [0.02, 0.1] {

@@ -3,19 +3,20 @@
 use std::f64::consts::PI;
 
 use stickslip::analysis::{
-    ContinuationSettings, Special, Stop, continue_periodic_orbit, switch_branches,
+    ContinuationSettings, CycleBifurcation, Stop, continue_periodic_orbit, switch_branches,
 };
 use stickslip::{Error, Filippov, Method, Options, Scalar, Side, State, math};
 
-use super::systems::Pitchfork;
+use super::systems::{AtParameter, Pitchfork};
 use crate::listed::{Listed, traced};
 
 traced!(3: Doubled);
+traced!(2: AtParameter<Doubled>);
 
 /// The orbit `c = (cos t, sin t)`, and about it, in a frame that rotates half as fast, the rates `p
 /// u - u³` and `-w`. At `p = 0` its period doubles, to orbits at `u = ±√p`. A boundary at 0.2 is
 /// crossed without effect.
-struct Doubled;
+pub struct Doubled;
 
 impl Filippov<3> for Doubled {
     fn field<T: Scalar>(&self, _side: Side, t: T, &[x, y, p]: &[T; 3]) -> [T; 3] {
@@ -49,7 +50,7 @@ fn the_branch_of_twice_the_period_begins_at_a_flip() {
             &options,
         );
         let found = found.unwrap();
-        assert_eq!(found.at.what, Special::Flip);
+        assert_eq!(found.at.what, CycleBifurcation::Flip);
         assert!(found.at.parameter.abs() < 1e-9);
         let [branch] = found.branches.as_slice() else {
             panic!("{:?}", found.branches);
@@ -83,7 +84,7 @@ fn both_ways_of_the_other_branch_begin_at_a_branch_point() {
         &options,
     );
     let found = found.unwrap();
-    assert_eq!(found.at.what, Special::BranchPoint);
+    assert_eq!(found.at.what, CycleBifurcation::BranchPoint);
     let [one, two] = found.branches.as_slice() else {
         panic!("{:?}", found.branches);
     };

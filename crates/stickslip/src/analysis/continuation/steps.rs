@@ -1,84 +1,84 @@
-//! Continuation of a branch: steps, special orbits, and the end.
+//! Continuation of a branch, step by step.
 
 use std::ops::ControlFlow;
 
-use super::change::{BEYOND, Change};
-use super::line::{Line, Units};
+use super::sequence_changes::{Change, STEP_BEYOND};
+use super::tangent_line::{TangentLine, Units};
 use super::{
-    Branch, BranchPoint, ContinuationSettings, PartialBranch, Special, SpecialPoint, Stop,
+    Branch, BranchPoint, ContinuationSettings, CycleBifurcation, PartialBranch, SpecialPoint, Stop,
     check_rate, check_start, critical, parameter_of, with_parameter,
 };
-use crate::analysis::cycle::{Cycle, Extra, Margin, Outline, Shooting};
+use crate::analysis::cycle::{Cycle, Margin, Outline, Shooting};
 use crate::dynamics::{Dynamics, Moment, Vector, run};
 use crate::error::Error;
 use crate::filippov::Options;
 
-/// Precision to which an end of the branch is located, as a fraction of the range.
-const RESOLUTION: f64 = 1e-11;
+/// Precision to which an end of a branch is located, as a fraction of the parameter's range or of a
+/// step. Chosen: at the usual tolerances, orbits are no more accurate.
+pub(super) const RESOLUTION: f64 = 1e-11;
 
-/// Shortest step.
-pub(super) const SHORTEST: f64 = 1e-7;
+/// Shortest step. Chosen: behind it a branch that goes on could be followed with ever shorter
+/// steps, each of which costs as much as a long one.
+pub(super) const SHORTEST_STEP: f64 = 1e-7;
 
-/// The first step behind a change of phases, as a fraction of the longest one.
-const BEHIND: f64 = 0.02;
+/// First step behind a change of the phases, as a fraction of the longest one. Chosen: a fold is
+/// often next to the change, and later steps grow by 1.4 each.
+const FIRST_BEHIND_CHANGE: f64 = 0.02;
 
-/// Longest step, as a fraction of the orbit's own extent.
-const OF_EXTENT: f64 = 0.1;
+/// Longest step, as a fraction of the orbit's own extent. Chosen: an orbit that shrinks is then
+/// followed through ten orbits or more for each factor e.
+const LONGEST_OF_EXTENT: f64 = 0.1;
 
-/// A branch that is being followed.
-pub(in crate::analysis) struct Walk<'a> {
+/// The continuation of a branch.
+pub(in crate::analysis) struct Continuation<'a> {
     pub(super) shooting: Shooting<'a>,
     pub(super) settings: &'a ContinuationSettings,
     pub(super) branch: PartialBranch,
-    /// The kind of special orbit at which to stop, the number of such orbits before it, and the
-    /// orbit.
-    pub(in crate::analysis) wanted: Option<(IsMeant, usize)>,
+    /// The kind of special orbit at which to stop, and the number of such orbits to pass before.
+    pub(in crate::analysis) wanted: Option<(IsWanted, usize)>,
+    /// That orbit.
     pub(super) junction: Option<Junction>,
 }
 
 /// Whether a special orbit is of the kind at which to stop.
-type IsMeant = fn(&Special) -> bool;
+type IsWanted = fn(&CycleBifurcation) -> bool;
 
 /// A special orbit from which a curve or another branch is followed.
 pub(super) struct Junction {
     pub at: SpecialPoint,
     pub cycle: Cycle,
-    pub by: Vanishing,
+    /// The line on which it was located.
+    pub line: TangentLine,
+    /// The margin that vanishes, at a change of the phases.
+    pub margin: Option<Margin>,
 }
 
-/// The function that vanishes at a special orbit.
-pub(super) enum Vanishing {
-    Margin(Margin),
-    /// A function of the multipliers, on a line that contains the orbit.
-    Multiplier(Line),
-}
-
-impl<'a> Walk<'a> {
+impl<'a> Continuation<'a> {
     pub fn begin(
         system: &'a dyn Dynamics,
         (x, period, upwards): (Vector, f64, bool),
         settings: &'a ContinuationSettings,
-        (extra, options): (Extra<'a>, &'a Options),
+        (plane, options): (Option<(&'a Vector, f64)>, &'a Options),
     ) -> Result<Self, Error> {
         let period = settings.forced.unwrap_or(period);
         let start = Moment { t: 0.0, x };
-        let fewest = 2 + usize::from(!matches!(extra, Extra::None));
-        check_start(&start.x, fewest - 1, settings)?;
-        let last = start.x.len() - 1;
         // The other parameter, if there is one, is the one before the last.
-        let states = last - usize::from(!matches!(extra, Extra::None));
+        let parameters = 1 + usize::from(plane.is_some());
+        check_start(&start.x, parameters, settings)?;
+        let last = start.x.len() - 1;
+        let states = start.x.len() - parameters;
         let (low, high) = settings.range;
         let value = start.x[last];
         let outline = Outline::of_run(system, &start, period, options)?;
         for segment in &outline.segments {
             let flow = system.flow(segment.mode, &segment.inside);
             let rates = flow.velocity(&segment.inside);
-            let parameters = rates.rows(states, last + 1 - states);
-            parameters.iter().try_for_each(|rate| check_rate(*rate))?;
+            let rates = rates.rows(states, parameters);
+            rates.iter().try_for_each(|rate| check_rate(*rate))?;
         }
         let shooting = Shooting {
             states,
-            extra,
+            plane,
             ..Shooting::of(system, &outline, settings.forced, options)
         };
         let row = outline.unit(last);
@@ -99,8 +99,13 @@ impl<'a> Walk<'a> {
             other: None,
         };
         let sign = if upwards { 1.0 } else { -1.0 };
-        let line = Line::tangent(&shooting, units, &first, &(row * sign));
-        Ok(Walk::at(shooting, settings, units, (first, line)))
+        let line = TangentLine::tangent(&shooting, units, &first, &(row * sign));
+        Ok(Continuation::from_orbit(
+            shooting,
+            settings,
+            units,
+            (first, line),
+        ))
     }
 
     /// Resumes a branch.
@@ -117,7 +122,7 @@ impl<'a> Walk<'a> {
             extent: branch.widest,
             ..Shooting::of(system, outline, settings.forced, options)
         };
-        Walk::with(shooting, settings, branch)
+        Continuation::with(shooting, settings, branch)
     }
 
     fn with(
@@ -125,7 +130,7 @@ impl<'a> Walk<'a> {
         settings: &'a ContinuationSettings,
         branch: PartialBranch,
     ) -> Self {
-        Walk {
+        Continuation {
             shooting,
             settings,
             branch,
@@ -135,11 +140,11 @@ impl<'a> Walk<'a> {
     }
 
     /// Begins at an orbit, along a line.
-    pub(super) fn at(
+    pub(super) fn from_orbit(
         shooting: Shooting<'a>,
         settings: &'a ContinuationSettings,
         units: Units,
-        (first, line): (Cycle, Option<Line>),
+        (first, line): (Cycle, Option<TangentLine>),
     ) -> Self {
         let branch = PartialBranch {
             units,
@@ -153,9 +158,9 @@ impl<'a> Walk<'a> {
             extents: Vec::new(),
             special: Vec::new(),
         };
-        let mut walk = Walk::with(shooting, settings, branch);
-        walk.note();
-        walk
+        let mut continuation = Continuation::with(shooting, settings, branch);
+        continuation.record();
+        continuation
     }
 
     pub fn into_branch(self, stop: Stop) -> Branch {
@@ -176,11 +181,11 @@ impl<'a> Walk<'a> {
             if is_enough || self.branch.points.len() >= self.settings.most_points {
                 return Stop::Points;
             }
-            let step = self.shrinks().or_else(|| self.advance());
-            match step.or_else(|| self.closes()) {
+            let end = self.shrinks().or_else(|| self.advance());
+            match end.or_else(|| self.closes()) {
                 None => {}
                 Some(Stop::NoConvergence) => {
-                    return self.slow_end().unwrap_or(Stop::NoConvergence);
+                    return self.homoclinic_end().unwrap_or(Stop::NoConvergence);
                 }
                 Some(stop) => return stop,
             }
@@ -189,13 +194,13 @@ impl<'a> Walk<'a> {
 
     /// Whether the line leads out of the range.
     fn leaves_range(&self) -> bool {
-        let heading = self.branch.line.as_ref().map_or(0.0, Line::heading);
+        let heading = self.branch.line.as_ref().map_or(0.0, TangentLine::heading);
         let (low, high) = self.settings.range;
         let here = self.parameter();
         heading > 0.0 && here >= high || heading < 0.0 && here <= low
     }
 
-    /// The component of the parameter.
+    /// Index of the parameter among the components.
     pub(super) fn place(&self) -> usize {
         self.branch.last.outline.begin.x.len() - 1
     }
@@ -204,7 +209,7 @@ impl<'a> Walk<'a> {
         parameter_of(&self.branch.last)
     }
 
-    /// Takes a step, or passes a change of phases.
+    /// Takes a step, or passes a change of the phases.
     fn advance(&mut self) -> Option<Stop> {
         if self.branch.last.is_badly_cut() {
             self.cut_anew();
@@ -212,17 +217,17 @@ impl<'a> Walk<'a> {
         let Some(line) = self.branch.line.clone() else {
             return Some(Stop::NoConvergence);
         };
-        let by_extent = OF_EXTENT * self.branch.last.extent / self.branch.units.size;
+        let by_extent = LONGEST_OF_EXTENT * self.branch.last.extent / self.branch.units.size;
         let mut step = self.branch.step.min(by_extent);
         if let Some(&(_, place)) = line.vanishing(step).first() {
-            let change = self.vanishes(&line, place);
+            let change = self.vanishing_segments(&line, place);
             if let Some(change) = change.filter(|change| self.is_in_range(&change.at.solution)) {
-                return self.pass(change);
+                return self.pass_change(change);
             }
             step = 0.5 * place;
-            if step < SHORTEST {
-                return match self.vanished(&line, place) {
-                    Some(change) => self.pass(change),
+            if step < SHORTEST_STEP {
+                return match self.vanished_segment(&line, place) {
+                    Some(change) => self.pass_change(change),
                     None => Some(Stop::NoConvergence),
                 };
             }
@@ -243,14 +248,14 @@ impl<'a> Walk<'a> {
             };
             next = at_end;
         }
-        let onward = line.goes_on(&self.shooting, self.branch.units, &next);
-        let bends = |onward: &Line| !line.bends_little(onward);
+        let onward = line.continued(&self.shooting, self.branch.units, &next);
+        let bends = |onward: &TangentLine| !line.bends_little(onward);
         if onward.as_ref().is_some_and(bends) {
             return self.shorten(step, 0.5);
         }
-        match self.passed(&line, &next) {
+        match self.change_before(&line, &next) {
             Err(()) => return self.shorten(step, 0.5),
-            Ok(Some(change)) => return self.pass(change),
+            Ok(Some(change)) => return self.pass_change(change),
             Ok(None) => {}
         }
         if let Some(why) = self.refused(&next.anchor) {
@@ -286,7 +291,7 @@ impl<'a> Walk<'a> {
             self.shooting
                 .solve(&outline, Some((&row, self.parameter()))),
         ) {
-            self.branch.line = line.goes_on(&self.shooting, self.branch.units, &anew);
+            self.branch.line = line.continued(&self.shooting, self.branch.units, &anew);
             self.branch.last = anew;
         }
     }
@@ -297,18 +302,17 @@ impl<'a> Walk<'a> {
         (low..=high).contains(&parameter_of(cycle))
     }
 
-    /// Shortens the next step, if it is long enough for that.
+    /// Shortens the next step; the branch ends if it is too short for that.
     fn shorten(&mut self, step: f64, part: f64) -> Option<Stop> {
         self.branch.step = part * step;
-        if self.branch.step >= SHORTEST {
+        if self.branch.step >= SHORTEST_STEP {
             return None;
         }
         let end = self.boundary_equilibrium();
         end.or(Some(Stop::NoConvergence))
     }
 
-    /// Whether the system cannot be integrated for a period from a moment of the last orbit, and
-    /// why.
+    /// Why the system cannot be integrated over a period from a moment of the last orbit, if so.
     fn refused(&self, start: &Moment) -> Option<Stop> {
         let (system, options) = (self.shooting.system, self.shooting.options);
         let error = run(system, start, start.t + self.branch.last.period, options).err()?;
@@ -321,8 +325,9 @@ impl<'a> Walk<'a> {
         is_of_friction.then_some(Stop::Refused(error))
     }
 
-    /// Moves to the last orbit on a line, before a place, along which the system can be integrated.
-    fn go_to_edge(&mut self, line: &Line, step: f64, mut why: Stop) -> Stop {
+    /// Continues to the last orbit on a line, before a place, along which the system can be
+    /// integrated.
+    fn go_to_edge(&mut self, line: &TangentLine, step: f64, mut why: Stop) -> Stop {
         let (mut good, mut bad) = ((0.0, None), step);
         while bad - good.0 > RESOLUTION {
             let middle = 0.5 * (good.0 + bad);
@@ -335,14 +340,14 @@ impl<'a> Walk<'a> {
             }
         }
         if let (_, Some(last)) = good {
-            let onward = line.goes_on(&self.shooting, self.branch.units, &last);
+            let onward = line.continued(&self.shooting, self.branch.units, &last);
             self.follow(line, last, onward);
         }
         why
     }
 
-    /// Passes a change of phases.
-    fn pass(&mut self, change: Change) -> Option<Stop> {
+    /// Records a change of the phases and continues behind it.
+    fn pass_change(&mut self, change: Change) -> Option<Stop> {
         let described = self.described(&change);
         let point = SpecialPoint {
             parameter: described.parameter,
@@ -350,18 +355,19 @@ impl<'a> Walk<'a> {
             behind: self.branch.points.len(),
             x: change.at.solution.anchor.x.clone(),
             period: change.at.solution.period,
-            what: Special::Sequence(Box::new(described)),
+            what: CycleBifurcation::Sequence(Box::new(described)),
         };
-        let cycle = change.at.solution.clone();
-        self.note_special(point, cycle, Vanishing::Margin(change.margin.clone()));
+        let (cycle, line) = (change.at.solution.clone(), change.line.clone());
+        self.record_special(point, cycle, line, Some(change.margin.clone()));
         if self.junction.is_some() {
             return Some(Stop::Points);
         }
         let Some((next, line)) = change.behind else {
-            let way = (change.at.parameter - self.parameter()).signum() * self.branch.units.width;
+            let offset =
+                (change.at.parameter - self.parameter()).signum() * self.branch.units.width;
             let beyond = |at: &Moment| Moment {
                 t: at.t,
-                x: with_parameter(at.x.clone(), change.at.parameter + BEYOND * way),
+                x: with_parameter(at.x.clone(), change.at.parameter + STEP_BEYOND * offset),
             };
             let mut starts = self.branch.last.begins.iter().map(beyond);
             let refused = starts.find_map(|start| self.refused(&start));
@@ -371,7 +377,7 @@ impl<'a> Walk<'a> {
             return Some(Stop::Range);
         }
         // A fold may lie next to it.
-        self.branch.step = BEHIND * self.settings.step;
+        self.branch.step = FIRST_BEHIND_CHANGE * self.settings.step;
         self.take(next);
         self.branch.line = Some(line);
         None
@@ -382,25 +388,37 @@ impl<'a> Walk<'a> {
         self.branch.widest = self.branch.widest.max(next.extent);
         self.shooting.extent = self.branch.widest;
         self.branch.before = std::mem::replace(&mut self.branch.last, next);
-        self.note();
+        self.record();
     }
 
-    /// Records a special orbit, and keeps it if it is the one at which to stop.
-    pub(super) fn note_special(&mut self, at: SpecialPoint, cycle: Cycle, by: Vanishing) {
+    /// Records a special orbit. The continuation stops there if that was asked for.
+    pub(super) fn record_special(
+        &mut self,
+        at: SpecialPoint,
+        cycle: Cycle,
+        line: TangentLine,
+        margin: Option<Margin>,
+    ) {
         self.branch.special.push(at.clone());
         match &mut self.wanted {
-            Some((is_meant, number)) if is_meant(&at.what) => match number.checked_sub(1) {
+            Some((is_wanted, number)) if is_wanted(&at.what) => match number.checked_sub(1) {
                 Some(less) => *number = less,
                 None => {
                     self.wanted = None;
-                    self.junction = Some(Junction { at, cycle, by });
+                    self.junction = Some(Junction {
+                        at,
+                        cycle,
+                        line,
+                        margin,
+                    });
                 }
             },
             _ => {}
         }
     }
 
-    fn note(&mut self) {
+    /// Records the last orbit.
+    fn record(&mut self) {
         let Moment { t, x } = self.branch.last.anchor.clone();
         self.branch.extents.push(self.branch.last.extent);
         self.branch.points.push(BranchPoint {

@@ -1,55 +1,65 @@
-//! Changes of the phases along a branch: where they are, by which margin, and the orbits behind
-//! them.
+//! Changes of the phases along a branch: where they are, which margin vanishes, and the orbits
+//! behind them.
 
-use super::line::Line;
 use super::parameter_of;
-use super::walk::Walk;
+use super::steps::Continuation;
+use super::tangent_line::TangentLine;
 use crate::analysis::cycle::{
-    Cycle, Margin, MarginKind, Outline, Path, SequenceChange, Shooting, Zero, describe,
+    Cycle, Margin, MarginKind, Outline, Path, SAFETY, SequenceChange, Shooting, Zero, describe,
 };
 use crate::dynamics::{Happening, Moment, Section, Vector};
 use crate::filippov::Direction;
 
-/// A located change.
+/// A change of the phases.
 pub(super) struct Change {
     /// The orbit at the change.
     pub at: Zero,
+    /// The line on which it was located.
+    pub line: TangentLine,
     /// The margin that vanishes there.
     pub margin: Margin,
-    /// The orbits behind it: the first of them, and the line on which they continue.
-    pub behind: Option<(Cycle, Line)>,
+    /// The first orbit behind it, and the line on which the branch goes on from there.
+    pub behind: Option<(Cycle, TangentLine)>,
 }
 
-/// Distance beyond a change at which orbits are sought, as a fraction of a step.
-pub(super) const BEYOND: f64 = 1e-3;
+/// Distance beyond a change at which the orbit behind it is sought, as a fraction of a step.
+/// Chosen: nearer, rounding decides the phases; farther, the next change may lie before it.
+pub(super) const STEP_BEYOND: f64 = 1e-3;
 
-/// Segments may vanish together if their durations would vanish within this multiple of the
-/// distance to the first that does.
+/// Segments may vanish at once if, by their tangents, they vanish within this multiple of the
+/// distance to the first. Chosen: tangents predict the distance to a factor of two or so, since
+/// durations may vanish like a square root.
 const AT_ONCE: f64 = 4.0;
 
-/// A segment that begins at a change is shorter than this fraction of the longest.
-const SHORT: f64 = 0.2;
+/// Longest segment that may have begun at the change, as a fraction of the longest one. Chosen: at
+/// [`STEP_BEYOND`] it is far shorter.
+const NEW_SEGMENT: f64 = 0.2;
 
-/// An orbit has returned if it is within this fraction of its extent.
+/// Distance at which an orbit has returned, as a fraction of its extent; and how far behind the
+/// change the next orbit may be, as a fraction of the range. Chosen: unrelated orbits are farther.
 const NEAR: f64 = 0.1;
 
-/// Number of periods within which it returns.
+/// Number of periods within which it returns: one, or two behind a flip, and some more.
 const MOST_PERIODS: f64 = 3.0;
 
-impl Walk<'_> {
-    /// The first margin that is below zero at an orbit on the line, and where; `Err` where the step
-    /// is too long to decide.
-    pub(super) fn passed(&self, line: &Line, next: &Cycle) -> Result<Option<Change>, ()> {
-        // On a shorter step orbits differ by one change: a margin that the last one lacks has no
-        // cause before the first zero.
-        const NEAREST: f64 = 1e-5;
+impl Continuation<'_> {
+    /// The first change of the phases before an orbit on the line; `Err` where the step is too long
+    /// to decide.
+    pub(super) fn change_before(
+        &self,
+        line: &TangentLine,
+        next: &Cycle,
+    ) -> Result<Option<Change>, ()> {
+        // In a shorter step there is one change: the margins that the last orbit lacks appear
+        // behind the first zero. Chosen: far above the shortest step.
+        const DECISIVE_STEP: f64 = 1e-5;
         let (last, length) = (&self.branch.last, line.place(next));
         let mut first: Option<(Zero, Margin)> = None;
-        let mut is_unclear = false;
+        let mut is_undecided = false;
         let violated = next.margins.iter();
         for margin in violated.filter(|margin| self.shooting.is_violated(margin)) {
             let Some(before) = last.margin_like(margin) else {
-                is_unclear = true;
+                is_undecided = true;
                 continue;
             };
             let zero = if before.value <= 0.0 {
@@ -71,70 +81,81 @@ impl Walk<'_> {
                 first = Some((zero, margin));
             }
         }
-        // Another one may come first, if the step is not short enough to decide.
-        if is_unclear && (first.is_none() || length > NEAREST) {
+        // A change without a margin at the last orbit may come first.
+        if is_undecided && (first.is_none() || length > DECISIVE_STEP) {
             return Err(());
         }
         Ok(first.map(|(at, margin)| {
-            // Near the graze of a jump, orbits with that jump have unbounded derivatives.
-            let ends = margin.is_of_jump;
-            let behind = (!ends).then(|| self.behind(line, &at, length)).flatten();
-            Change { at, margin, behind }
+            // Next to the graze of a jump, orbits with that jump have unbounded derivatives.
+            let behind = (!margin.is_of_jump).then(|| self.behind(line, &at, length));
+            let behind = behind.flatten();
+            Change {
+                at,
+                line: line.clone(),
+                margin,
+                behind,
+            }
         }))
     }
 
-    /// The orbits behind a change, in the sequence that the system itself takes from the orbit
+    /// The orbit behind a change, with the phases that the system itself takes from an orbit
     /// slightly beyond it.
-    fn behind(&self, line: &Line, at: &Zero, step: f64) -> Option<(Cycle, Line)> {
-        let beyond = line.on(&self.shooting, at.s + BEYOND * step)?;
-        let outline = self.run_through(&beyond)?;
-        let is_other = outline.modes() != self.branch.last.outline.modes();
-        is_other
+    fn behind(&self, line: &TangentLine, at: &Zero, step: f64) -> Option<(Cycle, TangentLine)> {
+        let beyond = line.on(&self.shooting, at.s + STEP_BEYOND * step)?;
+        let outline = self.run_from(&beyond)?;
+        let is_new = outline.modes() != self.branch.last.outline.modes();
+        is_new
             .then(|| self.enter(&outline, parameter_of(&at.solution)))
             .flatten()
     }
 
-    /// An orbit with a new sequence near an outline, and the line on which it leaves the change.
-    /// Along the line the shortest segment grows, or else the parameter advances.
-    fn enter(&self, outline: &Outline, change: f64) -> Option<(Cycle, Line)> {
+    /// The orbit near an outline with other phases, and the line on which the branch goes on from
+    /// it. Along the line the shortest segment grows, or else the parameter moves away from the
+    /// change.
+    fn enter(&self, outline: &Outline, change: f64) -> Option<(Cycle, TangentLine)> {
         let n = outline.begin.x.len();
         let durations = || outline.segments.iter().map(|one| one.duration);
         let longest = durations().fold(0.0, f64::max);
-        // Of the new segments, if there are any.
-        let known = &self.branch.last.outline.segments;
-        let is_new = |k: usize| !known.iter().any(|one| one.mode == outline.segments[k].mode);
+        // The shortest of the new segments, if there are any.
+        let old = &self.branch.last.outline.segments;
+        let is_new = |k: usize| !old.iter().any(|one| one.mode == outline.segments[k].mode);
         let any_new = (0..outline.segments.len()).any(is_new);
         let may_grow = durations()
             .enumerate()
             .filter(|(k, _)| !any_new || is_new(*k));
         let shortest = may_grow.min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let by_duration = (shortest.1 < SHORT * longest).then(|| outline.unit(n + shortest.0));
+        let by_duration =
+            (shortest.1 < NEW_SEGMENT * longest).then(|| outline.unit(n + shortest.0));
         let by_parameter = outline.unit(n - 1);
         let rows = by_duration.into_iter().chain([by_parameter.clone()]);
         rows.into_iter().find_map(|row| {
             let value = row.dot(&outline.unknowns());
-            let found = self.shooting.solve(outline, Some((&row, value)))?;
-            let way = parameter_of(&found) - change;
-            let is_near = way.abs() <= NEAR * self.branch.units.width;
-            let row = if row == by_parameter { row * way } else { row };
-            let line = Line::tangent(&self.shooting, self.branch.units, &found, &row)?;
-            (is_near && self.shooting.is_valid(&found)).then_some((found, line))
+            let cycle = self.shooting.solve(outline, Some((&row, value)))?;
+            let distance = parameter_of(&cycle) - change;
+            let is_near = distance.abs() <= NEAR * self.branch.units.width;
+            let row = if row == by_parameter {
+                row * distance
+            } else {
+                row
+            };
+            let line = TangentLine::tangent(&self.shooting, self.branch.units, &cycle, &row)?;
+            (is_near && self.shooting.is_valid(&cycle)).then_some((cycle, line))
         })
     }
 
-    /// The system's own orbit for one period, from a start that is not on a periodic orbit.
-    fn run_through(&self, orbit: &Cycle) -> Option<Outline> {
+    /// The system's own orbit over one period, from a state that need not be on a periodic orbit.
+    fn run_from(&self, orbit: &Cycle) -> Option<Outline> {
         let (system, options) = (self.shooting.system, self.shooting.options);
         let start = &orbit.anchor;
         let period = match self.shooting.forced {
             Some(period) => period,
-            None => self.comes_back(start, orbit).unwrap_or(orbit.period),
+            None => self.return_time(start, orbit).unwrap_or(orbit.period),
         };
         Outline::of_run(system, start, period, options).ok()
     }
 
-    /// The time at which an orbit first returns near one of its states.
-    fn comes_back(&self, from: &Moment, orbit: &Cycle) -> Option<f64> {
+    /// The time after which an orbit first returns to near one of its states.
+    fn return_time(&self, from: &Moment, orbit: &Cycle) -> Option<f64> {
         let (system, options) = (self.shooting.system, self.shooting.options);
         let mode = system.begin(from, from.t + orbit.period, options, &Section::None);
         let section = Section::Plane {
@@ -155,20 +176,21 @@ impl Walk<'_> {
         }
     }
 
-    /// The change at which the durations of segments vanish, of the first at a place on the line.
-    pub(super) fn vanishes(&self, line: &Line, place: f64) -> Option<Change> {
+    /// The change at which segments vanish, the first of them at a place on the line.
+    pub(super) fn vanishing_segments(&self, line: &TangentLine, place: f64) -> Option<Change> {
         let numbers = line.vanishing(AT_ONCE * place);
         let numbers: Vec<usize> = numbers.into_iter().map(|(k, _)| k).collect();
         let first = &numbers[..1];
-        let several = (numbers.len() > 1).then(|| self.vanishes_without(&numbers, place));
+        let several = (numbers.len() > 1).then(|| self.change_without(&numbers, place));
         several
             .flatten()
-            .or_else(|| self.vanishes_without(first, place))
-            .or_else(|| self.coincides(line, &numbers, place))
+            .or_else(|| self.change_without(first, place))
+            .or_else(|| self.coincidence(line, &numbers, place))
     }
 
-    /// The change at which some segments vanish, near a place.
-    fn vanishes_without(&self, numbers: &[usize], place: f64) -> Option<Change> {
+    /// The change at which some segments vanish: the zero of a margin of orbits without them, near
+    /// a place.
+    fn change_without(&self, numbers: &[usize], place: f64) -> Option<Change> {
         let outline = &self.branch.last.outline;
         let simple = outline.without(numbers, &self.branch.last.begins)?;
         let n = outline.begin.x.len();
@@ -179,23 +201,24 @@ impl Walk<'_> {
         if first.family > self.shooting.family {
             return None;
         }
-        let line = Line::tangent(&self.shooting, self.branch.units, &first, &row)?;
-        let margin = first.margin_about(&self.branch.last, numbers)?;
+        let line = TangentLine::tangent(&self.shooting, self.branch.units, &first, &row)?;
+        let margin = first.margin_near(&self.branch.last, numbers)?;
         let (at, slope) = self.zero_near(&line, margin, place)?;
         let margin = at.solution.margin_like(margin)?.clone();
         let row = line.across() * slope.signum();
-        let behind = Line::tangent(&self.shooting, self.branch.units, &at.solution, &row)?;
+        let behind = TangentLine::tangent(&self.shooting, self.branch.units, &at.solution, &row)?;
         let cycle = at.solution.clone();
         Some(Change {
             at,
+            line,
             margin,
             behind: Some((cycle, behind)),
         })
     }
 
-    /// The change at the last orbit, of which a segment has all but vanished, if no orbit without
-    /// it could be computed.
-    pub(super) fn vanished(&self, line: &Line, place: f64) -> Option<Change> {
+    /// The change at the last orbit where a segment of it has all but vanished, for when no orbit
+    /// without it could be computed.
+    pub(super) fn vanished_segment(&self, line: &TangentLine, place: f64) -> Option<Change> {
         let (number, _) = *line.vanishing(place).first()?;
         let last = &self.branch.last;
         let margin = duration(last, number)?;
@@ -208,26 +231,29 @@ impl Walk<'_> {
             solution: last.clone(),
             uncertainty: ahead.abs() + by_tolerance,
         };
-        let behind = None;
-        Some(Change { at, margin, behind })
+        Some(Change {
+            at,
+            line: line.clone(),
+            margin,
+            behind: None,
+        })
     }
 
-    /// Error of an orbit's parameter due to the tolerances, with the product of the unknowns with a
-    /// row held fixed: twice the change caused by a tenth of them.
+    /// Error of an orbit's parameter due to the tolerances, where the product of the unknowns with
+    /// a row has a given value.
     fn by_tolerance(&self, orbit: &Cycle, guess: &Outline, row: (&Vector, f64)) -> f64 {
-        const SAFE: f64 = 2.0;
         let finer = Shooting {
             options: &self.shooting.options.finer(),
             ..self.shooting
         };
         let finer = finer.solve(guess, Some(row));
         finer.map_or(f64::NAN, |finer| {
-            SAFE * (parameter_of(&finer) - parameter_of(orbit)).abs()
+            SAFETY * (parameter_of(&finer) - parameter_of(orbit)).abs()
         })
     }
 
     /// The zero of a margin near the beginning of a line, and the sign of its slope there.
-    fn zero_near(&self, line: &Line, margin: &Margin, step: f64) -> Option<(Zero, f64)> {
+    fn zero_near(&self, line: &TangentLine, margin: &Margin, step: f64) -> Option<(Zero, f64)> {
         let value = |one: &Cycle| Some(one.margin_like(margin)?.value);
         let path = line.orbits(&self.shooting);
         let [a, b] = path.bracket((0.0, margin.value), step, &value)?;
@@ -236,7 +262,7 @@ impl Walk<'_> {
     }
 
     /// The change at which two contacts switch in the same instant.
-    fn coincides(&self, line: &Line, numbers: &[usize], place: f64) -> Option<Change> {
+    fn coincidence(&self, line: &TangentLine, numbers: &[usize], place: f64) -> Option<Change> {
         let &number = numbers.first()?;
         let mut guess = line.guess(place);
         guess.segments[number].duration = 0.0;
@@ -244,10 +270,10 @@ impl Walk<'_> {
         let row = guess.unit(n + number);
         let cycle = self.shooting.solve(&guess, Some((&row, 0.0)))?;
         let margin = duration(&cycle, number)?;
-        let lasts = 0.1 * self.branch.last.outline.segments[number].duration;
+        let duration_behind = 0.1 * self.branch.last.outline.segments[number].duration;
         let mut numbers = numbers.iter();
         let swapped = numbers.try_fold(cycle.outline.clone(), |outline, &number| {
-            outline.swapped(number, lasts)
+            outline.swapped(number, duration_behind)
         })?;
         let parameter = parameter_of(&cycle);
         let uncertainty = self.by_tolerance(&cycle, &guess, (&row, 0.0));
@@ -258,12 +284,19 @@ impl Walk<'_> {
             solution: cycle,
             uncertainty,
         };
-        Some(Change { at, margin, behind })
+        Some(Change {
+            at,
+            line: line.clone(),
+            margin,
+            behind,
+        })
     }
 
     /// Describes a change.
     pub(super) fn described(&self, change: &Change) -> SequenceChange {
-        let Change { at, margin, behind } = change;
+        let Change {
+            at, margin, behind, ..
+        } = change;
         let parameter = at.parameter;
         let after = behind.as_ref();
         let after = after.map_or(Vec::new(), |(cycle, _)| cycle.outline.modes());
@@ -276,8 +309,8 @@ impl Walk<'_> {
     }
 }
 
-/// The margin of a segment's duration.
+/// The margin that is the duration of a segment.
 fn duration(cycle: &Cycle, number: usize) -> Option<Margin> {
-    let is_meant = |margin: &&Margin| margin.kind == MarginKind::Duration && margin.part == number;
-    cycle.margins.iter().find(is_meant).cloned()
+    let is_its = |margin: &&Margin| margin.kind == MarginKind::Duration && margin.part == number;
+    cycle.margins.iter().find(is_its).cloned()
 }

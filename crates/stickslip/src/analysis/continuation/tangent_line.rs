@@ -1,21 +1,23 @@
-//! The line along which the next orbit of a branch is sought.
+//! The tangent of a branch, along which the next orbit is sought.
 
 use super::{parameter_of, with_parameter};
 use crate::analysis::cycle::{Cycle, Outline, Path, Shooting, unit};
 use crate::dynamics::{Matrix, Vector};
 use crate::filippov::Options;
 
-/// The line through an orbit along which the next one is sought, in the plane across it.
+/// The line through an orbit along which the next one is sought. Newton's iteration stays in a
+/// plane across it.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Line {
+pub(super) struct TangentLine {
     /// The orbit at which it begins.
     pub from: Outline,
     /// Changes of the unknowns for a step of length 1.
     pub direction: Vector,
     /// The plane across the line, on which its product with the unknowns is constant.
     row: Vector,
-    /// Whether orbits are sought at a fixed parameter: in a family, the nearest one at each.
+    /// Whether the planes are those of a fixed parameter: in a family, the nearest orbit at each
+    /// value is sought.
     is_of_families: bool,
 }
 
@@ -23,16 +25,17 @@ pub(super) struct Line {
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Units {
-    /// Size of the first orbit.
+    /// Extent of the first orbit.
     pub size: f64,
-    /// Width of the other parameter's range; it is the last component but one, if there is one.
+    /// Width of the parameter's range.
     pub width: f64,
-    /// And of the other's, the last component but one, if there is one.
+    /// Width of the other parameter's range; that is the last component but one, if there is one.
     pub other: Option<f64>,
 }
 
-/// The smallest allowed cosine of the angle by which a branch turns in a step.
-pub(super) const BEND: f64 = 0.9;
+/// Smallest cosine of the angle by which a branch may turn in a step. Chosen: 26 degrees, at which
+/// Newton's iteration converges from the tangent.
+pub(super) const LEAST_COSINE: f64 = 0.9;
 
 impl Units {
     /// Weights of the squares of the unknowns.
@@ -49,8 +52,8 @@ impl Units {
         let durations = std::iter::repeat_n(by_period, count);
         let all = states.iter().copied().chain(durations).chain([of_begin]);
         // The states at the cuts follow from these.
-        let rest = cycle.jacobian.ncols() - (n + count + 1);
-        let all = all.chain(std::iter::repeat_n(0.0, rest));
+        let others = cycle.jacobian.ncols() - (n + count + 1);
+        let all = all.chain(std::iter::repeat_n(0.0, others));
         Vector::from_vec(all.collect())
     }
 }
@@ -64,7 +67,7 @@ pub(super) fn bordered(cycle: &Cycle, row: &Vector) -> Matrix {
     matrix
 }
 
-impl Line {
+impl TangentLine {
     /// The tangent of the branch at an orbit, in the direction in which the product with `row`
     /// grows.
     pub fn tangent(
@@ -75,7 +78,7 @@ impl Line {
     ) -> Option<Self> {
         let matrix = bordered(cycle, row);
         let rows = matrix.nrows();
-        let line = Line::along(
+        let line = TangentLine::along(
             shooting,
             units,
             cycle,
@@ -85,7 +88,7 @@ impl Line {
             return Some(line);
         }
         let number = cycle.outline.begin.x.len() - 1;
-        Some(Line {
+        Some(TangentLine {
             row: cycle.outline.unit(number),
             is_of_families: true,
             ..line
@@ -97,13 +100,13 @@ impl Line {
         shooting: &Shooting<'_>,
         units: Units,
         cycle: &Cycle,
-        way: Vector,
+        direction: Vector,
     ) -> Option<Self> {
         let weights = units.weights(cycle, shooting.forced.is_some());
-        let length = way.component_mul(&way).dot(&weights).sqrt();
-        let direction = way / length;
+        let length = direction.component_mul(&direction).dot(&weights).sqrt();
+        let direction = direction / length;
         let row = direction.component_mul(&weights);
-        (length > 0.0 && length.is_finite()).then_some(Line {
+        (length > 0.0 && length.is_finite()).then_some(TangentLine {
             from: cycle.outline.clone(),
             direction,
             row,
@@ -111,13 +114,13 @@ impl Line {
         })
     }
 
-    /// The same direction from another orbit with the same sequence.
-    pub fn goes_on(&self, shooting: &Shooting<'_>, units: Units, cycle: &Cycle) -> Option<Self> {
+    /// The tangent at another orbit with the same sequence, in the same direction.
+    pub fn continued(&self, shooting: &Shooting<'_>, units: Units, cycle: &Cycle) -> Option<Self> {
         if !self.is_of_families {
-            return Line::tangent(shooting, units, cycle, &self.row);
+            return TangentLine::tangent(shooting, units, cycle, &self.row);
         }
         let heading = self.heading();
-        Line::tangent(shooting, units, cycle, &(&self.row * heading))
+        TangentLine::tangent(shooting, units, cycle, &(&self.row * heading))
     }
 
     /// How the parameter changes along it.
@@ -126,47 +129,46 @@ impl Line {
     }
 
     /// Whether another line continues in nearly the same direction.
-    pub fn bends_little(&self, other: &Line) -> bool {
+    pub fn bends_little(&self, other: &TangentLine) -> bool {
         if self.is_of_families {
             return self.heading() * other.heading() > 0.0;
         }
-        self.row.dot(&other.direction) >= BEND
+        self.row.dot(&other.direction) >= LEAST_COSINE
     }
 
-    /// The plane across it.
+    /// The row of the planes across it.
     pub fn across(&self) -> &Vector {
         &self.row
     }
 
+    /// The point at a place on it.
     pub fn guess(&self, s: f64) -> Outline {
         self.from
             .with(&(self.from.unknowns() + &self.direction * s))
     }
 
     /// The plane across it at a place: an outline in it, and its product with the unknowns.
-    pub fn plane(&self, s: f64) -> Option<(Outline, f64)> {
+    pub fn plane(&self, shooting: &Shooting<'_>, s: f64) -> Option<(Outline, f64)> {
         let guess = self.guess(s);
-        let is_possible = guess.segments.iter().all(|one| one.duration >= 0.0);
         let value = self.row.dot(&guess.unknowns());
-        is_possible.then_some((guess, value))
+        let lasts = shooting.lasts(&guess, guess.period());
+        lasts.then_some((guess, value))
     }
 
-    /// The orbit at a place on it.
+    /// The orbit in the plane at a place.
     pub fn on(&self, shooting: &Shooting<'_>, s: f64) -> Option<Cycle> {
-        let (guess, value) = self.plane(s)?;
+        let (guess, value) = self.plane(shooting, s)?;
         shooting.solve(&guess, Some((&self.row, value)))
     }
 
     /// The place of an orbit with the same sequence.
     pub fn place(&self, cycle: &Cycle) -> f64 {
-        let way = self
-            .row
-            .dot(&(cycle.outline.unknowns() - self.from.unknowns()));
-        way / self.row.dot(&self.direction)
+        let step = cycle.outline.unknowns() - self.from.unknowns();
+        self.row.dot(&step) / self.row.dot(&self.direction)
     }
 
-    /// The segments whose durations would vanish on it by a place, ordered by where they vanish,
-    /// and that place.
+    /// The segments whose durations vanish on it before a place, with the place where each does, in
+    /// that order.
     pub fn vanishing(&self, by: f64) -> Vec<(usize, f64)> {
         let n = self.from.begin.x.len();
         let places = self.from.segments.iter().enumerate();
@@ -185,7 +187,7 @@ impl Line {
 
 /// The orbits on a line, by their place on it.
 pub(super) struct Orbits<'l> {
-    line: &'l Line,
+    line: &'l TangentLine,
     shooting: &'l Shooting<'l>,
 }
 

@@ -1,30 +1,29 @@
-//! The special orbits between two on a branch, by their multipliers.
+//! Test functions of the multipliers: the special orbits between two orbits of a branch.
 
-use super::line::{Line, bordered};
-use super::walk::{Vanishing, Walk};
-use super::{Special, SpecialPoint, critical, parameter_of};
+use super::steps::Continuation;
+use super::tangent_line::{TangentLine, bordered};
+use super::{CycleBifurcation, SpecialPoint, critical, parameter_of};
 use crate::analysis::critical::zero_between;
-use crate::analysis::cycle::{Cycle, Function, Path, Shooting, Zero, at_least};
+use crate::analysis::cycle::{Cycle, Function, Path, SAFETY, Shooting, Zero, at_least};
 use crate::analysis::lagrange::weights;
 
-impl Walk<'_> {
-    /// Continues to this orbit on the line, and records the special ones between the last one and
-    /// it, by the multipliers.
-    pub(super) fn follow(&mut self, line: &Line, next: Cycle, onward: Option<Line>) {
+impl Continuation<'_> {
+    /// Continues to an orbit on the line, and records the special orbits before it, by their
+    /// multipliers.
+    pub(super) fn follow(&mut self, line: &TangentLine, next: Cycle, onward: Option<TangentLine>) {
         let behind = self.branch.points.len();
         let shooting = self.shooting;
         let of = |cycle: &Cycle| critical(cycle, &shooting);
         let length = line.place(&next);
         let (units, across) = (self.branch.units, line.across());
-        let heading = |cycle: &Cycle| Some(line.goes_on(&shooting, units, cycle)?.heading());
-        // Zero where another branch meets this one (Keller 1977).
-        let parts = |cycle: &Cycle| Some(bordered(cycle, across).determinant());
+        let heading = |cycle: &Cycle| Some(line.continued(&shooting, units, cycle)?.heading());
+        // Zero where another branch crosses this one (Keller 1977).
+        let border = |cycle: &Cycle| Some(bordered(cycle, across).determinant());
         let minus_one = |cycle: &Cycle| Some(of(cycle).minus_one);
         let circle = |cycle: &Cycle| of(cycle).circle;
-        let functions: [&Function<'_>; 4] = [&heading, &parts, &minus_one, &circle];
-        let mut found = Vec::new();
-        // In a family there are always several tangents, and these are neither folds nor branch
-        // points.
+        let functions: [&Function<'_>; 4] = [&heading, &border, &minus_one, &circle];
+        let mut zeros = Vec::new();
+        // In a family there are several tangents everywhere, without a fold or a branch point.
         let first = if shooting.family > 0 { 2 } else { 0 };
         for (kind, function) in functions.into_iter().enumerate().skip(first) {
             let (Some(a), Some(b)) = (function(&self.branch.last), function(&next)) else {
@@ -36,25 +35,24 @@ impl Walk<'_> {
             let Some(zero) = self.zero(line, [(0.0, a), (length, b)], function) else {
                 continue;
             };
-            // A zero that the neighbouring orbits do not resolve is none: the tangent is
-            // undetermined there.
+            // Where the neighbouring orbits do not resolve the zero, the tangent is undetermined.
             let off = |one: &Cycle| (parameter_of(one) - zero.parameter).abs();
             let is_resolved = zero.uncertainty < off(&self.branch.last).max(off(&next));
             if kind == 0 && !is_resolved {
                 continue;
             }
             let what = match kind {
-                0 => Special::Fold,
-                1 => Special::BranchPoint,
-                2 => Special::Flip,
-                _ => Special::NeimarkSacker {
+                0 => CycleBifurcation::Fold,
+                1 => CycleBifurcation::BranchPoint,
+                2 => CycleBifurcation::Flip,
+                _ => CycleBifurcation::NeimarkSacker {
                     angle: of(&zero.solution).angle,
                 },
             };
-            found.push((zero, what));
+            zeros.push((zero, what));
         }
-        found.sort_by(|a, b| a.0.s.total_cmp(&b.0.s));
-        for (zero, what) in found {
+        zeros.sort_by(|a, b| a.0.s.total_cmp(&b.0.s));
+        for (zero, what) in zeros {
             let point = SpecialPoint {
                 parameter: zero.parameter,
                 uncertainty: self.at_least(zero.parameter, zero.uncertainty),
@@ -63,73 +61,80 @@ impl Walk<'_> {
                 x: zero.solution.anchor.x.clone(),
                 period: zero.solution.period,
             };
-            self.note_special(point, zero.solution, Vanishing::Multiplier(line.clone()));
+            self.record_special(point, zero.solution, line.clone(), None);
         }
         self.take(next);
         self.branch.line = onward;
     }
 
-    /// Where a function vanishes on a line, between two places at which it has different signs. Its
-    /// parameter is that of the orbit there, or follows from orbits around it where these determine
-    /// it better: next to a multiplier of 1, the closing error exceeds rounding.
+    /// Where a function vanishes on a line, between two places at which it has different signs. The
+    /// parameter is that of the orbit there or, if that is more precise, follows from orbits around
+    /// it: next to a multiplier of 1, the closing error exceeds rounding.
     pub(super) fn zero(
         &self,
-        line: &Line,
+        line: &TangentLine,
         [a, b]: [(f64, f64); 2],
         function: &Function<'_>,
     ) -> Option<Zero> {
-        const GOOD: f64 = 100.0;
-        let found = line.orbits(&self.shooting).zero([a, b], function);
-        let good = GOOD * self.shooting.options.rtol * self.branch.units.width;
-        if found.as_ref().is_some_and(|zero| zero.uncertainty <= good) {
-            return found;
+        // Number of tolerances, relative to the range. Chosen: in most cases the zero itself is
+        // more precise, and the orbits around it need not be computed.
+        const PRECISE: f64 = 100.0;
+        let direct = line.orbits(&self.shooting).zero([a, b], function);
+        let precise = PRECISE * self.shooting.options.rtol * self.branch.units.width;
+        if direct
+            .as_ref()
+            .is_some_and(|zero| zero.uncertainty <= precise)
+        {
+            return direct;
         }
         let secant = a.0 - a.1 * (b.0 - a.0) / (b.1 - a.1);
-        let rough = found.as_ref().map_or(secant, |zero| zero.s);
-        let other = self.interpolated(line, b.0 - a.0, rough, function);
-        let (Some(found), Some(other)) = (&found, &other) else {
-            return found.or(other);
+        let rough = direct.as_ref().map_or(secant, |zero| zero.s);
+        let interpolated = self.interpolated(line, b.0 - a.0, rough, function);
+        let (Some(direct), Some(interpolated)) = (&direct, &interpolated) else {
+            return direct.or(interpolated);
         };
-        let is_better = other.uncertainty < found.uncertainty || found.uncertainty.is_nan();
-        let best = if is_better { other } else { found };
+        let is_better =
+            interpolated.uncertainty < direct.uncertainty || direct.uncertainty.is_nan();
+        let best = if is_better { interpolated } else { direct };
         Some(Zero {
             parameter: best.parameter,
             uncertainty: best.uncertainty,
-            solution: found.solution.clone(),
-            ..*found
+            solution: direct.solution.clone(),
+            ..*direct
         })
     }
 
     /// Where a function vanishes near a place, by a polynomial through orbits around it. Where
-    /// another branch meets this one, Newton's matrix is singular, and no orbit can be computed
-    /// next to it.
+    /// another branch crosses this one, Newton's matrix is singular, and no orbit can be computed
+    /// close to it.
     fn interpolated(
         &self,
-        line: &Line,
+        line: &TangentLine,
         length: f64,
         rough: f64,
         function: &Function<'_>,
     ) -> Option<Zero> {
-        // Spacing, as a fraction of the distance between the last two orbits, and number on each
-        // side.
-        const APART: f64 = 0.05;
-        const EACH_WAY: i32 = 4;
-        const FEWEST: usize = 5;
+        // Distance of the nodes, as a fraction of that between the last two orbits. Chosen:
+        // shorter, the closing errors would decide; longer, the degree of the polynomial.
+        const SPACING: f64 = 0.05;
+        const NODES_EACH_SIDE: i32 = 4;
+        // Some orbits may not be computed: at least as many nodes as for degree four.
+        const FEWEST_NODES: usize = 5;
         let node = |s: f64, shooting: &Shooting<'_>| {
             let cycle = line.on(shooting, s)?;
             let value = function(&cycle)?;
             Some(Node { s, value, cycle })
         };
-        let places = (-EACH_WAY..=EACH_WAY).filter(|k| *k != 0);
-        let places = places.map(|k| rough + APART * length * f64::from(k));
+        let places = (-NODES_EACH_SIDE..=NODES_EACH_SIDE).filter(|k| *k != 0);
+        let places = places.map(|k| rough + SPACING * length * f64::from(k));
         let nodes: Vec<Node> = places.filter_map(|s| node(s, &self.shooting)).collect();
         let all: Vec<&Node> = nodes.iter().collect();
-        if nodes.len() < FEWEST {
+        if nodes.len() < FEWEST_NODES {
             return None;
         }
         let (s, parameter) = zero_of_polynomial(&all)?;
-        // Without the farthest node, the polynomial's error shows; without the nearest, the
-        // rounding error.
+        // Without the farthest nodes, the result differs by the polynomial's error; without the
+        // nearest, by rounding.
         let mut sizes: Vec<f64> = nodes.iter().map(|one| one.value.abs()).collect();
         sizes.sort_by(f64::total_cmp);
         let apart: Vec<&Node> = all
@@ -141,8 +146,8 @@ impl Walk<'_> {
         let off =
             |other: Option<(f64, f64)>| other.map_or(f64::NAN, |(_, p)| (parameter - p).abs());
         // The tolerances have the largest effect at the nearest node. Next to a multiplier of 1,
-        // errors that differ between orbits amplify it.
-        const SAFE: f64 = 8.0;
+        // errors of each orbit amplify it. Chosen: four times the margin of other places.
+        const SAFETY_AT_ONE: f64 = 4.0 * SAFETY;
         let finer = Shooting {
             options: &self.shooting.options.finer(),
             ..self.shooting
@@ -150,9 +155,10 @@ impl Walk<'_> {
         let (first, last) = (nodes.first()?, nodes.last()?);
         let nearest = nodes.iter().find(|one| one.value.abs() == sizes[0])?;
         let by_tolerance = node(nearest.s, &finer).map_or(f64::NAN, |finer| {
-            let way = parameter_of(&last.cycle) - parameter_of(&first.cycle);
-            let along = (finer.value - nearest.value) * way / (last.value - first.value);
-            SAFE * (along.abs() + (parameter_of(&finer.cycle) - parameter_of(&nearest.cycle)).abs())
+            let range = parameter_of(&last.cycle) - parameter_of(&first.cycle);
+            let along = (finer.value - nearest.value) * range / (last.value - first.value);
+            SAFETY_AT_ONE
+                * (along.abs() + (parameter_of(&finer.cycle) - parameter_of(&nearest.cycle)).abs())
         });
         Some(Zero {
             s,
@@ -163,7 +169,7 @@ impl Walk<'_> {
     }
 
     /// An uncertainty, at least what Newton's iteration leaves of a parameter's last digits. Where
-    /// none is known, the place lies in the last step.
+    /// it is NaN, the place lies in the last step.
     pub(super) fn at_least(&self, parameter: f64, uncertainty: f64) -> f64 {
         let step = (self.parameter() - parameter_of(&self.branch.before)).abs();
         at_least((parameter, uncertainty), step, self.branch.units.width)
@@ -177,8 +183,8 @@ struct Node {
     cycle: Cycle,
 }
 
-/// Where the interpolating polynomial of a function vanishes between two of its nodes, and the
-/// parameter there.
+/// Where the polynomial through a function's nodes vanishes between two of them, and the parameter
+/// there.
 fn zero_of_polynomial(nodes: &[&Node]) -> Option<(f64, f64)> {
     let places: Vec<f64> = nodes.iter().map(|node| node.s).collect();
     let at = |s: f64, of: fn(&Node) -> f64| -> f64 {

@@ -1,4 +1,4 @@
-//! The name of a change of the phases, by the event function that vanishes.
+//! A change of the phases, named by the event function that vanishes.
 
 use std::fmt;
 
@@ -96,8 +96,10 @@ pub struct SequenceChange {
     pub after: Vec<Modes>,
 }
 
-/// Relative difference below which fields agree.
-const AGREE: f64 = 1e-6;
+/// Relative difference of their rates below which the fields of both sides agree. Chosen: the
+/// square root of the tolerances at which changes are located, since at a graze rates are that
+/// accurate.
+const FIELDS_AGREE: f64 = 1e-6;
 
 /// The name, and the first and second rates of the contact's distance along the fields of both
 /// sides.
@@ -117,15 +119,15 @@ fn name(system: &dyn Dynamics, margin: &Margin) -> (SequenceBifurcation, Rates) 
     let rates = Rates::at(system, margin.incoming, margin.contact, side, &margin.at);
     let is_tangent = match margin.kind {
         MarginKind::Minimum(_) | MarginKind::Arrival => true,
-        // Where the fields agree, both are tangent. The last two are coincidences.
+        // Where the fields agree, both are tangent. Those at ends of phases are coincidences.
         MarginKind::Landing | MarginKind::Duration | MarginKind::End(_) | MarginKind::Begin(_) => {
-            rates.own[0].abs() <= (1.0 + AGREE) * rates.other[0].abs()
+            rates.own[0].abs() <= (1.0 + FIELDS_AGREE) * rates.other[0].abs()
         }
     };
-    // Fields that agree are both tangent to rounding, which has either sign; the distance on one
-    // side is the negative of that on the other.
+    // Where the fields agree, rounding decides the signs of both rates. The distance on one side is
+    // the negative of that on the other.
     let [own, other] = [rates.own[0], rates.other[0]];
-    let differ = (own + other).abs() > AGREE * (own.abs() + other.abs());
+    let differ = (own + other).abs() > FIELDS_AGREE * (own.abs() + other.abs());
     let name = match (is_tangent, rates.other) {
         (true, [rate, _]) if rate < 0.0 && differ => SequenceBifurcation::GrazingSliding,
         (true, _) => SequenceBifurcation::Grazing,
@@ -135,7 +137,7 @@ fn name(system: &dyn Dynamics, margin: &Margin) -> (SequenceBifurcation, Rates) 
     (name, rates)
 }
 
-/// Describes the change at an orbit with a vanishing margin, with an uncertainty.
+/// Describes the change at an orbit with a vanishing margin, at a parameter with an uncertainty.
 pub(crate) fn describe(
     system: &dyn Dynamics,
     (at, margin): (&Cycle, &Margin),

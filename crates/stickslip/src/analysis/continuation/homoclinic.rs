@@ -1,67 +1,45 @@
-//! Where a branch of periodic orbits ends at an equilibrium: the orbits shrink to one, or pass ever
-//! nearer to one.
+//! Ends at a homoclinic orbit: the orbits pass ever nearer to an equilibrium, and the period grows
+//! without bound.
 
 use std::num::NonZeroUsize;
 
-use super::walk::Walk;
-use super::{BranchPoint, EquilibriumBifurcation, Stop, continue_equilibrium};
+use super::steps::Continuation;
+use super::steps::RESOLUTION;
+use super::{BranchPoint, Stop};
 use crate::analysis::attractors::equilibrium::{ZERO, equilibrium_near, holds};
 use crate::analysis::monodromy::velocity_in;
 use crate::analysis::multipliers::eigenvalues;
-use crate::dynamics::{DynamicsRef, Happening, Modes, Moment, Section, Vector};
+use crate::dynamics::{Happening, Modes, Moment, Section, Vector};
 use crate::math;
 
-/// An orbit passes an equilibrium if it moved by this fraction of its extent in a period at its
-/// least speed.
+/// Speed below which an equilibrium is looked for, in extents of the orbit per period. Chosen: far
+/// below the mean speed, which is about 2.
 const SLOW: f64 = 1e-1;
 
-/// Largest distance of the equilibrium, as a fraction of the orbit's extent.
+/// Largest distance of an equilibrium that the orbit passes, as a fraction of its extent. Chosen:
+/// there the flow is that of the linearised field, by which the end is extrapolated.
 const CLOSE: f64 = 1e-2;
 
-/// Best precision of a homoclinic orbit's parameter, as a fraction of the range.
-const RESOLUTION: f64 = 1e-11;
-
-/// An equilibrium that an orbit passes, and the slowest rates at which orbits leave and approach
-/// it.
-struct Equilibrium {
+/// An equilibrium that an orbit passes.
+struct PassedEquilibrium {
     x: Vector,
-    /// Infinite at an equilibrium that attracts: only an event next to it ends the passage.
+    /// The slowest rate at which orbits leave it. Infinite at an equilibrium that attracts: only an
+    /// event next to it ends the passage.
     leaves: f64,
+    /// The slowest rate at which orbits approach it, negative.
     comes: f64,
 }
 
-impl Walk<'_> {
-    /// The nearest Hopf bifurcation of the equilibrium inside the last orbit.
-    pub(super) fn hopf(&self) -> Option<Stop> {
-        let (system, options) = (self.shooting.system, self.shooting.options);
-        let system = DynamicsRef::Borrowed(system);
-        let branch = |upwards| {
-            let x = self.branch.last.anchor.x.clone();
-            continue_equilibrium(&system, x, upwards, self.settings, options).ok()
-        };
-        let special = [false, true].into_iter().filter_map(branch);
-        let special = special.flat_map(|branch| branch.special);
-        let stops = special.filter_map(|at| match at.what {
-            EquilibriumBifurcation::Hopf { frequency } => Some((at.parameter, frequency)),
-            _ => None,
-        });
-        let off = |stop: &(f64, f64)| (stop.0 - self.parameter()).abs();
-        let (parameter, frequency) = stops.min_by(|a, b| off(a).total_cmp(&off(b)))?;
-        Some(Stop::Equilibrium {
-            parameter,
-            frequency,
-        })
-    }
-
-    /// Whether the period is about to grow without bound: the last orbit is slower than the one
-    /// before it, and close to one or several saddles, or to an equilibrium that reaches an event.
-    pub(super) fn slow_end(&self) -> Option<Stop> {
+impl Continuation<'_> {
+    /// The end at which the period is infinite, if the branch approaches one: the last orbit takes
+    /// longer than the one before it, and is close to saddles, or to an equilibrium next to an
+    /// event.
+    pub(super) fn homoclinic_end(&self) -> Option<Stop> {
         if self.settings.forced.is_some() || self.branch.last.period <= self.branch.before.period {
             return None;
         }
         let equilibria = self.equilibria()?;
-        // The time of a passage is the logarithm of the distance over the slower of its
-        // rates.
+        // The time of a passage is the logarithm of the distance over the slower rate.
         let times = equilibria
             .iter()
             .map(|one| one.leaves.min(-one.comes).recip());
@@ -83,24 +61,24 @@ impl Walk<'_> {
     /// The parameter at which the period is infinite, which the orbits approach like `e^(-rate T)`
     /// or nearly so, and the distance of the last one from it.
     fn at_infinity(&self, rate: f64) -> (f64, f64) {
-        // Extrapolated from an orbit about twice as far away.
-        const TIMES: f64 = 2.0;
         let here = self.parameter();
         let period = self.branch.last.period;
-        let is_further = |point: &&BranchPoint| rate * (period - point.period) >= math::ln(TIMES);
+        // Extrapolated from an orbit that is twice as far away or more.
+        let twice = math::ln(2.0);
+        let is_further = |point: &&BranchPoint| rate * (period - point.period) >= twice;
         let Some(other) = self.branch.points.iter().rev().find(is_further) else {
             return (here, f64::NAN);
         };
-        let further = math::exp(rate * (period - other.period));
-        let way = (here - other.parameter) / (further - 1.0);
+        let ratio = math::exp(rate * (period - other.period));
+        let distance = (here - other.parameter) / (ratio - 1.0);
         (
-            here + way,
-            way.abs().max(RESOLUTION * self.branch.units.width),
+            here + distance,
+            distance.abs().max(RESOLUTION * self.branch.units.width),
         )
     }
 
     /// The equilibria that the last orbit passes slowly.
-    fn equilibria(&self) -> Option<Vec<Equilibrium>> {
+    fn equilibria(&self) -> Option<Vec<PassedEquilibrium>> {
         let cycle = &self.branch.last;
         let (system, options) = (self.shooting.system, self.shooting.options);
         let slow = SLOW * cycle.extent / cycle.period;
@@ -108,12 +86,12 @@ impl Walk<'_> {
         let start = &cycle.anchor;
         let t_end = start.t + cycle.period;
         let mut orbit = system.begin(start, t_end, options, &Section::None).ok()?;
-        let mut equilibria: Vec<Equilibrium> = Vec::new();
+        let mut equilibria: Vec<PassedEquilibrium> = Vec::new();
         loop {
             match orbit.step().ok()? {
                 Happening::Step => {
                     let (mode, at) = (orbit.mode(), orbit.now());
-                    let away = |one: &Equilibrium| (&one.x - &at.x).norm();
+                    let away = |one: &PassedEquilibrium| (&one.x - &at.x).norm();
                     if velocity_in(system, mode, &at).norm() < slow
                         && equilibria.iter().all(|one| away(one) > 2.0 * near)
                         && let Some(equilibrium) = self.equilibrium_near(mode, &at)
@@ -132,12 +110,15 @@ impl Walk<'_> {
     }
 
     /// The equilibrium of a mode near a state, if the mode holds there and orbits approach it.
-    fn equilibrium_near(&self, mode: Modes, at: &Moment) -> Option<Equilibrium> {
+    fn equilibrium_near(&self, mode: Modes, at: &Moment) -> Option<PassedEquilibrium> {
         let system = self.shooting.system;
         let free = at.x.len() - 1;
-        let rest = equilibrium_near(system, mode, at.t, &at.x, free)?;
-        let jacobian = rest.jacobian.view((0, 0), (free, free)).into_owned();
-        let there = Moment { t: at.t, x: rest.x };
+        let found = equilibrium_near(system, mode, at.t, &at.x, free)?;
+        let jacobian = found.jacobian.view((0, 0), (free, free)).into_owned();
+        let there = Moment {
+            t: at.t,
+            x: found.x,
+        };
         if !holds(system, mode, &there) {
             return None;
         }
@@ -153,7 +134,7 @@ impl Walk<'_> {
             (Some(leaves), None) if mode.any_sticks() => (leaves, f64::NEG_INFINITY),
             _ => return None,
         };
-        Some(Equilibrium {
+        Some(PassedEquilibrium {
             x: there.x,
             leaves,
             comes,

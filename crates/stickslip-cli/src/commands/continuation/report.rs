@@ -1,0 +1,160 @@
+//! The report of a branch and of those that begin on it: notes, values for programs, tables and the
+//! figure.
+
+use serde_json::{Value, json};
+use stickslip_kernels::file::System;
+use stickslip_kernels::study::{BranchOrbit, WholeBranch};
+
+use super::super::attractors::family_words;
+use super::super::range::ParameterRange;
+use super::branch::Other;
+use super::ends::End;
+use super::figure;
+use super::special::{json as special_json, name_of, words};
+use super::tables::{columns, rows, special_columns};
+use crate::failure::Failure;
+use crate::render::{Report, explained, place, rounded};
+
+/// The report of a branch whose orbits belong to a family of some dimension, and of the others that
+/// begin on it, if they were followed.
+pub(super) fn of(
+    system: &System,
+    range: &ParameterRange,
+    (branch, family): (&WholeBranch, usize),
+    others: Option<&[Other]>,
+) -> Result<Report, Failure> {
+    let (name, points) = (&range.name, &branch.points);
+    let orbits = points.len();
+    let what = format!(
+        "{orbits} periodic orbits over {name} from {} to {}",
+        range.low, range.high
+    );
+    let mut report = Report::of(system, what);
+    report
+        .field("parameter", &range)
+        .field("points", orbits)
+        .field("family_dimension", family);
+    if let Some(BranchOrbit { orbit, .. }) = points.get(branch.first) {
+        let [at, period] = [orbit.parameter, orbit.period].map(rounded);
+        let phases = explained(system, &orbit.sequence);
+        let phases = phases.map_or(String::new(), |phases| format!(", phases {phases}"));
+        let stability = orbit.stability();
+        report.note(format!(
+            "begun at {name} = {at}: period {period}, {stability}{phases}"
+        ));
+    }
+    if family > 0 {
+        let family = family_words(family);
+        report.note(format!(
+            "it is {family}; at each value the one nearest to that before is followed"
+        ));
+    }
+    for at in &branch.special {
+        let (at, what) = (place(at.parameter, at.uncertainty), words(at, system));
+        report.note(format!("at {name} = {at}: {what}"));
+    }
+    let special: Vec<Value> = branch
+        .special
+        .iter()
+        .map(|at| special_json(at, system))
+        .collect();
+    report.field("special", special);
+
+    report_ends(&mut report, system, name, branch);
+    if let Some(others) = others {
+        let objects = others.iter().enumerate().map(|(k, other)| {
+            let (note, object) = of_other(k + 1, other, branch, system, name);
+            report.note(note);
+            object
+        });
+        let objects: Vec<Value> = objects.collect();
+        report.field("branches", objects);
+    }
+
+    let is_numbered = others.is_some();
+    let others = others.unwrap_or_default().iter().map(|other| &other.branch);
+    let branches: Vec<&WholeBranch> = std::iter::once(branch).chain(others).collect();
+    let numbered = || branches.iter().copied().enumerate();
+    let points = numbered().flat_map(|(k, one)| one.points.iter().map(move |at| (k, at)));
+    let points: Vec<(usize, &BranchOrbit)> = points.collect();
+    report.table(columns(system, name, (is_numbered, &points)).csv("branch", &points)?);
+    let rows = numbered().flat_map(|(k, one)| rows(k, one, system, name));
+    report.table(special_columns(system, name, is_numbered).csv("special", rows)?);
+    report.figure("continue", &figure::diagram(system, range, &branches))?;
+    Ok(report)
+}
+
+/// Where the branch ends in both directions.
+fn report_ends(report: &mut Report, system: &System, name: &str, branch: &WholeBranch) {
+    let ends = branch
+        .stops
+        .each_ref()
+        .map(|stop| End::of(stop, system, name));
+    let last = [branch.points.first(), branch.points.last()];
+    let mut objects = Vec::new();
+    for ((last, end), way) in last.into_iter().zip(&ends).zip(["downwards", "upwards"]) {
+        if let Some(BranchOrbit { orbit, .. }) = last {
+            let (stability, at, words) = (orbit.stability(), rounded(orbit.parameter), &end.words);
+            report.note(format!(
+                "begun {way}, {stability} at its last orbit ({name} = {at}), it ends {words}"
+            ));
+        }
+        let mut object = json!({
+            "parameter": last.map(|last| last.orbit.parameter),
+            "stop": end.stop,
+            "error": null,
+            "hopf": null,
+            "boundary_equilibrium": null,
+            "two_fold": null,
+            "homoclinic": null,
+        });
+        if let Some((key, value)) = &end.detail {
+            object[key] = value.clone();
+        }
+        objects.push(object);
+    }
+    report.field("ends", objects);
+}
+
+/// A branch that begins at another branch, in words and as a JSON object.
+fn of_other(
+    number: usize,
+    Other { from, branch }: &Other,
+    main: &WholeBranch,
+    system: &System,
+    name: &str,
+) -> (String, Value) {
+    let at = main.special.get(*from);
+    let begin = at.map_or_else(String::new, |at| {
+        let place = place(at.parameter, at.uncertainty);
+        format!(" from the {} at {name} = {place}", name_of(at))
+    });
+    let [_, stop] = &branch.stops;
+    let end = End::of(stop, system, name);
+    let last = branch.points.last();
+    let of_last = last.map_or_else(String::new, |BranchOrbit { orbit, .. }| {
+        let [at, period] = [orbit.parameter, orbit.period].map(rounded);
+        let stability = orbit.stability();
+        format!(", {stability} at its last orbit ({name} = {at}, period {period})")
+    });
+    let orbits = branch.points.len();
+    let words = &end.words;
+    let special: Vec<Value> = branch
+        .special
+        .iter()
+        .map(|at| special_json(at, system))
+        .collect();
+    let mut object = json!({
+        "branch": number,
+        "from": from,
+        "points": orbits,
+        "parameter": last.map(|last| last.orbit.parameter),
+        "special": special,
+        "stop": end.stop,
+    });
+    if let Some((key, value)) = end.detail {
+        object[key] = value;
+    }
+    let note = format!("branch {number}{begin}: {orbits} orbits{of_last}; it ends {words}");
+    (note, object)
+}

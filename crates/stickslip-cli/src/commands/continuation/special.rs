@@ -1,0 +1,60 @@
+//! Special orbits in words and as JSON objects.
+
+use serde_json::{Value, json};
+use stickslip::analysis::{CycleBifurcation, SpecialPoint};
+use stickslip_kernels::file::System;
+use stickslip_kernels::kernel::Change;
+
+use super::super::changes;
+use crate::render::rounded;
+
+/// The change of the phases at a special orbit, if it is one.
+pub(super) fn change(at: &SpecialPoint) -> Option<Change> {
+    match &at.what {
+        CycleBifurcation::Sequence(change) => Some(Change::from(&**change)),
+        _ => None,
+    }
+}
+
+/// Name of a special orbit.
+pub(super) fn name_of(at: &SpecialPoint) -> String {
+    change(at).map_or_else(|| at.what.to_string(), |change| change.name())
+}
+
+/// A special orbit in words.
+pub(super) fn words(at: &SpecialPoint, system: &System) -> String {
+    if let Some(angle) = angle(at) {
+        return format!("{}, angle {}", name_of(at), rounded(angle));
+    }
+    let Some(change) = change(at) else {
+        return name_of(at);
+    };
+    let name = changes::words(system, &change);
+    match changes::phases(system, &change) {
+        Some([before, after]) if !before.is_empty() && !after.is_empty() => {
+            format!("{name}, between phases {before} and {after}")
+        }
+        _ => name,
+    }
+}
+
+pub(super) fn angle(at: &SpecialPoint) -> Option<f64> {
+    match at.what {
+        CycleBifurcation::NeimarkSacker { angle } => Some(angle),
+        _ => None,
+    }
+}
+
+pub(super) fn json(at: &SpecialPoint, system: &System) -> Value {
+    let change = change(at).map(|change| changes::json(system, &change));
+    json!({
+        "parameter": at.parameter,
+        "uncertainty": at.uncertainty,
+        "what": name_of(at),
+        "behind": at.behind,
+        "period": at.period,
+        "x": at.x.as_slice(),
+        "angle": angle(at),
+        "change": change,
+    })
+}

@@ -1,0 +1,385 @@
+//! A periodic orbit to be computed: its segments, and the moment at which the first one begins.
+
+use super::unit;
+use crate::dynamics::{Dynamics, Modes, Moment, Orbit, Transition, Vector};
+use crate::error::Error;
+use crate::filippov::{Options, TransitionKind};
+use crate::system::Mode;
+
+/// What ends a segment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Event {
+    /// The guard that vanishes.
+    pub guard: usize,
+    /// The contact to which it belongs; for a jump, its number counted after those of the contacts.
+    pub contact: usize,
+    /// Whether contact is lost or gained there.
+    pub is_of_contact: bool,
+    /// Whether the state jumps there.
+    pub is_of_jump: bool,
+    /// The input and the reading of its clock, where the kink of an input decides the time of the
+    /// event: as where a force that switches releases a contact.
+    pub at_kink: Option<(usize, f64)>,
+}
+
+impl Event {
+    /// The event at a transition.
+    fn of(system: &dyn Dynamics, at: &Transition) -> Self {
+        let here = at.moment();
+        let flow = system.flow(at.from, &here);
+        let kink = system.kink(&here);
+        let of_contact = flow
+            .guards()
+            .into_iter()
+            .filter(|guard| guard.contact == at.contact && guard.goes_on == is_of_contact(at.kind));
+        let value = |number: usize| flow.guard(number, &here).abs();
+        let least = of_contact.min_by(|a, b| value(a.number).total_cmp(&value(b.number)));
+        Event {
+            guard: least.map_or(at.contact, |guard| guard.number),
+            contact: at.contact,
+            is_of_contact: is_of_contact(at.kind),
+            is_of_jump: at.kind == TransitionKind::Jump,
+            at_kink: kink.map(|input| (input, system.clock(input, &here).0)),
+        }
+    }
+}
+
+/// The state after a transition.
+fn after(system: &dyn Dynamics, at: &Transition) -> Vector {
+    match at.kind {
+        TransitionKind::Jump => system.reset(at.contact, &at.moment()).after,
+        _ => at.x.clone(),
+    }
+}
+
+/// Where a transition recurs about a period later, by their numbers.
+fn recurrence(transitions: &[&Transition], first: usize, period: f64) -> Option<usize> {
+    let begin = transitions[first];
+    let is_alike = |at: &Transition| {
+        (at.kind, at.contact, at.from, at.to) == (begin.kind, begin.contact, begin.from, begin.to)
+    };
+    let off = |k: usize| (transitions[k].t - begin.t - period).abs();
+    (first + 1..transitions.len())
+        .filter(|&k| is_alike(transitions[k]) && off(k) < 0.5 * period)
+        .min_by(|&a, &b| off(a).total_cmp(&off(b)))
+}
+
+/// A part of a periodic orbit in one mode.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Segment {
+    pub mode: Modes,
+    /// A moment in the segment, which decides whether contact is lost or kept.
+    pub inside: Moment,
+    /// What ends it; `None` where the orbit has no transition.
+    pub end: Option<Event>,
+    pub duration: f64,
+}
+
+/// A periodic orbit to be computed: its segments, and the moment at which the first one begins.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Outline {
+    pub segments: Vec<Segment>,
+    pub begin: Moment,
+    /// The states between the segments; `None` before they are computed.
+    pub cut: Option<Cut>,
+    /// Largest motion of the run from which it was taken.
+    pub extent: f64,
+}
+
+/// States on the orbit that are unknowns, too (multiple shooting). Neighbouring orbits then
+/// separate only from one such state to the next.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Cut {
+    /// The segment that is also cut in its middle. Near a saddle, neighbouring orbits separate most
+    /// in the longest segment.
+    pub number: usize,
+    /// Where each segment after the first begins, and after these the middle of that one.
+    pub states: Vec<Vector>,
+}
+
+impl Outline {
+    /// The orbit from a state over about a period, with the modes of the run. It begins with a
+    /// transition and ends with one of the same kind about a period later.
+    ///
+    /// # Errors
+    /// Those of [`crate::solve`]; the reason for an early end of the run; [`Error::NotFound`] where
+    /// nothing repeats.
+    pub fn of_run(
+        system: &dyn Dynamics,
+        start: &Moment,
+        period: f64,
+        options: &Options,
+    ) -> Result<Self, Error> {
+        // Length of the run in periods: at most one until the first transition, and at most one and
+        // a half until it recurs.
+        const SPAN: f64 = 2.5;
+        let (orbit, failed) =
+            Orbit::solve_to_failure(system, start, start.t + SPAN * period, options)?;
+        if orbit.end.t < start.t + period {
+            return Err(failed.unwrap_or_else(|| orbit.end.no_future_error()));
+        }
+        let motions = orbit.steps.iter().map(|(step, _)| &step.x_end - &start.x);
+        let extent = motions.fold(f64::MIN_POSITIVE, |most, motion| most.max(motion.amax()));
+        let transitions = orbit.transitions.iter();
+        let transitions: Vec<&Transition> = transitions
+            .filter(|at| at.kind != TransitionKind::Touch)
+            .collect();
+        let without_end = |mode: Modes| Segment {
+            mode,
+            inside: start.clone(),
+            end: None,
+            duration: period,
+        };
+        if transitions.first().is_none_or(|at| at.t > start.t + period) {
+            let middle = orbit.at(start.t + 0.5 * period)?;
+            let mode = orbit.phases.first().map(|phase| phase.mode);
+            return Ok(Outline {
+                segments: mode.map(without_end).into_iter().collect(),
+                begin: start.clone(),
+                cut: Some(Cut {
+                    number: 0,
+                    states: vec![middle],
+                }),
+                extent,
+            });
+        }
+        // The start may lie off the orbit, so that the first transitions do not recur.
+        let recurrence = |first| Some((first, recurrence(&transitions, first, period)?));
+        let again = (0..transitions.len()).find_map(recurrence);
+        let not_found = failed.unwrap_or(Error::NotFound {
+            what: "a return of the orbit",
+            t: start.t,
+            span: SPAN * period,
+        });
+        let (first, again) = again.ok_or(not_found)?;
+        let mut segments = Vec::with_capacity(again - first);
+        for pair in transitions[first..=again].windows(2) {
+            let t = 0.5 * (pair[0].t + pair[1].t);
+            let inside = Moment { t, x: orbit.at(t)? };
+            segments.push(Segment {
+                mode: pair[0].to,
+                end: Some(Event::of(system, pair[1])),
+                inside,
+                duration: pair[1].t - pair[0].t,
+            });
+        }
+        // States of the run keep the errors of one segment out of the next one.
+        let number = segment_to_cut(&segments);
+        let begins = transitions[first + 1..again]
+            .iter()
+            .map(|at| after(system, at));
+        let middle = segments.get(number).map(|one| one.inside.x.clone());
+        Ok(Outline {
+            begin: Moment {
+                t: transitions[first].t,
+                x: after(system, transitions[first]),
+            },
+            cut: Some(Cut {
+                number,
+                states: begins.chain(middle).collect(),
+            }),
+            segments,
+            extent,
+        })
+    }
+
+    /// The sum of the durations.
+    pub fn period(&self) -> f64 {
+        self.segments.iter().map(|segment| segment.duration).sum()
+    }
+
+    /// The unknowns: the state where the first segment begins, the durations, the time there, and
+    /// the states at the cuts.
+    pub fn unknowns(&self) -> Vector {
+        let durations = self.segments.iter().map(|segment| segment.duration);
+        let all = self.begin.x.iter().copied().chain(durations);
+        let cut = self.cut.iter().flat_map(|cut| &cut.states);
+        let cut = cut.flat_map(|x| x.iter().copied());
+        let all: Vec<f64> = all.chain([self.begin.t]).chain(cut).collect();
+        Vector::from_vec(all)
+    }
+
+    /// The same sequence with other unknowns.
+    pub fn with(&self, unknowns: &Vector) -> Self {
+        let n = self.begin.x.len();
+        let mut other = self.clone();
+        other.begin.x = unknowns.rows(0, n).into_owned();
+        for (k, segment) in other.segments.iter_mut().enumerate() {
+            segment.duration = unknowns[n + k];
+        }
+        let time = n + self.segments.len();
+        other.begin.t = unknowns[time];
+        let cuts = other.cut.iter_mut().flat_map(|cut| &mut cut.states);
+        for (k, x) in cuts.enumerate() {
+            *x = unknowns.rows(time + 1 + k * n, n).into_owned();
+        }
+        other
+    }
+
+    /// A direction in the space of the unknowns: that of the parameter, or of a duration.
+    pub fn unit(&self, number: usize) -> Vector {
+        unit(self.unknowns().len(), number)
+    }
+
+    /// The orbit of twice the period that runs through this one twice.
+    pub fn twice(&self) -> Self {
+        let segments = match self.segments.as_slice() {
+            // Without a transition it stays one segment.
+            [only] if only.end.is_none() => vec![Segment {
+                duration: 2.0 * only.duration,
+                ..only.clone()
+            }],
+            all => [all, all].concat(),
+        };
+        Outline {
+            segments,
+            cut: None,
+            ..self.clone()
+        }
+    }
+
+    /// The modes as [`Modes::cycle`], with the jumps between them.
+    pub fn modes(&self) -> Vec<Modes> {
+        let modes = self.segments.iter().map(|segment| {
+            let end = segment.end.filter(|end| end.is_of_jump);
+            segment
+                .mode
+                .until(end.map(|end| end.contact - segment.mode.len()))
+        });
+        Modes::cycle(modes)
+    }
+
+    /// The segment before one.
+    pub fn before(&self, number: usize) -> &Segment {
+        let count = self.segments.len();
+        &self.segments[(number + count - 1) % count]
+    }
+
+    /// The sequence without some segments; `begins` has the beginning of each. The kept neighbours
+    /// become one segment where no contact changes between them. Otherwise the earlier one ends
+    /// with the first event of a contact that changes. `None` where nothing would be left, or where
+    /// two contacts change.
+    pub fn without(&self, removed: &[usize], begins: &[Moment]) -> Option<Self> {
+        let count = self.segments.len();
+        let kept: Vec<usize> = (0..count).filter(|k| !removed.contains(k)).collect();
+        let mut segments: Vec<Segment> = Vec::with_capacity(kept.len());
+        let mut begin = begins[*kept.first()?].clone();
+        // A segment that continues in the next kept one, and the index of its beginning.
+        let mut merged: Option<(Segment, usize)> = None;
+        // Time by which the next kept segment begins earlier, as removed segments follow its event.
+        let mut earlier = 0.0;
+        for (number, &k) in kept.iter().enumerate() {
+            let mut own = self.segments[k].clone();
+            let mut first = k;
+            if let Some((before, began)) = merged.take() {
+                own.duration += before.duration;
+                first = began;
+            }
+            own.duration += std::mem::take(&mut earlier);
+            let next = *kept.get(number + 1).unwrap_or(&kept[0]);
+            let gap = (k + 1..k + count).map(|at| at % count);
+            let gap: Vec<usize> = gap.take_while(|at| *at != next && *at != k).collect();
+            let lasts =
+                |which: &[usize]| -> f64 { which.iter().map(|&k| self.segments[k].duration).sum() };
+            let there = self.segments[next].mode;
+            let changes = |k: usize| {
+                let end = self.segments[k].end;
+                end.filter(|end| own.mode.get(end.contact) != there.get(end.contact))
+            };
+            let between = || std::iter::once(k).chain(gap.iter().copied());
+            // An orbit with a jump is not the limit of orbits without it.
+            let jumps = |k: usize| self.segments[k].end.is_some_and(|end| end.is_of_jump);
+            if !gap.is_empty() && between().any(jumps) {
+                return None;
+            }
+            let ends = between().enumerate();
+            let mut ends = ends.filter_map(|(place, k)| Some((place, changes(k)?)));
+            match ends.next() {
+                _ if gap.is_empty() => {}
+                Some((place, end)) => {
+                    if ends.any(|(_, other)| other.contact != end.contact) {
+                        return None;
+                    }
+                    let (before, behind) = gap.split_at(place);
+                    own.end = Some(end);
+                    own.duration += lasts(before);
+                    earlier = lasts(behind);
+                    if let (true, Some(&first)) = (next == kept[0], behind.first()) {
+                        begin = begins[first].clone();
+                    }
+                }
+                None if own.mode == there => {
+                    own.duration += lasts(&gap);
+                    merged = Some((own, first));
+                    continue;
+                }
+                None => return None,
+            }
+            segments.push(own);
+        }
+        if let Some((last, began)) = merged {
+            // It continues in the first segment, or is the only one.
+            begin = begins[began].clone();
+            match segments.first_mut() {
+                Some(first) => first.duration += last.duration,
+                None => segments.push(Segment { end: None, ..last }),
+            }
+        }
+        if let Some(first) = segments.first_mut() {
+            first.duration += earlier;
+        }
+        Some(Outline {
+            segments,
+            begin,
+            cut: None,
+            extent: self.extent,
+        })
+    }
+
+    /// The sequence in which the event that ends a segment precedes the one that begins it, as
+    /// where two contacts switch in the same instant. The segment between them has the given
+    /// duration. `None` where both events belong to one contact.
+    pub fn swapped(&self, number: usize, duration: f64) -> Option<Self> {
+        let count = self.segments.len();
+        let (before, behind) = ((number + count - 1) % count, (number + 1) % count);
+        let [first, second] = [before, number].map(|k| self.segments[k].end);
+        let contact = second?.contact;
+        if first?.contact == contact {
+            return None;
+        }
+        let mut other = self.clone();
+        let mode = self.segments[behind].mode.get(contact);
+        other.segments[number].mode = self.segments[before].mode.with(contact, mode);
+        (other.segments[before].end, other.segments[number].end) = (second, first);
+        other.segments[number].duration = duration;
+        Some(other)
+    }
+}
+
+/// The longest of the segments with the fewest sticking contacts. Very short segments do not count,
+/// since they may exist by rounding alone.
+pub(super) fn segment_to_cut(segments: &[Segment]) -> usize {
+    // Fraction of the longest segment. Chosen: far above what rounding makes, 1e-13.
+    const LASTING: f64 = 1e-2;
+    let sticks = |one: &Segment| one.mode.iter().filter(|mode| *mode == Mode::Stick).count();
+    let longest = segments.iter().map(|one| one.duration).fold(0.0, f64::max);
+    let lasting = segments.iter().enumerate();
+    let lasting = lasting.filter(|(_, one)| one.duration >= LASTING * longest);
+    let best = lasting.min_by(|(_, a), (_, b)| {
+        let longer = b.duration.total_cmp(&a.duration);
+        sticks(a).cmp(&sticks(b)).then(longer)
+    });
+    best.map_or(0, |(number, _)| number)
+}
+
+/// Whether a transition is a loss or gain of contact.
+fn is_of_contact(kind: TransitionKind) -> bool {
+    matches!(
+        kind,
+        TransitionKind::ContactLoss | TransitionKind::ContactGain
+    )
+}
