@@ -71,7 +71,8 @@ macro_rules! typed {
 
 traced!(
     1:
-    BlowUp, Breathing, Cup, Dent, Fork, Knee, ConstantFields, MovingLine, Push, Rectified, Rider, Spike,
+    BlowUp, Breathing, Cup, Dent, Fork, Knee, ConstantFields, MovingLine, Push, Rectified, Rider,
+    Spike,
     Square, Steep, Steepening, TurningLine, UndefinedAfterOne, Wall, Window,
 );
 
