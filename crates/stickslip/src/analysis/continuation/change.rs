@@ -3,7 +3,7 @@
 
 use super::line::Line;
 use super::parameter_of;
-use super::walk::Walk;
+use super::walk::{BEHIND, Walk};
 use crate::analysis::cycle::{
     Cycle, Margin, MarginKind, Outline, Path, SequenceChange, Shooting, Zero, describe,
 };
@@ -183,14 +183,27 @@ impl Walk<'_> {
         let margin = first.margin_about(&self.branch.last, numbers)?;
         let (at, slope) = self.zero_near(&line, margin, place)?;
         let margin = at.solution.margin_like(margin)?.clone();
-        let row = line.across() * slope.signum();
-        let behind = Line::tangent(&self.shooting, self.branch.units, &at.solution, &row)?;
+        let (sign, units) = (slope.signum(), self.branch.units);
+        let row = line.across() * sign;
+        let tangent = Line::tangent(&self.shooting, units, &at.solution, &row)?;
+        // Where a multiplier is 1 at the change, the equations leave the tangent undetermined.
+        let straight = Line::along(&self.shooting, units, &at.solution, &line.direction * sign);
+        let lines = [Some(&tangent), straight.as_ref()];
+        let behind = lines.into_iter().flatten().find(|one| self.leads_on(one));
+        let behind = behind.unwrap_or(&tangent).clone();
         let cycle = at.solution.clone();
         Some(Change {
             at,
             margin,
             behind: Some((cycle, behind)),
         })
+    }
+
+    /// Whether the branch has nearly the direction of a line one short step farther.
+    fn leads_on(&self, line: &Line) -> bool {
+        let next = line.on(&self.shooting, BEHIND * self.settings.step);
+        let onward = next.and_then(|next| line.goes_on(&self.shooting, self.branch.units, &next));
+        onward.is_some_and(|onward| line.bends_little(&onward))
     }
 
     /// The change at the last orbit, of which a segment has all but vanished, if no orbit without

@@ -20,7 +20,7 @@ const RESOLUTION: f64 = 1e-11;
 pub(super) const SHORTEST: f64 = 1e-7;
 
 /// The first step behind a change of phases, as a fraction of the longest one.
-const BEHIND: f64 = 0.02;
+pub(super) const BEHIND: f64 = 0.02;
 
 /// Longest step, as a fraction of the orbit's own extent.
 const OF_EXTENT: f64 = 0.1;
