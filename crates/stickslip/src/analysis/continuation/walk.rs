@@ -9,7 +9,7 @@ use super::{
     check_rate, check_start, critical, parameter_of, with_parameter,
 };
 use crate::analysis::cycle::{Cycle, Extra, Margin, Outline, Shooting};
-use crate::dynamics::{Dynamics, Moment, Vector, run};
+use crate::dynamics::{Dynamics, Modes, Moment, Vector, run};
 use crate::error::Error;
 use crate::filippov::Options;
 
@@ -22,7 +22,8 @@ pub(super) const SHORTEST: f64 = 1e-7;
 /// The first step behind a change of phases, as a fraction of the longest one.
 pub(super) const BEHIND: f64 = 0.02;
 
-/// Longest step, as a fraction of the orbit's own extent.
+/// Longest step, as a fraction of the orbit's own extent, where the branch may end as that
+/// vanishes.
 const OF_EXTENT: f64 = 0.1;
 
 /// A branch that is being followed.
@@ -212,8 +213,19 @@ impl<'a> Walk<'a> {
         let Some(line) = self.branch.line.clone() else {
             return Some(Stop::NoConvergence);
         };
-        let by_extent = OF_EXTENT * self.branch.last.extent / self.branch.units.size;
-        let mut step = self.branch.step.min(by_extent);
+        let mut step = self.branch.step;
+        // Only friction ends the motion of a driven system. Without it the branch goes on at rest.
+        let sticks = || {
+            self.branch
+                .last
+                .outline
+                .modes()
+                .iter()
+                .any(Modes::any_sticks)
+        };
+        if self.shooting.forced.is_none() || sticks() {
+            step = step.min(OF_EXTENT * self.branch.last.extent / self.branch.units.size);
+        }
         if let Some(&(_, place)) = line.vanishing(step).first() {
             let change = self.vanishes(&line, place);
             if let Some(change) = change.filter(|change| self.is_in_range(&change.at.solution)) {

@@ -410,7 +410,8 @@ pub(crate) struct Cycle {
     pub monodromy: Matrix,
     /// The margins to each change of its phases.
     pub margins: Vec<Margin>,
-    /// The largest range of a component.
+    /// The largest range of a component; of an orbit that does not move, the size of its state, or
+    /// 1 if that is zero.
     pub extent: f64,
     /// Where it is cut: the middle of the longest of the segments with the fewest sticking
     /// contacts.
