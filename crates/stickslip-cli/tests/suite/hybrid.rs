@@ -570,11 +570,13 @@ fn the_graze_of_a_wall_is_located_on_the_branch_that_touches_it() {
                 [time]\nperiod = \"2*pi/w\"\n";
     let square = |w: f64| (1.0 - w * w) * (1.0 - w * w) + 0.01 * w * w;
     let exact = root(1.2, 2.5, |w| square(w) - 4.0);
-    for method in METHODS {
+    // Orbits without the jump and with it meet at the graze.
+    let starts = ["w=2.5", "w=1.6"].map(|start| METHODS.map(|method| (start, method)));
+    for (start, method) in starts.into_iter().flatten() {
         let (_top, mut command) = program(text);
         command.args(["continue", "system.toml", "--json", "--method", method]);
         let output = command
-            .args(["--parameter", "w=1.2:3"])
+            .args(["--set", start, "--parameter", "w=1.2:3"])
             .assert()
             .success()
             .get_output()
@@ -586,15 +588,98 @@ fn the_graze_of_a_wall_is_located_on_the_branch_that_touches_it() {
             .filter(|at| !at["change"].is_null())
             .collect();
         let [change] = changes[..] else {
-            panic!("{method}: {found}");
+            panic!("{start}, {method}: {found}");
         };
         let words = change["change"].to_string();
         assert!(
             words.contains("grazing of a jump") && words.contains("wall"),
             "{words}"
         );
-        let off = (change["parameter"].as_f64().unwrap() - exact).abs();
-        assert!(off < 1e-11, "{method}: {off:e}");
+        let [at, uncertainty] =
+            ["parameter", "uncertainty"].map(|key| change[key].as_f64().unwrap());
+        let off = (at - exact).abs();
+        assert!(
+            off <= uncertainty && off < 1e-11,
+            "{start}, {method}: {off:e}, {uncertainty:e}"
+        );
+    }
+}
+
+/// A map as a jump of a clock: between the jumps the state stays where it is, or all but.
+fn clocked([states, start]: [&str; 2], parameters: &str, field: &str, set: &str) -> String {
+    format!(
+        "name = \"map\"\n[states]\n{states}\n[parameters]\n{parameters}\n[field]\n{field}\n\
+         [jumps.map]\nwhen = \"sin(2*pi*(t - 0.3))\"\ndirection = \"rising\"\nset = {{ {set} }}\n\
+         [start]\n{start}\n[time]\nperiod = 1\n"
+    )
+}
+
+/// Asserts the names and the parameters of the special orbits on a branch.
+fn has_special(json: &serde_json::Value, expected: &[(&str, f64)]) {
+    let special = json["special"].as_array().unwrap();
+    assert_eq!(special.len(), expected.len(), "{special:#?}");
+    for (at, (what, exact)) in special.iter().zip(expected) {
+        let off = (at["parameter"].as_f64().unwrap() - exact).abs();
+        let uncertainty = at["uncertainty"].as_f64().unwrap();
+        assert_eq!(at["what"], *what);
+        assert!(
+            off <= uncertainty && uncertainty < 1e-8,
+            "{at:#} for {exact}"
+        );
+    }
+}
+
+#[test]
+fn maps_written_as_jumps_have_their_folds_flips_and_branch_points() {
+    let follow = ["continue", "system.toml", "--periods", "1", "--parameter"];
+    let henon = clocked(
+        ["x = \"\"\ny = \"\"", "x = 0.5\ny = 0"],
+        "a = 0.3\nb = 0.3",
+        "x = \"0\"\ny = \"0\"",
+        "x = \"1 - a*x^2 + y\", y = \"b*x\"",
+    );
+    let json = json_of(
+        &henon,
+        &[&follow[..], &["a=-0.2:0.6", "--points", "400"]].concat(),
+    );
+    // With b = 0.3: −(1 − b)²/4 and 3 (1 − b)²/4.
+    has_special(&json, &[("fold", -0.1225), ("flip", 0.3675)]);
+    let logistic = clocked(
+        ["x = \"\"", "x = 0.3"],
+        "r = 2.8",
+        "x = \"-0.05*x\"",
+        "x = \"exp(0.05)*r*x*(1 - x)\"",
+    );
+    let json = json_of(
+        &logistic,
+        &[&follow[..], &["r=0.5:4", "--step", "0.1"]].concat(),
+    );
+    has_special(&json, &[("branch point", 1.0), ("flip", 3.0)]);
+}
+
+/// The branch at rest flips where the branch of twice the period begins.
+#[test]
+fn a_driven_system_at_rest_is_followed_through_its_flip() {
+    let text = "name = \"mathieu\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\ne = 0.3\nc = 0.1\n\
+                [field]\nx = \"v\"\nv = \"-(0.25 + e*cos(t))*x - c*v - x^3\"\n[start]\nx = 0.1\n\
+                v = 0\n[time]\nperiod = \"2*pi\"\n";
+    let follow = ["continue", "system.toml", "--parameter", "e=0:0.5"];
+    let moving = json_of(text, &follow);
+    let at_rest = ["--periods", "1", "--transient", "0", "--start", "x=0"];
+    let at_rest = json_of(text, &[&follow[..], &at_rest].concat());
+    let special = |json: &serde_json::Value, what: &str| {
+        let mut special = json["special"].as_array().unwrap().iter();
+        let at = special.find(|at| at["what"] == what).unwrap();
+        ["parameter", "uncertainty"].map(|key| at[key].as_f64().unwrap())
+    };
+    let [flip, one] = special(&at_rest, "flip");
+    let [begins, other] = special(&moving, "branch point");
+    assert!(
+        (flip - begins).abs() <= one + other && one + other < 1e-8,
+        "{flip} ± {one:e} and {begins} ± {other:e}"
+    );
+    for end in at_rest["ends"].as_array().unwrap() {
+        assert_eq!(end["stop"], "range", "{at_rest:#}");
     }
 }
 

@@ -91,6 +91,36 @@ fn a_graze_of_a_wall_where_the_velocity_is_zero_has_one_name() {
     }
 }
 
+/// Begun at the lower friction or the higher frequency, the orbit grazes the edge of stick between
+/// two samples of a step. At the switching a multiplier is 1, which leaves the tangent undetermined.
+#[test]
+fn a_branch_has_the_same_places_wherever_it_is_begun() {
+    let branches = [
+        ("S=0.3", "O=0.35:0.9", ["O=0.4", "O=0.7"]),
+        ("S=0.32", "O=0.35:0.9", ["O=0.4", "O=0.7"]),
+        ("O=0.4", "S=0.02:1.2", ["S=0.3", "S=0.1"]),
+        ("O=0.45", "S=0.02:1.2", ["S=0.3", "S=0.1"]),
+    ];
+    for (set, range, starts) in branches {
+        let set = ["continue", "den-hartog", "--set", set, "--parameter", range];
+        let special = starts.map(|start| {
+            let json = json_of("", &[&set[..], &["--set", start]].concat());
+            json["special"].as_array().unwrap().clone()
+        });
+        let [one, other] = &special;
+        assert_eq!((one.len(), other.len()), (2, 2), "{set:?}: {special:#?}");
+        for (a, b) in one.iter().zip(other) {
+            assert_eq!(a["what"], b["what"], "{set:?}");
+            let value = |key: &str| [a, b].map(|at| at[key].as_f64().unwrap());
+            let ([a, b], [by, or]) = (value("parameter"), value("uncertainty"));
+            assert!(
+                (a - b).abs() <= by + or && by.max(or) < 1e-6,
+                "{set:?}: {a} ± {by:e} and {b} ± {or:e}"
+            );
+        }
+    }
+}
+
 /// Wherever an orbit is begun, its phases are written in one order.
 #[test]
 fn orbits_and_branches_write_phases_in_one_order() {

@@ -2,7 +2,7 @@
 //! behind them.
 
 use super::parameter_of;
-use super::steps::Continuation;
+use super::steps::{Continuation, FIRST_BEHIND_CHANGE};
 use super::tangent_line::TangentLine;
 use crate::analysis::cycle::{
     Cycle, Margin, MarginKind, Outline, Path, SAFETY, SequenceChange, Shooting, Zero, describe,
@@ -205,8 +205,15 @@ impl Continuation<'_> {
         let margin = first.margin_near(&self.branch.last, numbers)?;
         let (at, slope) = self.zero_near(&line, margin, place)?;
         let margin = at.solution.margin_like(margin)?.clone();
-        let row = line.across() * slope.signum();
-        let behind = TangentLine::tangent(&self.shooting, self.branch.units, &at.solution, &row)?;
+        let (sign, units) = (slope.signum(), self.branch.units);
+        let row = line.across() * sign;
+        let tangent = TangentLine::tangent(&self.shooting, units, &at.solution, &row)?;
+        // Where a multiplier is 1 at the change, the equations leave the tangent undetermined.
+        let direction = &line.direction * sign;
+        let straight = TangentLine::along(&self.shooting, units, &at.solution, direction);
+        let lines = [Some(&tangent), straight.as_ref()];
+        let behind = lines.into_iter().flatten().find(|one| self.leads_on(one));
+        let behind = behind.unwrap_or(&tangent).clone();
         let cycle = at.solution.clone();
         Some(Change {
             at,
@@ -214,6 +221,13 @@ impl Continuation<'_> {
             margin,
             behind: Some((cycle, behind)),
         })
+    }
+
+    /// Whether the branch has nearly the direction of a line one short step farther.
+    fn leads_on(&self, line: &TangentLine) -> bool {
+        let next = line.on(&self.shooting, FIRST_BEHIND_CHANGE * self.settings.step);
+        let onward = next.and_then(|next| line.continued(&self.shooting, self.branch.units, &next));
+        onward.is_some_and(|onward| line.bends_little(&onward))
     }
 
     /// The change at the last orbit where a segment of it has all but vanished, for when no orbit

@@ -9,7 +9,7 @@ use super::{
     check_rate, check_start, critical, parameter_of, with_parameter,
 };
 use crate::analysis::cycle::{Cycle, Margin, Outline, Shooting};
-use crate::dynamics::{Dynamics, Moment, Vector, run};
+use crate::dynamics::{Dynamics, Modes, Moment, Vector, run};
 use crate::error::Error;
 use crate::filippov::Options;
 
@@ -23,10 +23,10 @@ pub(super) const SHORTEST_STEP: f64 = 1e-7;
 
 /// First step behind a change of the phases, as a fraction of the longest one. Chosen: a fold is
 /// often next to the change, and later steps grow by 1.4 each.
-const FIRST_BEHIND_CHANGE: f64 = 0.02;
+pub(super) const FIRST_BEHIND_CHANGE: f64 = 0.02;
 
-/// Longest step, as a fraction of the orbit's own extent. Chosen: an orbit that shrinks is then
-/// followed through ten orbits or more for each factor e.
+/// Longest step, as a fraction of the orbit's own extent, where the branch may end as that vanishes.
+/// Chosen: an orbit that shrinks is then followed through ten orbits or more for each factor e.
 const LONGEST_OF_EXTENT: f64 = 0.1;
 
 /// The continuation of a branch.
@@ -217,8 +217,12 @@ impl<'a> Continuation<'a> {
         let Some(line) = self.branch.line.clone() else {
             return Some(Stop::NoConvergence);
         };
-        let by_extent = LONGEST_OF_EXTENT * self.branch.last.extent / self.branch.units.size;
-        let mut step = self.branch.step.min(by_extent);
+        let mut step = self.branch.step;
+        // Only friction ends the motion of a driven system. Without it the branch goes on at rest.
+        let last = &self.branch.last;
+        if self.shooting.forced.is_none() || last.outline.modes().iter().any(Modes::any_sticks) {
+            step = step.min(LONGEST_OF_EXTENT * last.extent / self.branch.units.size);
+        }
         if let Some(&(_, place)) = line.vanishing(step).first() {
             let change = self.vanishing_segments(&line, place);
             if let Some(change) = change.filter(|change| self.is_in_range(&change.at.solution)) {

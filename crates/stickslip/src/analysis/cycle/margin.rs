@@ -19,7 +19,8 @@ pub(crate) enum MarginKind {
     Begin(usize),
     /// A slip ends on the boundary near the edge of the sliding region.
     Landing,
-    /// A slip comes to the boundary ever more tangentially, until it misses it.
+    /// A slip comes to the boundary, or the function of a jump to zero, ever more tangentially,
+    /// until it misses it.
     Arrival,
     /// A phase is short.
     Duration,
@@ -150,6 +151,16 @@ pub(super) fn at_events(system: &dyn Dynamics, outline: &Outline, pieces: &[Piec
             margins.push(Margin {
                 other,
                 ..margin(MarginKind::Duration, segment.duration, outline.period())
+            });
+        }
+        if begin.is_of_jump && begin.at_kink.is_none() {
+            let at = &pieces[(part + count - 1) % count].end;
+            let flow = system.flow(before.mode, &before.inside);
+            let [_, rate, second, _] = flow.guard_jet(begin.guard, at);
+            let scale = rate.abs() + second.abs() * outline.period();
+            margins.push(Margin {
+                at: at.clone(),
+                ..margin(MarginKind::Arrival, -rate, scale)
             });
         }
         if let (Mode::Slip(side), false) = (before.mode.get(begin.contact), begin.is_of_contact) {

@@ -55,20 +55,41 @@ pub(super) fn minima(
             let first = (0, if leaves_zero { AFTER_BEGIN } else { 0.0 });
             let of_step = |step| (1..=SAMPLES).map(move |k| (step, k as f64 / SAMPLES as f64));
             let steps = (0..piece.steps.len()).flat_map(of_step);
-            let samples: Vec<Sample> = std::iter::once(first)
+            let mut samples: Vec<Sample> = std::iter::once(first)
                 .filter(|_| !piece.steps.is_empty())
                 .chain(steps)
                 .map(sample)
                 .collect();
-            let ([begin, ..], [.., end]) = (&samples[..], &samples[..]) else {
-                continue;
-            };
-            let last = samples.len() - 1;
             // A rate that is zero to within the tolerances has no sign. So a minimum at a zero of
             // another contact's velocity is one minimum, on whichever side rounding puts it.
             let rates = samples.iter().map(|one| one.jet[1].abs());
             let still = TOLERANCES * options.rtol.max(options.atol) * rates.fold(0.0, f64::max);
             let falls = |one: &Sample| one.jet[1] < -still;
+            let between = |a: &Sample, b: &Sample| (if a.step == b.step { a.s } else { 0.0 }, b.s);
+            let length = |step: usize| piece.steps[step].0.t_end - piece.steps[step].0.t_start;
+            // Between two samples a guard may turn twice. Its rate then has an extremum there.
+            let turns_twice = |a: &Sample, b: &Sample| {
+                let sign = if falls(a) { -1.0 } else { 1.0 };
+                let may_turn =
+                    falls(a) == falls(b) && sign * a.jet[2] < 0.0 && sign * b.jet[2] > 0.0;
+                may_turn.then(|| {
+                    let second = |s: f64| {
+                        let [.., second, third] = jet(b.step, s);
+                        [sign * second, sign * third]
+                    };
+                    sample((b.step, rising_zero(between(a, b), length(b.step), second)))
+                })
+            };
+            for k in (1..samples.len()).rev() {
+                let extreme = turns_twice(&samples[k - 1], &samples[k]);
+                if let Some(extreme) = extreme.filter(|one| falls(one) != falls(&samples[k])) {
+                    samples.insert(k, extreme);
+                }
+            }
+            let ([begin, ..], [.., end]) = (&samples[..], &samples[..]) else {
+                continue;
+            };
+            let last = samples.len() - 1;
             let mut places = Vec::new();
             // A jump occurs at a zero of its function only after this was positive in the phase.
             let positive = samples.iter().position(|one| one.jet[0] > 0.0);
@@ -100,10 +121,11 @@ pub(super) fn minima(
             }
             for (k, (a, b)) in samples.iter().zip(&samples[1..]).enumerate() {
                 if may_vanish(k) && turns(a, b) {
-                    let step = &piece.steps[b.step].0;
-                    let from = if a.step == b.step { a.s } else { 0.0 };
-                    let length = step.t_end - step.t_start;
-                    let s = lowest((from, b.s), length, |s| jet(b.step, s));
+                    let rate = |s: f64| {
+                        let [_, rate, second, _] = jet(b.step, s);
+                        [rate, second]
+                    };
+                    let s = rising_zero(between(a, b), length(b.step), rate);
                     places.push((minimum, None, (b.step, s)));
                 }
             }
@@ -129,18 +151,18 @@ pub(super) fn minima(
     margins
 }
 
-/// Where a guard with these time derivatives is smallest, between two fractions of a step: Newton's
-/// iteration for the zero of its rate, safeguarded by bisection.
-fn lowest((mut a, mut b): (f64, f64), length: f64, jet: impl Fn(f64) -> [f64; 4]) -> f64 {
+/// Where a function with this time derivative rises through zero between two fractions of a step:
+/// Newton's iteration, safeguarded by bisection.
+fn rising_zero((mut a, mut b): (f64, f64), length: f64, jet: impl Fn(f64) -> [f64; 2]) -> f64 {
     let mut s = 0.5 * (a + b);
     for _ in 0..60 {
-        let [_, rate, second, _] = jet(s);
-        if rate < 0.0 {
+        let [value, rate] = jet(s);
+        if value < 0.0 {
             a = s;
         } else {
             b = s;
         }
-        let newton = s - rate / (second * length);
+        let newton = s - value / (rate * length);
         let is_between = newton > a && newton < b;
         let next = if is_between { newton } else { 0.5 * (a + b) };
         if (next - s).abs() <= f64::EPSILON {

@@ -45,7 +45,8 @@ pub(crate) struct Cycle {
     pub monodromy: Matrix,
     /// The margins to each change of its phases.
     pub margins: Vec<Margin>,
-    /// The largest range of a component.
+    /// The largest range of a component; of an orbit that does not move, the size of its state, or
+    /// 1 if that is zero.
     pub extent: f64,
     /// The middle of the segment that is cut there.
     pub anchor: Moment,

@@ -61,7 +61,7 @@ impl<'a> Shooting<'a> {
             system,
             states: system.states(),
             forced,
-            extent: outline.extent,
+            extent: length(outline.extent, outline, system.states(), options),
             family: 0,
             plane: None,
             options,
@@ -227,7 +227,7 @@ impl<'a> Shooting<'a> {
             jacobian: equations.jacobian,
             monodromy: equations.monodromy,
             margins,
-            extent,
+            extent: length(extent, &outline, self.states, self.options),
             outline,
             closes_to,
             iterations,
@@ -257,6 +257,15 @@ impl<'a> Shooting<'a> {
             ..outline.clone()
         })
     }
+}
+
+/// The unit of length of an orbit: its extent or, where it does not move, the size of its state.
+/// For an orbit at zero it is 1.
+fn length(extent: f64, outline: &Outline, states: usize, options: &Options) -> f64 {
+    let by_tolerance = TOLERANCES * options.atol.max(options.rtol);
+    let size = outline.begin.x.rows(0, states).amax();
+    let mut lengths = [extent, size].into_iter();
+    lengths.find(|one| *one > by_tolerance).unwrap_or(1.0)
 }
 
 /// The range of the components, at the ends of steps.
