@@ -1256,3 +1256,83 @@ fn a_stick_that_a_kink_ends_is_part_of_an_orbit() {
         "{last:?} {off:e}"
     );
 }
+
+/// `s` has the sign of `x` at the jump. Before it, and where `y` starts below zero, it is 0.
+const SIDES: &str = "name = \"sides\"\n\
+                     [states]\n\
+                     x = \"\"\n\
+                     y = \"\"\n\
+                     [discrete]\n\
+                     s = 0\n\
+                     [parameters]\n\
+                     a = 1\n\
+                     [jumps.side]\n\
+                     when = \"y\"\n\
+                     direction = \"falling\"\n\
+                     set = { s = \"x/abs(x)\" }\n\
+                     [field]\n\
+                     x = \"a*s - x\"\n\
+                     y = \"-y - 1\"\n\
+                     [start]\n\
+                     x = 0.5\n\
+                     y = 1\n";
+
+#[test]
+fn an_equilibrium_holds_discrete_states() {
+    let plane = ["--x", "x=-1:1", "--y", "y=-0.5:0.5", "--grid", "8x8"];
+    for method in METHODS {
+        let arguments = [&["basin", "system.toml", "--method", method], &plane[..]].concat();
+        let found = json_of(SIDES, &arguments);
+        let attractors = found["attractors"].as_array().unwrap().iter();
+        let mut attractors: Vec<_> = attractors
+            .map(|one| {
+                assert_eq!(one["motion"], "equilibrium");
+                let x = &one["points"][0]["x"];
+                let [x, y, s] = ["x", "y", "s"].map(|name| x[name].as_f64().unwrap());
+                assert!((y + 1.0).abs() < 1e-9 && (x - s).abs() < 1e-9, "{one}");
+                (s, one["share"].as_f64().unwrap())
+            })
+            .collect();
+        attractors.sort_by(|a, b| a.0.total_cmp(&b.0));
+        assert_eq!(
+            attractors,
+            [(-1.0, 0.25), (0.0, 0.5), (1.0, 0.25)],
+            "{method}"
+        );
+    }
+    let found = json_of(
+        SIDES,
+        &[
+            "continue",
+            "system.toml",
+            "--equilibrium",
+            "--parameter",
+            "a=0.5:2",
+        ],
+    );
+    assert_eq!(found["special"], serde_json::json!([]));
+    let (top, _) = printed(
+        SIDES,
+        &[
+            "continue",
+            "system.toml",
+            "--equilibrium",
+            "--parameter",
+            "a=0.5:2",
+        ],
+    );
+    let table = csv::Reader::from_path(top.path().join("out/equilibria.csv"));
+    let mut count = 0;
+    for row in table.unwrap().records() {
+        let row = row.unwrap();
+        let numbers: Vec<f64> = row.iter().filter_map(|one| one.parse().ok()).collect();
+        let [a, x, y, s, one, _, two, _] = numbers[..] else {
+            panic!("{row:?}");
+        };
+        assert!((x - a).abs() < 1e-12 && y == -1.0 && s == 1.0, "{row:?}");
+        assert!((one + 1.0).abs() + (two + 1.0).abs() < 1e-14);
+        assert_eq!(&row[1], "stable");
+        count += 1;
+    }
+    assert!(count > 10);
+}
