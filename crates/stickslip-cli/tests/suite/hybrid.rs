@@ -1257,6 +1257,48 @@ fn a_stick_that_a_kink_ends_is_part_of_an_orbit() {
     );
 }
 
+/// The logistic map as a jump of a clock, by the drive and by a state that measures time.
+const LOGISTIC: &str = "name = \"logistic\"\n\
+                        [states]\n\
+                        x = \"\"\n\
+                        [parameters]\n\
+                        r = 2.95\n\
+                        [jumps.map]\n\
+                        when = \"sin(2*pi*(t - 0.3))\"\n\
+                        direction = \"rising\"\n\
+                        set = { x = \"exp(0.05)*r*x*(1 - x)\" }\n\
+                        [field]\n\
+                        x = \"-0.05*x\"\n\
+                        [start]\n\
+                        x = 0.3\n\
+                        [time]\n\
+                        period = 1\n";
+
+/// Its multiplier is 2 − r: each run alternates about the orbit.
+#[test]
+fn an_orbit_about_which_runs_alternate_has_its_shortest_period() {
+    let clock = LOGISTIC
+        .replace("[parameters]", "clock = \"\"\n[parameters]")
+        .replace("when = \"sin(2*pi*(t - 0.3))\"", "when = \"clock - 1\"")
+        .replace("set = { x", "set = { clock = \"0\", x")
+        .replace("[start]", "clock = \"1\"\n[start]\nclock = 0.5")
+        .replace("[time]\nperiod = 1\n", "");
+    for (text, trivial) in [(LOGISTIC, 0), (clock.as_str(), 1)] {
+        for r in [2.8, 2.95] {
+            let set = format!("r={r}");
+            let found = json_of(text, &["orbit", "system.toml", "--set", &set]);
+            let period = found["period"].as_f64().unwrap();
+            let multiplier = found["multipliers"][trivial][0].as_f64().unwrap();
+            assert!((period - 1.0).abs() < 1e-9, "{r}: {period}");
+            assert!((multiplier - 2.0 + r).abs() < 1e-7, "{r}: {multiplier}");
+            assert_eq!(found["phases"], "map");
+        }
+    }
+    // Behind the flip, the orbit of twice the period is one.
+    let found = json_of(LOGISTIC, &["orbit", "system.toml", "--set", "r=3.01"]);
+    assert_eq!(found["periods_of_drive"], 2);
+}
+
 /// `s` has the sign of `x` at the jump. Before it, and where `y` starts below zero, it is 0.
 const SIDES: &str = "name = \"sides\"\n\
                      [states]\n\
