@@ -1299,6 +1299,46 @@ fn an_orbit_about_which_runs_alternate_has_its_shortest_period() {
     assert_eq!(found["periods_of_drive"], 2);
 }
 
+/// The orbit at the end of the range is the one that a run comes to.
+#[test]
+fn branches_begin_at_flips_of_orbits_with_jumps() {
+    let cases = [
+        (IMPACTS, "w=2.5:2.66", "w=2.66", "v"),
+        (BUCK, "E=18:25", "E=25", "v"),
+    ];
+    for (text, range, set, state) in cases {
+        let arguments = [
+            "continue",
+            "system.toml",
+            "--parameter",
+            range,
+            "--branches",
+        ];
+        let found = json_of(text, &arguments);
+        let [branch] = found["branches"].as_array().unwrap().as_slice() else {
+            panic!("{:#}", found["branches"]);
+        };
+        assert_eq!(branch["stop"], "range", "{branch:#}");
+        assert_eq!(branch["special"], serde_json::json!([]));
+        let (top, _) = printed(text, &arguments);
+        let mut table = csv::Reader::from_path(top.path().join("out/branch.csv")).unwrap();
+        let names = table.headers().unwrap().clone();
+        let last = table.records().last().unwrap().unwrap();
+        let alone = json_of(text, &["orbit", "system.toml", "--set", set]);
+        assert_eq!(alone["periods_of_drive"], 2);
+        for (end, of) in ["low", "high"].into_iter().zip([0, 1]) {
+            let name = format!("{state}_{end}");
+            let column = names.iter().position(|one| one == name).unwrap();
+            let extreme = alone["extremes"][state][of].as_f64().unwrap();
+            let off = last[column].parse::<f64>().unwrap() - extreme;
+            assert!(&last[0] == "1" && off.abs() < 1e-8, "{set}: {name} {off:e}");
+        }
+        let special = std::fs::read_to_string(top.path().join("out/special.csv")).unwrap();
+        assert!(special.starts_with("branch,branches,behind,"), "{special}");
+        assert!(special.contains("\n0,1,"), "{special}");
+    }
+}
+
 /// `s` has the sign of `x` at the jump. Before it, and where `y` starts below zero, it is 0.
 const SIDES: &str = "name = \"sides\"\n\
                      [states]\n\

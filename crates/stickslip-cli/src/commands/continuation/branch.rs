@@ -28,7 +28,8 @@ const BRANCHES: usize = CURVES + 1;
 pub(super) struct Other {
     /// Index of that orbit among the special ones, from 0.
     pub(super) from: usize,
-    pub(super) branch: WholeBranch,
+    /// Its number and its orbits; `None` where none was found.
+    pub(super) branch: Option<(usize, WholeBranch)>,
 }
 
 /// A second parameter.
@@ -197,7 +198,7 @@ impl<'a> Begin<'a> {
         followed.into_par_iter().map(curve).collect()
     }
 
-    /// The branches that begin at flips and branch points of a branch.
+    /// The branches that begin at flips and branch points of a branch, numbered from 1.
     pub(super) fn others(
         &self,
         (orbit, periods): (&PeriodicOrbit, Option<u32>),
@@ -238,15 +239,24 @@ impl<'a> Begin<'a> {
                 stop: Stop::Points,
             };
             let found = found.into_iter();
-            let told = found.map(|way| {
-                let branch = self.joined(begin(&way), way, options)?;
-                Ok(Other { from, branch })
-            });
-            told.collect::<Result<Vec<Other>, Failure>>()
+            let joined = found.map(|way| self.joined(begin(&way), way, options));
+            Ok((from, joined.collect::<Result<Vec<_>, Failure>>()?))
         };
         let junctions = junctions.par_iter().enumerate();
-        let others: Result<Vec<_>, Failure> = junctions.map(switched).collect();
-        Ok(others?.into_iter().flatten().collect())
+        let found: Result<Vec<_>, Failure> = junctions.map(switched).collect();
+        let mut others = Vec::new();
+        let mut number = 0;
+        for (from, branches) in found? {
+            if branches.is_empty() {
+                others.push(Other { from, branch: None });
+            }
+            for branch in branches {
+                number += 1;
+                let branch = Some((number, branch));
+                others.push(Other { from, branch });
+            }
+        }
+        Ok(others)
     }
 
     /// Joins both directions, with the extremes of each orbit.

@@ -38,7 +38,8 @@ use branch::{Begin, Other};
 ///
 /// With --also, each of these places but branch points is followed in two parameters. With
 /// --branches, the tables have a column `branch`: 0 is the branch through the orbit, and the others
-/// are in the order of where they begin.
+/// are in the order of where they begin. The column `branches` of special.csv has the numbers of
+/// those that begin at an orbit, or says that none was found.
 ///
 /// With --equilibrium, the equilibrium that the run comes to is followed, into the sliding field
 /// and out of it, too. Folds, branch points, Hopf bifurcations and boundary equilibria are located.
@@ -213,6 +214,7 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<(Report, Writer), Failu
             "parameter": last.map(|last| last.orbit.parameter),
             "stop": end.stop,
             "error": null,
+            "flip": null,
             "hopf": null,
             "boundary_equilibrium": null,
             "two_fold": null,
@@ -226,8 +228,8 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<(Report, Writer), Failu
     report.field("ends", objects);
 
     if let Some(others) = &others {
-        let objects = others.iter().enumerate().map(|(k, other)| {
-            let (note, object) = told(k + 1, other, &branch, system, name);
+        let objects = others.iter().map(|other| {
+            let (note, object) = told(other, &branch, system, name);
             report.note(note);
             object
         });
@@ -236,13 +238,18 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<(Report, Writer), Failu
     }
 
     let is_numbered = others.is_some();
-    let others = others.iter().flatten().map(|other| &other.branch);
-    let branches: Vec<&WholeBranch> = std::iter::once(&branch).chain(others).collect();
+    let others = others.unwrap_or_default();
+    let found = others.iter().filter_map(|other| other.branch.as_ref());
+    let found = found.map(|(_, branch)| branch);
+    let branches: Vec<&WholeBranch> = std::iter::once(&branch).chain(found).collect();
     let numbered = || branches.iter().copied().enumerate();
     let points = numbered().flat_map(|(k, one)| one.points.iter().map(move |at| (k, at)));
     let points: Vec<(usize, &BranchOrbit)> = points.collect();
     report.table(columns(system, name, (is_numbered, &points)).csv("branch", &points)?);
-    let rows = numbered().flat_map(|(k, one)| rows(k, one, system, name));
+    let rows = numbered().flat_map(|(k, one)| {
+        let others = if k == 0 { &others[..] } else { &[] };
+        rows((k, one), others, system, name)
+    });
     report.table(special_columns(system, name, is_numbered).csv("special", rows)?);
     report.figure("continue", &figure::diagram(system, &range, &branches))?;
     if let Some(also) = also {
@@ -255,9 +262,11 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<(Report, Writer), Failu
     Ok((report, writer))
 }
 
+/// Name of the fact that no branch was found where one begins.
+const NOT_FOUND: &str = "not found";
+
 /// A branch that begins at another branch, in words and as a JSON object.
 fn told(
-    number: usize,
     Other { from, branch }: &Other,
     main: &WholeBranch,
     system: &System,
@@ -268,6 +277,18 @@ fn told(
         let place = place(at.parameter, at.uncertainty);
         format!(" from the {} at {name} = {place}", what(at))
     });
+    let Some((number, branch)) = branch else {
+        let note = format!("no branch{begin} was found; a shorter --step may lead to one");
+        let object = json!({
+            "branch": null,
+            "from": from,
+            "points": 0,
+            "parameter": null,
+            "special": [],
+            "stop": NOT_FOUND,
+        });
+        return (note, object);
+    };
     let [_, stop] = &branch.stops;
     let end = End::of(stop, system, name);
     let last = branch.points.last();
@@ -294,14 +315,22 @@ fn told(
     (note, object)
 }
 
-/// Rows of the special orbits of branch `number`. Ends that are bifurcations come before and after
-/// them.
-fn rows(number: usize, branch: &WholeBranch, system: &System, name: &str) -> Vec<Row> {
+/// Rows of the special orbits of branch `number`, at which other branches may begin. Ends that are
+/// bifurcations come before and after them.
+fn rows(
+    (number, branch): (usize, &WholeBranch),
+    others: &[Other],
+    system: &System,
+    name: &str,
+) -> Vec<Row> {
     let [first, last] = branch
         .stops
         .each_ref()
         .map(|stop| End::of(stop, system, name));
-    let special = branch.special.iter().map(|at| Row::of(at, system));
+    let special = branch.special.iter().enumerate().map(|(k, at)| Row {
+        branches: begins(others.iter().filter(|other| other.from == k)),
+        ..Row::of(at, system)
+    });
     let rows = first.row(0).into_iter().chain(special);
     let rows = rows.chain(last.row(branch.points.len()));
     rows.map(|row| Row {
@@ -309,6 +338,15 @@ fn rows(number: usize, branch: &WholeBranch, system: &System, name: &str) -> Vec
         ..row
     })
     .collect()
+}
+
+/// The numbers of branches that begin at one place, or that none was found.
+fn begins<'a>(others: impl Iterator<Item = &'a Other>) -> String {
+    let numbers = others.map(|other| match &other.branch {
+        Some((number, _)) => number.to_string(),
+        None => NOT_FOUND.to_owned(),
+    });
+    numbers.collect::<Vec<String>>().join(" ")
 }
 
 /// The change of the phases at a special orbit, if it is one.
@@ -385,6 +423,19 @@ impl End {
                 None,
             ),
             Stop::Closed => ("where it began: the branch is closed".to_owned(), None),
+            Stop::Flip {
+                parameter,
+                uncertainty,
+            } => (
+                format!(
+                    "in a flip of the orbit of half the period: at {name} = {}",
+                    within(parameter, uncertainty)
+                ),
+                Some((
+                    "flip",
+                    json!({ "parameter": parameter, "uncertainty": uncertainty }),
+                )),
+            ),
             Stop::Equilibrium {
                 parameter,
                 frequency,
@@ -494,6 +545,8 @@ impl End {
 #[derive(Clone, Default)]
 struct Row {
     branch: usize,
+    /// The branches that begin here.
+    branches: String,
     behind: usize,
     parameter: f64,
     what: String,
@@ -512,7 +565,6 @@ impl Row {
             .as_ref()
             .map(|change| changes::contacts(system, change));
         Row {
-            branch: 0,
             behind: at.behind,
             parameter: at.parameter,
             what: what(at),
@@ -524,6 +576,7 @@ impl Row {
                 .and_then(|change| changes::phases(system, change)),
             period: Some(at.period),
             x: at.x.as_slice().to_vec(),
+            ..Row::default()
         }
     }
 }
@@ -532,7 +585,12 @@ impl Row {
 /// of rows of its branch that come before it in `branch.csv`.
 fn special_columns<'a>(system: &System, parameter: &str, is_numbered: bool) -> Table<'a, Row> {
     let phases = |k: usize| move |row: &Row| row.phases.as_ref().map(|phases| phases[k].clone());
-    numbered(is_numbered, |row: &Row| row.branch)
+    let table = numbered(is_numbered, |row: &Row| row.branch);
+    let table = match is_numbered {
+        true => table.column("branches", |row| row.branches.clone()),
+        false => table,
+    };
+    table
         .column("behind", |row| row.behind)
         .column(parameter, |row| row.parameter)
         .column("what", |row| row.what.clone())

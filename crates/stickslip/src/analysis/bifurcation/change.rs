@@ -49,8 +49,8 @@ pub(super) fn locate(
     }
 }
 
-/// Of two names of one place, that by the orbit of the shorter period. An orbit of a multiple of
-/// its period is born there; its own multiplier 1 does not tell a flip from a fold.
+/// Of two names of one place, that by the orbit of the shorter period. An orbit of twice its period
+/// ends there in a singular point of its equations, which locates the place less precisely.
 fn primary(changes: [Option<WhatChanges>; 2]) -> Option<WhatChanges> {
     let period = |change: &WhatChanges| match change {
         WhatChanges::Multiplier { period, .. } => *period,
@@ -123,7 +123,8 @@ fn orbit(
         });
     }
     let mut located = Located::default();
-    for at in walk.into_branch(stop).special {
+    let branch = walk.into_branch(stop);
+    for at in branch.special {
         match at.what {
             Special::Sequence(mut change) => {
                 change.x = states(change.x);
@@ -139,6 +140,22 @@ fn orbit(
                 });
             }
         }
+    }
+    if let (
+        Stop::Flip {
+            parameter,
+            uncertainty,
+        },
+        Some(last),
+    ) = (branch.stop, branch.points.last())
+    {
+        located.smooth.get_or_insert(WhatChanges::Multiplier {
+            parameter,
+            uncertainty,
+            what: Special::Flip,
+            x: states(last.x.clone()),
+            period: last.period,
+        });
     }
     Some(located)
 }

@@ -171,14 +171,15 @@ impl Walk<'_> {
     /// Whether an orbit at the first one's parameter is the first one.
     fn is_first(&self, found: &Cycle) -> bool {
         let near = SAME * self.branch.first.extent;
-        self.comes_by(found).is_some_and(|off| off <= near)
+        self.away(found).is_some_and(|way| way.norm() <= near)
     }
 
-    /// The least distance of an orbit from the first one's anchor; of a driven one, at its time.
-    fn comes_by(&self, found: &Cycle) -> Option<f64> {
+    /// The way to an orbit from the first one's anchor, where it is shortest; of a driven one, at
+    /// its time.
+    pub(super) fn away(&self, found: &Cycle) -> Option<Vector> {
         let (system, options) = (self.shooting.system, self.shooting.options);
         let (start, place) = (&found.anchor, &self.branch.first.anchor);
-        let off = |x: &Vector| (x - &place.x).norm();
+        let off = |x: &Vector| x - &place.x;
         if self.shooting.forced.is_some() {
             let away = (place.t - start.t).rem_euclid(found.period);
             if away == 0.0 {
@@ -197,7 +198,9 @@ impl Walk<'_> {
         let mut nearest = off(&start.x);
         loop {
             match orbit.step().ok()? {
-                Happening::Passage(at) => nearest = nearest.min(off(&at.x)),
+                Happening::Passage(at) if off(&at.x).norm() < nearest.norm() => {
+                    nearest = off(&at.x);
+                }
                 Happening::End(_) => return Some(nearest),
                 _ => {}
             }

@@ -2,15 +2,22 @@
 
 use super::line::{Line, bordered};
 use super::walk::{Vanishing, Walk};
-use super::{Special, SpecialPoint, critical, parameter_of};
+use super::{Special, SpecialPoint, Stop, critical, parameter_of};
 use crate::analysis::critical::zero_between;
 use crate::analysis::cycle::{Cycle, Function, Path, Shooting, Zero, at_least};
 use crate::analysis::lagrange::weights;
 
 impl Walk<'_> {
     /// Continues to this orbit on the line, and records the special ones between the last one and
-    /// it, by the multipliers.
-    pub(super) fn follow(&mut self, line: &Line, next: Cycle, onward: Option<Line>) {
+    /// it, by the multipliers. The reason is returned if the branch ends before this orbit.
+    pub(super) fn follow(
+        &mut self,
+        line: &Line,
+        next: Cycle,
+        onward: Option<Line>,
+    ) -> Option<Stop> {
+        // A fold and a branch point are one if they are this close, as a part of the step.
+        const SAME_PLACE: f64 = 0.1;
         let behind = self.branch.points.len();
         let shooting = self.shooting;
         let of = |cycle: &Cycle| critical(cycle, &shooting);
@@ -24,8 +31,14 @@ impl Walk<'_> {
         let functions: [&Function<'_>; 4] = [&heading, &parts, &minus_one, &circle];
         let mut found = Vec::new();
         // In a family there are always several tangents, and these are neither folds nor branch
-        // points.
-        let first = if shooting.family > 0 { 2 } else { 0 };
+        // points. At a flip of the half, the branch turns and meets that of the half run through
+        // twice.
+        let flip = self.flip_of_half(line, &next);
+        let first = if shooting.family > 0 || flip.is_some() {
+            2
+        } else {
+            0
+        };
         for (kind, function) in functions.into_iter().enumerate().skip(first) {
             let (Some(a), Some(b)) = (function(&self.branch.last), function(&next)) else {
                 continue;
@@ -54,6 +67,29 @@ impl Walk<'_> {
             found.push((zero, what));
         }
         found.sort_by(|a, b| a.0.s.total_cmp(&b.0.s));
+        let place = |kind: &Special| found.iter().position(|(_, what)| what == kind);
+        let meets = [Special::Fold, Special::BranchPoint].each_ref().map(place);
+        if meets != [None, None] && self.is_back(&next) {
+            let first = self.branch.first.clone();
+            self.take(first);
+            return Some(Stop::Closed);
+        }
+        // A branch that leaves another one to one side turns there.
+        if let [Some(fold), Some(point)] = meets
+            && (found[fold].0.s - found[point].0.s).abs() <= SAME_PLACE * length
+        {
+            let is_better = found[fold].0.uncertainty < found[point].0.uncertainty;
+            let (kept, other) = if is_better {
+                (fold, point)
+            } else {
+                (point, fold)
+            };
+            found[kept].1 = Special::BranchPoint;
+            found.remove(other);
+        }
+        if let Some(flip) = &flip {
+            found.retain(|(zero, _)| zero.s < flip.s);
+        }
         for (zero, what) in found {
             let point = SpecialPoint {
                 parameter: zero.parameter,
@@ -65,8 +101,52 @@ impl Walk<'_> {
             };
             self.note_special(point, zero.solution, Vanishing::Multiplier(line.clone()));
         }
+        if let Some(flip) = flip {
+            return Some(Stop::Flip {
+                parameter: flip.parameter,
+                uncertainty: self.at_least(flip.parameter, flip.uncertainty),
+            });
+        }
         self.take(next);
         self.branch.line = onward;
+        None
+    }
+
+    /// Where both halves become the same orbit, between the last orbit and another one on a line:
+    /// their difference passes through zero.
+    fn flip_of_half(&self, line: &Line, next: &Cycle) -> Option<Zero> {
+        // Part of the difference that is left at the nearest orbit that can be computed.
+        const LEFT: f64 = 0.2;
+        let last = &self.branch.last;
+        let [before, behind] = [last.halves()?, next.halves()?];
+        let is_resolved = before.amax() > last.closes_to && behind.amax() > next.closes_to;
+        if before.len() != behind.len() {
+            return None;
+        }
+        let way = behind.normalize();
+        let part = |one: &Cycle| Some(one.halves()?.dot(&way));
+        let (a, b) = (part(last)?, part(next)?);
+        if !is_resolved || a >= 0.0 {
+            return None;
+        }
+        let zero = self.zero(line, [(0.0, a), (line.place(next), b)], &part)?;
+        let left = zero.solution.halves()?.norm();
+        (left <= LEFT * before.norm().max(behind.norm())).then_some(zero)
+    }
+
+    /// Whether the branch passes its first orbit between the last one and another one.
+    fn is_back(&self, next: &Cycle) -> bool {
+        // Distance by which a straight line between them may miss it, as a part of its length: the
+        // branch bends little in a step.
+        const MISSED: f64 = 0.1;
+        let off = [&self.branch.last, next].map(|one| self.away(one));
+        let [Some(before), Some(behind)] = off else {
+            return false;
+        };
+        let way = &behind - &before;
+        let part = -before.dot(&way) / way.norm_squared();
+        let missed = (&before + &way * part).norm();
+        self.branch.points.len() > 3 && (0.0..=1.0).contains(&part) && missed <= MISSED * way.norm()
     }
 
     /// Where a function vanishes on a line, between two places at which it has different signs. Its

@@ -64,7 +64,7 @@ pub fn switch_branches<Kind>(
         ..walk.shooting
     };
     let start = match is_flip {
-        true => shooting.evaluated(&cycle.outline.twice()),
+        true => shooting.evaluated(&cycle.outline.twice(system)),
         false => Some(cycle),
     };
     let start = start.ok_or(not_found("the orbit run through twice"))?;
@@ -82,10 +82,10 @@ pub fn switch_branches<Kind>(
         let mut other = Walk::at(shooting, settings, units, (start.clone(), Some(line)));
         let stop = other.go_on(&mut |_| ControlFlow::Continue(()));
         let mut branch = other.into_branch(stop);
-        // At its beginning, its functions are zero to rounding, which decides their sign.
+        // At its beginning, the functions of folds and branch points are zero to rounding, which
+        // decides their sign.
         branch.special.retain(|one| {
-            let off = (one.parameter - at.parameter).abs();
-            one.behind > 1 || off > one.uncertainty + at.uncertainty
+            one.behind > 1 || !matches!(one.what, Special::Fold | Special::BranchPoint)
         });
         let is_found = branch.points.len() > 1 || branch.stop == Stop::Range;
         is_found.then_some(branch)
