@@ -153,10 +153,11 @@ class Branch(Result):
         and ``behind``, the number of orbits of the branch before it.
     stops : (str, str)
         Why the branch ends, downwards and upwards: ``"range"`` at a bound, ``"points"`` after
-        `most_points`, ``"closed"`` where it began, ``"equilibrium"`` in a Hopf bifurcation,
-        ``"boundary equilibrium"``, ``"two-fold"``, ``"homoclinic"``, ``"rest"`` of a driven system,
-        ``"friction"`` where static friction falls below kinetic, ``"sequence ends"`` where the
-        phases change and none were found beyond, ``"no convergence"``.
+        `most_points`, ``"closed"`` where it began, ``"flip"`` of the orbit of half the period,
+        ``"equilibrium"`` in a Hopf bifurcation, ``"boundary equilibrium"``, ``"two-fold"``,
+        ``"homoclinic"``, ``"rest"`` of a driven system, ``"friction"`` where static friction falls
+        below kinetic, ``"sequence ends"`` where the phases change and none were found beyond,
+        ``"no convergence"``.
     name : str
         The parameter.
     system : System

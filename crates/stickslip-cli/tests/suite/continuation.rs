@@ -858,6 +858,45 @@ fn the_branch_of_twice_the_period_is_followed_along_its_closed_form() {
     assert!(!read("branch.csv")[0].contains_key("branch"));
 }
 
+/// The period doubles at `p = 0` and at `p = 1`, and between them `u = ±√(p (1 - p))`.
+#[test]
+fn a_branch_of_twice_the_period_ends_in_a_flip_of_its_half() {
+    let text = DOUBLED.replace("p*u - u*u*u", "p*(1 - p)*u - u*u*u");
+    let top = tempfile::tempdir().unwrap();
+    let path = top.path().join("doubled.toml");
+    std::fs::write(&path, text).unwrap();
+    let file = path.to_str().unwrap();
+    let range = [file, "--parameter", "p=-0.2:1.2"];
+    let flip = |end: &Value, exact: f64| {
+        assert_eq!(end["stop"], "flip", "{end:#}");
+        let [p, uncertainty] = ["parameter", "uncertainty"].map(|key| end["flip"][key].as_f64());
+        let (off, uncertainty) = (p.unwrap() - exact, uncertainty.unwrap());
+        assert!(
+            off.abs() <= uncertainty && uncertainty < 1e-7,
+            "{off:e} {uncertainty:e}"
+        );
+    };
+    for step in ["0.02", "0.005"] {
+        let (json, _) = followed(&[&range[..], &["--branches", "--step", step]].concat());
+        let [one, two] = json["branches"].as_array().unwrap().as_slice() else {
+            panic!("{:#}", json["branches"]);
+        };
+        for (branch, exact) in [(one, 1.0), (two, 0.0)] {
+            flip(branch, exact);
+            assert_eq!(branch["special"], serde_json::json!([]));
+        }
+    }
+    let (json, _, special) = with_special(&[&range[..], &["--set", "p=0.5"]].concat());
+    assert_eq!(json["special"], serde_json::json!([]));
+    flip(&json["ends"][0], 0.0);
+    flip(&json["ends"][1], 1.0);
+    let names: Vec<&str> = special
+        .iter()
+        .map(|row| row["what"].as_str().unwrap())
+        .collect();
+    assert_eq!(names, ["flip", "flip"]);
+}
+
 /// `u' = p + q u - u³` about `cos t`, without a contact: folds where `p² = 4 (q/3)³`.
 const CUSP: &str = include_str!("../data/cusp.toml");
 

@@ -1375,3 +1375,165 @@ fn a_stick_that_a_kink_ends_is_part_of_an_orbit() {
         "{last:?} {off:e}"
     );
 }
+
+/// The logistic map as a jump of a clock, by the drive and by a state that measures time.
+const LOGISTIC: &str = "name = \"logistic\"\n\
+                        [states]\n\
+                        x = \"\"\n\
+                        [parameters]\n\
+                        r = 2.95\n\
+                        [jumps.map]\n\
+                        when = \"sin(2*pi*(t - 0.3))\"\n\
+                        direction = \"rising\"\n\
+                        set = { x = \"exp(0.05)*r*x*(1 - x)\" }\n\
+                        [field]\n\
+                        x = \"-0.05*x\"\n\
+                        [start]\n\
+                        x = 0.3\n\
+                        [time]\n\
+                        period = 1\n";
+
+/// Its multiplier is 2 − r: each run alternates about the orbit.
+#[test]
+fn an_orbit_about_which_runs_alternate_has_its_shortest_period() {
+    let clock = LOGISTIC
+        .replace("[parameters]", "clock = \"\"\n[parameters]")
+        .replace("when = \"sin(2*pi*(t - 0.3))\"", "when = \"clock - 1\"")
+        .replace("set = { x", "set = { clock = \"0\", x")
+        .replace("[start]", "clock = \"1\"\n[start]\nclock = 0.5")
+        .replace("[time]\nperiod = 1\n", "");
+    for (text, trivial) in [(LOGISTIC, 0), (clock.as_str(), 1)] {
+        for r in [2.8, 2.95] {
+            let set = format!("r={r}");
+            let found = json_of(text, &["orbit", "system.toml", "--set", &set]);
+            let period = found["period"].as_f64().unwrap();
+            let multiplier = found["multipliers"][trivial][0].as_f64().unwrap();
+            assert!((period - 1.0).abs() < 1e-9, "{r}: {period}");
+            assert!((multiplier - 2.0 + r).abs() < 1e-7, "{r}: {multiplier}");
+            assert_eq!(found["phases"], "map");
+        }
+    }
+    // Behind the flip, the orbit of twice the period is one.
+    let found = json_of(LOGISTIC, &["orbit", "system.toml", "--set", "r=3.01"]);
+    assert_eq!(found["periods_of_drive"], 2);
+}
+
+/// The orbit at the end of the range is the one that a run comes to.
+#[test]
+fn branches_begin_at_flips_of_orbits_with_jumps() {
+    let cases = [
+        (IMPACTS, "w=2.5:2.66", "w=2.66", "v"),
+        (BUCK, "E=18:25", "E=25", "v"),
+    ];
+    for (text, range, set, state) in cases {
+        let arguments = [
+            "continue",
+            "system.toml",
+            "--parameter",
+            range,
+            "--branches",
+        ];
+        let found = json_of(text, &arguments);
+        let [branch] = found["branches"].as_array().unwrap().as_slice() else {
+            panic!("{:#}", found["branches"]);
+        };
+        assert_eq!(branch["stop"], "range", "{branch:#}");
+        assert_eq!(branch["special"], serde_json::json!([]));
+        let (top, _) = printed(text, &arguments);
+        let mut table = csv::Reader::from_path(top.path().join("out/branch.csv")).unwrap();
+        let names = table.headers().unwrap().clone();
+        let last = table.records().last().unwrap().unwrap();
+        let alone = json_of(text, &["orbit", "system.toml", "--set", set]);
+        assert_eq!(alone["periods_of_drive"], 2);
+        for (end, of) in ["low", "high"].into_iter().zip([0, 1]) {
+            let name = format!("{state}_{end}");
+            let column = names.iter().position(|one| one == name).unwrap();
+            let extreme = alone["extremes"][state][of].as_f64().unwrap();
+            let off = last[column].parse::<f64>().unwrap() - extreme;
+            assert!(&last[0] == "1" && off.abs() < 1e-8, "{set}: {name} {off:e}");
+        }
+        let special = std::fs::read_to_string(top.path().join("out/special.csv")).unwrap();
+        assert!(special.starts_with("branch,branches,behind,"), "{special}");
+        assert!(special.contains("\n0,1,"), "{special}");
+    }
+}
+
+/// `s` has the sign of `x` at the jump. Before it, and where `y` starts below zero, it is 0.
+const SIDES: &str = "name = \"sides\"\n\
+                     [states]\n\
+                     x = \"\"\n\
+                     y = \"\"\n\
+                     [discrete]\n\
+                     s = 0\n\
+                     [parameters]\n\
+                     a = 1\n\
+                     [jumps.side]\n\
+                     when = \"y\"\n\
+                     direction = \"falling\"\n\
+                     set = { s = \"x/abs(x)\" }\n\
+                     [field]\n\
+                     x = \"a*s - x\"\n\
+                     y = \"-y - 1\"\n\
+                     [start]\n\
+                     x = 0.5\n\
+                     y = 1\n";
+
+#[test]
+fn an_equilibrium_holds_discrete_states() {
+    let plane = ["--x", "x=-1:1", "--y", "y=-0.5:0.5", "--grid", "8x8"];
+    for method in METHODS {
+        let arguments = [&["basin", "system.toml", "--method", method], &plane[..]].concat();
+        let found = json_of(SIDES, &arguments);
+        let attractors = found["attractors"].as_array().unwrap().iter();
+        let mut attractors: Vec<_> = attractors
+            .map(|one| {
+                assert_eq!(one["motion"], "equilibrium");
+                let x = &one["points"][0]["x"];
+                let [x, y, s] = ["x", "y", "s"].map(|name| x[name].as_f64().unwrap());
+                assert!((y + 1.0).abs() < 1e-9 && (x - s).abs() < 1e-9, "{one}");
+                (s, one["share"].as_f64().unwrap())
+            })
+            .collect();
+        attractors.sort_by(|a, b| a.0.total_cmp(&b.0));
+        assert_eq!(
+            attractors,
+            [(-1.0, 0.25), (0.0, 0.5), (1.0, 0.25)],
+            "{method}"
+        );
+    }
+    let found = json_of(
+        SIDES,
+        &[
+            "continue",
+            "system.toml",
+            "--equilibrium",
+            "--parameter",
+            "a=0.5:2",
+        ],
+    );
+    assert_eq!(found["special"], serde_json::json!([]));
+    let (top, _) = printed(
+        SIDES,
+        &[
+            "continue",
+            "system.toml",
+            "--equilibrium",
+            "--parameter",
+            "a=0.5:2",
+        ],
+    );
+    let table = csv::Reader::from_path(top.path().join("out/equilibria.csv"));
+    let mut count = 0;
+    for row in table.unwrap().records() {
+        let row = row.unwrap();
+        let numbers: Vec<f64> = row.iter().filter_map(|one| one.parse().ok()).collect();
+        let [a, x, y, s, one, _, two, _] = numbers[..] else {
+            panic!("{row:?}");
+        };
+        assert!((x - a).abs() < 1e-12 && y == -1.0 && s == 1.0, "{row:?}");
+        assert!((one + 1.0).abs() + (two + 1.0).abs() < 1e-14);
+        assert_eq!(&row[1], "stable");
+        count += 1;
+    }
+    assert!(count > 10);
+}

@@ -316,13 +316,19 @@ fn switching(
         inputs: made,
         states: file.states.len() + inputs.count_free(),
         discrete: discrete(file, graph, &sets),
+        constant_between_jumps: constant_between_jumps(file),
     };
     Ok((switching, is_timed))
 }
 
+/// The states that jumps alone change.
+fn constant_between_jumps(file: &SystemFile) -> Vec<bool> {
+    file.states.iter().map(|state| state.is_discrete).collect()
+}
+
 /// The states that jumps set to isolated values: to expressions of constants and such states.
 fn discrete(file: &SystemFile, graph: &Graph, sets: &[Vec<Id>]) -> Vec<bool> {
-    let mut discrete: Vec<bool> = file.states.iter().map(|state| state.is_discrete).collect();
+    let mut discrete = constant_between_jumps(file);
     loop {
         let is_held = |state: usize| {
             let depends = |&id: &Id| {

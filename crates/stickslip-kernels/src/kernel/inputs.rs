@@ -219,6 +219,8 @@ pub struct Switching {
     pub states: usize,
     /// The states that jumps set to isolated values.
     pub discrete: Vec<bool>,
+    /// The states that jumps alone change.
+    pub constant_between_jumps: Vec<bool>,
 }
 
 impl Switching {
@@ -283,6 +285,10 @@ impl<const N: usize> Jumps<N> for Switching {
 
     fn is_discrete(&self, state: usize) -> bool {
         self.discrete.get(state) == Some(&true)
+    }
+
+    fn is_constant_between_jumps(&self, state: usize) -> bool {
+        self.constant_between_jumps.get(state) == Some(&true)
     }
 
     fn next_kink(&self, t: f64, x: &[f64], t_end: f64) -> f64 {

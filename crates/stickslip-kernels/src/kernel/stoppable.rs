@@ -165,6 +165,10 @@ impl Dynamics for Stoppable {
         self.system.is_discrete(state)
     }
 
+    fn is_constant_between_jumps(&self, state: usize) -> bool {
+        self.system.is_constant_between_jumps(state)
+    }
+
     fn kink(&self, at: &Moment) -> Option<usize> {
         self.system.kink(at)
     }

@@ -297,6 +297,10 @@ impl From<&Stop> for BranchEnd {
             Stop::Refused(_) => plain("friction"),
             Stop::SequenceEnds => plain("sequence ends"),
             Stop::NoConvergence => plain("no convergence"),
+            Stop::Flip {
+                parameter,
+                uncertainty,
+            } => located("flip", "flip", parameter, Some(uncertainty), None),
             Stop::Equilibrium {
                 parameter,
                 frequency,

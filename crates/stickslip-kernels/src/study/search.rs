@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use stickslip::analysis::{
     AttractorKind, PeriodicOrbit, RecurrenceSettings, attractor, find_periodic_orbit,
-    periodic_orbit, periodic_orbit_forced,
+    periodic_orbit, periodic_orbit_forced, with_shortest_period,
 };
 use stickslip::dynamics::{OrbitUnderWay, Section, Step, Summary, Transition, Vector};
 use stickslip::error::Point;
@@ -29,10 +29,6 @@ const DEFAULT_TRANSIENT: f64 = 200.0;
 /// Transitions, or periods of the drive, after which the default transient ends if that is earlier.
 /// It is chosen: the decay per cycle has no time scale, and 3 % of it leave 1e-13.
 const DEFAULT_TRANSIENT_CYCLES: u32 = 1000;
-
-/// A fraction of the period is a period if the state returns within this relative distance. It is
-/// chosen: shooting leaves less by orders of magnitude.
-const RETURN_DISTANCE: f64 = 1e-6;
 
 /// Settings of the search for a periodic orbit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -184,32 +180,14 @@ impl Search<'_> {
         let (system, longest) = (self.system.dynamics(), self.settings.longest);
         // Its clock begins at the end of the transient.
         let found = find_periodic_orbit(system, &x, 0.0, longest, self.options);
-        self.shortest(found.map_err(|error| match error {
+        found.map_err(|error| match error {
             Error::NotFound { what, span, .. } => Error::NotFound { what, t, span },
             other => other,
-        })?)
+        })
     }
 
-    /// The same orbit with its shortest period. If stick makes all returns equal to rounding, a
-    /// later return may be the nearest.
-    fn shortest(&self, orbit: PeriodicOrbit) -> Result<PeriodicOrbit, Error> {
-        let size = orbit
-            .x
-            .iter()
-            .fold(f64::MIN_POSITIVE, |size, x| size.max(x.abs()));
-        for parts in (2..=MOST_PERIODS).rev() {
-            let period = orbit.period / f64::from(parts);
-            let ended = self.follow((orbit.t, &orbit.x), period, &mut ())?;
-            let away = ended.x.iter().zip(&orbit.x).map(|(a, b)| (a - b).abs());
-            if away.fold(0.0, f64::max) <= RETURN_DISTANCE * size {
-                return periodic_orbit(self.system.dynamics(), &orbit.x, period, self.options);
-            }
-        }
-        Ok(orbit)
-    }
-
-    /// The orbit of a driven system. The transient is an integer number of periods, and the orbit
-    /// takes as many periods as the run needs to return.
+    /// The orbit of a driven system. The transient is an integer number of periods. The orbit takes
+    /// as many periods as the run needs to return, or fewer if it closes after these.
     fn driven(
         &self,
         t: f64,
@@ -220,11 +198,13 @@ impl Search<'_> {
             return Err(SearchError::NoPeriods);
         }
         let (t, x) = self.after_transient(t, x, Some(period))?;
-        let count = match self.settings.periods {
+        let given = self.settings.periods;
+        let count = match given {
             Some(count) => count,
             None => self.return_periods(t, &x, period)?,
         };
-        let period = f64::from(count) * period;
+        let drive = period;
+        let period = f64::from(count) * drive;
         let mut detector = RestDetector {
             x: x.clone(),
             lasts: true,
@@ -233,7 +213,13 @@ impl Search<'_> {
         if detector.lasts {
             return Err(SearchError::Held { x: (&x).into() });
         }
-        let orbit = periodic_orbit_forced(self.system.dynamics(), t, &x, period, self.options)?;
+        let (system, options) = (self.system.dynamics(), self.options);
+        let orbit = periodic_orbit_forced(system, t, &x, period, options)?;
+        let orbit = match given {
+            Some(_) => orbit,
+            None => with_shortest_period(system, orbit, Some(drive), options)?,
+        };
+        let count = (orbit.period / drive).round() as u32;
         Ok((orbit, Some(count)))
     }
 

@@ -42,7 +42,9 @@ pub use lyapunov::{
 };
 pub use monodromy::{Monodromy, monodromy};
 pub use multipliers::multipliers;
-pub use periodic::{PeriodicOrbit, find_periodic_orbit, periodic_orbit, periodic_orbit_forced};
+pub use periodic::{
+    PeriodicOrbit, find_periodic_orbit, periodic_orbit, periodic_orbit_forced, with_shortest_period,
+};
 pub use poincare::{PoincareMap, Return};
 pub use stability::Stability;
 pub use tangency::{Visibility, tangency, visibility};

@@ -23,6 +23,9 @@ pub struct PeriodicOrbit {
     pub monodromy: Matrix,
     /// Largest component of `x(t + period) − x`.
     pub residual: f64,
+    /// Residual allowed: what the equations of all segments close to, carried to the end of the
+    /// period.
+    pub closes_to: f64,
     /// Dimension of the family of periodic orbits to which it belongs; 0 where it is isolated. The
     /// same number of nontrivial multipliers are 1, as far as the tolerances show. The orbit
     /// returned is the one nearest to the start.
@@ -93,7 +96,8 @@ pub fn periodic_orbit<Kind>(
 ///
 /// After `transient` the run passes repeatedly through a plane perpendicular to the flow, for at
 /// most `longest`. The first return that is about as near as the nearest one (within a factor of
-/// two) gives the period for [`periodic_orbit`].
+/// two) gives the period for [`periodic_orbit`]. Of the orbit found, [`with_shortest_period`] is
+/// returned.
 ///
 /// # Errors
 /// Those of [`periodic_orbit`]; [`Error::NotFound`] where there is no return, as on the way to an
@@ -192,7 +196,66 @@ pub fn find_periodic_orbit<Kind>(
     let first = returns.iter().find(|r| r.1 <= near);
     let &(period, _) = first.ok_or_else(not_found)?;
     let start = Moment { t: 0.0, ..start };
-    orbit_near(system, &start, (period, false), options)
+    let orbit = orbit_near(system, &start, (period, false), options)?;
+    shortest(system, orbit, None, options)
+}
+
+/// The same periodic orbit with its shortest period. Where a run alternates about the orbit that it
+/// approaches, its nearest return comes after a multiple of the period.
+///
+/// A part of the orbit is an orbit if it closes to within [`PeriodicOrbit::closes_to`]. With a
+/// drive, whose period divides that of the orbit, a part takes whole periods of the drive.
+///
+/// # Errors
+/// Those of [`periodic_orbit`].
+pub fn with_shortest_period<Kind>(
+    system: &impl AsDynamics<Kind>,
+    orbit: PeriodicOrbit,
+    drive: Option<f64>,
+    options: &Options,
+) -> Result<PeriodicOrbit, Error> {
+    shortest(&*system.dynamics(), orbit, drive, options)
+}
+
+fn shortest(
+    system: &dyn Dynamics,
+    orbit: PeriodicOrbit,
+    drive: Option<f64>,
+    options: &Options,
+) -> Result<PeriodicOrbit, Error> {
+    let start = Moment {
+        t: orbit.t,
+        x: orbit.x.clone(),
+    };
+    let closes = |x: &Vector| (x - &start.x).amax() <= orbit.closes_to;
+    let period = match drive {
+        Some(drive) => {
+            let count = (orbit.period / drive).round() as u32;
+            let mut at = start.clone();
+            let mut part = None;
+            for periods in 1..=count / 2 {
+                at = a_period_later(system, &at, drive, options)?;
+                if count.is_multiple_of(periods) && closes(&at.x) {
+                    part = Some(f64::from(periods) * drive);
+                    break;
+                }
+            }
+            part
+        }
+        None => {
+            let passages = passages(system, (&start, orbit.period), &start, options)?;
+            let first = passages.into_iter().find(|at| closes(&at.x));
+            // It may be the end of the orbit.
+            let part = first.map(|at| at.t - start.t);
+            part.filter(|part| *part < 0.75 * orbit.period)
+        }
+    };
+    match period {
+        Some(period) => {
+            orbit_near(system, &start, (period, drive.is_some()), options).or(Ok(orbit))
+        }
+        None => Ok(orbit),
+    }
 }
 
 /// A state of an orbit, and its mode there.
@@ -302,6 +365,7 @@ fn closed_orbit(
         period: cycle.period,
         monodromy: period.matrix,
         residual,
+        closes_to: wanted,
         family: cycle.family,
     })
 }
@@ -314,25 +378,36 @@ fn passage_time(
     state: &Moment,
     options: &Options,
 ) -> Result<Option<f64>, Error> {
-    let t_end = state.t + cycle.period;
-    let mode = system.begin(state, t_end, options, &Section::None)?.mode();
+    let passages = passages(system, (&cycle.anchor, cycle.period), state, options)?;
+    let off = |at: &Moment| (&at.x - &state.x).norm();
+    let nearest = passages
+        .into_iter()
+        .min_by(|a, b| off(a).total_cmp(&off(b)));
+    Ok(nearest.map(|at| at.t))
+}
+
+/// Where the orbit from a start passes, within a time, the plane through a state that is
+/// perpendicular to the flow there.
+fn passages(
+    system: &dyn Dynamics,
+    (start, span): (&Moment, f64),
+    state: &Moment,
+    options: &Options,
+) -> Result<Vec<Moment>, Error> {
+    let mode = system
+        .begin(state, state.t + span, options, &Section::None)?
+        .mode();
     let plane = Section::Plane {
         point: state.x.clone(),
         normal: velocity_in(system, mode, state),
         direction: Direction::Rising,
     };
-    let start = &cycle.anchor;
-    let mut run = system.begin(start, start.t + cycle.period, options, &plane)?;
-    let mut nearest: Option<(f64, f64)> = None;
+    let mut run = system.begin(start, start.t + span, options, &plane)?;
+    let mut passages = Vec::new();
     loop {
         match run.step()? {
-            Happening::Passage(at) => {
-                let distance = (&at.x - &state.x).norm();
-                if nearest.is_none_or(|(least, _)| distance < least) {
-                    nearest = Some((distance, at.t));
-                }
-            }
-            Happening::End(_) => return Ok(nearest.map(|(_, t)| t)),
+            Happening::Passage(at) => passages.push(at.moment()),
+            Happening::End(_) => return Ok(passages),
             _ => {}
         }
     }

@@ -90,6 +90,12 @@ pub trait Jumps<const N: usize> {
         false
     }
 
+    /// Whether jumps alone change a component of the state. An equilibrium is sought at its present
+    /// value.
+    fn is_constant_between_jumps(&self, state: usize) -> bool {
+        self.is_discrete(state)
+    }
+
     /// The next time after `t` at which an input may kink; infinite, or after `t_end`, if none does
     /// before that.
     fn next_kink(&self, _t: f64, _x: &[f64], _t_end: f64) -> f64 {
@@ -152,6 +158,9 @@ impl<J: Jumps<N>, const N: usize> Jumps<N> for &J {
     }
     fn is_discrete(&self, state: usize) -> bool {
         (**self).is_discrete(state)
+    }
+    fn is_constant_between_jumps(&self, state: usize) -> bool {
+        (**self).is_constant_between_jumps(state)
     }
     fn next_kink(&self, t: f64, x: &[f64], t_end: f64) -> f64 {
         (**self).next_kink(t, x, t_end)

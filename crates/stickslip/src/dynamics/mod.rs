@@ -258,6 +258,9 @@ pub trait Dynamics: Send + Sync {
     /// Whether a component of the state takes discrete values, which jumps set.
     fn is_discrete(&self, state: usize) -> bool;
 
+    /// Whether jumps alone change a component of the state.
+    fn is_constant_between_jumps(&self, state: usize) -> bool;
+
     /// The input that kinks at a moment, if one does.
     fn kink(&self, at: &Moment) -> Option<usize>;
 

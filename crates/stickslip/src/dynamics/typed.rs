@@ -337,6 +337,10 @@ where
         self.jumps.is_discrete(state)
     }
 
+    fn is_constant_between_jumps(&self, state: usize) -> bool {
+        self.jumps.is_constant_between_jumps(state)
+    }
+
     fn kink(&self, at: &Moment) -> Option<usize> {
         self.view().kinked(&self.view().timed(at))
     }

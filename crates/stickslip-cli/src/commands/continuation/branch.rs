@@ -29,7 +29,8 @@ const BRANCHES: usize = CURVES + 1;
 pub(super) struct Other {
     /// Index of that orbit among the special ones, from 0.
     pub(super) from: usize,
-    pub(super) branch: WholeBranch,
+    /// Its number and its orbits; `None` where none was found.
+    pub(super) branch: Option<(usize, WholeBranch)>,
 }
 
 /// A second parameter.
@@ -203,7 +204,7 @@ impl<'a> Begin<'a> {
         followed.into_par_iter().map(curve).collect()
     }
 
-    /// The branches that begin at flips and branch points of a branch.
+    /// The branches that begin at flips and branch points of a branch, numbered from 1.
     pub(super) fn others(
         &self,
         (orbit, periods): (&PeriodicOrbit, Option<u32>),
@@ -242,15 +243,25 @@ impl<'a> Begin<'a> {
                 special: Vec::new(),
                 stop: Stop::Points,
             };
-            let others = branches.into_iter().map(|way| {
-                let branch = self.joined(begin(&way), way, options)?;
-                Ok(Other { from, branch })
-            });
-            others.collect::<Result<Vec<Other>, Failure>>()
+            let joined = branches.into_iter();
+            let joined = joined.map(|way| self.joined(begin(&way), way, options));
+            Ok((from, joined.collect::<Result<Vec<_>, Failure>>()?))
         };
         let junctions = junctions.par_iter().enumerate();
-        let others: Result<Vec<_>, Failure> = junctions.map(switched).collect();
-        Ok(others?.into_iter().flatten().collect())
+        let found: Result<Vec<_>, Failure> = junctions.map(switched).collect();
+        let mut others = Vec::new();
+        let mut number = 0;
+        for (from, branches) in found? {
+            if branches.is_empty() {
+                others.push(Other { from, branch: None });
+            }
+            for branch in branches {
+                number += 1;
+                let branch = Some((number, branch));
+                others.push(Other { from, branch });
+            }
+        }
+        Ok(others)
     }
 
     /// Joins both directions, with the extremes of each orbit.

@@ -32,6 +32,19 @@ impl End {
                 None,
             ),
             Stop::Closed => ("where it began: the branch is closed".to_owned(), None),
+            Stop::Flip {
+                parameter,
+                uncertainty,
+            } => (
+                format!(
+                    "in a flip of the orbit of half the period: at {name} = {}",
+                    within(parameter, uncertainty)
+                ),
+                Some((
+                    "flip",
+                    json!({ "parameter": parameter, "uncertainty": uncertainty }),
+                )),
+            ),
             Stop::Equilibrium {
                 parameter,
                 frequency,

@@ -158,12 +158,13 @@ fn mark(kind: &CycleBifurcation) -> (&'static str, Color, Shape) {
 }
 
 /// Labels and markers of ends of a branch, in the order of the legend.
-const ENDS: [(&str, Shape); 5] = [
+const ENDS: [(&str, Shape); 6] = [
     ("Hopf bifurcation", Shape::Circle),
     ("homoclinic end", Shape::Square),
     ("boundary equilibrium", Shape::Down),
     ("rest", Shape::Diamond),
     ("two-fold", Shape::Up),
+    ("flip of the half", Shape::Cross),
 ];
 
 /// Index in [`ENDS`] of the marker of an end, if it has one.
@@ -174,6 +175,7 @@ fn mark_of_end(stop: &Stop) -> Option<usize> {
         Stop::BoundaryEquilibrium { .. } => Some(2),
         Stop::Rest => Some(3),
         Stop::TwoFold { .. } => Some(4),
+        Stop::Flip { .. } => Some(5),
         _ => None,
     }
 }
@@ -194,6 +196,7 @@ fn end_mark(end: &BranchOrbit, stop: &Stop, value: Value, is_extent: bool) -> (f
         Stop::Equilibrium { parameter, .. }
         | Stop::BoundaryEquilibrium { parameter }
         | Stop::TwoFold { parameter, .. }
+        | Stop::Flip { parameter, .. }
         | Stop::Homoclinic { parameter, .. } => parameter,
         _ => end.orbit.parameter,
     };

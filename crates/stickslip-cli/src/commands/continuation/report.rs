@@ -11,7 +11,7 @@ use super::branch::Other;
 use super::ends::End;
 use super::figure;
 use super::special::{json as special_json, name_of, words};
-use super::tables::{columns, rows, special_columns};
+use super::tables::{NOT_FOUND, columns, rows, special_columns};
 use crate::failure::Failure;
 use crate::render::{Report, explained, place, rounded};
 
@@ -62,8 +62,8 @@ pub(super) fn of(
 
     report_ends(&mut report, system, name, branch);
     if let Some(others) = others {
-        let objects = others.iter().enumerate().map(|(k, other)| {
-            let (note, object) = of_other(k + 1, other, branch, system, name);
+        let objects = others.iter().map(|other| {
+            let (note, object) = of_other(other, branch, system, name);
             report.note(note);
             object
         });
@@ -72,13 +72,18 @@ pub(super) fn of(
     }
 
     let is_numbered = others.is_some();
-    let others = others.unwrap_or_default().iter().map(|other| &other.branch);
-    let branches: Vec<&WholeBranch> = std::iter::once(branch).chain(others).collect();
+    let others = others.unwrap_or_default();
+    let followed = others.iter().filter_map(|other| other.branch.as_ref());
+    let followed = followed.map(|(_, branch)| branch);
+    let branches: Vec<&WholeBranch> = std::iter::once(branch).chain(followed).collect();
     let numbered = || branches.iter().copied().enumerate();
     let points = numbered().flat_map(|(k, one)| one.points.iter().map(move |at| (k, at)));
     let points: Vec<(usize, &BranchOrbit)> = points.collect();
     report.table(columns(system, name, (is_numbered, &points)).csv("branch", &points)?);
-    let rows = numbered().flat_map(|(k, one)| rows(k, one, system, name));
+    let rows = numbered().flat_map(|(k, one)| {
+        let others = if k == 0 { others } else { &[] };
+        rows((k, one), others, system, name)
+    });
     report.table(special_columns(system, name, is_numbered).csv("special", rows)?);
     report.figure("continue", &figure::diagram(system, range, &branches))?;
     Ok(report)
@@ -103,6 +108,7 @@ fn report_ends(report: &mut Report, system: &System, name: &str, branch: &WholeB
             "parameter": last.map(|last| last.orbit.parameter),
             "stop": end.stop,
             "error": null,
+            "flip": null,
             "hopf": null,
             "boundary_equilibrium": null,
             "two_fold": null,
@@ -118,7 +124,6 @@ fn report_ends(report: &mut Report, system: &System, name: &str, branch: &WholeB
 
 /// A branch that begins at another branch, in words and as a JSON object.
 fn of_other(
-    number: usize,
     Other { from, branch }: &Other,
     main: &WholeBranch,
     system: &System,
@@ -129,6 +134,18 @@ fn of_other(
         let place = place(at.parameter, at.uncertainty);
         format!(" from the {} at {name} = {place}", name_of(at))
     });
+    let Some((number, branch)) = branch else {
+        let note = format!("no branch{begin} was found; a shorter --step may lead to one");
+        let object = json!({
+            "branch": null,
+            "from": from,
+            "points": 0,
+            "parameter": null,
+            "special": [],
+            "stop": NOT_FOUND,
+        });
+        return (note, object);
+    };
     let [_, stop] = &branch.stops;
     let end = End::of(stop, system, name);
     let last = branch.points.last();

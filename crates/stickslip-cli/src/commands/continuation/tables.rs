@@ -5,6 +5,7 @@ use stickslip_kernels::file::System;
 use stickslip_kernels::study::{BranchOrbit, WholeBranch};
 
 use super::super::changes;
+use super::branch::Other;
 use super::ends::End;
 use super::special::{angle, change, name_of};
 use crate::render::Table;
@@ -13,6 +14,8 @@ use crate::render::Table;
 #[derive(Clone, Default)]
 pub(super) struct SpecialRow {
     pub(super) branch: usize,
+    /// The branches that begin here.
+    pub(super) branches: String,
     pub(super) behind: usize,
     pub(super) parameter: f64,
     pub(super) what: String,
@@ -31,7 +34,6 @@ impl SpecialRow {
             .as_ref()
             .map(|change| changes::contacts(system, change));
         SpecialRow {
-            branch: 0,
             behind: at.behind,
             parameter: at.parameter,
             what: name_of(at),
@@ -43,6 +45,7 @@ impl SpecialRow {
                 .and_then(|change| changes::phases(system, change)),
             period: Some(at.period),
             x: at.x.as_slice().to_vec(),
+            ..SpecialRow::default()
         }
     }
 }
@@ -56,7 +59,12 @@ pub(super) fn special_columns<'a>(
 ) -> Table<'a, SpecialRow> {
     let phases =
         |k: usize| move |row: &SpecialRow| row.phases.as_ref().map(|phases| phases[k].clone());
-    numbered(is_numbered, |row: &SpecialRow| row.branch)
+    let table = numbered(is_numbered, |row: &SpecialRow| row.branch);
+    let table = match is_numbered {
+        true => table.column("branches", |row| row.branches.clone()),
+        false => table,
+    };
+    table
         .column("behind", |row| row.behind)
         .column(parameter, |row| row.parameter)
         .column("what", |row| row.what.clone())
@@ -111,11 +119,14 @@ pub(super) fn columns<'a>(
         })
 }
 
-/// Rows of the special orbits of branch `number`. Ends that are bifurcations come before and after
-/// them.
+/// Word for a place at which a branch begins and none was found.
+pub(super) const NOT_FOUND: &str = "not found";
+
+/// Rows of the special orbits of a branch with its number, at which other branches may begin. Ends
+/// that are bifurcations come before and after them.
 pub(super) fn rows(
-    number: usize,
-    branch: &WholeBranch,
+    (number, branch): (usize, &WholeBranch),
+    others: &[Other],
     system: &System,
     name: &str,
 ) -> Vec<SpecialRow> {
@@ -123,7 +134,10 @@ pub(super) fn rows(
         .stops
         .each_ref()
         .map(|stop| End::of(stop, system, name));
-    let special = branch.special.iter().map(|at| SpecialRow::of(at, system));
+    let special = branch.special.iter().enumerate().map(|(k, at)| SpecialRow {
+        branches: begins(others.iter().filter(|other| other.from == k)),
+        ..SpecialRow::of(at, system)
+    });
     let rows = first.row(0).into_iter().chain(special);
     let rows = rows.chain(last.row(branch.points.len()));
     rows.map(|row| SpecialRow {
@@ -131,4 +145,13 @@ pub(super) fn rows(
         ..row
     })
     .collect()
+}
+
+/// The numbers of branches that begin at one place, or that none was found.
+fn begins<'a>(others: impl Iterator<Item = &'a Other>) -> String {
+    let numbers = others.map(|other| match &other.branch {
+        Some((number, _)) => number.to_string(),
+        None => NOT_FOUND.to_owned(),
+    });
+    numbers.collect::<Vec<String>>().join(" ")
 }

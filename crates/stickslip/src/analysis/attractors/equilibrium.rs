@@ -2,6 +2,7 @@
 
 use super::attractor::AttractorKind;
 use super::tolerance::{ROUNDING, Tolerance};
+use crate::analysis::cycle::unit;
 use crate::analysis::multipliers;
 use crate::dynamics::{Dynamics, Matrix, Modes, Moment, Vector};
 use crate::interval::Interval;
@@ -32,7 +33,7 @@ pub(crate) struct Equilibrium {
 
 /// The equilibrium of a mode near `x` by Newton's iteration with the Jacobian's pseudo-inverse; of
 /// a set of equilibria it yields the nearest. `None` where it does not converge. Only the first
-/// `free` components change; a parameter may follow them.
+/// `free` components change, except those that jumps alone change; a parameter may follow them.
 pub(crate) fn equilibrium_near(
     system: &dyn Dynamics,
     mode: Modes,
@@ -84,11 +85,25 @@ fn newton_step(
 ) -> Option<Vector> {
     let (matrix, right) = equations(system, mode, at, jacobian, free)?;
     let step = matrix.svd(true, true).solve(&right, ZERO).ok()?;
-    Some(step.resize_vertically(system.states(), 0.0))
+    Some(without_constant(
+        system,
+        step.resize_vertically(system.states(), 0.0),
+    ))
+}
+
+/// A direction without the rounding of components that jumps alone change.
+pub(crate) fn without_constant(system: &dyn Dynamics, mut direction: Vector) -> Vector {
+    for (i, part) in direction.iter_mut().enumerate() {
+        if system.is_constant_between_jumps(i) {
+            *part = 0.0;
+        }
+    }
+    direction
 }
 
 /// The equations of Newton's step towards an equilibrium for the first `free` components, each
-/// scaled to its own unit: a matrix and the right-hand side.
+/// scaled to its own unit: a matrix and the right-hand side. A component that jumps alone change
+/// keeps its value.
 pub(crate) fn equations(
     system: &dyn Dynamics,
     mode: Modes,
@@ -111,6 +126,9 @@ pub(crate) fn equations(
             matrix[(i, j)] = jacobian[(i, j)];
         }
         right[i] = -velocity[i];
+        if system.is_constant_between_jumps(i) {
+            matrix[(i, i)] = jacobian.amax().max(1.0);
+        }
     }
     for (k, (_, normal)) in normals.iter().enumerate() {
         for j in 0..free {
@@ -145,7 +163,8 @@ pub(crate) fn jacobian_of(system: &dyn Dynamics, mode: Modes, at: &Moment) -> Ma
     Matrix::from_columns(&columns)
 }
 
-/// The Jacobian of the first `free` components along the boundaries of the contacts that stick.
+/// The Jacobian of the first `free` components along the boundaries of the contacts that stick,
+/// without the components that jumps alone change.
 pub(crate) fn along_boundaries(
     system: &dyn Dynamics,
     mode: Modes,
@@ -154,12 +173,17 @@ pub(crate) fn along_boundaries(
     free: usize,
 ) -> Matrix {
     let of_states = jacobian.view((0, 0), (free, free));
-    let normals = system.normals(mode, at);
+    let normals = system.normals(mode, at).into_iter();
+    let constant = (0..free).filter(|&i| system.is_constant_between_jumps(i));
+    let constant = constant.map(|i| unit(free, i));
+    let normals: Vec<Vector> = normals
+        .map(|(_, normal)| normal.rows(0, free).into_owned())
+        .chain(constant)
+        .collect();
     if normals.is_empty() {
         return of_states.into_owned();
     }
-    let normals = Matrix::from_fn(free, normals.len(), |i, k| normals[k].1[i]);
-    let across = normals.qr().q();
+    let across = Matrix::from_columns(&normals).qr().q();
     let parts = (Matrix::identity(free, free) - &across * across.transpose()).symmetric_eigen();
     // A projection has the eigenvalues 0 and 1.
     let axes: Vec<usize> = (0..free).filter(|k| parts.eigenvalues[*k] > 0.5).collect();
@@ -240,24 +264,16 @@ fn kind_by_jacobian(
     jacobian: &Matrix,
 ) -> Option<AttractorKind> {
     let bound = ZERO * jacobian.amax();
-    let normals = system.normals(mode, at);
-    let n = system.states();
-    let gradients = Matrix::from_fn(n, normals.len(), |i, k| normals[k].1[i]);
-    let across = gradients.qr().q();
-    let along = Matrix::from_fn(n, n, |i, j| {
-        let normal = across.row(i).dot(&across.row(j));
-        f64::from(u8::from(i == j)) - normal
-    });
-    let mut zeros = 0;
-    for value in multipliers(&(&along * jacobian * &along)) {
+    let along = along_boundaries(system, mode, at, jacobian, system.states());
+    let mut is_of_set = false;
+    for value in multipliers(&along) {
         if value.norm() <= bound {
-            zeros += 1;
+            is_of_set = true;
         } else if value.re >= -bound {
             return None;
         }
     }
-    // Each boundary that was removed contributes a zero.
-    Some(if zeros > normals.len() {
+    Some(if is_of_set {
         AttractorKind::EquilibriumSet
     } else {
         AttractorKind::Equilibrium

@@ -204,14 +204,15 @@ impl Continuation<'_> {
     /// Whether an orbit at the first one's parameter is the first one.
     fn is_first(&self, found: &Cycle) -> bool {
         let near = SAME_ORBIT * self.branch.first.extent;
-        self.distance_to_first(found).is_some_and(|off| off <= near)
+        self.from_first(found).is_some_and(|way| way.norm() <= near)
     }
 
-    /// The least distance of an orbit from the first one's anchor; of a driven one, at its time.
-    fn distance_to_first(&self, found: &Cycle) -> Option<f64> {
+    /// The vector to an orbit from the first one's anchor, where it is shortest; of a driven one, at
+    /// its time.
+    pub(super) fn from_first(&self, found: &Cycle) -> Option<Vector> {
         let (system, options) = (self.shooting.system, self.shooting.options);
         let (start, place) = (&found.anchor, &self.branch.first.anchor);
-        let off = |x: &Vector| (x - &place.x).norm();
+        let off = |x: &Vector| x - &place.x;
         if self.shooting.forced.is_some() {
             let later = (place.t - start.t).rem_euclid(found.period);
             if later == 0.0 {
@@ -230,7 +231,9 @@ impl Continuation<'_> {
         let mut nearest = off(&start.x);
         loop {
             match orbit.step().ok()? {
-                Happening::Passage(at) => nearest = nearest.min(off(&at.x)),
+                Happening::Passage(at) if off(&at.x).norm() < nearest.norm() => {
+                    nearest = off(&at.x);
+                }
                 Happening::End(_) => return Some(nearest),
                 _ => {}
             }

@@ -10,7 +10,7 @@ use super::steps::SHORTEST_STEP;
 use super::tangent_line::LEAST_COSINE;
 use super::{ContinuationSettings, Stop, check_rate, check_start};
 use crate::analysis::attractors::equilibrium::{
-    ZERO, along_boundaries, equations, jacobian_of, least_guard,
+    ZERO, along_boundaries, equations, jacobian_of, least_guard, without_constant,
 };
 use crate::analysis::cycle::{Function, Path, Zero, at_least, unit};
 use crate::analysis::multipliers::eigenvalues;
@@ -108,6 +108,7 @@ pub struct EquilibriumBranch {
 /// Follows the equilibrium near `x` from its parameter upwards or downwards by pseudo-arclength.
 /// Plain Newton steps lead from `x` to it, so `x` must be close to it.
 /// Its mode is the one that the system takes there, or one that differs from it in one contact.
+/// States that jumps alone change keep their values.
 /// **The parameter is the last state**, as in [`super::continue_periodic_orbit`]. Folds, branch
 /// points and Hopf bifurcations are zeros of functions of the Jacobian. A boundary equilibrium is a
 /// zero of a guard of the mode. The branch continues with the equilibrium of another mode of that
@@ -353,7 +354,10 @@ impl EquilibriumContinuation<'_> {
         }
         let bound = f64::EPSILON * matrix.nrows() as f64;
         let solution = matrix.svd(true, true).solve(&right, bound).ok()?;
-        Some(solution.component_mul(&self.units))
+        Some(without_constant(
+            self.system,
+            solution.component_mul(&self.units),
+        ))
     }
 
     /// The singular values of the equations and their directions, in units of the components.
@@ -388,7 +392,7 @@ impl EquilibriumContinuation<'_> {
         let (_, directions) = self.parts(one);
         let directions = directions?;
         let way = directions.row(directions.nrows() - 1).transpose();
-        let mut direction = way.component_mul(&self.units);
+        let mut direction = without_constant(self.system, way.component_mul(&self.units));
         if row.dot(&direction) < 0.0 {
             direction.neg_mut();
         }

@@ -270,11 +270,11 @@ impl<'a> Continuation<'a> {
         }
         let longer = if next.iterations <= 5 { 1.4 } else { 1.0 };
         self.branch.step = (longer * step).min(self.settings.step);
-        self.follow(&line, next, onward);
+        let end = self.follow(&line, next, onward);
         if self.junction.is_some() {
             return Some(Stop::Points);
         }
-        is_outside.then_some(Stop::Range)
+        end.or(is_outside.then_some(Stop::Range))
     }
 
     /// Whether the period grows while the parameter changes by no more than the tolerance.
@@ -345,7 +345,7 @@ impl<'a> Continuation<'a> {
         }
         if let (_, Some(last)) = good {
             let onward = line.continued(&self.shooting, self.branch.units, &last);
-            self.follow(line, last, onward);
+            return self.follow(line, last, onward).unwrap_or(why);
         }
         why
     }

@@ -68,7 +68,7 @@ pub fn switch_branches<Kind>(
         ..continuation.shooting
     };
     let start = match is_flip {
-        true => shooting.evaluated(&cycle.outline.twice()),
+        true => shooting.evaluated(&cycle.outline.twice(system)),
         false => Some(cycle),
     };
     let start = start.ok_or(not_found("the orbit run through twice"))?;
@@ -83,10 +83,14 @@ pub fn switch_branches<Kind>(
             Continuation::from_orbit(shooting, settings, units, (start.clone(), Some(line)));
         let stop = other.go_on(&mut |_| ControlFlow::Continue(()));
         let mut branch = other.into_branch(stop);
-        // At its beginning, the test functions are zero, and rounding decides their signs.
+        // At its beginning, the functions of folds and branch points are zero to rounding, which
+        // decides their sign.
         branch.special.retain(|one| {
-            let off = (one.parameter - at.parameter).abs();
-            one.behind > 1 || off > one.uncertainty + at.uncertainty
+            one.behind > 1
+                || !matches!(
+                    one.what,
+                    CycleBifurcation::Fold | CycleBifurcation::BranchPoint
+                )
         });
         let is_found = branch.points.len() > 1 || branch.stop == Stop::Range;
         is_found.then_some(branch)

@@ -2,15 +2,23 @@
 
 use super::steps::Continuation;
 use super::tangent_line::{TangentLine, bordered};
-use super::{CycleBifurcation, SpecialPoint, critical, parameter_of};
+use super::{CycleBifurcation, SpecialPoint, Stop, critical, parameter_of};
 use crate::analysis::critical::zero_between;
 use crate::analysis::cycle::{Cycle, Function, Path, SAFETY, Shooting, Zero, at_least};
 use crate::analysis::lagrange::weights;
 
 impl Continuation<'_> {
     /// Continues to an orbit on the line, and records the special orbits before it, by their
-    /// multipliers.
-    pub(super) fn follow(&mut self, line: &TangentLine, next: Cycle, onward: Option<TangentLine>) {
+    /// multipliers. Returns the reason if the branch ends before that orbit.
+    pub(super) fn follow(
+        &mut self,
+        line: &TangentLine,
+        next: Cycle,
+        onward: Option<TangentLine>,
+    ) -> Option<Stop> {
+        // Distance at which a fold and a branch point are one, as a fraction of the step. Chosen:
+        // each is located at least ten times as precisely.
+        const SAME_POINT: f64 = 0.1;
         let behind = self.branch.points.len();
         let shooting = self.shooting;
         let of = |cycle: &Cycle| critical(cycle, &shooting);
@@ -23,8 +31,11 @@ impl Continuation<'_> {
         let circle = |cycle: &Cycle| of(cycle).circle;
         let functions: [&Function<'_>; 4] = [&heading, &border, &minus_one, &circle];
         let mut zeros = Vec::new();
-        // In a family there are several tangents everywhere, without a fold or a branch point.
-        let first = if shooting.family > 0 { 2 } else { 0 };
+        // In a family there are several tangents everywhere, without a fold or a branch point. At a
+        // flip of the half, the branch turns and meets that of the half run through twice.
+        let flip = self.flip_of_half(line, &next);
+        let has_one_tangent = shooting.family == 0 && flip.is_none();
+        let first = if has_one_tangent { 0 } else { 2 };
         for (kind, function) in functions.into_iter().enumerate().skip(first) {
             let (Some(a), Some(b)) = (function(&self.branch.last), function(&next)) else {
                 continue;
@@ -52,6 +63,30 @@ impl Continuation<'_> {
             zeros.push((zero, what));
         }
         zeros.sort_by(|a, b| a.0.s.total_cmp(&b.0.s));
+        let index = |kind: &CycleBifurcation| zeros.iter().position(|(_, what)| what == kind);
+        let meets = [CycleBifurcation::Fold, CycleBifurcation::BranchPoint];
+        let meets = meets.each_ref().map(index);
+        if meets != [None, None] && self.is_back(&next) {
+            let first = self.branch.first.clone();
+            self.take(first);
+            return Some(Stop::Closed);
+        }
+        // A branch that leaves another one to one side turns there.
+        if let [Some(fold), Some(point)] = meets
+            && (zeros[fold].0.s - zeros[point].0.s).abs() <= SAME_POINT * length
+        {
+            let is_better = zeros[fold].0.uncertainty < zeros[point].0.uncertainty;
+            let (kept, other) = if is_better {
+                (fold, point)
+            } else {
+                (point, fold)
+            };
+            zeros[kept].1 = CycleBifurcation::BranchPoint;
+            zeros.remove(other);
+        }
+        if let Some(flip) = &flip {
+            zeros.retain(|(zero, _)| zero.s < flip.s);
+        }
         for (zero, what) in zeros {
             let point = SpecialPoint {
                 parameter: zero.parameter,
@@ -63,8 +98,54 @@ impl Continuation<'_> {
             };
             self.record_special(point, zero.solution, line.clone(), None);
         }
+        if let Some(flip) = flip {
+            return Some(Stop::Flip {
+                parameter: flip.parameter,
+                uncertainty: self.at_least(flip.parameter, flip.uncertainty),
+            });
+        }
         self.take(next);
         self.branch.line = onward;
+        None
+    }
+
+    /// Where both halves become the same orbit, between the last orbit and another one on a line:
+    /// their difference passes through zero.
+    fn flip_of_half(&self, line: &TangentLine, next: &Cycle) -> Option<Zero> {
+        // Largest difference at the nearest orbit that can be computed, as a fraction of the
+        // difference at the ends. Chosen: Newton's matrix is singular at the flip.
+        const LARGEST_LEFT: f64 = 0.2;
+        let last = &self.branch.last;
+        let [before, behind] = [last.halves()?, next.halves()?];
+        let is_resolved = before.amax() > last.closes_to && behind.amax() > next.closes_to;
+        if before.len() != behind.len() {
+            return None;
+        }
+        let direction = behind.normalize();
+        let part = |one: &Cycle| Some(one.halves()?.dot(&direction));
+        let (a, b) = (part(last)?, part(next)?);
+        if !is_resolved || a >= 0.0 {
+            return None;
+        }
+        let zero = self.zero(line, [(0.0, a), (line.place(next), b)], &part)?;
+        let left = zero.solution.halves()?.norm();
+        (left <= LARGEST_LEFT * before.norm().max(behind.norm())).then_some(zero)
+    }
+
+    /// Whether the branch passes its first orbit between the last one and another one.
+    fn is_back(&self, next: &Cycle) -> bool {
+        // Distance by which a straight line between them may miss it, as a fraction of its length.
+        // Chosen: the branch bends little in a step.
+        const LARGEST_MISS: f64 = 0.1;
+        let off = [&self.branch.last, next].map(|one| self.from_first(one));
+        let [Some(before), Some(behind)] = off else {
+            return false;
+        };
+        let between = &behind - &before;
+        let part = -before.dot(&between) / between.norm_squared();
+        let miss = (&before + &between * part).norm();
+        let is_near = miss <= LARGEST_MISS * between.norm();
+        self.branch.points.len() > 3 && (0.0..=1.0).contains(&part) && is_near
     }
 
     /// Where a function vanishes on a line, between two places at which it has different signs. The

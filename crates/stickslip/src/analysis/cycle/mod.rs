@@ -70,6 +70,35 @@ impl Cycle {
         cut.is_none_or(|cut| durations().nth(cut.number) < Some(SHORTENED * longest))
     }
 
+    /// The difference between the two halves of the orbit, where they have the same phases: of the
+    /// states at which these begin and, in units of the states, of the times.
+    pub fn halves(&self) -> Option<Vector> {
+        let outline = &self.outline;
+        if let ([_], Some(cut)) = (outline.segments.as_slice(), &outline.cut) {
+            let half = cut.states.first()? - &outline.begin.x;
+            return outline.segments[0].end.is_none().then_some(half);
+        }
+        let half = outline.segments.len() / 2;
+        let (one, other) = outline.segments.split_at(half);
+        // The clock of a kink has gone on in the second half.
+        let event = |one: &Segment| {
+            let end = one.end?;
+            Some((end.guard, end.contact, end.at_kink.map(|kink| kink.0)))
+        };
+        let is_alike = |(a, b): (&Segment, &Segment)| (a.mode, event(a)) == (b.mode, event(b));
+        if half == 0 || one.len() != other.len() || !one.iter().zip(other).all(is_alike) {
+            return None;
+        }
+        let by_time = self.extent / self.period;
+        let parts = self.begins.iter().zip(self.begins.get(half..)?);
+        let parts = parts.take(half).flat_map(|(one, other)| {
+            let later = other.t - one.t - 0.5 * self.period;
+            let apart = (&other.x - &one.x).push(later * by_time);
+            apart.iter().copied().collect::<Vec<f64>>()
+        });
+        Some(Vector::from_vec(parts.collect()))
+    }
+
     /// The margin of the same kind as one of a nearby orbit, at about the same time.
     pub fn margin_like(&self, other: &Margin) -> Option<&Margin> {
         other.like(&self.margins, self.period)

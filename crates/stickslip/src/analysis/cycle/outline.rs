@@ -226,14 +226,27 @@ impl Outline {
     }
 
     /// The orbit of twice the period that runs through this one twice.
-    pub fn twice(&self) -> Self {
+    pub fn twice(&self, system: &dyn Dynamics) -> Self {
+        let clock = |input: usize, t: f64| {
+            let x = self.begin.x.clone();
+            system.clock(input, &Moment { t, x }).0
+        };
+        let (t, period) = (self.begin.t, self.period());
+        let again = |segment: &Segment| {
+            let mut segment = segment.clone();
+            let kink = segment.end.as_mut().and_then(|end| end.at_kink.as_mut());
+            if let Some((input, reading)) = kink {
+                *reading += clock(*input, t + period) - clock(*input, t);
+            }
+            segment
+        };
         let segments = match self.segments.as_slice() {
             // Without a transition it stays one segment.
             [only] if only.end.is_none() => vec![Segment {
                 duration: 2.0 * only.duration,
                 ..only.clone()
             }],
-            all => [all, all].concat(),
+            all => all.iter().cloned().chain(all.iter().map(again)).collect(),
         };
         Outline {
             segments,

@@ -250,6 +250,9 @@ impl<'a> Shooting<'a> {
                 middle = half.end.x;
             }
             at = self.piece(segment, at, segment.duration, options)?.end;
+            if let Some(end) = segment.end.filter(|end| end.is_of_jump) {
+                at.x = self.system.reset(end.contact, &at).after;
+            }
         }
         states.push(middle);
         Some(Outline {

@@ -7,11 +7,12 @@ use stickslip::analysis::{
 };
 use stickslip::{Error, Filippov, Method, Options, Scalar, Side, State, math};
 
-use super::systems::{AtParameter, Pitchfork};
+use super::systems::{AtParameter, Pitchfork, TwoPitchforks};
 use crate::listed::{Listed, traced};
 
 traced!(3: Doubled);
 traced!(2: AtParameter<Doubled>);
+traced!(4: TwoPitchforks);
 
 /// The orbit `c = (cos t, sin t)`, and about it, in a frame that rotates half as fast, the rates `p
 /// u - u³` and `-w`. At `p = 0` its period doubles, to orbits at `u = ±√p`. A boundary at 0.2 is
@@ -122,6 +123,42 @@ fn both_ways_of_the_other_branch_begin_at_a_branch_point() {
         &options,
     );
     assert!(matches!(none, Err(Error::NotFound { .. })), "{none:?}");
+}
+
+/// Each way follows the closed curve `a² = p (1 - p)` through the other branch point and back.
+#[test]
+fn a_branch_that_comes_back_to_its_branch_point_is_closed() {
+    for step in [0.02, 0.005] {
+        let settings = ContinuationSettings {
+            step,
+            ..ContinuationSettings::over(-0.2, 1.2)
+        };
+        let options = Options::tol(1e-12);
+        let start = [1.0, 0.0, 0.0, -0.1];
+        let system = TwoPitchforks;
+        let way = (2.0 * PI, true, 0);
+        let found = switch_branches(&system.dynamics(), start, way, &settings, &options);
+        let found = found.unwrap();
+        assert_eq!(found.branches.len(), 2);
+        for branch in &found.branches {
+            assert_eq!(branch.stop, Stop::Closed);
+            let [other] = branch.special.as_slice() else {
+                panic!("{:?}", branch.special);
+            };
+            assert_eq!(other.what, CycleBifurcation::BranchPoint);
+            let off = (other.parameter - 1.0).abs();
+            assert!(off <= other.uncertainty && off < 1e-7, "{off:e}");
+            let sides = |sign: f64| {
+                branch
+                    .points
+                    .iter()
+                    .filter(|at| sign * at.x[2] > 1e-3)
+                    .count()
+            };
+            let (one, two) = (sides(1.0) as f64, sides(-1.0) as f64);
+            assert!((one / two - 1.0).abs() < 0.1, "{one} {two}");
+        }
+    }
 }
 
 /// The component that is zero on the branch becomes denormal in Newton's iterations.

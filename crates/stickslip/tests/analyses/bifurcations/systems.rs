@@ -225,6 +225,21 @@ impl Filippov<4> for Pitchfork {
     }
 }
 
+/// The same with `a' = p (1 - p) a - a³`: the circle meets those at a = ±√(p (1 - p)) at p = 0 and
+/// at p = 1.
+pub struct TwoPitchforks;
+
+impl Filippov<4> for TwoPitchforks {
+    fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 4]) -> [T; 4] {
+        let p = x[3] * (-x[3] + 1.0);
+        let rates = Pitchfork.field(side, t, &[x[0], x[1], x[2], p]);
+        [rates[0], rates[1], rates[2], T::constant(0.0)]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 4]) -> T {
+        x[0] - 0.2
+    }
+}
+
 /// `x'' = -x - 2ζ x' + F` on a belt of speed 1 that is faster than the block. The kinetic friction
 /// is F = 1, and the third state is the static friction in units of it.
 pub struct FasterBelt;
