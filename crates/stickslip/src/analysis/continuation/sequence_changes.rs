@@ -101,12 +101,18 @@ impl Continuation<'_> {
     /// The orbit behind a change, with the phases that the system itself takes from an orbit
     /// slightly beyond it.
     fn behind(&self, line: &TangentLine, at: &Zero, step: f64) -> Option<(Cycle, TangentLine)> {
-        let beyond = line.on(&self.shooting, at.s + STEP_BEYOND * step)?;
-        let outline = self.run_from(&beyond)?;
-        let is_new = outline.modes() != self.branch.last.outline.modes();
-        is_new
-            .then(|| self.enter(&outline, parameter_of(&at.solution)))
-            .flatten()
+        // Where a multiplier is 1 at the change, orbits this near are not determined well enough.
+        let mut steps = [1.0, 10.0, 100.0]
+            .map(|times| times * STEP_BEYOND * step)
+            .into_iter();
+        steps.find_map(|step| {
+            let beyond = line.on(&self.shooting, at.s + step)?;
+            let outline = self.run_from(&beyond)?;
+            let is_new = outline.modes() != self.branch.last.outline.modes();
+            is_new
+                .then(|| self.enter(&outline, parameter_of(&at.solution)))
+                .flatten()
+        })
     }
 
     /// The orbit near an outline with other phases, and the line on which the branch goes on from

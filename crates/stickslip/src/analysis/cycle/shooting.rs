@@ -263,12 +263,13 @@ impl<'a> Shooting<'a> {
 }
 
 /// The unit of length of an orbit: its extent or, where it does not move, the size of its state.
-/// For an orbit at zero it is 1.
+/// For an orbit at zero it is 1. A length below a hundred times the residual in which orbits close
+/// is not resolved, and counts as zero.
 fn length(extent: f64, outline: &Outline, states: usize, options: &Options) -> f64 {
-    let by_tolerance = TOLERANCES * options.atol.max(options.rtol);
+    let least = TOLERANCES * TOLERANCES * options.atol.max(options.rtol);
     let size = outline.begin.x.rows(0, states).amax();
     let mut lengths = [extent, size].into_iter();
-    lengths.find(|one| *one > by_tolerance).unwrap_or(1.0)
+    lengths.find(|one| *one > least).unwrap_or(1.0)
 }
 
 /// The range of the components, at the ends of steps.
