@@ -54,8 +54,8 @@ pub(super) fn locate(
     }
 }
 
-/// Of two names of one place, that by the orbit of the shorter period. An orbit of twice its period
-/// ends there in a singular point of its equations, which locates the place less precisely.
+/// Of two names of one place, that by the orbit of the shorter period. The other orbit begins
+/// there, and its multiplier 1 does not distinguish a flip from a fold.
 pub(super) fn primary([one, other]: [WhatChanges; 2]) -> WhatChanges {
     let period = |change: &WhatChanges| match change {
         WhatChanges::Multiplier { period, .. } => *period,
@@ -133,8 +133,7 @@ fn orbit(
         });
     }
     let mut located = Located::default();
-    let branch = continuation.into_branch(stop);
-    for at in branch.special {
+    for at in continuation.into_branch(stop).special {
         match at.what {
             CycleBifurcation::Sequence(mut change) => {
                 change.x = states(change.x);
@@ -150,22 +149,6 @@ fn orbit(
                 });
             }
         }
-    }
-    if let (
-        Stop::Flip {
-            parameter,
-            uncertainty,
-        },
-        Some(last),
-    ) = (branch.stop, branch.points.last())
-    {
-        located.smooth.get_or_insert(WhatChanges::Multiplier {
-            parameter,
-            uncertainty,
-            what: CycleBifurcation::Flip,
-            x: states(last.x.clone()),
-            period: last.period,
-        });
     }
     Some(located)
 }
