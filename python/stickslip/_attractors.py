@@ -142,10 +142,14 @@ class Basins(Result):
             for kind, phases, share in zip(self.kind, self.phases, self.shares)
         ]
         is_grid = self.reached.ndim == 2 and len(others) > 0
-        classes(axes, x, y, self.reached if is_grid else self.reached.ravel(), names)
-        for number, points in enumerate(self.points):
-            heights = points[:, others[0]] if others else np.full(len(points), number)
-            axes.plot(points[:, first], heights, "k.", ms=3)
+        points = np.concatenate([*self.points, np.empty((0, rows.shape[1]))])
+        of = np.repeat(np.arange(len(self.points)), [len(one) for one in self.points])
+        heights = points[:, others[0]] if others else of
+        dots = axes.plot(
+            points[:, first], heights, "k.", ms=7, mec="w", mew=0.5, label="on the attractors"
+        )
+        cells = self.reached if is_grid else self.reached.ravel()
+        classes(axes, x, y, cells, names, dots if len(points) else ())
         axes.set(xlabel=states[first], ylabel=states[others[0]] if others else "attractor")
         return axes
 
