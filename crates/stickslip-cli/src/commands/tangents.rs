@@ -10,8 +10,8 @@ use super::arguments::{StartArguments, SystemArguments, position};
 use super::figures;
 use crate::failure::Failure;
 use crate::render::{Answer, OutputArguments, Report, Table};
-use crate::tangents::{Kind, Line, OnLine, TangentPoint, Zone};
 use stickslip_kernels::file::System;
+use stickslip_kernels::study::tangents::{Kind, Line, OnLine, TangentPoint, Zone};
 
 /// Branches of a boundary, with their tangent points and zones.
 pub(super) type Branches = [(Line, OnLine)];

@@ -6,7 +6,7 @@ use stickslip::analysis::{
 };
 use stickslip::models::BeltOscillator;
 use stickslip::{Method, Options, Side, math};
-use stickslip_cli::tangents::{Kind, Line, OnLine};
+use stickslip_kernels::study::tangents::{Kind, Line, OnLine};
 
 use super::recorded::{open, read, run};
 

@@ -23,6 +23,8 @@ pub struct Built {
     pub section: Option<Tape>,
     /// Initial state; `None` if the file gives none.
     pub start: Option<Vec<f64>>,
+    /// The start of each state that has one, as discrete states have.
+    pub starts: Vec<Option<f64>>,
     /// Start time of runs.
     pub t_start: f64,
     /// Default end time of runs.
@@ -215,13 +217,15 @@ pub(crate) fn built(
         let message = format!("the end {end} does not lie after the start {t_start}");
         return Err(Problem::new(message, formula.whole()));
     }
+    let starts = starts(file, values)?;
     Ok(Built {
         fields,
         has_static,
         boundaries: tape(file, &graph, &heights, inputs)?,
         normal_force,
         section,
-        start: start(file, values)?,
+        start: starts.iter().copied().collect(),
+        starts,
         t_start,
         t_end,
         period,
@@ -401,15 +405,13 @@ fn pace(
     pace.map_err(wrong).map(Some)
 }
 
-fn start(file: &SystemFile, values: &[f64]) -> Result<Option<Vec<f64>>, Problem> {
+fn starts(file: &SystemFile, values: &[f64]) -> Result<Vec<Option<f64>>, Problem> {
     let component = |formula: &Formula| constant(file, values, formula, "a start");
     let given = file
         .states
         .iter()
         .map(|state| state.start.as_ref().map(component));
-    // All given components are evaluated. They form a start if none is missing.
-    let given: Vec<Option<f64>> = given.map(Option::transpose).collect::<Result<_, _>>()?;
-    Ok(given.into_iter().collect())
+    given.map(Option::transpose).collect()
 }
 
 fn period(file: &SystemFile, values: &[f64]) -> Result<Option<f64>, Problem> {

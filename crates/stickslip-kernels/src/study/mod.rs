@@ -4,7 +4,10 @@ mod branch;
 mod diagram;
 mod extremes;
 mod largest;
+mod phases;
 mod search;
+pub mod tangents;
+mod warnings;
 
 use stickslip::analysis::RecurrenceSettings;
 
@@ -12,7 +15,9 @@ pub use branch::{Along, BranchEnd, BranchOrbit, EndBifurcation, Way, WholeBranch
 pub use diagram::{AtValue, ChangeBetween, Diagram, ValueEnd};
 pub use extremes::Extremes;
 pub use largest::Largest;
+pub use phases::PhasesOfPeriod;
 pub use search::{MOST_PERIODS, PeriodicSearch, SearchError, UNTIL};
+pub use warnings::warnings;
 
 use crate::file::System;
 
