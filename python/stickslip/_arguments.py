@@ -91,7 +91,7 @@ def settings(options: Options) -> dict[str, Any]:
     for name in ("most_events", "most_steps"):
         made[name] = whole(made[name], name)
     for name in ("method", "at_repelling", "at_pile_up"):
-        made[name] = str(made[name]).lower()
+        made[name] = str(made[name])
     return made
 
 
@@ -158,14 +158,17 @@ def checked(system: System) -> System:
 
 
 def state(system: System, y0: ArrayLike | Mapping[Any, Any] | None) -> list[float]:
-    """A state at the start: as given in order, or by name, and otherwise as the system says."""
+    """A state at the start: as given in order, or by name, and otherwise as the system says.
+    Discrete states that are not given begin at their own values."""
     names = checked(system).states
     if y0 is None:
         if system.start is None:
             raise ValueError(f"the system has no start: give y0, the states {', '.join(names)}")
         return list(system.start)
+    discrete: list[float] = system._core.discrete
     if isinstance(y0, Mapping):
-        given: dict[Any, Any] = dict(zip(names, system.start or ()))
+        given: dict[Any, Any] = dict(zip(names[len(names) - len(discrete) :], discrete))
+        given |= dict(zip(names, system.start or ()))
         given |= {getattr(key, "name", key): value for key, value in y0.items()}
         for name in given.keys() ^ set(names):
             what = "has no value of the state" if name in names else "has a value of"
@@ -173,11 +176,21 @@ def state(system: System, y0: ArrayLike | Mapping[Any, Any] | None) -> list[floa
             raise ValueError(f"y0 {what} {name}{help}")
         return [number(given[name], f"y0[{name}]") for name in names]
     found = array(y0, "y0")
-    if len(found) != len(names):
-        raise ValueError(
-            f"y0 has {len(found)} values, and there are {len(names)} states: {', '.join(names)}"
-        )
-    return [float(value) for value in found]
+    if not is_of_states(system, len(found)):
+        raise ValueError(f"y0 has {len(found)} values, and {states_of(system)}")
+    return [float(value) for value in found] + discrete[: len(names) - len(found)]
+
+
+def is_of_states(system: System, count: int) -> bool:
+    """Whether so many values are a state. Discrete states may be left out."""
+    return len(system.states) - count in (0, len(system._core.discrete))
+
+
+def states_of(system: System) -> str:
+    """What a state must be."""
+    names, discrete = system.states, len(system._core.discrete)
+    help = f"; the last {discrete}, discrete, may be left out" if discrete else ""
+    return f"there are {len(names)} states: {', '.join(names)}{help}"
 
 
 def start(

@@ -15,11 +15,13 @@ from ._arguments import (
     Options,
     array,
     checked,
+    is_of_states,
     name_of,
     real,
     settings,
     several,
     start_of_each,
+    states_of,
     threads,
 )
 from ._plot import classes, new_axes
@@ -246,6 +248,7 @@ def bifurcation_diagram(
         Its values, in the order in which they are gone through.
     y0 : array_like, shape (n,), or dict, optional
         State at the start, in order or as ``{x: 1, v: 0}``; that of the system unless given.
+        Discrete states may be left out.
     longest : float, optional
         Time after which an orbit is called undecided.
     duration : float, optional
@@ -317,7 +320,8 @@ def basins_of_attraction(
     system : System
         The system.
     starts : array_like, shape (…, n)
-        The starts, as ``np.stack(np.meshgrid(x, v), axis=-1)``.
+        The starts, as ``np.stack(np.meshgrid(x, v), axis=-1)``. Where discrete states are left out,
+        they begin at their own values.
     longest : float, optional
         Time after which an orbit is called undecided.
     workers : int, optional
@@ -350,14 +354,17 @@ def basins_of_attraction(
     given = np.asarray(starts)
     if _is_meshgrid(starts):
         raise ValueError("starts is a meshgrid: stack it, np.stack(np.meshgrid(x, v), axis=-1)")
-    if given.ndim == 0 or given.shape[-1] != len(names):
+    if given.ndim == 0 or not is_of_states(system, given.shape[-1]):
         raise ValueError(
-            f"the last axis of starts must be the {len(names)} states {', '.join(names)}, and the "
-            f"shape is {given.shape}; a grid is np.stack(np.meshgrid(x, v), axis=-1)"
+            f"the last axis of starts must be the state, and the shape is {given.shape}; "
+            f"{states_of(system)}; a grid is np.stack(np.meshgrid(x, v), axis=-1)"
         )
     if not given.size:
         raise ValueError("starts is empty: give at least one state")
     rows = array(given.reshape(-1, given.shape[-1]), "starts", 2)
+    if rows.shape[1] < len(names):
+        own = np.broadcast_to(system._core.discrete, (len(rows), len(names) - rows.shape[1]))
+        rows = np.ascontiguousarray(np.hstack([rows, own]))
     with shown(progress, "basins_of_attraction", "starts", total=len(rows)) as report:
         found = called(
             _core.basins,
@@ -371,7 +378,7 @@ def basins_of_attraction(
     each = [reasons[k] for k in found["reached"]]
     warn_of_failures(each, lambda k: f"the start {rows[k].tolist()}")
     found["reached"] = found["reached"].reshape(given.shape[:-1])
-    return kept(found, Basins, starts=rows.reshape(given.shape), system=system)
+    return kept(found, Basins, starts=rows.reshape(*given.shape[:-1], -1), system=system)
 
 
 def _is_meshgrid(starts: Any) -> bool:
@@ -406,7 +413,8 @@ def parameter_map(
     x, y : (str or Parameter, array_like)
         Two parameters and their values, as ``(mu0, np.linspace(0.1, 0.2, 50))``.
     y0 : array_like, shape (n,), or dict, optional
-        State at the start; that of the system, at each cell's parameters, unless given.
+        State at the start; that of the system, at each cell's parameters, unless given. Discrete
+        states may be left out.
     longest : float, optional
         Time after which an orbit is called undecided.
     duration : float or None, optional

@@ -62,6 +62,11 @@ class Expression:
     def __rpow__(self, other: Any) -> Expression:
         return _binary(other, "^", self, _POWER)
 
+    def __xor__(self, other: Any) -> Expression:
+        raise TypeError(f"^ is no power in Python: write x**2, and not x^2 (at `{self.text}`)")
+
+    __rxor__ = __xor__
+
     def __neg__(self) -> Expression:
         return Expression("-" + _within(self, _SIGN), _SIGN, self.parts)
 
@@ -179,6 +184,7 @@ _INSTEAD = {
     "hypot": "write np.sqrt(x**2 + y**2)",
     "interp": "a table of time is ss.table",
     "remainder": "of time it is ss.sawtooth",
+    "bitwise_xor": "a power is x**2",
 }
 
 
@@ -295,16 +301,32 @@ class State(Symbol):
 
 
 class Parameter(Symbol):
-    """A parameter and its value."""
+    """A parameter, its value, and the range of values that it may be given, or None."""
 
-    __slots__ = ("value",)
+    __slots__ = ("value", "range")
 
-    def __init__(self, name: str, value: float) -> None:
+    def __init__(
+        self, name: str, value: float, range: tuple[float, float] | None = None
+    ) -> None:
         super().__init__(name)
         self.value = number(value, f"the parameter {name}")
+        self.range = None if range is None else _interval(range, self)
 
     def __reduce__(self) -> Any:
-        return type(self), (self.name, self.value)
+        return type(self), (self.name, self.value, self.range)
+
+
+def _interval(range: Any, of: Parameter) -> tuple[float, float]:
+    what = f"the range of the parameter {of.name}"
+    try:
+        low, high = (float(end) for end in range)
+    except (TypeError, ValueError):
+        raise TypeError(f"{what} must be (lowest, highest), not {range!r}") from None
+    if not low < high:
+        raise ValueError(f"{what} = ({low:g}, {high:g}): the lower end must come first")
+    if not low <= of.value <= high:
+        raise ValueError(f"{of.name} = {of.value:g} lies outside {what}, {low:g} to {high:g}")
+    return low, high
 
 
 def states(names: str | Sequence[str]) -> tuple[State, ...]:
@@ -316,7 +338,7 @@ def states(names: str | Sequence[str]) -> tuple[State, ...]:
 
 
 def state(name: str) -> State:
-    """A single state."""
+    """A single state. Two of one name are the same state, and one key of a dict."""
     return State(name)
 
 
@@ -325,9 +347,12 @@ def parameters(**values: float) -> tuple[Parameter, ...]:
     return tuple(Parameter(name, value) for name, value in values.items())
 
 
-def parameter(name: str, value: float) -> Parameter:
-    """A single parameter."""
-    return Parameter(name, value)
+def parameter(
+    name: str, value: float, range: tuple[float, float] | None = None
+) -> Parameter:
+    """A single parameter. A `range` (lowest, highest) bounds the values that it can be given later;
+    an end may be infinite."""
+    return Parameter(name, value, range)
 
 
 class DiscreteState(Symbol):

@@ -161,3 +161,14 @@ def test_no_two_of_many_kinds_have_one_colour_and_undecided_is_grey():
     greys = [one for one in colours if one[0] == one[1] == one[2]]
     assert len(colours) == 30 and len(greys) == 1
     matplotlib.pyplot.close(axes.figure)
+
+
+def test_an_orbit_has_its_phases_and_its_part_in_stick():
+    orbit = RESULTS["orbit"]
+    # The same attractor at the same parameter, by recurrence.
+    found = ss.bifurcation_diagram(belt_system(), "mu0", [0.4], [0.5, 0], longest=200)
+    assert orbit.phases == found.phases[0] and "S" in orbit.phases
+    sol = orbit.solution()
+    sticks = sol.phases[sol.phases["mode"] == "S"]
+    time = (sticks["t_end"] - sticks["t_start"]).sum()
+    assert 0 < time and orbit.in_stick == pytest.approx(time / orbit.period, rel=1e-9)
