@@ -92,7 +92,7 @@ def settings(options: Options) -> dict[str, Any]:
     for name in ("most_events", "most_steps"):
         made[name] = whole(made[name], name)
     for name in ("method", "at_repelling", "at_pile_up"):
-        made[name] = str(made[name]).lower()
+        made[name] = str(made[name])
     return made
 
 
@@ -167,7 +167,8 @@ def checked(system: System) -> System:
 
 
 def state(system: System, y0: ArrayLike | Mapping[Any, Any] | None) -> list[float]:
-    """A state at the start: as given in order, or by name, and otherwise as the system says."""
+    """A state at the start: as given in order, or by name, and otherwise as the system says.
+    Discrete states that are not given begin at their own values."""
     names = checked(system).states
     if y0 is None:
         if system.start is None:
@@ -194,7 +195,7 @@ def complete(system: System, states: Floats, name: str) -> Floats:
     if rows.shape[1] == len(names) - discrete:
         starts = np.array(system._core.starts[-discrete:], dtype=np.float64)
         return np.hstack([rows, np.tile(starts, (len(rows), 1))])
-    help = f"; the last {discrete} are discrete and may be left out" if discrete else ""
+    help = f"; the last {discrete}, discrete, may be left out" if discrete else ""
     raise ValueError(
         f"{name} has {rows.shape[1]} values, and there are {len(names)} states: "
         f"{', '.join(names)}{help}"

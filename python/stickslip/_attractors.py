@@ -147,10 +147,14 @@ class Basins(Result):
             for kind, phases, share in zip(self.kind, self.phases, self.shares)
         ]
         is_grid = self.reached.ndim == 2 and len(others) > 0
-        classes(axes, x, y, self.reached if is_grid else self.reached.ravel(), names)
-        for number, points in enumerate(self.points):
-            heights = points[:, others[0]] if others else np.full(len(points), number)
-            axes.plot(points[:, first], heights, "k.", ms=3)
+        points = np.concatenate([*self.points, np.empty((0, rows.shape[1]))])
+        of = np.repeat(np.arange(len(self.points)), [len(one) for one in self.points])
+        heights = points[:, others[0]] if others else of
+        dots = axes.plot(
+            points[:, first], heights, "k.", ms=7, mec="w", mew=0.5, label="on the attractors"
+        )
+        cells = self.reached if is_grid else self.reached.ravel()
+        classes(axes, x, y, cells, names, dots if len(points) else ())
         axes.set(xlabel=states[first], ylabel=states[others[0]] if others else "attractor")
         return axes
 
@@ -249,6 +253,7 @@ def bifurcation_diagram(
         Its values, in the order in which they are gone through.
     y0 : array_like, shape (n,), or dict, optional
         State at the start, in order or as ``{x: 1, v: 0}``; that of the system unless given.
+        Discrete states may be left out.
     longest : float, optional
         Time after which an orbit is called undecided.
     duration : float, optional
@@ -358,10 +363,10 @@ def basins_of_attraction(
     given = as_array(starts, "starts")
     discrete = len(system.discrete)
     if given.ndim == 0 or given.shape[-1] not in (len(names), len(names) - discrete):
-        help = f" (the last {discrete} may be left out)" if discrete else ""
+        help = f"; the last {discrete}, discrete, may be left out" if discrete else ""
         raise ValueError(
-            f"the last axis of starts must be the {len(names)} states {', '.join(names)}{help}, "
-            f"and the shape is {given.shape}; a grid is np.stack(np.meshgrid(x, v), axis=-1)"
+            f"the last axis of starts must be the {len(names)} states: {', '.join(names)}{help}; "
+            f"the shape is {given.shape}; a grid is np.stack(np.meshgrid(x, v), axis=-1)"
         )
     if not given.size:
         raise ValueError("starts is empty: give at least one state")
@@ -415,7 +420,8 @@ def parameter_map(
     x, y : (str or Parameter, array_like)
         Two parameters and their values, as ``(mu0, np.linspace(0.1, 0.2, 50))``.
     y0 : array_like, shape (n,), or dict, optional
-        State at the start; that of the system, at each cell's parameters, unless given.
+        State at the start; that of the system, at each cell's parameters, unless given. Discrete
+        states may be left out.
     longest : float, optional
         Time after which an orbit is called undecided.
     duration : float or None, optional

@@ -119,6 +119,7 @@ def lyapunov_spectrum(
         The system.
     y0 : array_like, shape (n,), or dict, optional
         State at the start, in order or as ``{x: 1, v: 0}``; that of the system unless given.
+        Discrete states may be left out.
     t0 : float, optional
         Time at the start.
     transient, duration : float, optional

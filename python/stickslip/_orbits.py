@@ -40,7 +40,12 @@ class PeriodicOrbit(Result):
     multipliers : ndarray of complex, shape (n,)
         Floquet multipliers; the first of a system that does not depend on time is the trivial one.
     stability : str
-        As ``"stable"``.
+        ``"stable"``, ``"unstable"``, or ``"neutral"`` where a multiplier has size 1, to 1e-6, and
+        none is larger.
+    phases : str
+        Its phases in letters, the same text wherever in the cycle `t` is.
+    in_stick : float
+        Part of the period in which a contact sticks.
     system : System
         The system.
     """
@@ -53,6 +58,8 @@ class PeriodicOrbit(Result):
     monodromy: Floats
     multipliers: NDArray[np.complex128]
     stability: str
+    phases: str
+    in_stick: float
     system: System
 
     def solution(self, points: int = 500) -> Solution:
@@ -144,7 +151,7 @@ class Branch(Result):
     multipliers : list of ndarray of complex
         Its multipliers besides the trivial one.
     stability : list of str
-        As ``"stable"``.
+        ``"stable"``, ``"neutral"`` or ``"unstable"``, as of `PeriodicOrbit`.
     phases : list of str
         Its phases in letters.
     special : ndarray, structured
@@ -338,6 +345,7 @@ def periodic_orbit(
         The system.
     y0 : array_like, shape (n,), or dict, optional
         State at the start, in order or as ``{x: 1, v: 0}``; that of the system unless given.
+        Discrete states may be left out.
     t0 : float, optional
         Time at the start.
     period : float, optional
@@ -405,6 +413,7 @@ def poincare_map(
         The section, as ``ss.event(v, direction=1)``.
     y0 : array_like, shape (n,), or dict, optional
         State at the start, in order or as ``{x: 1, v: 0}``; that of the system unless given.
+        Discrete states may be left out.
     returns : int, optional
         How many.
     t0 : float, optional

@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+import colorsys
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-#: From the palette of Okabe and Ito; other classes are grey.
-COLOURS = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#f0e442"]
-REST = "#999999"
+#: From the palette of Okabe and Ito, and three that differ from these.
+COLOURS = [
+    *("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#f0e442"),
+    *("#882255", "#b0d88a", "#5d3a1a"),
+]
+#: What is no attractor has a grey of its own.
+GREYS = {"undecided": "#d4d4d4", "escape": "#9a9a9a", "end": "#6a6a6a", "failure": "#303030"}
+#: A legend of more classes, or of longer names, leaves no room for the figure.
+MOST_IN_LEGEND = 12
+LONGEST_NAME = 34
 
 
 def new_axes(axes: Any = None) -> Any:
@@ -24,12 +32,33 @@ def new_axes(axes: Any = None) -> Any:
     return plt.subplots()[1]
 
 
-def classes(axes: Any, x: Any, y: Any, numbers: NDArray[np.int64], names: Sequence[str]) -> None:
-    """Cells of a grid, or points where `x` and `y` are as many, coloured by their class."""
+def colours_of(names: Sequence[str]) -> list[Any]:
+    """A colour for each class, by the word that its name begins with and else in order."""
+    greys = [next((GREYS[word] for word in GREYS if one.startswith(word)), None) for one in names]
+    return [grey or _colour(greys[:k].count(None)) for k, grey in enumerate(greys)]
+
+
+def _colour(k: int) -> Any:
+    if k < len(COLOURS):
+        return COLOURS[k]
+    # Hues a golden section apart, dark and light in turn.
+    return colorsys.hls_to_rgb(k * 0.618 % 1.0, 0.3 + 0.35 * (k % 2), 0.7)
+
+
+def classes(
+    axes: Any,
+    x: Any,
+    y: Any,
+    numbers: NDArray[np.int64],
+    names: Sequence[str],
+    others: Sequence[Any] = (),
+) -> None:
+    """Cells of a grid, or points where `x` and `y` are as many, coloured by their class. The legend
+    below also has `others`, which are drawn already."""
     from matplotlib.colors import ListedColormap  # type: ignore[import-not-found,unused-ignore]
     from matplotlib.patches import Patch  # type: ignore[import-not-found,unused-ignore]
 
-    colours = [COLOURS[k] if k < len(COLOURS) else REST for k in range(len(names))]
+    colours = colours_of(names)
     style: dict[str, Any] = {
         "cmap": ListedColormap(["white", *colours]),
         "vmin": -1.5,
@@ -39,5 +68,26 @@ def classes(axes: Any, x: Any, y: Any, numbers: NDArray[np.int64], names: Sequen
         axes.pcolormesh(x, y, numbers, shading="nearest", **style)
     else:
         axes.scatter(x, y, c=numbers, s=4, **style)
-    patches = [Patch(color=colour, label=name) for colour, name in zip(colours, names)]
-    axes.legend(handles=patches, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    few = len(names) if len(names) <= MOST_IN_LEGEND else MOST_IN_LEGEND - 1
+    labels = [
+        name if len(name) <= LONGEST_NAME else name[: LONGEST_NAME - 1] + "…"
+        for name in names[:few]
+    ]
+    patches = [Patch(color=colour, label=label) for colour, label in zip(colours, labels)]
+    if few < len(names):
+        patches.append(Patch(color="none", label=f"and {len(names) - few} more"))
+    longest = max(map(len, labels), default=0)
+    axes.legend(
+        handles=[*patches, *others],
+        loc="upper center",
+        bbox_to_anchor=(0.5, 0.0),
+        # In units of the font: below the numbers and the label of the axis.
+        borderaxespad=5,
+        fontsize="small",
+        ncols=min(3, 84 // (longest + 8)),
+        frameon=False,
+    )
+    # Room for the legend, unless the figure already has a layout.
+    figure = axes.figure.canvas.figure
+    if figure.get_layout_engine() is None:
+        figure.set_layout_engine("constrained")

@@ -261,6 +261,7 @@ def solve_ivp(
         Start and end, the end later.
     y0 : array_like, shape (n,), or dict, optional
         State at the start, in order or as ``{x: 1, v: 0}``; that of the system unless given.
+        Discrete states may be left out.
     method : {"taylor", "dop853"}, optional
         How steps are made.
     t_eval : array_like, shape (m,), optional
@@ -307,7 +308,11 @@ def solve_ivp(
             bound = f"within t_span, {t0:.15g} to {t_end:.15g}"
             raise out_of_bounds(f"t_eval[{k}]", times[k], bound)
         if (np.diff(times) <= 0).any():
-            raise ValueError("values in t_eval are not sorted, each larger than the one before")
+            k = int(np.argmax(np.diff(times) <= 0)) + 1
+            raise ValueError(
+                f"values in t_eval are not sorted, each larger than the one before: t_eval[{k}] = "
+                f"{float(times[k])!r} follows {float(times[k - 1])!r}"
+            )
     given = [] if events is None else events if isinstance(events, (list, tuple)) else [events]
     watched = [one if isinstance(one, Event) else event(one) for one in given]
     sections = [(section_of(system, one), one.terminal) for one in watched]

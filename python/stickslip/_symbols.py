@@ -378,16 +378,33 @@ class State(Symbol):
 
 
 class Parameter(Symbol):
-    """A parameter and its value."""
+    """A parameter, its value, and the range of values that it may be given, or None."""
 
-    __slots__ = ("value",)
+    __slots__ = ("value", "range")
 
-    def __init__(self, name: str, value: float) -> None:
+    def __init__(
+        self, name: str, value: float, range: tuple[float, float] | None = None
+    ) -> None:
         super().__init__(name)
         self.value = number(value, name, "the parameter ")
+        self.range = None if range is None else _interval(range, self)
 
     def __reduce__(self) -> Any:
-        return type(self), (self.name, self.value)
+        return type(self), (self.name, self.value, self.range)
+
+
+def _interval(range: Any, of: Parameter) -> tuple[float, float]:
+    what = f"the range of the parameter {of.name}"
+    try:
+        low, high = (float(end) for end in range)
+    except (TypeError, ValueError):
+        raise TypeError(f"{what} must be (lowest, highest), not {range!r}") from None
+    if not low < high:
+        raise ValueError(f"{what} = ({low:g}, {high:g}): the lower end must come first")
+    if not low <= of.value <= high:
+        bound = f"within its range, {low:.15g} to {high:.15g}"
+        raise out_of_bounds(of.name, of.value, bound, what="the parameter ")
+    return low, high
 
 
 def states(names: str | Sequence[str]) -> tuple[State, ...]:
@@ -415,7 +432,7 @@ def states(names: str | Sequence[str]) -> tuple[State, ...]:
 
 
 def state(name: str) -> State:
-    """A single state."""
+    """A single state. Two of one name are the same state, and one key of a dict."""
     return State(name)
 
 
@@ -439,9 +456,12 @@ def parameters(**values: float) -> tuple[Parameter, ...]:
     return tuple(Parameter(name, value) for name, value in values.items())
 
 
-def parameter(name: str, value: float) -> Parameter:
-    """A single parameter."""
-    return Parameter(name, value)
+def parameter(
+    name: str, value: float, range: tuple[float, float] | None = None
+) -> Parameter:
+    """A single parameter. A `range` (lowest, highest) bounds the values that it can be given later;
+    an end may be infinite."""
+    return Parameter(name, value, range)
 
 
 class DiscreteState(Symbol):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -40,7 +40,8 @@ class System:
     jumps : Jump or a sequence of them, optional
         Changes of the state at an instant.
     start : dict or sequence, optional
-        The state at the start of runs; it may depend on parameters.
+        The state at the start of runs; it may depend on parameters. Discrete states may be left
+        out: they begin at their own values. In a sequence they are the last, by name.
     period : float or Expression, optional
         Period in time, if the system depends on time and attractors are wanted.
     name : str, optional
@@ -157,9 +158,9 @@ class System:
         return tuple(self._core.discrete)
 
     @property
-    def parameters(self) -> dict[str, float]:
-        """Values of the parameters by name."""
-        return dict(self._core.parameters)
+    def parameters(self) -> Mapping[str, float]:
+        """Values of the parameters by name. They are read here, and set by `with_parameters`."""
+        return _Values(self._core.parameters)
 
     @property
     def contacts(self) -> tuple[str, ...]:
@@ -182,6 +183,35 @@ class System:
         """Period in time, of a driven system."""
         return self._core.period
 
+    def check(self, y0: Any = None) -> list[str]:
+        """What is doubtful about the system, as the program's ``check`` says it: friction that
+        drives the slip, static friction below kinetic, boundaries that depend on each other, a
+        wrong period, jumps that are past their zero at the start.
+
+        Parameters
+        ----------
+        y0 : array_like, shape (n,), or dict, optional
+            State at the start, in order or as ``{x: 1, v: 0}``; that of the system unless given.
+            Without any, friction and jumps are not looked at.
+
+        Returns
+        -------
+        list of str
+            Messages; none where nothing is doubtful.
+
+        Examples
+        --------
+        >>> import stickslip as ss
+        >>> x, v = ss.states("x v")
+        >>> floor = ss.Contact("floor", boundary=v, friction=0.4)
+        >>> ss.System({x: v, v: -x - floor.friction}, contacts=[floor], start=[1, 0]).check()
+        []
+        """
+        from ._arguments import state
+
+        given = None if y0 is None and self.start is None else state(self, y0)
+        return self._core.check(given)
+
     def __repr__(self) -> str:
         def listed(names: list[str]) -> str:
             few = names if len(names) <= 8 else [*names[:7], f"… ({len(names)})"]
@@ -203,6 +233,22 @@ class System:
         return System._of, (self._origin, self._text, self._settings)
 
 
+class _Values(dict[str, float]):
+    """Values of parameters that are only read."""
+
+    def _refuse(self, *_: Any, **__: Any) -> NoReturn:
+        raise TypeError(
+            "the parameters of a system are only read here: system.with_parameters(name=value) is "
+            "the system with another value"
+        )
+
+    __setitem__ = __delitem__ = __ior__ = _refuse
+    clear = pop = popitem = setdefault = update = _refuse
+
+    def __reduce__(self) -> Any:
+        return dict, (dict(self),)
+
+
 def _quoted(value: Any) -> str:
     # What JSON escapes TOML's basic strings escape alike.
     return json.dumps(value.text if isinstance(value, Expression) else value, ensure_ascii=False)
@@ -219,6 +265,8 @@ def _table(entries: Mapping[str, Any]) -> list[str]:
             shown = str(value)
         elif isinstance(value, list):
             shown = "[" + ", ".join(written(one) for one in value) + "]"
+        elif isinstance(value, dict):
+            shown = "{ " + ", ".join(_table(value)) + " }"
         else:
             shown = _quoted(value)
         lines.append(f"{key} = {shown}")
@@ -242,14 +290,15 @@ def _text(
                 help += ", which returns a tuple: x, = ss.states('x'), or x = ss.state('x')"
             raise TypeError(f"{state!r} is no state: the keys of rates are {help}")
     field = {state.name: expression(rate) for state, rate in rates.items()}
-    starts = _starts(list(rates), start)
     whole = None if period is None else expression(period)
 
-    given = [*field.values(), *starts.values(), *([] if whole is None else [whole])]
+    given = [*field.values(), *([] if whole is None else [whole])]
     for jump in jumps:
         given += [jump.when, *jump.set.values()]
         given += [state for state in jump.set if isinstance(state, DiscreteState)]
-    parts = _parts([*given, *contacts])
+    discrete = {one for one in _parts([*given, *contacts]) if isinstance(one, DiscreteState)}
+    starts = _starts([*rates, *sorted(discrete, key=lambda one: one.name)], len(rates), start)
+    parts = _parts([*given, *starts.values(), *contacts])
     unknown = [one for one in parts if isinstance(one, State) and one not in rates]
     if unknown:
         raise ValueError(f"the state {unknown[0].name} has no rate: add it to rates")
@@ -274,8 +323,8 @@ def _text(
 
     tables: list[tuple[str, dict[str, Any]]] = [
         ("states", {state.name: "" for state in rates}),
-        ("discrete", {one.name: one.start for one in of(DiscreteState)}),
-        ("parameters", {one.name: one.value for one in of(Parameter)}),
+        ("discrete", {one.name: starts.pop(one.name, one.start) for one in of(DiscreteState)}),
+        ("parameters", {one.name: _entry(one) for one in of(Parameter)}),
     ]
     for contact in contacts:
         laws = {
@@ -318,20 +367,34 @@ def _all(given: Any, kind: type[Any], what: str) -> tuple[Any, ...]:
     return several
 
 
-def _starts(states: list[State], start: Any) -> dict[str, Expression]:
+def _entry(parameter: Parameter) -> Any:
+    if parameter.range is None:
+        return parameter.value
+    return {"value": parameter.value, "range": list(parameter.range)}
+
+
+def _starts(states: Sequence[Any], moving: int, start: Any) -> dict[str, Expression]:
+    """Starts by name. Those behind the moving states are discrete, and may be left out."""
     if start is None:
         return {}
     names = [state.name for state in states]
     if isinstance(start, Mapping):
         start = {getattr(key, "name", key): value for key, value in start.items()}
-    elif np.ndim(start) != 1 or len(start) != len(states):
-        raise ValueError(f"start must be {len(states)} values, of the states {', '.join(names)}")
+    elif np.ndim(start) != 1 or len(start) not in (moving, len(states)):
+        help = f"; the last {len(states) - moving}, discrete, may be left out"
+        raise ValueError(
+            f"start must be {len(states)} values, of the states {', '.join(names)}"
+            + (help if len(states) > moving else "")
+        )
     else:
         start = dict(zip(names, start))
-    for name in start.keys() ^ set(names):
-        what = "has no value of the state" if name in names else "has a value of"
-        raise ValueError(f"start {what} {name}" + ("" if name in names else ", which has no rate"))
-    return {name: expression(start[name]) for name in names}
+    for name in names[:moving]:
+        if name not in start:
+            raise ValueError(f"start has no value of the state {name}")
+    for name in start:
+        if name not in names:
+            raise ValueError(f"start has a value of {name}, which has no rate")
+    return {name: expression(start[name]) for name in names if name in start}
 
 
 def _parts(formulas: Iterable[Expression]) -> set[Any]:
@@ -369,6 +432,6 @@ def _inner(part: Any) -> list[Expression]:
 
 def _described(part: Any) -> Any:
     if isinstance(part, Parameter):
-        return part.value
+        return part.value, part.range
     entries = part.entries.items() if isinstance(part, Input) else ()
     return [repr(one) for one in _inner(part)], repr(list(entries))

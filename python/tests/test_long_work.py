@@ -116,7 +116,7 @@ def test_other_threads_run_meanwhile():
     thread = threading.Thread(target=count)
     thread.start()
     begin = time.perf_counter()
-    ss.solve_ivp(ss.System({x: v, v: -(x**3)}), (0, 3e4), [1, 0], t_eval=[])
+    ss.solve_ivp(ss.System({x: v, v: -(x**3)}), (0, 1e5), [1, 0], t_eval=[])
     span, seen = time.perf_counter() - begin, counted
     is_over.set()
     thread.join()

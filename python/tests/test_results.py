@@ -121,3 +121,60 @@ def test_without_matplotlib_a_figure_says_what_is_missing(monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib.pyplot", None)
     with pytest.raises(ImportError, match=r"stickslip\[plot\]"):
         RESULTS["solution"].plot()
+
+
+def plane(kinds):
+    """A map whose cells are of so many kinds of motion, one undecided."""
+    numbers = np.arange(kinds).reshape(1, kinds)
+    words = np.array([*["periodic"] * (kinds - 1), "undecided"])[numbers]
+    phases = np.array([*["+ " * k for k in range(1, kinds)], ""])[numbers]
+    nan = np.full((1, kinds), np.nan)
+    along = np.arange(float(kinds)), np.array([0.0])
+    return ss.ParameterMap(*along, words, nan, numbers, phases, *[nan] * 4, ("a", "b"))
+
+
+def legend_of(axes):
+    legend = axes.get_legend()
+    texts = [text.get_text() for text in legend.get_texts()]
+    return texts, [patch.get_facecolor() for patch in legend.get_patches()]
+
+
+@pytest.mark.parametrize("own_axes", [False, True])
+@pytest.mark.parametrize("result", ["basins", "row of basins", "plane", 8, 30])
+def test_the_legend_is_within_the_figure_and_its_colours_differ(result, own_axes):
+    drawn = plane(result) if isinstance(result, int) else RESULTS[result]
+    axes = drawn.plot(matplotlib.pyplot.subplots()[1] if own_axes else None)
+    figure = axes.figure
+    figure.canvas.draw()
+    inside = figure.bbox
+    extent = axes.get_legend().get_window_extent()
+    assert inside.x0 <= extent.x0 and extent.x1 <= inside.x1
+    assert inside.y0 <= extent.y0 and extent.y1 <= axes.xaxis.get_tightbbox().y0
+    # Most of the figure is that of the data.
+    assert axes.get_window_extent().height > 0.4 * inside.height
+    texts, colours = legend_of(axes)
+    assert len(set(colours)) == len(colours) and len(texts) <= 13
+    assert ("on the attractors" in texts) == isinstance(drawn, ss.Basins)
+    matplotlib.pyplot.close(figure)
+
+
+def test_no_two_of_many_kinds_have_one_colour_and_undecided_is_grey():
+    axes = plane(30).plot()
+    texts, _ = legend_of(axes)
+    assert texts[-1] == "and 19 more"
+    cells = axes.collections[0]
+    colours = {tuple(cells.to_rgba(number)) for number in range(30)}
+    greys = [one for one in colours if one[0] == one[1] == one[2]]
+    assert len(colours) == 30 and len(greys) == 1
+    matplotlib.pyplot.close(axes.figure)
+
+
+def test_an_orbit_has_its_phases_and_its_part_in_stick():
+    orbit = RESULTS["orbit"]
+    # The same attractor at the same parameter, by recurrence.
+    found = ss.bifurcation_diagram(belt_system(), "mu0", [0.4], [0.5, 0], longest=200)
+    assert orbit.phases == found.phases[0] and "S" in orbit.phases
+    sol = orbit.solution()
+    sticks = sol.phases[sol.phases["mode"] == "S"]
+    time = (sticks["t_end"] - sticks["t_start"]).sum()
+    assert 0 < time and orbit.in_stick == pytest.approx(time / orbit.period, rel=1e-9)

@@ -98,13 +98,13 @@ def test_events_do_not_change_the_orbit():
         ({"t_span": (1, 0)}, r"t_span\[1\] = 0: it must be larger than t_span\[0\] = 1"),
         ({"y0": [1, 0, 0]}, "3 values.*2 states: x, v"),
         ({"t_eval": [0, 2]}, r"t_eval\[1\] = 2: it must be within t_span, 0 to 1"),
-        ({"t_eval": [0, 0.5, 0.5]}, "not sorted"),
+        ({"t_eval": [0, 0.5, 0.5]}, r"not sorted.*t_eval\[2\] = 0.5 follows 0.5"),
         ({"rtol": 1.0}, "rtol = 1 is not allowed"),
         ({"max_step": 0}, "max_step = 0 is not allowed"),
         ({"t_span": (0, 1, 2)}, "t_span has 3 values"),
         ({"y0": {"x": 1, "u": 0}}, "a value of u, which is no state"),
         ({"y0": [[1, 0]]}, r"its shape is \(1, 2\)"),
-        ({"method": "RK45"}, 'method = "rk45"'),
+        ({"method": "RK45"}, 'method = "RK45"'),
     ],
 )
 def test_what_cannot_be_is_refused_by_name(options, words):
@@ -135,6 +135,34 @@ def test_a_start_may_be_given_by_the_states():
     # The others start as the system says.
     wanted = ss.solve_ivp(oscillator(), (0, 1), [1, 3])
     assert np.array_equal(ss.solve_ivp(oscillator(), (0, 1), {"v": 3}).y, wanted.y)
+
+
+def test_a_start_may_leave_out_discrete_states():
+    x = ss.state("x")
+    n, m = ss.discrete(n=2.0, m=ss.parameter("p", 0.5))
+    jump = ss.Jump("hit", when=x - 9, set={x: 0, n: n + 1, m: 0})
+    system = ss.System({x: n + m - x}, jumps=[jump])
+    assert system.states == ("x", "m", "n") and system.start is None
+    wanted = ss.solve_ivp(system, (0, 1), [0.1, 0.5, 2])
+    for y0 in ([0.1], {x: 0.1}, {"x": 0.1, n: 2}):
+        assert np.array_equal(ss.solve_ivp(system, (0, 1), y0).y, wanted.y)
+    changed = ss.solve_ivp(system.with_parameters(p=1.5), (0, 0.1), [0.1])
+    assert changed.y[1, 0] == 1.5
+    for y0 in ([0.1, 2], [0.1, 2, 3, 4]):
+        with pytest.raises(ValueError, match="the last 2, discrete, may be left out"):
+            ss.solve_ivp(system, (0, 1), y0)
+    starts = np.array([[0.1], [0.7]])
+    found = ss.basins_of_attraction(system, starts, longest=50)
+    assert found.starts.tolist() == [[0.1, 0.5, 2], [0.7, 0.5, 2]]
+    all_given = ss.basins_of_attraction(system, found.starts, longest=50)
+    assert np.array_equal(found.reached, all_given.reached) and found.kind == all_given.kind
+    with pytest.raises(ValueError, match="3 states: x, m, n; the last 2, discrete, may"):
+        ss.basins_of_attraction(system, [[0.1, 2]])
+
+
+def test_words_of_options_are_taken_in_any_case():
+    wanted = ss.solve_ivp(oscillator(), (0, 1), method="dop853")
+    assert np.array_equal(ss.solve_ivp(oscillator(), (0, 1), method="DOP853").y, wanted.y)
 
 
 def test_any_memory_layout_and_integers_are_taken():
@@ -177,7 +205,7 @@ def test_a_thermostat_switches_when_it_must():
     # What a discrete state starts with is part of the system.
     for y0 in ([19], {temperature: 19}):
         assert np.array_equal(ss.solve_ivp(house, (0, 3), y0).y, sol.y)
-    with pytest.raises(ValueError, match="y0 has 3 values.*the last 1 are discrete and may be"):
+    with pytest.raises(ValueError, match="y0 has 3 values.*the last 1, discrete, may be"):
         ss.solve_ivp(house, (0, 3), [19, 1, 0])
     starts = np.array([[18.0], [20.0]])
     basins = ss.basins_of_attraction(house, starts, longest=100)

@@ -138,6 +138,8 @@ def test_numpy_works_on_symbols():
         (lambda x: 1 | x, "a condition .*by_side"),
         (lambda x: ~x, "a condition .*by_side"),
         (lambda x: x ^ 2, r"a power is x\*\*2"),
+        (lambda x: 2 ^ x, r"a power is x\*\*2"),
+        (lambda x: np.int64(2) ^ x, r"a power is x\*\*2"),
         (lambda x: 0 < x < 1, "a comparison"),
         (lambda x: np.round(x, 1), "ss.discrete"),
         (lambda x: np.interp(x, [0, 1], [2, 3]), "ss.table"),
@@ -286,3 +288,94 @@ def test_static_friction_by_a_law_of_the_side():
     leaves = sol.transitions[sol.transitions["kind"] == "stick exit"]
     # It holds up to the static friction.
     assert np.allclose(np.abs(leaves["y"][:, 0]), 0.6, atol=1e-12) and len(leaves) > 2
+
+
+def test_values_of_parameters_are_only_read():
+    system = belt_system()
+    values = system.parameters
+    for change in (
+        lambda: values.__setitem__("vp", 0.9),
+        lambda: values.update(vp=0.9),
+        lambda: values.pop("vp"),
+        lambda: values.clear(),
+        lambda: values.__delitem__("vp"),
+    ):
+        with pytest.raises(TypeError, match=r"system\.with_parameters\(name=value\)"):
+            change()
+    assert system.parameters == {"k": 1.0, "mu0": 0.4, "vp": 0.2} == copy.deepcopy(values)
+    assert pickle.loads(pickle.dumps(values)) == values
+    assert system.with_parameters(**(values | {"vp": 0.9})).parameters["vp"] == 0.9
+
+
+def test_a_parameter_keeps_to_its_range():
+    x = ss.state("x")
+    p = ss.parameter("p", 0.5, range=(0, np.inf))
+    system = ss.System({x: -p * x})
+    assert "p = { value = 0.5, range = [0.0, inf] }" in system.to_toml()
+    assert system.with_parameters(p=3).parameters["p"] == 3
+    with pytest.raises(ss.SystemError, match="p = -1 is not allowed: its range"):
+        system.with_parameters(p=-1)
+    for again in (copy.deepcopy(p), pickle.loads(pickle.dumps(p))):
+        assert again == p and again.range == (0.0, np.inf) and again != ss.parameter("p", 0.5)
+    with pytest.raises(ValueError, match="two different things are called p"):
+        ss.System({x: -p * x + ss.parameter("p", 0.5)})
+    with pytest.raises(ValueError, match="parameter p = 2: it must be within its range, 0 to 1"):
+        ss.parameter("p", 2, range=(0, 1))
+    with pytest.raises(ValueError, match="the lower end must come first"):
+        ss.parameter("p", 2, range=(3, 1))
+    with pytest.raises(TypeError, match=r"must be \(lowest, highest\), not 3"):
+        ss.parameter("p", 2, range=3)
+
+
+def room(heater=0.0, start=(18,)):
+    T = ss.state("T")
+    heats = ss.DiscreteState("heats", heater)
+    off = ss.Jump("off", when=T - 21, direction="rising", set={heats: 0})
+    on = ss.Jump("on", when=T - 19, direction="falling", set={heats: 1})
+    return ss.System({T: 2 * heats - (T - 10) / 10}, jumps=[off, on], start=start)
+
+
+def test_a_start_may_have_the_discrete_states_or_not():
+    p = ss.parameter("p", 0.25)
+    heats = ss.DiscreteState("heats", 0.0)
+    assert room().start == room(start={"T": 18}).start == (18.0, 0.0)
+    for start in ((18, 1), {"T": 18, "heats": 1}, {heats: 1, "T": 18}):
+        assert room(start=start).start == (18.0, 1.0)
+    assert room(start=(18, 2 * p)).with_parameters(p=0.5).start == (18.0, 1.0)
+    wanted = r"start must be 2 values, of the states T, heats; the last 1, discrete, may be left"
+    with pytest.raises(ValueError, match=wanted):
+        room(start=(1, 2, 3))
+    with pytest.raises(ValueError, match="a value of u, which has no rate"):
+        room(start={"T": 1, "u": 3})
+    with pytest.raises(ValueError, match="has no value of the state T"):
+        room(start={"heats": 1})
+
+
+def test_friction_of_the_wrong_sign_and_jumps_past_zero_are_doubtful():
+    x, v = ss.states("x v")
+    for static, sign, words in (
+        (None, 1, "the friction of floor drives the slip"),
+        (0.1, -1, "static friction of floor is less than friction in slip"),
+        (0.5, -1, None),
+    ):
+        floor = ss.Contact("floor", boundary=v, friction=0.4, static=static)
+        system = ss.System({x: v, v: sign * floor.friction - x}, contacts=[floor])
+        # Without a start there is no place to look at.
+        assert system.check() == []
+        assert [words in one for one in system.check([0, 1])] == ([True] if words else [])
+        assert system.check({v: 1, x: 0}) == system.check([0, 1])
+    assert "the jump on happens where T - 19.0 falls" in room().check()[0]
+    assert room().check([18, 1]) == room().check([20]) == room(1).check() == []
+    wrong = ss.System({x: np.cos(ss.t) - x}, period=3.0)
+    assert "correct period=… of System" in wrong.check()[0]
+
+
+def test_faults_come_with_a_remedy():
+    v = ss.state("v")
+    floor = ss.Contact("floor", boundary=v, friction=0.4, static=0.1)
+    system = ss.System({v: np.sin(ss.t) - floor.friction}, contacts=[floor])
+    with pytest.warns(ss.SolverWarning, match="raise it, or lower friction in slip"):
+        ss.solve_ivp(system, (0, 30), [0.1])
+    open_bracket = "name = 'open'\n[states]\nx = ''\n[field]\nx = 'sin(x'\n"
+    with pytest.raises(ss.SystemError, match=r"not closed(.|\n)*it ends with `\)`"):
+        ss.System.from_toml(open_bracket)

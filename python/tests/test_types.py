@@ -54,7 +54,7 @@ def test_the_stubs_are_those_of_the_engine(tmp_path):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-MODULES = ["", "._attractors", "._errors", "._exponents", "._orbits", "._run"]
+MODULES = ["", "._attractors", "._errors", "._exponents", "._orbits", "._run", "._system"]
 
 
 @pytest.mark.parametrize("name", MODULES)

@@ -69,7 +69,7 @@ pub(crate) fn in_words(error: &Error, system: &System) -> String {
 }
 
 /// Options as on the command line.
-struct CommandLine;
+pub(crate) struct CommandLine;
 
 impl Interface for CommandLine {
     fn name(&self, option: &str) -> String {

@@ -5,5 +5,4 @@ mod failure;
 mod render;
 pub mod sweep;
 pub mod table;
-pub mod tangents;
 mod terminal;

@@ -12,7 +12,7 @@ pyo3::import_exception!(stickslip._errors, StickslipError);
 pyo3::import_exception!(stickslip._errors, SystemError);
 
 /// Options as keywords of Python.
-struct Keywords;
+pub(crate) struct Keywords;
 
 impl Interface for Keywords {
     fn name(&self, option: &str) -> String {

@@ -12,9 +12,10 @@ mod task;
 
 use pyo3::prelude::*;
 use stickslip::{AtPileUp, AtRepelling, Direction, Method, Options};
-use stickslip_kernels::file::{Source, SystemFile};
+use stickslip_kernels::file::{PeriodError, Source, SystemFile};
+use stickslip_kernels::study;
 
-use errors::{failed, wrong};
+use errors::{Keywords, failed, no_period, wrong};
 
 /// A system ready to run.
 #[pyclass(frozen, module = "stickslip._core")]
@@ -105,6 +106,18 @@ impl System {
     fn depends_on_time(&self) -> bool {
         self.ready.built.depends_on_time
     }
+
+    /// Warnings about the system from a start, as the program's `check` prints them.
+    fn check(&self, py: Python<'_>, start: Option<Vec<f64>>) -> Vec<String> {
+        let period = match self.ready.checked_period() {
+            Err(error @ PeriodError::Wrong { .. }) => Some(no_period(error).value(py).to_string()),
+            _ => None,
+        };
+        let t = self.ready.built.t_start;
+        let start = start.as_deref().map(|x| (t, x));
+        let others = study::warnings(&self.ready, start, &Keywords);
+        period.into_iter().chain(others).collect()
+    }
 }
 
 /// Options of runs.
@@ -136,21 +149,27 @@ impl Settings {
             escape: self.escape,
             most_events: self.most_events,
             most_steps: self.most_steps,
-            method: match self.method.as_str() {
+            method: match self.method.to_lowercase().as_str() {
                 "taylor" => Method::Taylor,
                 "dop853" => Method::Dop853,
-                other => return Err(of("method", other, "\"taylor\", \"dop853\"")),
+                _ => return Err(of("method", &self.method, "\"taylor\", \"dop853\"")),
             },
-            at_repelling: match self.at_repelling.as_str() {
+            at_repelling: match self.at_repelling.to_lowercase().as_str() {
                 "stop" => AtRepelling::Stop,
                 "below" => AtRepelling::GoBelow,
                 "above" => AtRepelling::GoAbove,
-                other => return Err(of("at_repelling", other, "\"stop\", \"below\", \"above\"")),
+                _ => {
+                    return Err(of(
+                        "at_repelling",
+                        &self.at_repelling,
+                        "\"stop\", \"below\", \"above\"",
+                    ));
+                }
             },
-            at_pile_up: match self.at_pile_up.as_str() {
+            at_pile_up: match self.at_pile_up.to_lowercase().as_str() {
                 "stop" => AtPileUp::Stop,
                 "rest" => AtPileUp::Rest,
-                other => return Err(of("at_pile_up", other, "\"stop\", \"rest\"")),
+                _ => return Err(of("at_pile_up", &self.at_pile_up, "\"stop\", \"rest\"")),
             },
             ..Options::default()
         };

@@ -1,17 +1,18 @@
 //! `stickslip check`: how a file was read.
 
 use serde_json::{Map, Value, json};
-use stickslip::error::{Point, readable};
-use stickslip::{Direction, Error};
+use stickslip::Direction;
+use stickslip::error::readable;
 
 use super::arguments::SystemArguments;
 use super::recording::direction_name;
 use super::sweeping::check_period;
 use super::tangents;
-use crate::failure::{Failure, in_words};
-use crate::render::{Answer, Report, rounded};
-use crate::tangents::{BoundaryLine, LineResults, RateJumps};
+use crate::failure::{CommandLine, Failure};
+use crate::render::{Answer, Report};
 use stickslip_kernels::file::{Formula, InputShape, Rate, System};
+use stickslip_kernels::study::tangents::{BoundaryLine, LineResults};
+use stickslip_kernels::study::warnings;
 
 /// Say what was understood of a file
 #[derive(Debug, clap::Args)]
@@ -118,7 +119,7 @@ fn understood(system: &System) -> Report {
             .lines("", tangents::listing(system, &line, &found))
             .field("boundary", tangents::json(system, &line, &found));
     }
-    let warnings = warnings(system);
+    let warnings = all_warnings(system);
     report
         .field("doubtful", &warnings)
         .lines("doubtful", warnings);
@@ -302,60 +303,14 @@ fn on_boundary(system: &System) -> Option<(BoundaryLine, Vec<(BoundaryLine, Line
     Some((line, found))
 }
 
-/// Warnings about a system. They concern an invalid period, friction in the wrong direction, and
-/// static friction below that in slip; friction is evaluated on the boundary of every contact, next
-/// to the start. They also concern boundaries of several contacts that vanish together and are
-/// dependent there.
-fn warnings(system: &System) -> Vec<String> {
+/// Warnings about a system, of which the first is of a wrong period.
+fn all_warnings(system: &System) -> Vec<String> {
     let period = match (system.is_periodic(), check_period(system)) {
         (Some(false), Err(failure)) => Some(failure.to_string()),
         _ => None,
     };
-    let contacts = (0..system.contacts()).flat_map(|contact| warnings_of(system, contact));
-    let dependent = system.dependent_boundaries();
-    let dependent = dependent.map(|(contacts, x)| {
-        let (t, x) = (system.built.t_start, Point(x));
-        in_words(&Error::DependentContacts { t, x, contacts }, system)
-    });
-    let warnings = period.into_iter().chain(contacts);
-    warnings.chain(dependent).collect()
-}
-
-fn warnings_of(system: &System, contact: usize) -> Vec<String> {
-    let described = &system.file.contacts[contact];
-    let Some(start) = system.start() else {
-        return Vec::new();
-    };
-    let t = system.built.t_start;
-    let everywhere = (f64::NEG_INFINITY, f64::INFINITY);
-    let jumps = BoundaryLine::through(system, contact, None, everywhere, (t, &start))
-        .and_then(|line| line.jumps(system, start[line.along]));
-    let (Some(_), Some(jumps)) = (&described.friction, jumps) else {
-        return Vec::new();
-    };
-    let RateJumps {
-        slip,
-        holding,
-        rounding,
-    } = jumps;
-    let name = &described.name;
-    let mut warnings = Vec::new();
-    if slip > rounding {
-        warnings.push(format!(
-            "the friction of {name} drives the slip: the rate of {} is larger by {} above than \
-             below, so that the contact never sticks; is friction({name}) meant with the other \
-             sign?",
-            described.boundary.text,
-            rounded(slip)
-        ));
-    } else if described.holding.is_some() && holding > slip + rounding {
-        warnings.push(format!(
-            "static friction of {name} is less than friction in slip: it takes {} of the rate of \
-                {}, and in slip {}",
-            rounded(-holding),
-            described.boundary.text,
-            rounded(-slip)
-        ));
-    }
-    warnings
+    let start = system.start();
+    let start = start.as_deref().map(|start| (system.built.t_start, start));
+    let others = warnings(system, start, &CommandLine);
+    period.into_iter().chain(others).collect()
 }

@@ -8,10 +8,10 @@ use super::trajectory;
 use crate::failure::Failure;
 use crate::render::{Answer, Report, Table, by_state, explained};
 use stickslip::analysis::{Stability, multipliers};
-use stickslip::dynamics::{Modes, Phase, Section};
+use stickslip::dynamics::Section;
 use stickslip::error::readable;
 use stickslip_kernels::kernel::{Run, follow};
-use stickslip_kernels::study::Extremes;
+use stickslip_kernels::study::{Extremes, PhasesOfPeriod};
 
 /// Find a periodic orbit: from a run, refined by shooting; period, multipliers, sequence of phases
 ///
@@ -93,18 +93,9 @@ fn report(ready: &Ready, search: &SearchArguments) -> Result<Report, Failure> {
         report.line("family", family_words(orbit.family));
     }
 
-    // The orbit begins in the middle of a phase. Both parts of that phase count as one.
-    let phases = recording.phases.iter();
-    let mut modes: Vec<Modes> = phases.map(|phase| phase.mode).collect();
-    if let [first, .., last] = modes[..]
-        && first.until(None) == last
-    {
-        modes.pop();
-    }
-    let modes = Modes::cycle(modes);
-    let sticks = |phase: &&Phase| phase.mode.any_sticks();
-    let sticks = recording.phases.iter().filter(sticks).map(Phase::duration);
-    let stick = sticks.fold(0.0, |sum, duration| sum + duration);
+    let phases = PhasesOfPeriod::of(&recording.phases);
+    let stick = phases.stick;
+    let modes = phases.cycle();
     let percent = 100.0 * stick / orbit.period;
     if let Some(phases) = explained(system, &modes) {
         report.line("phases", phases);

@@ -10,8 +10,8 @@ use super::arguments::{StartArguments, SystemArguments, position};
 use super::figures;
 use crate::failure::Failure;
 use crate::render::{Answer, OutputArguments, Report, Table};
-use crate::tangents::{BoundaryLine, LineResults, TangentPoint, Zone, ZoneKind};
 use stickslip_kernels::file::System;
+use stickslip_kernels::study::tangents::{BoundaryLine, LineResults, TangentPoint, Zone, ZoneKind};
 
 /// Branches of a boundary, with their tangent points and zones.
 pub(super) type Branches = [(BoundaryLine, LineResults)];

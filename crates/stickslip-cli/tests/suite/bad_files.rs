@@ -352,7 +352,13 @@ const CASES: [Case; 63] = [
         "w",
         "w*(…)",
     ),
-    ("sin(w*t)", "sin(w*t", "this bracket is not closed", "(", ""),
+    (
+        "sin(w*t)",
+        "sin(w*t",
+        "this bracket is not closed",
+        "(",
+        "it ends with `)`",
+    ),
     (
         "sin(w*t)",
         "sin(w*t))",

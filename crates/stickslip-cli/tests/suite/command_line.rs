@@ -429,6 +429,69 @@ fn friction_of_the_wrong_sign_or_less_at_rest_is_warned_of() {
 }
 
 #[test]
+fn friction_of_a_single_state_is_checked() {
+    let top = folder();
+    for (sign, warnings) in [("+", 1), ("-", 0)] {
+        let text = format!(
+            "name = \"slides\"\n[states]\nv = \"\"\n[contacts.floor]\nboundary = \"v - 1\"\n\
+             friction = \"0.4\"\n[field]\nv = \"{sign}friction(floor)\"\n[start]\nv = 3\n"
+        );
+        std::fs::write(top.path().join("slides.toml"), text).unwrap();
+        let found = json(top.path(), &["check", "slides.toml"]);
+        let doubtful = found["doubtful"].as_array().unwrap();
+        assert_eq!(doubtful.len(), warnings, "{doubtful:?}");
+        let drives = |one: &serde_json::Value| one.as_str().unwrap().contains("by 0.8 above");
+        assert!(doubtful.iter().all(drives), "{doubtful:?}");
+    }
+}
+
+#[test]
+fn a_jump_past_its_zero_at_the_start_is_warned_of() {
+    const ROOM: &str = r#"
+name = "room"
+[states]
+T = "C"
+[discrete]
+heater = 0
+[jumps.on]
+when = "T - 19"
+direction = "falling"
+set = { heater = "1" }
+[jumps.off]
+when = "T - 21"
+direction = "rising"
+set = { heater = "0" }
+[jumps.clock]
+when = "cos(t)"
+direction = "rising"
+set = { heater = "1" }
+[field]
+T = "10*heater - (T - 5)/10"
+[start]
+T = 18
+"#;
+    let top = folder();
+    let doubtful = |from: &str, to: &str| {
+        assert!(ROOM.contains(from));
+        std::fs::write(top.path().join("room.toml"), ROOM.replace(from, to)).unwrap();
+        let found = json(top.path(), &["check", "room.toml"]);
+        found["doubtful"].as_array().unwrap().clone()
+    };
+    let [cold] = &doubtful("T = 18", "T = 18")[..] else {
+        panic!("one doubt is expected");
+    };
+    let cold = cold.as_str().unwrap();
+    assert!(
+        cold.contains("the jump on") && cold.contains("T - 19") && cold.contains("negative (-1)"),
+        "{cold}"
+    );
+    // With the heater on, and where the jump is ahead.
+    assert_eq!(doubtful("heater = 0", "heater = 1"), [""; 0]);
+    assert_eq!(doubtful("T = 18", "T = 20"), [""; 0]);
+    assert_eq!(doubtful("falling", "both"), [""; 0]);
+}
+
+#[test]
 fn a_run_that_comes_to_rest_is_no_periodic_orbit_and_is_reported_where() {
     let top = folder();
     // x = F(-vd) = (1 + e^(-2 vd))/2.

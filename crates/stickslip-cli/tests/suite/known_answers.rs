@@ -6,7 +6,7 @@ use stickslip::analysis::{
 };
 use stickslip::models::BeltOscillator;
 use stickslip::{Method, Options, Side, math};
-use stickslip_cli::tangents::{BoundaryLine, LineResults, ZoneKind};
+use stickslip_kernels::study::tangents::{BoundaryLine, LineResults, ZoneKind};
 
 use super::recorded::{open, read, run};
 

@@ -195,7 +195,8 @@ impl<'a> Parser<'a> {
             return Ok(place.end);
         }
         Err(match self.peek() {
-            None => SyntaxError::new("this bracket is not closed", open.clone()),
+            None => SyntaxError::new("this bracket is not closed", open.clone())
+                .help("it ends with `)`"),
             Some((token, place)) => SyntaxError::new(
                 format!("{} is not expected here", token.description()),
                 place.clone(),

@@ -101,7 +101,7 @@ pub trait Interface {
                 ratio,
             } => format!(
                 "the static friction of the contact {} {} is {} times the kinetic; it must be at \
-                 least as large",
+                 least as large: raise it, or lower friction in slip where the slip begins",
                 name(*contact),
                 at(t, x),
                 readable(*ratio)

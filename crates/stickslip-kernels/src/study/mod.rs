@@ -5,7 +5,10 @@ mod diagram;
 mod equilibria;
 mod extremes;
 mod largest;
+mod phases;
 mod search;
+pub mod tangents;
+mod warnings;
 
 use stickslip::analysis::RecurrenceSettings;
 
@@ -16,7 +19,9 @@ pub use diagram::{AtValue, ChangeBetween, Diagram, ValueEnd};
 pub use equilibria::{EquilibriaOfBranch, equilibrium};
 pub use extremes::Extremes;
 pub use largest::Largest;
+pub use phases::PhasesOfPeriod;
 pub use search::{BOUND_OF_TIMES, MOST_PERIODS, MOTION_SEARCH_TIME, PeriodicSearch, SearchError};
+pub use warnings::warnings;
 
 use crate::file::System;
 

@@ -6,7 +6,8 @@ use stickslip::Options;
 use stickslip::analysis::{PeriodicOrbit, PoincareMap, Stability, multipliers};
 use stickslip::dynamics::Section;
 use stickslip_kernels::file::System as Ready;
-use stickslip_kernels::study::{PeriodicSearch, SearchError};
+use stickslip_kernels::kernel::{Run, follow};
+use stickslip_kernels::study::{PeriodicSearch, PhasesOfPeriod, SearchError};
 
 use super::Start;
 use crate::errors::Failure;
@@ -47,9 +48,18 @@ pub(crate) fn periodic_orbit<'py>(
     let (ready, options) = (&system.ready, settings.options()?);
     let orbit = computed(py, 1, (&None, Tells::Count), |task| {
         let system = task.system(ready)?;
-        Ok(approached(&system, (t, &x), search, &options)?)
+        let orbit = approached(&system, (t, &x), search, &options)?;
+        let once = Run {
+            t: orbit.t,
+            x: orbit.x.as_slice(),
+            t_end: orbit.t + orbit.period,
+            options: &options,
+        };
+        let mut phases = PhasesOfPeriod::default();
+        follow(system.dynamics(), &once, &Section::None, &mut phases)?;
+        Ok((orbit, phases))
     })?;
-    let orbit = orbit.whole(|error: Failure| error.raised(ready))?;
+    let (orbit, phases) = orbit.whole(|error: Failure| error.raised(ready))?;
     // The first multiplier of an autonomous system is trivial.
     let trivial = usize::from(!ready.built.depends_on_time);
     let all = multipliers(&orbit.monodromy);
@@ -64,6 +74,8 @@ pub(crate) fn periodic_orbit<'py>(
     fields.array("monodromy", by_rows.as_slice().to_vec(), [orbit.x.len()])?;
     fields.put("multipliers", complex(py, &all))?;
     fields.put("stability", stability.to_string())?;
+    fields.put("in_stick", phases.stick / orbit.period)?;
+    fields.put("phases", ready.sequence(&phases.cycle()))?;
     fields.ended(None)
 }
 

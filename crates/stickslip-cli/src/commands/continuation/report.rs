@@ -31,7 +31,7 @@ pub(super) fn of(
     );
     let mut report = Report::of(system, what);
     report
-        .field("parameter", &range)
+        .field("parameter", range)
         .field("points", orbits)
         .field("family_dimension", family);
     if let Some(BranchOrbit { orbit, .. }) = points.get(branch.first) {

@@ -11,8 +11,8 @@ use stickslip::analysis::Visibility;
 use stickslip::scalar::Dual;
 use stickslip::{Scalar, Side};
 
-use stickslip_kernels::file::System;
-use stickslip_kernels::kernel::Combination;
+use crate::file::System;
+use crate::kernel::Combination;
 
 /// Number of intervals in the range. It is chosen: two tangent points within one interval are not
 /// detected.

@@ -1,0 +1,118 @@
+//! Warnings about a system that can run, but is probably not what was meant.
+
+use stickslip::error::{Point, readable};
+use stickslip::{Direction, Error};
+
+use super::tangents::{BoundaryLine, RateJumps};
+use crate::file::{Interface, System};
+
+/// Warnings about a system. They concern friction in the wrong direction, and static friction below
+/// that in slip; friction is evaluated on the boundary of every contact, next to the start. They
+/// also concern jumps that cannot happen soon after the start, and boundaries of several contacts
+/// that vanish together and are dependent there. Without a start only the last are checked.
+pub fn warnings(
+    system: &System,
+    start: Option<(f64, &[f64])>,
+    interface: &impl Interface,
+) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if let Some(start) = start {
+        let contacts = 0..system.contacts();
+        warnings.extend(contacts.filter_map(|contact| warning_of_contact(system, contact, start)));
+        let jumps = 0..system.file.jumps.len();
+        warnings.extend(jumps.filter_map(|jump| warning_of_jump(system, jump, start)));
+    }
+    if let Some((contacts, x)) = system.dependent_boundaries() {
+        let (t, x) = (system.built.t_start, Point(x));
+        let error = Error::DependentContacts { t, x, contacts };
+        warnings.push(interface.words(&error, Some(system)));
+    }
+    warnings
+}
+
+fn warning_of_contact(
+    system: &System,
+    contact: usize,
+    (t, start): (f64, &[f64]),
+) -> Option<String> {
+    let described = &system.file.contacts[contact];
+    described.friction.as_ref()?;
+    let range = (f64::NEG_INFINITY, f64::INFINITY);
+    let line = match system.states() {
+        // The boundary is a point.
+        1 => BoundaryLine {
+            contact,
+            along: 0,
+            solved: 0,
+            range,
+            t,
+            x: start.to_vec(),
+            path: Vec::new(),
+        },
+        _ => BoundaryLine::through(system, contact, None, range, (t, start))?,
+    };
+    let RateJumps {
+        slip,
+        holding,
+        rounding,
+    } = line.jumps(system, start[line.along])?;
+    let (name, boundary) = (&described.name, &described.boundary.text);
+    if slip > rounding {
+        return Some(format!(
+            "the friction of {name} drives the slip: the rate of {boundary} is larger by {} above \
+             than below, so that the contact never sticks; is friction({name}) meant with the \
+             other sign?",
+            rounded(slip)
+        ));
+    }
+    let is_less = described.holding.is_some() && holding > slip + rounding;
+    is_less.then(|| {
+        format!(
+            "static friction of {name} is less than friction in slip: it takes {} of the rate of \
+             {boundary}, and in slip {}",
+            rounded(-holding),
+            rounded(-slip)
+        )
+    })
+}
+
+/// A jump of one direction whose function is past zero at the start, such as that of a heater which
+/// is off in a room that is already too cold. Functions of time alone pass zero by themselves, and
+/// a jump that would leave the state at the start as it is has had its effect.
+fn warning_of_jump(system: &System, number: usize, (t, x): (f64, &[f64])) -> Option<String> {
+    let (described, switching) = (&system.file.jumps[number], &system.built.switching);
+    let jump = &switching.jumps[number];
+    let (extended, mut values) = (switching.extended(t, x), vec![0.0; switching.room()]);
+    let mut height = |x: &[f64]| {
+        jump.when.evaluate(t, x, &mut values[..1]);
+        values[0]
+    };
+    let here = height(&extended);
+    let (is_past, passes, side, back) = match jump.direction {
+        Direction::Rising => (here > 0.0, "rises", "positive", "negative"),
+        Direction::Falling => (here < 0.0, "falls", "negative", "positive"),
+        Direction::Both => return None,
+    };
+    // Another state, at different distances in all components.
+    let mut other = extended.clone();
+    let moved = other.iter_mut().take(x.len()).enumerate();
+    moved.for_each(|(k, x)| *x += 1.0 / (1.0 + k as f64));
+    let is_of_time = height(&other) == here;
+    jump.set.evaluate(t, &extended, &mut values);
+    if !is_past || is_of_time || values[..x.len()] == *x {
+        return None;
+    }
+    Some(format!(
+        "the jump {} happens where {} {passes} through zero, and at the start that is already \
+         {side} ({}): nothing happens until it has been {back}; start on the other side, or with \
+         the state behind the jump",
+        described.name,
+        described.when.text,
+        readable(rounded(here))
+    ))
+}
+
+/// Rounds to the digits that a message shows.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.11e}").parse().unwrap_or(value)
+}
