@@ -299,18 +299,14 @@ impl Outline {
             let lasts =
                 |which: &[usize]| -> f64 { which.iter().map(|&k| self.segments[k].duration).sum() };
             let there = self.segments[next].mode;
-            let changes = |k: usize| {
-                let end = self.segments[k].end;
-                end.filter(|end| own.mode.get(end.contact) != there.get(end.contact))
-            };
-            let between = || std::iter::once(k).chain(gap.iter().copied());
             // An orbit with a jump is not the limit of orbits without it.
-            let jumps = |k: usize| self.segments[k].end.is_some_and(|end| end.is_of_jump);
-            if !gap.is_empty() && between().any(jumps) {
-                return None;
-            }
-            let ends = between().enumerate();
-            let mut ends = ends.filter_map(|(place, k)| Some((place, changes(k)?)));
+            let remains = |k: usize| {
+                let end = self.segments[k].end;
+                let changes = |contact: usize| own.mode.get(contact) != there.get(contact);
+                end.filter(|end| end.is_of_jump || changes(end.contact))
+            };
+            let ends = std::iter::once(k).chain(gap.iter().copied()).enumerate();
+            let mut ends = ends.filter_map(|(place, k)| Some((place, remains(k)?)));
             match ends.next() {
                 _ if gap.is_empty() => {}
                 Some((place, end)) => {
