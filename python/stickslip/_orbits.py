@@ -510,7 +510,7 @@ def continuation(
     OptionError
         If the parameter is outside `bounds`, or these are not the lower and the upper one.
     StickslipError
-        If there is no periodic orbit to begin with, or it rests: steps are measured by its size.
+        If there is no periodic orbit to begin with.
     Interrupted
         On Ctrl-C; `partial` is the branch until then.
 

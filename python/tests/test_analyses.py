@@ -159,15 +159,16 @@ def test_where_there_is_no_equilibrium_it_is_said():
         ss.continuation(damped, "p", (0.5, 2), [1, 0], transient=50)
 
 
-def test_a_driven_orbit_that_rests_has_no_branch_and_the_error_says_so():
-    """Steps are measured by the size of the orbit, which is zero at x = p whatever the drive."""
+def test_a_driven_orbit_that_rests_is_followed():
+    """It rests at x = p whatever the drive."""
     x, v = ss.states("x v")
     p = ss.parameter("p", 1.0)
     rate = (p - 0.5 * v - x) * (2 + np.cos(ss.t))
     system = ss.System({x: v, v: rate}, period=2 * np.pi)
     assert ss.periodic_orbit(system, [0.1, 0]).y[0] == pytest.approx(1, abs=1e-12)
-    with pytest.raises(ss.StickslipError, match="rests at an equilibrium of the driven system"):
-        ss.continuation(system, p, (0.5, 1.5), [0.1, 0])
+    branch = ss.continuation(system, p, (0.5, 1.5), [0.1, 0])
+    assert branch.stops == ("range", "range")
+    assert np.allclose(branch.y[:, 0], branch.parameter, rtol=0, atol=1e-9)
     moves = ss.System({x: v, v: rate + 0.3 * np.cos(ss.t)}, period=2 * np.pi)
     assert ss.continuation(moves, p, (0.5, 1.5), [0.1, 0]).stops == ("range", "range")
 

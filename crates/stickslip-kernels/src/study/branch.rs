@@ -77,7 +77,6 @@ impl<'a> Along<'a> {
     /// [`Error::NotFound`] if the orbit of a driven system rests, since steps along the branch are
     /// measured by its size; those of [`stickslip::run`].
     pub fn at_zero(&self, orbit: &PeriodicOrbit, options: &Options) -> Result<Vector, Error> {
-        self.check_moves(orbit, options)?;
         let behind = orbit.t.rem_euclid(orbit.period);
         let t_end = orbit.t + (orbit.period - behind);
         // By rounding, the remainder may be a whole period or zero.
@@ -92,31 +91,6 @@ impl<'a> Along<'a> {
         };
         let ended = follow_period(self.system, &run, orbit.period, &mut ())?;
         Ok(ended.x)
-    }
-
-    fn check_moves(&self, orbit: &PeriodicOrbit, options: &Options) -> Result<(), Error> {
-        if !self.system.built.depends_on_time {
-            return Ok(());
-        }
-        let run = Run {
-            t: orbit.t,
-            x: orbit.x.as_slice(),
-            t_end: orbit.t + orbit.period,
-            options,
-        };
-        let mut extremes = Extremes::from(run.x);
-        follow_period(self.system, &run, orbit.period, &mut extremes)?;
-        let ranges = extremes.ranges();
-        let widest = ranges.iter().map(|(low, high)| high - low);
-        // What rounding leaves of a state that rests is no motion.
-        match widest.fold(0.0, f64::max) <= f64::EPSILON * orbit.x.amax() {
-            true => Err(Error::NotFound {
-                what: "motion along the orbit, which rests at an equilibrium of the driven system,",
-                t: orbit.t,
-                span: orbit.period,
-            }),
-            false => Ok(()),
-        }
     }
 
     /// Minimum and maximum of each state along an orbit of the branch.

@@ -61,10 +61,10 @@ pub(super) fn primary([one, other]: [WhatChanges; 2]) -> WhatChanges {
         WhatChanges::Multiplier { period, .. } => *period,
         _ => f64::INFINITY,
     };
-    if period(&other) < period(&one) {
-        other
-    } else {
-        one
+    match (one, other) {
+        (WhatChanges::Unlocated, located) => located,
+        (one, other) if period(&other) < period(&one) => other,
+        (one, _) => one,
     }
 }
 

@@ -121,8 +121,14 @@ impl WhatChanges {
     /// Whether another one is of the same kind and within a distance of it.
     fn is_next_to(&self, other: &WhatChanges, distance: f64) -> bool {
         let kinds = [self, other].map(std::mem::discriminant);
-        let parameters = self.parameter().zip(other.parameter());
-        kinds[0] == kinds[1] && parameters.is_some_and(|(a, b)| (a - b).abs() <= distance)
+        let other = other.parameter();
+        kinds[0] == kinds[1] && other.is_some_and(|other| self.is_near(other, distance))
+    }
+
+    /// Whether it is located within a distance of a parameter.
+    fn is_near(&self, parameter: f64, distance: f64) -> bool {
+        let own = self.parameter();
+        own.is_some_and(|own| (own - parameter).abs() <= distance)
     }
 }
 
@@ -261,9 +267,17 @@ pub fn locate_changes<Kind>(
             let found = change::locate(system, [one, other], forcing, options);
             let distance = change::NEXT_TO * (other.parameter - one.parameter).abs();
             for what in found {
-                // A change at the value that two pairs share belongs to the first pair.
+                // A change at the value that two pairs share belongs to the first pair. From one of
+                // them it may not be located.
+                let is_shared = |what: &WhatChanges| what.is_near(between.0, distance);
                 let is_same = |before: &&mut AttractorChange| {
-                    before.between.1 == between.0 && before.what.is_next_to(&what, distance)
+                    let is_either = match (&before.what, &what) {
+                        (WhatChanges::Unlocated, located) | (located, WhatChanges::Unlocated) => {
+                            is_shared(located)
+                        }
+                        (one, other) => one.is_next_to(other, distance),
+                    };
+                    before.between.1 == between.0 && is_either
                 };
                 match changes.iter_mut().find(is_same) {
                     Some(before) => before.what = change::primary([before.what.clone(), what]),
