@@ -667,16 +667,22 @@ fn a_driven_system_at_rest_is_followed_through_its_flip() {
     let moving = json_of(text, &follow);
     let at_rest = ["--periods", "1", "--transient", "0", "--start", "x=0"];
     let at_rest = json_of(text, &[&follow[..], &at_rest].concat());
-    let special = |json: &serde_json::Value, what: &str| {
-        let mut special = json["special"].as_array().unwrap().iter();
-        let at = special.find(|at| at["what"] == what).unwrap();
+    // The branch of twice the period ends at the flip of its half, if it begins as one that moves.
+    let place = |json: &serde_json::Value| {
+        let special = json["special"].as_array().unwrap().iter();
+        let ends = json["ends"].as_array().unwrap().iter();
+        let mut places = special.chain(ends.map(|end| &end["flip"]));
+        let at = places.find(|at| at["parameter"].is_number()).unwrap();
         ["parameter", "uncertainty"].map(|key| at[key].as_f64().unwrap())
     };
+    assert_eq!(at_rest["special"][0]["what"], "flip");
+    assert_eq!(moving["ends"][0]["stop"], "flip");
     // Next to the flip the run has not quite come to rest.
     let decaying = json_of(text, &[&follow[..], &["--set", "e=0.1"]].concat());
-    let [flip, one] = special(&at_rest, "flip");
+    assert_eq!(decaying["special"][0]["what"], "branch point");
+    let [flip, one] = place(&at_rest);
     for branch in [&moving, &decaying] {
-        let [begins, other] = special(branch, "branch point");
+        let [begins, other] = place(branch);
         assert!(
             (flip - begins).abs() <= one + other && one + other < 1e-8,
             "{flip} ± {one:e} and {begins} ± {other:e}"

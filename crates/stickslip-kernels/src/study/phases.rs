@@ -16,7 +16,7 @@ pub struct PhasesOfPeriod {
 }
 
 impl PhasesOfPeriod {
-    /// Of recorded phases.
+    /// Those of a recorded period.
     pub fn of<'a>(phases: impl IntoIterator<Item = &'a Phase>) -> Self {
         let mut found = PhasesOfPeriod::default();
         phases.into_iter().for_each(|phase| found.add(phase));

@@ -2,7 +2,9 @@
 
 use nalgebra::SMatrix;
 
-use crate::dynamics::{Carrying, Dynamics, Matrix, Modes, Moment, Step, Transition, Vector};
+use crate::dynamics::{
+    Carrying, Dynamics, Matrix, Modes, Moment, Step, TANGENT_ERROR, Transition, Vector,
+};
 use crate::error::{Error, Point};
 use crate::filippov::{Options, TransitionKind, boundary_gradient};
 use crate::system::{Filippov, State};
@@ -63,6 +65,11 @@ impl<'a> Tangent<'a> {
             tolerance: options.rtol.max(options.atol),
         };
         Tangent { system, carrying }
+    }
+
+    /// Largest error of a vector over a step, relative to its length.
+    pub(crate) fn error(&self) -> f64 {
+        TANGENT_ERROR * self.carrying.tolerance
     }
 
     /// Replaces each of these vectors by its image after the end of the step, and after the kink of

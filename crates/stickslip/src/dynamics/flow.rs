@@ -287,7 +287,7 @@ impl<const N: usize> UseFlow<N> for StaysClear<'_, N> {
 
 /// Allowed error of a tangent vector per step, in tolerances. Chosen: a step that is accurate for
 /// the state mostly keeps it below ten.
-const TANGENT_ERROR: f64 = 100.0;
+pub(crate) const TANGENT_ERROR: f64 = 100.0;
 
 /// Largest number of times that a step is halved for the accuracy of a tangent vector. Chosen: it
 /// bounds the recursion where no step is accurate.

@@ -22,6 +22,7 @@ use crate::orbit::{Counters, Ending};
 use crate::system::{Filippov, State};
 
 pub use batch::Listener;
+pub(crate) use flow::TANGENT_ERROR;
 pub use jumps::{Jumps, KinkShift, NoJumps, Reset, WithJumps};
 pub use modes::Modes;
 pub(crate) use run::{observed, watched};

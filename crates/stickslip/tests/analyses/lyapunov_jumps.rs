@@ -51,6 +51,21 @@ fn a_jump_that_sets_all_states_leaves_the_direction_of_the_flow() {
     }
 }
 
+/// A map may shrink so strongly that its determinant is rounding, and annihilate nothing.
+#[test]
+fn a_jump_that_shrinks_strongly_annihilates_nothing() {
+    let text = "name = \"shrinks\"\n[states]\ns = \"\"\np = \"\"\nq = \"\"\n[field]\ns = \"1\"\n\
+                p = \"0\"\nq = \"0\"\n[jumps.back]\nwhen = \"s - 1\"\ndirection = \"rising\"\n\
+                set = { s = \"0\", p = \"1e-7*p\", q = \"1e-8*q\" }\n";
+    let found = spectrum(text, &[0.0, 0.3, 0.2], 80.5);
+    for (exponent, factor) in found.exponents.iter().zip([1.0, 1e-7, 1e-8]) {
+        assert!(
+            (exponent.value() - math::ln(factor)).abs() < 1e-8,
+            "{found:?}"
+        );
+    }
+}
+
 /// The saltation matrix is zero, as the field is zero after the jump.
 #[test]
 fn a_jump_into_an_equilibrium_annihilates_all_directions() {

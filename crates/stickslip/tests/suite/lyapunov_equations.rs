@@ -140,6 +140,32 @@ fn exponents_of_a_state_at_rest_do_not_drown_in_the_largest() {
 }
 
 #[test]
+fn a_fast_decay_at_rest_is_measured() {
+    let system = Smooth(Linear([[-1.0, 0.0], [0.0, -1000.0]]));
+    let settings = SpectrumOptions::over(10.0, 20.0);
+    let spectrum = lyapunov_spectrum(&system, (0.0, State::from([0.0; 2])), &settings).unwrap();
+    for (found, wanted) in values::<2>(&spectrum).iter().zip([-1.0, -1000.0]) {
+        close(*found, wanted, 1e-6 * wanted.abs());
+    }
+    // As many parts as steps are allowed.
+    let few = settings.solver(Options {
+        most_steps: 100,
+        ..Options::default()
+    });
+    let error = lyapunov_spectrum(&system, (0.0, State::from([0.0; 2])), &few).unwrap_err();
+    assert!(
+        matches!(
+            error,
+            stickslip::Error::TooMany {
+                name: "most_steps",
+                ..
+            }
+        ),
+        "{error}"
+    );
+}
+
+#[test]
 fn lorenz() {
     let settings = SpectrumOptions::over(50.0, 3000.0);
     let start = (0.0, State::from([1.0, 1.0, 20.0]));

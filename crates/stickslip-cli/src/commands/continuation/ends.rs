@@ -143,7 +143,7 @@ impl End {
         }
     }
 
-    /// SpecialRow of the end, after the number of orbits in `behind`.
+    /// The row of the end, `behind` orbits after the first.
     pub(super) fn row(&self, behind: usize) -> Option<SpecialRow> {
         let row = self.row.clone()?;
         Some(SpecialRow { behind, ..row })

@@ -96,7 +96,7 @@ pub fn continue_change<Kind>(
     let junction = continuation.junction.take();
     let junction = junction.ok_or(not_found("a special orbit on the branch"))?;
     let condition = Condition::of(&junction);
-    let condition = condition.ok_or(not_found("a curve through the branch point"))?;
+    let condition = condition.ok_or(not_found("a curve of the special orbit"))?;
     let Junction { at, cycle, .. } = junction;
     let curve = CurveContinuation {
         shooting: continuation.shooting,

@@ -79,10 +79,10 @@ impl Frame {
         self.gram_schmidt(self.len(), 0.0)
     }
 
-    /// The same; `None` also if rounding is a large part of what remains of a vector. The frame is
-    /// then of no use.
-    pub(super) fn orthonormalise_resolved(&mut self) -> Option<Vec<f64>> {
-        self.gram_schmidt(self.len(), f64::EPSILON.sqrt())
+    /// The same for vectors with a relative error; `None` also if less remains of one of them than
+    /// the root of that. The frame is then of no use.
+    pub(super) fn orthonormalise_resolved(&mut self, error: f64) -> Option<Vec<f64>> {
+        self.gram_schmidt(self.len(), error.max(f64::EPSILON).sqrt())
     }
 
     /// The same for the surviving vectors; the others are replaced by a completion of the basis.

@@ -9,7 +9,7 @@ use super::volume::growth;
 use crate::dynamics::{
     Dynamics, Matrix, Modes, Moment, OrbitUnderWay, Step, Summary, Transition, Vector,
 };
-use crate::error::Error;
+use crate::error::{Error, Point};
 use crate::filippov::TransitionKind;
 use crate::math;
 
@@ -36,6 +36,8 @@ pub(super) struct Measurement<'a> {
     stick_time: f64,
     stick_entries: usize,
     collapses: usize,
+    /// Number of parts of steps so far.
+    parts: u64,
     /// Whether no step has been taken since the run began.
     is_fresh: bool,
     /// Whether the run is still in the transient.
@@ -59,6 +61,7 @@ impl<'a> Measurement<'a> {
             stick_time: 0.0,
             stick_entries: 0,
             collapses: 0,
+            parts: 0,
             is_fresh: true,
             is_settling: true,
         }
@@ -110,6 +113,9 @@ impl<'a> Measurement<'a> {
     /// Removes the directions that a map with these orthonormal vectors as its kernel annihilates.
     /// The volume of the others is that of all, divided by the heights.
     fn collapse(&mut self, kernel: &[Vector]) {
+        if kernel.is_empty() {
+            return;
+        }
         for j in self.frame.collapse(Matrix::from_columns(kernel)) {
             self.log_volume -= self.growth.logs[j];
             self.growth.logs[j] = f64::NEG_INFINITY;
@@ -231,31 +237,38 @@ impl Measurement<'_> {
         });
     }
 
-    fn take(&mut self, step: &Step, orbit: &mut dyn OrbitUnderWay) -> Option<()> {
+    /// Carries the frame over the last step of an orbit.
+    pub(super) fn step(&mut self, step: &Step, orbit: &mut dyn OrbitUnderWay) -> Result<(), Error> {
         let is_stick = step.mode.any_sticks();
         if std::mem::take(&mut self.is_fresh) && is_stick {
-            self.begin_on_boundary(step)?;
+            self.begin_on_boundary(step)
+                .ok_or_else(|| singular(step.t_end, &step.x_end))?;
         }
         if is_stick {
             self.stick_time += step.t_end - step.t_start;
         }
-        self.carry(step, orbit)
+        self.carry(step, orbit)?;
+        if !self.is_settling {
+            self.growth.tick(step.t_end);
+        }
+        Ok(())
     }
 
     /// Carries the frame over a step or a part of it.
     ///
-    /// Near an equilibrium a step may be so long that the vectors are parallel to rounding at its
-    /// end. It is then halved, until no two exponents differ by much more than its length allows.
-    fn carry(&mut self, step: &Step, orbit: &mut dyn OrbitUnderWay) -> Option<()> {
+    /// Near an equilibrium a step may be so long that the direction of a vector is lost in the
+    /// errors of the longer ones. The step is then halved.
+    fn carry(&mut self, step: &Step, orbit: &mut dyn OrbitUnderWay) -> Result<(), Error> {
         let before = self.frame.clone();
         self.tangent.carry(step, self.frame.columns_mut());
         if step.mode.any_sticks() {
             self.stay_on_boundary(step);
         }
-        let Some(lengths) = self.frame.orthonormalise_resolved() else {
+        let error = self.tangent.error();
+        let Some(lengths) = self.frame.orthonormalise_resolved(error) else {
             let t = 0.5 * (step.t_start + step.t_end);
             if !(step.t_start < t && t < step.t_end) {
-                return None;
+                return Err(singular(step.t_end, &step.x_end));
             }
             self.frame = before;
             let x = orbit.solution()(t);
@@ -264,6 +277,12 @@ impl Measurement<'_> {
             self.carry(&first, orbit)?;
             return self.carry(&second, orbit);
         };
+        self.parts += 1;
+        let most = self.settings.solver.most_steps;
+        if self.parts > most {
+            let (name, t, x) = ("most_steps", step.t_end, Point::from(&step.x_end));
+            return Err(Error::TooMany { name, most, t, x });
+        }
         let is_full = self.frame.len() == self.tangent.system.states();
         let growth = if self.is_settling || !is_full {
             0.0
@@ -272,16 +291,6 @@ impl Measurement<'_> {
         };
         self.divergence += growth;
         self.book(&lengths, growth);
-        Some(())
-    }
-
-    /// Carries the frame over the last step of an orbit.
-    pub(super) fn step(&mut self, step: &Step, orbit: &mut dyn OrbitUnderWay) -> Result<(), Error> {
-        self.take(step, orbit)
-            .ok_or_else(|| singular(step.t_end, &step.x_end))?;
-        if !self.is_settling {
-            self.growth.tick(step.t_end);
-        }
         Ok(())
     }
 
