@@ -35,8 +35,8 @@ pub(super) fn read(
     let numbers = usize::try_from(rows.saturating_mul(count)).unwrap_or(usize::MAX);
     if numbers > MOST_VALUES {
         return Err(refused(format!(
-            "it holds {numbers} numbers, at most {MOST_VALUES} are read; save fewer columns, or thin \
-                the series"
+            "it holds {numbers} numbers, at most {MOST_VALUES} are read; save fewer columns, or \
+             thin the series"
         )));
     }
     if numbers == 0 {

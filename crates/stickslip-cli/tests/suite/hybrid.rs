@@ -1551,8 +1551,8 @@ fn an_equilibrium_holds_discrete_states() {
 #[test]
 fn a_branch_passes_from_stick_to_a_jump_in_both_directions() {
     // A block on a belt with a stop. On a fast belt it comes to the stop before it sticks.
-    let text = "name = \"stop\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nvp = 0.4\n[definitions]\n\
-                slip = \"belt*(v - vp)\"\n[contacts.belt]\nboundary = \"v - vp\"\n\
+    let text = "name = \"stop\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nvp = 0.4\n\
+                [definitions]\nslip = \"belt*(v - vp)\"\n[contacts.belt]\nboundary = \"v - vp\"\n\
                 friction = \"0.25 + 0.25*exp(-(slip/0.3)^2)\"\n[jumps.stop]\nwhen = \"x - 0.45\"\n\
                 direction = \"rising\"\nset = { v = \"-0.7*v\" }\n[field]\nx = \"v\"\n\
                 v = \"-x - 0.02*v - friction(belt)\"\n[start]\nx = 0\nv = 0\n";

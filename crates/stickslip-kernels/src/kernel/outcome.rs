@@ -5,7 +5,8 @@ use stickslip::analysis::{Attractor, AttractorKind, Attractors};
 use stickslip::dynamics::{Modes, Moment, Phase, Vector};
 use stickslip::{Error, TransitionKind};
 
-/// The kind of motion that an orbit reaches; see [`stickslip::analysis::AttractorKind`] for details.
+/// The kind of motion that an orbit reaches; see [`stickslip::analysis::AttractorKind`] for
+/// details.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Motion {

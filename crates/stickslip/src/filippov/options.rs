@@ -78,8 +78,8 @@ pub enum AtPileUp {
     #[default]
     Stop,
     /// Continue from the accumulation point with all contacts that pile up there in stick, if
-    /// friction can hold them all at once. Otherwise end as by default. A start at such a point, and
-    /// a state there behind a jump or a kink, stays there, too.
+    /// friction can hold them all at once. Otherwise end as by default. A start at such a point,
+    /// and a state there behind a jump or a kink, stays there, too.
     ///
     /// The last phase is a straight line to that point. One transition into the mode of rest
     /// follows, a [`crate::TransitionKind::StickEntry`]. The flow has no derivative there.

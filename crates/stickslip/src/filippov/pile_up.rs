@@ -170,8 +170,8 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
         self.bursts(options) || self.unresolved >= options.pile_up_count
     }
 
-    /// Whether so many transitions have happened within no time, and at their ratio all others will,
-    /// or as fast as rounding allows. A fast clock is no pile-up.
+    /// Whether so many transitions have happened within no time, and at their ratio all others
+    /// will, or as fast as rounding allows. A fast clock is no pile-up.
     fn bursts(&self, options: &Options) -> bool {
         let half = self.recorded().saturating_sub(1) / 2;
         let t = |back: usize| self.nth_last(back).at.t;

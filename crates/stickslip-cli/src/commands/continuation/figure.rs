@@ -57,10 +57,11 @@ pub(super) fn diagram(
     let rows: Vec<(String, Value)> = extents.into_iter().chain(others).collect();
     let title = format!("{}: branch of periodic orbits", system.file.name);
     let description = format!(
-        "A branch of periodic orbits of {} over {} from {} to {}: least and greatest {}, period, and \
-         the largest multiplier up to {LARGEST_DRAWN}; whole lines where it is stable, dotted where \
-         neutral, dashed where unstable; marks at folds, flips, branch points, torus bifurcations, \
-         changes of its phases, and where it ends in an equilibrium, a homoclinic orbit or rest.",
+        "A branch of periodic orbits of {} over {} from {} to {}: least and greatest {}, period, \
+         and the largest multiplier up to {LARGEST_DRAWN}; whole lines where it is stable, dotted \
+         where neutral, dashed where unstable; marks at folds, flips, branch points, torus \
+         bifurcations, changes of its phases, and where it ends in an equilibrium, a homoclinic \
+         orbit or rest.",
         system.file.name, range.name, range.low, range.high, first.name
     );
     let height = 90.0 + 160.0 * rows.len() as f64;

@@ -204,12 +204,13 @@ impl Continuation<'_> {
     /// Whether an orbit at the first one's parameter is the first one.
     fn is_first(&self, found: &Cycle) -> bool {
         let near = SAME_ORBIT * self.branch.first.extent;
-        self.from_first(found).is_some_and(|way| way.norm() <= near)
+        self.offset_from_first(found)
+            .is_some_and(|way| way.norm() <= near)
     }
 
-    /// The vector to an orbit from the first one's anchor, where it is shortest; of a driven one, at
-    /// its time.
-    pub(super) fn from_first(&self, found: &Cycle) -> Option<Vector> {
+    /// The vector to an orbit from the first one's anchor, where it is shortest; of a driven one,
+    /// at its time.
+    pub(super) fn offset_from_first(&self, found: &Cycle) -> Option<Vector> {
         let (system, options) = (self.shooting.system, self.shooting.options);
         let (start, place) = (&found.anchor, &self.branch.first.anchor);
         let off = |x: &Vector| x - &place.x;

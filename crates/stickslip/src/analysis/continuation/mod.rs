@@ -179,8 +179,8 @@ pub enum Stop {
     /// The branch has as many points as requested, or the observer of [`PartialBranch::follow`]
     /// stopped it.
     Points,
-    /// The branch is closed: the last orbit is the first. If it began at a branch point, it has come
-    /// back to it.
+    /// The branch is closed: the last orbit is the first. If it began at a branch point, it has
+    /// come back to it.
     Closed,
     /// A flip of the orbit of half the period: both halves of the last orbit are that orbit. The
     /// branch would return on itself, half a period later.

@@ -25,8 +25,9 @@ pub(super) const SHORTEST_STEP: f64 = 1e-7;
 /// often next to the change, and later steps grow by 1.4 each.
 pub(super) const FIRST_BEHIND_CHANGE: f64 = 0.02;
 
-/// Longest step, as a fraction of the orbit's own extent, where the branch may end as that vanishes.
-/// Chosen: an orbit that shrinks is then followed through ten orbits or more for each factor e.
+/// Longest step, as a fraction of the orbit's own extent, where the branch may end as that
+/// vanishes. Chosen: an orbit that shrinks is then followed through ten orbits or more for each
+/// factor e.
 const LONGEST_OF_EXTENT: f64 = 0.1;
 
 /// The continuation of a branch.

@@ -137,7 +137,7 @@ impl Continuation<'_> {
         // Distance by which a straight line between them may miss it, as a fraction of its length.
         // Chosen: the branch bends little in a step.
         const LARGEST_MISS: f64 = 0.1;
-        let off = [&self.branch.last, next].map(|one| self.from_first(one));
+        let off = [&self.branch.last, next].map(|one| self.offset_from_first(one));
         let [Some(before), Some(behind)] = off else {
             return false;
         };

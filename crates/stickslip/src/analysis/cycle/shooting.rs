@@ -161,8 +161,8 @@ impl<'a> Shooting<'a> {
         None
     }
 
-    /// Whether no segment of an orbit with a period has a negative duration. Where two segments vanish
-    /// at once, the second does so to within the tolerances.
+    /// Whether no segment of an orbit with a period has a negative duration. Where two segments
+    /// vanish at once, the second does so to within the tolerances.
     pub fn lasts(&self, outline: &Outline, period: f64) -> bool {
         let by_tolerance = TOLERANCES * self.options.atol.max(self.options.rtol);
         let mut segments = outline.segments.iter();

@@ -167,8 +167,8 @@ fn a_flip_a_torus_and_a_fold_of_an_attractor_are_located_and_named() {
     assert_eq!(*what, CycleBifurcation::Fold);
 }
 
-/// A value of the sweep may hit a change exactly: it belongs to the pair that ends there. On one side
-/// the orbit of twice the period folds at the flip, which has the name by the shorter orbit.
+/// A value of the sweep may hit a change exactly: it belongs to the pair that ends there. On one
+/// side the orbit of twice the period folds at the flip, which has the name by the shorter orbit.
 #[test]
 fn a_flip_that_a_value_of_the_sweep_hits_is_reported_once() {
     let settings = SweepSettings::within(2000.0).forced(2.0 * PI);
