@@ -57,7 +57,11 @@ def test_every_block_is_run_or_is_text():
 def test_every_bifurcation_is_in_a_table():
     folder = CRATES / "stickslip/src/analysis"
     names = []
-    for file, type_name in (("cycle/sequence_change.rs", "SequenceBifurcation"), ("continuation/mod.rs", "CycleBifurcation")):
+    types = {
+        "cycle/sequence_change.rs": "SequenceBifurcation",
+        "continuation/mod.rs": "CycleBifurcation",
+    }
+    for file, type_name in types.items():
         source = (folder / file).read_text(encoding="utf-8")
         body = source.split(f"Display for {type_name} ")[1].split("\n}\n")[0]
         names += re.findall(r'"([\w -]+)"', body)

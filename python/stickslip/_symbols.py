@@ -399,6 +399,9 @@ def _interval(range: Any, of: Parameter) -> tuple[float, float]:
         low, high = (float(end) for end in range)
     except (TypeError, ValueError):
         raise TypeError(f"{what} must be (lowest, highest), not {range!r}") from None
+    for end in (low, high):
+        if end != end:
+            raise out_of_bounds(what, end, "a number")
     if not low < high:
         raise ValueError(f"{what} = ({low:g}, {high:g}): the lower end must come first")
     if not low <= of.value <= high:

@@ -323,6 +323,8 @@ def test_a_parameter_keeps_to_its_range():
         ss.parameter("p", 2, range=(0, 1))
     with pytest.raises(ValueError, match="the lower end must come first"):
         ss.parameter("p", 2, range=(3, 1))
+    with pytest.raises(ss.OptionError, match="must be a number"):
+        ss.parameter("p", 2, range=(np.nan, 1))
     with pytest.raises(TypeError, match=r"must be \(lowest, highest\), not 3"):
         ss.parameter("p", 2, range=3)
 

@@ -9,7 +9,7 @@ use stickslip::nalgebra::{Matrix2, RowVector2, Vector2};
 use stickslip::{Method, Options, math};
 use stickslip_kernels::file::{Source, System, SystemFile};
 
-use crate::public_cases::{METHODS, end, program, simulated, simulated_with_kinks};
+use crate::public_cases::{METHODS, end, program, results, simulated, simulated_with_kinks};
 
 pub(crate) fn system(text: &str) -> System {
     let source = Source {
@@ -541,16 +541,12 @@ fn exponents_of_an_impacting_orbit_are_those_of_its_multipliers() {
     let width = (half * half - r * r).sqrt();
     let exact = [half - width, half + width].map(|of: f64| math::ln(of.abs()) / period);
     for method in METHODS {
-        let (_top, mut command) = program(IMPACTS);
-        command.args(["lyapunov", "system.toml", "--json", "--method", method]);
         // Whole periods, after the orbit has been reached to 1e-12 or so.
-        let time = |periods: f64| (periods * period).to_string();
-        command.args(["--set", &format!("w={w}"), "--transient", &time(500.0)]);
-        let output = command
-            .args(["--duration", &time(100.0)])
-            .assert()
-            .success();
-        let found: serde_json::Value = serde_json::from_slice(&output.get_output().stdout).unwrap();
+        let [transient, duration] = [500.0, 100.0].map(|periods| (periods * period).to_string());
+        let begin = ["lyapunov", "system.toml", "--method", method];
+        let times = ["--transient", &transient, "--duration", &duration];
+        let set = ["--set", &format!("w={w}")];
+        let found = results(IMPACTS, &[&begin[..], &times, &set].concat());
         for (k, exact) in exact.iter().enumerate() {
             let value = found["exponents"][k]["value"].as_f64().unwrap();
             assert!(
@@ -638,7 +634,7 @@ fn maps_written_as_jumps_have_their_folds_flips_and_branch_points() {
         "x = \"0\"\ny = \"0\"",
         "x = \"1 - a*x^2 + y\", y = \"b*x\"",
     );
-    let json = json_of(
+    let json = results(
         &henon,
         &[&follow[..], &["a=-0.2:0.6", "--points", "400"]].concat(),
     );
@@ -650,7 +646,7 @@ fn maps_written_as_jumps_have_their_folds_flips_and_branch_points() {
         "x = \"-0.05*x\"",
         "x = \"exp(0.05)*r*x*(1 - x)\"",
     );
-    let json = json_of(
+    let json = results(
         &logistic,
         &[&follow[..], &["r=0.5:4", "--step", "0.1"]].concat(),
     );
@@ -664,9 +660,9 @@ fn a_driven_system_at_rest_is_followed_through_its_flip() {
                 [field]\nx = \"v\"\nv = \"-(0.25 + e*cos(t))*x - c*v - x^3\"\n[start]\nx = 0.1\n\
                 v = 0\n[time]\nperiod = \"2*pi\"\n";
     let follow = ["continue", "system.toml", "--parameter", "e=0:0.5"];
-    let moving = json_of(text, &follow);
+    let moving = results(text, &follow);
     let at_rest = ["--periods", "1", "--transient", "0", "--start", "x=0"];
-    let at_rest = json_of(text, &[&follow[..], &at_rest].concat());
+    let at_rest = results(text, &[&follow[..], &at_rest].concat());
     // The branch of twice the period ends at the flip of its half, if it begins as one that moves.
     let place = |json: &serde_json::Value| {
         let special = json["special"].as_array().unwrap().iter();
@@ -678,7 +674,7 @@ fn a_driven_system_at_rest_is_followed_through_its_flip() {
     assert_eq!(at_rest["special"][0]["what"], "flip");
     assert_eq!(moving["ends"][0]["stop"], "flip");
     // Next to the flip the run has not quite come to rest.
-    let decaying = json_of(text, &[&follow[..], &["--set", "e=0.1"]].concat());
+    let decaying = results(text, &[&follow[..], &["--set", "e=0.1"]].concat());
     assert_eq!(decaying["special"][0]["what"], "branch point");
     let [flip, one] = place(&at_rest);
     for branch in [&moving, &decaying] {
@@ -731,18 +727,6 @@ fn kicked(input: &str, when: &str) -> String {
     )
 }
 
-pub(crate) fn json_of(text: &str, arguments: &[&str]) -> serde_json::Value {
-    let (_top, mut command) = program(text);
-    let output = command
-        .args(arguments)
-        .arg("--json")
-        .assert()
-        .success()
-        .get_output()
-        .clone();
-    serde_json::from_slice(&output.stdout).unwrap()
-}
-
 /// Its multipliers have the product exp(−0.4·2π), by Liouville.
 #[test]
 fn a_driven_system_that_comes_to_rest_has_a_periodic_orbit() {
@@ -751,7 +735,7 @@ fn a_driven_system_that_comes_to_rest_has_a_periodic_orbit() {
                 period = \"2*pi\"\n";
     for transient in ["0", "20", "200"] {
         let arguments = ["orbit", "system.toml", "--transient", transient];
-        let found = json_of(text, &arguments);
+        let found = results(text, &arguments);
         let part = |k: usize, of: usize| found["multipliers"][k][of].as_f64().unwrap();
         let determinant = part(0, 0) * part(1, 0) - part(0, 1) * part(1, 1);
         assert!(
@@ -781,7 +765,7 @@ fn a_flip_has_one_name_in_both_directions_of_a_sweep() {
         "--values",
         "3",
     ];
-    let found = json_of(text, &arguments);
+    let found = results(text, &arguments);
     for sweep in ["up", "down"] {
         let changes = found[sweep]["changes"].as_array().unwrap();
         assert_eq!(changes.len(), 1, "{found}");
@@ -821,7 +805,7 @@ fn an_orbit_is_found_by_default_on_a_short_time_scale() {
     };
     let tau = 2e-4;
     let exact = tau * (math::ln(16.0 / 14.0) + math::ln(16.0 / 14.0));
-    let found = json_of(&room(tau), &["orbit", "system.toml"]);
+    let found = results(&room(tau), &["orbit", "system.toml"]);
     let period = found["period"].as_f64().unwrap();
     assert!(
         (period / exact - 1.0).abs() < 1e-12,
@@ -835,7 +819,7 @@ fn an_orbit_is_found_by_default_on_a_short_time_scale() {
              friction = \"0.4*{w}^2/(1 + 3*belt*(v - 0.2*{w})/{w})\"\n[start]\nx = 0\nv = 0\n"
         )
     };
-    let [slow, fast] = [1.0, 1e4].map(|w| json_of(&block(w), &["orbit", "system.toml"]));
+    let [slow, fast] = [1.0, 1e4].map(|w| results(&block(w), &["orbit", "system.toml"]));
     let [period, shorter] = [&slow, &fast].map(|one| one["period"].as_f64().unwrap());
     assert!(
         (1e4 * shorter / period - 1.0).abs() < 1e-10,
@@ -858,7 +842,7 @@ fn a_kick_by_the_clock_changes_no_multiplier() {
         kicked("", "sin(pi*(t - 0.1)) + 0.3"),
     ] {
         for start in ["0", "0.5", "33.3"] {
-            let found = json_of(&text, &["orbit", "system.toml", "--t-start", start]);
+            let found = results(&text, &["orbit", "system.toml", "--t-start", start]);
             let part = |k: usize, of: usize| found["multipliers"][k][of].as_f64().unwrap();
             let determinant = part(0, 0) * part(1, 0) - part(0, 1) * part(1, 1);
             assert!(
@@ -892,7 +876,7 @@ fn a_branch_goes_along_the_phase_of_an_input() {
     let rows: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
     for row in [rows.first().unwrap(), rows.last().unwrap()] {
         let set = format!("ph={}", &row[0]);
-        let alone = json_of(
+        let alone = results(
             &text,
             &["orbit", "system.toml", "--t-start", "0.5", "--set", &set],
         );
@@ -922,7 +906,7 @@ fn an_escapement_keeps_its_clock_going() {
              v = \"-x - 0.2*v\"\n[jumps.kick]\nwhen = \"{at}\"\ndirection = \"rising\"\n\
              set = {{ v = \"v + 0.5\" }}\n[start]\nx = 0.1\nv = 2\n"
         );
-        let found = json_of(&text, &["orbit", "system.toml"]);
+        let found = results(&text, &["orbit", "system.toml"]);
         let off = found["period"].as_f64().unwrap() - period;
         assert!(off.abs() < 1e-11, "{found}");
         if at == "x" {
@@ -1239,7 +1223,7 @@ fn a_fold_along_the_phase_of_a_drive_is_located() {
         gain(0.5 * (low + high))
     };
     let exact = root(0.0, 0.2, highest);
-    let found = json_of(
+    let found = results(
         text,
         &[
             "continue",
@@ -1352,7 +1336,7 @@ fn a_stick_that_a_kink_ends_is_part_of_an_orbit() {
                 v = 0\n\
                 [time]\n\
                 period = 10\n";
-    let found = json_of(text, &["orbit", "system.toml", "--t-start", "7.5"]);
+    let found = results(text, &["orbit", "system.toml", "--t-start", "7.5"]);
     let x = [&found["x"]["x"], &found["x"]["v"]].map(|x| x.as_f64().unwrap());
     let t = found["t"].as_f64().unwrap();
     assert_eq!(found["phases"], "+ S - S");
@@ -1375,7 +1359,7 @@ fn a_stick_that_a_kink_ends_is_part_of_an_orbit() {
     let names = table.headers().unwrap().clone();
     let high = names.iter().position(|name| name == "x_high").unwrap();
     let last = table.records().last().unwrap().unwrap();
-    let alone = json_of(
+    let alone = results(
         text,
         &["orbit", "system.toml", "--set", &format!("h={}", &last[0])],
     );
@@ -1415,7 +1399,7 @@ fn an_orbit_about_which_runs_alternate_has_its_shortest_period() {
     for (text, trivial) in [(LOGISTIC, 0), (clock.as_str(), 1)] {
         for r in [2.8, 2.95] {
             let set = format!("r={r}");
-            let found = json_of(text, &["orbit", "system.toml", "--set", &set]);
+            let found = results(text, &["orbit", "system.toml", "--set", &set]);
             let period = found["period"].as_f64().unwrap();
             let multiplier = found["multipliers"][trivial][0].as_f64().unwrap();
             assert!((period - 1.0).abs() < 1e-9, "{r}: {period}");
@@ -1424,7 +1408,7 @@ fn an_orbit_about_which_runs_alternate_has_its_shortest_period() {
         }
     }
     // Behind the flip, the orbit of twice the period is one.
-    let found = json_of(LOGISTIC, &["orbit", "system.toml", "--set", "r=3.01"]);
+    let found = results(LOGISTIC, &["orbit", "system.toml", "--set", "r=3.01"]);
     assert_eq!(found["periods_of_drive"], 2);
 }
 
@@ -1443,7 +1427,7 @@ fn branches_begin_at_flips_of_orbits_with_jumps() {
             range,
             "--branches",
         ];
-        let found = json_of(text, &arguments);
+        let found = results(text, &arguments);
         let [branch] = found["branches"].as_array().unwrap().as_slice() else {
             panic!("{:#}", found["branches"]);
         };
@@ -1453,7 +1437,7 @@ fn branches_begin_at_flips_of_orbits_with_jumps() {
         let mut table = csv::Reader::from_path(top.path().join("out/branch.csv")).unwrap();
         let names = table.headers().unwrap().clone();
         let last = table.records().last().unwrap().unwrap();
-        let alone = json_of(text, &["orbit", "system.toml", "--set", set]);
+        let alone = results(text, &["orbit", "system.toml", "--set", set]);
         assert_eq!(alone["periods_of_drive"], 2);
         for (end, of) in ["low", "high"].into_iter().zip([0, 1]) {
             let name = format!("{state}_{end}");
@@ -1493,7 +1477,7 @@ fn an_equilibrium_holds_discrete_states() {
     let plane = ["--x", "x=-1:1", "--y", "y=-0.5:0.5", "--grid", "8x8"];
     for method in METHODS {
         let arguments = [&["basin", "system.toml", "--method", method], &plane[..]].concat();
-        let found = json_of(SIDES, &arguments);
+        let found = results(SIDES, &arguments);
         let attractors = found["attractors"].as_array().unwrap().iter();
         let mut attractors: Vec<_> = attractors
             .map(|one| {
@@ -1511,7 +1495,7 @@ fn an_equilibrium_holds_discrete_states() {
             "{method}"
         );
     }
-    let found = json_of(
+    let found = results(
         SIDES,
         &[
             "continue",
@@ -1557,11 +1541,18 @@ fn a_branch_passes_from_stick_to_a_jump_in_both_directions() {
                 direction = \"rising\"\nset = { v = \"-0.7*v\" }\n[field]\nx = \"v\"\n\
                 v = \"-x - 0.02*v - friction(belt)\"\n[start]\nx = 0\nv = 0\n";
     let places = |begun: &str, method: &str| {
-        let (_top, mut command) = program(text);
-        command.args(["continue", "system.toml", "--json", "--method", method]);
-        command.args(["--set", begun, "--parameter", "vp=0.6:0.68"]);
-        let output = command.assert().success().get_output().stdout.clone();
-        let found: serde_json::Value = serde_json::from_slice(&output).unwrap();
+        let begin = [
+            "continue",
+            "system.toml",
+            "--method",
+            method,
+            "--set",
+            begun,
+        ];
+        let found = results(
+            text,
+            &[&begin[..], &["--parameter", "vp=0.6:0.68"]].concat(),
+        );
         let places = found["special"].as_array().unwrap().iter().map(|at| {
             let name = at["what"].as_str().unwrap().to_owned();
             (name, at["parameter"].as_f64().unwrap())

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use assert_cmd::Command;
 use stickslip::math;
 
-use crate::hybrid::json_of;
+use crate::public_cases::results;
 
 /// Den Hartog's oscillator with a wall that it does not reach at small amplitudes of the force.
 const WALL: &str = r#"
@@ -76,7 +76,7 @@ fn a_graze_of_a_wall_where_the_velocity_is_zero_has_one_name() {
     let exact = at_wall(0.6);
     for start in ["A=0.3", "A=0.33", "A=0.35", "A=0.38", "A=0.4", "A=0.42"] {
         let range = ["--set", start, "--parameter", "A=0.2:0.9"];
-        let json = json_of(WALL, &[&["continue", "system.toml"], &range[..]].concat());
+        let json = results(WALL, &[&["continue", "system.toml"], &range[..]].concat());
         let [graze] = json["special"].as_array().unwrap().as_slice() else {
             panic!("{start}: {json:#}");
         };
@@ -106,7 +106,7 @@ fn a_branch_has_the_same_places_wherever_it_is_begun() {
     for (set, range, starts) in branches {
         let set = ["continue", "den-hartog", "--set", set, "--parameter", range];
         let special = starts.map(|start| {
-            let json = json_of("", &[&set[..], &["--set", start]].concat());
+            let json = results("", &[&set[..], &["--set", start]].concat());
             json["special"].as_array().unwrap().clone()
         });
         let [one, other] = &special;
@@ -131,7 +131,7 @@ fn orbits_and_branches_write_phases_in_one_order() {
     let mut all = Vec::new();
     for start in ["x=0", "x=1.5", "x=-1.5"] {
         let orbit = [&["orbit"], &set[..], &["--start", start]].concat();
-        let orbit = json_of("", &orbit);
+        let orbit = results("", &orbit);
         all.push(orbit["phases"].as_str().unwrap().to_owned());
         let along = ["--parameter", "O=0.4:0.41", "--points", "2"];
         let out = format!("branch-{start}");
@@ -178,7 +178,7 @@ T = 0.3
 #[test]
 fn a_threshold_at_an_equilibrium_ends_the_branch_by_name() {
     let arguments = ["continue", "system.toml", "--parameter", "p=0.3:1.2"];
-    let json = json_of(THERMOSTAT, &arguments);
+    let json = results(THERMOSTAT, &arguments);
     let end = &json["ends"][1];
     assert_eq!(end["stop"], "boundary equilibrium", "{json:#}");
     let at = end["boundary_equilibrium"].as_f64().unwrap();

@@ -390,8 +390,8 @@ fn a_system_without_contacts_is_smooth() {
         .stderr(reported);
 }
 
-/// The results of another command for the system in `text`.
-fn results(text: &str, arguments: &[&str]) -> Value {
+/// The results of a command for the system in `text`.
+pub fn results(text: &str, arguments: &[&str]) -> Value {
     let (_top, mut command) = program(text);
     let output = command.args(arguments).arg("--json").assert().success();
     serde_json::from_slice(&output.get_output().stdout).unwrap()

@@ -172,7 +172,7 @@ impl TangentMap {
     }
 
     pub(super) fn through_step(&mut self, tangent: &Tangent<'_>, step: &Step) {
-        tangent.carry(step, &mut self.columns);
+        self.columns = tangent.carried(step, &self.columns);
         if self.along.is_some() {
             self.take_out(&velocity_in(tangent.system, step.mode, &step.end()));
         }

@@ -230,6 +230,13 @@ fn shortest(
     let closes = |x: &Vector| (x - &start.x).amax() <= orbit.closes_to;
     let period = match drive {
         Some(drive) => {
+            if drive.is_nan() || drive <= 0.0 {
+                return Err(Error::Parameter {
+                    name: "the period of the drive",
+                    value: drive,
+                    bound: "positive",
+                });
+            }
             let count = (orbit.period / drive).round() as u32;
             let mut at = start.clone();
             let mut part = None;
@@ -250,11 +257,14 @@ fn shortest(
             part.filter(|part| *part < 0.75 * orbit.period)
         }
     };
-    match period {
-        Some(period) => {
-            orbit_near(system, &start, (period, drive.is_some()), options).or(Ok(orbit))
-        }
-        None => Ok(orbit),
+    let Some(period) = period else {
+        return Ok(orbit);
+    };
+    match orbit_near(system, &start, (period, drive.is_some()), options) {
+        // At a loose tolerance a part may close so badly that another orbit is near it.
+        Ok(part) if (&part.x - &start.x).amax() <= orbit.closes_to + part.residual => Ok(part),
+        Ok(_) | Err(Error::NotConverged { .. } | Error::NotFound { .. }) => Ok(orbit),
+        Err(other) => Err(other),
     }
 }
 

@@ -72,17 +72,18 @@ impl<'a> Tangent<'a> {
         TANGENT_ERROR * self.carrying.tolerance
     }
 
-    /// Replaces each of these vectors by its image after the end of the step, and after the kink of
-    /// an input there.
-    pub(crate) fn carry<'v>(&self, step: &Step, vectors: impl IntoIterator<Item = &'v mut Vector>) {
+    /// The images of vectors after the end of the step, and after the kink of an input there.
+    pub(crate) fn carried(&self, step: &Step, vectors: &[Vector]) -> Vec<Vector> {
         let flow = self.system.flow(step.mode, &step.end());
         let shifts = self.system.kink_shifts(step);
-        for vector in vectors {
-            *vector = flow.carried(step, vector, self.carrying);
+        let images = vectors.iter().map(|vector| {
+            let mut image = flow.carried(step, vector, self.carrying);
             for shift in &shifts {
-                *vector += &shift.kick * (shift.gradient.dot(vector) / shift.rate);
+                image += &shift.kick * (shift.gradient.dot(&image) / shift.rate);
             }
-        }
+            image
+        });
+        images.collect()
     }
 
     /// The effect of a jump's map `R` of the state with the derivative `D` (Müller 1995, Eq. 11):

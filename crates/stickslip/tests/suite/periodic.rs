@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use nalgebra::Matrix4;
-use stickslip::analysis::{Destination, destination, multipliers};
+use stickslip::analysis::{Destination, destination, multipliers, with_shortest_period};
 use stickslip::dynamics::Matrix;
 use stickslip::{Error, Method, Options, State, math};
 
@@ -130,6 +130,34 @@ fn an_orbit_late_on_the_clock_closes_to_what_its_time_is_rounded_to() {
                     assert!(off < 2e-12 + 8.0 * unit, "{t0} {start:?}: {off:e}");
                 }
             }
+        }
+    }
+}
+
+#[test]
+fn an_orbit_over_several_periods_of_the_drive_has_one() {
+    let system = DenHartog {
+        frequency: 0.7,
+        friction: 0.2,
+    };
+    let (period, options) = (2.0 * PI / 0.7, Options::tol(1e-12));
+    let settled = run(&system, 0.0, [1.0, 0.0], 40.0 * period, &options, &mut ()).unwrap();
+    for periods in [1.0, 2.0, 6.0] {
+        let orbit = || {
+            let period = periods * period;
+            periodic_orbit_forced(&system, 0.0, settled.x, period, &options).unwrap()
+        };
+        let by_drive =
+            |drive| with_shortest_period(&system.dynamics(), orbit(), Some(drive), &options);
+        let shortest = by_drive(period).unwrap();
+        assert!(
+            (shortest.period - period).abs() < 1e-12,
+            "{}",
+            shortest.period
+        );
+        assert!((&shortest.x - orbit().x).amax() < 1e-9);
+        for drive in [0.0, f64::NAN] {
+            assert!(matches!(by_drive(drive), Err(Error::Parameter { .. })));
         }
     }
 }

@@ -66,6 +66,11 @@ impl Frame {
         &mut self.columns
     }
 
+    /// Replaces all vectors, and returns those before.
+    pub(super) fn replace(&mut self, columns: Vec<Vector>) -> Vec<Vector> {
+        std::mem::replace(&mut self.columns, columns)
+    }
+
     /// Changes the surviving vectors.
     pub(super) fn change_living(&mut self, change: impl Fn(&mut Vector)) {
         for j in self.living() {

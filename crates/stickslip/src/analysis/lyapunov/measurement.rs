@@ -259,8 +259,8 @@ impl Measurement<'_> {
     /// Near an equilibrium a step may be so long that the direction of a vector is lost in the
     /// errors of the longer ones. The step is then halved.
     fn carry(&mut self, step: &Step, orbit: &mut dyn OrbitUnderWay) -> Result<(), Error> {
-        let before = self.frame.clone();
-        self.tangent.carry(step, self.frame.columns_mut());
+        let images = self.tangent.carried(step, self.frame.columns_mut());
+        let before = self.frame.replace(images);
         if step.mode.any_sticks() {
             self.stay_on_boundary(step);
         }
@@ -270,7 +270,7 @@ impl Measurement<'_> {
             if !(step.t_start < t && t < step.t_end) {
                 return Err(singular(step.t_end, &step.x_end));
             }
-            self.frame = before;
+            self.frame.replace(before);
             let x = orbit.solution()(t);
             let mut second = step.clone();
             let first = second.cut(&Moment { t, x });

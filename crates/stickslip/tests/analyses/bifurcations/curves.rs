@@ -155,9 +155,8 @@ fn a_curve_of_grazes_goes_round_the_fold_of_the_orbits_that_graze() {
     );
 }
 
-/// The curve through the first change of the phases, by both methods and at two tolerances, along
-/// its closed form from one end of the range of `q` to the other. With a closed form that is itself
-/// as accurate as `at_best`.
+/// The curve through the first change of the phases keeps to its closed form over the range of `q`,
+/// by both methods and at two tolerances. The closed form is itself as accurate as `at_best`.
 fn follows<Any>(
     system: &impl dynamics::AsDynamics<Any>,
     start: impl Components + Copy,
