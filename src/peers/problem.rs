@@ -191,7 +191,7 @@ impl Problem {
             start: [f64; N],
         ) -> Option<(DynamicsRef<'static>, Vec<f64>)> {
             let equations = Equations::OneContact(Box::new(trace(system)?));
-            let system = dynamics(equations, None, Switching::none(N), (N, 1))?;
+            let system = dynamics(equations, None, Switching::none(N), (N, 1), None)?;
             Some((system, start.to_vec()))
         }
         let traced = match &self.system {

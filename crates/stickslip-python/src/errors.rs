@@ -177,6 +177,7 @@ fn place(error: &Error) -> (Option<f64>, Option<Vec<f64>>) {
         | Error::NonFinite { t, x, .. }
         | Error::StepCollapse { t, x, .. }
         | Error::TooMany { t, x, .. }
+        | Error::Interrupted { t, x }
         | Error::EventPileUp { t, x, .. }
         | Error::BranchPileUp { t, x, .. }
         | Error::Escaped { t, x, .. }

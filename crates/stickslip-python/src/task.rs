@@ -9,8 +9,8 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
 use pyo3::prelude::*;
+use stickslip::dynamics::Interrupt;
 use stickslip_kernels::file::{SettingError, System};
-use stickslip_kernels::kernel::Stop;
 
 /// Interval at which a computation checks for interruptions.
 pub(crate) const LOOK: Duration = Duration::from_millis(50);
@@ -20,14 +20,14 @@ pub(crate) type Report = Option<Py<PyAny>>;
 
 /// A computation under way.
 pub(crate) struct Task {
-    stop: Arc<Stop>,
+    interrupt: Arc<Interrupt>,
     done: AtomicUsize,
 }
 
 impl Task {
     /// Whether the computation must end.
     pub(crate) fn is_stopped(&self) -> bool {
-        self.stop.is_raised()
+        self.interrupt.is_raised()
     }
 
     /// Counts one more finished item.
@@ -42,7 +42,7 @@ impl Task {
 
     /// The system, with orbits that end when the task is stopped.
     pub(crate) fn system(&self, of: &System) -> Result<System, SettingError> {
-        of.stoppable(self.stop.clone())
+        of.interrupted_by(self.interrupt.clone())
     }
 }
 
@@ -100,9 +100,9 @@ pub(crate) fn computed<T: Send>(
     compute: impl FnOnce(&Task) -> T + Send,
 ) -> PyResult<Outcome<T>> {
     let task = Task {
-        stop: Arc::new(match tells {
-            Tells::Time => Stop::with_time(),
-            Tells::Count => Stop::default(),
+        interrupt: Arc::new(match tells {
+            Tells::Time => Interrupt::with_time(),
+            Tells::Count => Interrupt::default(),
         }),
         done: AtomicUsize::new(0),
     };
@@ -124,14 +124,14 @@ pub(crate) fn computed<T: Send>(
             });
             while let Err(RecvTimeoutError::Timeout) = wait.recv_timeout(LOOK) {
                 let at = match tells {
-                    Tells::Time => task.stop.time(),
+                    Tells::Time => task.interrupt.time(),
                     Tells::Count => task.done.load(Ordering::Relaxed) as f64,
                 };
                 if raised.is_none()
                     && let Err(error) = look(report, at)
                 {
                     raised = Some(error);
-                    task.stop.raise();
+                    task.interrupt.raise();
                 }
             }
             computation.join()

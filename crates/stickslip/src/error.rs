@@ -201,6 +201,14 @@ pub enum Error {
         /// State reached.
         x: Point,
     },
+    /// The flag of [`crate::dynamics::Interrupt`] was raised.
+    #[error("the run was interrupted at t = {t}, x = {x}")]
+    Interrupted {
+        /// Time reached.
+        t: f64,
+        /// State reached.
+        x: Point,
+    },
     /// Transitions pile up (Zeno): infinitely many of them in finite time.
     #[error(
         "{count} transitions at contacts {contacts:?} within {span:e} before t = {t}, x = {x}: {}",
@@ -451,6 +459,7 @@ impl Error {
             | Error::NonFinite { x, .. }
             | Error::StepCollapse { x, .. }
             | Error::TooMany { x, .. }
+            | Error::Interrupted { x, .. }
             | Error::EventPileUp { x, .. }
             | Error::BranchPileUp { x, .. }
             | Error::Escaped { x, .. }

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use stickslip::analysis::{
     AttractorKind, RecurrenceSettings, attractor_of_many, attractors_of_many,
 };
+use stickslip::dynamics::Interrupt;
 use stickslip::{Error, Method, Options};
 use stickslip_kernels::file::System;
-use stickslip_kernels::kernel::Stop;
 
 use super::recorded::{open, read};
 
@@ -103,24 +103,27 @@ fn with_jumps() {
 }
 
 #[test]
-fn a_stop_ends_all_of_them_at_their_next_step() {
+fn an_interrupt_ends_all_of_them_at_their_next_step() {
     let basins = open("basins");
-    let stop = Arc::new(Stop::default());
-    let stoppable = basins.stoppable(stop.clone()).unwrap();
+    let interrupt = Arc::new(Interrupt::default());
+    let interrupted = basins.interrupted_by(interrupt.clone()).unwrap();
     let starts = starts(&basins, [(-2.0, 2.0), (0.0, 2.0)], 4);
     let reached = || {
         let settings = RecurrenceSettings::within(500.0);
         let options = Options::tol(1e-9).method(Method::Taylor);
         let each = starts.iter().map(Vec::as_slice);
-        attractors_of_many(stoppable.dynamics(), each, &settings, &options).unwrap()
+        attractors_of_many(interrupted.dynamics(), each, &settings, &options).unwrap()
     };
-    let is_stopped = |kind: &AttractorKind| {
-        matches!(kind, AttractorKind::Failure(Error::TooMany { most: 0, .. }))
-    };
-    assert!(reached().iter().all(|reached| !is_stopped(&reached.kind)));
-    stop.raise();
+    let is_interrupted =
+        |kind: &AttractorKind| matches!(kind, AttractorKind::Failure(Error::Interrupted { .. }));
+    assert!(
+        reached()
+            .iter()
+            .all(|reached| !is_interrupted(&reached.kind))
+    );
+    interrupt.raise();
     for reached in reached() {
-        assert!(is_stopped(&reached.kind), "{}", reached.kind);
+        assert!(is_interrupted(&reached.kind), "{}", reached.kind);
         assert!(reached.t < 5.0, "{}", reached.t);
     }
 }

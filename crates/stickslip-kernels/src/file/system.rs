@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use stickslip::dynamics::{DynamicsRef, Section as Watched};
+use stickslip::dynamics::{DynamicsRef, Interrupt, Section as Watched};
 use stickslip::nalgebra::{DMatrix, DVector};
 use stickslip::scalar::Dual;
 use stickslip::statistics::SplitMix;
@@ -11,8 +11,8 @@ use stickslip::{Direction, Scalar};
 use super::build::{self, Built, Variant};
 use super::{FileError, Problem, Source, SystemFile, did_you_mean};
 use crate::kernel::{
-    Combination, Equations, HELD_PER_INPUT, ManyContacts, OneContact, Section, Stop, dynamics,
-    sides_to_check, stoppable,
+    Combination, Equations, HELD_PER_INPUT, ManyContacts, OneContact, Section, dynamics,
+    sides_to_check,
 };
 
 /// Number of random states at which a period or the boundaries are checked. It is chosen: one that
@@ -43,7 +43,7 @@ pub struct System {
     /// Its equations.
     pub built: Built,
     dynamics: DynamicsRef<'static>,
-    stop: Option<Arc<Stop>>,
+    interrupt: Option<Arc<Interrupt>>,
 }
 
 /// Why attractors of a time-dependent system cannot be computed.
@@ -162,7 +162,7 @@ impl System {
     fn new(
         file: Arc<SystemFile>,
         values: Vec<f64>,
-        stop: Option<Arc<Stop>>,
+        interrupt: Option<Arc<Interrupt>>,
     ) -> Result<System, FileError> {
         let built = built(&file, &values, Variant::AsWritten)?;
         let states = file.states.len();
@@ -174,13 +174,13 @@ impl System {
             function,
             direction,
         });
-        let dynamics = stoppable(solver(&file, &built, section, states)?, stop.as_ref());
+        let dynamics = solver(&file, &built, (section, interrupt.clone()), states)?;
         Ok(System {
             file,
             values,
             built,
             dynamics,
-            stop,
+            interrupt,
         })
     }
 
@@ -194,7 +194,11 @@ impl System {
             .map(|&(name, value)| (name.to_owned(), value))
             .collect();
         let values = self.file.values_with(self.values.clone(), &settings)?;
-        Ok(System::new(self.file.clone(), values, self.stop.clone())?)
+        Ok(System::new(
+            self.file.clone(),
+            values,
+            self.interrupt.clone(),
+        )?)
     }
 
     /// The same system with another section.
@@ -203,17 +207,17 @@ impl System {
     /// See [`SystemFile::with_section`].
     pub fn with_section(&self, function: &str, direction: Direction) -> Result<System, FileError> {
         let file = Arc::new(self.file.with_section(function, direction)?);
-        System::new(file, self.values.clone(), self.stop.clone())
+        System::new(file, self.values.clone(), self.interrupt.clone())
     }
 
-    /// The same system, whose orbits end when `stop` is raised. This also holds for systems derived
+    /// The same system, whose orbits end when `interrupt` is raised. This also holds for systems derived
     /// from it.
     ///
     /// # Errors
     /// See [`SystemFile::with`].
-    pub fn stoppable(&self, stop: Arc<Stop>) -> Result<System, SettingError> {
+    pub fn interrupted_by(&self, interrupt: Arc<Interrupt>) -> Result<System, SettingError> {
         let (file, values) = (self.file.clone(), self.values.clone());
-        Ok(System::new(file, values, Some(stop))?)
+        Ok(System::new(file, values, Some(interrupt))?)
     }
 
     /// The system with a parameter as an additional last state, for continuation. Time is scaled so
@@ -253,8 +257,12 @@ impl System {
         states: usize,
     ) -> Result<DynamicsRef<'static>, SettingError> {
         let built = built(&self.file, &self.values, variant)?;
-        let dynamics = solver(&self.file, &built, None, states)?;
-        Ok(stoppable(dynamics, self.stop.as_ref()))
+        Ok(solver(
+            &self.file,
+            &built,
+            (None, self.interrupt.clone()),
+            states,
+        )?)
     }
 
     /// The period of a driven system; `None` for an autonomous one.
@@ -442,13 +450,14 @@ fn wrong(problem: Problem, source: &Source) -> FileError {
 fn solver(
     file: &SystemFile,
     built: &Built,
-    section: Option<Section>,
+    (section, interrupt): (Option<Section>, Option<Arc<Interrupt>>),
     states: usize,
 ) -> Result<DynamicsRef<'static>, FileError> {
     let contacts = file.contacts.len();
     let switching = built.switching.clone();
     let room = switching.room();
-    let solver = dynamics(equations(built), section, switching, (states, contacts));
+    let size = (states, contacts);
+    let solver = dynamics(equations(built), section, switching, size, interrupt);
     // The reader admits no more states and contacts than the solver supports.
     solver.filter(|_| contacts <= states).ok_or_else(|| {
         let message = if contacts > states {

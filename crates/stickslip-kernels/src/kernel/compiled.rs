@@ -1,6 +1,8 @@
 //! The sizes for which the solver is compiled.
 
-use stickslip::dynamics::{Dynamics, DynamicsRef, Typed};
+use std::sync::Arc;
+
+use stickslip::dynamics::{Dynamics, DynamicsRef, Interrupt, Typed};
 use stickslip::{Filippov, Several};
 
 use super::inputs::Switching;
@@ -9,16 +11,20 @@ use super::system::{Equations, ManyContacts, OneContact, OwnSection, Section};
 /// Number of functions whose zeros end a mode of a system with one contact.
 const GUARDS: usize = 3;
 
+/// What a system has besides its equations.
+type Extras = (OwnSection, Switching, Option<Arc<Interrupt>>);
+
 /// The dynamics of these equations in the form that the library's analyses take. `None` if there
 /// are more states than [`super::MOST_STATES`] and a parameter, or more contacts than
-/// [`super::MOST_CONTACTS`].
+/// [`super::MOST_CONTACTS`]. Its orbits end when `interrupt` is raised.
 pub fn dynamics(
     equations: Equations,
     section: Option<Section>,
     switching: Switching,
     size: (usize, usize),
+    interrupt: Option<Arc<Interrupt>>,
 ) -> Option<DynamicsRef<'static>> {
-    let extras = (OwnSection(section), switching);
+    let extras = (OwnSection(section), switching, interrupt);
     let dynamics = match equations {
         Equations::OneContact(system) => of_one_contact(*system, extras, size),
         Equations::ManyContacts(system) => of_many_contacts(system, extras, size),
@@ -29,21 +35,20 @@ pub fn dynamics(
 /// The dynamics of a system with at most one contact; `None` if it has too many states.
 fn of_one_contact(
     system: OneContact,
-    extras: (OwnSection, Switching),
+    extras: Extras,
     (states, contacts): (usize, usize),
 ) -> Option<Box<dyn Dynamics>> {
     fn sized<const N: usize>(
         system: OneContact,
-        (section, switching): (OwnSection, Switching),
+        (section, switching, interrupt): Extras,
         (states, contacts): (usize, usize),
     ) -> Box<dyn Dynamics>
     where
         OneContact: Filippov<N>,
     {
         let system = (system, section, switching);
-        Box::new(Typed::<_, OneContact, _, _, N, GUARDS>::padded(
-            system, states, contacts,
-        ))
+        let typed = Typed::<_, OneContact, _, _, N, GUARDS>::padded(system, states, contacts);
+        Box::new(typed.interrupted_by(interrupt))
     }
     let (size, room) = ((states, contacts), extras.1.room());
     Some(match room {
@@ -59,18 +64,17 @@ fn of_one_contact(
 /// The dynamics of a system with several contacts; `None` if it has too many contacts or states.
 fn of_many_contacts(
     system: ManyContacts,
-    extras: (OwnSection, Switching),
+    extras: Extras,
     (states, contacts): (usize, usize),
 ) -> Option<Box<dyn Dynamics>> {
     fn sized<const N: usize, const M: usize>(
         system: ManyContacts,
-        (section, switching): (OwnSection, Switching),
+        (section, switching, interrupt): Extras,
         (states, contacts): (usize, usize),
     ) -> Box<dyn Dynamics> {
         let system = (Several(system), section, switching);
-        Box::new(Typed::<_, Several<ManyContacts>, _, _, N, M>::padded(
-            system, states, contacts,
-        ))
+        let typed = Typed::<_, Several<ManyContacts>, _, _, N, M>::padded(system, states, contacts);
+        Box::new(typed.interrupted_by(interrupt))
     }
     let (size, room) = ((states, contacts), extras.1.room());
     Some(match (room, contacts) {

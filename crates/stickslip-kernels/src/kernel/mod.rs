@@ -4,7 +4,6 @@ mod change;
 mod compiled;
 mod inputs;
 mod outcome;
-mod stoppable;
 mod system;
 
 use std::ops::ControlFlow;
@@ -19,8 +18,6 @@ pub use change::Change;
 pub use compiled::dynamics;
 pub use inputs::{HELD_PER_INPUT, Input, Jump, Piece, Shape, Switching};
 pub use outcome::{AttractorPhase, AttractorTransition, Motion, Outcome};
-pub use stoppable::Stop;
-pub(crate) use stoppable::stoppable;
 pub use system::{
     Combination, Equations, Fields, ManyContacts, OneContact, Section, sides_to_check,
 };

@@ -5,6 +5,7 @@
 
 mod batch;
 mod flow;
+mod interrupt;
 mod jumps;
 mod modes;
 mod run;
@@ -23,6 +24,7 @@ use crate::system::{Filippov, State};
 
 pub use batch::Listener;
 pub(crate) use flow::TANGENT_ERROR;
+pub use interrupt::Interrupt;
 pub use jumps::{Jumps, KinkShift, NoJumps, Reset, WithJumps};
 pub use modes::Modes;
 pub(crate) use run::{observed, watched};

@@ -6,7 +6,7 @@ use super::jumps::{JumpSearch, Jumps, NoJumps};
 use super::section::{NoSection, TypedSection};
 use super::typed::{Typed, View};
 use super::{Happening, Modes, Moment, OrbitUnderWay, Phase, Section, Solution, Step, Vector};
-use crate::error::Error;
+use crate::error::{Error, Point};
 use crate::filippov::{
     EventFunctions, EventSearch, Integration, Observer, Options, Progress, Stepper, Switched,
     notify,
@@ -103,6 +103,7 @@ where
         jumps: &NoJumps,
         states: N,
         contacts: S::CONTACTS,
+        interrupt: None,
     };
     let with = (&Section::None, Stepper::new(options));
     let mut run = view.start_run(start, t_end, options, with)?;
@@ -126,6 +127,7 @@ where
         jumps: &NoJumps,
         states: of.states,
         contacts: of.contacts,
+        interrupt: None,
     };
     view.begin(start, f64::MAX, options, &Section::Own)
 }
@@ -168,7 +170,19 @@ where
     /// Takes the step that was prepared, if there is one, or continues until the next one is
     /// prepared. Returns what is to be reported, or `None` if a step was prepared.
     pub(super) fn go_on(&mut self) -> Option<Result<Happening, Error>> {
-        let happened = self.next().transpose()?;
+        let happened = match self.view.interrupt {
+            Some(interrupt) if interrupt.is_raised() => Err(Error::Interrupted {
+                t: self.integration.t(),
+                x: Point::from(self.integration.x()),
+            }),
+            Some(interrupt) => {
+                let happened = self.next();
+                interrupt.note_time(self.integration.t());
+                happened
+            }
+            None => self.next(),
+        };
+        let happened = happened.transpose()?;
         Some(happened.map_err(|error| error.truncated(self.view.states)))
     }
 

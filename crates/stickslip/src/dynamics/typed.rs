@@ -3,9 +3,11 @@
 use std::borrow::Borrow;
 use std::cell::RefCell;
 use std::marker::PhantomData;
+use std::sync::Arc;
 
 use super::batch::{BatchOrbit, Listener, one_by_one};
 use super::flow::TypedFlow;
+use super::interrupt::Interrupt;
 use super::jumps::{Jumps, NoJumps, Reset};
 use super::section::NoSection;
 use super::{
@@ -31,6 +33,7 @@ pub struct Typed<T, S, V, J, const N: usize, const G: usize> {
     jumps: J,
     pub(super) states: usize,
     pub(super) contacts: usize,
+    interrupt: Option<Arc<Interrupt>>,
     kind: PhantomData<fn() -> S>,
 }
 
@@ -70,8 +73,14 @@ where
             jumps,
             states: states.min(N),
             contacts: contacts.min(S::CONTACTS),
+            interrupt: None,
             kind: PhantomData,
         }
+    }
+
+    /// The system, with orbits that end when the flag, if there is one, is raised.
+    pub fn interrupted_by(self, interrupt: Option<Arc<Interrupt>>) -> Self {
+        Typed { interrupt, ..self }
     }
 
     fn view(&self) -> View<'_, S, V, J, N, G> {
@@ -81,6 +90,7 @@ where
             jumps: &self.jumps,
             states: self.states,
             contacts: self.contacts,
+            interrupt: self.interrupt.as_deref(),
         }
     }
 }
@@ -92,6 +102,7 @@ pub(super) struct View<'a, S, V, J, const N: usize, const G: usize> {
     pub(super) jumps: &'a J,
     pub(super) states: usize,
     pub(super) contacts: usize,
+    pub(super) interrupt: Option<&'a Interrupt>,
 }
 
 impl<S, V, J, const N: usize, const G: usize> Clone for View<'_, S, V, J, N, G> {

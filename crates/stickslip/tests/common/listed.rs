@@ -52,7 +52,7 @@ impl<const N: usize> Traced<N> {
 
     pub fn dynamics(self) -> DynamicsRef<'static> {
         let equations = Equations::OneContact(Box::new(self.formulas));
-        dynamics(equations, None, Switching::none(N), (N, 1)).expect("few states")
+        dynamics(equations, None, Switching::none(N), (N, 1), None).expect("few states")
     }
 }
 
