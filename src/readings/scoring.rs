@@ -46,12 +46,16 @@ impl<'a> RowsByRole<'a> {
             |is: &dyn Fn(&ConfigurationRow) -> bool| rows.iter().filter(|row| is(row)).collect();
         let competes = |row: &ConfigurationRow| row.key[0] == SEARCH;
         let search: Vec<&ConfigurationRow> = of(&competes);
+        let mut recommended: Vec<&ConfigurationRow> = of(&|row| Group::recommended().has(row));
+        // One of the settings belongs to the search and to the spread.
+        let mut settings = BTreeSet::new();
+        recommended.retain(|row| settings.insert(&*row.key[3]));
         let mut pairs = search.clone();
         pairs.dedup_by(|one, other| one.key[1..3] == other.key[1..3]);
         RowsByRole {
             kept: of(&|row| competes(row) && row.all_bounded()),
             ranked: of(&|row| competes(row) && row.is_ranked()),
-            recommended: of(&|row| Group::recommended().has(row)),
+            recommended,
             search,
             pairs,
         }

@@ -94,9 +94,9 @@ impl ExponentCheck {
             false => "does not contain",
         };
         format!(
-            "{identifying} of {settings} settings of the estimator identify it and give {least} to \
-             {largest}, which {contains} the published value; {agreeing} of all settings give the \
-             published digits"
+            "{identifying} of {settings} settings of the estimator identify an exponent in this \
+             place and give {least} to {largest}, which {contains} the published value; {agreeing} \
+             of all settings give the published digits"
         )
     }
 }

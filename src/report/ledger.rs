@@ -273,10 +273,11 @@ impl Ledger {
                 let figure = &self.computed.fig04;
                 let (sticking, all) = (figure.sticking, figure.orbits.len());
                 vec![format!(
-                    "{sticking} of the {all} orbits of the figure stick to the belt before \
-                     they settle. Of the periodic solution alone the sentence holds. That reading \
-                     is not judged: the sentence says “in the considered system”, and the text \
-                     goes on to the transient trajectory"
+                    "{sticking} of the {all} orbits drawn here stick to the belt before they \
+                     settle; their starts are chosen, since the paper's are in its picture alone. \
+                     Of the periodic solution alone the sentence holds. That reading is not \
+                     judged: the sentence says “in the considered system”, and the text goes on to \
+                     the transient trajectory"
                 )]
             }
             ClaimId::Fig08TwoPeriodic => vec![
@@ -302,8 +303,16 @@ impl Ledger {
             }
             ClaimId::S5PositiveExponent => {
                 let what = "make the first of Fig. 12 positive";
-                vec![confirmed_statements(counts.positive, what)]
+                let confirmed = confirmed_statements(counts.positive, what);
+                vec![confirmed, self.spread.chaos_sentence()]
             }
+            ClaimId::S5Kinds => vec![self.spread.chaos_sentence()],
+            ClaimId::S5Shapes => vec![
+                "the published spectra and pictures do not enter: the digits of the first are \
+                 undeterminable, and the second were not at hand"
+                    .to_owned(),
+                self.spread.chaos_sentence(),
+            ],
             ClaimId::S3ArrivalAccuracy => self.accuracy.lines_of_arrival(),
             ClaimId::S3ReleaseAccuracy => self.accuracy.lines_of_release(),
             id => {

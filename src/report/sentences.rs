@@ -47,6 +47,11 @@ pub(super) fn sentences(ledger: &Ledger) -> [String; 3] {
     let open = |entry: &Entry| entry.verdict == Verdict::Undeterminable;
     let (stated, counted) = (ledger.with(Verdict::Reproduced), ledger.counted());
     let corrected = ledger.with(Verdict::WithCorrections);
+    let clipped = ledger.entries.iter().filter(|one| {
+        one.verdict == Verdict::WithCorrections
+            && one.corrections.contains(&Correction::ClippedNormalForce)
+    });
+    let clipped = clipped.count();
     let (motion, digits) = (
         least(ComparedRun::gives_class),
         least(ComparedRun::gives_digits),
@@ -61,7 +66,8 @@ pub(super) fn sentences(ledger: &Ledger) -> [String; 3] {
     [
         format!(
             "The paper’s equations, solved accurately, bear out {stated} of its {counted} claims \
-                as they stand and {corrected} more with misprints corrected."
+                as they stand and {corrected} more with corrections ({clipped} of these with a \
+                contact that cannot pull, which the paper does not say)."
         ),
         format!(
             "Fig. 8 comes from defects of the Appendix’s program ({motion} make its motion, \

@@ -87,8 +87,8 @@ impl Spread {
             .iter()
             .map(|one| format!("{}: {}", one.reading(), one.classes[2]));
         format!(
-            "with the signs corrected and solved exactly, {} of {} readings give the class (those \
-             with {}): {}",
+            "with the signs corrected and solved exactly, {} of {} readings give the class of \
+             Fig. 12 (those with {}): {}",
             chaotic.len(),
             all.len(),
             joined(needed, "; "),

@@ -132,7 +132,7 @@ described! {
             can only push)",
         /// Sign of the Hénon step from x2 > vp.
         StepFromAbove = "Sect. 3: the Hénon step is vp − x2 from either side (printed x2 − vp from \
-            above)",
+            one side; by the listing, from above)",
         /// dt/dx1 in Eq. (15).
         ReleaseSlope = "Eq. (15): dt/dx1 is 1/x2 (printed 1/f2)",
     }

@@ -105,7 +105,7 @@ fn statements(data: &Data) -> Vec<Row> {
     let no_stick = [
         ("the limit cycle has no stick phase", data.cycle.sticks == 0),
         (
-            "no orbit of the figure that leads to it has one",
+            "no orbit drawn here that leads to it has one",
             data.sticking == 0,
         ),
     ];

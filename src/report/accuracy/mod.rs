@@ -91,7 +91,10 @@ impl Accuracy {
     pub fn lines_of_arrival(&self) -> Vec<String> {
         let stated = self.text.iter().chain(&self.stated).chain(&self.single);
         let all = stated.chain([&self.printed_sign]).chain(&self.as_printed);
-        all.map(EventErrors::line).collect()
+        let lines = all.map(|errors| format!("model 2, {}", errors.line()));
+        let other = "in another reading of Sect. 3, its step from below has the wrong sign and \
+            that from above the right one: then too, one of the two parts fails";
+        lines.chain([other.to_owned()]).collect()
     }
 
     /// A line for every measurement of release. It includes a moving tangent point, which is

@@ -79,10 +79,11 @@ pub(super) fn section(ledger: &Ledger) -> Markup {
             }
             table.sortable.cards {
                 caption {
-                    "Every quantity and statement that the paper publishes, in its order. The \
-                        evidence is folded under each claim. An identity "
-                    "could not have come out otherwise and is not counted. Of two honest readings \
-                        of a sentence the kinder is judged, and the evidence names the other."
+                    "The claims of the paper, in its order; what is wrong in its formulas and \
+                        captions is listed under the errata. The evidence is folded under each \
+                        claim. An identity could not have come out otherwise and is not counted. \
+                        Where a sentence has two honest readings, the evidence names the one that \
+                        is not judged."
                 }
                 (columns(&["Claim", "Published", "Found", "Verdict"]))
                 tbody {
