@@ -1,7 +1,7 @@
 //! Records of an orbit of Figs. 10–12: equidistant samples, and a Poincaré section at the block's
 //! turning points.
 
-use stickslip::models::BlockAndBracket;
+use crate::paper::models::BlockAndBracket;
 use stickslip::{Direction, EventFunctions, EventSearch, Options, Scalar, StepRecord};
 
 /// Event function: the block's velocity falls through zero.

@@ -4,7 +4,7 @@
 use std::fmt::Write;
 
 use proptest::prelude::*;
-use stickslip::models::{
+use replication::paper::models::{
     Amplitude, BlockAndBracket, Caption, CaptionOrder, Reading, Rig, Unloading,
 };
 use stickslip::{Error, Fate, Filippov, Options, Side, State, fate, run, solve};

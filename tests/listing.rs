@@ -7,9 +7,9 @@ use replication::paper::claim_id::ClaimId;
 use replication::paper::listing::{
     Crossing, Defect, Defects, Direction, Motion, Run, Sample, Setup, Zone, ZoneEnd, run, run_with,
 };
+use replication::paper::models::ForcedOscillator;
 use replication::paper::published::Claims;
 use stickslip::math;
-use stickslip::models::ForcedOscillator;
 use stickslip::system::{Mode, Side};
 
 /// Samples of a run.

@@ -6,8 +6,11 @@ mod cli;
 mod common;
 mod goldens;
 mod listing;
+mod models;
 #[cfg(feature = "peers")]
 mod peers;
 mod readings;
 mod report;
+#[cfg(feature = "peers")]
+mod shipped;
 mod spectra_table;

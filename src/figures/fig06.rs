@@ -3,12 +3,12 @@
 use super::rows::Row;
 use super::{ComputeError, FigureError, FigureSpec, side_by_side};
 use crate::paper::claim_id::ClaimId;
+use crate::paper::models::friction::{Force, Friction};
 use crate::paper::reading::Reading::Exact;
 use plot::{
     Axis, BLACK, BLUE, Color, Curve, Dash, Figure, GREY, Guide, Legend, Note, Panel, Position,
     VERMILLION,
 };
-use stickslip::models::friction::{Force, Friction};
 
 /// One friction law and its graph.
 #[derive(Clone, Debug)]

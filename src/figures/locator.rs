@@ -7,13 +7,13 @@ use std::f64::consts::PI;
 
 use super::rows::Row;
 use super::{ComputeError, FigureError, FigureSpec};
+use crate::paper::models::BeltOscillator;
 use crate::paper::reading::Reading::Exact;
 use plot::{
     Axis, BLACK, BLUE, Color, Curve, Dash, Figure, GREEN, Legend, Markers, ORANGE, Panel, Shape,
     VERMILLION,
 };
 use stickslip::math;
-use stickslip::models::BeltOscillator;
 use stickslip::ode::{Dense, Dop853, Rk4, RungeKutta, Timed, dense_slopes, henon_step, stages};
 use stickslip::statistics::PowerLaw;
 use stickslip::{Filippov, Side, State};

@@ -158,7 +158,7 @@ fn sliding<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<N>) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use stickslip::models::{BlockAndBracket, Caption, Reading};
+    use crate::paper::models::{BlockAndBracket, Caption, Reading};
 
     #[test]
     fn a_constant_field_carries_three_steps_at_a_time() {

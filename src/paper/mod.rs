@@ -10,6 +10,7 @@
 pub mod claim_id;
 pub mod in_place;
 pub mod listing;
+pub mod models;
 pub mod pattern;
 pub mod published;
 pub mod reading;

@@ -12,10 +12,10 @@ use std::ops::ControlFlow;
 
 use crate::numbers::not_found;
 use crate::paper::listing::{END, Setup};
+use crate::paper::models::ForcedOscillator;
 use crate::paper::pattern::Pattern;
 use crate::paper::{TOLERANCE, bounded};
 use stickslip::filippov::first_zero;
-use stickslip::models::ForcedOscillator;
 use stickslip::{
     Error, Filippov, Mode, Observer, Options, Phase, Scalar, Side, State, Transition,
     TransitionKind, run as integrate,

@@ -5,9 +5,9 @@ use std::ops::ControlFlow;
 
 use super::error::PeersError;
 use super::event::{self, Event, EventKind};
+use crate::paper::models::{BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading};
 use crate::text::joined;
 use stickslip::dynamics::{DynamicsRef, Section, Transition as AnyTransition};
-use stickslip::models::{BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading};
 use stickslip::{
     Filippov, Method, Observer, Options, Scalar, Side, State, Transition, TransitionKind, run,
 };

@@ -172,10 +172,10 @@ pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
 mod tests {
     use super::*;
     use crate::figures::block_and_bracket::best_common_settings;
+    use crate::paper::models::Reading;
     use plan::Group;
     use scoring::RowsByRole;
     use settings::{Unit, settings_name};
-    use stickslip::models::Reading;
 
     fn committed(name: &str) -> String {
         let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));

@@ -8,10 +8,10 @@ use crate::figures::block_and_bracket::{DIVERGED, DT, TOLERANCE};
 use crate::numbers::extent;
 use crate::orbit_records::{Samples, TurningPoints};
 use crate::paper::in_place::{Breakdown, InPlace};
+use crate::paper::models::{BlockAndBracket, Caption};
 use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
 use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum_watched};
 use stickslip::math;
-use stickslip::models::{BlockAndBracket, Caption};
 use stickslip::statistics::PowerLaw;
 use stickslip::{AtRepelling, Ending, Error, Method, Observer, Options, State, StepRecord, run};
 

@@ -8,10 +8,10 @@ use super::settings::{
 use super::table::{ConfigurationRow, Twelve};
 use crate::figures::block_and_bracket::{DIVERGED, DT, START, TOLERANCE};
 use crate::paper::claim_id::SpectrumFigure;
+use crate::paper::models::{Amplitude, Caption, CaptionOrder, Reading, Unloading};
 use crate::paper::published::{Claim, Claims, PublishedError};
 use crate::text::joined;
 use stickslip::analysis::motion::Criterion;
-use stickslip::models::{Amplitude, Caption, CaptionOrder, Reading, Unloading};
 
 /// Integrator of the equations.
 #[derive(Clone, Copy, Debug, PartialEq)]

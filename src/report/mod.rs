@@ -34,10 +34,10 @@ pub mod verdict;
 
 use crate::figures::FigureError;
 use crate::paper::bounded;
+use crate::paper::models::BeltOscillator;
 use crate::paper::published::PublishedError;
 use crate::readings::ReadingsError;
 use stickslip::analysis::{Visibility, tangency};
-use stickslip::models::BeltOscillator;
 use stickslip::{
     Error, Failure, Filippov, Mode, Orbit, Phase, Side, State, Transition, TransitionKind, solve,
 };

@@ -6,10 +6,10 @@ use rayon::prelude::*;
 
 use super::ReportError;
 use crate::figures::block_and_bracket::{FigureSet, SETS, TOLERANCE, class};
+use crate::paper::models::{Caption, Reading};
 use crate::readings::{CommittedSearch, ConfigurationRow, Integrator, other_motions};
 use crate::text::joined;
 use stickslip::analysis::motion::Class;
-use stickslip::models::{Caption, Reading};
 use stickslip::{Error, Options};
 
 /// Estimates for all three figures, and the loops of Fig. 10.

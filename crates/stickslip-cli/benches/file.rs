@@ -1,11 +1,14 @@
 //! How much longer a system from a file takes than the same one compiled. The runs take turns, so
 //! that whatever else the machine does meets both alike.
 
+#[path = "../tests/suite/blocks.rs"]
+mod blocks;
+
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
+use blocks::Block;
 use stickslip::dynamics::Section;
-use stickslip::models::{BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading};
 use stickslip::{Filippov, Method, Options, State, run};
 use stickslip_kernels::file::System;
 use stickslip_kernels::file::SystemFile;
@@ -79,10 +82,7 @@ fn middle(mut times: Vec<f64>) -> f64 {
 }
 
 fn main() {
-    compare("belt", &[0.5, 1.5], &BeltOscillator::default());
-    compare("forced", &[0.0, 0.0], &ForcedOscillator::default());
-    match BlockAndBracket::from_caption(&Caption::FIG11, &Reading::exact()) {
-        Ok(bracket) => compare("bracket", &[0.0, 0.0, 0.0, -0.1], &bracket),
-        Err(error) => panic!("{error}"),
-    }
+    compare("leine", &[0.5, 0.1], &Block::LEINE);
+    compare("basins", &[0.5, 0.1], &Block::BASINS);
+    compare("den-hartog", &[0.5, 0.1], &Block::DEN_HARTOG);
 }

@@ -145,15 +145,25 @@ fn traced<const N: usize, const K: usize>(
 /// A system as formulas; `None` if its functions branch on values.
 ///
 /// ```
-/// use stickslip::models::BeltOscillator;
-/// use stickslip::{Options, solve};
+/// use stickslip::{Filippov, Options, Scalar, Side, solve};
 /// use stickslip_kernels::trace::trace;
 ///
-/// let belt = BeltOscillator::default();
-/// let formulas = trace(&belt).expect("it has no comparisons");
+/// /// A block on a floor, pushed with a period.
+/// struct Pushed;
+///
+/// impl Filippov<2> for Pushed {
+///     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
+///         [x[1], t.cos() - x[0] * 0.5 - 0.4 * side.sign()]
+///     }
+///     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
+///         x[1]
+///     }
+/// }
+///
+/// let formulas = trace(&Pushed).expect("it has no comparisons");
 /// let start = [0.5, 1.5];
 /// let [one, other] = [
-///     solve(&belt, 0.0, start, 10.0, &Options::default())?.x_end,
+///     solve(&Pushed, 0.0, start, 10.0, &Options::default())?.x_end,
 ///     solve(&formulas, 0.0, start, 10.0, &Options::default())?.x_end,
 /// ];
 /// assert!((one - other).amax() < 1e-9);

@@ -1,23 +1,19 @@
-//! Speed of the solver on model 1 beside the floor under it: as many calls of the same field, each
+//! Speed of the solver on a block on a belt beside the floor under it: as many calls of the same field, each
 //! fed by the one before, as the stages of a Runge–Kutta step are. The ratio of the two is what the
 //! driver, the step-size control, the dense output and the search for events cost. Both are
 //! measured in the same run, and the ratio at the end in alternation, so that a machine whose speed
 //! drifts does not matter.
 
+#[path = "../examples/common/belt.rs"]
+mod belt;
+
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use stickslip::models::BeltOscillator;
+use belt::Belt;
 use stickslip::{Filippov, Method, Options, Side, State, run, solve};
 
 const T_END: f64 = 30.0;
-
-fn model() -> BeltOscillator {
-    BeltOscillator {
-        belt_speed: 0.4,
-        ..BeltOscillator::default()
-    }
-}
 
 fn start() -> State<2> {
     State::from([0.5, 1.5])
@@ -25,7 +21,7 @@ fn start() -> State<2> {
 
 /// Integrates once and returns the number of field calls (0 would mean a failure, which the callers
 /// refuse).
-fn integrate(model: &BeltOscillator) -> u64 {
+fn integrate(model: &Belt) -> u64 {
     run(model, 0.0, start(), T_END, &Options::tol(1e-12), &mut ())
         .map_or(0, |summary| summary.counters.field_calls)
 }
@@ -40,7 +36,7 @@ fn reference() -> Vec<f64> {
 }
 
 /// Time and largest error of the event times at each tolerance, by slopes and by series.
-fn report_methods(model: &BeltOscillator) {
+fn report_methods(model: &Belt) {
     const ROUNDS: u32 = 200;
     let exact = reference();
     for method in [Method::Dop853, Method::Taylor] {
@@ -70,7 +66,7 @@ fn report_methods(model: &BeltOscillator) {
 }
 
 /// So many field calls in a dependent chain.
-fn chain(model: &BeltOscillator, calls: u64) -> State<2> {
+fn chain(model: &Belt, calls: u64) -> State<2> {
     let base = State::from([0.5, 0.2]);
     let mut x = start();
     for _ in 0..calls {
@@ -80,7 +76,7 @@ fn chain(model: &BeltOscillator, calls: u64) -> State<2> {
 }
 
 fn main() {
-    let model = black_box(model());
+    let model = black_box(Belt { speed: 0.4 });
     let calls = integrate(&model);
     assert!(calls > 0, "the run failed");
     report_ratio(&model, calls);
@@ -88,7 +84,7 @@ fn main() {
 }
 
 /// Median over alternating measurements of the two.
-fn report_ratio(model: &BeltOscillator, calls: u64) {
+fn report_ratio(model: &Belt, calls: u64) {
     const ROUNDS: usize = 101;
     const EACH: u32 = 20;
     let time = |work: &mut dyn FnMut()| -> Duration {

@@ -1,11 +1,14 @@
 //! Time per orbit of an ensemble on one thread and on two, against a loop over single runs;
 //! measured in alternation.
 
+#[path = "../examples/common/belt.rs"]
+mod belt;
+
 use std::hint::black_box;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use stickslip::models::BeltOscillator;
+use belt::Belt;
 use stickslip::{Method, Options, Start, State, ensemble, run};
 
 const ORBITS: usize = 100_000;
@@ -13,10 +16,7 @@ const ROUNDS: usize = 3;
 const T_END: f64 = 30.0;
 
 fn main() {
-    let belt = BeltOscillator {
-        belt_speed: 0.4,
-        ..BeltOscillator::default()
-    };
+    let belt = Belt { speed: 0.4 };
     let options = Options::tol(1e-12).method(Method::Taylor);
     let x = |k: usize| State::from([2.0 * k as f64 / ORBITS as f64 - 1.0, 1.0]);
     let together = |threads: usize| {

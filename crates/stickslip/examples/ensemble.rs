@@ -1,9 +1,12 @@
 //! An ensemble: a thousand starts on all cores, integrated by vectorised Taylor series, and the
 //! time that each orbit spends in stick.
 
+#[path = "common/belt.rs"]
+mod belt;
+
 use std::ops::ControlFlow;
 
-use stickslip::models::BeltOscillator;
+use belt::Belt;
 use stickslip::{Method, Mode, Observer, Options, Phase, Start, State, ensemble};
 
 /// Time spent sticking.
@@ -20,10 +23,7 @@ impl Observer<2> for Stuck {
 }
 
 fn main() {
-    let belt = BeltOscillator {
-        belt_speed: 0.4,
-        ..BeltOscillator::default()
-    };
+    let belt = Belt { speed: 0.4 };
     let starts = (0..1000).map(|k| Start {
         system: &belt,
         t: 0.0,

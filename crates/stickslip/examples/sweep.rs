@@ -1,20 +1,21 @@
 //! A parameter sweep, as CSV on standard output: the fraction of time in stick against the belt's
 //! speed.
 
-use stickslip::models::BeltOscillator;
+#[path = "common/belt.rs"]
+mod belt;
+
+use belt::Belt;
 use stickslip::{Error, Options, solve};
 
 fn main() -> Result<(), Error> {
     println!("belt_speed,stick_share,transitions");
     for k in 1..=20 {
-        let belt = BeltOscillator {
-            belt_speed: 0.1 * f64::from(k),
-            ..BeltOscillator::default()
-        };
+        let speed = 0.1 * f64::from(k);
+        let belt = Belt { speed };
         let orbit = solve(&belt, 0.0, [0.5, 0.1], 100.0, &Options::default())?;
         let stuck: f64 = orbit.sticks().map(|stick| stick.duration()).sum();
         let share = stuck / (orbit.t_end - orbit.t_start);
-        println!("{},{share},{}", belt.belt_speed, orbit.transitions.len());
+        println!("{},{share},{}", belt.speed, orbit.transitions.len());
     }
     Ok(())
 }

@@ -36,27 +36,8 @@
 //!
 //! # Step by step
 //! [`solve`] stores the whole [`Orbit`]; [`run`] reports to an [`Observer`] and stores nothing.
-//! Both are loops over [`Integration::step`], which you can write yourself:
-//!
-//! ```
-//! use stickslip::{Integration, Options, Progress, models::BeltOscillator};
-//!
-//! fn main() -> Result<(), stickslip::Error> {
-//!     let belt = BeltOscillator::default();
-//!     let mut integration = Integration::new(&belt, 0.0, [0.5, 1.5], 20.0, &Options::default())?;
-//!     let mut highest = f64::NEG_INFINITY;
-//!     loop {
-//!         match integration.step()? {
-//!             Progress::Step => highest = highest.max(integration.x()[0]),
-//!             Progress::Transition(at) => println!("{:?} at t = {}", at.kind, at.t),
-//!             Progress::PhaseEnd(_) => {}
-//!             Progress::End(_) => break,
-//!         }
-//!     }
-//!     assert!(highest > 0.5);
-//!     Ok(())
-//! }
-//! ```
+//! Both are loops over [`Integration::step`], which you can write yourself. Most pages named here
+//! and below have an example.
 //!
 //! # Several contacts
 //! Two rubbing bodies, or a chain of them, are a [`Contacts`] system: a field for every combination
@@ -98,57 +79,11 @@
 //! located on the step itself, in slip and in stick. They may have a direction, and may end the
 //! run. [`solve_with_events`] stores them beside the orbit, [`Watched`] reports them among the
 //! transitions, and [`EventSearch`] finds them for an [`Observer`]. [`analysis::PoincareMap`] makes
-//! one function a system of discrete time, with the map's derivative:
-//!
-//! ```
-//! use stickslip::{Direction, EventFunctions, Options, Scalar, analysis::PoincareMap};
-//! use stickslip::models::BeltOscillator;
-//!
-//! /// Where the block turns back, at the right end of its way.
-//! struct TurnsBack;
-//! impl EventFunctions<2, 1> for TurnsBack {
-//!     fn values<T: Scalar>(&self, _t: T, x: &[T; 2]) -> [T; 1] {
-//!         [x[1]]
-//!     }
-//!     fn direction(&self, _number: usize) -> Direction {
-//!         Direction::Falling
-//!     }
-//! }
-//!
-//! fn main() -> Result<(), stickslip::Error> {
-//!     let belt = BeltOscillator::default();
-//!     let longest = 50.0;
-//!     let options = Options::tol(1e-12);
-//!     let mut map = PoincareMap::new(&belt, &TurnsBack, (0.0, [0.5, 1.5]), longest, &options)?;
-//!     for _ in 0..20 {
-//!         map.step()?;
-//!     }
-//!     let before = map.state().clone();
-//!     let (turned, derivative) = map.step_with_derivative()?;
-//!     // It has settled, and a change of the place would be an eighth of it the next time.
-//!     assert!((turned.x - before).amax() < 1e-10);
-//!     assert!((derivative[(0, 0)] - 0.12629).abs() < 1e-4);
-//!     Ok(())
-//! }
-//! ```
+//! one function a system of discrete time, with the map's derivative.
 //!
 //! # Spectra
 //! [`analysis`] has tangent points, monodromy matrices through stick and crossing, periodic orbits,
-//! and Lyapunov spectra:
-//!
-//! ```
-//! use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum};
-//! use stickslip::models::BeltOscillator;
-//!
-//! fn main() -> Result<(), stickslip::Error> {
-//!     let belt = BeltOscillator { belt_speed: 0.2, ..BeltOscillator::default() };
-//!     let settings = SpectrumOptions::over(50.0, 500.0);
-//!     let spectrum = lyapunov_spectrum(&belt, (0.0, [0.5, 0.1]), &settings)?;
-//!     // Stick forgets one direction altogether.
-//!     assert_eq!(spectrum.exponents[1], Exponent::Annihilated);
-//!     Ok(())
-//! }
-//! ```
+//! and Lyapunov spectra ([`analysis::lyapunov_spectrum`]).
 //!
 //! # Attractors, sweeps and branches
 //! [`analysis::attractor`] finds the attractor of a start, without a list of attractors.
@@ -156,54 +91,15 @@
 //! attractor along a parameter, up or down, and locates the changes of its phases. The event
 //! function that vanishes names the change, one of the four sliding bifurcations say; the
 //! multipliers name folds, flips, tori and branch points. [`analysis::continue_periodic_orbit`]
-//! follows a periodic orbit, stable or not, through folds and grazes. Their pages have examples.
+//! follows a periodic orbit, stable or not, through folds and grazes.
 //!
 //! # Ensembles
 //! [`ensemble`] integrates many starts or parameters on all cores. Each orbit is bit-for-bit the
-//! same as alone, and the results come in order:
-//!
-//! ```
-//! use std::ops::ControlFlow;
-//! use stickslip::{Options, Start, ensemble, models::BeltOscillator};
-//!
-//! fn main() {
-//!     // The same start on belts of a hundred speeds.
-//!     let starts = (1..=100).map(|k| Start {
-//!         system: BeltOscillator { belt_speed: 0.02 * f64::from(k), ..BeltOscillator::default() },
-//!         t: 0.0,
-//!         x: [0.5, 0.1].into(),
-//!     });
-//!     let mut ends = Vec::new();
-//!     // Nothing is watched on the way.
-//!     ensemble(starts, 20.0, &Options::default(), |_| (), |number, (), outcome| {
-//!         match outcome {
-//!             Ok(summary) => ends.push(summary.x),
-//!             Err(failure) => println!("belt {number}: {failure}"),
-//!         }
-//!         ControlFlow::Continue(())
-//!     });
-//!     assert_eq!(ends.len(), 100);
-//! }
-//! ```
+//! same as alone, and the results come in order.
 //!
 //! # Errors
-//! Every failure is an [`Error`] with the values that explain it; [`solve`] hands back the orbit up
-//! to it:
-//!
-//! ```
-//! use stickslip::{Error, Options, models::BeltOscillator, solve};
-//!
-//! fn main() {
-//!     let tight = Options::default().escape(1.0);
-//!     match solve(&BeltOscillator::default(), 0.0, [0.5, 0.9], 50.0, &tight) {
-//!         Err(failure) => {
-//!             assert!(matches!(failure.error, Error::Escaped { .. }));
-//!             println!("{failure}; it came to t = {}", failure.partial.t_end);
-//!         }
-//!         Ok(_) => unreachable!("the belt takes the block further than that"),
-//!     }
-//! }
-//! ```
+//! Every failure is an [`Error`] with the values that explain it. [`solve`] returns the orbit up to
+//! it in a [`Failure`].
 
 pub mod analysis;
 mod dual;
@@ -212,7 +108,6 @@ pub mod error;
 pub mod filippov;
 mod interval;
 pub mod math;
-pub mod models;
 pub mod ode;
 pub mod orbit;
 pub mod scalar;

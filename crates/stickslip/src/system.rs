@@ -53,9 +53,9 @@ impl<const N: usize> IntoState<N> for DVector<f64> {
 /// Side of the discontinuity boundary Σ = {h = 0}.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Side {
-    /// h < 0; the paper's S1, the body slower than the belt.
+    /// h < 0: on a belt, the body slower than the belt.
     Below,
-    /// h > 0; the paper's S2, the body faster than the belt.
+    /// h > 0: on a belt, the body faster than the belt.
     Above,
 }
 
@@ -226,13 +226,30 @@ impl<const N: usize, S: Filippov<N>> Filippov<N> for &S {
 /// rejects, such as friction of the other sign.
 ///
 /// ```
-/// use stickslip::{Ending, Options, models::BeltOscillator, solve, system::Unchecked};
+/// use stickslip::system::Unchecked;
+/// use stickslip::{Ending, Error, Filippov, Options, Scalar, Side, solve};
 ///
-/// // Friction that drives the block away from the belt.
-/// let belt = BeltOscillator { mu0: -0.2, ..BeltOscillator::default() };
-/// let start = [0.0, 1.0];
-/// assert!(solve(&belt, 0.0, start, 1.0, &Options::default()).is_err());
-/// let orbit = solve(&Unchecked(belt), 0.0, start, 1.0, &Options::default())?;
+/// /// A body on a floor, braked by this friction.
+/// #[derive(Clone, Copy)]
+/// struct Body(f64);
+///
+/// impl Filippov<1> for Body {
+///     fn field<T: Scalar>(&self, side: Side, _t: T, _x: &[T; 1]) -> [T; 1] {
+///         [T::constant(-self.0 * side.sign())]
+///     }
+///     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 1]) -> T {
+///         x[0]
+///     }
+///     fn check_parameters(&self) -> Result<(), Error> {
+///         let (name, value, bound) = ("friction", self.0, "positive");
+///         if value > 0.0 { Ok(()) } else { Err(Error::Parameter { name, value, bound }) }
+///     }
+/// }
+///
+/// // Friction that drives the body away.
+/// let driven = Body(-0.2);
+/// assert!(driven.checked().is_err());
+/// let orbit = solve(&Unchecked(driven), 0.0, [0.0], 1.0, &Options::default())?;
 /// assert_eq!(orbit.ending, Ending::Repelling);
 /// # Ok::<(), stickslip::Error>(())
 /// ```

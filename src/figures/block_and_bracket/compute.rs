@@ -3,9 +3,9 @@
 use super::recorder::{DT, END, OrbitRecorder, START};
 use crate::figures::ComputeError;
 use crate::paper::claim_id::SpectrumFigure;
+use crate::paper::models::{BlockAndBracket, Caption, Reading};
 use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
 use stickslip::analysis::{Spectrum, SpectrumOptions, lyapunov_spectrum_watched};
-use stickslip::models::{BlockAndBracket, Caption, Reading};
 use stickslip::{Error, Locator, Method, Options, State, run};
 use stickslip_series::{DataSettings, DataSpectrum, Neighbourhood, Series, data_spectrum};
 
@@ -199,7 +199,7 @@ fn measure<'a>(
 
 /// The estimator's settings that come nearest to all three figures together, and the settings of
 /// the figures. They are chosen from the program `readings`, among those with a radius in units of
-/// the spread, for [`stickslip::models::Reading::exact`] solved exactly. The first few differ by
+/// the spread, for [`crate::paper::models::Reading::exact`] solved exactly. The first few differ by
 /// less than the scatter of Fig. 12's chaotic orbit. A change of the solver's last bits can reorder
 /// them; a test of the search then fails.
 pub(crate) fn best_common_settings() -> DataSettings {

@@ -6,13 +6,13 @@ use super::recorder::{END, START};
 use crate::figures::{FigureError, belt_line, side_by_side};
 use crate::numbers::extent;
 use crate::paper::claim_id::ClaimId;
+use crate::paper::models::Caption;
 use crate::paper::published::{Claims, PublishedError};
 use crate::text::joined;
 use plot::*;
 use stickslip::analysis::Exponent;
 use stickslip::analysis::motion::Class;
 use stickslip::math;
-use stickslip::models::Caption;
 use stickslip_series::Status;
 
 const COLOURS: [Color; 4] = [BLUE, VERMILLION, GREEN, PURPLE];

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use crate::orbit_records::{Samples, TurningPoints};
-use stickslip::models::BlockAndBracket;
+use crate::paper::models::BlockAndBracket;
 use stickslip::{Observer, Options, State, StepRecord, Transition, TransitionKind};
 
 /// Start of the series, as in the paper.

@@ -3,8 +3,8 @@
 use crate::figures::{ComputeError, crossing, normals, phase_plane};
 use crate::numbers::{change_points, not_found};
 use crate::paper::TOLERANCE;
+use crate::paper::models::{BeltOscillator, BeltTangency};
 use stickslip::analysis::{multipliers, periodic_orbit};
-use stickslip::models::{BeltOscillator, BeltTangency};
 use stickslip::scalar::Dual;
 use stickslip::{Error, Filippov, Mode, Options, Scalar, Side, State, Transition, solve};
 

@@ -2,9 +2,9 @@
 
 use crate::figures::ComputeError;
 use crate::numbers::bisect;
+use crate::paper::models::ForcedOscillator;
+use crate::paper::models::cubic::{Cubic, TangentPoint};
 use stickslip::Error;
-use stickslip::models::ForcedOscillator;
-use stickslip::models::cubic::{Cubic, TangentPoint};
 
 /// The data of the figure. The drawn curves are for `k₁ = 1 N/m`, `k₂ = 1 N/m³`, as in the paper.
 #[derive(Clone, Debug)]

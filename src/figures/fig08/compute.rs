@@ -5,12 +5,12 @@ use rayon::prelude::*;
 use crate::figures::{ComputeError, crossing, time_curve};
 use crate::numbers::not_found;
 use crate::paper::listing::{self, END, Motion, Sample, Setup};
+use crate::paper::models::ForcedOscillator;
 use crate::paper::pattern::{Pattern, two_periodic};
 use crate::paper::published::LAST_DIGIT;
 use crate::paper::slip_times_three::{self, InjectedDefects};
 use crate::paper::{SETTLING_TOLERANCE, TOLERANCE, bounded};
 use stickslip::analysis::{Destination, destination, multipliers, periodic_orbit_forced};
-use stickslip::models::ForcedOscillator;
 use stickslip::{Error, Mode, Options, Side, State, solve};
 
 /// The listing's settled motion.

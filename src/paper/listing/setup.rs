@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::defects::Defects;
-use stickslip::models::ForcedOscillator;
+use crate::paper::models::ForcedOscillator;
 use stickslip::{State, math};
 
 /// The listing's step `h` (s), line 3.

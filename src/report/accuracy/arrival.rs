@@ -3,8 +3,8 @@
 use super::errors::{EXACT_TOLERANCE, EventErrors};
 use crate::numbers::not_found;
 use crate::paper::listing::{Defects, END, Run, Setup, run};
+use crate::paper::models::ForcedOscillator;
 use crate::report::ReportError;
-use stickslip::models::ForcedOscillator;
 use stickslip::ode::{Rk4, Timed, henon_step};
 use stickslip::{
     Filippov, Locator, Method, Mode, Options, Orbit, Side, State, TransitionKind, solve,

@@ -13,9 +13,9 @@ use arrival::Arrival;
 use super::ReportError;
 use super::finding::Finding;
 use crate::paper::listing::{Defect, Defects};
+use crate::paper::models::ForcedOscillator;
 use crate::paper::reading::Reading;
 use stickslip::Side;
-use stickslip::models::ForcedOscillator;
 
 /// Errors of event times on the stated models' own orbits.
 #[derive(Clone, Debug, PartialEq)]

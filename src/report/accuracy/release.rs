@@ -3,9 +3,9 @@
 use super::errors::{EXACT_TOLERANCE, EventErrors, STEPS};
 use crate::numbers::{ROUNDING, not_found};
 use crate::paper::listing::{Defect, Defects, Setup, run};
+use crate::paper::models::{BeltOscillator, ForcedOscillator};
 use crate::report::{ReportError, stick_exits, until_escape};
 use stickslip::math;
-use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::ode::{Rk4, Timed, henon_step};
 use stickslip::{Error, Filippov, Options, Side, State, Transition, solve};
 

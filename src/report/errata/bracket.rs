@@ -9,10 +9,10 @@ use super::proof::{Proof, ProofResult};
 use crate::figures::block_and_bracket::{DIVERGED, START, TOLERANCE};
 use crate::figures::rows::Value;
 use crate::orbit_records::TurningPoints;
+use crate::paper::models::{BlockAndBracket, Caption, CaptionOrder, Reading};
 use crate::report::ReportError;
 use crate::report::spread::mended_captions;
 use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
-use stickslip::models::{BlockAndBracket, Caption, CaptionOrder, Reading};
 use stickslip::{Error, Observer, Options, State, StepRecord, run, solve};
 
 /// The section is recorded from the start of the published series to here: over a hundred

@@ -2,8 +2,8 @@
 
 use super::proof::Proof;
 use crate::paper::TOLERANCE;
+use crate::paper::models::{BlockAndBracket, Caption, Reading, Rig, Unloading};
 use crate::report::ReportError;
-use stickslip::models::{BlockAndBracket, Caption, Reading, Rig, Unloading};
 use stickslip::{Error, Options, State, solve};
 
 /// A block and a bracket in SI units, undamped as in the captions.

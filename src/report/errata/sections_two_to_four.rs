@@ -9,10 +9,10 @@ use crate::figures::rows::Value;
 use crate::numbers::{bisect, extent};
 use crate::paper::TOLERANCE;
 use crate::paper::claim_id::ClaimId;
+use crate::paper::models::{BeltOscillator, ForcedOscillator};
 use crate::paper::published::Claims;
 use crate::report::accuracy::{Accuracy, EventErrors};
 use crate::report::{belt_positions, tangent_at, until_escape};
-use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::system::Unchecked;
 use stickslip::{Ending, Error, Fate, Options, State, TransitionKind, fate, solve};
 

@@ -4,11 +4,11 @@
 use crate::figures::fig04::kind;
 use crate::numbers::ROUNDING;
 use crate::paper::TOLERANCE;
+use crate::paper::models::BeltOscillator;
 use crate::paper::reading::Reading::Exact;
 use crate::report::digits::small;
 use crate::report::finding::{Finding, statement};
 use crate::report::tangent_at;
-use stickslip::models::BeltOscillator;
 use stickslip::{Error, Mode, Options, State, solve};
 
 /// Start on the belt (m): left of both inner points, inside the zone.

@@ -4,10 +4,10 @@ use rayon::prelude::*;
 
 use crate::figures::fig07::TangentPointMotion;
 use crate::paper::TOLERANCE;
+use crate::paper::models::ForcedOscillator;
 use crate::paper::reading::Reading::Exact;
 use crate::report::finding::{Finding, statement};
 use crate::text::joined;
-use stickslip::models::ForcedOscillator;
 use stickslip::{Error, Mode, Options, State, solve};
 
 /// Distances from the curves (m).

@@ -4,6 +4,7 @@
 use crate::figures::rows::Value;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::listing::{Defects, END, Motion, Run, Sample, Setup, run, run_with};
+use crate::paper::models::ForcedOscillator;
 use crate::paper::pattern::two_periodic;
 use crate::paper::published::Claims;
 use crate::paper::reading::Reading::{AsPrinted, Exact};
@@ -13,7 +14,6 @@ use crate::report::finding::{Finding, as_printed, statement};
 use crate::report::scan::{CLOSENESS, PERIODS_FOLLOWED};
 use plot::number;
 use stickslip::analysis::{Destination, destination};
-use stickslip::models::ForcedOscillator;
 use stickslip::{Error, Filippov, Mode, Side, solve};
 
 /// Forcing periods of the settled motion that are examined: two of the published pattern.

@@ -21,11 +21,11 @@ use super::figures::Computed;
 use super::finding::Finding;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::listing::Defects;
+use crate::paper::models::ForcedOscillator;
 use crate::paper::published::Claims;
 use crate::paper::slip_times_three::{InjectedDefects, settled};
 use stick_phases::GridPhases;
 use stickslip::Error;
-use stickslip::models::ForcedOscillator;
 
 /// The evidence for all such statements.
 pub struct Statements {

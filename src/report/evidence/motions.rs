@@ -11,13 +11,13 @@
 use rayon::prelude::*;
 
 use crate::figures::block_and_bracket::{Data, SETS, by_rk4_and_henon};
+use crate::paper::models::Reading;
 use crate::paper::reading::Reading::{Corrected, CorrectedEquations};
 use crate::readings::OrbitVerdict;
 use crate::report::finding::{Finding, as_printed, statement};
 use crate::text::joined;
 use stickslip::Error;
 use stickslip::analysis::motion::Class;
-use stickslip::models::Reading;
 
 /// Step of the classical Runge–Kutta method. The paper states none for Figs. 10–12.
 const RK4_STEP: f64 = 0.01;

@@ -4,10 +4,10 @@
 use super::zone_attraction::critical;
 use crate::figures::normals;
 use crate::numbers::ROUNDING;
+use crate::paper::models::{BeltOscillator, ForcedOscillator};
 use crate::paper::reading::Reading::Exact;
 use crate::report::digits::small;
 use crate::report::finding::{Finding, statement};
-use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::scalar::Dual;
 use stickslip::{Fate, Filippov, State, fate};
 

@@ -10,10 +10,10 @@ use crate::paper::claim_id::ClaimId;
 use crate::paper::listing::{
     Defect, Defects, Instant, PRINTED_STEP, Run, Setup, Stick, StickPhase, run,
 };
+use crate::paper::models::ForcedOscillator;
 use crate::paper::published::Claims;
 use crate::report::{stick_exits, until_escape};
 use stickslip::analysis::{Visibility, visibility};
-use stickslip::models::ForcedOscillator;
 use stickslip::{Error, Orbit, State};
 
 /// Number of positions and velocities of the starts. No row has the belt's speed.

@@ -5,12 +5,12 @@ use super::stick_phases::{GridPhases, ModelPhase, SAMPLES_PER_PERIOD, TangentSet
 use crate::figures::rows::Value;
 use crate::numbers::{ROUNDING, largest};
 use crate::paper::listing::{Defects, Instant, Setup, Stick, StickPhase, ZoneEnd, run};
+use crate::paper::models::ForcedOscillator;
 use crate::paper::published::HALF_DIGIT;
 use crate::paper::reading::Reading::Exact;
 use crate::report::digits::small;
 use crate::report::errata::Proof;
 use crate::report::finding::{Finding, as_printed, statement};
-use stickslip::models::ForcedOscillator;
 
 /// Forcing periods within which a body on the belt always meets a tangent point.
 const PERIODS_TO_MEETING: f64 = 3.0;

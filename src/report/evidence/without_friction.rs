@@ -5,10 +5,10 @@ use rayon::prelude::*;
 use super::stick_phases::{follow, starts};
 use crate::figures::normals;
 use crate::numbers::{ROUNDING, extent, largest};
+use crate::paper::models::ForcedOscillator;
 use crate::paper::reading::Reading::Exact;
 use crate::report::digits::small;
 use crate::report::finding::{Finding, statement};
-use stickslip::models::ForcedOscillator;
 use stickslip::{Error, Mode, State, TransitionKind};
 
 /// Starts on Σ relative to the support (m): where σ vanishes without friction, and between.

@@ -4,13 +4,13 @@
 use rayon::prelude::*;
 
 use crate::numbers::not_found;
+use crate::paper::models::ForcedOscillator;
 use crate::paper::reading::Reading::Exact;
 use crate::report::belt_positions;
 use crate::report::digits::small;
 use crate::report::finding::{Finding, statement};
 use crate::report::scan::{ParameterPoint, StartClass, StickSlip, starts};
 use crate::text::joined;
-use stickslip::models::ForcedOscillator;
 use stickslip::{Error, Fate, Filippov, Side, fate};
 
 /// Number of equidistant positions in the wide zone. The weaker field vanishes at its ends, and the

@@ -5,13 +5,13 @@ use rayon::prelude::*;
 use super::stick_phases::TangentSet;
 use crate::figures::rows::Value;
 use crate::numbers::{ROUNDING, bisect, change_points, extent, largest};
+use crate::paper::models::ForcedOscillator;
 use crate::paper::reading::Reading::Exact;
 use crate::report::digits::small;
 use crate::report::errata::Proof;
 use crate::report::finding::{Finding, statement};
 use crate::report::scan::PARAMETERS;
 use crate::text::joined;
-use stickslip::models::ForcedOscillator;
 use stickslip::{Fate, Filippov, State, fate};
 
 /// Range of positions relative to the support (m): half as far again as the outermost tangent

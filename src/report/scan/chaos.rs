@@ -5,8 +5,8 @@ use std::ops::ControlFlow;
 use super::point::{double_well, starts};
 use crate::figures::block_and_bracket::{DIVERGED, TOLERANCE};
 use crate::numbers::extent;
+use crate::paper::models::ForcedOscillator;
 use stickslip::analysis::{SpectrumOptions, lyapunov_spectrum_watched};
-use stickslip::models::ForcedOscillator;
 use stickslip::{Error, Mode, Observer, Options, Phase, State};
 
 /// One of so many of the scan's starts is integrated: all lead to motions of one kind.

@@ -9,12 +9,12 @@ pub use chaos::Chaos;
 pub use point::{ParameterPoint, StartClass, StickSlip};
 
 use crate::numbers::extent;
+use crate::paper::models::ForcedOscillator;
 use crate::text::joined;
 use point::double_well;
 pub(in crate::report) use point::{CLOSENESS, PERIODS_FOLLOWED, starts};
 use stickslip::Error;
 use stickslip::math;
-use stickslip::models::ForcedOscillator;
 
 /// A parameter of the stated model: name in tables, symbol in figures, field of the model.
 pub(super) type Parameter = (

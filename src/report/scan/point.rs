@@ -2,6 +2,7 @@
 
 use crate::figures::block_and_bracket::DIVERGED;
 use crate::numbers::largest;
+use crate::paper::models::ForcedOscillator;
 use crate::paper::pattern::two_periodic;
 use crate::paper::published::LAST_DIGIT;
 use crate::paper::{ESCAPE, SETTLING_TOLERANCE};
@@ -9,7 +10,6 @@ use crate::report::stick_exits;
 use crate::text::described;
 use stickslip::analysis::{Destination, destination};
 use stickslip::dynamics::{Components, Vector};
-use stickslip::models::ForcedOscillator;
 use stickslip::system::Unchecked;
 use stickslip::{AtRepelling, Error, Options, State, solve};
 

@@ -1,9 +1,9 @@
 //! Systems from files have the same orbits as the same systems compiled.
 
-use stickslip::models::{BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading};
 use stickslip::{Contacts, Counters, Filippov, Scalar, Several, Side, State, solve};
 use stickslip_kernels::file::System;
 
+use super::blocks::Block;
 use super::recorded::{Event, methods, open, read, run};
 
 /// Difference allowed for rounding.
@@ -46,82 +46,10 @@ fn compare<S: Filippov<N>, const N: usize>(name: &str, file: &System, system: &S
 }
 
 #[test]
-fn the_three_models_of_the_paper() {
-    compare("belt", &open("belt"), &BeltOscillator::default(), 50.0);
-    compare(
-        "forced",
-        &open("forced"),
-        &ForcedOscillator::default(),
-        10.0,
-    );
-    let bracket = BlockAndBracket::from_caption(&Caption::FIG11, &Reading::exact()).unwrap();
-    compare("bracket", &open("bracket"), &bracket, 130.0);
-}
-
-/// Friction oscillators of mass one, by their law and their drive.
-struct Block {
-    belt_speed: f64,
-    damping: f64,
-    drive: Option<f64>,
-    law: Law,
-}
-
-enum Law {
-    Hyperbolic(f64),
-    Exponential { slow: f64, fast: f64, decay: f64 },
-    Coulomb(f64),
-}
-
-impl Filippov<2> for Block {
-    #[inline(always)]
-    fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
-        let slip_speed = (x[1] - self.belt_speed) * side.sign();
-        let size = match self.law {
-            Law::Hyperbolic(decay) => (slip_speed * decay + 1.0).recip(),
-            Law::Exponential { slow, fast, decay } => {
-                (slip_speed * -decay).exp() * (slow - fast) + fast
-            }
-            Law::Coulomb(size) => T::constant(size),
-        };
-        let force = -x[0] - x[1] * self.damping - size * side.sign();
-        match self.drive {
-            Some(frequency) => [x[1], force + (t * frequency).cos()],
-            None => [x[1], force],
-        }
-    }
-    #[inline(always)]
-    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
-        x[1] - self.belt_speed
-    }
-}
-
-#[test]
 fn the_three_benchmark_problems() {
-    let leine = Block {
-        belt_speed: 0.2,
-        damping: 0.0,
-        drive: None,
-        law: Law::Hyperbolic(3.0),
-    };
-    compare("leine", &open("leine"), &leine, 50.0);
-    let basins = Block {
-        belt_speed: 1.5,
-        damping: 0.1,
-        drive: None,
-        law: Law::Exponential {
-            slow: 1.0,
-            fast: 0.5,
-            decay: 2.0,
-        },
-    };
-    compare("basins", &open("basins"), &basins, 60.0);
-    let den_hartog = Block {
-        belt_speed: 0.0,
-        damping: 0.0,
-        drive: Some(0.7),
-        law: Law::Coulomb(0.2),
-    };
-    compare("den-hartog", &open("den-hartog"), &den_hartog, 60.0);
+    compare("leine", &open("leine"), &Block::LEINE, 50.0);
+    compare("basins", &open("basins"), &Block::BASINS, 60.0);
+    compare("den-hartog", &open("den-hartog"), &Block::DEN_HARTOG, 60.0);
 }
 
 /// Two blocks on a belt, joined by a spring. Static friction is 1 and 0.9, kinetic friction 0.6 of
@@ -204,11 +132,11 @@ fn two_contacts_with_static_friction() {
 
 #[test]
 fn one_contact_has_the_same_bits() {
-    let file = open("belt");
+    let file = open("leine");
     let start = file.start().unwrap();
     for options in methods() {
         let orbit = solve(
-            &BeltOscillator::default(),
+            &Block::LEINE,
             0.0,
             State::from([start[0], start[1]]),
             20.0,

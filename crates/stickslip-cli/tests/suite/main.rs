@@ -2,6 +2,7 @@
 
 mod against_compiled;
 mod bad_files;
+mod blocks;
 mod command_line;
 mod continuation;
 mod families;

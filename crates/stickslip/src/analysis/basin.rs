@@ -49,10 +49,11 @@ impl Basin {
 /// attractors are distinguished afterwards, in the order of the starts.
 ///
 /// ```
+#[doc = include_str!("../../examples/common/belt.rs")]
 /// use stickslip::analysis::{RecurrenceSettings, basin};
-/// use stickslip::{Options, State, models::BeltOscillator};
+/// use stickslip::{Options, State};
 ///
-/// let belt = BeltOscillator { belt_speed: 0.2, ..BeltOscillator::default() };
+/// let belt = Belt { speed: 0.2 };
 /// let starts = (0..20).map(|k| State::from([0.1 * f64::from(k) - 1.0, 0.0]));
 /// let basins = basin(&belt, starts, &RecurrenceSettings::within(500.0), &Options::default())?;
 /// for (number, attractor) in basins.attractors.iter().enumerate() {

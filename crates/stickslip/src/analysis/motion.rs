@@ -84,8 +84,7 @@ pub struct Criterion {
     /// 1e-5, for a solver that locates the section.
     pub same: f64,
     /// Largest uncertainty, per unit of time, of an exponent that counts as zero: slower growth
-    /// cannot be distinguished from none. Default 1e-3, less than half of the slowest growth that
-    /// the paper reports (0.0025, Fig. 12).
+    /// cannot be distinguished from none. Default 1e-3.
     pub resolution: f64,
 }
 

@@ -67,15 +67,6 @@ pub fn periodic_orbit_forced<Kind>(
 ///
 /// # Errors
 /// As [`periodic_orbit_forced`].
-///
-/// ```
-/// use stickslip::{analysis::{periodic_orbit, multipliers}, models::BeltOscillator, Options};
-/// let belt = BeltOscillator::default();
-/// let cycle = periodic_orbit(&belt, [-0.27, -0.73], 7.7, &Options::tol(1e-12))?;
-/// let found = multipliers(&cycle.monodromy);
-/// assert!((found[0].re - 1.0).abs() < 1e-9 && found[1].re.abs() < 1.0); // stable
-/// # Ok::<(), stickslip::Error>(())
-/// ```
 pub fn periodic_orbit<Kind>(
     system: &impl AsDynamics<Kind>,
     x: impl Components,
@@ -104,11 +95,14 @@ pub fn periodic_orbit<Kind>(
 /// equilibrium.
 ///
 /// ```
-/// use stickslip::{Options, analysis::find_periodic_orbit, models::BeltOscillator};
+#[doc = include_str!("../../examples/common/belt.rs")]
+/// use stickslip::Options;
+/// use stickslip::analysis::{find_periodic_orbit, multipliers};
 ///
-/// let belt = BeltOscillator { belt_speed: 0.2, ..BeltOscillator::default() };
-/// let cycle = find_periodic_orbit(&belt, [0.5, 0.1], 50.0, 50.0, &Options::tol(1e-12))?;
-/// assert!(cycle.residual < 1e-10);
+/// let belt = Belt { speed: 1.0 };
+/// let cycle = find_periodic_orbit(&belt, [-0.3, -0.7], 50.0, 50.0, &Options::tol(1e-12))?;
+/// let found = multipliers(&cycle.monodromy);
+/// assert!((found[0].re - 1.0).abs() < 1e-9 && found[1].re.abs() < 1.0); // stable
 /// # Ok::<(), stickslip::Error>(())
 /// ```
 pub fn find_periodic_orbit<Kind>(

@@ -35,9 +35,10 @@ const RATE_ROUNDING: f64 = 1e-12;
 /// except after an error.
 ///
 /// ```
-/// use stickslip::{Direction, Options, Plane, analysis::PoincareMap, models::BeltOscillator};
+#[doc = include_str!("../../examples/common/belt.rs")]
+/// use stickslip::{Direction, Options, Plane, analysis::PoincareMap};
 ///
-/// let belt = BeltOscillator::default();
+/// let belt = Belt { speed: 1.0 };
 /// let (point, normal) = ([0.0, 0.0].into(), [1.0, 0.0].into());
 /// let section = Plane { point, normal, direction: Direction::Rising };
 /// let options = Options::tol(1e-12);

@@ -10,10 +10,13 @@ use crate::system::{Filippov, Side, State};
 /// not vanish to rounding.
 ///
 /// ```
-/// use stickslip::{analysis::{tangency, Visibility}, models::BeltOscillator, Side, State};
-/// let belt = BeltOscillator::default();
-/// // Eq. (16): the first of the six tangent points, where the field below touches Σ.
-/// let first = 2.0 / 3f64.sqrt() * stickslip::math::cos(std::f64::consts::PI / 9.0);
+#[doc = include_str!("../../examples/common/belt.rs")]
+/// use stickslip::analysis::{Visibility, tangency};
+/// use stickslip::{State, math};
+///
+/// let belt = Belt { speed: 1.0 };
+/// // The first of six tangent points, where x - x³ + √3/9 = 0: the field below touches Σ.
+/// let first = 2.0 / 3f64.sqrt() * math::cos(std::f64::consts::PI / 9.0);
 /// let x = State::from([first, 1.0]);
 /// assert_eq!(tangency(&belt, Side::Below, 0.0, &x), Some(Visibility::Visible));
 /// assert_eq!(tangency(&belt, Side::Above, 0.0, &x), None);

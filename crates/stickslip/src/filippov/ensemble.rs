@@ -46,10 +46,11 @@ pub struct Start<S, const N: usize> {
 /// are needed, and the memory does not grow with their number.
 ///
 /// ```
+#[doc = include_str!("../../examples/common/belt.rs")]
 /// use std::ops::ControlFlow;
-/// use stickslip::{Method, Options, Start, State, ensemble, models::BeltOscillator};
+/// use stickslip::{Method, Options, Start, State, ensemble};
 ///
-/// let belt = BeltOscillator { belt_speed: 0.4, ..BeltOscillator::default() };
+/// let belt = Belt { speed: 0.4 };
 /// let starts = (0..100).map(|k| Start {
 ///     system: &belt,
 ///     t: 0.0,

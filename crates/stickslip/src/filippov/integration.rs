@@ -35,9 +35,10 @@ pub enum Progress<const N: usize, K = Mode> {
 /// follows an orbit are loops over [`Integration::step`].
 ///
 /// ```
-/// use stickslip::{Integration, Options, Progress, models::BeltOscillator};
+#[doc = include_str!("../../examples/common/belt.rs")]
+/// use stickslip::{Integration, Options, Progress};
 ///
-/// let belt = BeltOscillator::default();
+/// let belt = Belt { speed: 1.0 };
 /// let mut integration = Integration::new(&belt, 0.0, [0.5, 1.5], 20.0, &Options::default())?;
 /// let mut highest = f64::NEG_INFINITY;
 /// let summary = loop {

@@ -121,8 +121,9 @@ pub struct StepRecord<const N: usize, K = Mode> {
 /// Each method may end the run by returning [`ControlFlow::Break`].
 ///
 /// ```
+#[doc = include_str!("../../examples/common/belt.rs")]
 /// use std::ops::ControlFlow;
-/// use stickslip::{models::BeltOscillator, run, Observer, Options, State, Transition};
+/// use stickslip::{Observer, Options, State, Transition, run};
 ///
 /// struct Count(usize);
 /// impl Observer<2> for Count {
@@ -132,7 +133,7 @@ pub struct StepRecord<const N: usize, K = Mode> {
 ///     }
 /// }
 /// let mut count = Count(0);
-/// let (belt, start) = (BeltOscillator::default(), State::from([0.5, 1.5]));
+/// let (belt, start) = (Belt { speed: 1.0 }, State::from([0.5, 1.5]));
 /// run(&belt, 0.0, start, 1e9, &Options::default(), &mut count)?;
 /// assert_eq!(count.0, 5);
 /// # Ok::<(), stickslip::Error>(())

@@ -30,7 +30,7 @@ pub enum Method {
     /// as for Runge–Kutta steps. If such a branch bends it sharply, two crossings close to the bend
     /// can be missed.
     Taylor,
-    /// The paper's classical method of order 4 with a fixed step ([`crate::ode::Rk4`]).
+    /// The classical method of order 4 with a fixed step ([`crate::ode::Rk4`]).
     Rk4 {
         /// Step length.
         step: f64,
@@ -46,7 +46,7 @@ pub enum Locator {
     /// method; lands on Σ to a few units in the last place.
     #[default]
     Auto,
-    /// The paper's method: one Hénon step from the start of the integration step that crosses.
+    /// One Hénon step from the start of the integration step that crosses.
     /// Further ones follow while a curved Σ leaves more than rounding. [`Locator::RootSearch`]
     /// takes over if the slope is nearly singular. With adaptive steps it also does if an ordinary
     /// step of that length misses by more than the tolerance.
@@ -91,9 +91,9 @@ pub enum AtPileUp {
 /// ```
 /// use stickslip::{Method, Options};
 /// let strict = Options::tol(1e-13).escape(1e3);
-/// let as_in_the_paper = Options::default().method(Method::Rk4 { step: 1e-3 });
+/// let fixed = Options::default().method(Method::Rk4 { step: 1e-3 });
 /// assert_eq!(strict.rtol, 1e-13);
-/// assert_eq!(as_in_the_paper.rtol, Options::default().rtol);
+/// assert_eq!(fixed.rtol, Options::default().rtol);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {

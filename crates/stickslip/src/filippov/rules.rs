@@ -350,9 +350,10 @@ impl<S: Filippov<N>, const N: usize> Filippov<N> for WithStaticFriction<'_, S> {
 /// Rinaldi & Gragnani 2003 for tangent points).
 ///
 /// ```
-/// use stickslip::{Fate, Side, State, fate, models::BeltOscillator};
+#[doc = include_str!("../../examples/common/belt.rs")]
+/// use stickslip::{Fate, State, fate};
 ///
-/// let belt = BeltOscillator::default(); // μ0 = 1/(3√3), vp = 1
+/// let belt = Belt { speed: 1.0 };
 /// assert_eq!(fate(&belt, 0.0, &State::from([0.0, 1.0])), Fate::Stick);
 /// assert_eq!(fate(&belt, 0.0, &State::from([1.5, 1.0])), Fate::Slip(Side::Below));
 /// ```
@@ -375,7 +376,6 @@ fn fate_by<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<N>) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::models::ForcedOscillator;
     use crate::statistics::SplitMix;
 
     /// A boundary that moves, and a field that is tangent to it at times.
@@ -387,6 +387,21 @@ mod tests {
         }
         fn boundary<T: Scalar>(&self, t: T, x: &[T; 1]) -> T {
             x[0] - t.sin()
+        }
+    }
+
+    /// A block on a belt, on a soft spring to a support that is shaken.
+    struct Shaken;
+
+    impl Filippov<2> for Shaken {
+        fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
+            let slip_speed = (x[1] - 0.4) * side.sign();
+            let friction = T::constant(0.2 * side.sign()) / (slip_speed + 1.0);
+            let z = x[0] - (t * 3.8).sin() * 0.4;
+            [x[1], (z * (z * z - 1.0) - friction) * 10.0]
+        }
+        fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
+            x[1] - 0.4
         }
     }
 
@@ -413,7 +428,7 @@ mod tests {
 
     #[test]
     fn one_derivative_alone_is_that_of_all_with_its_floor() {
-        compare(&ForcedOscillator::default());
+        compare(&Shaken);
         compare(&Moving);
     }
 

@@ -52,6 +52,17 @@ impl<X> SummaryOf<X> {
 /// [`run`] and of [`crate::ensemble`].
 ///
 /// `?` turns it into the error alone.
+///
+/// ```
+#[doc = include_str!("../../examples/common/belt.rs")]
+/// use stickslip::{Error, Options, solve};
+///
+/// // The belt takes the block further than that.
+/// let options = Options::default().escape(1.0);
+/// let failure = solve(&Belt { speed: 1.0 }, 0.0, [0.5, 0.9], 50.0, &options).unwrap_err();
+/// assert!(matches!(failure.error, Error::Escaped { .. }));
+/// println!("{failure}; it came to t = {}", failure.partial.t_end);
+/// ```
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{error}")]
 pub struct Failure<R> {
@@ -80,9 +91,10 @@ impl<R> Failure<R> {
 /// The start may lie anywhere: on either side, on Σ, at a tangent point.
 ///
 /// ```
-/// use stickslip::{models::BeltOscillator, solve, Options};
+#[doc = include_str!("../../examples/common/belt.rs")]
+/// use stickslip::{Options, solve};
 ///
-/// let belt = BeltOscillator { belt_speed: 0.4, ..BeltOscillator::default() };
+/// let belt = Belt { speed: 0.4 };
 /// let orbit = solve(&belt, 0.0, [0.5, 1.5], 30.0, &Options::tol(1e-12))?;
 /// for stick in orbit.sticks() {
 ///     let length = stick.displacement()[0];

@@ -1,8 +1,7 @@
 //! The Hénon step: the independent variable is changed so that one integration step ends on a
 //! surface.
 //!
-//! M. Hénon, *On the numerical computation of Poincaré maps*, Physica D 5 (1982) 412; Eq. (14) of
-//! the paper.
+//! M. Hénon, *On the numerical computation of Poincaré maps*, Physica D 5 (1982) 412.
 
 use super::linear::Timed;
 use super::step::stages;

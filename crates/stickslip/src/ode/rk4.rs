@@ -1,8 +1,8 @@
-//! The classical Runge–Kutta method of order 4, which the paper uses with a fixed step.
+//! The classical Runge–Kutta method of order 4.
 
 use super::tableau::{Coefficients, Embedded, RungeKutta, row, rows};
 
-/// The paper's integrator (Sect. 3): classical, order 4, fixed step, cubic Hermite interpolant.
+/// Kutta's method of order 4 with a fixed step and the cubic Hermite interpolant.
 #[derive(Clone, Copy, Debug)]
 pub struct Rk4;
 

@@ -4,14 +4,15 @@
 
 use stickslip::analysis::{Monodromy, PeriodicOrbit, Spectrum, SpectrumOptions};
 use stickslip::dynamics::Components;
-use stickslip::models::{BeltOscillator, BlockAndBracket, ForcedOscillator};
 use stickslip::{Error, Failure, Observer, Options, Orbit, OrbitWithEvents, Summary, analysis};
 
 use stickslip::system::IntoState;
 
+use crate::blocks::{Block, Bracket};
 use crate::constant_fields::ConstantFields;
 use crate::corners::{CornerOfBoundary, CornerOfField, Creep, EqualInStick, Weaker};
 use crate::den_hartog::DenHartog;
+use crate::ensemble::{self, CompiledBlock, Edge};
 use crate::flat::{Driven, Narrow, Square};
 use crate::grazes;
 use crate::listed::{Listed, traced};
@@ -32,12 +33,13 @@ use crate::two_folds::{Folds, Random};
 /// `typed!(Name, n: Variant(Type), …)`: the type `Name` of the systems of `n` states that branch on
 /// values.
 macro_rules! typed {
-    ($any:ident, $n:literal: $($name:ident($system:ty)),* $(,)?) => {
-        pub enum $any<'a> {
-            $($name(&'a $system)),*
+    ($(#[$derived:meta])* $any:ident, $n:literal: $($name:ident($system:ty)),* $(,)?) => {
+        $(#[$derived])*
+        pub enum $any {
+            $($name($system)),*
         }
 
-        impl stickslip::Filippov<$n> for $any<'_> {
+        impl stickslip::Filippov<$n> for $any {
             #[inline(never)]
             fn field<T: stickslip::Scalar>(
                 &self,
@@ -58,9 +60,9 @@ macro_rules! typed {
         }
 
         $(impl $crate::listed::Listed<$n> for $system {
-            type Any<'a> = $any<'a>;
-            fn any(&self) -> $any<'_> {
-                $any::$name(self)
+            type Any<'a> = $any;
+            fn any(&self) -> $any {
+                $any::$name(*self)
             }
             fn dynamics(&self) -> stickslip::dynamics::DynamicsRef<'_> {
                 stickslip::dynamics::AsDynamics::into_dynamics(self.any())
@@ -80,13 +82,18 @@ typed!(Any1, 1: Brink(Brink), ComesToRest(ComesToRest), Valley(Valley));
 
 traced!(
     2:
-    BeltOscillator, Ceiling, CornerOfBoundary, CornerOfField, Creep, DenHartog, Dip, Driven,
-    EqualInStick, Floor, ForcedOscillator, FromSupport, Ledge, Smooth<Linear<2>>, Overflowing,
-    Parabola, Pit, Pushed, Ramp, Refracting, Reversed<BeltOscillator>, Reversed<ForcedOscillator>,
+    Block, Ceiling, CornerOfBoundary, CornerOfField, Creep, DenHartog, Dip, Driven,
+    EqualInStick, Floor, FromSupport, Ledge, Smooth<Linear<2>>, Overflowing,
+    Parabola, Pit, Pushed, Ramp, Refracting, Reversed<Block>,
     grazes::Shaken, SoftStop, grazes::AtRest, Spiral, Slippery, StaticFriction, Turn, TwoFold, Zeno,
 );
 
-typed!(Any2, 2: Bilinear(Bilinear), Gate(Gate), Kink(Kink));
+typed!(
+    #[derive(Clone, Copy, PartialEq)]
+    Oscillator, 2:
+    Belt(CompiledBlock), Bilinear(Bilinear), Edge(Edge), Gate(Gate), Kink(Kink),
+    Steep(ensemble::Steep),
+);
 
 traced!(
     3:
@@ -95,7 +102,7 @@ traced!(
 
 traced!(
     4:
-    BlockAndBracket, Pair, Pressed, Weaker,
+    Bracket, Pair, Pressed, Weaker,
 );
 
 pub fn solve<S: Listed<N>, const N: usize>(

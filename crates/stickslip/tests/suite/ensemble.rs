@@ -2,21 +2,20 @@
 
 use std::ops::ControlFlow;
 
-use stickslip::models::{BeltOscillator, BlockAndBracket, Caption, Reading};
 use stickslip::{
     Counters, Failure, Filippov, Method, Observer, Options, Scalar, Side, Start, State, StepRecord,
     Summary, Transition, ensemble, run,
 };
+
+use crate::any_system::Oscillator;
+use crate::blocks::{Block, Bracket};
 
 const T_END: f64 = 10.0;
 
 /// Both starts and parameters vary.
 fn start(k: usize) -> Start<Oscillator, 2> {
     let part = k as f64 / 6000.0;
-    let system = Oscillator::Belt(BeltOscillator {
-        belt_speed: 0.2 + 0.4 * part,
-        ..BeltOscillator::default()
-    });
+    let system = Oscillator::Belt(CompiledBlock(Block::on_belt(0.2 + 0.4 * part)));
     // One of them cannot start.
     let x = if k == 4321 {
         f64::NAN
@@ -223,11 +222,8 @@ fn orbits_side_by_side_branch_stop_and_fail_each_on_its_own() {
     // orbit that escapes.
     let bracket = |k: usize| {
         let part = k as f64 / 300.0;
-        let model = BlockAndBracket::from_caption(&Caption::FIG11, &Reading::exact());
-        let system = BlockAndBracket {
-            unloading: 0.3 * (k / 30) as f64,
-            ..model.expect("allowed")
-        };
+        let unloading = 0.3 * (k / 30) as f64;
+        let system = Bracket { unloading };
         let x = State::from([0.1, 0.1 + part, 0.1, if k == 77 { 1e9 } else { 0.1 }]);
         Start { system, t: 0.0, x }
     };
@@ -322,30 +318,16 @@ fn steps_whose_ends_show_what_series_do_not_have_the_bits_of_one_alone_too() {
     assert_same_orbits(&start, 240, 15.0, &options);
 }
 
-/// The systems of two states as one type, so that the solver is compiled once for all of them.
+/// A block by its compiled functions, not by formulas.
 #[derive(Clone, Copy, PartialEq)]
-pub enum Oscillator {
-    Belt(BeltOscillator),
-    Edge(Edge),
-    Steep(Steep),
-}
+pub struct CompiledBlock(pub Block);
 
-impl Filippov<2> for Oscillator {
-    #[inline(never)]
+impl Filippov<2> for CompiledBlock {
     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
-        match self {
-            Oscillator::Belt(system) => system.field(side, t, x),
-            Oscillator::Edge(system) => system.field(side, t, x),
-            Oscillator::Steep(system) => system.field(side, t, x),
-        }
+        self.0.field(side, t, x)
     }
-    #[inline(never)]
     fn boundary<T: Scalar>(&self, t: T, x: &[T; 2]) -> T {
-        match self {
-            Oscillator::Belt(system) => system.boundary(t, x),
-            Oscillator::Edge(system) => system.boundary(t, x),
-            Oscillator::Steep(system) => system.boundary(t, x),
-        }
+        self.0.boundary(t, x)
     }
 }
 

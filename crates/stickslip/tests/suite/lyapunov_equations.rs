@@ -4,7 +4,6 @@ use std::ops::ControlFlow;
 
 use stickslip::analysis::{Exponent, Growth, Spectrum, SpectrumOptions, multipliers, saltation};
 use stickslip::dynamics::Matrix;
-use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::{
     Error, Filippov, Mode, Observer, Options, Scalar, Side, State, Transition, TransitionKind, math,
 };
@@ -13,7 +12,9 @@ use crate::any_system::{
     lyapunov_spectrum, lyapunov_spectrum_watched, monodromy, periodic_orbit, periodic_orbit_forced,
     run,
 };
+use crate::blocks::Block;
 use crate::smooth::{Field, Lorenz, Smooth};
+use crate::solver::systems::{coulomb_friction, decaying_friction};
 
 fn values<const N: usize>(spectrum: &Spectrum) -> [f64; N] {
     let values: Vec<f64> = spectrum.exponents.iter().map(Exponent::value).collect();
@@ -243,7 +244,7 @@ fn roessler() {
 
 #[test]
 fn a_cycle_across_the_boundary_has_zero_and_the_logarithm_of_its_multiplier() {
-    let belt = BeltOscillator::default();
+    let belt = Block::on_belt(1.0);
     let solver = Options::tol(1e-13);
     let cycle = periodic_orbit(&belt, State::from([-0.27, -0.73]), 7.7, &solver).unwrap();
     let [trivial, multiplier]: [_; 2] = multipliers(&cycle.monodromy).try_into().unwrap();
@@ -265,13 +266,7 @@ fn a_cycle_across_the_boundary_has_zero_and_the_logarithm_of_its_multiplier() {
 fn stick_annihilates_one_direction_and_is_counted() {
     // P2: x'' = -x ± 1/(1 + |v|) on a belt of speed 0.2. It sticks once in every period of
     // 9.230770458….
-    let belt = BeltOscillator {
-        k1: -1.0,
-        k2: 0.0,
-        mu0: 1.0,
-        belt_speed: 0.2,
-        ..BeltOscillator::default()
-    };
+    let belt = decaying_friction();
     let period = 9.230_770_458_082_978;
     let settings = SpectrumOptions::over(5.0 * period, 20.0 * period).solver(Options::tol(1e-12));
     let spectrum = lyapunov_spectrum(&belt, (0.0, State::from([0.04, -0.01])), &settings).unwrap();
@@ -301,14 +296,7 @@ fn stick_annihilates_one_direction_and_is_counted() {
 #[test]
 fn sticking_for_good_leaves_positions_neutral() {
     // P1: a block on a floor, x'' = -x - 0.4 sgn x', at rest from t = 4π on.
-    let floor = BeltOscillator {
-        k1: -1.0,
-        k2: 0.0,
-        mu0: 0.4,
-        delta: 0.0,
-        belt_speed: 0.0,
-        ..BeltOscillator::default()
-    };
+    let floor = coulomb_friction(0.4, 0.0);
     let settings = SpectrumOptions::over(20.0, 10.0);
     let spectrum = lyapunov_spectrum(&floor, (0.0, State::from([3.0, 0.0])), &settings).unwrap();
     assert_eq!(values(&spectrum), [0.0, f64::NEG_INFINITY]);
@@ -317,7 +305,7 @@ fn sticking_for_good_leaves_positions_neutral() {
 
 #[test]
 fn stick_on_the_way_to_an_attractor_without_it_annihilates_nothing() {
-    let belt = BeltOscillator::default();
+    let belt = Block::on_belt(1.0);
     #[derive(Default)]
     struct Sticks {
         entries: usize,
@@ -414,7 +402,7 @@ fn the_sum_of_the_exponents_is_mean_divergence_and_saltation() {
 
 /// A forced oscillator relative to its support: the same motion in `(z, z')`, `z = x − A sin ωt`,
 /// where the boundary moves.
-pub struct FromSupport(ForcedOscillator);
+pub struct FromSupport(Block);
 impl FromSupport {
     fn velocity<T: Scalar>(&self, t: T) -> T {
         (t * self.0.omega).cos() * (self.0.amplitude * self.0.omega)
@@ -438,7 +426,7 @@ impl Filippov<2> for FromSupport {
 
 #[test]
 fn a_moving_boundary_gives_the_floquet_exponents_too() {
-    let model = ForcedOscillator::default();
+    let model = Block::shaken();
     let period = model.period();
     let solver = Options::tol(1e-13);
     let settled = run(
@@ -473,14 +461,14 @@ fn a_moving_boundary_gives_the_floquet_exponents_too() {
 
 #[test]
 fn stick_to_a_moving_boundary_annihilates_as_stick_to_a_fixed_one() {
-    let model = ForcedOscillator {
+    let model = Block {
         mass: 1.0,
         k2: 0.0,
         mu0: 1.0,
         belt_speed: 0.2,
         amplitude: 0.8,
         omega: 1.3,
-        ..ForcedOscillator::default()
+        ..Block::shaken()
     };
     let period = model.period();
     let settings =
@@ -542,7 +530,7 @@ impl Filippov<1> for Fork {
 
 #[test]
 fn settings_and_orbits_without_a_future_are_refused() {
-    let belt = BeltOscillator::default();
+    let belt = Block::on_belt(1.0);
     let start = (0.0, State::from([0.5, 0.5]));
     let good = SpectrumOptions::over(1.0, 1.0);
     let bad = [

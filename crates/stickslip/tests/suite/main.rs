@@ -6,6 +6,7 @@
 )]
 
 mod any_system;
+mod blocks;
 #[path = "../common/constant_fields.rs"]
 mod constant_fields;
 mod corners;
@@ -17,7 +18,6 @@ mod grazes;
 #[path = "../common/listed.rs"]
 mod listed;
 mod lyapunov_equations;
-mod models;
 mod no_allocation;
 mod periodic;
 mod pulses;

@@ -2,9 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::{Locator, Method, Observer, Options, State, StepRecord, Transition, run};
 
+use crate::blocks::Block;
 use crate::listed::Listed;
 
 /// Counts and stores nothing.
@@ -41,10 +41,9 @@ fn no_allocation_in_a_run_of_any_length() {
         allocation_counter::measure(|| drop(std::hint::black_box(Box::new(1.0)))).count_total,
         1
     );
-    let belt = BeltOscillator {
-        belt_speed: 0.2,
+    let belt = Block {
         mu0: 0.5,
-        ..BeltOscillator::default()
+        ..Block::on_belt(0.2)
     };
     let fixed = Method::Rk4 { step: 0.01 };
     for locator in [Locator::Auto, Locator::Henon, Locator::RootSearch] {
@@ -56,10 +55,7 @@ fn no_allocation_in_a_run_of_any_length() {
             assert_eq!((short, long), (0, 0));
             assert!(few.transitions >= 8 && many.transitions > 9 * few.transitions);
             assert!(many.steps > 9 * few.steps);
-            assert_eq!(
-                allocations(&ForcedOscillator::default(), 5.0, &options).0,
-                0
-            );
+            assert_eq!(allocations(&Block::shaken(), 5.0, &options).0, 0);
         }
     }
 }

@@ -6,7 +6,6 @@ use std::f64::consts::PI;
 use stickslip::Direction::{Both, Falling, Rising};
 use stickslip::analysis::{PoincareMap, multipliers};
 use stickslip::dynamics::{Matrix, Vector};
-use stickslip::models::BeltOscillator;
 use stickslip::system::IntoState;
 use stickslip::{
     Direction, Ending, Error, EventFunctions, Happening, Integration, Method, Mode, Options, Plane,
@@ -14,6 +13,7 @@ use stickslip::{
 };
 
 use crate::any_system::{monodromy, periodic_orbit, solve, solve_with_events};
+use crate::blocks::Block;
 use crate::den_hartog::DenHartog;
 use crate::listed::Listed;
 use crate::solver::systems::{Floor, decaying_friction};
@@ -342,7 +342,7 @@ fn a_zero_at_the_end_of_the_run_is_reported() {
 
 #[test]
 fn a_run_that_fails_keeps_the_events_before() {
-    let belt = BeltOscillator::default();
+    let belt = Block::on_belt(1.0);
     let place = watch(Function::Level(0, 0.7), Rising);
     let options = Options::default().escape(1.0);
     let failure = solve_with_events(&belt, &place, 0.0, [0.5, 0.9], 50.0, &options).unwrap_err();
@@ -405,7 +405,7 @@ fn first_return<S: Listed<2>>(
 fn the_derivative_is_that_of_differences() {
     const CHANGE: f64 = 1e-5;
     // Across Σ twice, and across a plane that is not a level of either component.
-    let belt = BeltOscillator::default();
+    let belt = Block::on_belt(1.0);
     let section = Plane {
         point: State::from([0.1, 0.0]),
         normal: State::from([1.0, 0.3]),
@@ -437,7 +437,7 @@ fn the_derivative_is_that_of_differences() {
 
 #[test]
 fn on_a_cycle_it_has_the_cycle_s_multiplier() {
-    let belt = BeltOscillator::default();
+    let belt = Block::on_belt(1.0);
     let options = Options::tol(1e-13);
     let cycle = periodic_orbit(&belt, [-0.27, -0.73], 7.7, &options).unwrap();
     let [_, other]: [_; 2] = multipliers(&cycle.monodromy).try_into().unwrap();
@@ -463,7 +463,7 @@ fn on_a_cycle_it_has_the_cycle_s_multiplier() {
 fn an_exit_at_a_tangent_point_passes_a_section_that_is_the_boundary_with_no_derivative() {
     let mut derivatives = 0;
     for speed in [0.1, 0.15, 0.2, 0.25, 0.3, 0.35] {
-        let belt = BeltOscillator {
+        let belt = Block {
             belt_speed: speed,
             ..decaying_friction()
         };

@@ -4,15 +4,15 @@
 use std::f64::consts::PI;
 
 use stickslip::analysis::{Exponent, SpectrumOptions};
-use stickslip::models::{BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading};
 use stickslip::{
     Error, Filippov, Method, Options, Orbit, Scalar, Side, State, TransitionKind, math,
 };
 
-use crate::any_system::{lyapunov_spectrum, solve};
-use crate::ensemble::Oscillator;
+use crate::any_system::{Oscillator, lyapunov_spectrum, solve};
+use crate::blocks::{Block, Bracket};
+use crate::ensemble::CompiledBlock;
 use crate::listed::Listed;
-use crate::solver::systems::{Floor, Parabola};
+use crate::solver::systems::{Floor, Parabola, decaying_friction};
 
 fn taylor(tolerance: f64) -> Options {
     Options::tol(tolerance).method(Method::Taylor)
@@ -46,15 +46,8 @@ fn worst_time(orbit: &Orbit<2>, table: &str) -> f64 {
 
 #[test]
 fn events_of_orbits_that_forget_errors_are_exact_to_1e_14() {
-    let decaying = BeltOscillator {
-        k1: -1.0,
-        k2: 0.0,
-        mu0: 1.0,
-        belt_speed: 0.2,
-        ..BeltOscillator::default()
-    };
     let start = State::from([0.04, -0.01]);
-    let orbit = solve(&decaying, 0.0, start, 40.0, &taylor(TIGHTEST)).expect("runs");
+    let orbit = solve(&decaying_friction(), 0.0, start, 40.0, &taylor(TIGHTEST)).expect("runs");
     let worst = worst_time(
         &orbit,
         include_str!("../../../../data/references/decay.csv"),
@@ -64,10 +57,7 @@ fn events_of_orbits_that_forget_errors_are_exact_to_1e_14() {
 
 #[test]
 fn events_of_an_orbit_that_enlarges_errors_by_thousands_are_exact_to_5e_13() {
-    let belt = BeltOscillator {
-        belt_speed: 0.4,
-        ..BeltOscillator::default()
-    };
+    let belt = Block::on_belt(0.4);
     let start = State::from([0.5, 1.5]);
     let orbit = solve(&belt, 0.0, start, 30.0, &taylor(TIGHTEST)).expect("runs");
     let worst = worst_time(
@@ -94,17 +84,10 @@ fn swings_on_the_floor_end_at_multiples_of_pi_to_1e_14() {
     }
 }
 
-fn fig11() -> BlockAndBracket {
-    BlockAndBracket::from_caption(&Caption::FIG11, &Reading::exact()).expect("allowed")
-}
-
 #[test]
 fn a_normal_force_that_is_clipped_ends_steps_where_it_is() {
     // The contact is unloaded until it is lost in every oscillation.
-    let model = BlockAndBracket {
-        unloading: 3.0,
-        ..fig11()
-    };
+    let model = Bracket { unloading: 3.0 };
     let start = State::from([0.1, 0.1, 0.1, 0.1]);
     let by_taylor = solve(&model, 0.0, start, 60.0, &taylor(1e-14)).expect("runs");
     let by_runge_kutta = solve(&model, 0.0, start, 60.0, &Options::tol(1e-14)).expect("runs");
@@ -125,6 +108,7 @@ fn a_normal_force_that_is_clipped_ends_steps_where_it_is() {
 }
 
 /// `x' = 1` and `y' = max(x, 0)` or `|x|`, by a comparison or by reading the value.
+#[derive(Clone, Copy, PartialEq)]
 pub struct Kink {
     pub by_value: bool,
 }
@@ -179,11 +163,10 @@ fn dense_output_is_as_exact_as_the_steps() {
 
 #[test]
 fn a_longer_run_allocates_no_more() {
-    let belt = Oscillator::Belt(BeltOscillator {
-        belt_speed: 0.2,
+    let belt = Oscillator::Belt(CompiledBlock(Block {
         mu0: 0.5,
-        ..BeltOscillator::default()
-    });
+        ..Block::on_belt(0.2)
+    }));
     let count = |t_end: f64| {
         let info = allocation_counter::measure(|| {
             let start = State::from([0.1, 0.2]);
@@ -197,10 +180,7 @@ fn a_longer_run_allocates_no_more() {
 
 #[test]
 fn tangent_vectors_travel_along_taylor_steps() {
-    let belt = BeltOscillator {
-        belt_speed: 0.2,
-        ..BeltOscillator::default()
-    };
+    let belt = Block::on_belt(0.2);
     let settings = SpectrumOptions {
         solver: taylor(1e-10),
         ..SpectrumOptions::over(50.0, 300.0)
@@ -212,8 +192,8 @@ fn tangent_vectors_travel_along_taylor_steps() {
 }
 
 #[test]
-fn the_forced_oscillator_is_the_same_by_taylor_and_by_runge_kutta() {
-    let model = ForcedOscillator::default();
+fn a_shaken_block_is_the_same_by_taylor_and_by_runge_kutta() {
+    let model = Block::shaken();
     let start = State::from([0.1, 0.2]);
     let end = |options: &Options| solve(&model, 0.0, start, 5.0, options).map(|orbit| orbit.x_end);
     let (one, other) = (end(&taylor(1e-13)), end(&Options::tol(1e-13)));
@@ -297,6 +277,7 @@ impl Filippov<2> for Pit {
 }
 
 /// The same, by reading the value.
+#[derive(Clone, Copy, PartialEq)]
 pub struct Gate {
     pub radius: f64,
 }
@@ -391,6 +372,7 @@ fn a_contact_on_a_branch_by_value_is_one_touch_where_it_turns_back() {
 }
 
 /// `x = t` to a boundary at `x = 3/4` that is undefined beyond 1 and branches by value before.
+#[derive(Clone, Copy)]
 pub struct Brink;
 
 impl Filippov<1> for Brink {
@@ -622,6 +604,7 @@ fn a_comparison_that_changes_there_and_back_within_a_step_is_not_passed_over() {
 
 /// An oscillator whose spring is four times as stiff above its equilibrium as below. From time 500
 /// on it is pushed up with a growing force, or pulled down at once. Σ is far away.
+#[derive(Clone, Copy, PartialEq)]
 pub struct Bilinear {
     rest: f64,
     damping: f64,
@@ -709,6 +692,7 @@ fn an_oscillator_comes_to_rest_on_its_kink_and_leaves_it_again() {
 }
 
 /// Falls to zero from both sides at speed one, by a comparison; Σ is far away.
+#[derive(Clone, Copy)]
 pub struct Valley;
 
 impl Filippov<1> for Valley {

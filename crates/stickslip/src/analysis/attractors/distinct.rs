@@ -33,11 +33,11 @@ const SAME_CLOSENESSES: f64 = 10.0;
 /// the future is not unique.
 ///
 /// ```
+#[doc = include_str!("../../../examples/common/belt.rs")]
 /// use stickslip::Options;
 /// use stickslip::analysis::{Attractors, RecurrenceSettings, attractor};
-/// use stickslip::models::BeltOscillator;
 ///
-/// let belt = BeltOscillator { belt_speed: 0.2, ..BeltOscillator::default() };
+/// let belt = Belt { speed: 0.2 };
 /// let (settings, options) = (RecurrenceSettings::within(500.0), Options::default());
 /// let mut attractors = Attractors::new(&belt, &settings, &options);
 /// for start in [[0.5, 0.1], [-0.5, 0.3], [0.1, 0.0]] {

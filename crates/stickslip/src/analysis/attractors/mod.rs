@@ -111,10 +111,11 @@ impl RecurrenceSettings {
 /// later failure is an [`AttractorKind`].
 ///
 /// ```
+#[doc = include_str!("../../../examples/common/belt.rs")]
+/// use stickslip::Options;
 /// use stickslip::analysis::{AttractorKind, RecurrenceSettings, attractor};
-/// use stickslip::{Options, models::BeltOscillator};
 ///
-/// let belt = BeltOscillator { belt_speed: 0.2, ..BeltOscillator::default() };
+/// let belt = Belt { speed: 0.2 };
 /// let settings = RecurrenceSettings::within(500.0);
 /// let found = attractor(&belt, [0.5, 0.1], &settings, &Options::default())?;
 /// assert!(matches!(found.kind, AttractorKind::Periodic { .. }));

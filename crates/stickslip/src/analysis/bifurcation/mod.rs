@@ -138,10 +138,11 @@ impl WhatChanges {
 /// [`locate_changes`] finds what happens between two values.
 ///
 /// ```
+#[doc = include_str!("../../../examples/common/belt.rs")]
+/// use stickslip::Options;
 /// use stickslip::analysis::{SweepSettings, sweep};
-/// use stickslip::{Options, models::BeltOscillator};
 ///
-/// let family = |belt_speed| BeltOscillator { belt_speed, ..BeltOscillator::default() };
+/// let family = |speed| Belt { speed };
 /// let speeds = (0..5).map(|k| 0.2 + 0.05 * f64::from(k));
 /// let settings = SweepSettings::within(500.0);
 /// let found = sweep(family, speeds, [0.5, 0.1], &settings, &Options::default())?;

@@ -66,16 +66,19 @@ use measurement::Measurement;
 /// Otherwise they have an error that falls as one over the duration.
 ///
 /// ```
-/// use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum};
-/// use stickslip::models::BeltOscillator;
+#[doc = include_str!("../../../examples/common/belt.rs")]
+/// use stickslip::analysis::{Exponent, SpectrumOptions, largest_exponent, lyapunov_spectrum};
 ///
 /// // A slow belt: the block sticks in every period.
-/// let belt = BeltOscillator { belt_speed: 0.2, ..BeltOscillator::default() };
+/// let belt = Belt { speed: 0.2 };
 /// let settings = SpectrumOptions::over(50.0, 500.0);
 /// let spectrum = lyapunov_spectrum(&belt, (0.0, [0.5, 0.1]), &settings)?;
 /// assert!(spectrum.exponents[0].value().abs() < 0.02);
 /// assert_eq!(spectrum.exponents[1], Exponent::Annihilated);
 /// assert!(spectrum.stick_entries > 10);
+/// // One tangent vector is enough for the largest.
+/// let largest = largest_exponent(&belt, (0.0, [0.5, 0.1]), &settings)?;
+/// assert_eq!(largest, spectrum.exponents[0]);
 /// # Ok::<(), stickslip::Error>(())
 /// ```
 ///
@@ -122,17 +125,6 @@ fn measured_alone(
 ///
 /// # Errors
 /// As [`lyapunov_spectrum`].
-///
-/// ```
-/// use stickslip::analysis::{SpectrumOptions, largest_exponent};
-/// use stickslip::models::BeltOscillator;
-///
-/// let belt = BeltOscillator { belt_speed: 0.2, ..BeltOscillator::default() };
-/// let settings = SpectrumOptions::over(50.0, 500.0);
-/// let largest = largest_exponent(&belt, (0.0, [0.5, 0.1]), &settings)?;
-/// assert!(largest.value().abs() < 0.02);
-/// # Ok::<(), stickslip::Error>(())
-/// ```
 pub fn largest_exponent<Kind>(
     system: &impl AsDynamics<Kind>,
     (t, x): (f64, impl Components),

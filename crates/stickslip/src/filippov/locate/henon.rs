@@ -47,7 +47,7 @@ impl<F: Flow<N>, const N: usize> DenseGuard<'_, F, N> {
         (best.rate < 0.0 && best.guard.abs() <= limits.mismatch).then_some(best)
     }
 
-    /// The paper's Hénon step from the start of the integration step, repeated from its end while
+    /// One Hénon step from the start of the integration step, repeated from its end while
     /// more than rounding is left. `None` if the swapped slope is nearly singular on the way. Also
     /// `None` if an ordinary step of that length misses Σ by more than the limit. A step that suits
     /// one independent variable may be too long for the other.

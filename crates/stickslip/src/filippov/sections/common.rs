@@ -37,12 +37,24 @@ impl<const N: usize> EventFunctions<N, 1> for Plane<N> {
 /// `first + 2 period`, ….
 ///
 /// ```
-/// use stickslip::{Options, Strobe, analysis::PoincareMap, models::ForcedOscillator};
+/// use stickslip::{Filippov, Options, Scalar, Side, Strobe, analysis::PoincareMap};
 ///
-/// let system = ForcedOscillator::default();
+/// /// A block on a floor, pushed with period 2.
+/// struct Pushed;
+///
+/// impl Filippov<2> for Pushed {
+///     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
+///         let push = (t * std::f64::consts::PI).cos() * 3.0;
+///         [x[1], push - x[0] - 0.4 * side.sign()]
+///     }
+///     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
+///         x[1]
+///     }
+/// }
+///
 /// let strobe = Strobe { first: 0.0, period: 2.0 };
 /// let options = Options::tol(1e-10);
-/// let mut map = PoincareMap::new(&system, &strobe, (0.0, [0.1, 0.2]), 3.0, &options)?;
+/// let mut map = PoincareMap::new(&Pushed, &strobe, (0.0, [0.1, 0.2]), 3.0, &options)?;
 /// assert!((map.step()?.t - 2.0).abs() < 1e-12);
 /// # Ok::<(), stickslip::Error>(())
 /// ```

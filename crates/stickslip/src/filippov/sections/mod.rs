@@ -43,8 +43,8 @@ impl Direction {
 /// side. A start at zero is no event. A function that is not a number has none.
 ///
 /// ```
-/// use stickslip::models::BeltOscillator;
-/// use stickslip::{Direction, EventFunctions, Options, Scalar, solve_with_events};
+#[doc = include_str!("../../../examples/common/belt.rs")]
+/// use stickslip::{Direction, EventFunctions, Options, solve_with_events};
 ///
 /// /// Where the block passes the place 0.3, and where it turns back.
 /// struct PlaceAndTurn;
@@ -57,7 +57,7 @@ impl Direction {
 ///     }
 /// }
 ///
-/// let belt = BeltOscillator::default();
+/// let belt = Belt { speed: 1.0 };
 /// let options = Options::default();
 /// let found = solve_with_events(&belt, &PlaceAndTurn, 0.0, [0.5, 1.5], 20.0, &options)?;
 /// for event in &found.events {

@@ -19,13 +19,13 @@ use crate::system::{State, components};
 /// [`crate::Watched`].
 ///
 /// ```
+#[doc = include_str!("../../../examples/common/belt.rs")]
 /// use std::ops::ControlFlow;
 /// use stickslip::analysis::{SpectrumOptions, lyapunov_spectrum_watched};
-/// use stickslip::models::BeltOscillator;
 /// use stickslip::{Direction, EventSearch, Observer, Options, Plane, StepRecord};
 ///
 /// /// Returns to a section, counted while exponents are measured.
-/// struct Returns<'a>(EventSearch<'a, BeltOscillator, Plane<2>, 2, 1>, usize);
+/// struct Returns<'a>(EventSearch<'a, Belt, Plane<2>, 2, 1>, usize);
 /// impl Observer<2> for Returns<'_> {
 ///     fn step(&mut self, step: &StepRecord<2>) -> ControlFlow<()> {
 ///         self.1 += self.0.in_step(step).len();
@@ -33,7 +33,7 @@ use crate::system::{State, components};
 ///     }
 /// }
 ///
-/// let belt = BeltOscillator { belt_speed: 0.2, ..BeltOscillator::default() };
+/// let belt = Belt { speed: 0.2 };
 /// // Where the block turns back.
 /// let section = Plane {
 ///     point: [0.0, 0.0].into(),

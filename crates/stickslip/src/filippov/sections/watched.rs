@@ -26,10 +26,10 @@ pub enum Happening<const N: usize, K = Mode> {
 /// without. The [`crate::Counters`] do not contain this work.
 ///
 /// ```
-/// use stickslip::models::BeltOscillator;
+#[doc = include_str!("../../../examples/common/belt.rs")]
 /// use stickslip::{Direction, Happening, Integration, Options, Plane, Progress, Watched};
 ///
-/// let belt = BeltOscillator::default();
+/// let belt = Belt { speed: 1.0 };
 /// let integration = Integration::new(&belt, 0.0, [0.5, 1.5], 20.0, &Options::default())?;
 /// let section = Plane {
 ///     point: [0.0, 0.0].into(),

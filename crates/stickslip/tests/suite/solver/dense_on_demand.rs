@@ -3,11 +3,11 @@
 
 use std::ops::ControlFlow;
 
-use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::{Integration, Observer, Progress, StepRecord, Summary};
 
 use super::tol;
 use crate::any_system::{run, solve};
+use crate::blocks::Block;
 use crate::listed::Listed;
 
 /// The numbered steps for which `asks` requests the dense output, and the end.
@@ -72,13 +72,10 @@ impl Observer<2> for NeverWatches {
 
 #[test]
 fn whoever_asks_the_orbit_and_its_steps_are_the_same() {
-    let belt = BeltOscillator {
-        belt_speed: 0.4,
-        ..BeltOscillator::default()
-    };
+    let belt = Block::on_belt(0.4);
     for tolerance in [1e-4, 1e-8, 1e-12] {
         assert_same_for_all(&belt, [0.5, 1.5], 30.0, tolerance);
-        assert_same_for_all(&ForcedOscillator::default(), [0.0, 0.0], 20.0, tolerance);
+        assert_same_for_all(&Block::shaken(), [0.0, 0.0], 20.0, tolerance);
     }
 }
 
@@ -86,10 +83,7 @@ fn whoever_asks_the_orbit_and_its_steps_are_the_same() {
 /// rejected steps.
 #[test]
 fn whoever_does_not_ask_saves_calls_of_the_field() {
-    let belt = BeltOscillator {
-        belt_speed: 0.4,
-        ..BeltOscillator::default()
-    };
+    let belt = Block::on_belt(0.4);
     let start = [0.5, 1.5];
     let calls = |asks: bool| {
         let (_, end) = follow(&belt, start, 30.0, 1e-12, |_| asks);

@@ -1,15 +1,15 @@
-//! Tests that do not depend on the default method: fixed-step methods and the models' parameters.
-//! They run once, not for every method.
+//! Tests that do not depend on the default method: fixed-step methods and a parameter that is
+//! refused. They run once, not for every method.
 
 use stickslip::TransitionKind::Touch;
 use stickslip::analysis::SpectrumOptions;
-use stickslip::models::{BeltOscillator, ForcedOscillator};
-use stickslip::{Error, Filippov, Method, Options, State};
+use stickslip::{Error, Method, Options, State};
 
 use super::check::{TIGHT, kinds};
 use super::errors::{assert_kept, assert_says, failure};
 use super::problems::grazing::{assert_two_crossings, parabola};
 use crate::any_system::lyapunov_spectrum_watched;
+use crate::blocks::Block;
 use crate::solver::systems::BlowUp;
 
 #[test]
@@ -53,98 +53,10 @@ fn fixed_steps_into_a_pole_are_reported_with_their_length() {
 }
 
 #[test]
-fn parameters_out_of_range() {
-    let belt = BeltOscillator::default();
-    let forced = ForcedOscillator::default();
-    for bad in [-1.0, f64::NAN, f64::INFINITY] {
-        let cases = [
-            (BeltOscillator { mass: bad, ..belt }.checked().err(), "mass"),
-            (BeltOscillator { mu0: bad, ..belt }.checked().err(), "mu0"),
-            (
-                BeltOscillator { delta: bad, ..belt }.checked().err(),
-                "delta",
-            ),
-            (
-                BeltOscillator {
-                    belt_speed: bad,
-                    ..belt
-                }
-                .checked()
-                .err(),
-                "belt_speed",
-            ),
-            (
-                ForcedOscillator {
-                    mass: bad,
-                    ..forced
-                }
-                .checked()
-                .err(),
-                "mass",
-            ),
-            (
-                ForcedOscillator { mu0: bad, ..forced }.checked().err(),
-                "mu0",
-            ),
-            (
-                ForcedOscillator {
-                    delta: bad,
-                    ..forced
-                }
-                .checked()
-                .err(),
-                "delta",
-            ),
-            (
-                ForcedOscillator {
-                    belt_speed: bad,
-                    ..forced
-                }
-                .checked()
-                .err(),
-                "belt_speed",
-            ),
-            (
-                ForcedOscillator {
-                    omega: bad,
-                    ..forced
-                }
-                .checked()
-                .err(),
-                "omega",
-            ),
-        ];
-        for (error, name) in cases {
-            let error = error.unwrap_or_else(|| panic!("{name} = {bad} was taken"));
-            assert!(
-                matches!(error, Error::Parameter { name: n, .. } if n == name),
-                "{error}"
-            );
-            assert_says(&error, &[name, &bad.to_string(), "must be"]);
-        }
-    }
-    assert!(BeltOscillator { mass: 0.0, ..belt }.checked().is_err());
-    for bad in [f64::NAN, f64::NEG_INFINITY] {
-        assert!(BeltOscillator { k1: bad, ..belt }.checked().is_err());
-        assert!(BeltOscillator { k2: bad, ..belt }.checked().is_err());
-        assert!(
-            ForcedOscillator {
-                amplitude: bad,
-                ..forced
-            }
-            .checked()
-            .is_err()
-        );
-    }
-    assert_eq!(belt.checked(), Ok(belt));
-    assert_eq!(forced.checked(), Ok(forced));
-}
-
-#[test]
 fn no_run_begins_with_parameters_out_of_range() {
-    let belt = BeltOscillator {
+    let belt = Block {
         mass: -1.0,
-        ..BeltOscillator::default()
+        ..Block::on_belt(1.0)
     };
     let refused = failure(&belt, 0.0, State::from([0.5, 0.1]), 1.0, &super::tol(1e-10));
     assert_says(&refused, &["mass", "-1", "positive"]);

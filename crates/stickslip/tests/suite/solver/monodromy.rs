@@ -4,11 +4,11 @@ use nalgebra::SMatrix;
 use stickslip::TransitionKind::StickEntry;
 use stickslip::analysis::multipliers;
 use stickslip::dynamics::Matrix;
-use stickslip::models::BeltOscillator;
 use stickslip::{Mode, Side, State, math};
 
 use super::check::{TIGHT, kinds};
 use crate::any_system::{monodromy, periodic_orbit, solve};
+use crate::blocks::Block;
 use crate::listed::Listed;
 use crate::solver::systems::{
     Dip, Floor, MovingLine, Pair, Spiral, StaticFriction, decaying_friction,
@@ -90,13 +90,7 @@ fn crossings_of_the_floor_and_of_the_circle() {
 fn stick_takes_one_from_the_rank() {
     let cases = [
         (decaying_friction(), [0.04, -0.01]),
-        (
-            BeltOscillator {
-                belt_speed: 0.4,
-                ..BeltOscillator::default()
-            },
-            [0.5, 1.5],
-        ),
+        (Block::on_belt(0.4), [0.5, 1.5]),
     ];
     for (belt, start) in cases {
         let start = State::from(start);
@@ -118,7 +112,7 @@ fn stick_takes_one_from_the_rank() {
 }
 
 /// Number of entries into stick up to each of the times.
-fn sticks_by(belt: &BeltOscillator, start: State<2>, times: &[f64]) -> Vec<(f64, usize)> {
+fn sticks_by(belt: &Block, start: State<2>, times: &[f64]) -> Vec<(f64, usize)> {
     let orbit = solve(belt, 0.0, start, 100.0, &super::tol(TIGHT)).expect("runs");
     let entered = |t: &f64| orbit.sticks().filter(|stick| stick.t_start < *t).count();
     times.iter().map(|t| (*t, entered(t))).collect()
@@ -157,7 +151,7 @@ fn a_moving_boundary_is_crossed_slid_on_and_left() {
 
 #[test]
 fn the_cycle_without_stick_has_the_multiplier_of_its_return_map() {
-    let belt = BeltOscillator::default();
+    let belt = Block::on_belt(1.0);
     let options = super::tol(TIGHT);
     let guess = State::from([-0.27, -0.73]);
     let cycle = periodic_orbit(&belt, guess, 7.7, &options).expect("converges");
@@ -209,10 +203,7 @@ fn static_friction_that_gives_way_jumps() {
 /// slip.
 #[test]
 fn a_start_in_stick_forgets_what_is_across_the_boundary() {
-    let belt = BeltOscillator {
-        belt_speed: 0.2,
-        ..BeltOscillator::default()
-    };
+    let belt = Block::on_belt(0.2);
     let start = State::from([-0.1, 0.2]);
     let orbit = solve(&belt, 0.0, start, 3.0, &super::tol(TIGHT)).expect("runs");
     assert_eq!(orbit.phases[0].mode, Mode::Stick);

@@ -3,13 +3,13 @@
 
 use std::f64::consts::PI;
 
-use stickslip::models::BeltOscillator;
 use stickslip::ode::{Dop853, Rk4, RungeKutta, Timed, henon_step};
 use stickslip::statistics::PowerLaw;
 use stickslip::{Locator, Method, Options, Orbit, State, math};
 
 use super::check::changes;
 use crate::any_system::{monodromy, solve};
+use crate::blocks::Block;
 use crate::solver::systems::{Breathing, Floor, decaying_friction};
 
 /// Exponent of the error as a power of the step or of the tolerance.
@@ -222,10 +222,7 @@ fn the_dense_output_errs_by_the_fourth_power_of_the_step_and_by_the_eighth() {
 
 #[test]
 fn the_error_of_a_sensitive_orbit_follows_the_tolerance_and_is_the_flow_of_each_step_s_own() {
-    let belt = BeltOscillator {
-        belt_speed: 0.4,
-        ..BeltOscillator::default()
-    };
+    let belt = Block::on_belt(0.4);
     let (start, end) = (State::from([0.5, 1.5]), 30.0);
     let exact = |t: f64, x: State<2>, to: f64| {
         let options = Options::tol(1e-15).method(Method::Taylor);

@@ -1,4 +1,4 @@
-//! Properties of every orbit of the paper's models, for random parameters and starts (from a fixed
+//! Properties of every orbit of a block on a belt, for random parameters and starts (from a fixed
 //! seed).
 
 use std::ops::ControlFlow;
@@ -6,15 +6,15 @@ use std::ops::ControlFlow;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 use stickslip::filippov::normal_component;
-use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::{Mode, Observer, Orbit, Side, State, Transition, TransitionKind};
 
 use super::check::{assert_consistent, changes, ulp_of_boundary};
 use crate::any_system::{monodromy, run, solve};
+use crate::blocks::Block;
 use crate::listed::Listed;
 use crate::solver::systems::Reversed;
 
-fn belt() -> impl Strategy<Value = BeltOscillator> {
+fn belt() -> impl Strategy<Value = Block> {
     (
         0.3..3.0f64,
         -1.0..1.5f64,
@@ -23,17 +23,17 @@ fn belt() -> impl Strategy<Value = BeltOscillator> {
         0.0..2.0f64,
         0.05..1.5f64,
     )
-        .prop_map(|(mass, k1, k2, mu0, delta, belt_speed)| BeltOscillator {
+        .prop_map(|(mass, k1, k2, mu0, delta, belt_speed)| Block {
             mass,
             k1,
             k2,
             mu0,
             delta,
-            belt_speed,
+            ..Block::on_belt(belt_speed)
         })
 }
 
-fn forced() -> impl Strategy<Value = ForcedOscillator> {
+fn forced() -> impl Strategy<Value = Block> {
     (
         0.1..2.0f64,
         0.5..2.0f64,
@@ -44,10 +44,10 @@ fn forced() -> impl Strategy<Value = ForcedOscillator> {
         0.3..4.0f64,
     )
         .prop_map(
-            |(mass, k1, mu0, delta, belt_speed, amplitude, omega)| ForcedOscillator {
+            |(mass, k1, mu0, delta, belt_speed, amplitude, omega)| Block {
                 mass,
-                k1,
-                k2: 0.1,
+                k1: -k1,
+                k2: -0.1,
                 mu0,
                 delta,
                 belt_speed,
@@ -72,7 +72,7 @@ fn seeded(cases: u32) -> Config {
 
 const TOLERANCE: f64 = 1e-12;
 
-/// The run, or `None` if it escapes: the forced model's spring pushes outwards at large distances.
+/// The run, or `None` if it escapes: a softening spring pushes outwards at large distances.
 fn orbit_of<S: Listed<2>>(system: &S, x0: State<2>, t_end: f64) -> Option<Orbit<2>> {
     solve(system, 0.0, x0, t_end, &super::tol(TOLERANCE).escape(20.0)).ok()
 }

@@ -3,11 +3,11 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::{AtRepelling, Ending, Fate, Mode, Side, State, fate, math};
 
 use super::check::{TIGHT, assert_consistent, kinds};
 use crate::any_system::solve;
+use crate::blocks::Block;
 use crate::constant_fields::ConstantFields;
 use crate::listed::Listed;
 use crate::solver::systems::{
@@ -32,10 +32,7 @@ fn each_of_the_six_tangent_points_is_left_the_way_its_visibility_says() {
         (-math::cos(PI / 9.0), Mode::Stick),
     ];
     for belt_speed in [1.0, 0.4] {
-        let belt = BeltOscillator {
-            belt_speed,
-            ..BeltOscillator::default()
-        };
+        let belt = Block::on_belt(belt_speed);
         for (factor, mode) in points {
             let start = State::from([scale * factor, belt_speed]);
             let orbit = solve(&belt, 0.0, start, 0.05, &super::tol(TIGHT)).expect("runs");
@@ -98,15 +95,12 @@ fn assert_repeats<S: Listed<N>, const N: usize>(
 fn a_run_from_any_transition_repeats_the_rest() {
     assert_repeats(
         "cycle",
-        &BeltOscillator::default(),
+        &Block::on_belt(1.0),
         0.0,
         State::from([0.5, 1.5]),
         60.0,
     );
-    let slow = BeltOscillator {
-        belt_speed: 0.4,
-        ..BeltOscillator::default()
-    };
+    let slow = Block::on_belt(0.4);
     assert_repeats("slow belt", &slow, 0.0, State::from([0.5, 1.5]), 40.0);
     assert_repeats(
         "decaying",
@@ -131,7 +125,7 @@ fn a_run_from_any_transition_repeats_the_rest() {
     );
     assert_repeats(
         "forced",
-        &ForcedOscillator::default(),
+        &Block::shaken(),
         0.0,
         State::from([0.1, 0.2]),
         8.0,

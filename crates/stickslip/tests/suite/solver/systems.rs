@@ -3,8 +3,9 @@
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use stickslip::models::BeltOscillator;
 use stickslip::{Filippov, Scalar, Side};
+
+use crate::blocks::Block;
 
 /// `x'' = -x - 0.4 sgn x'`: a block on a floor at rest. Each swing is half a turn of a circle about
 /// ±0.4.
@@ -44,25 +45,23 @@ impl Filippov<2> for StaticFriction {
 }
 
 /// A linear spring and friction that decays with slip speed: `x'' = -x ± 1/(1 + |x' - 0.2|)`.
-pub fn decaying_friction() -> BeltOscillator {
-    BeltOscillator {
+pub fn decaying_friction() -> Block {
+    Block {
         k1: -1.0,
         k2: 0.0,
         mu0: 1.0,
-        belt_speed: 0.2,
-        ..BeltOscillator::default()
+        ..Block::on_belt(0.2)
     }
 }
 
 /// A linear spring and constant friction: circles about ±μ0 in the plane of position and velocity.
-pub fn coulomb_friction(mu0: f64, belt_speed: f64) -> BeltOscillator {
-    BeltOscillator {
+pub fn coulomb_friction(mu0: f64, belt_speed: f64) -> Block {
+    Block {
         k1: -1.0,
         k2: 0.0,
         mu0,
         delta: 0.0,
-        belt_speed,
-        ..BeltOscillator::default()
+        ..Block::on_belt(belt_speed)
     }
 }
 
@@ -255,8 +254,9 @@ impl Filippov<1> for BlowUp {
 
 /// `x' = √(1 - x)`, which comes to rest at 1. Its boundary is far away, and its evaluations are
 /// counted.
+#[derive(Clone, Copy)]
 pub struct ComesToRest {
-    pub looks: AtomicU64,
+    pub looks: &'static AtomicU64,
 }
 
 impl Filippov<1> for ComesToRest {

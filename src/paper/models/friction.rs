@@ -1,7 +1,7 @@
 //! The friction law of Eq. (2): dry friction that weakens with sliding speed.
 
 use super::parameters::not_negative;
-use crate::error::Error;
+use stickslip::Error;
 
 /// `T(v) = sgn(v) μ₀ / (1 + δ|v|)`, Eq. (2), for a unit normal force; at `v = 0` any force in
 /// `[-μ₀, μ₀]`.

@@ -1,10 +1,7 @@
 //! Model 2 of the paper: a block on a belt, tied by a softening spring to a shaken support.
 
 use super::parameters::{finite, not_negative, positive};
-use crate::error::Error;
-use crate::math;
-use crate::scalar::Scalar;
-use crate::system::{Filippov, Side};
+use stickslip::{Error, Filippov, Scalar, Side, math};
 
 /// Eq. (17)–(18): `m ẍ = k2 z³ − k1 z − T(ẋ − vp)`, `z = x − A sin(ωt)`, with dry friction
 /// `T(v) = sgn(v) μ0/(1 + δ|v|)`.

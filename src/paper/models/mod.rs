@@ -1,6 +1,5 @@
 //! The paper's systems and their parts.
 
-mod any_spring;
 mod belt;
 mod block_and_bracket;
 pub mod cubic;

@@ -2,9 +2,12 @@
 
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
-use stickslip::models::{BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading, Rig};
+use replication::paper::models::{
+    BeltOscillator, BeltTangency, BlockAndBracket, Caption, ForcedOscillator, Reading, Rig,
+};
+use stickslip::analysis::Visibility;
 use stickslip::system::Unchecked;
-use stickslip::{Fate, Filippov, Side, State, fate};
+use stickslip::{Error, Fate, Filippov, Side, State, fate};
 
 fn rig() -> Rig {
     Rig {
@@ -136,6 +139,13 @@ proptest! {
     }
 }
 
+/// Fig. 11 has ξ6 = μ0 k3/k2 = 0.693 and ξ4 = 1 + k3/k2 = 1.980.
+#[test]
+fn the_numbers_of_a_caption_fit_together() {
+    let model = BlockAndBracket::from_caption(&Caption::FIG11, &Reading::exact()).unwrap();
+    assert!((model.unloading - (model.bracket_stiffness - 1.0)).abs() < 1e-3);
+}
+
 #[test]
 fn a_support_is_half_way_out_a_twelfth_of_its_period_on() {
     let forced = ForcedOscillator::default();
@@ -168,12 +178,16 @@ fn assert_zones<S: Filippov<2>>(
     t: f64,
     support: f64,
     zones: &[(f64, f64)],
-    points: &[stickslip::models::BeltTangency],
+    points: &[BeltTangency],
 ) {
     // The boundary function vanishes there.
     let speed = -system.boundary(t, &[0.0, 0.0]);
     let fate_at = |z: f64| fate(system, t, &State::from([z + support, speed]));
     assert_eq!((zones.len(), points.len()), (3, 6));
+    let visible = points
+        .iter()
+        .filter(|at| at.visibility == Visibility::Visible);
+    assert_eq!(visible.count(), 3);
     for &(low, high) in zones {
         assert!(low < high);
         let little = 1e-6 * (high - low);
@@ -202,4 +216,60 @@ fn a_system_whose_parameters_are_not_asked_for_can_lose_contact() {
     // The spring k3 lifts with 60 N; the weight is 16.7 N.
     let left = Unchecked(r).contact(0.0, &lifted).unwrap();
     assert!((left - (1.7 * 9.81 - 60.0)).abs() < 1e-13);
+}
+
+/// What a set of parameters is refused for.
+fn assert_refused<S: std::fmt::Debug>(checked: Result<S, Error>, parameter: &str, bad: f64) {
+    let error = checked.unwrap_err();
+    let named = matches!(error, Error::Parameter { name, .. } if name == parameter);
+    assert!(named, "{parameter} = {bad}: {error}");
+    let message = error.to_string();
+    assert!(
+        message.contains(&bad.to_string()) && message.contains("must be"),
+        "{message}"
+    );
+}
+
+#[test]
+fn parameters_out_of_range() {
+    type Change<S> = (&'static str, fn(&mut S, f64));
+    let belt = BeltOscillator::default();
+    let forced = ForcedOscillator::default();
+    let not_negative_on_belt: [Change<BeltOscillator>; 4] = [
+        ("mass", |belt, bad| belt.mass = bad),
+        ("mu0", |belt, bad| belt.mu0 = bad),
+        ("delta", |belt, bad| belt.delta = bad),
+        ("belt_speed", |belt, bad| belt.belt_speed = bad),
+    ];
+    let not_negative_when_forced: [Change<ForcedOscillator>; 5] = [
+        ("mass", |forced, bad| forced.mass = bad),
+        ("mu0", |forced, bad| forced.mu0 = bad),
+        ("delta", |forced, bad| forced.delta = bad),
+        ("belt_speed", |forced, bad| forced.belt_speed = bad),
+        ("omega", |forced, bad| forced.omega = bad),
+    ];
+    for bad in [-1.0, f64::NAN, f64::INFINITY] {
+        for (name, change) in not_negative_on_belt {
+            let mut changed = belt;
+            change(&mut changed, bad);
+            assert_refused(changed.checked(), name, bad);
+        }
+        for (name, change) in not_negative_when_forced {
+            let mut changed = forced;
+            change(&mut changed, bad);
+            assert_refused(changed.checked(), name, bad);
+        }
+    }
+    assert_refused(BeltOscillator { mass: 0.0, ..belt }.checked(), "mass", 0.0);
+    for bad in [f64::NAN, f64::NEG_INFINITY] {
+        assert_refused(BeltOscillator { k1: bad, ..belt }.checked(), "k1", bad);
+        assert_refused(BeltOscillator { k2: bad, ..belt }.checked(), "k2", bad);
+        let shaken = ForcedOscillator {
+            amplitude: bad,
+            ..forced
+        };
+        assert_refused(shaken.checked(), "amplitude", bad);
+    }
+    assert_eq!(belt.checked(), Ok(belt));
+    assert_eq!(forced.checked(), Ok(forced));
 }

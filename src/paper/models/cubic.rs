@@ -5,8 +5,7 @@
 //! the transition function `σ`, so this module serves both (Eq. (9) and (19)).
 
 use super::parameters::{not_negative, positive};
-use crate::error::Error;
-use crate::math;
+use stickslip::{Error, math};
 
 /// The spring `k₂z³ - k₁z` with `k₁, k₂ > 0`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -181,12 +180,15 @@ fn double(z: f64, balance: Balance) -> TangentPoint {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use approx::assert_abs_diff_eq;
     use proptest::prelude::*;
     use std::f64::consts::PI;
 
     fn unit() -> Cubic {
         Cubic::new(1.0, 1.0).unwrap()
+    }
+
+    fn assert_near(found: f64, exact: f64) {
+        assert!((found - exact).abs() <= 1e-15, "{found} {exact}");
     }
 
     fn positions(points: &[TangentPoint]) -> Vec<f64> {
@@ -207,7 +209,7 @@ mod tests {
         ];
         assert_eq!(points.len(), 6);
         for (point, w) in points.iter().zip(expected) {
-            assert_abs_diff_eq!(point.z, 2.0 / 3f64.sqrt() * w, epsilon = 1e-15);
+            assert_near(point.z, 2.0 / 3f64.sqrt() * w);
         }
         use Balance::{Minus, Plus};
         let balance: Vec<Balance> = points.iter().map(|point| point.balance).collect();
@@ -243,7 +245,7 @@ mod tests {
             ];
             assert_eq!(points.len(), 4);
             for (point, z) in points.iter().zip(expected) {
-                assert_abs_diff_eq!(point.z, z, epsilon = 1e-15);
+                assert_near(point.z, z);
             }
             let multiplicity: Vec<u8> = points.iter().map(|p| p.multiplicity).collect();
             assert_eq!(multiplicity, [1, 2, 2, 1]);
@@ -264,12 +266,12 @@ mod tests {
         let near = 0.577_350_269_189_625_8;
         let expected = [0.0, 1.0, -1.0, near, -near];
         for (found, z) in unit().critical_points().into_iter().zip(expected) {
-            assert_abs_diff_eq!(found, z, epsilon = 1e-15);
+            assert_near(found, z);
         }
         let [zero, plus, minus] = unit().critical_mu0();
         assert_eq!(zero, 0.0);
         assert_eq!(plus, -minus);
-        assert_abs_diff_eq!(plus, 0.384_900_179_459_750_5, epsilon = 1e-15);
+        assert_near(plus, 0.384_900_179_459_750_5);
     }
 
     #[test]

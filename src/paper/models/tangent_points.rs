@@ -1,11 +1,11 @@
 //! Tangent points of the two one-degree-of-freedom models in closed form, classified numerically.
 
-use super::any_spring;
-use super::cubic::{Balance, TangentPoint};
+use super::cubic::{Balance, Cubic, TangentPoint};
 use super::{BeltOscillator, ForcedOscillator};
-use crate::analysis::{Visibility, visibility};
-use crate::error::Error;
-use crate::system::{Filippov, Side, State};
+use stickslip::{
+    Error, Filippov, Side, State,
+    analysis::{Visibility, visibility},
+};
 
 /// A tangent point of Σ.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,23 +20,14 @@ pub struct BeltTangency {
 
 impl BeltOscillator {
     /// The tangent points (Eq. 16 for the defaults), the largest position first. There are six
-    /// below the critical μ0 of Eq. (13), two above it. For a monotone spring (k1 and k2 of
-    /// different signs) there are always two. A point at which both fields are tangent (μ0 = 0) is
-    /// listed once for either side.
-    ///
-    /// ```
-    /// use stickslip::{analysis::Visibility, models::BeltOscillator};
-    /// let points = BeltOscillator::default().tangent_points()?;
-    /// let visible = points.iter().filter(|point| point.visibility == Visibility::Visible);
-    /// assert_eq!((points.len(), visible.count()), (6, 3));
-    /// # Ok::<(), stickslip::Error>(())
-    /// ```
+    /// below the critical μ0 of Eq. (13), two above it. A point at which both fields are tangent
+    /// (μ0 = 0) is listed once for either side.
     ///
     /// # Errors
-    /// [`Error::Parameter`] where a parameter is not allowed.
+    /// [`Error::Parameter`] where a parameter is not allowed, or k1 or k2 is not positive.
     pub fn tangent_points(&self) -> Result<Vec<BeltTangency>, Error> {
         let model = self.checked()?;
-        let points = any_spring::tangent_points(self.k1, self.k2, self.mu0)?;
+        let points = Cubic::new(self.k1, self.k2)?.tangent_points(self.mu0)?;
         // The acceleration below is (k1 z − k2 z³ + μ0)/m: it vanishes where k2 z³ − k1 z = +μ0.
         Ok(classified(
             &model,
@@ -54,7 +45,7 @@ impl BeltOscillator {
     /// As [`BeltOscillator::tangent_points`].
     pub fn stick_zones(&self) -> Result<Vec<(f64, f64)>, Error> {
         self.checked()?;
-        any_spring::stick_zones(self.k1, self.k2, self.mu0)
+        Cubic::new(self.k1, self.k2)?.stick_zones(self.mu0)
     }
 }
 
@@ -63,10 +54,10 @@ impl ForcedOscillator {
     /// position first.
     ///
     /// # Errors
-    /// [`Error::Parameter`] where a parameter is not allowed.
+    /// [`Error::Parameter`] where a parameter is not allowed, or k1 or k2 is not positive.
     pub fn tangent_points(&self, t: f64) -> Result<Vec<BeltTangency>, Error> {
         let model = self.checked()?;
-        let points = any_spring::tangent_points(self.k1, self.k2, self.mu0)?;
+        let points = Cubic::new(self.k1, self.k2)?.tangent_points(self.mu0)?;
         // The acceleration below is (k2 z³ − k1 z + μ0)/m: it vanishes where k2 z³ − k1 z = −μ0.
         let offset = self.support(t);
         Ok(classified(
@@ -80,13 +71,14 @@ impl ForcedOscillator {
     }
 
     /// The stick zones as intervals (lower end, upper end) of `z = x₁ − A sin(ωt)`, the largest
-    /// first.
+    /// first. Those of the opposite spring (k1 and k2 negative) are the same.
     ///
     /// # Errors
-    /// As [`ForcedOscillator::tangent_points`].
+    /// [`Error::Parameter`] where a parameter is not allowed, or k1 and k2 have different signs.
     pub fn stick_zones(&self) -> Result<Vec<(f64, f64)>, Error> {
         self.checked()?;
-        any_spring::stick_zones(self.k1, self.k2, self.mu0)
+        let sign = self.k1.signum();
+        Cubic::new(sign * self.k1, sign * self.k2)?.stick_zones(self.mu0)
     }
 }
 

@@ -1,8 +1,7 @@
 //! How the captions of Figs. 10–12 become a system.
 
 use super::BlockAndBracket;
-use crate::error::Error;
-use crate::system::Filippov;
+use stickslip::{Error, Filippov};
 
 /// Nine numbers and a start, as a caption gives them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -117,14 +116,20 @@ impl Reading {
             ..Reading::exact()
         }
     }
+}
 
-    pub(super) fn apply(&self, caption: &Caption) -> Result<BlockAndBracket, Error> {
+impl BlockAndBracket {
+    /// The system that a caption describes under a reading.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] naming the first parameter that is not allowed.
+    pub fn from_caption(caption: &Caption, reading: &Reading) -> Result<Self, Error> {
         let [xi1, xi2, xi3, xi4, xi5, sixth, seventh, delta, belt_speed] = caption.numbers;
-        let (mu0, xi6, xi7) = match self.order {
+        let (mu0, xi6, xi7) = match reading.order {
             CaptionOrder::Mu0BeforeXi6 => (sixth, seventh, 0.0),
             CaptionOrder::Heading { mu0 } => (mu0, sixth, seventh),
         };
-        let over = match self.unloading {
+        let over = match reading.unloading {
             Unloading::OverMu0 => super::positive("mu0", mu0)?,
             Unloading::Plain => 1.0,
         };
@@ -134,7 +139,7 @@ impl Reading {
             mobility: xi3,
             bracket_stiffness: xi4,
             bracket_damping: xi5,
-            mu0: match self.amplitude {
+            mu0: match reading.amplitude {
                 Amplitude::Mu0 => mu0,
                 Amplitude::One => 1.0,
             },
@@ -142,9 +147,9 @@ impl Reading {
             unloading_rate: xi7 / over,
             delta,
             belt_speed,
-            displacement_sign: self.displacement_sign,
-            friction_sign: self.friction_sign,
-            clipped: self.clipped,
+            displacement_sign: reading.displacement_sign,
+            friction_sign: reading.friction_sign,
+            clipped: reading.clipped,
         }
         .checked()
     }

@@ -7,9 +7,7 @@ pub use reading::{Amplitude, Caption, CaptionOrder, Reading, Unloading};
 pub use rig::Rig;
 
 use super::parameters::{finite, not_negative, positive};
-use crate::error::Error;
-use crate::scalar::Scalar;
-use crate::system::{Filippov, Side};
+use stickslip::{Error, Filippov, Scalar, Side};
 
 /// Eq. (27)–(28), nondimensional.
 ///
@@ -81,22 +79,6 @@ pub struct BlockAndBracket {
 }
 
 impl BlockAndBracket {
-    /// The system that a caption describes under a reading.
-    ///
-    /// ```
-    /// use stickslip::models::{BlockAndBracket, Caption, Reading};
-    /// let quasi_periodic = BlockAndBracket::from_caption(&Caption::FIG11, &Reading::exact())?;
-    /// // The caption's ξ6 = 0.693 is μ0 k3/k2, and ξ4 = 1.980 is 1 + k3/k2.
-    /// assert!((quasi_periodic.unloading - (quasi_periodic.bracket_stiffness - 1.0)).abs() < 1e-3);
-    /// # Ok::<(), stickslip::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] naming the first parameter that is not allowed.
-    pub fn from_caption(caption: &Caption, reading: &Reading) -> Result<Self, Error> {
-        reading.apply(caption)
-    }
-
     /// The normal force in units of its value `mg` at rest, unclipped: where it is negative the
     /// block would lift off.
     #[inline(always)]

@@ -1,6 +1,6 @@
 //! Checks of model parameters.
 
-use crate::error::Error;
+use stickslip::Error;
 
 fn require(good: bool, name: &'static str, value: f64, bound: &'static str) -> Result<f64, Error> {
     if good {

@@ -2,9 +2,7 @@
 
 use super::super::parameters::{not_negative, positive};
 use super::BlockAndBracket;
-use crate::error::Error;
-use crate::scalar::Scalar;
-use crate::system::{Filippov, Side};
+use stickslip::{Error, Filippov, Scalar, Side};
 
 /// Fig. 9 in SI units, as Newton's law gives it (see [`BlockAndBracket`]).
 ///

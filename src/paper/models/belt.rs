@@ -1,9 +1,7 @@
 //! Model 1 of the paper: a block on a belt, tied by a double-well spring.
 
 use super::parameters::{finite, not_negative, positive};
-use crate::error::Error;
-use crate::scalar::Scalar;
-use crate::system::{Filippov, Side};
+use stickslip::{Error, Filippov, Scalar, Side};
 
 /// Eq. (3)–(5): `m ẍ = k1 x − k2 x³ − T(ẋ − vp)` with dry friction `T(v) = sgn(v) μ0/(1 + δ|v|)`.
 ///
