@@ -11,7 +11,7 @@ use plotters_backend::text_anchor::{HPos, VPos};
 use plotters_backend::{BackendColor, BackendCoord, DrawingBackend, DrawingErrorKind};
 
 use super::color::Color;
-use super::elements::{Shape, Symbol, Words};
+use super::marks::{Shape, Symbol, Words};
 use super::metrics;
 use super::pen::Pen;
 use super::rich;

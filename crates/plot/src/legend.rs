@@ -3,7 +3,8 @@
 use plotters_backend::text_anchor::{HPos, VPos};
 
 use super::color::{Color, WHITE};
-use super::elements::{Ink, Words};
+use super::elements::Ink;
+use super::marks::Words;
 use super::metrics;
 use super::pen::Pen;
 use super::plot::{Drawn, Frame, Sheet};

@@ -55,6 +55,7 @@ mod error;
 mod figure;
 mod layers;
 mod legend;
+mod marks;
 mod math;
 mod metrics;
 mod panel;
@@ -69,11 +70,11 @@ pub use color::{
     BLACK, BLUE, Color, GREEN, GREY, LIGHT_GREY, LIGHT_ORANGE, MID_GREY, ORANGE, PURPLE, SKY,
     VERMILLION, WHITE,
 };
-pub use elements::Shape;
 pub use error::PlotError;
 pub use figure::{Cell, Figure};
 pub use layers::{Band, Cells, Curve, Dimension, Guide, Inset, Markers, Note, Position, Region};
 pub use legend::Legend;
+pub use marks::Shape;
 pub use metrics::FACES;
 pub use panel::Panel;
 pub use pen::Dash;

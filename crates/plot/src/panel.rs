@@ -4,9 +4,9 @@ use plotters_backend::text_anchor::{HPos, VPos};
 
 use super::axis::Axis;
 use super::color::BLACK;
-use super::elements::Words;
 use super::layers::Layer;
 use super::legend::{self, Entry, Legend};
+use super::marks::Words;
 use super::metrics;
 use super::pen::Pen;
 use super::plot::{Drawn, Frame, Page, Plot, Sheet};

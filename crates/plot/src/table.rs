@@ -3,7 +3,7 @@
 use plotters_backend::text_anchor::{HPos, VPos};
 
 use super::color::BLACK;
-use super::elements::Words;
+use super::marks::Words;
 use super::metrics;
 use super::pen::Pen;
 use super::plot::{Drawn, Frame, Page, Sheet};

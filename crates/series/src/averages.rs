@@ -3,12 +3,11 @@
 use std::f64::consts::FRAC_2_PI;
 
 use super::chain::Stretch;
+use super::settings::SHORTEST_BLOCK;
 
 /// Number of blocks of reference points for the standard error. Student's quantile for this many is
 /// 4 % above that for infinitely many.
 const BLOCKS: usize = 32;
-/// Fewest reference points of a block. Chosen: means of shorter blocks are correlated.
-pub(crate) const SHORTEST_BLOCK: usize = 10;
 /// Largest number of rows of the running means: a plot resolves hardly more points.
 const RUNNING_ROWS: usize = 400;
 

@@ -10,10 +10,11 @@ use super::error::DataError;
 use super::fit::Decomposed;
 use super::least_squares::Scratch;
 use super::matrix::Row;
-use super::neighbours::{Finder, Neighbour, POINTS_PER_NEIGHBOUR};
+use super::neighbours::{Finder, POINTS_PER_NEIGHBOUR};
 use super::progress::in_parallel;
 use super::series::MAX_COLUMNS;
 use super::settings::DataSettings;
+use super::tree::Neighbour;
 use crate::statistics::{power, upper_median};
 
 /// Number of neighbourhood sizes compared.

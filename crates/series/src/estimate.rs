@@ -12,12 +12,13 @@ use super::extrapolation::{Extrapolation, Maps, Plan};
 use super::fit::{Decomposed, LocalMap};
 use super::least_squares::{LeastSquares, Scratch, ShiftedColumns};
 use super::matrix::Matrix;
-use super::neighbours::{Finder, Neighbour};
+use super::neighbours::Finder;
 use super::progress::{Progress, report, unwatched};
 use super::result::{Counts, DataSpectrum, Running};
 use super::series::Series;
 use super::settings::{DataSettings, Estimator, Neighbourhood};
 use super::statistics::upper_median;
+use super::tree::Neighbour;
 
 /// Reference points between two reports of progress: few enough that their maps stay in the cache.
 const POINTS_PER_REPORT: usize = 128;

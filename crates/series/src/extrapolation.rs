@@ -18,10 +18,12 @@ use super::cloud::Cloud;
 use super::fit::LocalMap;
 use super::least_squares::LeastSquares;
 use super::matrix::{Matrix, Row};
-use super::neighbours::{Neighbour, POINTS_PER_NEIGHBOUR};
-use super::polynomial::{Degree, Polynomial};
+use super::neighbours::POINTS_PER_NEIGHBOUR;
+use super::polynomial::Polynomial;
 use super::settings::DataSettings;
+use super::settings::Degree;
 use super::statistics::upper_median;
+use super::tree::Neighbour;
 
 /// Neighbours at the smaller size for each unknown. Chosen: fewer leave noise in the maps, and
 /// more make neighbourhoods larger.

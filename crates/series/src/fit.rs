@@ -3,9 +3,9 @@
 use super::cloud::Cloud;
 use super::least_squares::Scratch;
 use super::matrix::{Matrix, Row, product};
-use super::neighbours::Neighbour;
 use super::settings::DataSettings;
 use super::svd::{Svd, svd};
+use super::tree::Neighbour;
 
 /// A linear map fitted to a neighbourhood.
 #[derive(Clone, Debug)]

@@ -8,14 +8,16 @@
 use pulp::Arch;
 
 use super::matrix::Matrix;
-use super::neighbours::Neighbour;
-use super::settings::RANK_TOLERANCE;
+use super::tree::Neighbour;
 
 /// Partial sums of a scalar product. Rows are padded with zeros to a multiple of this, which
 /// changes no sum and fills whole SIMD vectors.
 const PARTIAL_SUMS: usize = 4;
 /// Columns reflected together, so that their sums are independent instructions. It changes no bit.
 const COLUMNS_TOGETHER: usize = 4;
+/// Fraction of the largest singular value below which one is zero by default, and of a column's
+/// length below which it depends on others. Chosen: some 1e5 roundings.
+pub(crate) const RANK_TOLERANCE: f64 = 1e-10;
 
 /// The terms of the polynomial fitted to each component of the image.
 #[derive(Clone, Copy, Debug)]

@@ -133,12 +133,11 @@ pub use embedding::{
 pub use error::DataError;
 pub use estimate::{data_spectrum, data_spectrum_with};
 pub use extrapolation::Sizes;
-pub use polynomial::Degree;
 pub use progress::{Progress, unwatched};
 pub use result::{Balance, Counts, DataExponent, DataSpectrum, OK_ERRORS, Running, Status};
 pub use reversal::{Origin, Reversal, reversal, status_word};
 pub use series::{MAX_COLUMNS, Series};
-pub use settings::{DataSettings, Estimator, FEWEST_REFERENCES, Neighbourhood};
+pub use settings::{DataSettings, Degree, Estimator, FEWEST_REFERENCES, Neighbourhood};
 pub use surrogates::{
     FEWEST_SURROGATES, MOST_SURROGATES, Statistics, SurrogateTest, check_surrogates, surrogate_test,
 };

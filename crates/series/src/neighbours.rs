@@ -4,7 +4,7 @@ use super::cloud::Cloud;
 use super::error::DataError;
 use super::matrix::{Matrix, distance2};
 use super::settings::Neighbourhood;
-use super::tree::Tree;
+use super::tree::{Neighbour, Tree};
 
 /// Points nearer than this fraction of the spread count as repeats of one point. Their difference
 /// is rounding or integration error, without information on the dynamics. Chosen: above the error
@@ -14,9 +14,6 @@ const REPEAT_DISTANCE: f64 = 1e-9;
 /// A neighbourhood has at most one in this many of the points, as a larger one is no small part of
 /// the attractor.
 pub(crate) const POINTS_PER_NEIGHBOUR: usize = 20;
-
-/// A neighbour: squared distance and index.
-pub(crate) type Neighbour = (f64, u32);
 
 /// How many of the nearest points form the requested neighbourhood.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

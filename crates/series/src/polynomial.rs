@@ -22,25 +22,6 @@ const OMITTED_WIDTH: f64 = 1e-3;
 /// constant. With more columns there are forms of the widest directions only. It bounds the time.
 const MOST_UNKNOWNS: usize = 28;
 
-/// Degree of local maps.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Degree {
-    /// Linear maps.
-    Linear,
-    /// Linear maps plus quadratic forms of the widest directions.
-    Quadratic,
-}
-
-impl Degree {
-    /// A word for tables.
-    pub fn word(self) -> &'static str {
-        match self {
-            Degree::Linear => "linear",
-            Degree::Quadratic => "quadratic",
-        }
-    }
-}
-
 /// A polynomial map, and which of its directions must be determined.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Polynomial {
@@ -156,8 +137,8 @@ impl Polynomial {
 mod tests {
     use super::*;
     use crate::least_squares::ShiftedColumns;
-    use crate::neighbours::Neighbour;
     use crate::statistics::SplitMix;
+    use crate::tree::Neighbour;
 
     /// A polynomial with two tangent directions and quadratic forms of the given number of
     /// directions.

@@ -1,9 +1,27 @@
 //! How a spectrum is estimated.
 
-use super::averages::SHORTEST_BLOCK;
 use super::error::DataError;
-use super::polynomial::Degree;
+use super::least_squares::RANK_TOLERANCE;
 use super::series::Series;
+
+/// Degree of local maps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Degree {
+    /// Linear maps.
+    Linear,
+    /// Linear maps plus quadratic forms of the widest directions.
+    Quadratic,
+}
+
+impl Degree {
+    /// A word for tables.
+    pub fn word(self) -> &'static str {
+        match self {
+            Degree::Linear => "linear",
+            Degree::Quadratic => "quadratic",
+        }
+    }
+}
 
 /// Which points count as neighbours of a reference point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,11 +83,10 @@ impl Estimator {
     }
 }
 
+/// Fewest reference points of a block. Chosen: means of shorter blocks are correlated.
+pub(crate) const SHORTEST_BLOCK: usize = 10;
 /// Fewest reference points: two blocks of time, without which there is no standard error.
 pub const FEWEST_REFERENCES: usize = 2 * SHORTEST_BLOCK;
-/// Fraction of the largest singular value below which one is zero by default, and of a column's
-/// length below which it depends on others. Chosen: some 1e5 roundings.
-pub(crate) const RANK_TOLERANCE: f64 = 1e-10;
 
 /// Fewest reference points among delayed values, in a series that has as many. Chosen.
 const DELAYED_REFERENCES: usize = 1500;

@@ -10,7 +10,9 @@ use std::cmp::Ordering;
 use pulp::Arch;
 
 use super::matrix::Matrix;
-use super::neighbours::Neighbour;
+
+/// A neighbour: squared distance and index.
+pub(crate) type Neighbour = (f64, u32);
 
 /// Points whose distances are computed together: two vectors of the machine.
 const LANES: usize = 8;

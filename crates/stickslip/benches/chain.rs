@@ -5,8 +5,8 @@
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use stickslip::filippov::{Summary, Switched};
-use stickslip::{Contacts, Method, Options, Scalar, Several, Side, State, run};
+use stickslip::filippov::Switched;
+use stickslip::{Contacts, Method, Options, Scalar, Several, Side, State, Summary, run};
 
 const COUPLING: f64 = 0.5;
 const WEAKENING: f64 = 3.0;

@@ -121,12 +121,12 @@ pub use nalgebra;
 
 pub use error::Error;
 pub use filippov::{
-    Approach, AtPileUp, AtRepelling, Contacts, Direction, EventFunctions, EventRecord, EventSearch,
-    Failure, Fate, Happening, Integration, Locator, Method, Observer, Options, OrbitWithEvents,
-    Phase, Plane, Progress, Several, Start, StepRecord, Strobe, Summary, Switched, Transition,
-    TransitionKind, TwoFold, Visibility, Watched, ensemble, fate, run, solve, solve_with_events,
+    AtPileUp, AtRepelling, Contacts, Direction, EventFunctions, EventRecord, EventSearch, Failure,
+    Fate, Happening, Integration, Locator, Method, Observer, Options, OrbitWithEvents, Phase,
+    Plane, Progress, Several, Start, StepRecord, Strobe, Switched, Transition, TransitionKind,
+    Visibility, Watched, ensemble, fate, run, solve, solve_with_events,
 };
-pub use orbit::{Counters, Ending, Orbit};
+pub use orbit::{Approach, Counters, Ending, Orbit, Summary, TwoFold};
 pub use scalar::Scalar;
 pub use system::{Filippov, Mode, Side, State};
 

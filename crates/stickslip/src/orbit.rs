@@ -1,8 +1,8 @@
 //! The result of a run: phases, transitions, and the solution at any time.
 
-use crate::error::Error;
-use crate::filippov::{Phase, StepRecord, Transition, TwoFold};
-use crate::system::{Mode, State};
+use crate::error::{Error, Point};
+use crate::filippov::{Phase, StepRecord, Transition, Visibility};
+use crate::system::{Mode, Side, State};
 
 /// How much work a run took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -20,6 +20,36 @@ pub struct Counters {
     pub events: u64,
     /// Searches for the exact place of an event.
     pub locations: u64,
+}
+
+/// How an orbit has reached a two-fold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Approach {
+    /// By sliding on Σ.
+    Sliding,
+    /// By crossings that accumulate.
+    Crossings,
+}
+
+/// A two-fold at which a run has ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct TwoFold {
+    /// How the field below is tangent to Σ.
+    pub below: Visibility,
+    /// How the field above is.
+    pub above: Visibility,
+    /// How the orbit reached it.
+    pub approach: Approach,
+}
+
+impl TwoFold {
+    /// How the field of `side` is tangent to Σ.
+    pub fn visibility(&self, side: Side) -> Visibility {
+        match side {
+            Side::Below => self.below,
+            Side::Above => self.above,
+        }
+    }
 }
 
 /// Why a run ended.
@@ -52,6 +82,46 @@ impl Ending {
     /// Whether the orbit cannot continue, though nothing stopped it.
     pub fn is_final(self) -> bool {
         self.is_ambiguous() || self == Ending::Shrunk
+    }
+}
+
+/// How and where a streamed run ended, of a system of `N` states.
+pub type Summary<const N: usize> = SummaryOf<State<N>>;
+
+/// How and where a streamed run ended; `X` is a state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SummaryOf<X> {
+    /// Why it ended.
+    pub ending: Ending,
+    /// Last time.
+    pub t: f64,
+    /// Last state.
+    pub x: X,
+    /// Work done.
+    pub counters: Counters,
+}
+
+impl<X> SummaryOf<X> {
+    /// The error of an analysis that needs the orbit to continue after this ending.
+    pub(crate) fn no_future_error(&self) -> Error
+    where
+        for<'x> Point: From<&'x X>,
+    {
+        let (t, x) = (self.t, Point::from(&self.x));
+        match self.ending {
+            Ending::Shrunk => Error::Shrunk { t, x },
+            _ => Error::NoUniqueFuture { t, x },
+        }
+    }
+
+    /// For a run that failed before its first step.
+    pub(crate) fn before_first_step(t: f64, x: X) -> Self {
+        SummaryOf {
+            ending: Ending::Failed,
+            t,
+            x,
+            counters: Counters::default(),
+        }
     }
 }
 

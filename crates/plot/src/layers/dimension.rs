@@ -5,7 +5,7 @@ use plotters_backend::text_anchor::{HPos, VPos};
 use super::{Layer, TEXT_SIZE};
 use crate::arrow;
 use crate::color::BLACK;
-use crate::elements::Words;
+use crate::marks::Words;
 use crate::pen::Pen;
 use crate::plot::{Drawn, Plot};
 

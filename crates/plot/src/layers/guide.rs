@@ -2,8 +2,9 @@
 
 use super::{Layer, TEXT_SIZE};
 use crate::color::{Color, GREY};
-use crate::elements::{Ink, Words};
+use crate::elements::Ink;
 use crate::legend::Entry;
+use crate::marks::Words;
 use crate::pen::{Dash, Pen};
 use crate::plot::{Drawn, Plot};
 use plotters_backend::text_anchor::{HPos, VPos};

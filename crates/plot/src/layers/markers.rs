@@ -2,8 +2,9 @@
 
 use super::{Layer, TEXT_SIZE};
 use crate::color::{BLACK, Color, WHITE};
-use crate::elements::{Ink, Shape, Symbol, Words};
+use crate::elements::Ink;
 use crate::legend::Entry;
+use crate::marks::{Shape, Symbol, Words};
 use crate::plot::{Drawn, Plot};
 
 use super::note::anchor_of;

@@ -15,10 +15,11 @@ use rayon::prelude::*;
 use super::cloud::Cloud;
 use super::error::DataError;
 use super::matrix::{Matrix, distance2};
-use super::neighbours::{Finder, Neighbour};
+use super::neighbours::Finder;
 use super::progress::{Progress, report};
 use super::series::Series;
 use super::statistics::upper_median;
+use super::tree::Neighbour;
 
 pub use straight::StraightPart;
 use straight::straight_part;

@@ -17,9 +17,9 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::error::{Error, Point};
 use crate::filippov::{Contacts, Direction, Method, Options, Several, Strobe};
-use crate::filippov::{EventOf, PhaseOf, SummaryOf, TransitionOf};
+use crate::filippov::{EventOf, PhaseOf, TransitionOf};
 use crate::interval::Interval;
-use crate::orbit::{Counters, Ending};
+use crate::orbit::{Counters, Ending, SummaryOf};
 use crate::system::{Filippov, State};
 
 pub use batch::Listener;

@@ -17,10 +17,11 @@ use super::{
 use crate::dual::Dual;
 use crate::error::{Error, Point};
 use crate::filippov::{
-    EventFunctions, EventOf, EventRecord, Integration, Method, Options, PhaseOf, SummaryOf,
-    Switched, TransitionKind, TransitionOf, gradient, side_by_side,
+    EventFunctions, EventOf, EventRecord, Integration, Method, Options, PhaseOf, Switched,
+    TransitionKind, TransitionOf, gradient, side_by_side,
 };
 use crate::ode::Timed;
+use crate::orbit::SummaryOf;
 use crate::system::{State, components};
 
 /// A typed system, owned or borrowed, with its own event function.

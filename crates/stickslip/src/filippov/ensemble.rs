@@ -8,12 +8,12 @@ use super::batch::{self, LANES, side_by_side};
 use super::integration::{Integration, Progress};
 use super::observer::Observer;
 use super::options::{Method, Options};
-use super::solve::{Failure, Summary, notify, run};
+use super::solve::{Failure, notify, run};
 use super::stepper::Stepper;
 use super::switched::Switched;
 use crate::error::Error;
 use crate::ode::Timed;
-use crate::orbit::Ending;
+use crate::orbit::{Ending, Summary};
 use crate::system::State;
 
 /// Number of orbits that run or wait to be reported at one time. Chosen: it bounds the memory, and

@@ -1,6 +1,5 @@
 //! The smooth flow of one mode, and the guards that end the mode.
 
-use super::switched::gradient;
 use crate::dual::{Dual, Dual3};
 use crate::interval::Interval;
 use crate::ode::{Linear, Timed};
@@ -350,6 +349,21 @@ impl<S: Filippov<N>, const N: usize> Flow<N> for Stick<'_, S> {
     fn land(&self, _i: usize, t: f64, x: State<N>) -> State<N> {
         project(self.system, t, x)
     }
+}
+
+/// Gradient of a function in the state, and its time derivative.
+pub(crate) fn gradient<const N: usize>(
+    function: impl Fn(Dual<f64>, &[Dual<f64>; N]) -> Dual<f64>,
+    at: &Timed<N>,
+) -> (State<N>, f64) {
+    let Timed { t, x } = *at;
+    let frozen = Dual::new(t, 0.0);
+    let gradient = State::from_fn(|k, _| {
+        let seeded = std::array::from_fn(|j| Dual::new(x[j], f64::from(u8::from(k == j))));
+        function(frozen, &seeded).eps
+    });
+    let constant = std::array::from_fn(|j| Dual::new(x[j], 0.0));
+    (gradient, function(Dual::new(t, 1.0), &constant).eps)
 }
 
 /// Gradient of the boundary function in the state, and its time derivative.

@@ -7,12 +7,11 @@ use super::options::{AtPileUp, Options};
 use super::pile_up::PileUpDetector;
 use super::recordings::Recordings;
 use super::run::{Run, Trial};
-use super::solve::Summary;
 use super::stepper::{Stepper, Work};
 use super::switched::{Next, Settled, StickingPoint, Switched, UseFlow, Velocity};
 use crate::error::Error;
 use crate::ode::Timed;
-use crate::orbit::{Counters, Ending};
+use crate::orbit::{Counters, Ending, Summary};
 use crate::system::{IntoState, Mode, State, components};
 use crate::taylor::recorded_calls::RecordedCalls;
 
@@ -121,7 +120,8 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         options: &Options,
         stepper: Stepper<N, G>,
     ) -> Result<Self, Error> {
-        let mut run = Run::checked(system, (start, states), t_end, options)?;
+        system.check(&start, t_end, options)?;
+        let mut run = Run::new((start, states), t_end, options)?;
         let (mode, due) = match system.first_mode(&mut run)? {
             Some((mode, orders)) => {
                 run.orders = orders;
@@ -155,7 +155,8 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         t_end: f64,
         options: &Options,
     ) -> Result<Self, Error> {
-        let mut run = Run::checked(system, start, t_end, options)?;
+        system.check(&start.0, t_end, options)?;
+        let mut run = Run::new(start, t_end, options)?;
         run.is_prescribed = true;
         Ok(Integration {
             system,

@@ -33,6 +33,7 @@ pub(crate) use batch::{Member, side_by_side};
 pub use contacts::{Contacts, Several};
 pub(crate) use ensemble::{ORBITS_AT_ONCE, task_size};
 pub use ensemble::{Start, ensemble};
+pub(crate) use flow::gradient;
 pub(crate) use flow::{Flow, flow_path};
 pub use flow::{boundary_gradient, normal_component, sliding_field};
 pub use integration::{Integration, Progress};
@@ -49,8 +50,7 @@ pub use sections::{
     Plane, Strobe, Watched, solve_with_events,
 };
 pub(crate) use solve::notify;
-pub use solve::{Failure, Summary, SummaryOf, run, solve};
+pub use solve::{Failure, run, solve};
 pub(crate) use stepper::Stepper;
 pub use switched::Switched;
-pub(crate) use switched::{GuardGradient, Settled, UseFlow, Velocity, gradient};
-pub use two_fold::{Approach, TwoFold};
+pub(crate) use switched::{GuardGradient, Settled, UseFlow, Velocity};

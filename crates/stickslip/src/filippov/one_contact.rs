@@ -1,6 +1,7 @@
 //! A Filippov system of one boundary as a switched system: slip below, slip above, stick.
 
 use super::check::check;
+use super::flow::gradient;
 use super::flow::{
     CONTACT, GUARDS, Slip, Stick, boundary_gradient, flow_path, normal_component, sliding_field,
 };
@@ -12,9 +13,7 @@ use super::rules::{
     equilibrium_side, on_boundary,
 };
 use super::run::Run;
-use super::switched::{
-    Next, PROJECTION_STEPS, StickingPoint, Switch, Switched, UseFlow, Vanishes, gradient,
-};
+use super::switched::{Next, PROJECTION_STEPS, StickingPoint, Switch, Switched, UseFlow, Vanishes};
 use super::two_fold::two_fold;
 use super::uncertainty::RELATIVE_ROUNDING;
 use crate::dual::Dual;

@@ -5,7 +5,6 @@ use super::flow::Flow;
 use super::guard::Event;
 use super::observer::StepRecord;
 use super::options::Options;
-use super::switched::Switched;
 use super::uncertainty::EVENT_PRECISION;
 use crate::error::{Error, Point};
 use crate::ode::control::first_step;
@@ -63,13 +62,11 @@ impl<const N: usize, const G: usize> Run<N, G> {
     ///
     /// # Errors
     /// Those of a run that cannot begin.
-    pub(crate) fn checked<S: Switched<N, G>>(
-        system: &S,
+    pub(crate) fn new(
         (start, states): (Timed<N>, usize),
         t_end: f64,
         options: &Options,
     ) -> Result<Self, Error> {
-        system.check(&start, t_end, options)?;
         let run = Run {
             options: *options,
             states,

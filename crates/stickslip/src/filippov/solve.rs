@@ -4,49 +4,9 @@ use super::integration::{Integration, Progress};
 use super::observer::Observer;
 use super::options::Options;
 use super::switched::Switched;
-use crate::error::{Error, Point};
-use crate::orbit::{Counters, Ending, Orbit};
-use crate::system::{IntoState, State};
-
-/// How and where a streamed run ended, of a system of `N` states.
-pub type Summary<const N: usize> = SummaryOf<State<N>>;
-
-/// How and where a streamed run ended; `X` is a state.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SummaryOf<X> {
-    /// Why it ended.
-    pub ending: Ending,
-    /// Last time.
-    pub t: f64,
-    /// Last state.
-    pub x: X,
-    /// Work done.
-    pub counters: Counters,
-}
-
-impl<X> SummaryOf<X> {
-    /// The error of an analysis that needs the orbit to continue after this ending.
-    pub(crate) fn no_future_error(&self) -> Error
-    where
-        for<'x> Point: From<&'x X>,
-    {
-        let (t, x) = (self.t, Point::from(&self.x));
-        match self.ending {
-            Ending::Shrunk => Error::Shrunk { t, x },
-            _ => Error::NoUniqueFuture { t, x },
-        }
-    }
-
-    /// For a run that failed before its first step.
-    pub(super) fn before_first_step(t: f64, x: X) -> Self {
-        SummaryOf {
-            ending: Ending::Failed,
-            t,
-            x,
-            counters: Counters::default(),
-        }
-    }
-}
+use crate::error::Error;
+use crate::orbit::{Ending, Orbit, Summary};
+use crate::system::IntoState;
 
 /// A run that failed, and what was computed before: the [`Orbit`] of [`solve`], the [`Summary`] of
 /// [`run`] and of [`crate::ensemble`].

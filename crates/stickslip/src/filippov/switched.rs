@@ -4,13 +4,12 @@
 use std::fmt::Debug;
 use std::hash::Hash;
 
-use super::flow::Flow;
+use super::flow::{Flow, gradient};
 use super::guard::Event;
 use super::observer::{Transition, TransitionKind};
 use super::options::Options;
 use super::run::Run;
 use super::uncertainty::uncertainty;
-use crate::dual::Dual;
 use crate::dynamics::Modes;
 use crate::error::Error;
 use crate::ode::Timed;
@@ -256,19 +255,4 @@ impl<const N: usize> UseFlow<N> for GuardGradient<N> {
         let GuardGradient(i, at) = self;
         gradient(|t, x| flow.guard(i, t, x), &at)
     }
-}
-
-/// Gradient of a function in the state, and its time derivative.
-pub(crate) fn gradient<const N: usize>(
-    function: impl Fn(Dual<f64>, &[Dual<f64>; N]) -> Dual<f64>,
-    at: &Timed<N>,
-) -> (State<N>, f64) {
-    let Timed { t, x } = *at;
-    let frozen = Dual::new(t, 0.0);
-    let gradient = State::from_fn(|k, _| {
-        let seeded = std::array::from_fn(|j| Dual::new(x[j], f64::from(u8::from(k == j))));
-        function(frozen, &seeded).eps
-    });
-    let constant = std::array::from_fn(|j| Dual::new(x[j], 0.0));
-    (gradient, function(Dual::new(t, 1.0), &constant).eps)
 }

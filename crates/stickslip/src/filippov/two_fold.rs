@@ -7,37 +7,8 @@
 use super::flow::{boundary_gradient, normal_component};
 use super::rules::{LieDerivatives, Visibility};
 use super::run::{Run, TIME_ROUNDING};
+use crate::orbit::{Approach, TwoFold};
 use crate::system::{Filippov, Mode, Side, State, components};
-
-/// How an orbit has reached a two-fold.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Approach {
-    /// By sliding on Σ.
-    Sliding,
-    /// By crossings that accumulate.
-    Crossings,
-}
-
-/// A two-fold at which a run has ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct TwoFold {
-    /// How the field below is tangent to Σ.
-    pub below: Visibility,
-    /// How the field above is.
-    pub above: Visibility,
-    /// How the orbit reached it.
-    pub approach: Approach,
-}
-
-impl TwoFold {
-    /// How the field of `side` is tangent to Σ.
-    pub fn visibility(&self, side: Side) -> Visibility {
-        match side {
-            Side::Below => self.below,
-            Side::Above => self.above,
-        }
-    }
-}
 
 /// A two-fold that an orbit reaches within about this time counts as reached. No step resolves the
 /// way there, since the sliding field changes as fast as its direction. Chosen: a longer time

@@ -5,7 +5,7 @@ use stickslip::analysis::Stop;
 use stickslip_kernels::file::System;
 use stickslip_kernels::study::BranchEnd;
 
-use super::tables::SpecialRow;
+use super::special::SpecialRow;
 use crate::failure::in_words;
 use crate::render::{rounded, within};
 

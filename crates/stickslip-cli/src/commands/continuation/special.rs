@@ -58,3 +58,43 @@ pub(super) fn json(at: &SpecialPoint, system: &System) -> Value {
         "change": change,
     })
 }
+
+/// A row of `special.csv`.
+#[derive(Clone, Default)]
+pub(super) struct SpecialRow {
+    pub(super) branch: usize,
+    /// The branches that begin here.
+    pub(super) branches: String,
+    pub(super) behind: usize,
+    pub(super) parameter: f64,
+    pub(super) what: String,
+    pub(super) contacts: String,
+    pub(super) angle: Option<f64>,
+    pub(super) uncertainty: Option<f64>,
+    pub(super) phases: Option<[String; 2]>,
+    pub(super) period: Option<f64>,
+    pub(super) x: Vec<f64>,
+}
+
+impl SpecialRow {
+    pub(super) fn of(at: &SpecialPoint, system: &System) -> Self {
+        let change = change(at);
+        let contacts = change
+            .as_ref()
+            .map(|change| changes::contacts(system, change));
+        SpecialRow {
+            behind: at.behind,
+            parameter: at.parameter,
+            what: name_of(at),
+            contacts: contacts.unwrap_or_default(),
+            angle: angle(at),
+            uncertainty: Some(at.uncertainty),
+            phases: change
+                .as_ref()
+                .and_then(|change| changes::phases(system, change)),
+            period: Some(at.period),
+            x: at.x.as_slice().to_vec(),
+            ..SpecialRow::default()
+        }
+    }
+}

@@ -1,54 +1,12 @@
 //! The tables `branch.csv` and `special.csv`.
 
-use stickslip::analysis::SpecialPoint;
 use stickslip_kernels::file::System;
 use stickslip_kernels::study::{BranchOrbit, WholeBranch};
 
-use super::super::changes;
 use super::branch::Other;
 use super::ends::End;
-use super::special::{angle, change, name_of};
+use super::special::SpecialRow;
 use crate::render::Table;
-
-/// A row of `special.csv`.
-#[derive(Clone, Default)]
-pub(super) struct SpecialRow {
-    pub(super) branch: usize,
-    /// The branches that begin here.
-    pub(super) branches: String,
-    pub(super) behind: usize,
-    pub(super) parameter: f64,
-    pub(super) what: String,
-    pub(super) contacts: String,
-    pub(super) angle: Option<f64>,
-    pub(super) uncertainty: Option<f64>,
-    pub(super) phases: Option<[String; 2]>,
-    pub(super) period: Option<f64>,
-    pub(super) x: Vec<f64>,
-}
-
-impl SpecialRow {
-    pub(super) fn of(at: &SpecialPoint, system: &System) -> Self {
-        let change = change(at);
-        let contacts = change
-            .as_ref()
-            .map(|change| changes::contacts(system, change));
-        SpecialRow {
-            behind: at.behind,
-            parameter: at.parameter,
-            what: name_of(at),
-            contacts: contacts.unwrap_or_default(),
-            angle: angle(at),
-            uncertainty: Some(at.uncertainty),
-            phases: change
-                .as_ref()
-                .and_then(|change| changes::phases(system, change)),
-            period: Some(at.period),
-            x: at.x.as_slice().to_vec(),
-            ..SpecialRow::default()
-        }
-    }
-}
 
 /// The columns of `special.csv`: special orbits and ends that are bifurcations. Each has the number
 /// of rows of its branch that come before it in `branch.csv`.

@@ -4,7 +4,8 @@ use std::fmt;
 
 use crate::dynamics::{Modes, Moment, Phase, Vector};
 use crate::error::Error;
-use crate::filippov::{TransitionKind, TwoFold};
+use crate::filippov::TransitionKind;
+use crate::orbit::TwoFold;
 
 /// What an orbit converges to, or how else it ends.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,9 +4,10 @@
 use super::EventFunctions;
 use crate::dual::Dual;
 use crate::filippov::flow::Flow;
+use crate::filippov::flow::gradient;
 use crate::filippov::observer::StepRecord;
 use crate::filippov::options::Method;
-use crate::filippov::switched::{Switched, UseFlow, Velocity, gradient};
+use crate::filippov::switched::{Switched, UseFlow, Velocity};
 use crate::filippov::uncertainty::STATE_ROUNDING;
 use crate::interval::Interval;
 use crate::ode::{Dop853, Rk4, RungeKutta, Timed, step_end};
