@@ -4,7 +4,7 @@ use std::cell::OnceCell;
 use std::marker::PhantomData;
 
 use super::jumps::Jumps;
-use super::typed::View;
+use super::view::View;
 use super::{Carrying, Guard, Modes, Moment, SmoothFlow, Step, Vector};
 use crate::dual::Dual;
 use crate::filippov::{

@@ -6,11 +6,13 @@
 mod batch;
 mod flow;
 mod interrupt;
+mod jump_search;
 mod jumps;
 mod modes;
 mod run;
 mod section;
 mod typed;
+mod view;
 
 use batch::one_by_one;
 use nalgebra::{DMatrix, DVector};
@@ -27,9 +29,10 @@ pub(crate) use flow::TANGENT_ERROR;
 pub use interrupt::Interrupt;
 pub use jumps::{Jumps, KinkShift, NoJumps, Reset, WithJumps};
 pub use modes::Modes;
-pub(crate) use run::{observed, watched};
+pub(crate) use run::observed;
 pub use section::NoSection;
 pub use typed::Typed;
+pub(crate) use typed::watched;
 
 /// A vector of run-time length: a state, a direction, a gradient.
 pub type Vector = DVector<f64>;

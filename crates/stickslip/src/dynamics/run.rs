@@ -2,9 +2,10 @@
 
 use std::collections::VecDeque;
 
-use super::jumps::{JumpSearch, Jumps, NoJumps};
+use super::jump_search::JumpSearch;
+use super::jumps::{Jumps, NoJumps};
 use super::section::{NoSection, TypedSection};
-use super::typed::{Typed, View};
+use super::view::View;
 use super::{Happening, Modes, Moment, OrbitUnderWay, Phase, Section, Solution, Step, Vector};
 use crate::error::{Error, Point};
 use crate::filippov::{
@@ -109,27 +110,6 @@ where
     let mut run = view.start_run(start, t_end, options, with)?;
     run.observer = Some(observer);
     Ok(Box::new(run))
-}
-
-/// An orbit of a borrowed system that reports the passages of its own section.
-pub(crate) fn watched<'a, S, V, const N: usize, const G: usize>(
-    of: &Typed<&'a S, S, &'a V, NoJumps, N, G>,
-    start: &Moment,
-    options: &Options,
-) -> Result<Box<dyn OrbitUnderWay + 'a>, Error>
-where
-    S: Switched<N, G>,
-    V: EventFunctions<N, 1>,
-{
-    let view = View {
-        system: of.system,
-        own: of.section,
-        jumps: &NoJumps,
-        states: of.states,
-        contacts: of.contacts,
-        interrupt: None,
-    };
-    view.begin(start, f64::MAX, options, &Section::Own)
 }
 
 /// An integration under way, with the search for passages of a section.

@@ -2,7 +2,7 @@
 
 use super::Section;
 use super::jumps::Jumps;
-use super::typed::View;
+use super::view::View;
 use crate::filippov::{Direction, EventFunctions, Strobe, Switched, Velocity};
 use crate::ode::Timed;
 use crate::scalar::Scalar;

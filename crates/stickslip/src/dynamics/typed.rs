@@ -10,19 +10,16 @@ use super::flow::TypedFlow;
 use super::interrupt::Interrupt;
 use super::jumps::{Jumps, NoJumps, Reset};
 use super::section::NoSection;
+use super::view::View;
 use super::{
-    Dynamics, Kink, KinkShift, Matrix, Modes, Moment, OrbitUnderWay, Passage, Phase, Section,
-    SmoothFlow, Step, Summary, Transition, Vector,
+    Dynamics, KinkShift, Matrix, Modes, Moment, OrbitUnderWay, Section, SmoothFlow, Step,
+    Transition, Vector,
 };
 use crate::dual::Dual;
-use crate::error::{Error, Point};
-use crate::filippov::{
-    EventFunctions, EventOf, EventRecord, Integration, Method, Options, PhaseOf, Switched,
-    TransitionKind, TransitionOf, gradient, side_by_side,
-};
+use crate::error::Error;
+use crate::filippov::{EventFunctions, Method, Options, Switched, gradient, side_by_side};
 use crate::ode::Timed;
-use crate::orbit::SummaryOf;
-use crate::system::{State, components};
+use crate::system::components;
 
 /// A typed system, owned or borrowed, with its own event function.
 ///
@@ -92,152 +89,6 @@ where
             states: self.states,
             contacts: self.contacts,
             interrupt: self.interrupt.as_deref(),
-        }
-    }
-}
-
-/// A typed system as seen from outside: conversions in both directions.
-pub(super) struct View<'a, S, V, J, const N: usize, const G: usize> {
-    pub(super) system: &'a S,
-    pub(super) own: &'a V,
-    pub(super) jumps: &'a J,
-    pub(super) states: usize,
-    pub(super) contacts: usize,
-    pub(super) interrupt: Option<&'a Interrupt>,
-}
-
-impl<S, V, J, const N: usize, const G: usize> Clone for View<'_, S, V, J, N, G> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<S, V, J, const N: usize, const G: usize> Copy for View<'_, S, V, J, N, G> {}
-
-impl<'a, S, V, J, const N: usize, const G: usize> View<'a, S, V, J, N, G>
-where
-    S: Switched<N, G>,
-    J: Jumps<N>,
-{
-    /// With a wrong number of components all become NaN, which every run rejects.
-    pub(super) fn state(&self, x: &[f64]) -> State<N> {
-        let is_right = x.len() == self.states;
-        State::from_fn(|i, _| match x.get(i) {
-            _ if i >= self.states => 0.0,
-            Some(value) if is_right => *value,
-            _ => f64::NAN,
-        })
-    }
-
-    /// With the held values of inputs at that time.
-    pub(super) fn timed(&self, at: &Moment) -> Timed<N> {
-        let (t, x) = (at.t, self.with_inputs(at.t, self.state(at.x.as_slice())));
-        Timed { t, x }
-    }
-
-    /// A state with the values that inputs hold from a time on.
-    pub(super) fn with_inputs(&self, t: f64, mut x: State<N>) -> State<N> {
-        (0..self.jumps.inputs()).for_each(|input| self.jumps.hold(input, t, x.as_mut_slice()));
-        x
-    }
-
-    /// Whether all held values of inputs at a moment are defined.
-    pub(super) fn check_inputs(&self, &Timed { t, x }: &Timed<N>) -> Result<(), Error> {
-        let is_none = |&input: &usize| {
-            let mut held = x.map(|_| 0.0);
-            held.rows_mut(0, self.states)
-                .copy_from(&x.rows(0, self.states));
-            self.jumps.hold(input, t, held.as_mut_slice());
-            held.iter().any(|held| held.is_nan())
-        };
-        match (0..self.jumps.inputs()).find(is_none) {
-            Some(input) => Err(Error::Undefined {
-                what: "the function of the switch",
-                number: self.contacts + self.jumps.count() + input,
-                t,
-                x: Point::from(&x),
-            }),
-            None => Ok(()),
-        }
-    }
-
-    /// The first input that kinks at a time.
-    fn kinked(&self, &Timed { t, x }: &Timed<N>) -> Option<usize> {
-        (0..self.jumps.inputs()).find(|&input| self.jumps.kinks(input, t, components(&x)))
-    }
-
-    pub(super) fn kink(&self, input: usize, of: &Integration<'_, S, N, G>) -> Kink {
-        Kink {
-            t: of.t(),
-            x: self.vector(of.x()),
-            mode: self.modes(of.mode()),
-            input,
-        }
-    }
-
-    pub(super) fn vector(&self, x: &State<N>) -> Vector {
-        Vector::from_column_slice(&x.as_slice()[..self.states])
-    }
-
-    pub(super) fn modes(&self, mode: S::Mode) -> Modes {
-        S::erased(mode, self.contacts)
-    }
-
-    /// A phase, and the jump that ends it.
-    pub(super) fn phase(&self, phase: &PhaseOf<State<N>, S::Mode>, until: Option<usize>) -> Phase {
-        Phase {
-            mode: self.modes(phase.mode).until(until),
-            t_start: phase.t_start,
-            t_end: phase.t_end,
-            x_start: self.vector(&phase.x_start),
-            x_end: self.vector(&phase.x_end),
-        }
-    }
-
-    pub(super) fn transition(&self, at: &TransitionOf<State<N>, S::Mode>) -> Transition {
-        Transition {
-            t: at.t,
-            x: self.vector(&at.x),
-            kind: at.kind,
-            from: self.modes(at.from),
-            to: self.modes(at.to),
-            contact: match at.kind {
-                TransitionKind::Jump => self.contacts + at.contact,
-                _ => at.contact,
-            },
-            residual: at.residual,
-        }
-    }
-
-    fn typed_transition(&self, at: &Transition) -> TransitionOf<State<N>, S::Mode> {
-        TransitionOf {
-            t: at.t,
-            x: self.timed(&at.moment()).x,
-            kind: at.kind,
-            from: S::restored(at.from),
-            to: S::restored(at.to),
-            contact: at.contact,
-            residual: at.residual,
-        }
-    }
-
-    pub(super) fn passage(&self, at: &EventRecord<N, S::Mode>) -> Passage {
-        EventOf {
-            number: at.number,
-            t: at.t,
-            x: self.vector(&at.x),
-            mode: self.modes(at.mode),
-            direction: at.direction,
-            rate: at.rate,
-        }
-    }
-
-    pub(super) fn summary(&self, summary: &SummaryOf<State<N>>) -> Summary {
-        Summary {
-            ending: summary.ending,
-            t: summary.t,
-            x: self.vector(&summary.x),
-            counters: summary.counters,
         }
     }
 }
@@ -430,4 +281,25 @@ where
         let (normal, in_time) = gradient(|t, x| section.values(t, x)[0], &of.timed(at));
         (of.vector(&normal), in_time)
     }
+}
+
+/// An orbit of a borrowed system that reports the passages of its own section.
+pub(crate) fn watched<'a, S, V, const N: usize, const G: usize>(
+    of: &Typed<&'a S, S, &'a V, NoJumps, N, G>,
+    start: &Moment,
+    options: &Options,
+) -> Result<Box<dyn OrbitUnderWay + 'a>, Error>
+where
+    S: Switched<N, G>,
+    V: EventFunctions<N, 1>,
+{
+    let view = View {
+        system: of.system,
+        own: of.section,
+        jumps: &NoJumps,
+        states: of.states,
+        contacts: of.contacts,
+        interrupt: None,
+    };
+    view.begin(start, f64::MAX, options, &Section::Own)
 }

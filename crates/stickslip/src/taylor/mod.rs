@@ -9,6 +9,9 @@
 //! Mathematics* 14 (2005) 99; Biscani & Izzo, *MNRAS* 504 (2021) 2614, the code heyoka). Any
 //! function of the solution has a series of its own, a polynomial in time whose first zero in the
 //! step is isolated rigorously ([`roots`]). This module does not deal with discontinuities.
+//!
+//! Numbers, sweeps and recordings refer to each other: a number knows its sweep, a sweep makes
+//! numbers, and a recording repeats what was done with them.
 
 mod functions;
 pub(crate) mod jet;

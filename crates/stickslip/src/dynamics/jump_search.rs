@@ -1,0 +1,291 @@
+//! The search for jumps and kinks of inputs along an orbit.
+
+use std::collections::VecDeque;
+
+use super::Happening;
+use super::jumps::Jumps;
+use super::section::TypedSection;
+use super::view::View;
+use crate::error::{Error, Point};
+use crate::filippov::{
+    Direction, EventFunctions, EventSearch, Integration, Options, Switched, TIME_ROUNDING,
+    Transition, TransitionKind,
+};
+use crate::ode::Timed;
+use crate::orbit::Ending;
+use crate::system::{State, components};
+
+/// The search for jumps along a run, and their execution.
+pub(super) struct JumpSearch<'a, S: Switched<N, G>, V, J, const N: usize, const G: usize> {
+    jumps: &'a J,
+    /// One for each jump.
+    searches: Vec<EventSearch<'a, S, TypedSection<'a, S, V, J, N, G>, N, 1, G>>,
+    counts: Vec<u64>,
+    /// Number of contacts; jumps are numbered after them.
+    contacts: usize,
+    /// End of the run.
+    t_end: f64,
+    /// The times of the next and of the last kink of an input.
+    next_kink: f64,
+    last_kink: f64,
+    /// Number of kinks so far, and the largest number allowed.
+    kinks: u64,
+    most_kinks: u64,
+    /// The pending jumps, in order.
+    due: VecDeque<usize>,
+    /// Whether no step has been taken since the last jump.
+    has_jumped: bool,
+    is_prescribed: bool,
+}
+
+impl<'a, S, V, J, const N: usize, const G: usize> JumpSearch<'a, S, V, J, N, G>
+where
+    S: Switched<N, G>,
+    V: EventFunctions<N, 1>,
+    J: Jumps<N>,
+{
+    /// The jumps of a run that has not begun; `None` if the system has none.
+    ///
+    /// # Errors
+    /// [`Error::Undefined`].
+    pub(super) fn of(
+        view: &View<'a, S, V, J, N, G>,
+        integration: &mut Integration<'a, S, N, G>,
+        options: &Options,
+        t_end: f64,
+    ) -> Result<Option<Self>, Error> {
+        let jumps = view.jumps;
+        let (t, x) = (integration.t(), components(integration.x()));
+        let kink = jumps.next_kink(t, x, t_end);
+        if jumps.count() == 0 && kink == f64::INFINITY {
+            return Ok(None);
+        }
+        integration.end_at(t_end.min(kink));
+        let is_prescribed = integration.is_prescribed();
+        let count = if is_prescribed { 0 } else { jumps.count() };
+        let search =
+            |number| EventSearch::new(view.system, view.when(number), options).only_first();
+        let jump_search = JumpSearch {
+            jumps,
+            searches: (0..count).map(search).collect(),
+            counts: vec![0; count],
+            contacts: view.contacts,
+            t_end,
+            next_kink: kink,
+            last_kink: f64::NEG_INFINITY,
+            kinks: 0,
+            most_kinks: options.most_events,
+            due: VecDeque::new(),
+            has_jumped: false,
+            is_prescribed,
+        };
+        jump_search.check(integration)?;
+        Ok(Some(jump_search))
+    }
+
+    /// Whether the functions of all jumps are defined.
+    fn check(&self, integration: &Integration<'a, S, N, G>) -> Result<(), Error> {
+        let (t, x) = (integration.t(), integration.x());
+        let is_none = |&number: &usize| self.jumps.when(number, t, components(x)).is_nan();
+        match (0..self.searches.len()).find(is_none) {
+            Some(number) => Err(self.undefined("the function of the jump", number, (t, x))),
+            None => Ok(()),
+        }
+    }
+
+    fn undefined(&self, what: &'static str, jump: usize, (t, x): (f64, &State<N>)) -> Error {
+        let (number, x) = (self.contacts + jump, Point::from(x));
+        Error::Undefined { what, number, t, x }
+    }
+
+    /// Shortens the last step to the first jump in it.
+    ///
+    /// # Errors
+    /// [`Error::Undefined`].
+    pub(super) fn shorten_step(
+        &mut self,
+        integration: &mut Integration<'a, S, N, G>,
+    ) -> Result<(), Error> {
+        self.has_jumped = false;
+        if self.searches.is_empty() {
+            return Ok(());
+        }
+        let step = integration.last_step();
+        let states: Vec<_> = self.searches.iter().map(EventSearch::state).collect();
+        for search in &mut self.searches {
+            search.in_step(&step);
+        }
+        let firsts = self
+            .searches
+            .iter()
+            .map(|search| search.last_events().first());
+        let earliest = firsts.flatten().min_by(|a, b| a.t.total_cmp(&b.t));
+        let Some(Timed { t, x }) = earliest.map(|at| Timed { t: at.t, x: at.x }) else {
+            return self.check(integration);
+        };
+        integration.stop_at(Timed { t, x });
+        for (number, (search, state)) in self.searches.iter_mut().zip(states).enumerate() {
+            let event = search.last_events().first();
+            let is_due = event.is_some_and(|at| at.t - t <= TIME_ROUNDING * t.abs());
+            search.cut(state, &step.x_start, &x);
+            if is_due {
+                self.due.push_back(number);
+                continue;
+            }
+            // It may have passed in the other direction since the step began.
+            let side = search.sign_at(&Timed { t, x });
+            if side != 0.0 {
+                search.set_side(side);
+            }
+        }
+        Ok(())
+    }
+
+    /// The next pending jump.
+    pub(super) fn due(&self) -> Option<usize> {
+        self.due.front().copied()
+    }
+
+    /// Whether a jump is pending.
+    pub(super) fn is_due(&self) -> bool {
+        !self.due.is_empty()
+    }
+
+    /// Whether the next jump follows another one in the same instant. A phase of zero length then
+    /// lies between them; the answer is yes only once.
+    pub(super) fn takes_empty_phase(&mut self) -> bool {
+        std::mem::take(&mut self.has_jumped) && self.is_due()
+    }
+
+    /// Whether a run has reached a kink. A kink at the end of the run is passed, too: a run from
+    /// there continues after it.
+    pub(super) fn is_at_kink(&self, integration: &Integration<'a, S, N, G>) -> bool {
+        integration.is_at_end() && integration.t() >= self.next_kink
+    }
+
+    /// Whether an input has kinked at this time.
+    pub(super) fn has_kinked(&self, t: f64) -> bool {
+        self.last_kink == t
+    }
+
+    /// Carries out the next pending jump.
+    ///
+    /// # Errors
+    /// Those of [`Integration::new`] at the state after it, those of too many transitions, and
+    /// [`Error::Undefined`].
+    pub(super) fn jump(
+        &mut self,
+        integration: &mut Integration<'a, S, N, G>,
+    ) -> Result<Option<Transition<N, S::Mode>>, Error> {
+        let Some(number) = self.due.pop_front() else {
+            return Ok(None);
+        };
+        let (t, before, from) = (integration.t(), *integration.x(), integration.mode());
+        let residual = self.jumps.when(number, t, components(&before)).abs();
+        let after: State<N> = self.jumps.set(number, t, components(&before)).into();
+        if after.iter().any(|v| !v.is_finite()) {
+            return Err(self.undefined("the state that is set by the jump", number, (t, &before)));
+        }
+        self.has_jumped = true;
+        self.counts[number] += 1;
+        let most = self.jumps.most(number);
+        if most.is_some_and(|most| self.counts[number] >= most) {
+            self.due.clear();
+            integration.restart_at(self.contacts + number, after, Some(Ending::Stopped))?;
+        } else {
+            integration.restart_at(self.contacts + number, after, None)?;
+            let side = self.side_after(number, integration);
+            self.searches[number].set_side(side);
+            self.detect_jumps(t, [&before, &after], Some(number));
+        }
+        Ok(Some(Transition {
+            t,
+            x: before,
+            kind: TransitionKind::Jump,
+            from,
+            to: integration.mode(),
+            contact: number,
+            residual,
+        }))
+    }
+
+    /// The sign of a jump's function just after it; 0 where its rate does not decide.
+    fn side_after(&self, number: usize, integration: &Integration<'a, S, N, G>) -> f64 {
+        let (t, x) = (integration.t(), *integration.x());
+        let search = &self.searches[number];
+        match search.sign_at(&Timed { t, x }) {
+            0.0 => search.sign_of_rate(&Timed { t, x }, &integration.velocity()),
+            sign => sign,
+        }
+    }
+
+    /// Continues after the kink of an input. Reports the phase that ends with it: a contact may no
+    /// longer stick.
+    ///
+    /// # Errors
+    /// Those of [`Integration::new`], and [`Error::TooMany`].
+    pub(super) fn pass_kink(
+        &mut self,
+        integration: &mut Integration<'a, S, N, G>,
+        view: &View<'a, S, V, J, N, G>,
+        pending: &mut VecDeque<Happening>,
+    ) -> Result<(), Error> {
+        let (t, before) = (integration.t(), *integration.x());
+        let after = view.with_inputs(t, before);
+        if after.iter().any(|held| held.is_nan()) {
+            view.check_inputs(&Timed { t, x: before })?;
+        }
+        self.last_kink = t;
+        self.kinks += 1;
+        if self.kinks > self.most_kinks {
+            let (name, most, x) = ("most_events", self.most_kinks, Point::from(&before));
+            return Err(Error::TooMany { name, most, t, x });
+        }
+        self.next_kink = self.jumps.next_kink(t, components(&after), self.t_end);
+        integration.end_at(self.t_end.min(self.next_kink));
+        if !self.is_prescribed {
+            let kinks = |&input: &usize| self.jumps.kinks(input, t, components(&after));
+            let inputs = (0..self.jumps.inputs()).filter(kinks);
+            pending.extend(inputs.map(|input| Happening::Kink(view.kink(input, integration))));
+        }
+        let phase = integration.phase();
+        let changed = integration.restart_at_kink(after)?;
+        self.detect_jumps(t, [&before, &after], None);
+        if changed.is_some() || self.is_due() || integration.phase().is_none() {
+            let phase = phase.map(|phase| view.phase(&phase, self.due()));
+            pending.extend(phase.map(Happening::PhaseEnd));
+            integration.begin_phase();
+        }
+        pending.extend(changed.map(|at| Happening::Transition(view.transition(&at))));
+        Ok(())
+    }
+
+    /// Detects the jumps whose functions have passed through zero between two states of one
+    /// instant.
+    fn detect_jumps(&mut self, t: f64, [before, after]: [&State<N>; 2], but: Option<usize>) {
+        if self.is_prescribed {
+            return;
+        }
+        for (number, search) in self.searches.iter_mut().enumerate() {
+            if Some(number) == but || self.due.contains(&number) {
+                continue;
+            }
+            let at = |x: &State<N>| search.sign_at(&Timed { t, x: *x });
+            let (side, now) = (search.side(), at(after));
+            let side = if side == 0.0 { at(before) } else { side };
+            if now == 0.0 {
+                search.set_side(side);
+                continue;
+            }
+            search.set_side(now);
+            let way = if now > 0.0 {
+                Direction::Rising
+            } else {
+                Direction::Falling
+            };
+            if side * now < 0.0 && self.jumps.direction(number).includes(way) {
+                self.due.push_back(number);
+            }
+        }
+    }
+}
