@@ -227,9 +227,9 @@ pub use nalgebra;
 pub use error::Error;
 pub use filippov::{
     Approach, AtPileUp, AtRepelling, Contacts, Direction, EventFunctions, EventRecord, EventSearch,
-    Failure, Fate, Happening, Integration, Locator, Method, Observer, Options, OrbitWithEvents,
-    Phase, Plane, Progress, Several, Start, StepRecord, Strobe, Summary, Switched, Transition,
-    TransitionKind, TwoFold, Visibility, Watched, ensemble, fate, run, solve, solve_with_events,
+    Failure, Fate, Integration, Locator, Method, Observer, Options, OrbitWithEvents, Phase, Plane,
+    Progress, Several, Start, StepRecord, Strobe, Summary, Switched, Transition, TransitionKind,
+    TwoFold, Visibility, Watched, WatchedProgress, ensemble, fate, run, solve, solve_with_events,
 };
 pub use orbit::{Counters, Ending, Orbit};
 pub use scalar::Scalar;

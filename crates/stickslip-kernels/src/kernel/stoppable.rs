@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use stickslip::dynamics::{
-    Dynamics, DynamicsRef, Happening, KinkShift, Listener, Modes, Moment, OrbitUnderWay, Phase,
+    Dynamics, DynamicsRef, KinkShift, Listener, Modes, Moment, OrbitProgress, OrbitUnderWay, Phase,
     Reset, Section, SmoothFlow, Solution, Step, Transition, Vector,
 };
 use stickslip::orbit::Counters;
@@ -110,11 +110,11 @@ impl Dynamics for Stoppable {
         section: &Section,
         listener: &mut Listener<'_>,
     ) -> Vec<Result<(), Error>> {
-        let listener = &mut |number, happened, orbit: &mut dyn OrbitUnderWay| {
+        let listener = &mut |number, progress, orbit: &mut dyn OrbitUnderWay| {
             let stopped = self.stop.is_raised().then(|| stopped(&orbit.now()));
             self.stop.note_time(orbit.t());
             let is_stopped = stopped.is_some();
-            match listener(number, stopped.map_or(happened, Err), orbit) {
+            match listener(number, stopped.map_or(progress, Err), orbit) {
                 ControlFlow::Continue(()) if !is_stopped => ControlFlow::Continue(()),
                 _ => ControlFlow::Break(()),
             }
@@ -206,13 +206,13 @@ struct StoppableOrbit<'a> {
 }
 
 impl OrbitUnderWay for StoppableOrbit<'_> {
-    fn step(&mut self) -> Result<Happening, Error> {
+    fn step(&mut self) -> Result<OrbitProgress, Error> {
         if self.stop.is_raised() {
             return Err(stopped(&self.orbit.now()));
         }
-        let happened = self.orbit.step();
+        let progress = self.orbit.step();
         self.stop.note_time(self.orbit.t());
-        happened
+        progress
     }
 
     fn watch(&mut self, section: &Section) {

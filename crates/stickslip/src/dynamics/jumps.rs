@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use super::section::TypedSection;
 use super::typed::View;
-use super::{Happening, Vector};
+use super::{OrbitProgress, Vector};
 use crate::error::{Error, Point};
 use crate::filippov::{
     Direction, EventFunctions, EventSearch, Integration, Options, Switched, TIME_ROUNDING,
@@ -22,7 +22,7 @@ use crate::system::{State, components};
 /// jump before it has left zero. Simultaneous jumps are carried out in their order.
 ///
 /// ```
-/// use stickslip::dynamics::{AsDynamics, Happening, Jumps, Moment, Section, WithJumps};
+/// use stickslip::dynamics::{AsDynamics, OrbitProgress, Jumps, Moment, Section, WithJumps};
 /// use stickslip::{Direction, Filippov, Options, Scalar, Side, TransitionKind};
 ///
 /// /// A ball that falls, far from a boundary that does nothing.
@@ -56,7 +56,7 @@ use crate::system::{State, components};
 /// let start = Moment { t: 0.0, x: vec![1.0, 0.0].into() };
 /// let mut orbit = dynamics.begin(&start, 1.0, &Options::default(), &Section::None)?;
 /// let first = loop {
-///     if let Happening::Transition(at) = orbit.step()? {
+///     if let OrbitProgress::Transition(at) = orbit.step()? {
 ///         break at;
 ///     }
 /// };
@@ -431,7 +431,7 @@ where
         &mut self,
         integration: &mut Integration<'a, S, N, G>,
         view: &View<'a, S, V, J, N, G>,
-        pending: &mut VecDeque<Happening>,
+        pending: &mut VecDeque<OrbitProgress>,
     ) -> Result<(), Error> {
         let (t, before) = (integration.t(), *integration.x());
         let after = view.with_inputs(t, before);
@@ -449,17 +449,17 @@ where
         if !self.is_prescribed {
             let kinks = |&input: &usize| self.jumps.kinks(input, t, components(&after));
             let inputs = (0..self.jumps.inputs()).filter(kinks);
-            pending.extend(inputs.map(|input| Happening::Kink(view.kink(input, integration))));
+            pending.extend(inputs.map(|input| OrbitProgress::Kink(view.kink(input, integration))));
         }
         let phase = integration.phase();
         let changed = integration.restart_at_kink(after)?;
         self.detect_jumps(t, [&before, &after], None);
         if changed.is_some() || self.is_due() || integration.phase().is_none() {
             let phase = phase.map(|phase| view.phase(&phase, self.due()));
-            pending.extend(phase.map(Happening::PhaseEnd));
+            pending.extend(phase.map(OrbitProgress::PhaseEnd));
             integration.begin_phase();
         }
-        pending.extend(changed.map(|at| Happening::Transition(view.transition(&at))));
+        pending.extend(changed.map(|at| OrbitProgress::Transition(view.transition(&at))));
         Ok(())
     }
 

@@ -6,6 +6,8 @@
 )]
 
 mod any_system;
+#[path = "../common/compiled.rs"]
+mod compiled;
 #[path = "../common/constant_fields.rs"]
 mod constant_fields;
 mod corners;
@@ -14,8 +16,6 @@ mod den_hartog;
 mod ensemble;
 mod flat;
 mod grazes;
-#[path = "../common/listed.rs"]
-mod listed;
 mod lyapunov_equations;
 mod models;
 mod no_allocation;
