@@ -4,8 +4,8 @@
 #     python/make.sh wheel [PROFILE]    dist/*.whl; PROFILE of Cargo.toml, release unless given
 #     python/make.sh test [PROFILE]     the same, dev unless given, and python/tests on it
 #
-# Exit code 75: nothing was tested, for the package index cannot be reached. What was installed once
-# is kept in target/, so that later runs need no network.
+# Exit code 75: the package index cannot be reached, so nothing was tested. Installed packages are
+# kept in target/, and later runs need no network.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -17,13 +17,13 @@ empty=target/empty-venv
 wheels=target/python-wheels
 log=target/pip.log
 
-# Asks pip; where it fails for the network, that is said by the exit code.
+# Runs pip. A failure of the network gives exit code 75.
 pip() {
     local venv="$1"
     shift
     mkdir -p target
     "$venv/bin/python" -m pip --disable-pip-version-check "$@" >"$log" 2>&1 && return
-    # Of what is asked for here an index that can be reached has versions.
+    # A reachable index has versions of every package that is installed here.
     if grep -q 'connection broken by\|from versions: none' "$log"; then
         echo "not tested: the Python package index cannot be reached; try again with a network" >&2
         exit 75
@@ -32,7 +32,7 @@ pip() {
     exit 1
 }
 
-# An environment with these requirements; a stamp says that all of them are there.
+# An environment with these requirements. A stamp is written after all of them are installed.
 environment() {
     local venv="$1" wanted
     shift
@@ -59,7 +59,7 @@ print("\n".join(project["dependencies"] + extra))' "$1"
 
 test_wheel() {
     wheel "$1"
-    # The program, whose bits the package must have.
+    # The package must compute the same bits as the program.
     "$cargo" build --locked -p stickslip-cli
     local folder
     folder="$("$cargo" metadata --locked --no-deps --format-version 1 |

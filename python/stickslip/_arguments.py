@@ -1,4 +1,4 @@
-"""Checks of arguments, each error by the argument's name, and the settings of the solver."""
+"""Checks of arguments, with errors that name the argument; settings of the solver."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Method = Literal["taylor", "dop853"]
 
 
 class OptionsButMethod(TypedDict, total=False):
-    """Settings of the solver, where `method` is an argument of its own."""
+    """Settings of the solver, for functions with an argument `method`."""
 
     rtol: float
     atol: float | None
@@ -31,26 +31,29 @@ class OptionsButMethod(TypedDict, total=False):
 
 
 class Options(OptionsButMethod, total=False):
-    """Settings of the solver, which every computation takes as keywords.
+    """Settings of the solver. Every computation accepts them as keywords.
 
     Attributes
     ----------
     rtol : float
-        Relative tolerance; 1e-12 unless given.
+        Relative tolerance. Default 1e-12.
     atol : float
-        Absolute tolerance; `rtol` unless given.
+        Absolute tolerance. Default `rtol`.
     method : {"taylor", "dop853"}
-        Taylor series of an order that fits the tolerance, or Dormand and Prince's pair of order 8.
+        Taylor series, of an order that depends on the tolerance, or the Dormand–Prince method of
+        order 8.
     max_step : float
         Longest step, in units of time.
     escape : float
-        A run fails where a component exceeds this; 1e6 unless given.
+        A run fails if a state exceeds this. Default 1e6.
     at_repelling : {"stop", "below", "above"}
-        Where the boundary repels and the future is not unique: end with status 2, or go on there.
+        What to do where the boundary repels, so that the future is not unique. ``"stop"`` ends the
+        run with status 2; the others continue on that side.
     at_pile_up : {"stop", "rest"}
-        Where transitions accumulate, as of a ball that comes to rest: fail, or stay there.
+        What to do where infinitely many transitions accumulate (Zeno), as for a bouncing ball.
+        ``"stop"`` fails; ``"rest"`` continues at rest.
     most_events, most_steps : int
-        A run fails that has more.
+        A run with more transitions or steps fails.
     """
 
     method: Method
@@ -79,7 +82,7 @@ _INSTEAD = {
 
 
 def settings(options: Options) -> dict[str, Any]:
-    """All settings of a run, with the program's defaults."""
+    """All settings of a run. Those that are not given have the program's defaults."""
     if options.keys() - _DEFAULTS.keys():
         unknown = sorted(options.keys() - _DEFAULTS.keys())[0]
         help = _INSTEAD.get(unknown, f"they are {', '.join(_DEFAULTS)}")
@@ -111,7 +114,7 @@ def threads(workers: Any) -> int:
 
 
 def as_array(values: Any, name: str) -> NDArray[Any]:
-    """What NumPy makes an array of."""
+    """A NumPy array of the values."""
     try:
         return np.asarray(values)
     except ValueError as error:
@@ -119,7 +122,7 @@ def as_array(values: Any, name: str) -> NDArray[Any]:
 
 
 def array(values: ArrayLike, name: str, dimensions: int = 1) -> Floats:
-    """A copy as finite doubles of so many dimensions, in order of rows."""
+    """A copy as an array of finite doubles with this number of dimensions, in row order."""
     given = as_array(values, name)
     if given.dtype.kind not in "fiub":
         kind: Any = given.dtype
@@ -137,7 +140,7 @@ def array(values: ArrayLike, name: str, dimensions: int = 1) -> Floats:
     return copy
 
 
-def several(values: ArrayLike, name: str, example: str) -> Floats:
+def nonempty_array(values: ArrayLike, name: str, example: str) -> Floats:
     """A sequence of numbers that is not empty."""
     found = array(values, name)
     if not len(found):
@@ -167,8 +170,8 @@ def checked(system: System) -> System:
 
 
 def state(system: System, y0: ArrayLike | Mapping[Any, Any] | None) -> list[float]:
-    """A state at the start: as given in order, or by name, and otherwise as the system says.
-    Discrete states that are not given begin at their own values."""
+    """The start state: values in order, values by name, or the start of the system. Discrete states
+    without a value start at their own values."""
     names = checked(system).states
     if y0 is None:
         if system.start is None:
@@ -187,7 +190,7 @@ def state(system: System, y0: ArrayLike | Mapping[Any, Any] | None) -> list[floa
 
 
 def complete(system: System, states: Floats, name: str) -> Floats:
-    """Rows of states, to which the starts of discrete states are added where these are left out."""
+    """Rows of states. The start values of discrete states are appended if they are left out."""
     rows, names = np.atleast_2d(states), system.states
     if rows.shape[1] == len(names):
         return rows
@@ -210,7 +213,7 @@ def start(
 
 
 def start_of_each(system: System, y0: ArrayLike | Mapping[Any, Any] | None) -> list[float] | None:
-    """A state at the start; a start that depends on parameters is that of each system."""
+    """The start state; None for the start of the system, which may depend on parameters."""
     if y0 is None and system.start is not None:
         return None
     return state(system, y0)

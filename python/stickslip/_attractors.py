@@ -1,4 +1,4 @@
-"""Attractors: along a parameter, over a plane of two, and from many starts."""
+"""Attractors along a parameter, over a plane of two parameters, and from many starts."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from ._arguments import (
     name_of,
     real,
     settings,
-    several,
+    nonempty_array,
     start_of_each,
     threads,
 )
-from ._plot import classes, new_axes
-from ._progress import shown
-from ._results import Result, called, column, kept, structured, warn_of_failures
+from ._plot import draw_classes, new_axes
+from ._progress import progress_report
+from ._results import Result, call_engine, column, make_result, structured, warn_of_failures
 from ._symbols import Parameter, State, number, out_of_bounds
 from ._system import System
 
@@ -38,28 +38,28 @@ class BifurcationDiagram(Result):
     Attributes
     ----------
     parameter : ndarray, shape (m,)
-        The values, in the order in which they were gone through.
+        The values, in the order of the computation.
     kind : list of str
         The kind of motion: ``"periodic"``, ``"equilibrium"``, ``"recurrent"`` (quasi-periodic or
         chaotic), ``"escape"``, …
     period : ndarray, shape (m,)
-        Period of a periodic one, else NaN.
+        Period of a periodic attractor, else NaN.
     returns : ndarray of int, shape (m,)
-        Points of the section in a period, else 0.
+        Number of section points in a period, else 0.
     phases : list of str
-        Phases of a period in letters, the same text wherever the cycle was found to begin.
+        Phases of a period in letters. The text does not depend on the phase at which it begins.
     in_stick : ndarray, shape (m,)
-        Part of the time in which a contact sticks; NaN where there is no attractor.
+        Fraction of time in which a contact sticks; NaN if there is no attractor.
     points : list of ndarray, shape (k, n)
-        Points of the section: transitions, flashes of the drive's strobe, or turning points.
+        Points of the section: transitions, states at each period of the drive, or turning points.
     exponent, std_error, uncertainty : ndarray, shape (m,)
-        Largest Lyapunov exponent, its standard error and its uncertainty: four standard errors, and
-        at least the effect of a growth factor of 30 over the measured time. NaN where it was not
-        measured.
+        Largest Lyapunov exponent, its standard error and its uncertainty. The uncertainty is four
+        standard errors, or ln 30 divided by the measured time if that is larger. NaN without a
+        measurement.
     changes : ndarray, structured
-        Where the attractor changes: ``name``, ``parameter`` (NaN where it was not located),
-        ``uncertainty``, ``from_value`` and ``to_value`` (the values of the diagram that it lies
-        between), ``period``, phases ``before`` and ``after``, a state ``y``.
+        Changes of the attractor: ``name``, ``parameter`` (NaN if not located), ``uncertainty``,
+        ``from_value`` and ``to_value`` (the values of the diagram on both sides), ``period``,
+        phases ``before`` and ``after``, and a state ``y``.
     name : str
         The parameter.
     system : System
@@ -81,12 +81,12 @@ class BifurcationDiagram(Result):
     system: System
 
     def plot(self, axes: Any = None, state: int | str | State = 0) -> Any:
-        """Draws a state at the points of the section, and lines where the attractor changes.
+        """Draws a state at the section points, and lines where the attractor changes.
 
         Parameters
         ----------
         state : int, str or State, optional
-            Which state, by number or name.
+            The state, by number or name.
         """
         axes = new_axes(axes)
         k, label = column(self.system, state)
@@ -102,16 +102,17 @@ class BifurcationDiagram(Result):
 
 @dataclass(frozen=True, repr=False)
 class Basins(Result):
-    """Which attractor each start leads to.
+    """The attractor that each start leads to.
 
     Attributes
     ----------
     starts : ndarray, shape (…, n)
         The starts.
     reached : ndarray of int, shape (…)
-        The number of each start's attractor in the lists; -1 of one that Ctrl-C left out.
+        Index of each start's attractor in the lists; -1 if Ctrl-C came before its computation.
     kind, period, returns, phases, in_stick, points
-        Of each attractor, as in `BifurcationDiagram`. Escapes are one, and failures are one.
+        Of each attractor, as in `BifurcationDiagram`. All escapes are one entry, and so are all
+        failures.
     system : System
         The system.
     """
@@ -128,13 +129,13 @@ class Basins(Result):
 
     @property
     def shares(self) -> Floats:
-        """The part of the starts that each attractor takes."""
+        """Fraction of the starts that lead to each attractor."""
         counts = np.bincount(self.reached[self.reached >= 0], minlength=len(self.kind))
         shares: Floats = counts / max(1, counts.sum())
         return shares
 
     def plot(self, axes: Any = None) -> Any:
-        """Draws the basins over the two states that the starts go through, and the attractors."""
+        """Draws the basins over the two states that vary among the starts, and the attractors."""
         axes = new_axes(axes)
         states = list(self.system.states)
         rows = self.starts.reshape(-1, self.starts.shape[-1])
@@ -154,30 +155,30 @@ class Basins(Result):
             points[:, first], heights, "k.", ms=7, mec="w", mew=0.5, label="on the attractors"
         )
         cells = self.reached if is_grid else self.reached.ravel()
-        classes(axes, x, y, cells, names, dots if len(points) else ())
+        draw_classes(axes, x, y, cells, names, dots if len(points) else ())
         axes.set(xlabel=states[first], ylabel=states[others[0]] if others else "attractor")
         return axes
 
 
 @dataclass(frozen=True, repr=False)
 class ParameterMap(Result):
-    """What the orbit from a start comes to, over a plane of two parameters.
+    """The attractor of the orbit from a start, over a plane of two parameters.
 
     Attributes
     ----------
     x, y : ndarray, shapes (m,) and (k,)
         Values of the two parameters.
     kind : ndarray of str, shape (k, m)
-        The kind of motion in each cell, as in `BifurcationDiagram`; empty where Ctrl-C left a cell
-        out.
+        The kind of motion in each cell, as in `BifurcationDiagram`; empty for cells that Ctrl-C
+        left out.
     period : ndarray, shape (k, m)
-        Period of a periodic one, else NaN.
+        Period of a periodic attractor, else NaN.
     returns : ndarray of int, shape (k, m)
-        Points of the section in a period, else 0.
+        Number of section points in a period, else 0.
     phases : ndarray of str, shape (k, m)
-        Its phases in letters.
+        Phases in letters.
     in_stick : ndarray, shape (k, m)
-        Part of the time in stick; NaN where there is no attractor.
+        Fraction of time in stick; NaN if there is no attractor.
     exponent, std_error, uncertainty : ndarray, shape (k, m)
         Largest Lyapunov exponent, its standard error and its uncertainty, as in
         `BifurcationDiagram`.
@@ -203,17 +204,18 @@ class ParameterMap(Result):
         Parameters
         ----------
         what : {"kind", "exponent", "in_stick", "period", "returns"}, optional
-            What the colours show.
+            The quantity that colours show.
         """
         axes = new_axes(axes)
         if what == "kind":
             names = np.char.strip(np.char.add(np.char.add(self.kind, " "), self.phases))
-            # The most frequent ones have colours.
+            # The most frequent motions have colours.
             found, numbers, counts = np.unique(names, return_inverse=True, return_counts=True)
             order = np.argsort(-counts, kind="stable")
             rank = np.empty_like(order)
             rank[order] = np.arange(len(order))
-            classes(axes, self.x, self.y, rank[numbers].reshape(names.shape), list(found[order]))
+            cells = rank[numbers].reshape(names.shape)
+            draw_classes(axes, self.x, self.y, cells, list(found[order]))
         elif what in ("exponent", "in_stick", "period", "returns"):
             values = np.ma.masked_invalid(getattr(self, what))
             drawn = axes.pcolormesh(self.x, self.y, values, shading="nearest")
@@ -238,10 +240,10 @@ def bifurcation_diagram(
     progress: bool = False,
     **options: Unpack[Options],
 ) -> BifurcationDiagram:
-    """Follows an attractor through values of a parameter, from t = 0 on at each.
+    """Follows an attractor through values of a parameter. Each run starts at t = 0.
 
-    The orbit at a value begins where that at the value before ended. Values up and values down show
-    hysteresis where they differ. It is what the program's ``bifurcation`` does in one direction.
+    The orbit at each value starts from the last state at the value before. Hysteresis shows as a
+    difference between rising and falling values. The program's ``bifurcation`` does both.
 
     Parameters
     ----------
@@ -250,18 +252,18 @@ def bifurcation_diagram(
     parameter : str or Parameter
         The parameter.
     values : array_like, shape (m,)
-        Its values, in the order in which they are gone through.
+        Values of the parameter, in the order of the computation.
     y0 : array_like, shape (n,), or dict, optional
-        State at the start, in order or as ``{x: 1, v: 0}``; that of the system unless given.
+        Start state, in order or as ``{x: 1, v: 0}``. Default: the start of the system.
         Discrete states may be left out.
     longest : float, optional
-        Time after which an orbit is called undecided.
+        Time after which an orbit without an attractor is undecided.
     duration : float, optional
-        Time over which the largest Lyapunov exponent is measured; it is not, unless given.
+        Time over which the largest Lyapunov exponent is measured. Default: no measurement.
     locate : bool, optional
         Whether changes of the attractor are located and named.
     progress : bool, optional
-        Whether to show how many values there are.
+        Whether to show the number of finished values.
     **options : Options
         Tolerances and other settings.
 
@@ -272,9 +274,9 @@ def bifurcation_diagram(
     Raises
     ------
     SystemError
-        If a parameter is not allowed, or the period of a drive is not known.
+        If a parameter value is not allowed, or the period of a drive is unknown.
     Interrupted
-        On Ctrl-C; `partial` is the diagram until then.
+        On Ctrl-C; `partial` is the diagram so far.
 
     Examples
     --------
@@ -286,10 +288,10 @@ def bifurcation_diagram(
     (['equilibrium', 'equilibrium'], [1.0, 2.0])
     """
     name = name_of(parameter)
-    given = several(values, "values", f"np.linspace(0.1, 0.5, 50) for {name}")
+    given = nonempty_array(values, "values", f"np.linspace(0.1, 0.5, 50) for {name}")
     begin = start_of_each(checked(system), y0)
-    with shown(progress, "bifurcation_diagram", "values", total=len(given)) as report:
-        found = called(
+    with progress_report(progress, "bifurcation_diagram", "values", total=len(given)) as report:
+        found = call_engine(
             _core.bifurcation_diagram,
             system._core,
             begin,
@@ -300,7 +302,7 @@ def bifurcation_diagram(
         )
     warn_of_failures(found.pop("reason"), lambda k: f"{name} = {given[k]:g}")
     found["changes"] = structured(found["changes"])
-    return kept(found, BifurcationDiagram, name=name, system=system)
+    return make_result(found, BifurcationDiagram, name=name, system=system)
 
 
 def _duration(duration: float | None) -> float | None:
@@ -318,23 +320,23 @@ def basins_of_attraction(
     progress: bool = False,
     **options: Unpack[Options],
 ) -> Basins:
-    """Which attractor each of many starts leads to, from t = 0 on.
+    """Finds the attractor that each of many starts leads to. Each run starts at t = 0.
 
-    Attractors are found by recurrence; none need be named.
+    Attractors are found by recurrence and need not be known before.
 
     Parameters
     ----------
     system : System
         The system.
     starts : array_like, shape (…, n)
-        The starts, as ``np.stack(np.meshgrid(x, v), axis=-1)``. Discrete states, the last of the
-        n, may be left out: they start as the system says.
+        The starts, such as ``np.stack(np.meshgrid(x, v), axis=-1)``. Discrete states, the last of
+        the n, may be left out: they start at their own values.
     longest : float, optional
-        Time after which an orbit is called undecided.
+        Time after which an orbit without an attractor is undecided.
     workers : int, optional
         Number of threads; -1 for all cores. The result does not depend on it.
     progress : bool, optional
-        Whether to show how many starts are done.
+        Whether to show the number of finished starts.
     **options : Options
         Tolerances and other settings.
 
@@ -347,7 +349,7 @@ def basins_of_attraction(
     ValueError
         If the last axis of `starts` is not the state.
     Interrupted
-        On Ctrl-C; `partial` has the starts that were done.
+        On Ctrl-C; `partial` has the finished starts.
 
     Examples
     --------
@@ -371,8 +373,8 @@ def basins_of_attraction(
     if not given.size:
         raise ValueError("starts is empty: give at least one state")
     rows = complete(system, array(given.reshape(-1, given.shape[-1]), "starts", 2), "starts")
-    with shown(progress, "basins_of_attraction", "starts", total=len(rows)) as report:
-        found = called(
+    with progress_report(progress, "basins_of_attraction", "starts", total=len(rows)) as report:
+        found = call_engine(
             _core.basins,
             system._core,
             rows,
@@ -385,11 +387,12 @@ def basins_of_attraction(
     warn_of_failures(each, lambda k: f"the start {rows[k].tolist()}")
     found["reached"] = found["reached"].reshape(given.shape[:-1])
     starts = rows.reshape(*given.shape[:-1], len(names))
-    return kept(found, Basins, starts=starts, system=system)
+    return make_result(found, Basins, starts=starts, system=system)
 
 
 def _is_meshgrid(starts: Any) -> bool:
-    """Whether np.meshgrid returns it for two axes. Its last axis may be as long as states."""
+    """Whether it is the result of np.meshgrid for two axes. Its last axis may have the length of a
+    state."""
     if not isinstance(starts, (list, tuple)) or len(starts) != 2:
         return False
     a, b = starts
@@ -409,27 +412,27 @@ def parameter_map(
     progress: bool = False,
     **options: Unpack[Options],
 ) -> ParameterMap:
-    """What the orbit from a start comes to, over a plane of two parameters.
+    """Finds the attractor of the orbit from a start, over a plane of two parameters.
 
-    It is what the program's ``map`` computes.
+    The program's ``map`` computes the same.
 
     Parameters
     ----------
     system : System
         The system.
     x, y : (str or Parameter, array_like)
-        Two parameters and their values, as ``(mu0, np.linspace(0.1, 0.2, 50))``.
+        Two parameters and their values, such as ``(mu0, np.linspace(0.1, 0.2, 50))``.
     y0 : array_like, shape (n,), or dict, optional
-        State at the start; that of the system, at each cell's parameters, unless given. Discrete
+        Start state. Default: the start of the system with the parameters of each cell. Discrete
         states may be left out.
     longest : float, optional
-        Time after which an orbit is called undecided.
+        Time after which an orbit without an attractor is undecided.
     duration : float or None, optional
-        Time over which the largest Lyapunov exponent is measured; None leaves it out.
+        Time over which the largest Lyapunov exponent is measured; None for no measurement.
     workers : int, optional
         Number of threads; -1 for all cores. The result does not depend on it.
     progress : bool, optional
-        Whether to show how many cells are done.
+        Whether to show the number of finished cells.
     **options : Options
         Tolerances and other settings.
 
@@ -440,9 +443,9 @@ def parameter_map(
     Raises
     ------
     SystemError
-        If a parameter is not allowed, or the period of a drive is not known.
+        If a parameter value is not allowed, or the period of a drive is unknown.
     Interrupted
-        On Ctrl-C; `partial` has the cells that were done.
+        On Ctrl-C; `partial` has the finished cells.
 
     Examples
     --------
@@ -463,8 +466,8 @@ def parameter_map(
         raise ValueError(f"x and y are both {first}: a map has two parameters")
     shape = (len(lines), len(columns))
     begin = start_of_each(checked(system), y0)
-    with shown(progress, "parameter_map", "cells", total=shape[0] * shape[1]) as report:
-        found = called(
+    with progress_report(progress, "parameter_map", "cells", total=shape[0] * shape[1]) as report:
+        found = call_engine(
             _core.parameter_map,
             system._core,
             begin,
@@ -477,7 +480,7 @@ def parameter_map(
     warn_of_failures(found.pop("reason"), at)
     raised = {"raised": found.pop("raised", None)}
     cells: dict[str, Any] = {name: np.reshape(values, shape) for name, values in found.items()}
-    return kept(raised, ParameterMap, x=columns, y=lines, names=(first, second), **cells)
+    return make_result(raised, ParameterMap, x=columns, y=lines, names=(first, second), **cells)
 
 
 def _axis(given: Any, name: str) -> tuple[str, Floats]:
@@ -488,4 +491,4 @@ def _axis(given: Any, name: str) -> tuple[str, Floats]:
             f"{name} must be a parameter and its values, as (mu0, np.linspace(0.1, 0.2, 50))"
         ) from None
     found = name_of(parameter)
-    return found, several(values, f"{name}[1]", f"np.linspace(0.1, 0.2, 50) for {found}")
+    return found, nonempty_array(values, f"{name}[1]", f"np.linspace(0.1, 0.2, 50) for {found}")

@@ -1,4 +1,4 @@
-"""What can go wrong."""
+"""Errors and warnings."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ class StickslipError(RuntimeError):
     Attributes
     ----------
     message : str
-        What happened, with the values that explain it.
+        The cause, with the values that explain it.
     kind : str
-        Name of the failure, such as ``"Escaped"``, ``"NoUniqueFuture"``, ``"NotConverged"``.
+        Kind of failure, such as ``"Escaped"``, ``"NoUniqueFuture"``, ``"NotConverged"``.
     t : float or None
-        Time of the failure, if it has one.
+        Time of the failure, if known.
     y : sequence of float or None
-        State there, if it has one.
+        State at that time, if known.
     """
 
     def __init__(
@@ -46,11 +46,11 @@ class OptionError(ValueError):
     message : str
         What is wrong.
     name : str
-        The argument or option, as ``"rtol"`` or ``"y0[1]"``.
+        The argument or option, such as ``"rtol"`` or ``"y0[1]"``.
     value : float
         Its value.
     bound : str
-        What it must be.
+        The allowed values.
     """
 
     def __init__(self, message: str, name: str, value: float, bound: str) -> None:
@@ -65,20 +65,20 @@ class OptionError(ValueError):
 
 
 class SystemError(ValueError):
-    """A system that cannot be used: the message shows the place in its text."""
+    """A system that cannot be used. The message shows the place in its text."""
 
 
 class Interrupted(KeyboardInterrupt):
     """Ctrl-C ended a computation.
 
-    It is a `KeyboardInterrupt`, so that a script ends as with any other library. Who wants what was
-    found until then catches it.
+    It is a `KeyboardInterrupt`, so that a script ends as with any other library. Catch it to keep
+    the result so far.
 
     Attributes
     ----------
     partial : result or None
-        The result as far as it was found, of the type that the function returns; None where a part
-        means nothing (`periodic_orbit`, `lyapunov_spectrum`, `lyapunov_from_data`).
+        The result so far, of the type that the function returns. None if a part of the result is
+        useless (`periodic_orbit`, `lyapunov_spectrum`, `lyapunov_from_data`).
 
     Examples
     --------
@@ -103,5 +103,5 @@ class InternalError(RuntimeError):
 
 
 class SolverWarning(RuntimeWarning):
-    """A run failed. The result of `solve_ivp` is the orbit up to there; in those of many runs the
-    kind is ``"failure"``, and one warning counts them."""
+    """A run failed. `solve_ivp` returns the orbit up to the failure. In results of many runs, the
+    kind of a failed one is ``"failure"``, and one warning counts them."""

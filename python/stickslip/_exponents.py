@@ -1,4 +1,4 @@
-"""Lyapunov exponents, from the equations and from a series."""
+"""Lyapunov exponents from the equations and from a series."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 from . import _core
 from ._arguments import Floats, Options, array, as_array, checked, real, settings, start
 from ._plot import new_axes
-from ._progress import shown
-from ._results import Result, called, kept
+from ._progress import progress_report
+from ._results import Result, call_engine, make_result
 from ._symbols import State, number, whole
 from ._system import System
 
@@ -25,23 +25,23 @@ class LyapunovSpectrum(Result):
     Attributes
     ----------
     exponents : ndarray, shape (n,)
-        In descending order; -inf where stick takes a direction to zero.
+        In descending order; -inf for a direction that stick annihilates.
     std_errors : ndarray, shape (n,)
-        Standard errors from the means of blocks; NaN of an exponent of -inf.
+        Standard errors from block means; NaN for an exponent of -inf.
     uncertainties : ndarray, shape (n,)
-        By how much each may be off: four standard errors, or what an end leaves.
+        Four standard errors, or ln 30 divided by `duration` if that is larger.
     duration : float
-        Time measured.
+        Duration of the measurement.
     defect : float
-        What their sum differs from the rate of volumes, which is found without them.
+        Difference of their sum from the mean growth rate of volumes, which is computed separately.
     stick_entries : int
-        Entries into stick in that time.
+        Number of entries into stick in that time.
     stick_fraction : float
-        Part of the time in stick.
+        Fraction of time in stick.
     elapsed : ndarray, shape (k,)
-        Times since measuring began.
+        Times since the start of the measurement.
     running : ndarray, shape (k, n)
-        The exponents as they stood then.
+        The exponents measured up to these times.
     """
 
     exponents: Floats
@@ -55,7 +55,7 @@ class LyapunovSpectrum(Result):
     running: Floats
 
     def plot(self, axes: Any = None) -> Any:
-        """Draws the exponents as they settled."""
+        """Draws the running exponents against the time measured."""
         axes = new_axes(axes)
         for k, values in enumerate(self.running.T, 1):
             finite = np.where(np.isfinite(values), values, np.nan)
@@ -75,12 +75,11 @@ class DataSpectrum(Result):
     exponents, std_errors : ndarray, shape (d,)
         The exponents and their standard errors.
     status : list of str
-        Which of them mean something: ``"ok"``, or why not.
+        ``"ok"`` for each reliable exponent, else the reason why it is not.
     dimension : int
-        In how many directions the series has points: so many exponents it can determine.
+        Number of tangent directions of the series, which is the number of exponents it determines.
     embedding : (int, int) or None
-        Delay in points and number of delayed values of each column; None if the columns are taken
-        as they are.
+        Delay in points and number of delayed values of each column; None without embedding.
     """
 
     exponents: Floats
@@ -90,7 +89,7 @@ class DataSpectrum(Result):
     embedding: tuple[int, int] | None
 
     def plot(self, axes: Any = None) -> Any:
-        """Draws the exponents with four standard errors; those that mean nothing are open."""
+        """Draws the exponents with four standard errors; unreliable ones have open markers."""
         axes = new_axes(axes)
         numbers = np.arange(1, len(self.exponents) + 1)
         for k, value, error, status in zip(numbers, self.exponents, self.std_errors, self.status):
@@ -111,7 +110,7 @@ def lyapunov_spectrum(
     progress: bool = False,
     **options: Unpack[Options],
 ) -> LyapunovSpectrum:
-    """The Lyapunov exponents from the equations, through slip, stick and jumps.
+    """Computes the Lyapunov exponents from the equations, through slip, stick and jumps.
 
     Parameters
     ----------
@@ -121,11 +120,11 @@ def lyapunov_spectrum(
         State at the start, in order or as ``{x: 1, v: 0}``; that of the system unless given.
         Discrete states may be left out.
     t0 : float, optional
-        Time at the start.
+        Start time.
     transient, duration : float, optional
-        Time before measuring, and time measured.
+        Time before the measurement, and its duration.
     progress : bool, optional
-        Whether to show how far the run is.
+        Whether to show the progress of the run.
     **options : Options
         Tolerances and other settings.
 
@@ -150,11 +149,11 @@ def lyapunov_spectrum(
     """
     t, x = start(checked(system), t0, y0)
     times = (real(transient, "transient"), real(duration, "duration"))
-    with shown(progress, "lyapunov_spectrum", "", span=(t, t + sum(times))) as report:
-        found = called(
+    with progress_report(progress, "lyapunov_spectrum", "", span=(t, t + sum(times))) as report:
+        found = call_engine(
             _core.lyapunov_spectrum, system._core, (t, x), times, settings(options), report
         )
-    return kept(found, LyapunovSpectrum)
+    return make_result(found, LyapunovSpectrum)
 
 
 def lyapunov_from_data(
@@ -165,25 +164,25 @@ def lyapunov_from_data(
     dimension: int | None = None,
     progress: bool = False,
 ) -> DataSpectrum:
-    """The Lyapunov exponents of a measured series.
+    """Estimates the Lyapunov exponents of a measured series.
 
-    A single column, as of a sensor, is no state: it is embedded, which is to say that its values at
-    t, t + delay, t + 2 delay, … are the state. Several columns are taken as they are, unless they
-    lack one. It is what the program's ``spectrum`` computes.
+    A single column, such as that of a sensor, is embedded: the state is its values at t, t + delay,
+    t + 2 delay, … Several columns are the state, unless their neighbours show that one is
+    missing. The program's ``spectrum`` computes the same.
 
     Parameters
     ----------
     series : array_like, shape (m,) or (m, d)
-        The series: a number or a row for each point.
+        The series, with a number or a row for each point.
     dt : float, optional
         Time between two points.
     delay : int, optional
-        Points between delayed values; the first minimum of the mutual information unless given.
+        Points between delayed values. Default: the first minimum of the mutual information.
     dimension : int, optional
-        Delayed values of each column, 1 to take the columns as they are; the first number with less
-        than 1 % false neighbours unless given.
+        Number of delayed values of each column; 1 for no embedding. Default: the first number with
+        less than 1 % false neighbours.
     progress : bool, optional
-        Whether to show how much is done.
+        Whether to show the progress.
 
     Returns
     -------
@@ -192,7 +191,7 @@ def lyapunov_from_data(
     Raises
     ------
     StickslipError
-        If the series is too short or does not move.
+        If the series is too short or constant.
     Interrupted
         On Ctrl-C; nothing is kept.
 
@@ -217,6 +216,6 @@ def lyapunov_from_data(
         for name, one in (("delay", delay), ("dimension", dimension))
     )
     # Three parts of a thousand steps each.
-    with shown(progress, "lyapunov_from_data", "", span=(0, 3000)) as report:
-        found = called(_core.lyapunov_from_data, rows, number(dt, "dt"), embedding, report)
-    return kept(found, DataSpectrum)
+    with progress_report(progress, "lyapunov_from_data", "", span=(0, 3000)) as report:
+        found = call_engine(_core.lyapunov_from_data, rows, number(dt, "dt"), embedding, report)
+    return make_result(found, DataSpectrum)

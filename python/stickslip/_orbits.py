@@ -1,4 +1,4 @@
-"""Periodic orbits, returns to a section, and branches."""
+"""Periodic orbits, Poincaré maps, and branches."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core
 from ._arguments import Floats, Options, checked, name_of, pair, real, settings, start, state
 from ._plot import new_axes
-from ._progress import shown
-from ._results import Result, called, column, kept, structured
+from ._progress import progress_report
+from ._results import Result, call_engine, column, make_result, structured
 from ._run import Event, Solution, section_of, solve_ivp
 from ._symbols import Expression, Parameter, State, number, out_of_bounds, whole
 from ._system import System
@@ -26,26 +26,26 @@ class PeriodicOrbit(Result):
     Attributes
     ----------
     t : float
-        A time at which it is at `y`.
+        Time of the state `y`.
     y : ndarray, shape (n,)
-        A state on it.
+        A state on the orbit.
     period : float
-        Its period.
+        Period.
     residual : float
-        Largest component of what a run over one period leaves open.
+        Largest component of the difference of the states at both ends of a period.
     family : int
-        Dimension of the family of periodic orbits that it is one of; 0 of an isolated one.
+        Dimension of the family of periodic orbits that contains it; 0 for an isolated orbit.
     monodromy : ndarray, shape (n, n)
-        Derivative of the state after a period by the state at `t`.
+        Derivative of the state after a period with respect to the state at `t`.
     multipliers : ndarray of complex, shape (n,)
-        Floquet multipliers; the first of a system that does not depend on time is the trivial one.
+        Floquet multipliers. For an autonomous system the first one is trivial.
     stability : str
-        ``"stable"``, ``"unstable"``, or ``"neutral"`` where a multiplier has size 1, to 1e-6, and
-        none is larger.
+        ``"stable"``, ``"unstable"``, or ``"neutral"`` if the largest modulus of a multiplier is 1,
+        up to 1e-6.
     phases : str
-        Its phases in letters, the same text wherever in the cycle `t` is.
+        Phases in letters. The text does not depend on where in the cycle `t` is.
     in_stick : float
-        Part of the period in which a contact sticks.
+        Fraction of the period in which a contact sticks.
     system : System
         The system.
     """
@@ -68,7 +68,7 @@ class PeriodicOrbit(Result):
         Parameters
         ----------
         points : int, optional
-            At so many times, equally apart.
+            Number of times, at equal distances.
 
         Returns
         -------
@@ -79,7 +79,7 @@ class PeriodicOrbit(Result):
         return solve_ivp(self.system, (self.t, end), self.y, t_eval=times)
 
     def plot(self, axes: Any = None) -> Any:
-        """Draws the first two states against each other, stick in another colour."""
+        """Draws the first two states against each other, with stick in another colour."""
         axes = new_axes(axes)
         sol = self.solution()
         names = self.system.states
@@ -99,18 +99,18 @@ class PeriodicOrbit(Result):
 
 @dataclass(frozen=True, repr=False)
 class PoincareMap(Result):
-    """Returns to a section.
+    """Crossings of a section, each mapped to the next.
 
     Attributes
     ----------
     t : ndarray, shape (m,)
-        Times of the returns.
+        Times of the crossings.
     y : ndarray, shape (m, n)
-        States there.
+        States at the crossings.
     mode : list of str
-        Modes there, in letters.
+        Modes at the crossings, in letters.
     derivatives : ndarray, shape (m, n, n), or None
-        Of each return by the state that it came from, if asked for.
+        Derivative of each crossing with respect to the previous state, if requested.
     system : System
         The system.
     """
@@ -122,7 +122,7 @@ class PoincareMap(Result):
     system: System
 
     def plot(self, axes: Any = None) -> Any:
-        """Draws the first two states of the returns; of a single state, each against the last."""
+        """Draws the first two states of the crossings; for one state, each against the last."""
         axes = new_axes(axes)
         names = self.system.states
         if len(names) > 1:
@@ -136,26 +136,26 @@ class PoincareMap(Result):
 
 @dataclass(frozen=True, repr=False)
 class Branch(Result):
-    """A branch of periodic orbits, from its lower end along the parameter to its upper one.
+    """A branch of periodic orbits, from its lower end to its upper end.
 
     Attributes
     ----------
     parameter : ndarray, shape (m,)
-        The parameter of each orbit.
+        Parameter value of each orbit.
     period : ndarray, shape (m,)
-        Its period.
+        Period of each orbit.
     y_min, y_max : ndarray, shape (m, n)
-        Smallest and largest value of each state along it.
+        Minimum and maximum of each state on each orbit.
     t, y : ndarray, shapes (m,) and (m, n)
-        A state on it, and the time at which it is there.
+        A state on each orbit, and its time.
     multipliers : list of ndarray of complex
-        Its multipliers besides the trivial one.
+        Multipliers of each orbit, except the trivial one.
     stability : list of str
-        ``"stable"``, ``"neutral"`` or ``"unstable"``, as of `PeriodicOrbit`.
+        ``"stable"``, ``"neutral"`` or ``"unstable"``, as in `PeriodicOrbit`.
     phases : list of str
         Its phases in letters.
     special : ndarray, structured
-        What is special on the branch, and bifurcations in which it ends: ``name``, ``parameter``,
+        Special orbits, and bifurcations at which the branch ends: ``name``, ``parameter``,
         ``uncertainty``, ``period``, phases ``before`` and ``after``, a state ``y`` (NaN at an end),
         and ``behind``, the number of orbits of the branch before it.
     stops : (str, str)
@@ -186,13 +186,13 @@ class Branch(Result):
     system: System
 
     def plot(self, axes: Any = None, what: int | str | State = 0) -> Any:
-        """Draws the smallest and the largest value of a state along the parameter: stable orbits
-        solid, others dashed, and what is special by its name.
+        """Draws minimum and maximum of a state over the parameter. Stable orbits are solid, others
+        dashed; special orbits have markers.
 
         Parameters
         ----------
         what : int, str or State, optional
-            Which state, by number or name; or ``"period"``, which is drawn instead.
+            The state, by number or name; or ``"period"``.
         """
         axes = new_axes(axes)
         if what == "period":
@@ -211,7 +211,7 @@ class Branch(Result):
         return axes
 
     def _between(self, curve: Floats, special: NDArray[np.void]) -> Floats:
-        """The curve at special orbits, each from the orbits on both sides."""
+        """Values of the curve at special orbits, interpolated between the orbits on both sides."""
         last = len(self.parameter) - 1
         one, other = (np.clip(special["behind"] - k, 0, last) for k in (1, 0))
         way = self.parameter[other] - self.parameter[one]
@@ -223,20 +223,20 @@ class Branch(Result):
 
 @dataclass(frozen=True, repr=False)
 class EquilibriumBranch(Result):
-    """A branch of equilibria, from its lower end along the parameter to its upper one.
+    """A branch of equilibria, from its lower end to its upper end.
 
     Attributes
     ----------
     parameter : ndarray, shape (m,)
-        The parameter of each equilibrium.
+        Parameter value of each equilibrium.
     y : ndarray, shape (m, n)
-        Its state.
+        Its states.
     mode : list of str
-        Its mode, as in `Solution`: where a contact sticks, it is an equilibrium of sliding.
+        Its mode, as in `Solution`. If a contact sticks, it is an equilibrium of the sliding field.
     eigenvalues : list of ndarray of complex
-        Of the field in that mode, along the boundaries of the contacts that stick.
+        Eigenvalues of the field in that mode, along the boundaries of the contacts that stick.
     stability : list of str
-        As ``"stable"``.
+        ``"stable"``, ``"neutral"`` or ``"unstable"``.
     special : ndarray, structured
         Bifurcations: ``name`` (``"fold"``, ``"branch point"``, ``"Hopf"``,
         ``"boundary equilibrium"``), ``parameter``, ``uncertainty``, ``frequency`` of a Hopf
@@ -263,13 +263,13 @@ class EquilibriumBranch(Result):
     system: System
 
     def plot(self, axes: Any = None, what: int | str | State = 0) -> Any:
-        """Draws a state along the parameter: stable equilibria solid, others dashed, and what is
-        special by its name.
+        """Draws a state over the parameter. Stable equilibria are solid, others dashed; special
+        equilibria have markers.
 
         Parameters
         ----------
         what : int, str or State, optional
-            Which state, by number or name.
+            The state, by number or name.
         """
         axes = new_axes(axes)
         k, label = column(self.system, what)
@@ -286,7 +286,7 @@ class EquilibriumBranch(Result):
 def _draw(axes: Any, parameter: Floats, curves: list[Floats], stability: list[str]) -> None:
     """Draws curves along a parameter, solid where stable."""
     stable = np.array([one == "stable" for one in stability], dtype=bool)
-    # A line goes on to the first point behind a change.
+    # A line extends to the first point after a change.
     for of_kind, style in ((stable, "-"), (~stable, "--")):
         drawn = of_kind.copy()
         drawn[1:] |= of_kind[:-1]
@@ -297,7 +297,7 @@ def _draw(axes: Any, parameter: Floats, curves: list[Floats], stability: list[st
 def _range(
     system: System, parameter: str | Parameter, bounds: tuple[float, float]
 ) -> tuple[str, float, float]:
-    """The parameter of a branch and its bounds, between which its present value is."""
+    """The parameter of a branch and its bounds, which must contain its present value."""
     low, high = pair(bounds, "bounds", "the branch is followed both ways between them")
     name = name_of(parameter)
     value = checked(system).parameters.get(name, low)
@@ -337,27 +337,27 @@ def periodic_orbit(
     longest: float = 100.0,
     **options: Unpack[Options],
 ) -> PeriodicOrbit:
-    """The periodic orbit that the run from a start comes to, refined by shooting.
+    """Finds the periodic orbit that the run from a start approaches, by shooting.
 
     Parameters
     ----------
     system : System
         The system.
     y0 : array_like, shape (n,), or dict, optional
-        State at the start, in order or as ``{x: 1, v: 0}``; that of the system unless given.
+        Start state, in order or as ``{x: 1, v: 0}``. Default: the start of the system.
         Discrete states may be left out.
     t0 : float, optional
-        Time at the start.
+        Start time.
     period : float, optional
-        A period near which that of the orbit is; of a driven system it is taken as it is.
+        Guess of the period. For a driven system it is the exact period.
     periods : int, optional
-        Periods of the drive in one of the orbit; the fewest after which the run comes back, at most
-        16, unless given.
+        Period of the orbit in periods of the drive. Default: the smallest number after which the
+        run returns, at most 16.
     transient : float, optional
-        How long the run is before the search. The default is 200, or less: at most 1000 periods
-        of a drive, and without a drive 1000 transitions.
+        Length of the run before the search. The default is 200, but at most 1000 periods of a drive
+        or, without a drive, 1000 transitions.
     longest : float, optional
-        Within what time the orbit comes back, of a system that does not depend on time.
+        Longest time of return, for a system that does not depend on time.
     **options : Options
         Tolerances and other settings.
 
@@ -368,7 +368,7 @@ def periodic_orbit(
     Raises
     ------
     StickslipError
-        If there is none; the message says what the run comes to instead.
+        If there is none. The message names the motion that the run approaches instead.
     Interrupted
         On Ctrl-C; nothing is kept.
 
@@ -381,14 +381,14 @@ def periodic_orbit(
     >>> round(orbit.period, 6), orbit.stability
     (6.663287, 'stable')
     """
-    found = called(
+    found = call_engine(
         _core.periodic_orbit,
         checked(system)._core,
         start(system, t0, y0),
         _search(system, transient, period, longest, periods),
         settings(options),
     )
-    return kept(found, PeriodicOrbit, system=system)
+    return make_result(found, PeriodicOrbit, system=system)
 
 
 def poincare_map(
@@ -403,27 +403,27 @@ def poincare_map(
     progress: bool = False,
     **options: Unpack[Options],
 ) -> PoincareMap:
-    """The next returns to a section.
+    """Computes the next crossings of a section.
 
     Parameters
     ----------
     system : System
         The system.
     section : Event or Expression
-        The section, as ``ss.event(v, direction=1)``.
+        The section, such as ``ss.event(v, direction=1)``.
     y0 : array_like, shape (n,), or dict, optional
-        State at the start, in order or as ``{x: 1, v: 0}``; that of the system unless given.
+        Start state, in order or as ``{x: 1, v: 0}``. Default: the start of the system.
         Discrete states may be left out.
     returns : int, optional
-        How many.
+        Number of crossings.
     t0 : float, optional
-        Time at the start.
+        Start time.
     longest : float, optional
-        Within what time each comes.
+        Longest time to the next crossing.
     derivative : bool, optional
-        Whether the derivative of the map is wanted.
+        Whether to compute the derivative of the map.
     progress : bool, optional
-        Whether to show how many there are.
+        Whether to show the number of finished crossings.
     **options : Options
         Tolerances and other settings.
 
@@ -434,9 +434,9 @@ def poincare_map(
     Raises
     ------
     StickslipError
-        If the orbit does not return.
+        If the orbit does not return within `longest`.
     Interrupted
-        On Ctrl-C; `partial` has the returns until then.
+        On Ctrl-C; `partial` has the crossings so far.
 
     Examples
     --------
@@ -447,8 +447,8 @@ def poincare_map(
     array([1., 2.])
     """
     count = whole(returns, "returns")
-    with shown(progress, "returns", "", total=count) as report:
-        found = called(
+    with progress_report(progress, "returns", "", total=count) as report:
+        found = call_engine(
             _core.poincare_map,
             section_of(checked(system), section),
             start(system, t0, y0),
@@ -458,7 +458,7 @@ def poincare_map(
         )
     if not derivative:
         found["derivatives"] = None
-    return kept(found, PoincareMap, system=system)
+    return make_result(found, PoincareMap, system=system)
 
 
 def continuation(
@@ -477,7 +477,7 @@ def continuation(
     progress: bool = False,
     **options: Unpack[Options],
 ) -> Branch:
-    """Follows a periodic orbit along a parameter, both ways, stable or not.
+    """Continues a periodic orbit along a parameter, in both directions, stable or not.
 
     Equilibria are followed by `equilibrium_continuation`.
 
@@ -488,16 +488,16 @@ def continuation(
     parameter : str or Parameter
         The parameter.
     bounds : (float, float)
-        The branch ends where the parameter leaves them; the lower one first.
+        Lower and upper bound of the parameter, at which the branch ends.
     y0, t0, period, periods, transient, longest
         As for `periodic_orbit`.
     step : float, optional
-        Longest step, as a part of the bounds and of the orbit's size: a small orbit that moves far
-        takes many.
+        Longest step, as a fraction of the bounds and of the orbit's size. A small orbit that moves
+        far takes many steps.
     most_points : int, optional
-        Most orbits in each direction.
+        Largest number of orbits in each direction.
     progress : bool, optional
-        Whether to show how many orbits there are.
+        Whether to show the number of orbits so far.
     **options : Options
         Tolerances and other settings.
 
@@ -510,9 +510,9 @@ def continuation(
     OptionError
         If the parameter is outside `bounds`, or these are not the lower and the upper one.
     StickslipError
-        If there is no periodic orbit to begin with.
+        If no periodic orbit is found at the start.
     Interrupted
-        On Ctrl-C; `partial` is the branch until then.
+        On Ctrl-C; `partial` is the branch so far.
 
     Examples
     --------
@@ -526,8 +526,8 @@ def continuation(
     (array(['Hopf', 'fold'], dtype='<U4'), array([ 0., -1.]))
     """
     name, low, high = _range(system, parameter, bounds)
-    with shown(progress, "continuation", "orbits") as report:
-        found = called(
+    with progress_report(progress, "continuation", "orbits") as report:
+        found = call_engine(
             _core.continuation,
             system._core,
             start(system, t0, y0),
@@ -538,7 +538,7 @@ def continuation(
             report,
         )
     found["special"] = structured(found["special"])
-    return kept(found, Branch, name=name, system=system)
+    return make_result(found, Branch, name=name, system=system)
 
 
 def equilibrium_continuation(
@@ -552,10 +552,10 @@ def equilibrium_continuation(
     most_points: int = 1000,
     **options: Unpack[Options],
 ) -> EquilibriumBranch:
-    """Follows an equilibrium along a parameter, both ways, stable or not.
+    """Continues an equilibrium along a parameter, in both directions, stable or not.
 
-    It is followed into the sliding field of contacts and out of it. It is what the program's
-    ``continue --equilibrium`` computes.
+    It is also followed into the sliding field of contacts and out of it. The program's
+    ``continue --equilibrium`` computes the same.
 
     Parameters
     ----------
@@ -564,16 +564,16 @@ def equilibrium_continuation(
     parameter : str or Parameter
         The parameter.
     bounds : (float, float)
-        The branch ends where the parameter leaves them; the lower one first.
+        Lower and upper bound of the parameter, at which the branch ends.
     y0 : array_like, shape (n,), or dict, optional
-        State at the start, in order or as ``{x: 1, v: 0}``; that of the system unless given.
+        Start state, in order or as ``{x: 1, v: 0}``. Default: the start of the system.
     transient : float, optional
-        How long the run to the equilibrium is, at least. The default is 2000; it ends earlier where
-        the equilibrium is reached. With 0 there is no run, and the equilibrium near `y0` is taken.
+        Length of the run that searches the equilibrium. The default is 2000; the run ends when it
+        has reached the equilibrium. With 0 there is no run: the equilibrium near `y0` is used.
     step : float, optional
-        Longest step, as a part of the bounds and of the size of the first equilibrium.
+        Longest step, as a fraction of the bounds and of the size of the first equilibrium.
     most_points : int, optional
-        Most equilibria in each direction.
+        Largest number of equilibria in each direction.
     **options : Options
         Tolerances and other settings.
 
@@ -588,9 +588,9 @@ def equilibrium_continuation(
     ValueError
         If the system depends on time.
     StickslipError
-        If the run comes to another motion, or the equilibrium is one of a set of equilibria.
+        If the run approaches another motion, or the equilibrium belongs to a set of equilibria.
     Interrupted
-        On Ctrl-C, when the branch is computed (some 0.1 ms a point); nothing is kept.
+        On Ctrl-C, after the branch is computed (some 0.1 ms per point); nothing is kept.
 
     Examples
     --------
@@ -602,7 +602,7 @@ def equilibrium_continuation(
     (array(['fold'], dtype='<U4'), array([0.]))
     """
     along = _range(system, parameter, bounds)
-    found = called(
+    found = call_engine(
         _core.equilibrium_continuation,
         system._core,
         state(system, y0),
@@ -612,4 +612,4 @@ def equilibrium_continuation(
         settings(options),
     )
     found["special"] = structured(found["special"])
-    return kept(found, EquilibriumBranch, name=along[0], system=system)
+    return make_result(found, EquilibriumBranch, name=along[0], system=system)

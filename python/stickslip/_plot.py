@@ -1,4 +1,4 @@
-"""What all figures share; matplotlib is imported where something is drawn."""
+"""Parts that all figures share. matplotlib is imported when something is drawn."""
 
 from __future__ import annotations
 
@@ -9,31 +9,31 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-#: From the palette of Okabe and Ito, and three that differ from these.
+#: The palette of Okabe and Ito, and three further colours.
 COLOURS = [
     *("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#f0e442"),
     *("#882255", "#b0d88a", "#5d3a1a"),
 ]
-#: What is no attractor has a grey of its own.
+#: Colours of outcomes that are no attractor.
 GREYS = {"undecided": "#d4d4d4", "escape": "#9a9a9a", "end": "#6a6a6a", "failure": "#303030"}
-#: A legend of more classes, or of longer names, leaves no room for the figure.
+#: A legend with more classes or longer names would leave no room for the figure.
 MOST_IN_LEGEND = 12
 LONGEST_NAME = 34
 
 
 def new_axes(axes: Any = None) -> Any:
-    """The axes given, or new ones."""
+    """The axes given, or those of a new figure, whose layout leaves room for a legend below."""
     if axes is not None:
         return axes
     try:
         import matplotlib.pyplot as plt  # type: ignore[import-not-found,unused-ignore]
     except ImportError as error:
         raise ImportError("figures need matplotlib: pip install 'stickslip[plot]'") from error
-    return plt.subplots()[1]
+    return plt.subplots(layout="constrained")[1]
 
 
 def colours_of(names: Sequence[str]) -> list[Any]:
-    """A colour for each class, by the word that its name begins with and else in order."""
+    """A colour for each class: a grey by the first word of its name, or the next colour."""
     greys = [next((GREYS[word] for word in GREYS if one.startswith(word)), None) for one in names]
     return [grey or _colour(greys[:k].count(None)) for k, grey in enumerate(greys)]
 
@@ -45,7 +45,7 @@ def _colour(k: int) -> Any:
     return colorsys.hls_to_rgb(k * 0.618 % 1.0, 0.3 + 0.35 * (k % 2), 0.7)
 
 
-def classes(
+def draw_classes(
     axes: Any,
     x: Any,
     y: Any,
@@ -53,8 +53,8 @@ def classes(
     names: Sequence[str],
     others: Sequence[Any] = (),
 ) -> None:
-    """Cells of a grid, or points where `x` and `y` are as many, coloured by their class. The legend
-    below also has `others`, which are drawn already."""
+    """Draws cells of a grid, or points, coloured by class. The legend below also lists `others`,
+    which are drawn already."""
     from matplotlib.colors import ListedColormap  # type: ignore[import-not-found,unused-ignore]
     from matplotlib.patches import Patch  # type: ignore[import-not-found,unused-ignore]
 
@@ -81,13 +81,9 @@ def classes(
         handles=[*patches, *others],
         loc="upper center",
         bbox_to_anchor=(0.5, 0.0),
-        # In units of the font: below the numbers and the label of the axis.
+        # In font sizes: below the numbers and the label of the axis.
         borderaxespad=5,
         fontsize="small",
         ncols=min(3, 84 // (longest + 8)),
         frameon=False,
     )
-    # Room for the legend, unless the figure already has a layout.
-    figure = axes.figure.canvas.figure
-    if figure.get_layout_engine() is None:
-        figure.set_layout_engine("constrained")

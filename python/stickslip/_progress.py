@@ -1,4 +1,4 @@
-"""How far a computation is: one bar, in a terminal and in a notebook."""
+"""A progress bar, in a terminal and in a notebook."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ Report = Callable[[float], None]
 
 
 class _Line:
-    """A plain line on standard error, where there is a terminal."""
+    """A line on standard error, if that is a terminal."""
 
     def __init__(self, total: int | None, what: str, unit: str) -> None:
         self._total, self._what, self._unit = total, what, unit
@@ -33,7 +33,7 @@ class _Line:
 
 
 class _Bar:
-    """A bar of tqdm, which draws itself in a notebook, too."""
+    """A bar of tqdm, which also works in a notebook."""
 
     def __init__(self, tqdm: Any, total: int | None, what: str, unit: str) -> None:
         # None hides it where there is no terminal.
@@ -47,16 +47,16 @@ class _Bar:
 
 
 @contextmanager
-def shown(
+def progress_report(
     progress: bool,
     what: str,
     unit: str,
     total: int | None = None,
     span: tuple[float, float] | None = None,
 ) -> Iterator[Report | None]:
-    """What the engine calls to tell how far it is, or None.
+    """The callback with which the engine reports its progress, or None.
 
-    Over a `span` of time it shows percent; otherwise it counts to `total`.
+    With a `span` of time the bar shows percent; otherwise it counts to `total`.
     """
     if not progress:
         yield None

@@ -1,4 +1,4 @@
-"""What results have in common, and how the engine's answers become results."""
+"""The base of all results, and the conversion of the engine's output to results."""
 
 from __future__ import annotations
 
@@ -29,17 +29,17 @@ def _short(value: Any) -> str:
 
 
 class Result:
-    """A result of named fields."""
+    """A result with named fields."""
 
     def __repr__(self) -> str:
-        # What was analysed is shown by its own name.
+        # The system has a representation of its own.
         names = [one.name for one in fields(self) if one.name != "system"]  # type: ignore[arg-type]
         shown = [f"{name}={_short(getattr(self, name))}" for name in names]
         return f"{type(self).__name__}({', '.join(shown)})"
 
 
-def called(function: Callable[..., _T], *of: Any) -> _T:
-    """A call of the engine, of which a panic is an `InternalError`."""
+def call_engine(function: Callable[..., _T], *of: Any) -> _T:
+    """Calls the engine. A panic becomes an `InternalError`."""
     try:
         return function(*of)
     except KeyboardInterrupt as raised:
@@ -51,9 +51,9 @@ def called(function: Callable[..., _T], *of: Any) -> _T:
         raise InternalError(f"a defect of stickslip: {error}") from None
 
 
-def kept(found: dict[str, Any], make: Callable[..., _T], **more: Any) -> _T:
-    """The result of what the engine found. Where something has ended the computation early, that is
-    raised, and Ctrl-C as `Interrupted` with the result."""
+def make_result(found: dict[str, Any], make: Callable[..., _T], **more: Any) -> _T:
+    """Makes a result from the engine's output. An exception that ended the computation early is
+    raised; Ctrl-C becomes `Interrupted` with the result so far."""
     raised = found.pop("raised", None)
     result = make(**found, **more)
     if raised is None:
@@ -64,7 +64,7 @@ def kept(found: dict[str, Any], make: Callable[..., _T], **more: Any) -> _T:
 
 
 def warn_of_failures(reasons: Sequence[str], at: Callable[[int], str]) -> None:
-    """Warns once of all runs that have a reason why they failed; `at` says where a run began."""
+    """Warns once about all failed runs, which have a reason; `at` describes the start of a run."""
     failed = [k for k, reason in enumerate(reasons) if reason]
     if failed:
         count = f"{len(failed)} of {len(reasons)} runs failed"
@@ -78,7 +78,7 @@ def _dtype(fields: tuple[tuple[str, Any, tuple[int, ...]], ...]) -> np.dtype[np.
 
 
 def structured(columns: Mapping[str, Any]) -> NDArray[np.void]:
-    """A structured array of columns: texts, numbers, or rows of numbers.
+    """Makes a structured array from columns of texts, numbers, or rows of numbers.
 
     Texts are a list, or a pair: the distinct ones, and for each entry its index among them.
     """

@@ -1,4 +1,4 @@
-"""Runs: `solve_ivp`, and what it returns."""
+"""`solve_ivp` and its results."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ from ._arguments import (
 )
 from ._errors import SolverWarning
 from ._plot import new_axes
-from ._progress import shown
-from ._results import called, kept, structured
+from ._progress import progress_report
+from ._results import call_engine, make_result, structured
 from ._symbols import (
     Direction,
     Expression,
@@ -41,7 +41,7 @@ from ._system import System
 
 @dataclass(frozen=True)
 class Event:
-    """A function whose zeros are located; made by `event`.
+    """A function whose zeros are located. `event` makes it.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class Event:
     direction : int
         1 for rising, -1 for falling, 0 for both.
     terminal : int
-        The run ends at the passage of that number; 0 never.
+        The run ends at this number of zeros; 0 for never.
     """
 
     function: Expression
@@ -61,16 +61,16 @@ class Event:
 def event(
     function: Any, direction: float | Direction = 0, terminal: bool | int = False
 ) -> Event:
-    """An event of a run, or a section: where a formula passes through zero.
+    """Makes an event of a run, or a section: the zeros of a formula.
 
     Parameters
     ----------
     function : Expression
         A formula of states, parameters and time.
     direction : float or {"rising", "falling", "both"}, optional
-        As SciPy's: positive for rising, negative for falling, 0 for both.
+        As in SciPy: positive for rising, negative for falling, 0 for both.
     terminal : bool or int, optional
-        Whether the run ends there, or at the passage of which number.
+        Whether the run ends at the first zero, or the number of the zero at which it ends.
 
     Returns
     -------
@@ -103,17 +103,17 @@ def section_of(system: System, watched: Event | Expression) -> _core.System:
 
 
 class DenseOutput:
-    """The solution at any time of a run, with an error as that of the steps.
+    """The solution at any time of a run, as accurate as the steps.
 
     Attributes
     ----------
     t_min, t_max : float
-        Where it begins and ends.
+        First and last time.
 
     Notes
     -----
-    A pickle is the system, the start and the settings. The run is made again where the solution is
-    asked for first, with the same bits.
+    A pickle contains the system, the start and the settings. The run is repeated at the first
+    evaluation, with the same bits.
     """
 
     def __init__(self, run: tuple[Any, ...], t_max: float, core: _core.Dense | None = None) -> None:
@@ -122,7 +122,7 @@ class DenseOutput:
         self.t_max = t_max
 
     def __call__(self, t: ArrayLike) -> Floats:
-        """The state at a time, or at several.
+        """The state at one or several times.
 
         Parameters
         ----------
@@ -146,11 +146,11 @@ class DenseOutput:
         if self._core is None:
             system, start, t_end, options = self._run
             until, nothing = (t_end, self.t_max), np.empty(0)
-            again = called(
+            again = call_engine(
                 _core.solve, system._core, start, until, [], nothing, True, options, None
             )
             self._core = again["sol"]
-        found: Floats = called(self._core.at, np.ascontiguousarray(times.ravel()))
+        found: Floats = call_engine(self._core.at, np.ascontiguousarray(times.ravel()))
         return found[0] if times.ndim == 0 else found.T
 
     def __reduce__(self) -> Any:
@@ -174,31 +174,30 @@ class Solution:
     Attributes
     ----------
     t : ndarray, shape (m,)
-        The times asked for, or ends of steps.
+        The requested times, or the ends of steps.
     y : ndarray, shape (n, m)
-        States there. Of a system with jumps, each jump is twice in `t` and `y`: before and after.
+        States at these times. A jump appears twice in `t` and `y`: before and after.
     sol : DenseOutput or None
         The solution at any time, with ``dense_output=True``.
     t_events : list of ndarray, or None
         Times of each event.
     y_events : list of ndarray, shape (k, n), or None
-        States there.
+        States at the events.
     nfev : int or None
-        Evaluations of the field; unknown of a run that failed.
+        Number of evaluations of the field; None for a failed run.
     status : int
-        0 at the end, 1 at a terminal event or jump, 2 where the future is not unique, -1 of a run
-        that failed or was interrupted.
+        0 at the end time, 1 at a terminal event or jump, 2 if the future is not unique, -1 if the
+        run failed or was interrupted.
     message : str
         The same in words.
     transitions : ndarray, structured
-        Each change of a mode and each jump: ``t``, ``kind``, ``contact``, ``from_mode``,
-        ``to_mode``, ``y`` (behind it), ``residual`` of the boundary function.
+        Changes of mode and jumps: ``t``, ``kind``, ``contact``, ``from_mode``, ``to_mode``, ``y``
+        (after it), ``residual`` of the boundary function.
     phases : ndarray, structured
-        The run in one mode after the other: ``t_start``, ``t_end``, ``mode``, ``y_start``,
-        ``y_end``. A mode is ``-`` or ``+`` for slip below or above, ``S`` for stick; of several
-        contacts with ``|`` between.
+        Intervals of one mode: ``t_start``, ``t_end``, ``mode``, ``y_start``, ``y_end``. A mode is
+        ``-`` or ``+`` for slip below or above, ``S`` for stick; ``|`` separates several contacts.
     system : System
-        What was run.
+        The system.
     """
 
     t: Floats
@@ -250,29 +249,28 @@ def solve_ivp(
     progress: bool = False,
     **options: Unpack[OptionsButMethod],
 ) -> Solution:
-    """Follows an orbit, as `scipy.integrate.solve_ivp` does.
+    """Integrates an orbit, as `scipy.integrate.solve_ivp` does.
 
     Parameters
     ----------
     system : System
-        What to run. There is no function of a state: transitions between slip and stick, jumps and
-        inputs are parts of the system and located to rounding.
+        The system, in place of SciPy's function. Transitions between slip and stick, jumps and
+        inputs are parts of it and are located to rounding.
     t_span : (float, float)
-        Start and end, the end later.
+        Start time and end time; the end is later.
     y0 : array_like, shape (n,), or dict, optional
-        State at the start, in order or as ``{x: 1, v: 0}``; that of the system unless given.
+        Start state, in order or as ``{x: 1, v: 0}``. Default: the start of the system.
         Discrete states may be left out.
     method : {"taylor", "dop853"}, optional
-        How steps are made.
+        The integration method.
     t_eval : array_like, shape (m,), optional
-        Times at which the state is wanted, sorted, within `t_span`; ends of steps unless given.
+        Times of the output, sorted, within `t_span`. Default: the ends of steps.
     dense_output : bool, optional
-        Whether to keep the solution over all steps. Memory grows with the number of steps then, and
-        otherwise only with what is asked for and with transitions.
+        Whether to keep the solution over all steps, for which memory grows with their number.
     events : Event, Expression or a sequence of them, optional
-        What else to locate. Each event but one costs a run of its own, of the same orbit.
+        Further events to locate. Each event beyond the first costs another run of the same orbit.
     progress : bool, optional
-        Whether to show how far the run is; with tqdm installed as a bar.
+        Whether to show the progress of the run; as a bar if tqdm is installed.
     **options : Options
         Tolerances and other settings.
 
@@ -286,9 +284,9 @@ def solve_ivp(
         For a number that is out of bounds, NaN or infinite; other wrong arguments raise
         `ValueError` or `TypeError`.
     StickslipError
-        If the run fails at its start. If it fails later, it warns and returns the orbit until then.
+        If the run fails at its start. If it fails later, it warns and returns the orbit so far.
     Interrupted
-        On Ctrl-C; `partial` is the orbit up to there.
+        On Ctrl-C; `partial` is the orbit so far.
 
     Examples
     --------
@@ -317,8 +315,8 @@ def solve_ivp(
     watched = [one if isinstance(one, Event) else event(one) for one in given]
     sections = [(section_of(system, one), one.terminal) for one in watched]
     made = settings({"method": method, **options})
-    with shown(progress, "solve_ivp", "", span=(t0, t_end)) as report:
-        found = called(
+    with progress_report(progress, "solve_ivp", "", span=(t0, t_end)) as report:
+        found = call_engine(
             _core.solve,
             system._core,
             begin,
@@ -339,7 +337,7 @@ def solve_ivp(
     for table in ("transitions", "phases"):
         found[table] = structured(found[table])
     run = (system, begin, t_end, made)
-    return kept(
+    return make_result(
         found,
         Solution,
         sol=DenseOutput(run, end, core) if dense_output else None,

@@ -1,4 +1,4 @@
-"""Symbols: objects whose arithmetic writes the formula that the engine reads."""
+"""Symbols, whose arithmetic writes the formulas that the engine reads."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ._errors import OptionError
 
 Direction = Literal["rising", "falling", "both"]
 
-# How tightly an operator binds.
+# Precedence of operators.
 _SUM, _PRODUCT, _SIGN, _POWER, _ATOM = range(5)
 
 _STEPS = (
@@ -45,20 +45,20 @@ def _refuses(operation: str, remedy: str) -> Callable[..., Any]:
 class Expression:
     """A formula of states, parameters and time.
 
-    Operators and NumPy's functions on it make further formulas. What no formula can be, such as a
-    comparison, a sign or a remainder, raises a `TypeError` that says what to write instead.
+    Operators and NumPy's functions on it make further formulas. Comparisons, signs and remainders
+    are no formulas: they raise a `TypeError` that says what to write instead.
 
     Attributes
     ----------
     text : str
-        The formula as the program reads it.
+        The formula as text.
     parts : frozenset
         The states, parameters, contacts and inputs in it.
     """
 
     __slots__ = ("text", "_binds", "parts")
 
-    # Of several operands with an `__array_ufunc__` this one decides.
+    # If several operands have an `__array_ufunc__`, this one is called.
     __array_priority__ = 1000
 
     def __init__(self, text: str, binds: int = _ATOM, parts: frozenset[Any] = frozenset()) -> None:
@@ -207,7 +207,7 @@ _FUNCTIONS = {
     "fmin": "min",
 }
 
-# Functions that are formulas of the others, exact up to rounding.
+# Functions that are composed of others, exact up to rounding.
 _COMPOSED: dict[str, Callable[..., Expression]] = {
     "negative": lambda x: -x,
     "positive": lambda x: x,
@@ -264,12 +264,12 @@ def _object(value: Any) -> np.ndarray[Any, Any]:
 def out_of_bounds(
     name: str, value: float, bound: str, help: str = "", what: str = ""
 ) -> OptionError:
-    """The error of an argument that must satisfy a bound."""
+    """The error for an argument out of its bounds."""
     return OptionError(f"{what}{name} = {value:.15g}: it must be {bound}{help}", name, value, bound)
 
 
 def number(value: Any, name: str = "a number", what: str = "") -> float:
-    """A finite number; another value is refused by `name`, with `what` it is before that."""
+    """A finite number. Errors name the argument by `what` and `name`."""
     if not isinstance(value, numbers.Real):
         raise TypeError(f"{what}{name} must be a number, not {value!r}")
     result = float(value)
@@ -295,7 +295,7 @@ def whole(value: Any, name: str, least: int = 1) -> int:
 
 
 def written(value: float) -> str:
-    """A number as the engine reads it back to the last bit."""
+    """A number as text that reads back to the last bit."""
     return repr(float(value))
 
 
@@ -356,7 +356,7 @@ class Symbol(Expression):
         return type(self), (self.name,)
 
     def __eq__(self, other: object) -> bool:
-        # Two of one name that differ stay apart, so that a system refuses them.
+        # Symbols with the same name but other values are different, so that a system rejects them.
         return super().__eq__(other) or (
             type(other) is type(self) and repr(self.__reduce__()[1]) == repr(other.__reduce__()[1])
         )
@@ -366,7 +366,7 @@ class Symbol(Expression):
 
 
 def check_name(name: str) -> None:
-    """Refuses what is no name."""
+    """Rejects an invalid name."""
     if not (isinstance(name, str) and name.isidentifier()):
         raise ValueError(f"{name!r} is no name: a letter, and behind it letters, digits and _")
 
@@ -378,7 +378,7 @@ class State(Symbol):
 
 
 class Parameter(Symbol):
-    """A parameter, its value, and the range of values that it may be given, or None."""
+    """A parameter with its value, and its range of allowed values or None."""
 
     __slots__ = ("value", "range")
 
@@ -411,22 +411,22 @@ def _interval(range: Any, of: Parameter) -> tuple[float, float]:
 
 
 def states(names: str | Sequence[str]) -> tuple[State, ...]:
-    """States by their names, as in ``x, v = ss.states("x v")``.
+    """Makes states from names: ``x, v = ss.states("x v")``.
 
     Parameters
     ----------
     names : str or sequence of str
-        The names, with spaces or commas between.
+        The names, separated by spaces or commas.
 
     Returns
     -------
     tuple of State
-        It is a tuple of one name, too: ``x, = ss.states("x")``, or ``x = ss.state("x")``.
+        A single name also gives a tuple: ``x, = ss.states("x")``, or ``x = ss.state("x")``.
 
     Raises
     ------
     ValueError
-        If a name is none, or stands there twice.
+        If a name is invalid or occurs twice.
     """
     each = names.replace(",", " ").split() if isinstance(names, str) else list(names)
     if len(set(each)) < len(each):
@@ -435,17 +435,17 @@ def states(names: str | Sequence[str]) -> tuple[State, ...]:
 
 
 def state(name: str) -> State:
-    """A single state. Two of one name are the same state, and one key of a dict."""
+    """Makes a single state. States with the same name are equal."""
     return State(name)
 
 
 def parameters(**values: float) -> tuple[Parameter, ...]:
-    """Parameters with their values, as in ``k, mu0 = ss.parameters(k=1.0, mu0=0.4)``.
+    """Makes parameters with their values: ``k, mu0 = ss.parameters(k=1.0, mu0=0.4)``.
 
     Parameters
     ----------
     **values : float
-        The value of each.
+        The value of each parameter.
 
     Returns
     -------
@@ -462,18 +462,18 @@ def parameters(**values: float) -> tuple[Parameter, ...]:
 def parameter(
     name: str, value: float, range: tuple[float, float] | None = None
 ) -> Parameter:
-    """A single parameter. A `range` (lowest, highest) bounds the values that it can be given later;
-    an end may be infinite."""
+    """Makes a single parameter. A `range` (lowest, highest) bounds its later values; an end may be
+    infinite."""
     return Parameter(name, value, range)
 
 
 class DiscreteState(Symbol):
-    """A state that changes by jumps only.
+    """A state that only jumps change.
 
     Attributes
     ----------
     start : Expression
-        Its value at the start of runs, a formula of parameters; 0 unless given.
+        Its start value, a formula of parameters. Default 0.
     """
 
     __slots__ = ("start",)
@@ -487,39 +487,39 @@ class DiscreteState(Symbol):
 
 
 def discrete(**starts: Any) -> tuple[DiscreteState, ...]:
-    """Discrete states with their values at the start, as in ``heater, = ss.discrete(heater=1)``.
+    """Makes discrete states with their start values: ``heater, = ss.discrete(heater=1)``.
 
     Parameters
     ----------
     **starts : float or Expression
-        The value of each at the start of runs, a number or a formula of parameters.
+        The start value of each, a number or a formula of parameters.
 
     Returns
     -------
     tuple of DiscreteState
-        In this order they stand behind the other states, sorted by name.
+        In the system they follow the other states, sorted by name.
     """
     return tuple(DiscreteState(name, start) for name, start in starts.items())
 
 
 class Contact(Symbol):
-    """A contact: where `boundary` is zero the system can stick.
+    """A contact. The system can stick where `boundary` is zero.
 
-    Its sides are written into the rates: `side`, `friction` or `by_side`.
+    The rates depend on its side through `side`, `friction` or `by_side`.
 
     Parameters
     ----------
     name : str
-        Its name in formulas and results.
+        Name in formulas and results.
     boundary : Expression
-        The function whose zero is the boundary, as the relative velocity `v - vp`.
+        The function whose zero is the boundary, such as the relative velocity `v - vp`.
     friction : Expression, float or function, optional
-        Size of the friction force in slip. A function is given the side, -1 or +1, as in
+        Magnitude of the friction force in slip. A function takes the side, -1 or +1, as in
         ``lambda side: mu0 / (1 + side * (v - vp))``.
     static : Expression, float or function, optional
-        Largest friction force in stick; that of slip unless given.
+        Largest friction force in stick. Default: the force in slip.
     normal_force : Expression, optional
-        Of a system of one contact: friction is zero where this is not positive.
+        Normal force, for a system with one contact. Friction is zero where it is not positive.
     """
 
     __slots__ = ("boundary", "law", "static", "normal_force")
@@ -534,7 +534,7 @@ class Contact(Symbol):
     ) -> None:
         super().__init__(name)
         self.boundary = expression(boundary)
-        # A law is written by the sign of the contact that it belongs to: a function of it.
+        # A friction law may depend on the side of its contact, so a function is called with it.
         self.law = self._law(friction)
         self.static = self._law(static)
         self.normal_force = None if normal_force is None else expression(normal_force)
@@ -555,13 +555,13 @@ class Contact(Symbol):
 
     @property
     def friction(self) -> Expression:
-        """The force of friction: the side times the law."""
+        """The friction force: the side times the law."""
         if self.law is None:
             raise ValueError(f"the contact {self.name} has no friction: give friction=…")
         return Expression(f"friction({self.name})", _ATOM, self.parts)
 
     def by_side(self, below: Any, above: Any) -> Expression:
-        """One formula where the boundary function is negative, another where it is positive."""
+        """`below` where the boundary function is negative, `above` where it is positive."""
         a, b = expression(below), expression(above)
         text = f"by_side({self.name}, {a.text}, {b.text})"
         return Expression(text, _ATOM, self.parts | a.parts | b.parts)
@@ -573,7 +573,7 @@ class Switch(Symbol):
     Parameters
     ----------
     name : str
-        Its name in formulas and results.
+        Name in formulas and results.
     function : Expression
         A formula of time and parameters. Steps of the solver end at its zeros.
     """
@@ -594,9 +594,9 @@ class Switch(Symbol):
 
 
 class Input(Symbol):
-    """An input of time alone, linear between its kinks.
+    """An input that depends on time alone and is linear between its kinks.
 
-    It is made by `square`, `triangle`, `sawtooth`, `pulse` or `table`.
+    `square`, `triangle`, `sawtooth`, `pulse` and `table` make inputs.
     """
 
     __slots__ = ("entries",)
@@ -622,43 +622,43 @@ def square(name: str, period: Any, phase: Any = None) -> Input:
     Parameters
     ----------
     name : str
-        Its name in formulas and results.
+        Name in formulas and results.
     period : float or Expression
         A number or a formula of parameters.
     phase : float or Expression, optional
-        Part of the period that has passed at time 0; 0 unless given.
+        Fraction of the period that has passed at time 0. Default 0.
     """
     return _repeated(name, "square", period, phase)
 
 
 def triangle(name: str, period: Any, phase: Any = None) -> Input:
-    """An input that goes from 0 to 1, to -1 and to 0 in each period.
+    """An input that rises from 0 to 1, falls to -1 and returns to 0 in each period.
 
     Parameters
     ----------
     name : str
-        Its name in formulas and results.
+        Name in formulas and results.
     period : float or Expression
         A number or a formula of parameters.
     phase : float or Expression, optional
-        Part of the period that has passed at time 0; 0 unless given.
+        Fraction of the period that has passed at time 0. Default 0.
     """
     return _repeated(name, "triangle", period, phase)
 
 
 def sawtooth(name: str, period: Any, phase: Any = None) -> Input:
-    """An input that goes from 0 to 1 in each period.
+    """An input that rises from 0 to 1 in each period.
 
     ``period * ss.sawtooth("clock", period)`` is the remainder ``t % period``.
 
     Parameters
     ----------
     name : str
-        Its name in formulas and results.
+        Name in formulas and results.
     period : float or Expression
         A number or a formula of parameters.
     phase : float or Expression, optional
-        Part of the period that has passed at time 0; 0 unless given.
+        Fraction of the period that has passed at time 0. Default 0.
     """
     return _repeated(name, "sawtooth", period, phase)
 
@@ -669,13 +669,13 @@ def pulse(name: str, period: Any, width: float, phase: Any = None) -> Input:
     Parameters
     ----------
     name : str
-        Its name in formulas and results.
+        Name in formulas and results.
     period : float or Expression
         A number or a formula of parameters.
     width : float
-        That part, between 0 and 1.
+        Fraction of the period in which it is 1.
     phase : float or Expression, optional
-        Part of the period that has passed at time 0; 0 unless given.
+        Fraction of the period that has passed at time 0. Default 0.
     """
     return _repeated(name, "pulse", period, phase, width=number(width, "width"))
 
@@ -686,16 +686,16 @@ def table(
     values: Any,
     between: Literal["linear", "constant"] = "linear",
 ) -> Input:
-    """An input through points in time; constant before the first and behind the last.
+    """An input through points in time. It is constant before the first and after the last.
 
     Parameters
     ----------
     name : str
-        Its name in formulas and results.
+        Name in formulas and results.
     times, values : array_like, shape (m,)
         The points, sorted by time.
     between : {"linear", "constant"}, optional
-        What is between two points: a line, or the value of the first.
+        Interpolation: a line between two points, or the value of the first.
     """
     lists = {
         what: [number(one, f"{what}[{k}]") for k, one in enumerate(np.asarray(given).ravel())]
@@ -717,22 +717,22 @@ def sign_of(direction: float | Direction) -> int:
 
 
 class Jump:
-    """A jump: where `when` passes through zero, the states in `set` take new values.
+    """A jump. When `when` passes through zero, the states in `set` take new values.
 
     Parameters
     ----------
     name : str
-        Its name in results.
+        Name in results.
     when : Expression
         The function whose zero triggers it.
     set : dict, optional
-        New values by state, as ``{v: -0.8 * v}``; the others stay.
+        New values by state, such as ``{v: -0.8 * v}``. Other states keep their values.
     direction : float or {"rising", "falling", "both"}, optional
-        Which changes of sign count, as for `event`.
+        The sign changes that count, as for `event`.
     stop : bool, optional
-        Whether the run ends there.
+        Whether the run ends at the jump.
     count : int, optional
-        The run ends with the jump of this number.
+        The run ends after this number of jumps.
     """
 
     def __init__(
@@ -770,5 +770,5 @@ class Time(Symbol):
 
 #: Time.
 t = Time("t")
-#: The circle's number.
+#: The number π.
 pi: Expression = Expression("pi")

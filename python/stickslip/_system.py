@@ -1,4 +1,4 @@
-"""Systems: built from symbols or read from a text, and handed to the engine as that text."""
+"""Systems from symbols or from a text. The engine receives the text."""
 
 from __future__ import annotations
 
@@ -28,24 +28,24 @@ from ._symbols import (
 class System:
     """A system with its parameters.
 
-    Parameters, inputs, switches and discrete states are found in the formulas. A pickle is the text
-    of the system and the values of its parameters.
+    Parameters, inputs, switches and discrete states are collected from the formulas. A pickle
+    contains the text of the system and the values of its parameters.
 
     Parameters
     ----------
     rates : dict
         The rate of each state, in the order of the states: ``{x: v, v: -x}``.
     contacts : Contact or a sequence of them, optional
-        All contacts that stand in the rates.
+        All contacts that occur in the rates.
     jumps : Jump or a sequence of them, optional
-        Changes of the state at an instant.
+        Instantaneous changes of the state.
     start : dict or sequence, optional
-        The state at the start of runs; it may depend on parameters. Discrete states may be left
-        out: they begin at their own values. In a sequence they are the last, by name.
+        Start state, which may depend on parameters. Discrete states may be left out: they start at
+        their own values. In a sequence they come last, sorted by name.
     period : float or Expression, optional
-        Period in time, if the system depends on time and attractors are wanted.
+        Period in time. Attractors of a system that depends on time need it.
     name : str, optional
-        What it is called.
+        Name of the system.
     """
 
     def __init__(
@@ -68,7 +68,7 @@ class System:
         self._sections: dict[tuple[str, int], _core.System] = {}
 
     def _section(self, function: str, direction: int) -> _core.System:
-        """The same with a section, kept for further runs."""
+        """The same system with a section, stored for further runs."""
         key = (function, direction)
         if key not in self._sections:
             if len(self._sections) >= 64:
@@ -84,13 +84,12 @@ class System:
 
     @classmethod
     def from_toml(cls, source: str | os.PathLike[str]) -> System:
-        """The system of a file.
+        """Reads a system from a file.
 
         Parameters
         ----------
         source : str or path
-            The path of a file, the name of a shipped model as ``"belt"``, or a text of several
-            lines.
+            Path of a file, name of a shipped model such as ``"belt"``, or a text of several lines.
 
         Returns
         -------
@@ -99,7 +98,7 @@ class System:
         Raises
         ------
         SystemError
-            If the file cannot be read or is wrong; the message shows the place.
+            If the file cannot be read or is wrong. The message shows the place.
         """
         if isinstance(source, str) and "\n" in source:
             return cls._of("text", source, {})
@@ -107,8 +106,8 @@ class System:
         return cls._of(path, _core.System.text_of(path), {})
 
     def to_toml(self) -> str:
-        """The text that the program `stickslip` reads. It has the values that the system was
-        built with; those of `with_parameters` are given to the program by `--set`."""
+        """The text of a file for the program `stickslip`. It contains the original values of the
+        parameters; pass those of `with_parameters` to the program by `--set`."""
         return self._text
 
     def with_parameters(
@@ -119,9 +118,9 @@ class System:
         Parameters
         ----------
         values : dict, optional
-            The values by parameter or name, as ``{mu0: 0.3}``.
+            Values by parameter or name, such as ``{mu0: 0.3}``.
         **more : float
-            The values by name, as ``mu0=0.3``.
+            Values by name, such as ``mu0=0.3``.
 
         Returns
         -------
@@ -144,22 +143,22 @@ class System:
 
     @property
     def name(self) -> str:
-        """What it is called."""
+        """Name of the system."""
         return self._core.name
 
     @property
     def states(self) -> tuple[str, ...]:
-        """Names of the states, in their order; discrete ones stand last."""
+        """Names of the states in their order; discrete ones come last."""
         return tuple(self._core.states)
 
     @property
     def discrete(self) -> tuple[str, ...]:
-        """Names of the discrete states. What is given for a start may leave these out."""
+        """Names of the discrete states. A start may leave them out."""
         return tuple(self._core.discrete)
 
     @property
     def parameters(self) -> Mapping[str, float]:
-        """Values of the parameters by name. They are read here, and set by `with_parameters`."""
+        """Values of the parameters by name, to read. `with_parameters` sets them."""
         return _Values(self._core.parameters)
 
     @property
@@ -174,30 +173,31 @@ class System:
 
     @property
     def start(self) -> tuple[float, ...] | None:
-        """Where runs begin, if the system says so."""
+        """Start state, if the system defines one."""
         start = tuple(one for one in self._core.starts if one is not None)
         return start if len(start) == len(self.states) else None
 
     @property
     def period(self) -> float | None:
-        """Period in time, of a driven system."""
+        """Period in time of a driven system."""
         return self._core.period
 
     def check(self, y0: Any = None) -> list[str]:
-        """What is doubtful about the system, as the program's ``check`` says it: friction that
-        drives the slip, static friction below kinetic, boundaries that depend on each other, a
-        wrong period, jumps that are past their zero at the start.
+        """Warnings about the system, as the program's ``check`` prints them.
+
+        They concern friction that drives the slip, static friction below kinetic friction,
+        dependent boundaries, a wrong period, and jumps that are past their zero at the start.
 
         Parameters
         ----------
         y0 : array_like, shape (n,), or dict, optional
-            State at the start, in order or as ``{x: 1, v: 0}``; that of the system unless given.
-            Without any, friction and jumps are not looked at.
+            Start state, in order or as ``{x: 1, v: 0}``. Default: the start of the system. Without
+            a start, friction and jumps are not checked.
 
         Returns
         -------
         list of str
-            Messages; none where nothing is doubtful.
+            The warnings.
 
         Examples
         --------
@@ -234,7 +234,7 @@ class System:
 
 
 class _Values(dict[str, float]):
-    """Values of parameters that are only read."""
+    """Values of parameters, to read only."""
 
     def _refuse(self, *_: Any, **__: Any) -> NoReturn:
         raise TypeError(
@@ -250,7 +250,7 @@ class _Values(dict[str, float]):
 
 
 def _quoted(value: Any) -> str:
-    # What JSON escapes TOML's basic strings escape alike.
+    # JSON and TOML basic strings have the same escapes.
     return json.dumps(value.text if isinstance(value, Expression) else value, ensure_ascii=False)
 
 

@@ -245,4 +245,4 @@ def test_memory_does_not_grow_with_the_length_of_a_run():
 
 def test_a_panic_of_the_engine_is_an_internal_error():
     with pytest.raises(ss.InternalError, match="a defect of stickslip: on purpose"):
-        _results.called(_core._unwind)
+        _results.call_engine(_core._unwind)

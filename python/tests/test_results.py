@@ -139,11 +139,10 @@ def legend_of(axes):
     return texts, [patch.get_facecolor() for patch in legend.get_patches()]
 
 
-@pytest.mark.parametrize("own_axes", [False, True])
 @pytest.mark.parametrize("result", ["basins", "row of basins", "plane", 8, 30])
-def test_the_legend_is_within_the_figure_and_its_colours_differ(result, own_axes):
+def test_the_legend_is_within_the_figure_and_its_colours_differ(result):
     drawn = plane(result) if isinstance(result, int) else RESULTS[result]
-    axes = drawn.plot(matplotlib.pyplot.subplots()[1] if own_axes else None)
+    axes = drawn.plot()
     figure = axes.figure
     figure.canvas.draw()
     inside = figure.bbox
@@ -156,6 +155,15 @@ def test_the_legend_is_within_the_figure_and_its_colours_differ(result, own_axes
     assert len(set(colours)) == len(colours) and len(texts) <= 13
     assert ("on the attractors" in texts) == isinstance(drawn, ss.Basins)
     matplotlib.pyplot.close(figure)
+
+
+def test_a_figure_of_the_user_keeps_its_layout():
+    for layout in (None, "tight"):
+        figure, own = matplotlib.pyplot.subplots(layout=layout)
+        before = figure.get_layout_engine()
+        axes = plane(8).plot(own)
+        assert axes is own and figure.get_layout_engine() is before
+        matplotlib.pyplot.close(figure)
 
 
 def test_no_two_of_many_kinds_have_one_colour_and_undecided_is_grey():

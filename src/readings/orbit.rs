@@ -9,7 +9,7 @@ use crate::numbers::extent;
 use crate::orbit_records::{Samples, TurningPoints};
 use crate::paper::in_place::{Breakdown, InPlace};
 use crate::paper::models::{BlockAndBracket, Caption};
-use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
+use stickslip::analysis::motion::{Class, Criterion, Evidence, SystemKind};
 use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum_watched};
 use stickslip::math;
 use stickslip::statistics::PowerLaw;
@@ -143,7 +143,7 @@ impl<'a> OrbitRecorder<'a> {
     }
 
     fn bounded(self, exponents: &[Exponent], duration: f64) -> Outcome {
-        let (section, spectrum) = (self.turns.points, (Of::Flow, exponents, duration));
+        let (section, spectrum) = (self.turns.points, (SystemKind::Flow, exponents, duration));
         let class = Evidence::gather(&section, spectrum, &Criterion::default()).class();
         Outcome::Bounded(Bounded::new(self.samples.states, &section, class))
     }
@@ -180,7 +180,7 @@ fn in_place(system: &BlockAndBracket, start: State<4>, h: f64, plan: &Plan) -> O
         same: SECTION_TOLERANCE,
         ..Criterion::default()
     };
-    let closing = Evidence::gather(&section, (Of::ReturnMap, &[], 1.0), &criterion).class();
+    let closing = Evidence::gather(&section, (SystemKind::ReturnMap, &[], 1.0), &criterion).class();
     let mut motion = Bounded::new(series, &section, closing);
     motion.class = match closing {
         Class::Undecided if motion.dimension < CURVE_DIMENSION => Class::QuasiPeriodic,

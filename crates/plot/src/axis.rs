@@ -62,11 +62,11 @@ impl Axis {
     setters! {
         /// Ticks at multiples of a step.
         step: f64 => ticks;
-        /// Intervals the space between two ticks is divided into by short ticks; 1 for none.
+        /// Number of intervals between two ticks, separated by short ticks; 1 for none.
         minor: usize => minor;
     }
 
-    /// Ticks at the values given, with labels in markup (an empty one leaves the tick bare).
+    /// Ticks at the given values, with labels in markup. A tick with an empty label has no number.
     pub fn ticks<S: Into<String>>(mut self, ticks: impl IntoIterator<Item = (f64, S)>) -> Self {
         let ticks = ticks.into_iter().map(|(v, text)| (v, text.into()));
         self.ticks = Ticks::At(ticks.collect());

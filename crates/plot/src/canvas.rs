@@ -24,10 +24,10 @@ pub(super) fn units(px: f64) -> i32 {
     (px * UNITS_PER_PX).round() as i32
 }
 
-/// What plotters' elements return.
+/// The result of drawing an element of plotters.
 pub(super) type Drawn = Result<(), DrawingErrorKind<fmt::Error>>;
 
-/// Writing to a string as drawing on a backend.
+/// Converts the result of writing to a string into that of drawing.
 pub(super) fn drawn(written: fmt::Result) -> Drawn {
     written.map_err(DrawingErrorKind::DrawingError)
 }

@@ -31,12 +31,12 @@ pub const LIGHT_GREY: Color = Color(228, 228, 228);
 pub const LIGHT_ORANGE: Color = Color(252, 232, 196);
 
 impl Color {
-    /// `#rrggbb`, as SVG wants it.
+    /// The colour as `#rrggbb`, for SVG.
     pub(super) fn hex(self) -> String {
         format!("#{:02x}{:02x}{:02x}", self.0, self.1, self.2)
     }
 
-    /// The colour on white, two fifths of it: for a broad curve under others.
+    /// Two fifths of the colour on white, for a broad curve under others.
     pub fn pale(self) -> Self {
         let mixed = |part: u8| (255 - (255 - u16::from(part)) * 2 / 5) as u8;
         Self(mixed(self.0), mixed(self.1), mixed(self.2))

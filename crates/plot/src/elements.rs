@@ -1,4 +1,4 @@
-//! The elements plotters lacks: dashed lines, markers with an edge, text with markup.
+//! Elements that plotters lacks: dashed lines, markers with an edge, text with markup.
 
 use plotters::element::{Drawable, PointCollection};
 use plotters_backend::BackendCoord;
@@ -25,7 +25,7 @@ pub(super) enum Ink {
     Words(Words),
 }
 
-/// A drawing in the coordinates of the area it is drawn on.
+/// A drawing, in the coordinates of its drawing area.
 pub(super) struct Element<C> {
     pub(super) points: Vec<C>,
     pub(super) ink: Ink,

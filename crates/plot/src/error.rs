@@ -1,6 +1,6 @@
 //! Errors of drawings.
 
-/// Failure of a drawing, with the values that explain it and what to do about it.
+/// Failure of a drawing, with the values that explain it and a remedy.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlotError {
@@ -14,7 +14,7 @@ pub enum PlotError {
         /// Upper end, in the unit of the axis.
         max: f64,
     },
-    /// The panels' own labels leave no room for what they are to show.
+    /// The labels of a panel leave no room for its content.
     #[error(
         "a panel of {figure} is only {width:.0} x {height:.0} px large once its labels are placed; \
          enlarge the figure"
@@ -27,7 +27,7 @@ pub enum PlotError {
         /// Height left for the plot rectangle, px.
         height: f64,
     },
-    /// The drawing library refused.
+    /// The drawing library failed.
     #[error("cannot draw: {0}")]
     Draw(String),
 }

@@ -56,7 +56,7 @@ pub struct Figure {
     rows: Shares<Shares<Cell>>,
 }
 
-/// Where a cell of the page lies and which margins it keeps.
+/// A cell of the page with its position and its margins.
 struct PlacedCell<'f> {
     frame: Frame,
     margins: Margins,
@@ -115,8 +115,7 @@ impl Figure {
         Ok(svg)
     }
 
-    /// Divides the page. Panels under one another get the same margins, so that their frames line
-    /// up.
+    /// Divides the page. Panels in a column get the same margins, so that their frames line up.
     fn layout(&self) -> Result<Vec<PlacedCell<'_>>, PlotError> {
         let (width, height) = self.size;
         let mut placed = Vec::new();
@@ -139,7 +138,7 @@ impl Figure {
     }
 }
 
-/// Where each of the things begins and ends along an edge of the page.
+/// Start and end of each item along an edge of the page.
 fn subdivide<T>(shares: &[(f64, T)], edge: f64) -> impl Iterator<Item = (&T, (f64, f64))> {
     let weights: f64 = shares.iter().map(|(weight, _)| weight).sum();
     let room = edge - 2.0 * BORDER - GAP * shares.len().saturating_sub(1) as f64;
@@ -164,7 +163,7 @@ fn place_row(
             cell,
         });
     }
-    // Frames beside one another begin and end at the same height.
+    // Frames in a row begin and end at the same height.
     let above = placed.iter().map(|p| p.margins.top).fold(0.0, f64::max);
     let below = placed.iter().map(|p| p.margins.bottom).fold(0.0, f64::max);
     for place in placed.iter_mut().filter(|p| p.is_panel()) {

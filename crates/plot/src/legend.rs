@@ -10,10 +10,10 @@ use super::pen::Pen;
 use super::plot::{Drawn, Frame, Sheet};
 use crate::error::PlotError;
 
-/// Where a panel's legend stands.
+/// Position of a panel's legend.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Legend {
-    /// None is drawn.
+    /// No legend.
     #[default]
     Hidden,
     /// Inside, upper left corner.
@@ -24,14 +24,14 @@ pub enum Legend {
     Below,
 }
 
-/// One line of a legend: a text, and before it a piece of what is drawn.
+/// A line of a legend: a text, preceded by a sample of the layer.
 pub struct Entry {
     text: String,
     ink: Ink,
 }
 
 impl Entry {
-    /// None without a text.
+    /// An entry; `None` without a text.
     pub(super) fn new(text: &str, ink: Ink) -> Option<Self> {
         let text = text.to_owned();
         (!text.is_empty()).then_some(Self { text, ink })
@@ -60,7 +60,7 @@ fn columns(entries: &[Entry], available: f64) -> Result<(usize, f64), PlotError>
     let widest = widest(entries)?;
     let fit = ((available + COLUMN_GAP) / (widest + COLUMN_GAP)).floor() as usize;
     let fit = fit.clamp(1, entries.len().max(1));
-    // As many lines as that takes, but spread evenly over them: 4 entries make 2 + 2, not 3 + 1.
+    // The entries are spread evenly over the lines: 4 entries make 2 + 2, not 3 + 1.
     let lines = entries.len().div_ceil(fit);
     Ok((entries.len().div_ceil(lines.max(1)).max(1), widest))
 }

@@ -32,22 +32,22 @@ pub(super) struct Symbol {
     pub(super) edge_width: f64,
 }
 
-/// A marked-up text and how it is set.
+/// A marked-up text with its style.
 #[derive(Clone)]
 pub(super) struct Words {
     pub(super) markup: String,
     pub(super) size: f64,
     pub(super) color: Color,
-    /// Which point of the text's box is put at the point it is drawn at.
+    /// The point of the text's box that lies at the position of the text.
     pub(super) anchor: (HPos, VPos),
-    /// Turned by 90°, to be read from below.
+    /// Whether it is rotated by 90°, to be read upwards.
     pub(super) upwards: bool,
-    /// With a white rim, so that it can be read across lines.
+    /// Whether it has a white rim, so that it is legible on lines.
     pub(super) halo: bool,
 }
 
 impl Words {
-    /// Black, reading from left to right.
+    /// A black text from left to right.
     pub(super) fn new(markup: &str, size: f64, anchor: (HPos, VPos)) -> Self {
         Self {
             markup: markup.to_owned(),

@@ -1,4 +1,4 @@
-//! How wide a text will be, from the metrics of the embedded font.
+//! Widths of texts, from the metrics of the embedded font.
 //!
 //! The SVG names the font by family and leaves the setting to the viewer. Liberation Sans has the
 //! widths of Arial, which nearly every viewer has, so the boxes computed here fit there too.

@@ -1,4 +1,4 @@
-//! A panel: axes and what is drawn between them.
+//! A panel: axes and layers.
 
 use plotters_backend::text_anchor::{HPos, VPos};
 
@@ -69,7 +69,7 @@ impl Panel {
         label: &str => label;
         /// Heading after the label, in markup.
         title: &str => title;
-        /// Where the legend stands. The caller knows which corner is free.
+        /// Position of the legend. The caller knows which corner is free.
         legend: Legend => legend;
     }
 

@@ -1,4 +1,4 @@
-//! How a line is drawn.
+//! Pens: colour, width and style of lines.
 
 use super::color::{BLACK, Color};
 

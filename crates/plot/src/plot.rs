@@ -1,4 +1,4 @@
-//! A panel's plot rectangle while it is being drawn: data coordinates on top of the page.
+//! A panel's plot rectangle during drawing: data coordinates on the page.
 
 use std::fmt;
 
@@ -153,7 +153,7 @@ impl<'p, 'a> Plot<'p, 'a> {
         )
     }
 
-    /// Where a data point lies on the page, px.
+    /// Position of a data point on the page, px.
     pub(super) fn px(&self, p: Point) -> Point {
         let (sx, sy) = self.scale();
         (

@@ -76,7 +76,7 @@ fn close(piece: &mut Vec<Point>, pieces: &mut Vec<Vec<Point>>) {
 }
 
 /// The part of a closed polygon inside the rectangle (Sutherland and Hodgman). Where the polygon
-/// leaves and comes back the result runs along the border, which a fill does not show.
+/// leaves and returns, the result runs along the border, which a fill does not show.
 pub(super) fn clip_area(points: &[Point], bounds: &Bounds) -> Vec<Point> {
     // One half-plane after the other: which coordinate, its limit, and which side is kept.
     let sides = [

@@ -4,7 +4,7 @@
 //! or above the line: `*x*_1`, `*z*_{*k*}`, `10^{−4}`. A backslash takes the next character
 //! literally. Greek letters and signs are typed as they are: `*μ*_0 = √3/9`.
 
-/// Where a run of text stands relative to the line.
+/// Position of a run of text relative to the line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Level {
     /// On the line.
@@ -35,7 +35,7 @@ impl Level {
     }
 }
 
-/// Text set in one way.
+/// A text in one style.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Run {
     /// The characters.

@@ -135,14 +135,15 @@ impl DataError {
     }
 }
 
-/// A number for messages: with an exponent where it would otherwise have many zeros, and zero
-/// without a sign.
+/// A number for messages, with twelve significant digits at most. Very large and very small ones
+/// have an exponent; zero has no sign.
 pub(crate) fn readable(value: f64) -> String {
-    if value == 0.0 {
+    let rounded: f64 = format!("{value:.11e}").parse().unwrap_or(value);
+    if rounded == 0.0 {
         "0".to_owned()
-    } else if (1e-4..1e6).contains(&value.abs()) {
-        format!("{value}")
+    } else if (1e-4..1e6).contains(&rounded.abs()) {
+        format!("{rounded}")
     } else {
-        format!("{value:e}")
+        format!("{rounded:e}")
     }
 }

@@ -353,8 +353,8 @@ pub enum Error {
     },
     /// The orbit does not cover the time asked for.
     #[error(
-        "t = {t} lies outside the orbit, which covers {from} to {to}; ask within it, or integrate \
-            further", t = readable(*t), from = readable(*from), to = readable(*to)
+        "t = {t:?} lies outside the orbit, which covers {from:?} to {to:?}; ask within it, or \
+            integrate further"
     )]
     OutsideOrbit {
         /// Time asked for.
@@ -431,15 +431,20 @@ pub enum Error {
     },
 }
 
-/// A number for messages and headings. Very large and very small ones have an exponent; zero has no
-/// sign.
+/// Significant digits of a number in a message. Rounding errors stay behind them.
+const READABLE_DIGITS: usize = 12;
+
+/// A number for messages, headings and text tables, with twelve significant digits at most. Very
+/// large and very small ones have an exponent; zero has no sign.
 pub fn readable(value: f64) -> String {
-    if value == 0.0 {
+    let digits = READABLE_DIGITS - 1;
+    let rounded: f64 = format!("{value:.digits$e}").parse().unwrap_or(value);
+    if rounded == 0.0 {
         "0".to_owned()
-    } else if (1e-4..1e6).contains(&value.abs()) {
-        format!("{value}")
+    } else if (1e-4..1e6).contains(&rounded.abs()) {
+        format!("{rounded}")
     } else {
-        format!("{value:e}")
+        format!("{rounded:e}")
     }
 }
 

@@ -122,9 +122,9 @@ pub use nalgebra;
 pub use error::Error;
 pub use filippov::{
     AtPileUp, AtRepelling, Contacts, Direction, EventFunctions, EventRecord, EventSearch, Failure,
-    Fate, Happening, Integration, Locator, Method, Observer, Options, OrbitWithEvents, Phase,
-    Plane, Progress, Several, Start, StepRecord, Strobe, Switched, Transition, TransitionKind,
-    Visibility, Watched, ensemble, fate, run, solve, solve_with_events,
+    Fate, Integration, Locator, Method, Observer, Options, OrbitWithEvents, Phase, Plane, Progress,
+    Several, Start, StepRecord, Strobe, Switched, Transition, TransitionKind, Visibility, Watched,
+    WatchedProgress, ensemble, fate, run, solve, solve_with_events,
 };
 pub use orbit::{Approach, Counters, Ending, Orbit, Summary, TwoFold};
 pub use scalar::Scalar;

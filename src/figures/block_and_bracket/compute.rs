@@ -4,7 +4,7 @@ use super::recorder::{DT, END, OrbitRecorder, START};
 use crate::figures::ComputeError;
 use crate::paper::claim_id::SpectrumFigure;
 use crate::paper::models::{BlockAndBracket, Caption, Reading};
-use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
+use stickslip::analysis::motion::{Class, Criterion, Evidence, SystemKind};
 use stickslip::analysis::{Spectrum, SpectrumOptions, lyapunov_spectrum_watched};
 use stickslip::{Error, Locator, Method, Options, State, run};
 use stickslip_series::{DataSettings, DataSpectrum, Neighbourhood, Series, data_spectrum};
@@ -185,7 +185,7 @@ fn measure<'a>(
     let mut watch = OrbitRecorder::new(model, &settings.solver, set.shown);
     let start = (0.0, State::from(set.caption.start));
     let spectrum = lyapunov_spectrum_watched(model, start, &settings, &mut watch)?;
-    let of = (Of::Flow, &spectrum.exponents[..], spectrum.duration);
+    let of = (SystemKind::Flow, &spectrum.exponents[..], spectrum.duration);
     let evidence = Evidence::gather(&watch.turning_points.points, of, &Criterion::default());
     let measured = BoundedMotion {
         class: evidence.class(),

@@ -12,7 +12,7 @@ use crate::orbit_records::TurningPoints;
 use crate::paper::models::{BlockAndBracket, Caption, CaptionOrder, Reading};
 use crate::report::ReportError;
 use crate::report::spread::mended_captions;
-use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
+use stickslip::analysis::motion::{Class, Criterion, Evidence, SystemKind};
 use stickslip::{Error, Observer, Options, State, StepRecord, run, solve};
 
 /// The section is recorded from the start of the published series to here: over a hundred
@@ -70,7 +70,7 @@ fn outcome(caption: &Caption, reading: &Reading, end: f64) -> Result<MotionOutco
         other => other?,
     };
     let section = observer.turns.points;
-    let window = (Of::Flow, &[][..], SECTION_END - START);
+    let window = (SystemKind::Flow, &[][..], SECTION_END - START);
     let evidence = Evidence::gather(&section, window, &Criterion::default());
     Ok(match evidence.class() {
         _ if end <= START => MotionOutcome::Bounded(observer.largest),

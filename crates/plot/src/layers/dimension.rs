@@ -56,9 +56,9 @@ impl Layer for Dimension {
         let [a, b] = self.ends(plot);
         let pen = Pen::new(BLACK, 0.9);
         if self.shift != 0.0 {
-            let simplify = Pen::new(BLACK, 0.5);
-            plot.sheet.stroke(&[plot.px(self.from), a], &simplify)?;
-            plot.sheet.stroke(&[plot.px(self.to), b], &simplify)?;
+            let thin = Pen::new(BLACK, 0.5);
+            plot.sheet.stroke(&[plot.px(self.from), a], &thin)?;
+            plot.sheet.stroke(&[plot.px(self.to), b], &thin)?;
         }
         arrow::double(&plot.sheet, a, b, &pen)
     }

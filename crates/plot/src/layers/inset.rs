@@ -25,7 +25,7 @@ impl Layer for Inset {
         Ok(())
     }
 
-    /// All of it is drawn with the texts, so that no curve of the outer panel runs through it.
+    /// The inset is drawn with the texts, so that no curve of the outer panel covers it.
     fn annotate(&self, plot: &Plot<'_, '_>) -> Drawn {
         let cell = Frame::between(
             plot.frame.at(self.from.0, self.from.1),

@@ -14,7 +14,7 @@ use super::note::anchor_of;
 pub struct Markers {
     points: Vec<(f64, f64)>,
     symbol: Symbol,
-    /// Texts beside points: of which point, and how far away.
+    /// Texts beside points, each with the index of its point and its offset.
     labels: Vec<(usize, String, (f64, f64))>,
     legend: String,
 }
@@ -58,8 +58,8 @@ impl Markers {
         self
     }
 
-    /// A text in markup beside the point `index`, `(right, up)` px away from it. Of an index that
-    /// does not exist nothing is drawn.
+    /// Adds a text in markup beside the point `index`, `(right, up)` px away from it. An index that
+    /// does not exist has no effect.
     pub fn label(mut self, index: usize, text: &str, offset: (f64, f64)) -> Self {
         self.labels.push((index, text.to_owned(), offset));
         self

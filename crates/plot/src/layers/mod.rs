@@ -1,5 +1,5 @@
-//! What a panel can show. Layers are drawn in the order they are added.
-//! Their texts come last, above all lines.
+//! Layers of a panel. They are drawn in the order of their addition. Their texts come last, above
+//! all lines.
 
 mod band;
 mod cells;
@@ -28,17 +28,17 @@ use super::polyline::Point;
 /// Font size of texts inside a panel, px.
 pub(super) const TEXT_SIZE: f64 = 11.5;
 
-/// One thing in a panel. The kinds are those of this crate: nothing outside can name a [`Plot`].
+/// A layer of a panel. Only this crate defines layers, because [`Plot`] is private.
 pub trait Layer {
-    /// Lines and areas.
+    /// Draws lines and areas.
     fn draw(&self, plot: &Plot<'_, '_>) -> Drawn;
 
-    /// Texts; drawn after the lines and areas of all layers.
+    /// Draws texts, after the lines and areas of all layers.
     fn annotate(&self, _plot: &Plot<'_, '_>) -> Drawn {
         Ok(())
     }
 
-    /// The line this layer wants in the legend.
+    /// The entry of the layer in the legend.
     fn legend(&self) -> Option<Entry> {
         None
     }

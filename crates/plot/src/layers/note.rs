@@ -56,13 +56,13 @@ impl Note {
         self.arrow(target)
     }
 
-    /// Where the text is put on the page.
+    /// Position of the text on the page.
     fn anchored(&self, plot: &Plot<'_, '_>) -> Point {
         let (x, y) = self.at.px(plot);
         (x + self.offset.0, y - self.offset.1)
     }
 
-    /// The box the text fills on the page.
+    /// The box of the text on the page.
     fn frame(&self, plot: &Plot<'_, '_>) -> Result<Frame, PlotError> {
         let (x, y) = self.anchored(plot);
         let width = metrics::width(&self.text, TEXT_SIZE)?;
@@ -91,7 +91,7 @@ impl Layer for Note {
         let target = target.px(plot);
         let centre = text.at(0.5, 0.5);
         let (dx, dy) = (target.0 - centre.0, target.1 - centre.1);
-        // How far along the way from the centre to the target the line leaves the text's box.
+        // Fraction of the way from the centre to the target at which the line leaves the box.
         let half = (
             text.width() / 2.0 + CLEARANCE,
             text.height() / 2.0 + CLEARANCE,

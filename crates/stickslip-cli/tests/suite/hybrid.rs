@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use stickslip::analysis::monodromy;
-use stickslip::dynamics::{DynamicsRef, Happening, Matrix, Moment, Section, Vector};
+use stickslip::dynamics::{DynamicsRef, Matrix, Moment, OrbitProgress, Section, Vector};
 use stickslip::nalgebra::{Matrix2, RowVector2, Vector2};
 use stickslip::{Method, Options, math};
 use stickslip_kernels::file::{Source, System, SystemFile};
@@ -472,7 +472,7 @@ fn by_differences(of: &DynamicsRef<'_>, start: &[f64], t_end: f64, free: &[usize
             .begin(&at, t_end, &options("taylor"), &Section::None)
             .unwrap();
         loop {
-            if let Happening::End(summary) = orbit.step().unwrap() {
+            if let OrbitProgress::End(summary) = orbit.step().unwrap() {
                 break summary.x;
             }
         }
@@ -1205,7 +1205,7 @@ fn a_fold_along_the_phase_of_a_drive_is_located() {
                 .begin(&at, 2.3, &options("taylor"), &Section::None)
                 .unwrap();
             loop {
-                if let Happening::End(summary) = orbit.step().unwrap() {
+                if let OrbitProgress::End(summary) = orbit.step().unwrap() {
                     break summary.x[0] - u;
                 }
             }

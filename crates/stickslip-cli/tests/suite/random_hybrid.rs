@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use stickslip::dynamics::{Happening, Moment, Section, Vector};
+use stickslip::dynamics::{Moment, OrbitProgress, Section, Vector};
 use stickslip::statistics::SplitMix;
 use stickslip::{Ending, Error, TransitionKind};
 use stickslip_kernels::file::System;
@@ -113,14 +113,14 @@ fn found(system: &System, method: &str) -> RunResult {
     loop {
         match orbit.step() {
             // At a touch, a function comes to zero within rounding and turns back.
-            Ok(Happening::Transition(at)) if at.kind != TransitionKind::Touch => {
+            Ok(OrbitProgress::Transition(at)) if at.kind != TransitionKind::Touch => {
                 events.push((at.kind, at.contact, at.t));
                 if events.len() == MAX_COMPARED {
                     let ending = "enough".to_owned();
                     return RunResult { events, ending };
                 }
             }
-            Ok(Happening::End(summary)) => {
+            Ok(OrbitProgress::End(summary)) => {
                 let ending = match summary.ending {
                     Ending::EndTime => "end time".to_owned(),
                     other => format!("{other:?}"),

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use stickslip::error::readable;
+
 use super::builder::{Builder, Freed, Inputs, Scope, no_number};
 use super::problem::Problem;
 use super::{Formula, InputShape, Rate, SystemFile};
@@ -214,7 +216,8 @@ pub(crate) fn built(
     if let (Some(end), Some(formula)) = (t_end, &file.time.end)
         && end <= t_start
     {
-        let message = format!("the end {end} does not lie after the start {t_start}");
+        let (end, start) = (readable(end), readable(t_start));
+        let message = format!("the end {end} does not lie after the start {start}");
         return Err(Problem::new(message, formula.whole()));
     }
     Ok(Built {
@@ -425,7 +428,7 @@ fn period(file: &SystemFile, values: &[f64]) -> Result<Option<f64>, Problem> {
         return Ok(Some(period));
     }
     Err(Problem::new(
-        format!("the period is {period}, but must be positive"),
+        format!("the period is {}, but must be positive", readable(period)),
         formula.whole(),
     ))
 }

@@ -2,8 +2,11 @@
 
 use std::ops::Range;
 
+use stickslip::error::readable;
+
 use super::names::{FURTHER_FUNCTIONS, Meaning, did_you_mean, is_function};
 use super::problem::Problem;
+use super::undefined::{not_finite, where_operands};
 use super::{Formula, InputEntry, InputShape, Rate, SystemFile};
 use crate::expression::{
     Binary, Expression, ExpressionKind, FUNCTIONS, Function, Graph, Id, NotANumber,
@@ -170,18 +173,21 @@ impl<'a> Builder<'a> {
         self.expression(formula, &formula.tree)
     }
 
-    fn expression(&mut self, formula: &Formula, expression: &Expression) -> BuildResult {
+    pub(super) fn expression(&mut self, formula: &Formula, expression: &Expression) -> BuildResult {
         let place = formula.at(&expression.span);
-        let made = match &expression.kind {
+        let value = match &expression.kind {
             ExpressionKind::Number(value) => self.graph.constant(*value),
             ExpressionKind::Name(name) => return self.name(name, place),
             ExpressionKind::Negative(inner) => {
                 let inner = self.expression(formula, inner)?;
                 self.graph.negative(inner)
             }
-            ExpressionKind::Binary(operator, a, b) => {
-                let (a, b) = (self.expression(formula, a)?, self.expression(formula, b)?);
-                self.graph.binary(*operator, a, b)
+            ExpressionKind::Binary(operator, left, right) => {
+                let a = self.expression(formula, left)?;
+                let b = self.expression(formula, right)?;
+                let value = self.graph.binary(*operator, a, b);
+                let operands = [(&**left, a), (&**right, b)];
+                return value.map_err(|error| self.not_finite(error, formula, place, &operands));
             }
             ExpressionKind::Call {
                 function,
@@ -192,7 +198,26 @@ impl<'a> Builder<'a> {
                 return self.call(formula, function, name, arguments, place);
             }
         };
-        made.map_err(|error| no_number(error, place))
+        value.map_err(|error| no_number(error, place))
+    }
+
+    /// Reports a constant part that is not finite, with the values of its operands.
+    fn not_finite(
+        &self,
+        error: NotANumber,
+        formula: &Formula,
+        place: Range<usize>,
+        operands: &[(&Expression, Id)],
+    ) -> Problem {
+        let operands = operands.iter().filter_map(|&(operand, id)| {
+            let is_plain = matches!(operand.kind, ExpressionKind::Number(_));
+            let value = self.graph.value(id).filter(|_| !is_plain)?;
+            Some((formula.part(&operand.span), value))
+        });
+        let operands: Vec<(String, f64)> = operands.collect();
+        let problem = no_number(error, place);
+        let message = problem.message + &where_operands(&operands);
+        Problem { message, ..problem }
     }
 
     fn name(&mut self, name: &str, place: Range<usize>) -> BuildResult {
@@ -303,7 +328,7 @@ impl<'a> Builder<'a> {
         }
         match self.graph.value(made) {
             Some(period) if what == "period" && period <= 0.0 => Err(Problem::new(
-                format!("the period is {period}, but must be positive"),
+                format!("the period is {}, but must be positive", readable(period)),
                 formula.whole(),
             )
             .help("it is the time after which the input comes again")),
@@ -412,10 +437,9 @@ impl<'a> Builder<'a> {
                 place,
             ));
         };
-        let argument = self.expression(formula, argument)?;
-        self.graph
-            .call(known, argument)
-            .map_err(|error| no_number(error, place))
+        let id = self.expression(formula, argument)?;
+        let value = self.graph.call(known, id);
+        value.map_err(|error| self.not_finite(error, formula, place, &[(argument, id)]))
     }
 
     /// The friction force of a contact: its sign times the law that holds in this mode, and zero if
@@ -573,11 +597,7 @@ fn wrong_count(function: &str, wanted: &str, found: usize, place: Range<usize>) 
 }
 
 pub(super) fn no_number(error: NotANumber, place: Range<usize>) -> Problem {
-    let what = if error.value.is_nan() {
-        "not a number"
-    } else {
-        "infinite"
-    };
+    let what = not_finite(error.value);
     Problem::new(format!("this is {what}"), place)
         .label("with the parameters' values")
         .help("change the expression, or a parameter in it")

@@ -14,7 +14,7 @@ pub trait Interface {
     fn choice(&self, option: &str, words: &[&str]) -> String;
     /// An option with a number.
     fn value(&self, option: &str, value: f64) -> String;
-    /// What may help after Newton's iteration "start nearer to the solution".
+    /// Advice for a Newton iteration that did not converge, after "start nearer to the solution".
     fn nearer(&self) -> &'static str;
 
     /// An error in words, with the names of the system's contacts if it is known.
@@ -125,12 +125,26 @@ pub trait Interface {
                 name(pair.1),
                 at(t, x)
             ),
-            Error::Undefined { what, number, t, x } => format!(
-                "{what} {} is not a number {}; write it so that it is defined wherever the orbit \
-                 comes, as by max(…, 0) under a root, or end the run before",
-                name(*number),
-                at(t, x)
-            ),
+            Error::StartOutsideDomain { t, x, .. } => {
+                match system.and_then(|system| system.undefined_in_field(*t, &x.0)) {
+                    Some(part) => format!(
+                        "cannot start {}: {part}; start elsewhere, or change the formula or a \
+                         parameter in it",
+                        at(t, x)
+                    ),
+                    None => error.to_string(),
+                }
+            }
+            Error::Undefined { what, number, t, x } => {
+                let part = system.and_then(|system| system.undefined_in_event(*number, *t, &x.0));
+                let part = part.map_or_else(String::new, |part| format!(": {part}"));
+                format!(
+                    "{what} {} is not a number {}{part}; write it so that it is defined wherever \
+                     the orbit comes, as by max(…, 0) under a root, or end the run before",
+                    name(*number),
+                    at(t, x)
+                )
+            }
             Error::NotConverged { .. } => format!("{error}, {}", self.nearer()),
             Error::Escaped { .. } => format!("{error} ({})", self.name("escape")),
             Error::TooMany { name, .. } => format!("{error} ({})", self.name(name)),

@@ -12,6 +12,8 @@ pub struct Formula {
     pub tree: Expression,
     /// The expression as written.
     pub text: String,
+    /// The text that was parsed, to which positions in the tree refer.
+    parsed: String,
     place: TextPosition,
 }
 
@@ -33,6 +35,7 @@ impl Formula {
                 span: 0..whole.len(),
             },
             text: value.to_string(),
+            parsed: value.to_string(),
             place: TextPosition {
                 text: Some(whole.start),
                 whole,
@@ -60,14 +63,25 @@ impl Formula {
         };
         match parse(text) {
             Ok(tree) => {
-                let words: Vec<&str> = text.split_whitespace().collect();
-                let text = words.join(" ");
-                Ok(Formula { tree, text, place })
+                let parsed = text.to_owned();
+                let text = in_one_line(text);
+                Ok(Formula {
+                    tree,
+                    text,
+                    parsed,
+                    place,
+                })
             }
             Err(error) => {
                 Err(Problem::new(error.message, place.of(&error.span)).help_if(error.help))
             }
         }
+    }
+
+    /// The text of a part of the expression.
+    pub fn part(&self, span: &Range<usize>) -> String {
+        let part = self.parsed.get(span.clone());
+        in_one_line(part.unwrap_or(&self.parsed))
     }
 
     /// Position in the file of a part of the text.
@@ -79,6 +93,11 @@ impl Formula {
     pub fn whole(&self) -> Range<usize> {
         self.place.whole.clone()
     }
+}
+
+/// A text with single spaces between its words.
+fn in_one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<&str>>().join(" ")
 }
 
 impl TextPosition {

@@ -54,6 +54,7 @@ mod read;
 mod switching;
 mod system;
 mod table;
+mod undefined;
 
 pub use build::Built;
 pub use error_text::Interface;
@@ -61,6 +62,7 @@ pub use formula::Formula;
 pub use names::{Meaning, Names, did_you_mean};
 pub use problem::{Problem, Source};
 pub use system::{PeriodError, SettingError, System};
+pub use undefined::UndefinedPart;
 
 use std::ops::Range;
 use std::path::Path;

@@ -1,5 +1,7 @@
 //! Reads the entries of a file from its text.
 
+use std::ops::Range;
+
 use stickslip::Direction;
 use toml::de::DeTable;
 
@@ -80,10 +82,11 @@ pub(super) fn read(source: &Source) -> Result<SystemFile, Problem> {
 /// Reports a text that is not TOML.
 fn not_toml(error: &toml::de::Error, source: &Source) -> Problem {
     let place = error.span().unwrap_or(0..0);
-    let line = source.text[..place.start]
-        .rfind('\n')
-        .map_or(0, |end| end + 1);
-    let line = source.text[line..].lines().next().unwrap_or_default();
+    if error.message() == "duplicate key" {
+        return duplicate_key(place, &source.text);
+    }
+    let line = &source.text[line_start(&source.text, place.start)..];
+    let line = line.lines().next().unwrap_or_default();
     let key = line.split('=').next().unwrap_or_default();
     let unquoted = !key.is_ascii() && !key.contains(['"', '\'']);
     let problem = Problem::new(error.message().to_owned(), place);
@@ -97,6 +100,67 @@ fn not_toml(error: &toml::de::Error, source: &Source) -> Problem {
     problem.help(
         "the file must be TOML: names = values, texts and expressions in quotes, tables as [name]",
     )
+}
+
+/// Start of the line that contains a position.
+fn line_start(text: &str, position: usize) -> usize {
+    text[..position].rfind('\n').map_or(0, |end| end + 1)
+}
+
+/// Reports a key that a table contains twice, or a table that the file contains twice.
+fn duplicate_key(place: Range<usize>, text: &str) -> Problem {
+    let plain = |key: &str| key.trim().trim_matches(['"', '\'']).to_owned();
+    // The name of a table in the line of its header.
+    let header = |line: &str| {
+        let (name, _) = line.trim_start().strip_prefix('[')?.split_once(']')?;
+        Some(name.trim().to_owned())
+    };
+    let key = plain(&text[place.clone()]);
+    let start = line_start(text, place.start);
+    if let Some(name) = text[start..].lines().next().and_then(header) {
+        return Problem::new(
+            format!("the table [{name}] stands twice in the file"),
+            place,
+        )
+        .label("here again")
+        .help("write the entries of both below one header, and remove the other");
+    }
+    let before = text[..start].split_inclusive('\n').scan(0, |end, line| {
+        let begin = *end;
+        *end += line.len();
+        Some((begin, line))
+    });
+    // The lines of the table, from its header on.
+    let (mut table, mut lines) = (None, Vec::new());
+    for (begin, line) in before {
+        match header(line) {
+            Some(name) => (table, lines) = (Some(name), Vec::new()),
+            None => lines.push((begin, line)),
+        }
+    }
+    let is_inline = text[start..place.start].contains('=');
+    let first = lines.into_iter().find_map(|(begin, line)| {
+        let (name, _) = line.split_once('=')?;
+        (plain(name) == key && !is_inline).then(|| begin..begin + name.trim_end().len())
+    });
+    let kind = match table.as_deref() {
+        _ if is_inline => "entry",
+        Some("states" | "discrete" | "field" | "start" | "ranges") => "state",
+        Some("parameters") => "parameter",
+        Some("definitions") => "definition",
+        _ => "entry",
+    };
+    let table = table.map_or_else(
+        || "the head of the file".to_owned(),
+        |name| format!("[{name}]"),
+    );
+    let problem = Problem::new(format!("the {kind} `{key}` stands twice in {table}"), place)
+        .label("here again")
+        .help("remove one of the two, or give one of them another name");
+    match first {
+        Some(first) => problem.also(first, "here first"),
+        None => problem,
+    }
 }
 
 fn text(table: &Table<'_>, name: &str) -> Result<Option<String>, Problem> {

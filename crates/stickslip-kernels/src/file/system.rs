@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use stickslip::dynamics::{DynamicsRef, Interrupt, Section as Watched};
+use stickslip::error::readable;
 use stickslip::nalgebra::{DMatrix, DVector};
 use stickslip::scalar::Dual;
 use stickslip::statistics::SplitMix;
@@ -56,8 +57,8 @@ pub enum PeriodError {
     Missing,
     /// The given period is not a period.
     #[error(
-        "the field, a boundary or a jump is not the same after the file's period {period}; correct \
-            the period in [time]"
+        "the field, a boundary or a jump is not the same after the file's period {}; correct the \
+            period in [time]", readable(*period)
     )]
     Wrong {
         /// The period given.

@@ -9,8 +9,8 @@ mod system;
 use std::ops::ControlFlow;
 
 use stickslip::dynamics::{
-    DynamicsRef, Happening, Kink, Moment, OrbitUnderWay, Passage, Phase, Section as Watched, Step,
-    Summary, Transition, Vector,
+    DynamicsRef, Kink, Moment, OrbitProgress, OrbitUnderWay, Passage, Phase, Section as Watched,
+    Step, Summary, Transition, Vector,
 };
 use stickslip::{Ending, Error, Options, TransitionKind};
 
@@ -90,13 +90,13 @@ pub fn follow(
     let mut orbit = system.begin(&start, run.t_end, run.options, section)?;
     loop {
         let decision = match orbit.step() {
-            Ok(Happening::Step) if !watcher.watches_steps() => ControlFlow::Continue(()),
-            Ok(Happening::Step) => watcher.step(orbit.last_step(), &mut *orbit),
-            Ok(Happening::PhaseEnd(phase)) => watcher.phase(phase),
-            Ok(Happening::Kink(at)) => watcher.kink(at),
-            Ok(Happening::Passage(at)) => watcher.passage(at),
-            Ok(Happening::Transition(at)) => report_transition(at, watcher),
-            Ok(Happening::End(summary)) => return Ok(summary),
+            Ok(OrbitProgress::Step) if !watcher.watches_steps() => ControlFlow::Continue(()),
+            Ok(OrbitProgress::Step) => watcher.step(orbit.last_step(), &mut *orbit),
+            Ok(OrbitProgress::PhaseEnd(phase)) => watcher.phase(phase),
+            Ok(OrbitProgress::Kink(at)) => watcher.kink(at),
+            Ok(OrbitProgress::Passage(at)) => watcher.passage(at),
+            Ok(OrbitProgress::Transition(at)) => report_transition(at, watcher),
+            Ok(OrbitProgress::End(summary)) => return Ok(summary),
             Err(error) => {
                 report_last_phase(&*orbit, watcher);
                 return Err(error);

@@ -70,7 +70,7 @@ pub struct ValueEnd {
 impl Diagram<'_> {
     /// Computes the result at a value, the changes of the attractor since the last value, and the
     /// start for the next one. The first orbit begins at `start`. `describe` formats the error of a
-    /// failed integration.
+    /// failed integration of the system at the value.
     ///
     /// # Errors
     /// Those of [`attractor`], of the settings and of `start`.
@@ -79,7 +79,7 @@ impl Diagram<'_> {
         value: f64,
         last: Option<&ValueEnd>,
         start: impl FnOnce(&System) -> Result<Vec<f64>, E>,
-        describe: &dyn Fn(&Error) -> String,
+        describe: &dyn Fn(&Error, &System) -> String,
     ) -> Result<(AtValue, Vec<ChangeBetween>, ValueEnd), E> {
         let here = self.system.with_values(&[(self.parameter, value)])?;
         let settings = recurrence(&here, self.until);
@@ -93,7 +93,7 @@ impl Diagram<'_> {
             None => attractor(system, &*start, &settings, self.options)?,
             Some(_) => attractor_of_many(system, &*start, &settings, self.options)?,
         };
-        let outcome = Outcome::of(&reached, describe);
+        let outcome = Outcome::of(&reached, &|error| describe(error, &here));
         let class = here.class(&outcome);
         let mut changes = Vec::new();
         if let Some(last) = last.filter(|last| self.locates && last.class != class) {

@@ -62,7 +62,7 @@ fn warning_of_contact(
             "the friction of {name} drives the slip: the rate of {boundary} is larger by {} above \
              than below, so that the contact never sticks; is friction({name}) meant with the \
              other sign?",
-            rounded(slip)
+            readable(slip)
         ));
     }
     let is_less = described.holding.is_some() && holding > slip + rounding;
@@ -70,8 +70,8 @@ fn warning_of_contact(
         format!(
             "static friction of {name} is less than friction in slip: it takes {} of the rate of \
              {boundary}, and in slip {}",
-            rounded(-holding),
-            rounded(-slip)
+            readable(-holding),
+            readable(-slip)
         )
     })
 }
@@ -108,11 +108,6 @@ fn warning_of_jump(system: &System, number: usize, (t, x): (f64, &[f64])) -> Opt
          the state behind the jump",
         described.name,
         described.when.text,
-        readable(rounded(here))
+        readable(here)
     ))
-}
-
-/// Rounds to the digits that a message shows.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.11e}").parse().unwrap_or(value)
 }

@@ -143,7 +143,6 @@ pub(crate) fn bifurcation_diagram<'py>(
                 locates,
                 options: &options,
             };
-            let words = |error: &Error| words(error, &system);
             for value in values {
                 let start = |here: &Ready| begins(here, x.as_deref());
                 let (at, between, end) = diagram.at(value, last.as_ref(), start, &words)?;

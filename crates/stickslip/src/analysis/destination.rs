@@ -1,7 +1,7 @@
 //! The long-term behaviour of an orbit of a periodically forced system.
 
 use crate::dynamics::{
-    AsDynamics, Components, Dynamics, Happening, Moment, Section, Summary, Vector,
+    AsDynamics, Components, Dynamics, Moment, OrbitProgress, Section, Summary, Vector,
 };
 use crate::error::Error;
 use crate::filippov::Options;
@@ -91,16 +91,16 @@ impl Strobe {
         let mut orbit = system.begin(start, t_end, options, &Section::None)?;
         loop {
             match orbit.step()? {
-                Happening::Step if self.due() <= orbit.t() => {
+                OrbitProgress::Step if self.due() <= orbit.t() => {
                     let solution = orbit.solution();
                     while self.due() <= orbit.t() {
                         self.states.push(solution(self.due()));
                     }
                 }
-                Happening::PhaseEnd(phase) if phase.mode.any_sticks() => {
+                OrbitProgress::PhaseEnd(phase) if phase.mode.any_sticks() => {
                     self.stick_ends.push(phase.t_end);
                 }
-                Happening::End(summary) => return Ok(summary),
+                OrbitProgress::End(summary) => return Ok(summary),
                 _ => {}
             }
         }

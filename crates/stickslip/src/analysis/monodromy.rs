@@ -2,7 +2,7 @@
 
 use super::tangent::{Tangent, flatten};
 use crate::dynamics::{
-    AsDynamics, Components, Dynamics, Happening, Matrix, Modes, Moment, Section, Step, Summary,
+    AsDynamics, Components, Dynamics, Matrix, Modes, Moment, OrbitProgress, Section, Step, Summary,
     Transition, Vector,
 };
 use crate::error::Error;
@@ -73,13 +73,13 @@ pub(super) fn flow_derivative(
     }
     loop {
         match orbit.step()? {
-            Happening::Step => {
+            OrbitProgress::Step => {
                 let step = orbit.last_step();
                 map.through_step(&tangent, &step);
             }
-            Happening::Transition(at) => map.through_transition(&tangent, &at)?,
-            Happening::PhaseEnd(_) | Happening::Passage(_) | Happening::Kink(_) => {}
-            Happening::End(summary) => {
+            OrbitProgress::Transition(at) => map.through_transition(&tangent, &at)?,
+            OrbitProgress::PhaseEnd(_) | OrbitProgress::Passage(_) | OrbitProgress::Kink(_) => {}
+            OrbitProgress::End(summary) => {
                 let velocity = velocity_in(system, orbit.mode(), &orbit.now());
                 return Ok(Monodromy {
                     matrix: map.complete(&velocity),

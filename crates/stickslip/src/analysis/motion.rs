@@ -70,7 +70,7 @@ impl FromStr for Class {
 
 /// The kind of system to which the exponents belong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Of {
+pub enum SystemKind {
     /// A flow: the exponent along its direction is zero for any motion.
     Flow,
     /// A map of the section onto itself, without such an exponent.
@@ -115,7 +115,7 @@ pub struct Evidence {
     /// Whether the first exponent is positive beyond its uncertainty.
     pub positive: bool,
     /// The kind of system to which the exponents belong.
-    pub of: Of,
+    pub system: SystemKind,
 }
 
 impl Evidence {
@@ -124,7 +124,7 @@ impl Evidence {
     /// recognised.
     pub fn gather<const N: usize>(
         section: &[(f64, [f64; N])],
-        (of, exponents, duration): (Of, &[Exponent], f64),
+        (system, exponents, duration): (SystemKind, &[Exponent], f64),
         criterion: &Criterion,
     ) -> Self {
         let return_time = match section {
@@ -150,15 +150,15 @@ impl Evidence {
             positive: exponents
                 .first()
                 .is_some_and(|exponent| exponent.value() > exponent.uncertainty(duration)),
-            of,
+            system,
         }
     }
 
     /// The class that the evidence shows.
     pub fn class(&self) -> Class {
-        let needed = match self.of {
-            Of::Flow => 2,
-            Of::ReturnMap => 1,
+        let needed = match self.system {
+            SystemKind::Flow => 2,
+            SystemKind::ReturnMap => 1,
         };
         // Several turns of each kind, so that a pattern has repeated.
         let closes =
@@ -215,8 +215,8 @@ mod tests {
         Exponent::Finite { value, std_error }
     }
 
-    fn class(section: &[(f64, [f64; 2])], of: Of, exponents: &[Exponent]) -> Class {
-        Evidence::gather(section, (of, exponents, 9000.0), &Criterion::default()).class()
+    fn class(section: &[(f64, [f64; 2])], system: SystemKind, exponents: &[Exponent]) -> Class {
+        Evidence::gather(section, (system, exponents, 9000.0), &Criterion::default()).class()
     }
 
     #[test]
@@ -224,23 +224,23 @@ mod tests {
         let flow = [finite(0.0, 1e-5), finite(-0.01, 1e-4)];
         for (period, name) in [(1, "periodic"), (2, "two-periodic"), (3, "3-periodic")] {
             let closing = section(1000, |k| (k % period) as f64 + 1e-9 * k as f64);
-            let found = class(&closing, Of::Flow, &flow);
+            let found = class(&closing, SystemKind::Flow, &flow);
             assert_eq!(found.to_string(), name);
             assert_eq!(name.parse(), Ok(found));
         }
         // Few points, but in no order.
         let shuffled = section(1000, |k| ((k * k / 7) % 3) as f64);
-        assert_eq!(class(&shuffled, Of::Flow, &flow), Class::Undecided);
+        assert_eq!(class(&shuffled, SystemKind::Flow, &flow), Class::Undecided);
         // Nothing has repeated yet.
         assert_eq!(
-            class(&section(3, |_| 1.0), Of::Flow, &flow),
+            class(&section(3, |_| 1.0), SystemKind::Flow, &flow),
             Class::Undecided
         );
-        assert_eq!(class(&[], Of::Flow, &flow), Class::Undecided);
+        assert_eq!(class(&[], SystemKind::Flow, &flow), Class::Undecided);
         // A motion cannot both close and separate.
         let parting = [finite(0.01, 1e-5)];
         assert_eq!(
-            class(&section(1000, |_| 1.0), Of::Flow, &parting),
+            class(&section(1000, |_| 1.0), SystemKind::Flow, &parting),
             Class::Undecided
         );
     }
@@ -248,8 +248,8 @@ mod tests {
     #[test]
     fn sections_that_do_not_close_are_distinguished_by_their_exponents() {
         let open = section(1000, |k| math::sin(k as f64));
-        let flow = |exponents: &[Exponent]| class(&open, Of::Flow, exponents);
-        let map = |exponents: &[Exponent]| class(&open, Of::ReturnMap, exponents);
+        let flow = |exponents: &[Exponent]| class(&open, SystemKind::Flow, exponents);
+        let map = |exponents: &[Exponent]| class(&open, SystemKind::ReturnMap, exponents);
         let (zero, negative) = (finite(1e-5, 1e-5), finite(-0.01, 1e-4));
         assert_eq!(
             flow(&[zero, zero, negative, Exponent::Annihilated]),

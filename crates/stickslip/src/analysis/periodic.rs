@@ -4,7 +4,7 @@ use super::attractors::SOLVER_TOLERANCES;
 use super::cycle::{Cycle, Outline, Shooting};
 use super::monodromy::{flow_derivative, velocity_in};
 use crate::dynamics::{
-    AsDynamics, Components, Dynamics, Happening, Matrix, Modes, Moment, Section, Vector, run,
+    AsDynamics, Components, Dynamics, Matrix, Modes, Moment, OrbitProgress, Section, Vector, run,
 };
 use crate::error::Error;
 use crate::filippov::{Direction, Options};
@@ -124,7 +124,7 @@ pub fn find_periodic_orbit<Kind>(
     let mut fewest_sticking: Option<(usize, StateInMode)> = None;
     let (start, mode) = loop {
         match orbit.step()? {
-            Happening::Step => {
+            OrbitProgress::Step => {
                 let step = orbit.last_step();
                 let length = step.t_end - step.t_start;
                 if step.t_start < transient || length <= 0.0 {
@@ -145,7 +145,7 @@ pub fn find_periodic_orbit<Kind>(
                     fewest_sticking = Some((stick, (settled(system, &here), step.mode)));
                 }
             }
-            Happening::End(summary) if summary.ending == Ending::EndTime => {
+            OrbitProgress::End(summary) if summary.ending == Ending::EndTime => {
                 let moves = |(_, (at, mode)): &(usize, StateInMode)| {
                     velocity_in(system, *mode, at).amax() * longest > f64::EPSILON * at.x.amax()
                 };
@@ -153,11 +153,11 @@ pub fn find_periodic_orbit<Kind>(
                 orbit = system.begin(&here.0, t_end, options, &Section::None)?;
                 break here;
             }
-            Happening::End(summary) => return Err(summary.no_future_error()),
-            Happening::PhaseEnd(_)
-            | Happening::Transition(_)
-            | Happening::Passage(_)
-            | Happening::Kink(_) => {}
+            OrbitProgress::End(summary) => return Err(summary.no_future_error()),
+            OrbitProgress::PhaseEnd(_)
+            | OrbitProgress::Transition(_)
+            | OrbitProgress::Passage(_)
+            | OrbitProgress::Kink(_) => {}
         }
     };
     orbit.watch(&Section::Plane {
@@ -170,19 +170,19 @@ pub fn find_periodic_orbit<Kind>(
     let mut returns = Vec::new();
     loop {
         match orbit.step()? {
-            Happening::Passage(at) => {
+            OrbitProgress::Passage(at) => {
                 let distance = (at.x - &start.x).norm();
                 returns.push((at.t - start.t, distance));
                 if distance <= error {
                     break;
                 }
             }
-            Happening::End(summary) if summary.ending == Ending::EndTime => break,
-            Happening::End(summary) => return Err(summary.no_future_error()),
-            Happening::Step
-            | Happening::PhaseEnd(_)
-            | Happening::Transition(_)
-            | Happening::Kink(_) => {}
+            OrbitProgress::End(summary) if summary.ending == Ending::EndTime => break,
+            OrbitProgress::End(summary) => return Err(summary.no_future_error()),
+            OrbitProgress::Step
+            | OrbitProgress::PhaseEnd(_)
+            | OrbitProgress::Transition(_)
+            | OrbitProgress::Kink(_) => {}
         }
     }
     let nearest = returns.iter().map(|r| r.1).fold(f64::INFINITY, f64::min);
@@ -410,8 +410,8 @@ fn passages(
     let mut passages = Vec::new();
     loop {
         match run.step()? {
-            Happening::Passage(at) => passages.push(at.moment()),
-            Happening::End(_) => return Ok(passages),
+            OrbitProgress::Passage(at) => passages.push(at.moment()),
+            OrbitProgress::End(_) => return Ok(passages),
             _ => {}
         }
     }

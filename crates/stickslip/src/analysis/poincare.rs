@@ -3,8 +3,8 @@
 use super::monodromy::{TangentMap, velocity_in};
 use super::tangent::{Tangent, singular};
 use crate::dynamics::{
-    Components, Dynamics, DynamicsRef, Happening, Matrix, Modes, Moment, OrbitUnderWay, Passage,
-    Section, Step, Typed, Vector, watched,
+    Components, Dynamics, DynamicsRef, Matrix, Modes, Moment, OrbitProgress, OrbitUnderWay,
+    Passage, Section, Step, Typed, Vector, watched,
 };
 use crate::error::Error;
 use crate::filippov::{EventFunctions, Options, Switched};
@@ -204,8 +204,8 @@ impl<'a> PoincareMap<'a> {
     fn advance(&mut self, mut map: Option<&mut TangentMap>) -> Result<Passage, Error> {
         let tangent = Tangent::new(&*self.dynamics, &self.options);
         loop {
-            let happening = match self.orbit.step()? {
-                Happening::Passage(passage) => {
+            let progress = match self.orbit.step()? {
+                OrbitProgress::Passage(passage) => {
                     if passage.t - self.at.t > self.longest {
                         return Err(self.no_return());
                     }
@@ -223,21 +223,22 @@ impl<'a> PoincareMap<'a> {
             if let (Some(step), Some(map)) = (self.after_return.take(), &mut map) {
                 map.through_step(&tangent, &step);
             }
-            match happening {
-                Happening::Step => {
+            match progress {
+                OrbitProgress::Step => {
                     let step = self.orbit.last_step();
                     if step.t_start - self.at.t > self.longest {
                         return Err(self.no_return());
                     }
                     self.after_return = Some(step);
                 }
-                Happening::Transition(at) => {
+                OrbitProgress::Transition(at) => {
                     if let Some(map) = &mut map {
                         map.through_transition(&tangent, &at)?;
                     }
                 }
-                Happening::PhaseEnd(_) | Happening::Passage(_) | Happening::Kink(_) => {}
-                Happening::End(summary) => return Err(summary.no_future_error()),
+                OrbitProgress::PhaseEnd(_) | OrbitProgress::Passage(_) | OrbitProgress::Kink(_) => {
+                }
+                OrbitProgress::End(summary) => return Err(summary.no_future_error()),
             }
         }
     }

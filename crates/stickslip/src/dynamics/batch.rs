@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 
 use super::jumps::Jumps;
 use super::run::Run;
-use super::{Happening, Moment, OrbitUnderWay};
+use super::{Moment, OrbitProgress, OrbitUnderWay};
 use crate::error::Error;
 use crate::filippov::{EventFunctions, Integration, Member, Switched};
 
@@ -13,7 +13,7 @@ use crate::filippov::{EventFunctions, Integration, Member, Switched};
 /// start.
 /// An orbit is followed until it ends, fails, or the listener breaks.
 pub type Listener<'l> =
-    dyn FnMut(usize, Result<Happening, Error>, &mut dyn OrbitUnderWay) -> ControlFlow<()> + 'l;
+    dyn FnMut(usize, Result<OrbitProgress, Error>, &mut dyn OrbitUnderWay) -> ControlFlow<()> + 'l;
 
 /// Follows the orbits one after the other.
 pub(super) fn one_by_one<'a>(
@@ -24,9 +24,9 @@ pub(super) fn one_by_one<'a>(
     let follow = |(number, start)| {
         let mut orbit = begin(start)?;
         loop {
-            let happened = orbit.step();
-            let is_over = matches!(happened, Ok(Happening::End(_)) | Err(_));
-            if listener(number, happened, &mut *orbit).is_break() || is_over {
+            let progress = orbit.step();
+            let is_over = matches!(progress, Ok(OrbitProgress::End(_)) | Err(_));
+            if listener(number, progress, &mut *orbit).is_break() || is_over {
                 return Ok(());
             }
         }
@@ -60,10 +60,10 @@ where
 
     fn go_on(&mut self) -> Option<Result<(), Error>> {
         loop {
-            let happened = self.run.go_on()?;
-            let is_over = matches!(happened, Ok(Happening::End(_)) | Err(_));
+            let progress = self.run.go_on()?;
+            let is_over = matches!(progress, Ok(OrbitProgress::End(_)) | Err(_));
             let mut listener = self.listener.borrow_mut();
-            if listener(self.number, happened, &mut self.run).is_break() || is_over {
+            if listener(self.number, progress, &mut self.run).is_break() || is_over {
                 return Some(Ok(()));
             }
         }

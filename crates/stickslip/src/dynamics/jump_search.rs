@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::Happening;
+use super::OrbitProgress;
 use super::jumps::Jumps;
 use super::section::TypedSection;
 use super::view::View;
@@ -228,7 +228,7 @@ where
         &mut self,
         integration: &mut Integration<'a, S, N, G>,
         view: &View<'a, S, V, J, N, G>,
-        pending: &mut VecDeque<Happening>,
+        pending: &mut VecDeque<OrbitProgress>,
     ) -> Result<(), Error> {
         let (t, before) = (integration.t(), *integration.x());
         let after = view.with_inputs(t, before);
@@ -246,17 +246,17 @@ where
         if !self.is_prescribed {
             let kinks = |&input: &usize| self.jumps.kinks(input, t, components(&after));
             let inputs = (0..self.jumps.inputs()).filter(kinks);
-            pending.extend(inputs.map(|input| Happening::Kink(view.kink(input, integration))));
+            pending.extend(inputs.map(|input| OrbitProgress::Kink(view.kink(input, integration))));
         }
         let phase = integration.phase();
         let changed = integration.restart_at_kink(after)?;
         self.detect_jumps(t, [&before, &after], None);
         if changed.is_some() || self.is_due() || integration.phase().is_none() {
             let phase = phase.map(|phase| view.phase(&phase, self.due()));
-            pending.extend(phase.map(Happening::PhaseEnd));
+            pending.extend(phase.map(OrbitProgress::PhaseEnd));
             integration.begin_phase();
         }
-        pending.extend(changed.map(|at| Happening::Transition(view.transition(&at))));
+        pending.extend(changed.map(|at| OrbitProgress::Transition(view.transition(&at))));
         Ok(())
     }
 

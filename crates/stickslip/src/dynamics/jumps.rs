@@ -11,7 +11,7 @@ use crate::scalar::Scalar;
 /// jump before it has left zero. Simultaneous jumps are carried out in their order.
 ///
 /// ```
-/// use stickslip::dynamics::{AsDynamics, Happening, Jumps, Moment, Section, WithJumps};
+/// use stickslip::dynamics::{AsDynamics, OrbitProgress, Jumps, Moment, Section, WithJumps};
 /// use stickslip::{Direction, Filippov, Options, Scalar, Side, TransitionKind};
 ///
 /// /// A ball that falls, far from a boundary that does nothing.
@@ -45,7 +45,7 @@ use crate::scalar::Scalar;
 /// let start = Moment { t: 0.0, x: vec![1.0, 0.0].into() };
 /// let mut orbit = dynamics.begin(&start, 1.0, &Options::default(), &Section::None)?;
 /// let first = loop {
-///     if let Happening::Transition(at) = orbit.step()? {
+///     if let OrbitProgress::Transition(at) = orbit.step()? {
 ///         break at;
 ///     }
 /// };

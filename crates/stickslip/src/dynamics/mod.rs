@@ -133,9 +133,9 @@ impl Step {
     }
 }
 
-/// What happened in an orbit under way; see [`OrbitUnderWay::step`].
+/// Progress of an orbit under way; see [`OrbitUnderWay::step`].
 #[derive(Clone, Debug, PartialEq)]
-pub enum Happening {
+pub enum OrbitProgress {
     /// A step was taken.
     Step,
     /// The section was passed in the last step.
@@ -295,7 +295,7 @@ pub trait OrbitUnderWay {
     ///
     /// # Errors
     /// Those of [`crate::Integration::step`].
-    fn step(&mut self) -> Result<Happening, Error>;
+    fn step(&mut self) -> Result<OrbitProgress, Error>;
 
     /// Reports the passages of this section from here on.
     fn watch(&mut self, section: &Section);
@@ -542,7 +542,7 @@ pub(crate) fn run(
 ) -> Result<Summary, Error> {
     let mut orbit = dynamics.begin(start, t_end, options, &Section::None)?;
     loop {
-        if let Happening::End(summary) = orbit.step()? {
+        if let OrbitProgress::End(summary) = orbit.step()? {
             return Ok(summary);
         }
     }
@@ -599,11 +599,11 @@ impl Orbit {
         let mut run = dynamics.begin(start, t_end, options, &Section::None)?;
         loop {
             match run.step() {
-                Ok(Happening::Step) => orbit.steps.push((run.last_step(), run.solution())),
-                Ok(Happening::PhaseEnd(phase)) => orbit.phases.push(phase),
-                Ok(Happening::Transition(at)) => orbit.transitions.push(at),
-                Ok(Happening::Passage(_) | Happening::Kink(_)) => {}
-                Ok(Happening::End(summary)) => {
+                Ok(OrbitProgress::Step) => orbit.steps.push((run.last_step(), run.solution())),
+                Ok(OrbitProgress::PhaseEnd(phase)) => orbit.phases.push(phase),
+                Ok(OrbitProgress::Transition(at)) => orbit.transitions.push(at),
+                Ok(OrbitProgress::Passage(_) | OrbitProgress::Kink(_)) => {}
+                Ok(OrbitProgress::End(summary)) => {
                     orbit.end = summary;
                     return Ok((orbit, None));
                 }

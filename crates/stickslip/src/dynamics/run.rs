@@ -6,7 +6,7 @@ use super::jump_search::JumpSearch;
 use super::jumps::{Jumps, NoJumps};
 use super::section::{NoSection, TypedSection};
 use super::view::View;
-use super::{Happening, Modes, Moment, OrbitUnderWay, Phase, Section, Solution, Step, Vector};
+use super::{Modes, Moment, OrbitProgress, OrbitUnderWay, Phase, Section, Solution, Step, Vector};
 use crate::error::{Error, Point};
 use crate::filippov::{
     EventFunctions, EventSearch, Integration, Observer, Options, Progress, Stepper, Switched,
@@ -119,7 +119,7 @@ pub(super) struct Run<'a, S: Switched<N, G>, V, J, const N: usize, const G: usiz
     /// Of a system with jumps or inputs.
     jump_search: Option<JumpSearch<'a, S, V, J, N, G>>,
     /// Items to report before the run continues.
-    pending: VecDeque<Happening>,
+    pending: VecDeque<OrbitProgress>,
     options: Options,
     search: Option<EventSearch<'a, S, TypedSection<'a, S, V, J, N, G>, N, 1, G>>,
     /// How many passages of the last step have been reported.
@@ -149,7 +149,7 @@ where
 
     /// Takes the step that was prepared, if there is one, or continues until the next one is
     /// prepared. Returns what is to be reported, or `None` if a step was prepared.
-    pub(super) fn go_on(&mut self) -> Option<Result<Happening, Error>> {
+    pub(super) fn go_on(&mut self) -> Option<Result<OrbitProgress, Error>> {
         let happened = match self.view.interrupt {
             Some(interrupt) if interrupt.is_raised() => Err(Error::Interrupted {
                 t: self.integration.t(),
@@ -166,10 +166,10 @@ where
         Some(happened.map_err(|error| error.truncated(self.view.states)))
     }
 
-    fn next(&mut self) -> Result<Option<Happening>, Error> {
+    fn next(&mut self) -> Result<Option<OrbitProgress>, Error> {
         let is_ready = std::mem::take(&mut self.is_ready);
-        if !is_ready && let Some(happening) = self.before_step()? {
-            return Ok(Some(happening));
+        if !is_ready && let Some(progress) = self.before_step()? {
+            return Ok(Some(progress));
         }
         let progress = if is_ready && self.integration.advance()? {
             Progress::Step
@@ -189,19 +189,19 @@ where
                     search.in_step(&self.integration.last_step());
                     self.reported = 0;
                 }
-                Happening::Step
+                OrbitProgress::Step
             }
             Progress::PhaseEnd(phase) => {
                 let until = self.jump_search.as_ref().and_then(JumpSearch::due);
-                Happening::PhaseEnd(self.view.phase(phase, until))
+                OrbitProgress::PhaseEnd(self.view.phase(phase, until))
             }
-            Progress::Transition(at) => Happening::Transition(self.view.transition(at)),
-            Progress::End(summary) => Happening::End(self.view.summary(summary)),
+            Progress::Transition(at) => OrbitProgress::Transition(self.view.transition(at)),
+            Progress::End(summary) => OrbitProgress::End(self.view.summary(summary)),
         }))
     }
 
     /// What is reported before the integration continues.
-    fn before_step(&mut self) -> Result<Option<Happening>, Error> {
+    fn before_step(&mut self) -> Result<Option<OrbitProgress>, Error> {
         if let Some(search) = &self.search
             && let Some(passage) = search.last_events().get(self.reported)
             && !self.is_settling(passage.t)
@@ -211,12 +211,12 @@ where
             if passage.t == self.integration.t() && self.has_kinked(passage.t) {
                 (passage.x, passage.mode) = (*self.integration.x(), self.integration.mode());
             }
-            return Ok(Some(Happening::Passage(self.view.passage(&passage))));
+            return Ok(Some(OrbitProgress::Passage(self.view.passage(&passage))));
         }
         if let (Some(observer), Some(progress)) = (&mut self.observer, self.unobserved.take()) {
             let (integration, is_stopping) = (&mut self.integration, &mut self.is_stopping);
             if let Some(summary) = notify(integration, &progress, *observer, is_stopping)? {
-                return Ok(Some(Happening::End(self.view.summary(&summary))));
+                return Ok(Some(OrbitProgress::End(self.view.summary(&summary))));
             }
         }
         self.process_jumps()
@@ -238,7 +238,7 @@ where
     }
 
     /// Carries out what is due between two steps of a run with jumps or inputs.
-    fn process_jumps(&mut self) -> Result<Option<Happening>, Error> {
+    fn process_jumps(&mut self) -> Result<Option<OrbitProgress>, Error> {
         let Some(jump_search) = &mut self.jump_search else {
             return Ok(None);
         };
@@ -252,13 +252,13 @@ where
                     let phase = self
                         .view
                         .phase(&self.integration.phase_so_far(), jump_search.due());
-                    return Ok(Some(Happening::PhaseEnd(phase)));
+                    return Ok(Some(OrbitProgress::PhaseEnd(phase)));
                 }
                 let jump = jump_search.jump(&mut self.integration)?;
                 if let Some(search) = &mut self.search {
                     search.set_side(0.0);
                 }
-                return Ok(jump.map(|at| Happening::Transition(self.view.transition(&at))));
+                return Ok(jump.map(|at| OrbitProgress::Transition(self.view.transition(&at))));
             }
             if !jump_search.is_at_kink(&self.integration) {
                 return Ok(None);
@@ -275,10 +275,10 @@ where
     V: EventFunctions<N, 1>,
     J: Jumps<N>,
 {
-    fn step(&mut self) -> Result<Happening, Error> {
+    fn step(&mut self) -> Result<OrbitProgress, Error> {
         loop {
-            if let Some(happened) = self.go_on() {
-                return happened;
+            if let Some(progress) = self.go_on() {
+                return progress;
             }
         }
     }

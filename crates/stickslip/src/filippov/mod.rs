@@ -46,8 +46,8 @@ pub use rules::{Fate, Visibility, fate};
 pub(crate) use run::TIME_ROUNDING;
 pub use scan::first_zero;
 pub use sections::{
-    Direction, EventFunctions, EventOf, EventRecord, EventSearch, Happening, OrbitWithEvents,
-    Plane, Strobe, Watched, solve_with_events,
+    Direction, EventFunctions, EventOf, EventRecord, EventSearch, OrbitWithEvents, Plane, Strobe,
+    Watched, WatchedProgress, solve_with_events,
 };
 pub(crate) use solve::notify;
 pub use solve::{Failure, run, solve};

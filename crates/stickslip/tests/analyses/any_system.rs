@@ -8,9 +8,9 @@ use crate::bifurcations::systems::{
     DrivenIsland, Ends, EndsFamily, FasterBelt, Focus, Grip, Island, Lags, Persists, Pitchfork,
     Pulse, Resonant, Rough, Shaken, Sheet, Softening, Twisted,
 };
+use crate::compiled::traced;
 use crate::constant_fields::ConstantFields;
 use crate::den_hartog::DenHartog;
-use crate::listed::traced;
 use crate::smooth::{Lorenz, Smooth};
 
 traced!(

@@ -4,12 +4,12 @@
 mod any_system;
 mod attractors;
 mod bifurcations;
+#[path = "../common/compiled.rs"]
+mod compiled;
 #[path = "../common/constant_fields.rs"]
 mod constant_fields;
 #[path = "../common/den_hartog.rs"]
 mod den_hartog;
-#[path = "../common/listed.rs"]
-mod listed;
 mod lyapunov_jumps;
 #[path = "../common/smooth.rs"]
 mod smooth;

@@ -9,13 +9,13 @@ use stickslip::{Error, Failure, Observer, Options, Orbit, OrbitWithEvents, Summa
 use stickslip::system::IntoState;
 
 use crate::blocks::{Block, Bracket};
+use crate::compiled::{Compiled, traced};
 use crate::constant_fields::ConstantFields;
 use crate::corners::{CornerOfBoundary, CornerOfField, Creep, EqualInStick, Weaker};
 use crate::den_hartog::DenHartog;
 use crate::ensemble::{self, CompiledBlock, Edge};
 use crate::flat::{Driven, Narrow, Square};
 use crate::grazes;
-use crate::listed::{Listed, traced};
 use crate::lyapunov_equations::{Fork, FromSupport, Linear, Pressed, Refracting, Rider, Roessler};
 use crate::pulses::{Overflowing, Pushed, Slippery, Spike};
 use crate::sections::EventSet;
@@ -59,7 +59,7 @@ macro_rules! typed {
             }
         }
 
-        $(impl $crate::listed::Listed<$n> for $system {
+        $(impl $crate::compiled::Compiled<$n> for $system {
             type Any<'a> = $any;
             fn any(&self) -> $any {
                 $any::$name(*self)
@@ -105,7 +105,7 @@ traced!(
     Bracket, Pair, Pressed, Weaker,
 );
 
-pub fn solve<S: Listed<N>, const N: usize>(
+pub fn solve<S: Compiled<N>, const N: usize>(
     system: &S,
     t0: f64,
     x0: impl IntoState<N>,
@@ -115,7 +115,7 @@ pub fn solve<S: Listed<N>, const N: usize>(
     stickslip::solve(&system.any(), t0, x0.into_state(), t_end, options)
 }
 
-pub fn solve_with_events<S: Listed<N>, const N: usize, const E: usize>(
+pub fn solve_with_events<S: Compiled<N>, const N: usize, const E: usize>(
     system: &S,
     events: &EventSet<E>,
     t0: f64,
@@ -126,7 +126,7 @@ pub fn solve_with_events<S: Listed<N>, const N: usize, const E: usize>(
     stickslip::solve_with_events(&system.any(), events, t0, x0.into_state(), t_end, options)
 }
 
-pub fn run<S: Listed<N>, const N: usize>(
+pub fn run<S: Compiled<N>, const N: usize>(
     system: &S,
     t0: f64,
     x0: impl IntoState<N>,
@@ -137,7 +137,7 @@ pub fn run<S: Listed<N>, const N: usize>(
     stickslip::run(&system.any(), t0, x0.into_state(), t_end, options, observer)
 }
 
-pub fn monodromy<S: Listed<N>, const N: usize>(
+pub fn monodromy<S: Compiled<N>, const N: usize>(
     system: &S,
     t0: f64,
     x0: impl Components,
@@ -147,7 +147,7 @@ pub fn monodromy<S: Listed<N>, const N: usize>(
     analysis::monodromy(&system.dynamics(), t0, x0, t_end, options)
 }
 
-pub fn periodic_orbit<S: Listed<N>, const N: usize>(
+pub fn periodic_orbit<S: Compiled<N>, const N: usize>(
     system: &S,
     x: impl Components,
     period: f64,
@@ -156,7 +156,7 @@ pub fn periodic_orbit<S: Listed<N>, const N: usize>(
     analysis::periodic_orbit(&system.dynamics(), x, period, options)
 }
 
-pub fn find_periodic_orbit<S: Listed<N>, const N: usize>(
+pub fn find_periodic_orbit<S: Compiled<N>, const N: usize>(
     system: &S,
     x0: impl Components,
     transient: f64,
@@ -166,7 +166,7 @@ pub fn find_periodic_orbit<S: Listed<N>, const N: usize>(
     analysis::find_periodic_orbit(&system.dynamics(), x0, transient, longest, options)
 }
 
-pub fn periodic_orbit_forced<S: Listed<N>, const N: usize>(
+pub fn periodic_orbit_forced<S: Compiled<N>, const N: usize>(
     system: &S,
     t: f64,
     x: impl Components,
@@ -176,7 +176,7 @@ pub fn periodic_orbit_forced<S: Listed<N>, const N: usize>(
     analysis::periodic_orbit_forced(&system.dynamics(), t, x, period, options)
 }
 
-pub fn lyapunov_spectrum<S: Listed<N>, const N: usize>(
+pub fn lyapunov_spectrum<S: Compiled<N>, const N: usize>(
     system: &S,
     start: (f64, impl Components),
     settings: &SpectrumOptions,
@@ -184,7 +184,7 @@ pub fn lyapunov_spectrum<S: Listed<N>, const N: usize>(
     analysis::lyapunov_spectrum(&system.dynamics(), start, settings)
 }
 
-pub fn lyapunov_spectrum_watched<S: Listed<N>, const N: usize>(
+pub fn lyapunov_spectrum_watched<S: Compiled<N>, const N: usize>(
     system: &S,
     start: (f64, impl Components),
     settings: &SpectrumOptions,

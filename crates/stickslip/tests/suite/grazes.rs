@@ -10,7 +10,7 @@ use stickslip::{
 };
 
 use crate::any_system::run;
-use crate::listed::Listed;
+use crate::compiled::Compiled;
 
 const CASES: u32 = 100_000;
 
@@ -132,7 +132,7 @@ impl Observer<2> for Crossings {
 }
 
 /// Around a spiral's maximum a system has two crossings, one on each side of it, or none.
-fn assert_counted<S: Listed<2>>(system: &S, spiral: &Spiral, start: State<2>, options: &Options) {
+fn assert_counted<S: Compiled<2>>(system: &S, spiral: &Spiral, start: State<2>, options: &Options) {
     let (from, to) = spiral.span();
     let mut found = Crossings::default();
     run(system, from, start, to, options, &mut found).expect("runs");

@@ -7,6 +7,8 @@
 
 mod any_system;
 mod blocks;
+#[path = "../common/compiled.rs"]
+mod compiled;
 #[path = "../common/constant_fields.rs"]
 mod constant_fields;
 mod corners;
@@ -15,8 +17,6 @@ mod den_hartog;
 mod ensemble;
 mod flat;
 mod grazes;
-#[path = "../common/listed.rs"]
-mod listed;
 mod lyapunov_equations;
 mod no_allocation;
 mod periodic;

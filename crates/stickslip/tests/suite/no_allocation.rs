@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use stickslip::{Locator, Method, Observer, Options, State, StepRecord, Transition, run};
 
 use crate::blocks::Block;
-use crate::listed::Listed;
+use crate::compiled::Compiled;
 
 /// Counts and stores nothing.
 #[derive(Default)]
@@ -25,7 +25,7 @@ impl Observer<2> for Count {
     }
 }
 
-fn allocations(system: &impl Listed<2>, t_end: f64, options: &Options) -> (u64, Count) {
+fn allocations(system: &impl Compiled<2>, t_end: f64, options: &Options) -> (u64, Count) {
     let (system, mut count) = (system.any(), Count::default());
     let info = allocation_counter::measure(|| {
         let start = State::from([0.1, 0.2]);

@@ -9,9 +9,9 @@ use stickslip::dynamics::Matrix;
 use stickslip::{Error, Method, Options, State, math};
 
 use crate::any_system::{find_periodic_orbit, periodic_orbit_forced, run, solve};
+use crate::compiled::Compiled;
 use crate::constant_fields::ConstantFields;
 use crate::den_hartog::DenHartog;
-use crate::listed::Listed;
 use crate::solver::systems::{Floor, MovingLine, TwiceRound, decaying_friction};
 
 #[test]

@@ -8,14 +8,14 @@ use stickslip::analysis::{PoincareMap, multipliers};
 use stickslip::dynamics::{Matrix, Vector};
 use stickslip::system::IntoState;
 use stickslip::{
-    Direction, Ending, Error, EventFunctions, Happening, Integration, Method, Mode, Options, Plane,
-    Progress, Scalar, Side, State, Watched, math,
+    Direction, Ending, Error, EventFunctions, Integration, Method, Mode, Options, Plane, Progress,
+    Scalar, Side, State, Watched, WatchedProgress, math,
 };
 
 use crate::any_system::{monodromy, periodic_orbit, solve, solve_with_events};
 use crate::blocks::Block;
+use crate::compiled::Compiled;
 use crate::den_hartog::DenHartog;
-use crate::listed::Listed;
 use crate::solver::systems::{Floor, decaying_friction};
 
 /// One of several event functions, so that the search is compiled once for all of them.
@@ -177,14 +177,14 @@ fn many_zeros_in_one_step_are_reported_in_order_with_the_transitions() {
         let (mut most, mut times) = (0, [Vec::new(), Vec::new()]);
         loop {
             match watched.step().unwrap() {
-                Happening::Progress(Progress::Step) => within = 0,
-                Happening::Progress(Progress::End(_)) => break,
-                Happening::Progress(Progress::Transition(at)) => {
+                WatchedProgress::Progress(Progress::Step) => within = 0,
+                WatchedProgress::Progress(Progress::End(_)) => break,
+                WatchedProgress::Progress(Progress::Transition(at)) => {
                     assert!(at.t >= reported);
                     reported = at.t;
                 }
-                Happening::Progress(Progress::PhaseEnd(_)) => {}
-                Happening::Event(event) => {
+                WatchedProgress::Progress(Progress::PhaseEnd(_)) => {}
+                WatchedProgress::Event(event) => {
                     let step = watched.last_step();
                     assert!(step.t_start <= event.t && event.t <= step.t_end);
                     assert!(event.t >= reported);
@@ -389,7 +389,7 @@ fn the_cycle_with_stick_returns_after_its_period_and_forgets_where_it_was() {
 }
 
 /// The first return to a plane from a start, and its derivative.
-fn first_return<S: Listed<2>>(
+fn first_return<S: Compiled<2>>(
     system: &S,
     section: &Plane<2>,
     start: State<2>,

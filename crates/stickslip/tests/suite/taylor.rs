@@ -10,8 +10,8 @@ use stickslip::{
 
 use crate::any_system::{Oscillator, lyapunov_spectrum, solve};
 use crate::blocks::{Block, Bracket};
+use crate::compiled::Compiled;
 use crate::ensemble::CompiledBlock;
-use crate::listed::Listed;
 use crate::solver::systems::{Floor, Parabola, decaying_friction};
 
 fn taylor(tolerance: f64) -> Options {
@@ -297,7 +297,7 @@ impl Filippov<2> for Gate {
 }
 
 /// Over the edge at `asin r` and back at `π − asin r`, both within the first step if that is long.
-fn out_and_back<S: Listed<2>>(system: &S, radius: f64) {
+fn out_and_back<S: Compiled<2>>(system: &S, radius: f64) {
     for (tolerance, first_step, bound) in
         [(1e-3, 0.1, 2e-2), (1e-3, 3.0, 2e-2), (1e-14, 3.0, 1e-13)]
     {

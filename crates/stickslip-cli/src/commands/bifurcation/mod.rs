@@ -163,8 +163,7 @@ impl Bifurcation {
         let (mut found, mut changes) = (Vec::new(), Vec::new());
         for value in self.values_of(block) {
             let start = |here: &System| self.start.at_zero(here, &[]);
-            let describe = |error: &stickslip::Error| in_words(error, system);
-            let at = diagram.at(value, last.as_ref(), start, &describe);
+            let at = diagram.at(value, last.as_ref(), start, &in_words);
             let (at, between, end) = at.map_err(|error: Failure| error.of(system))?;
             found.push(at);
             changes.extend(between);

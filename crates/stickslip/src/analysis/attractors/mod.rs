@@ -210,11 +210,11 @@ pub(super) fn attractors_of(
     let mut searches: Vec<Search<'_>> = starts.iter().map(search).collect();
     let mut outcomes: Vec<_> = starts.iter().map(|_| None).collect();
     let mut is_enough = false;
-    let listener = &mut |number: usize, happened, orbit: &mut dyn OrbitUnderWay| {
+    let listener = &mut |number: usize, progress, orbit: &mut dyn OrbitUnderWay| {
         if is_enough {
             return ControlFlow::Break(());
         }
-        let Some(attractor) = searches[number].record(happened, orbit) else {
+        let Some(attractor) = searches[number].record(progress, orbit) else {
             return ControlFlow::Continue(());
         };
         is_enough = after_each().is_break();
@@ -290,8 +290,8 @@ fn seek(
     let mut orbit = system.begin(&start, settings.longest, options, section)?;
     let mut search = Search::new(system, &start.x, section, settings, options);
     loop {
-        let happened = orbit.step();
-        if let Some(attractor) = search.record(happened, &mut *orbit) {
+        let progress = orbit.step();
+        if let Some(attractor) = search.record(progress, &mut *orbit) {
             return Ok(attractor);
         }
     }

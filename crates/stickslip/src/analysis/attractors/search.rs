@@ -11,7 +11,7 @@ use super::tolerance::{Extent, Tolerance};
 use super::trap::Trap;
 use super::{RecurrenceSettings, recurrent};
 use crate::dynamics::{
-    Dynamics, Happening, Modes, Moment, OrbitUnderWay, Section, Summary, Transition, Vector,
+    Dynamics, Modes, Moment, OrbitProgress, OrbitUnderWay, Section, Summary, Transition, Vector,
 };
 use crate::error::Error;
 use crate::filippov::{Options, TransitionKind};
@@ -118,12 +118,12 @@ impl<'a> Search<'a> {
     /// Records what happens to the orbit next. Returns the attractor as soon as it is certain.
     pub fn record(
         &mut self,
-        happened: Result<Happening, Error>,
+        progress: Result<OrbitProgress, Error>,
         orbit: &mut dyn OrbitUnderWay,
     ) -> Option<Attractor> {
-        let done = match happened {
-            Ok(Happening::Passage(at)) => self.event(Moment { t: at.t, x: at.x }, at.mode),
-            Ok(Happening::Step) => {
+        let done = match progress {
+            Ok(OrbitProgress::Passage(at)) => self.event(Moment { t: at.t, x: at.x }, at.mode),
+            Ok(OrbitProgress::Step) => {
                 self.steps_since_transition += 1;
                 if self.may_use_extrema && self.steps_since_transition > STEPS_BEFORE_EXTREMA {
                     self.may_use_extrema = false;
@@ -132,13 +132,13 @@ impl<'a> Search<'a> {
                 }
                 self.step(orbit.mode(), orbit.t(), orbit.x())
             }
-            Ok(Happening::PhaseEnd(phase)) => {
+            Ok(OrbitProgress::PhaseEnd(phase)) => {
                 self.history.phase(phase);
                 None
             }
-            Ok(Happening::Kink(_)) => None,
-            Ok(Happening::Transition(at)) => self.transition(&at),
-            Ok(Happening::End(summary)) => Some(self.ended(summary, orbit.mode())),
+            Ok(OrbitProgress::Kink(_)) => None,
+            Ok(OrbitProgress::Transition(at)) => self.transition(&at),
+            Ok(OrbitProgress::End(summary)) => Some(self.ended(summary, orbit.mode())),
             Err(error) => Some(self.failed(error, orbit)),
         };
         done.map(|(kind, points)| self.attractor(kind, points, orbit))

@@ -6,7 +6,7 @@ use super::{EquilibriumBifurcation, Stop, continue_equilibrium, parameter_of, wi
 use crate::analysis::boundary_equilibrium::{Approach, ModeEquilibrium, ends_in};
 use crate::analysis::cycle::{Cycle, MarginKind};
 use crate::analysis::lagrange::weights;
-use crate::dynamics::{DynamicsRef, Happening, Modes, Moment, Orbit, Section, Vector, run};
+use crate::dynamics::{DynamicsRef, Modes, Moment, Orbit, OrbitProgress, Section, Vector, run};
 use crate::filippov::Direction;
 
 /// Extent below which an orbit may be about to shrink to a point, as a fraction of the widest
@@ -232,10 +232,10 @@ impl Continuation<'_> {
         let mut nearest = off(&start.x);
         loop {
             match orbit.step().ok()? {
-                Happening::Passage(at) if off(&at.x).norm() < nearest.norm() => {
+                OrbitProgress::Passage(at) if off(&at.x).norm() < nearest.norm() => {
                     nearest = off(&at.x);
                 }
-                Happening::End(_) => return Some(nearest),
+                OrbitProgress::End(_) => return Some(nearest),
                 _ => {}
             }
         }

@@ -9,7 +9,7 @@ use super::{BranchPoint, Stop};
 use crate::analysis::attractors::equilibrium::{ZERO, equilibrium_near, holds};
 use crate::analysis::monodromy::velocity_in;
 use crate::analysis::multipliers::eigenvalues;
-use crate::dynamics::{Happening, Modes, Moment, Section, Vector};
+use crate::dynamics::{Modes, Moment, OrbitProgress, Section, Vector};
 use crate::math;
 
 /// Speed below which an equilibrium is looked for, in extents of the orbit per period. Chosen: far
@@ -89,7 +89,7 @@ impl Continuation<'_> {
         let mut equilibria: Vec<PassedEquilibrium> = Vec::new();
         loop {
             match orbit.step().ok()? {
-                Happening::Step => {
+                OrbitProgress::Step => {
                     let (mode, at) = (orbit.mode(), orbit.now());
                     let away = |one: &PassedEquilibrium| (&one.x - &at.x).norm();
                     if velocity_in(system, mode, &at).norm() < slow
@@ -100,11 +100,11 @@ impl Continuation<'_> {
                         equilibria.push(equilibrium);
                     }
                 }
-                Happening::Transition(_)
-                | Happening::PhaseEnd(_)
-                | Happening::Passage(_)
-                | Happening::Kink(_) => {}
-                Happening::End(_) => return Some(equilibria),
+                OrbitProgress::Transition(_)
+                | OrbitProgress::PhaseEnd(_)
+                | OrbitProgress::Passage(_)
+                | OrbitProgress::Kink(_) => {}
+                OrbitProgress::End(_) => return Some(equilibria),
             }
         }
     }

@@ -7,7 +7,7 @@ use super::tangent_line::TangentLine;
 use crate::analysis::cycle::{
     Cycle, Margin, MarginKind, Outline, Path, SAFETY, SequenceChange, Shooting, Zero, describe,
 };
-use crate::dynamics::{Happening, Moment, Section, Vector};
+use crate::dynamics::{Moment, OrbitProgress, Section, Vector};
 use crate::filippov::Direction;
 
 /// A change of the phases.
@@ -173,10 +173,10 @@ impl Continuation<'_> {
         let mut run = system.begin(from, t_end, options, &section).ok()?;
         loop {
             match run.step().ok()? {
-                Happening::Passage(at) if (&at.x - &from.x).norm() <= NEAR * orbit.extent => {
+                OrbitProgress::Passage(at) if (&at.x - &from.x).norm() <= NEAR * orbit.extent => {
                     return Some(at.t - from.t);
                 }
-                Happening::End(_) => return None,
+                OrbitProgress::End(_) => return None,
                 _ => {}
             }
         }

@@ -5,7 +5,7 @@ use super::minima::minima;
 use super::{Outline, Segment, Shooting};
 use crate::analysis::monodromy::{TangentMap, velocity_in};
 use crate::analysis::tangent::Tangent;
-use crate::dynamics::{Happening, Matrix, Moment, Solution, Step, Vector};
+use crate::dynamics::{Matrix, Moment, OrbitProgress, Solution, Step, Vector};
 use crate::filippov::Options;
 use crate::system::{Mode, Side};
 
@@ -97,7 +97,7 @@ impl Shooting<'_> {
         if t_end > begin.t {
             let mode = (segment.mode, &segment.inside);
             let mut run = self.system.begin_in(mode, &begin, t_end, options).ok()?;
-            while let Happening::Step = run.step().ok()? {
+            while let OrbitProgress::Step = run.step().ok()? {
                 steps.push((run.last_step(), run.solution()));
             }
             end = run.now();

@@ -46,8 +46,8 @@ pub use settings::SpectrumOptions;
 pub use spectrum::{Exponent, Running, Spectrum};
 
 use crate::dynamics::{
-    AsDynamics, Components, Dynamics, Happening, Moment, OrbitUnderWay, Section, Summary, Typed,
-    observed,
+    AsDynamics, Components, Dynamics, Moment, OrbitProgress, OrbitUnderWay, Section, Summary,
+    Typed, observed,
 };
 use crate::error::Error;
 use crate::filippov::{Observer, Options, Switched};
@@ -195,13 +195,13 @@ fn follow(
 ) -> Result<Summary, Error> {
     loop {
         match orbit.step()? {
-            Happening::Step => measurement.step(&orbit.last_step(), &mut *orbit)?,
-            Happening::Transition(at) => measurement.transition(&at)?,
-            Happening::PhaseEnd(_) | Happening::Passage(_) | Happening::Kink(_) => {}
-            Happening::End(summary) if summary.ending.is_final() => {
+            OrbitProgress::Step => measurement.step(&orbit.last_step(), &mut *orbit)?,
+            OrbitProgress::Transition(at) => measurement.transition(&at)?,
+            OrbitProgress::PhaseEnd(_) | OrbitProgress::Passage(_) | OrbitProgress::Kink(_) => {}
+            OrbitProgress::End(summary) if summary.ending.is_final() => {
                 return Err(summary.no_future_error());
             }
-            Happening::End(summary) => return Ok(summary),
+            OrbitProgress::End(summary) => return Ok(summary),
         }
     }
 }

@@ -14,7 +14,7 @@ use crate::system::{Mode, State};
 pub use common::{Plane, Strobe};
 pub use search::EventSearch;
 pub use solve::{OrbitWithEvents, solve_with_events};
-pub use watched::{Happening, Watched};
+pub use watched::{Watched, WatchedProgress};
 
 /// Which way a function passes through zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -1,6 +1,6 @@
 //! A whole orbit with the user's own events.
 
-use super::{EventFunctions, EventRecord, Happening, Watched};
+use super::{EventFunctions, EventRecord, Watched, WatchedProgress};
 use crate::filippov::integration::Integration;
 use crate::filippov::options::Options;
 use crate::filippov::solve::{Failure, store};
@@ -45,11 +45,11 @@ where
     };
     loop {
         let progress = match watched.step() {
-            Ok(Happening::Event(event)) => {
+            Ok(WatchedProgress::Event(event)) => {
                 outcome.events.push(event);
                 continue;
             }
-            Ok(Happening::Progress(progress)) => Ok(progress),
+            Ok(WatchedProgress::Progress(progress)) => Ok(progress),
             Err(error) => Err(error),
         };
         match store(&mut outcome.orbit, watched.integration_mut(), progress) {

@@ -9,9 +9,9 @@ use crate::filippov::switched::Switched;
 use crate::ode::Timed;
 use crate::system::Mode;
 
-/// What happened in an integration that is watched; see [`Watched::step`].
+/// Progress of a watched integration; see [`Watched::step`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Happening<const N: usize, K = Mode> {
+pub enum WatchedProgress<const N: usize, K = Mode> {
     /// Progress of the integration itself.
     Progress(Progress<N, K>),
     /// An event of the user's own in the last step.
@@ -27,7 +27,7 @@ pub enum Happening<const N: usize, K = Mode> {
 ///
 /// ```
 #[doc = include_str!("../../../examples/common/belt.rs")]
-/// use stickslip::{Direction, Happening, Integration, Options, Plane, Progress, Watched};
+/// use stickslip::{Direction, WatchedProgress, Integration, Options, Plane, Progress, Watched};
 ///
 /// let belt = Belt { speed: 1.0 };
 /// let integration = Integration::new(&belt, 0.0, [0.5, 1.5], 20.0, &Options::default())?;
@@ -40,9 +40,9 @@ pub enum Happening<const N: usize, K = Mode> {
 /// let mut times = Vec::new();
 /// loop {
 ///     match watched.step()? {
-///         Happening::Event(event) => times.push(event.t),
-///         Happening::Progress(Progress::End(_)) => break,
-///         Happening::Progress(_) => {}
+///         WatchedProgress::Event(event) => times.push(event.t),
+///         WatchedProgress::Progress(Progress::End(_)) => break,
+///         WatchedProgress::Progress(_) => {}
 ///     }
 /// }
 /// assert_eq!(times.len(), 2);
@@ -85,10 +85,10 @@ where
     /// # Errors
     /// Those of [`Integration::step`].
     #[inline]
-    pub fn step(&mut self) -> Result<Happening<N, S::Mode>, Error> {
+    pub fn step(&mut self) -> Result<WatchedProgress<N, S::Mode>, Error> {
         if let Some(event) = self.search.last_events().get(self.reported) {
             self.reported += 1;
-            return Ok(Happening::Event(*event));
+            return Ok(WatchedProgress::Event(*event));
         }
         let progress = self.integration.step()?;
         // Without functions a step needs no dense output.
@@ -99,7 +99,7 @@ where
             self.reported = 0;
             self.end_at_terminal();
         }
-        Ok(Happening::Progress(progress))
+        Ok(WatchedProgress::Progress(progress))
     }
 
     fn end_at_terminal(&mut self) {

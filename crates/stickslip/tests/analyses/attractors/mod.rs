@@ -10,9 +10,9 @@ use stickslip::statistics::SplitMix;
 use stickslip::system::IntoState;
 use stickslip::{Direction, Error, Method, Mode, Options, Plane, Side, State, math, solve};
 
+use crate::compiled::Compiled;
 use crate::constant_fields::ConstantFields;
 use crate::den_hartog::DenHartog;
-use crate::listed::Listed;
 use crate::smooth::{Lorenz, Smooth};
 
 pub mod systems;
@@ -27,7 +27,7 @@ fn within(longest: f64) -> RecurrenceSettings {
     RecurrenceSettings::within(longest)
 }
 
-fn reached<S: Listed<N>, const N: usize>(
+fn reached<S: Compiled<N>, const N: usize>(
     system: &S,
     x: [f64; N],
     settings: &RecurrenceSettings,

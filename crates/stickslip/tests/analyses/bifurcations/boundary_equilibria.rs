@@ -10,7 +10,7 @@ use stickslip::{Fate, Filippov, Mode, Options, Scalar, Side, State, fate, math, 
 
 use super::sweeps::{leaked, swept};
 use super::systems::{AtParameter, Focus, Lags, Persists};
-use crate::listed::Listed;
+use crate::compiled::Compiled;
 
 const ONE: Lags = Lags { unit: 1.0 };
 

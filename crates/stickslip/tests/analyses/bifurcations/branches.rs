@@ -16,7 +16,7 @@ use super::systems::{
     Softening, Twisted,
 };
 use crate::attractors::systems::Rings;
-use crate::listed::Listed;
+use crate::compiled::Compiled;
 use crate::smooth::Smooth;
 
 const BELOW: Mode = Mode::Slip(Side::Below);
@@ -29,7 +29,7 @@ fn expected(is_stable: bool) -> Stability {
     }
 }
 
-fn branch<S: Listed<3>>(
+fn branch<S: Compiled<3>>(
     system: &S,
     x: [f64; 3],
     (period, upwards): (f64, bool),

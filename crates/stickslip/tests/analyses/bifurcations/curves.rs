@@ -13,7 +13,7 @@ use stickslip::{
 
 use super::sweeps::{coming_back, landing};
 use super::systems::FasterBelt;
-use crate::listed::{Listed, traced};
+use crate::compiled::{Compiled, traced};
 
 traced!(3: Lag);
 traced!(4: Touched);

@@ -8,10 +8,10 @@ use stickslip::{Error, Mode, Options, Side};
 
 use super::systems::{Persists, Pitchfork};
 use crate::attractors::systems::Rings;
-use crate::listed::Listed;
+use crate::compiled::Compiled;
 
 fn followed<const N: usize>(
-    system: &impl Listed<N>,
+    system: &impl Compiled<N>,
     start: [f64; N],
     upwards: bool,
     (low, high): (f64, f64),

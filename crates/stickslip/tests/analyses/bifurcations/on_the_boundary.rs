@@ -12,7 +12,7 @@ use stickslip::{Method, Mode, Options, Side, math};
 use super::branches::{is_hopf_at_zero, square_of_radius};
 use super::sweeps::{leaked, swept};
 use super::systems::{AtParameter, Pulse, Shaken, Sheet, SheetVariant};
-use crate::listed::Listed;
+use crate::compiled::Compiled;
 
 const PULLED: Sheet = Sheet {
     variant: SheetVariant::Pulled,

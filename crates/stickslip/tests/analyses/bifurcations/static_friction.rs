@@ -12,7 +12,7 @@ use stickslip::{Mode, Options, Side, math, solve};
 
 use super::sweeps::{leaked, swept};
 use super::systems::{AtParameter, Dragged, Grip};
-use crate::listed::Listed;
+use crate::compiled::Compiled;
 
 const ABOVE: Mode = Mode::Slip(Side::Above);
 const BELOW: Mode = Mode::Slip(Side::Below);

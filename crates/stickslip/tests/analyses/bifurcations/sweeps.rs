@@ -16,8 +16,8 @@ use super::systems::{
     FasterBelt, Rhythm, Twisted,
 };
 use crate::attractors::systems::{Driven, Rings};
+use crate::compiled::Compiled;
 use crate::den_hartog::DenHartog;
-use crate::listed::Listed;
 
 const ABOVE: Mode = Mode::Slip(Side::Above);
 const BELOW: Mode = Mode::Slip(Side::Below);

@@ -8,7 +8,7 @@ use stickslip::analysis::{
 use stickslip::{Error, Filippov, Method, Options, Scalar, Side, State, math};
 
 use super::systems::{AtParameter, Pitchfork, TwoPitchforks};
-use crate::listed::{Listed, traced};
+use crate::compiled::{Compiled, traced};
 
 traced!(3: Doubled);
 traced!(2: AtParameter<Doubled>);

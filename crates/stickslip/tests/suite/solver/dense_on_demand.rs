@@ -8,10 +8,10 @@ use stickslip::{Integration, Observer, Progress, StepRecord, Summary};
 use super::tol;
 use crate::any_system::{run, solve};
 use crate::blocks::Block;
-use crate::listed::Listed;
+use crate::compiled::Compiled;
 
 /// The numbered steps for which `asks` requests the dense output, and the end.
-fn follow<S: Listed<2>>(
+fn follow<S: Compiled<2>>(
     system: &S,
     start: [f64; 2],
     t_end: f64,
@@ -35,7 +35,7 @@ fn follow<S: Listed<2>>(
     }
 }
 
-fn assert_same_for_all<S: Listed<2>>(system: &S, start: [f64; 2], t_end: f64, tolerance: f64) {
+fn assert_same_for_all<S: Compiled<2>>(system: &S, start: [f64; 2], t_end: f64, tolerance: f64) {
     let orbit = solve(system, 0.0, start, t_end, &tol(tolerance)).expect("runs");
     for every in [1, 2, 3, 7] {
         let (asked, end) = follow(system, start, t_end, tolerance, |number| {

@@ -11,11 +11,11 @@ use stickslip::{
 };
 
 use crate::any_system::solve;
+use crate::compiled::Compiled;
 use crate::constant_fields::ConstantFields;
-use crate::listed::Listed;
 use crate::solver::systems::{BlowUp, Ledge, Wall, Window, Zeno, decaying_friction};
 
-pub fn failure<S: Listed<N>, const N: usize>(
+pub fn failure<S: Compiled<N>, const N: usize>(
     system: &S,
     t0: f64,
     x0: State<N>,

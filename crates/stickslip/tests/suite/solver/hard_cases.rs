@@ -14,8 +14,8 @@ use stickslip::{
 use super::check::{TIGHT, assert_consistent, every_locator, kinds};
 use crate::any_system::{run, solve};
 use crate::blocks::Bracket;
+use crate::compiled::Compiled;
 use crate::den_hartog::DenHartog;
-use crate::listed::Listed;
 use crate::solver::systems::{
     BlowUp, Breathing, Ceiling, ComesToRest, Dip, Floor, Parabola, TurningLine, TwoFold, Zeno,
     decaying_friction,
@@ -341,7 +341,11 @@ impl Observer<2> for StopAtTransition {
     }
 }
 
-fn assert_phases_are_reported<S: Listed<2>>(system: &S, start: [f64; 2], kinds: &[TransitionKind]) {
+fn assert_phases_are_reported<S: Compiled<2>>(
+    system: &S,
+    start: [f64; 2],
+    kinds: &[TransitionKind],
+) {
     let orbit = solve(system, 0.0, start, 40.0, &super::tol(1e-12)).expect("runs");
     for (i, (at, kind)) in orbit.transitions.iter().zip(kinds).enumerate() {
         assert_eq!(at.kind, *kind);

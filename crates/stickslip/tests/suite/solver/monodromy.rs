@@ -9,7 +9,7 @@ use stickslip::{Mode, Side, State, math};
 use super::check::{TIGHT, kinds};
 use crate::any_system::{monodromy, periodic_orbit, solve};
 use crate::blocks::Block;
-use crate::listed::Listed;
+use crate::compiled::Compiled;
 use crate::solver::systems::{
     Dip, Floor, MovingLine, Pair, Spiral, StaticFriction, decaying_friction,
 };
@@ -19,7 +19,7 @@ use crate::solver::systems::{
 const CHANGE: f64 = 1e-5;
 const ALLOWED: f64 = 1e-6;
 
-fn by_differences<S: Listed<N>, const N: usize>(
+fn by_differences<S: Compiled<N>, const N: usize>(
     system: &S,
     t0: f64,
     x0: State<N>,
@@ -44,7 +44,7 @@ fn by_differences<S: Listed<N>, const N: usize>(
     SMatrix::from_columns(&columns)
 }
 
-fn assert_agree<S: Listed<N>, const N: usize>(
+fn assert_agree<S: Compiled<N>, const N: usize>(
     what: &str,
     system: &S,
     (t0, x0): (f64, State<N>),

@@ -11,7 +11,7 @@ use stickslip::{Mode, Observer, Orbit, Side, State, Transition, TransitionKind};
 use super::check::{assert_consistent, changes, ulp_of_boundary};
 use crate::any_system::{monodromy, run, solve};
 use crate::blocks::Block;
-use crate::listed::Listed;
+use crate::compiled::Compiled;
 use crate::solver::systems::Reversed;
 
 fn belt() -> impl Strategy<Value = Block> {
@@ -73,11 +73,11 @@ fn seeded(cases: u32) -> Config {
 const TOLERANCE: f64 = 1e-12;
 
 /// The run, or `None` if it escapes: a softening spring pushes outwards at large distances.
-fn orbit_of<S: Listed<2>>(system: &S, x0: State<2>, t_end: f64) -> Option<Orbit<2>> {
+fn orbit_of<S: Compiled<2>>(system: &S, x0: State<2>, t_end: f64) -> Option<Orbit<2>> {
     solve(system, 0.0, x0, t_end, &super::tol(TOLERANCE).escape(20.0)).ok()
 }
 
-fn assert_invariants<S: Listed<2>>(system: &S, belt_speed: f64, orbit: &Orbit<2>) {
+fn assert_invariants<S: Compiled<2>>(system: &S, belt_speed: f64, orbit: &Orbit<2>) {
     assert_consistent(system, orbit);
     // Between transitions the orbit is on the correct side of Σ, up to the tolerance.
     for step in &orbit.steps {
@@ -149,7 +149,7 @@ impl Observer<2> for TransitionRecorder {
     }
 }
 
-fn assert_streams_alike<S: Listed<2>>(system: &S, x0: State<2>, orbit: &Orbit<2>) {
+fn assert_streams_alike<S: Compiled<2>>(system: &S, x0: State<2>, orbit: &Orbit<2>) {
     let mut keep = TransitionRecorder(Vec::new());
     let options = super::tol(TOLERANCE).escape(20.0);
     let summary = run(system, 0.0, x0, orbit.t_end, &options, &mut keep).expect("runs");
@@ -168,7 +168,7 @@ fn assert_streams_alike<S: Listed<2>>(system: &S, x0: State<2>, orbit: &Orbit<2>
 
 /// Norm of the flow's derivative, the largest amplification of errors. It is computed wherever a
 /// run succeeds: an infinite bound would allow anything.
-fn growth<S: Listed<2>>(system: &S, t0: f64, x0: State<2>, t_end: f64) -> f64 {
+fn growth<S: Compiled<2>>(system: &S, t0: f64, x0: State<2>, t_end: f64) -> f64 {
     let options = super::tol(TOLERANCE).escape(20.0);
     monodromy(system, t0, x0, t_end, &options)
         .expect("runs")
@@ -177,7 +177,7 @@ fn growth<S: Listed<2>>(system: &S, t0: f64, x0: State<2>, t_end: f64) -> f64 {
         .max(1.0)
 }
 
-fn assert_runs_join<S: Listed<2>>(system: &S, x0: State<2>, orbit: &Orbit<2>, part: f64) {
+fn assert_runs_join<S: Compiled<2>>(system: &S, x0: State<2>, orbit: &Orbit<2>, part: f64) {
     let (middle, end) = (orbit.t_end * part, orbit.t_end);
     let options = super::tol(TOLERANCE).escape(20.0);
     let first = solve(system, 0.0, x0, middle, &options).expect("runs");
@@ -192,9 +192,9 @@ fn assert_runs_join<S: Listed<2>>(system: &S, x0: State<2>, orbit: &Orbit<2>, pa
     assert!(error <= allowed.max(1e-10), "{error} {allowed}");
 }
 
-fn assert_reverses<S: Listed<2> + Copy>(system: &S, orbit: &Orbit<2>)
+fn assert_reverses<S: Compiled<2> + Copy>(system: &S, orbit: &Orbit<2>)
 where
-    Reversed<S>: Listed<2>,
+    Reversed<S>: Compiled<2>,
 {
     let options = super::tol(TOLERANCE);
     for phase in orbit.phases.iter().filter(|p| p.mode != Mode::Stick) {

@@ -8,8 +8,8 @@ use stickslip::{AtRepelling, Ending, Fate, Mode, Side, State, fate, math};
 use super::check::{TIGHT, assert_consistent, kinds};
 use crate::any_system::solve;
 use crate::blocks::Block;
+use crate::compiled::Compiled;
 use crate::constant_fields::ConstantFields;
-use crate::listed::Listed;
 use crate::solver::systems::{
     MovingLine, TurningLine, TwoFold, coulomb_friction, decaying_friction,
 };
@@ -56,7 +56,7 @@ fn each_of_the_six_tangent_points_is_left_the_way_its_visibility_says() {
 }
 
 /// Asserts that a run started at any transition of an orbit repeats the rest of the orbit.
-fn assert_repeats<S: Listed<N>, const N: usize>(
+fn assert_repeats<S: Compiled<N>, const N: usize>(
     what: &str,
     system: &S,
     t0: f64,

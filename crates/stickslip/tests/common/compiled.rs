@@ -6,8 +6,9 @@ use stickslip::{Error, Filippov, Scalar, Side};
 use stickslip_kernels::kernel::{Equations, OneContact, Switching, dynamics};
 use stickslip_kernels::trace::trace;
 
-/// A system for the solver, by its formulas or, if it branches on values, by a type of its own.
-pub trait Listed<const N: usize>: Filippov<N> {
+/// A system in a form for which the solver is compiled: its formulas or, if it branches on values,
+/// a type of its own.
+pub trait Compiled<const N: usize>: Filippov<N> {
     type Any<'a>: Filippov<N> + Send + Sync
     where
         Self: 'a;
@@ -83,10 +84,10 @@ impl<const N: usize> Filippov<N> for Traced<N> {
 /// `traced!(n: Type, …)`: systems of `n` states that do not branch on values.
 macro_rules! traced {
     ($n:literal: $($system:ty),* $(,)?) => {
-        $(impl $crate::listed::Listed<$n> for $system {
-            type Any<'a> = $crate::listed::Traced<$n>;
+        $(impl $crate::compiled::Compiled<$n> for $system {
+            type Any<'a> = $crate::compiled::Traced<$n>;
             fn any(&self) -> Self::Any<'_> {
-                $crate::listed::Traced::of(self)
+                $crate::compiled::Traced::of(self)
             }
             fn dynamics(&self) -> stickslip::dynamics::DynamicsRef<'_> {
                 self.any().dynamics()
