@@ -355,9 +355,12 @@ fn advanced<M: RungeKutta, F: Flow<N>, const N: usize>(
         State::from(step.end.map(|v| v.re)),
         State::from(step.end.map(|v| v.eps)),
     );
-    // Where the vector is zero or not finite, halving is of no use.
+    // A vector whose norm underflows is zero: no step would be accurate for it.
     let size = vector.norm();
-    if halvings == 0 || size == 0.0 || !size.is_finite() {
+    if size == 0.0 {
+        return (end.0, State::from([0.0; N]));
+    }
+    if halvings == 0 || !size.is_finite() {
         return end;
     }
     let of_vector = Stages {

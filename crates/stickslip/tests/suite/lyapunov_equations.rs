@@ -5,7 +5,8 @@ use std::ops::ControlFlow;
 use stickslip::analysis::{Exponent, Growth, Spectrum, SpectrumOptions, multipliers, saltation};
 use stickslip::dynamics::Matrix;
 use stickslip::{
-    Error, Filippov, Mode, Observer, Options, Scalar, Side, State, Transition, TransitionKind, math,
+    Error, Filippov, Method, Mode, Observer, Options, Scalar, Side, State, Transition,
+    TransitionKind, math,
 };
 
 use crate::any_system::{
@@ -137,6 +138,22 @@ fn exponents_of_a_state_at_rest_do_not_drown_in_the_largest() {
             close(*found, wanted, allowed);
         }
         close(spectrum.defect(), 0.0, 1e-8);
+    }
+}
+
+#[test]
+fn exponents_at_rest_do_not_underflow() {
+    // A step of the state is as long as a block: over 5000, exp(-5 t) is below the least number.
+    for method in [Method::Taylor, Method::Dop853] {
+        let options = Options::tol(1e-10).method(method);
+        let settings = SpectrumOptions::over(1e3, 1e5).solver(options);
+        let system = Smooth(Linear([[-5.0, 0.0], [0.0, -5.0]]));
+        let start = (0.0, State::from([0.0; 2]));
+        let spectrum = lyapunov_spectrum(&system, start, &settings).unwrap();
+        for found in values::<2>(&spectrum) {
+            close(found, -5.0, 1e-7);
+        }
+        close(spectrum.defect(), 0.0, 1e-7);
     }
 }
 

@@ -109,7 +109,8 @@ impl Frame {
                 take_out(&self.columns[i], &mut column);
             }
             let length = column.norm();
-            if !(length > least * size && length.is_finite()) {
+            // Without a normal square, a length has underflowed or overflowed.
+            if !(length > least * size && (length * length).is_normal()) {
                 return None;
             }
             self.columns[j] = column / length;
