@@ -364,6 +364,10 @@ def _all(given: Any, kind: type[Any], what: str) -> tuple[Any, ...]:
     for one in several:
         if not isinstance(one, kind):
             raise TypeError(f"{what} must be made by ss.{kind.__name__}, and {one!r} is not")
+    names = [one.name for one in several]
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f"{what} has two that are called {name}; give one another name")
     return several
 
 
@@ -409,12 +413,18 @@ def _parts(formulas: Iterable[Expression]) -> set[Any]:
         if known is not None:
             same = type(known) is type(part) and _described(known) == _described(part)
             if not same:
-                raise ValueError(f"two different things are called {part.name}")
+                kinds = sorted({_kind(known), _kind(part)})
+                what = f"two {kinds[0]}s" if len(kinds) == 1 else f"a {kinds[0]} and a {kinds[1]}"
+                raise ValueError(f"{what} have the name {part.name}; give one another name")
             continue
         found[part.name] = part
         for inner in _inner(part):
             waiting += inner.parts
     return set(found.values())
+
+
+def _kind(part: Any) -> str:
+    return "discrete state" if isinstance(part, DiscreteState) else type(part).__name__.lower()
 
 
 def _inner(part: Any) -> list[Expression]:
