@@ -46,7 +46,7 @@ impl Filippov<2> for Block {
     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
         let slip_speed = (x[1] - self.belt_speed) * side.sign();
         let size = match self.law {
-            Law::Hyperbolic(decay) => (slip_speed * decay + 1.0).recip(),
+            Law::Hyperbolic(decay) => T::constant(1.0) / (slip_speed * decay + 1.0),
             Law::Exponential { slow, fast, decay } => {
                 (slip_speed * -decay).exp() * (slow - fast) + fast
             }
