@@ -858,6 +858,45 @@ fn the_branch_of_twice_the_period_is_followed_along_its_closed_form() {
     assert!(!read("branch.csv")[0].contains_key("branch"));
 }
 
+/// Both pairs of values lead to the flip at the value that they share. For the orbit of twice the
+/// period it is a fold.
+#[test]
+fn a_flip_that_a_value_of_a_diagram_hits_is_reported_once() {
+    let top = tempfile::tempdir().unwrap();
+    std::fs::write(top.path().join("doubled.toml"), DOUBLED).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
+    let command = command
+        .current_dir(top.path())
+        .args(["bifurcation", "doubled.toml", "--json"]);
+    // With 19 values the flip is at the last value of a block.
+    for values in ["3", "19"] {
+        let range = [
+            "--parameter",
+            "p=-0.1:0.1",
+            "--duration",
+            "20",
+            "--values",
+            values,
+        ];
+        let output = command
+            .args(range)
+            .args(["--out", values])
+            .assert()
+            .success();
+        let json: Value = serde_json::from_slice(&output.get_output().stdout).unwrap();
+        for way in ["up", "down"] {
+            let [change] = json[way]["changes"].as_array().unwrap().as_slice() else {
+                panic!("{way}: {:#}", json[way]["changes"]);
+            };
+            let change = &change["change"]["multiplier"];
+            assert_eq!(change["name"], "flip");
+            let [off, uncertainty] =
+                ["parameter", "uncertainty"].map(|key| change[key].as_f64().unwrap());
+            assert!(off.abs() <= uncertainty && uncertainty < 1e-9, "{off:e}");
+        }
+    }
+}
+
 /// The period doubles at `p = 0` and at `p = 1`, and between them `u = ±√(p (1 - p))`.
 #[test]
 fn a_branch_of_twice_the_period_ends_in_a_flip_of_its_half() {

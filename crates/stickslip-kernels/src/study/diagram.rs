@@ -4,7 +4,8 @@ use std::cell::Cell;
 
 use serde::{Deserialize, Serialize};
 use stickslip::analysis::{
-    RecurrenceSettings, SweepSettings, attractor, attractor_of_many, locate_changes, sweep,
+    AttractorChange, RecurrenceSettings, SequenceChange, SweepSettings, WhatChanges, attractor,
+    attractor_of_many, locate_changes, sweep,
 };
 use stickslip::dynamics::DynamicsRef;
 use stickslip::{Error, Options};
@@ -46,12 +47,24 @@ pub struct AtValue {
 }
 
 /// A change between two neighbouring parameter values.
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Debug)]
 pub struct ChangeBetween {
     /// The two values.
     pub values: (f64, f64),
     /// The change.
     pub change: Change,
+}
+
+impl ChangeBetween {
+    /// The changes along all values, from those since each last one.
+    pub fn along(located: Vec<AttractorChange>) -> Vec<Self> {
+        let merged = AttractorChange::merged(located).into_iter();
+        let changes = merged.map(|AttractorChange { between, what }| ChangeBetween {
+            values: between,
+            change: Change::from(&what),
+        });
+        changes.collect()
+    }
 }
 
 /// Start of the computation at the next value.
@@ -80,7 +93,7 @@ impl Diagram<'_> {
         last: Option<&ValueEnd>,
         start: impl FnOnce(&System) -> Result<Vec<f64>, E>,
         describe: &dyn Fn(&Error, &System) -> String,
-    ) -> Result<(AtValue, Vec<ChangeBetween>, ValueEnd), E> {
+    ) -> Result<(AtValue, Vec<AttractorChange>, ValueEnd), E> {
         let here = self.system.with_values(&[(self.parameter, value)])?;
         let settings = recurrence(&here, self.until);
         let start = match last {
@@ -95,13 +108,10 @@ impl Diagram<'_> {
         };
         let outcome = Outcome::of(&reached, &|error| describe(error, &here));
         let class = here.class(&outcome);
-        let mut changes = Vec::new();
-        if let Some(last) = last.filter(|last| self.locates && last.class != class) {
-            let found = self.changes::<E>(last, &here, value, &settings)?;
-            let values = (last.value, value);
-            let found = found.into_iter();
-            changes.extend(found.map(|change| ChangeBetween { values, change }));
-        }
+        let changes = match last.filter(|last| self.locates && last.class != class) {
+            Some(last) => self.located::<E>(last, &here, value, &settings)?,
+            None => Vec::new(),
+        };
         let end = ValueEnd {
             value,
             class,
@@ -122,13 +132,13 @@ impl Diagram<'_> {
     }
 
     /// Changes of the attractor between the last value and this one.
-    fn changes<E: From<Error> + From<SettingError>>(
+    fn located<E: From<Error> + From<SettingError>>(
         &self,
         last: &ValueEnd,
         here: &System,
         value: f64,
         recurrence: &RecurrenceSettings,
-    ) -> Result<Vec<Change>, E> {
+    ) -> Result<Vec<AttractorChange>, E> {
         let settings = SweepSettings {
             recurrence: *recurrence,
             ..SweepSettings::within(self.until)
@@ -154,24 +164,26 @@ impl Diagram<'_> {
         // The orbit may not exist all the way.
         let located = sweep(family, between, &*last.start, &settings, self.options)
             .and_then(|points| locate_changes(&along, &points, recurrence.forcing, &options));
-        let Some(located) = located.ok().filter(|_| complete.get()) else {
-            return Ok(vec![Change::Unlocated]);
+        let Some(mut located) = located.ok().filter(|_| complete.get()) else {
+            let (between, what) = ((last.value, value), WhatChanges::Unlocated);
+            return Ok(vec![AttractorChange { between, what }]);
         };
-        let located = located.iter();
-        let mut found: Vec<Change> = located.map(|change| Change::from(&change.what)).collect();
-        for change in &mut found {
+        for AttractorChange { what, .. } in &mut located {
             if let (
-                Change::Sequence {
+                WhatChanges::Sequence(SequenceChange {
+                    parameter, period, ..
+                })
+                | WhatChanges::Multiplier {
                     parameter, period, ..
                 },
                 Some(reference),
-            ) = (change, recurrence.forcing)
+            ) = (what, recurrence.forcing)
             {
                 let there = self.system.with_values(&[(self.parameter, *parameter)])?;
                 *period *= there.built.period.map_or(1.0, |there| there / reference);
             }
         }
-        Ok(found)
+        Ok(located)
     }
 }
 

@@ -165,6 +165,7 @@ pub(crate) fn bifurcation_diagram<'py>(
     exponents(&fields, duration, found.iter().map(|at| at.largest))?;
     let all: Vec<Outcome> = found.into_iter().map(|at| at.outcome).collect();
     outcomes(&fields, ready, &all)?;
+    let changes = ChangeBetween::along(changes);
     fields.fields("changes", located(py, ready, &changes)?)?;
     fields.ended(raised)
 }

@@ -77,6 +77,7 @@ impl Bifurcation {
         [points, sticks_path]: &[PathBuf; 2],
     ) -> Result<[OneDirection; 2], Failure> {
         let mut directions = [OneDirection::default(), OneDirection::default()];
+        let mut changes = [Vec::new(), Vec::new()];
         let parameter = self.parameter.name.as_str();
         // A value without section points has one entry without a state.
         type Point = (usize, Rc<AtValue>, Option<usize>);
@@ -91,7 +92,7 @@ impl Bifurcation {
         table(store, points, &columns, |block, part: Block| {
             let number = usize::from(!self.is_up(block));
             let way = &mut directions[number];
-            way.changes.extend(part.changes);
+            changes[number].extend(part.changes);
             let mut rows = Vec::new();
             for at in part.found.into_iter().map(Rc::new) {
                 way.add(system, &at);
@@ -101,6 +102,10 @@ impl Bifurcation {
             }
             Ok(rows)
         })?;
+
+        for (way, changes) in directions.iter_mut().zip(changes) {
+            way.changes = ChangeBetween::along(changes);
+        }
 
         type Stick = (usize, f64, AttractorPhase);
         let lengths = |(.., phase): &Stick| -> Vec<f64> {

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
+use stickslip::analysis::AttractorChange;
 
 use super::arguments::{RunArguments, SolverArguments, StartArguments, count};
 use super::range::{ParameterRange, not_too_many};
@@ -89,7 +90,7 @@ pub(super) struct Bifurcation {
 struct Block {
     found: Vec<AtValue>,
     /// Changes from each value to the next. The first begins at the last value of the block before.
-    changes: Vec<ChangeBetween>,
+    changes: Vec<AttractorChange>,
     last: Option<ValueEnd>,
 }
 

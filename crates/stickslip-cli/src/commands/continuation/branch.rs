@@ -6,8 +6,7 @@ use rayon::prelude::*;
 use serde_json::json;
 use stickslip::analysis::{
     Branch, ContinuationSettings, Curve, CycleBifurcation, EquilibriumBranch, PartialBranch,
-    PeriodicOrbit, SpecialPoint, Stop, SwitchedBranch, continue_change, continue_equilibrium,
-    switch_branches,
+    PeriodicOrbit, SpecialPoint, Stop, continue_change, continue_equilibrium, switch_branches,
 };
 use stickslip::dynamics::DynamicsRef;
 use stickslip::{Error, Options};
@@ -25,12 +24,11 @@ use crate::terminal::Status;
 const CURVES: usize = super::WAYS.get();
 const BRANCHES: usize = CURVES + 1;
 
-/// A branch that begins at a special orbit of another one.
+/// A branch that begins at a special orbit of the branch with the number 0.
 pub(super) struct Other {
     /// Index of that orbit among the special ones, from 0.
     pub(super) from: usize,
-    /// Its number and its orbits; `None` where none was found.
-    pub(super) branch: Option<(usize, WholeBranch)>,
+    pub(super) branch: WholeBranch,
 }
 
 /// A second parameter.
@@ -204,7 +202,8 @@ impl<'a> Begin<'a> {
         followed.into_par_iter().map(curve).collect()
     }
 
-    /// The branches that begin at flips and branch points of a branch, numbered from 1.
+    /// The branches that begin at flips and branch points of a branch, in the order of their numbers
+    /// from 1.
     pub(super) fn others(
         &self,
         (orbit, periods): (&PeriodicOrbit, Option<u32>),
@@ -225,43 +224,25 @@ impl<'a> Begin<'a> {
         let switched = |(k, &(from, _)): (usize, &(usize, &SpecialPoint))| {
             let (upwards, number) = counted(branch, &points, k);
             let way = (orbit.period, upwards, number);
-            let branches =
-                saved_or_computed(writer, (BRANCHES + 2 * from, ""), || match switch_branches(
-                    &self.along.dynamics,
-                    &*x,
-                    way,
-                    &settings,
-                    options,
-                ) {
-                    Ok(SwitchedBranch { branches, .. }) => Ok(branches),
-                    Err(Error::NotFound { .. }) => Ok(Vec::new()),
-                    Err(error) => Err(Failure::from(error)),
-                })?;
+            let branches = saved_or_computed(writer, (BRANCHES + 2 * from, ""), || {
+                let along = &self.along.dynamics;
+                Ok(switch_branches(along, &*x, way, &settings, options)?.branches)
+            })?;
             // Downwards, the branch ends with its first orbit.
             let begin = |way: &Branch| Branch {
                 points: way.points.iter().take(1).cloned().collect(),
                 special: Vec::new(),
                 stop: Stop::Points,
             };
-            let joined = branches.into_iter();
-            let joined = joined.map(|way| self.joined(begin(&way), way, options));
-            Ok((from, joined.collect::<Result<Vec<_>, Failure>>()?))
+            let joined = branches.into_iter().map(|way| {
+                let branch = self.joined(begin(&way), way, options)?;
+                Ok(Other { from, branch })
+            });
+            joined.collect::<Result<Vec<_>, Failure>>()
         };
         let junctions = junctions.par_iter().enumerate();
-        let found: Result<Vec<_>, Failure> = junctions.map(switched).collect();
-        let mut others = Vec::new();
-        let mut number = 0;
-        for (from, branches) in found? {
-            if branches.is_empty() {
-                others.push(Other { from, branch: None });
-            }
-            for branch in branches {
-                number += 1;
-                let branch = Some((number, branch));
-                others.push(Other { from, branch });
-            }
-        }
-        Ok(others)
+        let others: Result<Vec<_>, Failure> = junctions.map(switched).collect();
+        Ok(others?.into_iter().flatten().collect())
     }
 
     /// Joins both directions, with the extremes of each orbit.

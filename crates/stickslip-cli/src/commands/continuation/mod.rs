@@ -38,7 +38,7 @@ use branch::Begin;
 /// With --also, each of these places but branch points is followed in two parameters. With
 /// --branches, the tables have a column `branch`: 0 is the branch through the orbit, and the others
 /// are in the order of where they begin. The column `branches` of special.csv has the numbers of
-/// those that begin at an orbit, or says that none was found.
+/// those that begin at an orbit. A branch of one orbit could not be followed from there.
 ///
 /// With --equilibrium, the equilibrium that the run comes to is followed, into the sliding field
 /// and out of it, too. Folds, branch points, Hopf bifurcations and boundary equilibria are located.

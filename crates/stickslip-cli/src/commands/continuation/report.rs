@@ -11,7 +11,7 @@ use super::branch::Other;
 use super::ends::End;
 use super::figure;
 use super::special::{json as special_json, name_of, words};
-use super::tables::{NOT_FOUND, columns, rows, special_columns};
+use super::tables::{columns, rows, special_columns};
 use crate::failure::Failure;
 use crate::render::{Report, explained, place, rounded};
 
@@ -62,7 +62,7 @@ pub(super) fn of(
 
     report_ends(&mut report, system, name, branch);
     if let Some(others) = others {
-        let objects = others.iter().map(|other| {
+        let objects = (1..).zip(others).map(|other| {
             let (note, object) = of_other(other, branch, system, name);
             report.note(note);
             object
@@ -73,8 +73,7 @@ pub(super) fn of(
 
     let is_numbered = others.is_some();
     let others = others.unwrap_or_default();
-    let followed = others.iter().filter_map(|other| other.branch.as_ref());
-    let followed = followed.map(|(_, branch)| branch);
+    let followed = others.iter().map(|other| &other.branch);
     let branches: Vec<&WholeBranch> = std::iter::once(branch).chain(followed).collect();
     let numbered = || branches.iter().copied().enumerate();
     let points = numbered().flat_map(|(k, one)| one.points.iter().map(move |at| (k, at)));
@@ -124,7 +123,7 @@ fn report_ends(report: &mut Report, system: &System, name: &str, branch: &WholeB
 
 /// A branch that begins at another branch, in words and as a JSON object.
 fn of_other(
-    Other { from, branch }: &Other,
+    (number, Other { from, branch }): (usize, &Other),
     main: &WholeBranch,
     system: &System,
     name: &str,
@@ -134,18 +133,6 @@ fn of_other(
         let place = place(at.parameter, at.uncertainty);
         format!(" from the {} at {name} = {place}", name_of(at))
     });
-    let Some((number, branch)) = branch else {
-        let note = format!("no branch{begin} was found; a shorter --step may lead to one");
-        let object = json!({
-            "branch": null,
-            "from": from,
-            "points": 0,
-            "parameter": null,
-            "special": [],
-            "stop": NOT_FOUND,
-        });
-        return (note, object);
-    };
     let [_, stop] = &branch.stops;
     let end = End::of(stop, system, name);
     let last = branch.points.last();

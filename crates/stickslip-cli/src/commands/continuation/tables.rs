@@ -77,9 +77,6 @@ pub(super) fn columns<'a>(
         })
 }
 
-/// Word for a place at which a branch begins and none was found.
-pub(super) const NOT_FOUND: &str = "not found";
-
 /// Rows of the special orbits of a branch with its number, at which other branches may begin. Ends
 /// that are bifurcations come before and after them.
 pub(super) fn rows(
@@ -93,7 +90,7 @@ pub(super) fn rows(
         .each_ref()
         .map(|stop| End::of(stop, system, name));
     let special = branch.special.iter().enumerate().map(|(k, at)| SpecialRow {
-        branches: begins(others.iter().filter(|other| other.from == k)),
+        branches: begins(others, k),
         ..SpecialRow::of(at, system)
     });
     let rows = first.row(0).into_iter().chain(special);
@@ -105,11 +102,9 @@ pub(super) fn rows(
     .collect()
 }
 
-/// The numbers of branches that begin at one place, or that none was found.
-fn begins<'a>(others: impl Iterator<Item = &'a Other>) -> String {
-    let numbers = others.map(|other| match &other.branch {
-        Some((number, _)) => number.to_string(),
-        None => NOT_FOUND.to_owned(),
-    });
+/// The numbers of the branches that begin at a special orbit.
+fn begins(others: &[Other], at: usize) -> String {
+    let numbered = (1..).zip(others).filter(|(_, other)| other.from == at);
+    let numbers = numbered.map(|(number, _)| i32::to_string(&number));
     numbers.collect::<Vec<String>>().join(" ")
 }

@@ -56,6 +56,7 @@ pub struct SweepPoint {
 
 /// A change between the attractors at two neighbouring values of the parameter.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AttractorChange {
     /// The two values, in the order of the sweep.
     pub between: (f64, f64),
@@ -63,8 +64,35 @@ pub struct AttractorChange {
     pub what: WhatChanges,
 }
 
+impl AttractorChange {
+    /// The changes along a sweep, from those of each pair of values. A change at the value that two
+    /// pairs share belongs to the first pair. From one of them it may not be located.
+    pub fn merged(of_pairs: impl IntoIterator<Item = AttractorChange>) -> Vec<AttractorChange> {
+        let mut changes: Vec<AttractorChange> = Vec::new();
+        for change in of_pairs {
+            let (shared, next) = change.between;
+            let distance = change::NEXT_TO * (next - shared).abs();
+            let is_same = |before: &&mut AttractorChange| {
+                before.between.1 == shared
+                    && match (&before.what, &change.what) {
+                        (WhatChanges::Unlocated, one) | (one, WhatChanges::Unlocated) => {
+                            one.is_near(shared, distance)
+                        }
+                        (one, other) => one.is_next_to(other, distance),
+                    }
+            };
+            match changes.iter_mut().find(is_same) {
+                Some(before) => before.what = change::primary([before.what.clone(), change.what]),
+                None => changes.push(change),
+            }
+        }
+        changes
+    }
+}
+
 /// What happens to an attractor between two values of a parameter.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum WhatChanges {
     /// The phases of a periodic orbit change.
     Sequence(SequenceChange),
@@ -253,7 +281,7 @@ pub fn locate_changes<Kind>(
     options: &Options,
 ) -> Result<Vec<AttractorChange>, Error> {
     let system = &*system.dynamics();
-    let mut changes: Vec<AttractorChange> = Vec::new();
+    let mut of_pairs = Vec::new();
     for ends in points.windows(2) {
         let [one, other] = ends else { continue };
         if one.reached.x.len() + 1 != system.states() {
@@ -265,29 +293,11 @@ pub fn locate_changes<Kind>(
         }
         if is_change(&one.reached, &other.reached) {
             let between = (one.parameter, other.parameter);
-            let found = change::locate(system, [one, other], forcing, options);
-            let distance = change::NEXT_TO * (other.parameter - one.parameter).abs();
-            for what in found {
-                // A change at the value that two pairs share belongs to the first pair. From one of
-                // them it may not be located.
-                let is_shared = |what: &WhatChanges| what.is_near(between.0, distance);
-                let is_same = |before: &&mut AttractorChange| {
-                    let is_either = match (&before.what, &what) {
-                        (WhatChanges::Unlocated, located) | (located, WhatChanges::Unlocated) => {
-                            is_shared(located)
-                        }
-                        (one, other) => one.is_next_to(other, distance),
-                    };
-                    before.between.1 == between.0 && is_either
-                };
-                match changes.iter_mut().find(is_same) {
-                    Some(before) => before.what = change::primary([before.what.clone(), what]),
-                    None => changes.push(AttractorChange { between, what }),
-                }
-            }
+            let found = change::locate(system, [one, other], forcing, options).into_iter();
+            of_pairs.extend(found.map(|what| AttractorChange { between, what }));
         }
     }
-    Ok(changes)
+    Ok(AttractorChange::merged(of_pairs))
 }
 
 /// The state from which the next parameter's run begins; none after an escape or a failure.

@@ -21,6 +21,9 @@ pub(super) const RESOLUTION: f64 = 1e-11;
 /// steps, each of which costs as much as a long one.
 pub(super) const SHORTEST_STEP: f64 = 1e-7;
 
+/// First step of a branch, as a fraction of the longest one. Chosen: later steps grow by 1.4 each.
+pub(super) const FIRST_STEP: f64 = 0.1;
+
 /// First step behind a change of the phases, as a fraction of the longest one. Chosen: a fold is
 /// often next to the change, and later steps grow by 1.4 each.
 pub(super) const FIRST_BEHIND_CHANGE: f64 = 0.02;
@@ -154,7 +157,7 @@ impl<'a> Continuation<'a> {
             first: first.clone(),
             last: first,
             line,
-            step: 0.1 * settings.step,
+            step: FIRST_STEP * settings.step,
             points: Vec::new(),
             extents: Vec::new(),
             special: Vec::new(),

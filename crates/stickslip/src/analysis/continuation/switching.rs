@@ -3,9 +3,9 @@
 
 use std::ops::ControlFlow;
 
-use super::steps::{Continuation, Junction};
+use super::steps::{Continuation, FIRST_STEP, Junction};
 use super::tangent_line::TangentLine;
-use super::{Branch, ContinuationSettings, CycleBifurcation, SpecialPoint, Stop};
+use super::{Branch, ContinuationSettings, CycleBifurcation, SpecialPoint};
 use crate::analysis::cycle::{Cycle, Shooting};
 use crate::dynamics::{AsDynamics, Components, Vector};
 use crate::error::Error;
@@ -30,7 +30,7 @@ pub struct SwitchedBranch {
 ///
 /// # Errors
 /// Those of [`super::continue_periodic_orbit`]; [`Error::NotFound`] where the branch has no such
-/// point, or no other branch could be computed there.
+/// point.
 pub fn switch_branches<Kind>(
     system: &impl AsDynamics<Kind>,
     x: impl Components,
@@ -78,27 +78,24 @@ pub fn switch_branches<Kind>(
     let signs: &[f64] = if is_flip { &[1.0] } else { &[1.0, -1.0] };
     let branches = signs.iter().filter_map(|sign| {
         let units = continuation.branch.units;
-        let line = TangentLine::along(&shooting, units, &start, &row * *sign)?;
-        let mut other =
-            Continuation::from_orbit(shooting, settings, units, (start.clone(), Some(line)));
+        let along = |direction| TangentLine::along(&shooting, units, &start, direction);
+        let tangent = along(&row * *sign)?;
+        // Where the field has a corner, the branch leaves its tangent at once.
+        let next = tangent.on(&shooting, FIRST_STEP * settings.step);
+        let secant =
+            next.and_then(|next| along(next.outline.unknowns() - start.outline.unknowns()));
+        let begun = (start.clone(), secant.or(Some(tangent)));
+        let mut other = Continuation::from_orbit(shooting, settings, units, begun);
         let stop = other.go_on(&mut |_| ControlFlow::Continue(()));
         let mut branch = other.into_branch(stop);
-        // At its beginning, the functions of folds and branch points are zero to rounding, which
-        // decides their sign.
+        // At its beginning, test functions are zero to rounding, which decides their sign.
         branch.special.retain(|one| {
-            one.behind > 1
-                || !matches!(
-                    one.what,
-                    CycleBifurcation::Fold | CycleBifurcation::BranchPoint
-                )
+            let off = (one.parameter - at.parameter).abs();
+            one.behind > 1 || off > one.uncertainty + at.uncertainty
         });
-        let is_found = branch.points.len() > 1 || branch.stop == Stop::Range;
-        is_found.then_some(branch)
+        Some(branch)
     });
-    let branches: Vec<Branch> = branches.collect();
-    if branches.is_empty() {
-        return Err(not_found("an orbit on the other branch"));
-    }
+    let branches = branches.collect();
     Ok(SwitchedBranch { at, branches })
 }
 

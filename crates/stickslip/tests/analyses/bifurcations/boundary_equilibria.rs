@@ -8,9 +8,10 @@ use stickslip::analysis::{
 };
 use stickslip::{Fate, Filippov, Mode, Options, Scalar, Side, State, fate, math, solve};
 
+use super::branches::accuracies;
 use super::sweeps::{leaked, swept};
 use super::systems::{AtParameter, Focus, Lags, Persists};
-use crate::compiled::Compiled;
+use crate::compiled::{Compiled, traced};
 
 const ONE: Lags = Lags { unit: 1.0 };
 
@@ -18,8 +19,8 @@ const ONE: Lags = Lags { unit: 1.0 };
 /// unit of the threshold.
 #[test]
 fn the_end_of_a_branch_is_known_to_rounding() {
-    let options = Options::tol(1e-12);
-    for unit in [1.0, 1e-3, 1e6] {
+    let units = [1.0, 1e-3, 1e6].into_iter();
+    for (unit, (_, options)) in units.flat_map(|unit| accuracies().map(move |at| (unit, at))) {
         let settings = ContinuationSettings::over(-2.0 / unit, 2.0 / unit);
         for (upwards, exact) in [(false, -1.0), (true, 1.0)] {
             let (system, start) = (Lags { unit }, [-0.7, -0.1, 0.1, 0.0]);
@@ -60,19 +61,21 @@ fn a_sweep_finds_it_from_the_side_of_the_equilibrium_or_from_that_of_the_orbit()
         let family = |value| leaked(AtParameter { system: ONE, value }).dynamics();
         let start = [0.5, 0.1, 0.3];
         let settings = SweepSettings::within(300.0);
-        let (any, options) = (ONE.dynamics(), Options::tol(1e-10));
-        let found = swept((family, &any), values, start, &settings, &options);
-        let at: Vec<_> = found.changes.iter().map(|change| &change.what).collect();
-        // The equilibrium on the boundary is the same attractor as the one beside it.
-        if values[0] == 1.0 {
-            assert!(at.is_empty(), "{at:?}");
-            continue;
+        let any = ONE.dynamics();
+        for (_, options) in accuracies() {
+            let found = swept((family, &any), values, start, &settings, &options);
+            let at: Vec<_> = found.changes.iter().map(|change| &change.what).collect();
+            // The equilibrium on the boundary is the same attractor as the one beside it.
+            if values[0] == 1.0 {
+                assert!(at.is_empty(), "{at:?}");
+                continue;
+            }
+            let [WhatChanges::BoundaryEquilibrium { parameter, x }] = at.as_slice() else {
+                panic!("{values:?}: {at:?}");
+            };
+            assert!((parameter - 1.0).abs() < 1e-12, "{values:?}: {parameter}");
+            assert!(x.iter().all(|x| (x - 1.0).abs() < 1e-12), "{values:?}: {x}");
         }
-        let [WhatChanges::BoundaryEquilibrium { parameter, x }] = at.as_slice() else {
-            panic!("{values:?}: {at:?}");
-        };
-        assert!((parameter - 1.0).abs() < 1e-12, "{values:?}: {parameter}");
-        assert!(x.iter().all(|x| (x - 1.0).abs() < 1e-12), "{values:?}: {x}");
     }
 }
 
@@ -88,23 +91,25 @@ fn an_equilibrium_that_goes_over_into_sliding_is_located_there() {
             .dynamics()
         };
         let settings = SweepSettings::within(300.0);
-        let (any, start, options) = (Persists.dynamics(), [-0.4, 0.1], Options::tol(1e-10));
-        let found = swept((family, &any), values, start, &settings, &options);
-        let [change] = found.changes.as_slice() else {
-            panic!("{:?}", found.changes);
-        };
-        let WhatChanges::BoundaryEquilibrium { parameter, x } = change.what.clone() else {
-            panic!("{change:?}");
-        };
-        assert!(
-            parameter.abs() < 1e-12 && x.amax() < 1e-12,
-            "{parameter}: {x}"
-        );
-        let modes = found.points.iter().map(|point| point.reached.mode);
-        let slips = modes
-            .filter(|mode| *mode == Mode::Slip(Side::Below))
-            .count();
-        assert_eq!(slips, 1);
+        let (any, start) = (Persists.dynamics(), [-0.4, 0.1]);
+        for (_, options) in accuracies() {
+            let found = swept((family, &any), values, start, &settings, &options);
+            let [change] = found.changes.as_slice() else {
+                panic!("{:?}", found.changes);
+            };
+            let WhatChanges::BoundaryEquilibrium { parameter, x } = change.what.clone() else {
+                panic!("{change:?}");
+            };
+            assert!(
+                parameter.abs() < 1e-12 && x.amax() < 1e-12,
+                "{parameter}: {x}"
+            );
+            let modes = found.points.iter().map(|point| point.reached.mode);
+            let slips = modes
+                .filter(|mode| *mode == Mode::Slip(Side::Below))
+                .count();
+            assert_eq!(slips, 1);
+        }
     }
 }
 
@@ -199,22 +204,71 @@ fn a_branch_ends_in_a_homoclinic_orbit_of_the_sliding_field() {
         }
     }
     let settings = ContinuationSettings::over(0.05, 0.5);
-    let options = Options::tol(1e-12);
-    let start = [-1e-9, 0.1, 0.1];
-    let found = continue_periodic_orbit(&Focus.dynamics(), start, 8.70, true, &settings, &options);
-    let Stop::Homoclinic {
-        parameter,
-        uncertainty,
-        comes,
-        ..
-    } = found.unwrap().stop
-    else {
-        panic!();
-    };
-    let off = (parameter - low).abs();
-    assert!(
-        off < uncertainty && uncertainty < 1e-4,
-        "{parameter} for {low}: {uncertainty:e}"
-    );
-    assert_eq!(comes, f64::NEG_INFINITY);
+    for (tolerance, options) in accuracies() {
+        let start = [-1e-9, 0.1, 0.1];
+        let found =
+            continue_periodic_orbit(&Focus.dynamics(), start, 8.70, true, &settings, &options);
+        let Stop::Homoclinic {
+            parameter,
+            uncertainty,
+            comes,
+            ..
+        } = found.unwrap().stop
+        else {
+            panic!();
+        };
+        let off = (parameter - low).abs();
+        assert!(
+            off < tolerance && off <= uncertainty && uncertainty < 10.0 * tolerance + 1e-8,
+            "{parameter} for {low}: {uncertainty:e} at {tolerance:e}"
+        );
+        assert_eq!(comes, f64::NEG_INFINITY);
+    }
+}
+
+/// Below `y = 0` the field `(-1, 1/10 - x)`, above it `(1, p - sin x - x²)`. Orbits cross and turn
+/// about the points where these are tangent, which coincide at p = sin(1/10) + 1/100.
+struct Turns;
+
+traced!(3: Turns);
+
+impl Filippov<3> for Turns {
+    fn field<T: Scalar>(&self, side: Side, _t: T, &[x, _, p]: &[T; 3]) -> [T; 3] {
+        match side {
+            Side::Below => [T::constant(-1.0), -x + 0.1, T::zero()],
+            Side::Above => [T::constant(1.0), p - x.sin() - x * x, T::zero()],
+        }
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
+        x[1]
+    }
+}
+
+#[test]
+fn crossing_orbits_shrink_to_a_two_fold_at_a_known_parameter() {
+    let exact = math::sin(0.1) + 0.01;
+    let settings = ContinuationSettings::over(0.0, 0.5);
+    for (tolerance, options) in accuracies() {
+        let settled = solve(&Turns.any(), 0.0, [-0.9, 0.05, 0.3], 200.0, &options).unwrap();
+        let crossings = settled.transitions.iter().rev();
+        let mut upwards = crossings.filter(|at| at.to == Mode::Slip(Side::Above));
+        let [last, before] = [upwards.next().unwrap().t, upwards.next().unwrap().t];
+        let (start, period) = (settled.x_end, last - before);
+        let found =
+            continue_periodic_orbit(&Turns.dynamics(), start, period, false, &settings, &options);
+        let found = found.unwrap();
+        let Stop::TwoFold {
+            parameter,
+            uncertainty,
+        } = found.stop
+        else {
+            panic!("{tolerance:e}: {:?}", found.stop);
+        };
+        // It is extrapolated until it is known to a billionth of the range.
+        let off = (parameter - exact).abs();
+        assert!(
+            off <= uncertainty && uncertainty < 1e-9,
+            "{tolerance:e}: {off:e} of {uncertainty:e}"
+        );
+    }
 }

@@ -10,6 +10,7 @@ use stickslip::analysis::{
 use stickslip::dynamics::Modes;
 use stickslip::{Mode, Options, Several, Side, State, math, solve};
 
+use super::branches::{accuracies, is_within};
 use super::sweeps::swept;
 use super::systems::{Beat, Duet, DuetFamily, Released, Rhythm, Stack};
 
@@ -19,7 +20,13 @@ const BELOW: Mode = Mode::Slip(Side::Below);
 type Change = SequenceChange;
 
 /// The changes from one value to another of the parameter of one of two contacts.
-fn changes(rhythms: [Rhythm; 2], other: f64, varied: usize, (from, to): (f64, f64)) -> Vec<Change> {
+fn changes(
+    rhythms: [Rhythm; 2],
+    other: f64,
+    varied: usize,
+    (from, to): (f64, f64),
+    options: &Options,
+) -> Vec<Change> {
     let family = |p| {
         let of = |i: usize| Beat {
             rhythm: rhythms[i],
@@ -34,8 +41,7 @@ fn changes(rhythms: [Rhythm; 2], other: f64, varied: usize, (from, to): (f64, f6
         p: other,
         varied,
     });
-    let options = Options::tol(1e-11);
-    let found = swept((family, &any), [from, to], start, &settings, &options);
+    let found = swept((family, &any), [from, to], start, &settings, options);
     let change = |change: AttractorChange| match change.what {
         WhatChanges::Sequence(change) => change,
         other => panic!("{other:?}"),
@@ -56,27 +62,26 @@ fn each_change_is_located_and_assigned_to_its_contact() {
             for ends in [(0.97, 1.02), (1.02, 0.97)] {
                 let mut rhythms = [Rhythm::Clock; 2];
                 rhythms[varied] = rhythm;
-                let found = changes(rhythms, 2.0, varied, ends);
-                let [change] = found.as_slice() else {
-                    panic!("{found:?}");
-                };
-                assert_eq!(
-                    (change.bifurcation, change.contacts.as_slice()),
-                    (name, &[varied][..]),
-                    "{change:?}"
-                );
-                let error = (change.parameter - 1.0).abs();
-                assert!(
-                    error < 1e-9 && change.uncertainty < 1e-9,
-                    "{rhythm:?} of {varied}: {error:e}, {change:?}"
-                );
-                let of = |modes: &[Modes]| {
-                    let mut of: Vec<Mode> = modes.iter().map(|modes| modes.get(varied)).collect();
-                    of.dedup();
-                    of
-                };
-                let more = [of(&change.before), of(&change.after)];
-                assert!(more[0].len() != more[1].len(), "{more:?}");
+                for (tolerance, options) in accuracies() {
+                    let found = changes(rhythms, 2.0, varied, ends, &options);
+                    let [change] = found.as_slice() else {
+                        panic!("{found:?}");
+                    };
+                    assert_eq!(
+                        (change.bifurcation, change.contacts.as_slice()),
+                        (name, &[varied][..]),
+                        "{change:?}"
+                    );
+                    is_within(change.parameter - 1.0, change.uncertainty, tolerance);
+                    let of = |modes: &[Modes]| {
+                        let mut of: Vec<Mode> =
+                            modes.iter().map(|modes| modes.get(varied)).collect();
+                        of.dedup();
+                        of
+                    };
+                    let more = [of(&change.before), of(&change.after)];
+                    assert!(more[0].len() != more[1].len(), "{more:?}");
+                }
             }
         }
     }
@@ -86,17 +91,19 @@ fn each_change_is_located_and_assigned_to_its_contact() {
 fn contacts_that_change_places_coincide_and_do_not_graze() {
     // They cross at 0 and π, and at p and p + π.
     for varied in [0, 1] {
-        for ends in [(-0.2, 0.3), (0.3, -0.2)] {
-            let found = changes([Rhythm::Clock; 2], 0.0, varied, ends);
+        let both = [(-0.2, 0.3), (0.3, -0.2)].into_iter();
+        for (ends, (tolerance, options)) in
+            both.flat_map(|one| accuracies().map(move |at| (one, at)))
+        {
+            let found = changes([Rhythm::Clock; 2], 0.0, varied, ends, &options);
             let [change] = found.as_slice() else {
                 panic!("{found:?}");
             };
             assert_eq!(change.bifurcation, SequenceBifurcation::Coincidence);
-            assert!(change.parameter.abs() < 1e-9, "{change:?}");
+            is_within(change.parameter, change.uncertainty, tolerance);
             let mut contacts = change.contacts.clone();
             contacts.sort_unstable();
             assert_eq!(contacts, [0, 1]);
-            assert!(change.uncertainty < 1e-9);
             let first = |of: usize| {
                 let mut cycle = [
                     [BELOW, BELOW],
@@ -158,29 +165,25 @@ fn a_branch_of_two_contacts_is_followed_through_the_change_of_one() {
         let settings = ContinuationSettings::over(0.9, 1.1).forced(2.0 * PI);
         let mut start = [0.0, 0.0, 0.95];
         start[1 - varied] = -0.1;
-        let found = continue_periodic_orbit(
-            &system,
-            start,
-            2.0 * PI,
-            true,
-            &settings,
-            &Options::tol(1e-13),
-        )
-        .unwrap();
-        let named = found.special.iter().filter_map(|at| match &at.what {
-            CycleBifurcation::Sequence(change) => Some((change.bifurcation, change)),
-            _ => None,
-        });
-        let grazes: Vec<_> = named
-            .filter(|(name, _)| *name == SequenceBifurcation::GrazingSliding)
-            .collect();
-        let [(_, graze)] = grazes.as_slice() else {
-            panic!("{:?}", found.special);
-        };
-        assert_eq!(graze.contacts, [varied]);
-        assert!((graze.parameter - 1.0).abs() < 1e-9, "{graze:?}");
-        assert_eq!(found.stop, Stop::Range);
-        assert!((found.points.last().unwrap().parameter - 1.1).abs() < 1e-12);
+        for (tolerance, options) in accuracies() {
+            let found =
+                continue_periodic_orbit(&system, start, 2.0 * PI, true, &settings, &options);
+            let found = found.unwrap();
+            let named = found.special.iter().filter_map(|at| match &at.what {
+                CycleBifurcation::Sequence(change) => Some((change.bifurcation, change)),
+                _ => None,
+            });
+            let grazes: Vec<_> = named
+                .filter(|(name, _)| *name == SequenceBifurcation::GrazingSliding)
+                .collect();
+            let [(_, graze)] = grazes.as_slice() else {
+                panic!("{:?}", found.special);
+            };
+            assert_eq!(graze.contacts, [varied]);
+            is_within(graze.parameter - 1.0, graze.uncertainty, tolerance);
+            assert_eq!(found.stop, Stop::Range);
+            assert!((found.points.last().unwrap().parameter - 1.1).abs() < 1e-12);
+        }
     }
 }
 
@@ -190,13 +193,15 @@ fn a_contact_that_always_sticks_does_not_hide_what_the_other_does() {
         let mut rhythms = [Rhythm::Hold; 2];
         rhythms[varied] = Rhythm::Touch;
         for ends in [(0.97, 1.02), (1.02, 0.97)] {
-            let found = changes(rhythms, 2.0, varied, ends);
-            let [change] = found.as_slice() else {
-                panic!("{found:?}");
-            };
-            let name = (change.bifurcation, change.contacts.as_slice());
-            assert_eq!(name, (SequenceBifurcation::GrazingSliding, &[varied][..]));
-            assert!((change.parameter - 1.0).abs() < 1e-9, "{change:?}");
+            for (tolerance, options) in accuracies() {
+                let found = changes(rhythms, 2.0, varied, ends, &options);
+                let [change] = found.as_slice() else {
+                    panic!("{found:?}");
+                };
+                let name = (change.bifurcation, change.contacts.as_slice());
+                assert_eq!(name, (SequenceBifurcation::GrazingSliding, &[varied][..]));
+                is_within(change.parameter - 1.0, change.uncertainty, tolerance);
+            }
         }
         let system = Several(DuetFamily {
             rhythms,
@@ -207,23 +212,25 @@ fn a_contact_that_always_sticks_does_not_hide_what_the_other_does() {
         for (p, upwards) in [(0.95, true), (1.05, false)] {
             let mut start = [0.0, 0.0, p];
             start[varied] = -0.1;
-            let options = Options::tol(1e-13);
-            let found =
-                continue_periodic_orbit(&system, start, 6.3, upwards, &settings, &options).unwrap();
-            assert_eq!(found.stop, Stop::Range, "{:?}", found.special);
-            let [graze] = found.special.as_slice() else {
-                panic!("{:?}", found.special);
-            };
-            assert!((graze.parameter - 1.0).abs() < 1e-9, "{graze:?}");
-            for point in &found.points {
-                assert!(
-                    point
-                        .sequence
-                        .iter()
-                        .all(|modes| modes.get(1 - varied) == Mode::Stick)
-                );
-                let off = point.x[1 - varied] - math::sin(point.t);
-                assert!(off.abs() < 1e-14, "{off:e}");
+            for (tolerance, options) in accuracies() {
+                let found =
+                    continue_periodic_orbit(&system, start, 6.3, upwards, &settings, &options)
+                        .unwrap();
+                assert_eq!(found.stop, Stop::Range, "{:?}", found.special);
+                let [graze] = found.special.as_slice() else {
+                    panic!("{:?}", found.special);
+                };
+                is_within(graze.parameter - 1.0, graze.uncertainty, tolerance);
+                for point in &found.points {
+                    assert!(
+                        point
+                            .sequence
+                            .iter()
+                            .all(|modes| modes.get(1 - varied) == Mode::Stick)
+                    );
+                    let off = point.x[1 - varied] - math::sin(point.t);
+                    assert!(off.abs() < 1e-14, "{off:e}");
+                }
             }
         }
     }
@@ -252,7 +259,10 @@ fn a_slip_about_the_switch_of_another_contact_vanishes_at_a_known_friction() {
     for (p, upwards) in [(0.5, true), (0.6, false)] {
         let begin = [0.0, 0.0, 0.0, p];
         let settled = solve(&system, 0.0, begin, 40.0 * period, &options).unwrap();
-        for step in [0.05, 0.1, 0.2] {
+        let steps = [0.05, 0.1, 0.2].into_iter();
+        for (step, (tolerance, options)) in
+            steps.flat_map(|step| accuracies().map(move |at| (step, at)))
+        {
             let settings = ContinuationSettings {
                 step,
                 ..ContinuationSettings::over(0.4, 0.8).forced(period)
@@ -268,11 +278,7 @@ fn a_slip_about_the_switch_of_another_contact_vanishes_at_a_known_friction() {
                 panic!("{special:?}");
             };
             assert_eq!(change.bifurcation, SequenceBifurcation::Coincidence);
-            let error = (change.parameter - exact).abs();
-            assert!(
-                error < 1e-9 && change.uncertainty < 1e-9,
-                "from {p} by {step}: {error:e} {change:?}"
-            );
+            is_within(change.parameter - exact, change.uncertainty, tolerance);
             let phases = [change.before.len(), change.after.len()];
             assert_eq!(phases, if upwards { [6, 2] } else { [2, 6] });
             assert_eq!(found.stop, Stop::Range, "from {p} by {step}");
@@ -285,19 +291,20 @@ fn a_slip_about_the_switch_of_another_contact_vanishes_at_a_known_friction() {
 fn a_contact_that_another_one_lets_go_hides_no_change() {
     let settings = ContinuationSettings::over(0.9, 1.1).forced(2.0 * PI);
     for (p, upwards) in [(0.95, true), (1.05, false)] {
-        let (start, options) = ([-0.05, 0.0, -0.1, p], Options::tol(1e-13));
-        let system = Several(Released);
-        let found = continue_periodic_orbit(&system, start, 6.3, upwards, &settings, &options);
-        let found = found.unwrap();
-        assert_eq!(found.stop, Stop::Range, "{:?}", found.special);
-        let [special] = found.special.as_slice() else {
-            panic!("{:?}", found.special);
-        };
-        let CycleBifurcation::Sequence(change) = &special.what else {
-            panic!("{special:?}");
-        };
-        let name = (change.bifurcation, change.contacts.as_slice());
-        assert_eq!(name, (SequenceBifurcation::GrazingSliding, &[2][..]));
-        assert!((change.parameter - 1.0).abs() < 1e-9, "{change:?}");
+        for (tolerance, options) in accuracies() {
+            let (system, start) = (Several(Released), [-0.05, 0.0, -0.1, p]);
+            let found = continue_periodic_orbit(&system, start, 6.3, upwards, &settings, &options);
+            let found = found.unwrap();
+            assert_eq!(found.stop, Stop::Range, "{:?}", found.special);
+            let [special] = found.special.as_slice() else {
+                panic!("{:?}", found.special);
+            };
+            let CycleBifurcation::Sequence(change) = &special.what else {
+                panic!("{special:?}");
+            };
+            let name = (change.bifurcation, change.contacts.as_slice());
+            assert_eq!(name, (SequenceBifurcation::GrazingSliding, &[2][..]));
+            is_within(change.parameter - 1.0, change.uncertainty, tolerance);
+        }
     }
 }

@@ -10,6 +10,7 @@ use stickslip::analysis::{
 use stickslip::dynamics::Modes;
 use stickslip::{Mode, Options, Side, math, solve};
 
+use super::branches::{accuracies, is_within};
 use super::sweeps::{leaked, swept};
 use super::systems::{AtParameter, Dragged, Grip};
 use crate::compiled::Compiled;
@@ -103,18 +104,21 @@ fn touch() -> f64 {
 #[test]
 fn a_branch_goes_on_behind_a_jump_and_does_not_take_another_family_for_it() {
     let (lets_go, no_stick, touches) = (let_go(), no_stick(), touch());
-    for (step, range) in [
+    let steps = [
         (0.01, (-0.9, 0.5)),
         (0.02, (-1.0, 1.0)),
         (0.03, (-0.9, 0.5)),
-    ] {
+    ]
+    .into_iter();
+    for ((step, range), (tolerance, options)) in
+        steps.flat_map(|one| accuracies().map(move |at| (one, at)))
+    {
         let settings = ContinuationSettings {
             step,
             most_points: 400,
             ..ContinuationSettings::over(range.0, range.1)
         };
         let start = [0.0, -1.0, 0.0];
-        let options = Options::tol(1e-12);
         let [down, up] = [false, true].map(|upwards| {
             let start = start_of_cycle(start);
             continue_periodic_orbit(&Grip.dynamics(), start, 7.55, upwards, &settings, &options)
@@ -142,11 +146,7 @@ fn a_branch_goes_on_behind_a_jump_and_does_not_take_another_family_for_it() {
                 (name, phases),
                 "{change:?}"
             );
-            let off = (at.parameter - place).abs();
-            assert!(
-                off < 1e-9 && change.uncertainty < 1e-9,
-                "{step} {k}: {off:e}"
-            );
+            is_within(at.parameter - place, change.uncertainty, tolerance);
         }
         // Beyond it there is no such orbit.
         assert_eq!(up.stop, Stop::SequenceEnds);
@@ -154,11 +154,8 @@ fn a_branch_goes_on_behind_a_jump_and_does_not_take_another_family_for_it() {
         for point in down.points.iter().filter(|point| point.sequence.len() == 3) {
             assert_eq!(rotated(&point.sequence), [ABOVE, Mode::Stick, BELOW]);
             let exact = period_with_slip_above(point.parameter);
-            assert!(
-                (point.period - exact).abs() < 1e-9,
-                "{} for {exact}",
-                point.period
-            );
+            let off = (point.period - exact).abs();
+            assert!(off < 1e3 * tolerance, "{off:e} at {}", point.parameter);
             behind += 1;
         }
         assert!(behind > 1);
@@ -189,28 +186,27 @@ fn a_sweep_locates_them_however_wide_its_steps() {
         };
         let family = |value| leaked(family(value)).dynamics();
         let settings = SweepSettings::within(500.0);
-        let (any, options) = (Grip.dynamics(), Options::tol(1e-10));
-        let found = swept((family, &any), dampings, [1.2, 0.3], &settings, &options);
-        let places: Vec<f64> = found
-            .changes
-            .iter()
-            .filter_map(|change| match &change.what {
-                WhatChanges::Sequence(change) => {
-                    assert!(change.uncertainty < 1e-9, "{change:?}");
-                    Some(change.parameter)
-                }
-                _ => None,
-            })
-            .collect();
-        let exact = [no_stick(), let_go(), touch()];
-        // With the widest steps no value lies between the first two changes.
-        let skipped = usize::from(values == 7);
-        assert_eq!(places.len(), 3 - skipped, "{values}: {places:?}");
-        for (place, exact) in places.iter().zip(&exact[skipped..]) {
-            assert!(
-                (place - exact).abs() < 1e-9,
-                "{values}: {place} for {exact}"
-            );
+        let any = Grip.dynamics();
+        for (tolerance, options) in accuracies() {
+            // With the least damping the motion grows without bound.
+            let options = options.escape(100.0);
+            let (all, start) = (dampings.clone(), [1.2, 0.3]);
+            let found = swept((&family, &any), all, start, &settings, &options);
+            let places = found
+                .changes
+                .iter()
+                .filter_map(|change| match &change.what {
+                    WhatChanges::Sequence(change) => Some((change.parameter, change.uncertainty)),
+                    _ => None,
+                });
+            let places: Vec<(f64, f64)> = places.collect();
+            let exact = [no_stick(), let_go(), touch()];
+            // With the widest steps no value lies between the first two changes.
+            let skipped = usize::from(values == 7);
+            assert_eq!(places.len(), 3 - skipped, "{options:?}: {places:?}");
+            for ((place, uncertainty), exact) in places.into_iter().zip(&exact[skipped..]) {
+                is_within(place - exact, uncertainty, tolerance);
+            }
         }
     }
 }

@@ -10,6 +10,7 @@ use stickslip::analysis::{
 use stickslip::dynamics::{self, Components};
 use stickslip::{Error, Mode, Options, Side, math, solve};
 
+use super::branches::{accuracies, is_within};
 use super::switching::Doubled;
 use super::systems::{
     AtParameter, Beat, BeatFamily, DenHartogFamily, DrivenFamily, End, Ends, EndsFamily,
@@ -36,15 +37,26 @@ pub(super) struct Swept {
 /// A sweep through systems with one value of the parameter each, and what changes in it, located on
 /// a system with the parameter as its last state.
 pub(super) fn swept<S: dynamics::AsDynamics<One>, One, Any>(
-    (family, system): (impl Fn(f64) -> S, &impl dynamics::AsDynamics<Any>),
+    systems: (impl Fn(f64) -> S, &impl dynamics::AsDynamics<Any>),
     values: impl IntoIterator<Item = f64>,
     start: impl Components,
     settings: &SweepSettings,
     options: &Options,
 ) -> Swept {
+    swept_and_located(systems, values, start, settings, [options; 2])
+}
+
+/// The same, with options of its own for the location.
+fn swept_and_located<S: dynamics::AsDynamics<One>, One, Any>(
+    (family, system): (impl Fn(f64) -> S, &impl dynamics::AsDynamics<Any>),
+    values: impl IntoIterator<Item = f64>,
+    start: impl Components,
+    settings: &SweepSettings,
+    [options, finer]: [&Options; 2],
+) -> Swept {
     let points = sweep(family, values, start, settings, options).unwrap();
-    let (forcing, options) = (settings.recurrence.forcing, Options::tol(1e-13));
-    let changes = locate_changes(system, &points, forcing, &options).unwrap();
+    let forcing = settings.recurrence.forcing;
+    let changes = locate_changes(system, &points, forcing, finer).unwrap();
     Swept { points, changes }
 }
 
@@ -64,50 +76,54 @@ fn values(from: f64, to: f64, steps: u32) -> impl Iterator<Item = f64> {
     (0..=steps).map(move |k| from + (to - from) * f64::from(k) / f64::from(steps))
 }
 
-/// The change between two values, from the sweep up and from the sweep down.
-fn both_ways(rhythm: Rhythm, from: f64, to: f64) -> [SequenceChange; 2] {
-    [(from, to), (to, from)].map(|(from, to)| {
-        let settings = SweepSettings::within(400.0).forced(2.0 * PI);
-        let family = |p| leaked(Beat { rhythm, p }).dynamics();
-        let options = Options::tol(1e-11);
-        let any = leaked(BeatFamily(rhythm)).dynamics();
-        let values = values(from, to, 3);
-        let found = swept((family, &any), values, [-0.5], &settings, &options);
-        only(&found).clone()
-    })
+/// The change between two values, from the sweep up and from the sweep down, at any tolerance.
+fn both_ways(
+    rhythm: Rhythm,
+    (from, to): (f64, f64),
+    (name, exact): (SequenceBifurcation, f64),
+) -> Vec<[SequenceChange; 2]> {
+    let both = accuracies().map(|(tolerance, options)| {
+        [(from, to), (to, from)].map(|(from, to)| {
+            let settings = SweepSettings::within(400.0).forced(2.0 * PI);
+            let family = |p| leaked(Beat { rhythm, p }).dynamics();
+            let any = leaked(BeatFamily(rhythm)).dynamics();
+            let values = values(from, to, 3);
+            let found = swept((family, &any), values, [-0.5], &settings, &options);
+            check(only(&found), (name, exact), tolerance);
+            only(&found).clone()
+        })
+    });
+    both.collect()
 }
 
 /// A value of a sweep may hit the graze at p = 1, or lie where the orbit crosses by less than the
 /// tolerances resolve.
 #[test]
 fn a_change_that_a_value_hits_is_located() {
-    for beyond in [0.0, 1e-12] {
-        for end in [0.95, 1.05] {
+    for (tolerance, options) in accuracies() {
+        for (beyond, end) in [(0.0, 0.95), (0.0, 1.05), (1e-12, 0.95), (1e-12, 1.05)] {
             let settings = SweepSettings::within(400.0).forced(2.0 * PI);
             let rhythm = Rhythm::Touch;
             let family = |p| leaked(Beat { rhythm, p }).dynamics();
-            let options = Options::tol(1e-11);
-            let values = [1.05, 1.0 - beyond, 0.95];
-            let values = if end > 1.0 {
-                values
-            } else {
-                [0.95, 1.0 - beyond, 1.05]
-            };
+            let values = [2.0 - end, 1.0 - beyond, end];
             let any = leaked(BeatFamily(rhythm)).dynamics();
             let found = swept((family, &any), values, [-0.5], &settings, &options);
-            check(only(&found), SequenceBifurcation::GrazingSliding, 1.0);
+            let change = only(&found);
+            assert_eq!(change.bifurcation, SequenceBifurcation::GrazingSliding);
+            // The place may be that of the value itself.
+            is_within(
+                0.5 * (change.parameter - 1.0),
+                change.uncertainty,
+                tolerance,
+            );
         }
     }
 }
 
-fn check(change: &SequenceChange, name: SequenceBifurcation, exact: f64) {
+fn check(change: &SequenceChange, (name, exact): (SequenceBifurcation, f64), tolerance: f64) {
     assert_eq!(change.bifurcation, name, "{change:?}");
-    let error = (change.parameter - exact).abs();
-    assert!(error < 1e-9, "{} for {exact}: {error:e}", change.parameter);
-    assert!(
-        change.uncertainty < 1e-9 && change.residual < 1e-4,
-        "{change:?}"
-    );
+    is_within(change.parameter - exact, change.uncertainty, tolerance);
+    assert!(change.residual < 1e-4, "{change:?}");
 }
 
 /// The only change in a sweep, by a multiplier: its location, uncertainty and kind.
@@ -129,42 +145,43 @@ fn multiplier(found: &Swept) -> ([f64; 2], &CycleBifurcation) {
 #[test]
 fn a_flip_a_torus_and_a_fold_of_an_attractor_are_located_and_named() {
     let settings = SweepSettings::within(2000.0);
-    let options = Options::tol(1e-11).escape(100.0);
-    for half_turn in [true, false] {
+    for (tolerance, options) in accuracies() {
+        let options = options.escape(100.0);
+        for half_turn in [true, false] {
+            let system = |value| AtParameter {
+                system: Twisted { half_turn },
+                value,
+            };
+            let settings = settings.forced(2.0 * PI);
+            let family = |value| leaked(system(value)).dynamics();
+            let any = leaked(Twisted { half_turn }).dynamics();
+            let (values, start) = ([-0.1, 0.12], [1.01, 0.0]);
+            let found = swept((family, &any), values, start, &settings, &options);
+            let ([parameter, bound], what) = multiplier(&found);
+            is_within(parameter, bound, tolerance);
+            match *what {
+                CycleBifurcation::Flip => assert!(half_turn),
+                CycleBifurcation::NeimarkSacker { angle } => {
+                    assert!(
+                        !half_turn && (angle - 0.6 * PI).abs() < 1e3 * tolerance,
+                        "{angle}"
+                    );
+                }
+                ref other => panic!("{other:?}"),
+            }
+        }
         let system = |value| AtParameter {
-            system: Twisted { half_turn },
+            system: Rings { place: 50.0 },
             value,
         };
-        let settings = settings.forced(2.0 * PI);
         let family = |value| leaked(system(value)).dynamics();
-        let any = leaked(Twisted { half_turn }).dynamics();
-        let (values, start) = ([-0.1, 0.12], [1.01, 0.0]);
+        let any = leaked(Rings { place: 50.0 }).dynamics();
+        let (values, start) = ([-0.8, -1.1], [1.3, 0.0]);
         let found = swept((family, &any), values, start, &settings, &options);
         let ([parameter, bound], what) = multiplier(&found);
-        assert!(
-            parameter.abs() <= bound && bound < 1e-9,
-            "{parameter:e} {bound:e}"
-        );
-        match *what {
-            CycleBifurcation::Flip => assert!(half_turn),
-            CycleBifurcation::NeimarkSacker { angle } => {
-                assert!(!half_turn && (angle - 0.6 * PI).abs() < 1e-8, "{angle}");
-            }
-            ref other => panic!("{other:?}"),
-        }
+        is_within(parameter + 1.0, bound, tolerance);
+        assert_eq!(*what, CycleBifurcation::Fold);
     }
-    let system = |value| AtParameter {
-        system: Rings { place: 50.0 },
-        value,
-    };
-    let family = |value| leaked(system(value)).dynamics();
-    let any = leaked(Rings { place: 50.0 }).dynamics();
-    let (values, start) = ([-0.8, -1.1], [1.3, 0.0]);
-    let found = swept((family, &any), values, start, &settings, &options);
-    let ([parameter, bound], what) = multiplier(&found);
-    let off = (parameter + 1.0).abs();
-    assert!(off <= bound && bound < 1e-9, "{off:e} {bound:e}");
-    assert_eq!(*what, CycleBifurcation::Fold);
 }
 
 /// A value of the sweep may hit a change exactly: it belongs to the pair that ends there. On one
@@ -172,40 +189,49 @@ fn a_flip_a_torus_and_a_fold_of_an_attractor_are_located_and_named() {
 #[test]
 fn a_flip_that_a_value_of_the_sweep_hits_is_reported_once() {
     let settings = SweepSettings::within(2000.0).forced(2.0 * PI);
-    let options = Options::tol(1e-11);
-    let family = |value| {
-        let system = Doubled;
-        leaked(AtParameter { system, value }).dynamics()
-    };
-    let any = Doubled.dynamics();
-    let (values, start) = ([0.1, 0.0, -0.1], [1.01, 0.0]);
-    let found = swept((family, &any), values, start, &settings, &options);
-    let ([parameter, bound], what) = multiplier(&found);
-    assert!(parameter.abs() <= bound && bound < 1e-9, "{parameter:e}");
-    assert_eq!(*what, CycleBifurcation::Flip);
+    // At looser tolerances a flip is located less precisely than a value can hit it.
+    let finer = Options::tol(1e-13);
+    for (_, options) in accuracies() {
+        let family = |value| {
+            let system = Doubled;
+            leaked(AtParameter { system, value }).dynamics()
+        };
+        let any = Doubled.dynamics();
+        let (values, start) = ([0.1, 0.0, -0.1], [1.01, 0.0]);
+        let with = [&options, &finer];
+        let found = swept_and_located((family, &any), values, start, &settings, with);
+        let ([parameter, bound], what) = multiplier(&found);
+        is_within(parameter, bound, finer.rtol);
+        assert_eq!(*what, CycleBifurcation::Flip);
+    }
 }
 
 #[test]
 fn grazing_sliding_where_the_orbit_touches_the_boundary() {
     // y = sin t under y = p.
-    let [up, down] = both_ways(Rhythm::Touch, 0.8, 1.2);
-    for change in [&up, &down] {
-        check(change, SequenceBifurcation::GrazingSliding, 1.0);
-        assert!((change.x[0] - 1.0).abs() < 1e-8);
-        // It is tangent from below, with the curvature of the sine. From above it is pushed down.
-        assert!(change.own[0].abs() < 1e-4 && (change.own[1] - 1.0).abs() < 1e-3);
-        assert_eq!(change.other[0], -1.0);
+    let expected = (SequenceBifurcation::GrazingSliding, 1.0);
+    for [up, down] in both_ways(Rhythm::Touch, (0.8, 1.2), expected) {
+        for change in [&up, &down] {
+            assert!((change.x[0] - 1.0).abs() < 1e-6);
+            // It is tangent from below, with the curvature of the sine. From above it is pushed
+            // down.
+            assert!(change.own[0].abs() < 1e-3 && (change.own[1] - 1.0).abs() < 1e-3);
+            assert_eq!(change.other[0], -1.0);
+        }
+        assert_eq!(down.before, [BELOW]);
+        assert!(is_same_cycle(&down.after, &[BELOW, Mode::Stick]));
+        assert!(is_same_cycle(&up.before, &[BELOW, Mode::Stick]));
     }
-    assert_eq!(down.before, [BELOW]);
-    assert!(is_same_cycle(&down.after, &[BELOW, Mode::Stick]));
-    assert!(is_same_cycle(&up.before, &[BELOW, Mode::Stick]));
 }
 
 #[test]
 fn adding_sliding_where_the_stick_touches_its_edge() {
     // The field above points down by 1 - p cos t, at least by 1 - p.
-    for change in both_ways(Rhythm::Part, 0.9, 1.1) {
-        check(&change, SequenceBifurcation::AddingSliding, 1.0);
+    let expected = (SequenceBifurcation::AddingSliding, 1.0);
+    for change in both_ways(Rhythm::Part, (0.9, 1.1), expected)
+        .into_iter()
+        .flatten()
+    {
         let long = [ABOVE, Mode::Stick, BELOW, Mode::Stick];
         let short = [Mode::Stick, BELOW];
         let (a, b) = (&change.before, &change.after);
@@ -238,9 +264,15 @@ fn crossing_sliding_where_the_field_above_begins_to_lead_away() {
     // sin(t - p) rises through 7/10.
     let rises = math::atan(0.7 / 0.51_f64.sqrt());
     let exact = landing() - rises;
-    for change in both_ways(Rhythm::Meet, exact - 0.11, exact + 0.1) {
-        check(&change, SequenceBifurcation::CrossingSliding, exact);
-        assert!(change.own[0] < -0.1 && change.other[0].abs() < 1e-8);
+    let (ends, expected) = (
+        (exact - 0.11, exact + 0.1),
+        (SequenceBifurcation::CrossingSliding, exact),
+    );
+    for change in both_ways(Rhythm::Meet, ends, expected)
+        .into_iter()
+        .flatten()
+    {
+        assert!(change.own[0] < -0.1 && change.other[0].abs() < 1e-6);
         // Away from the boundary at cos(t - p) = √0.51.
         assert!((change.other[1] - 0.51_f64.sqrt()).abs() < 1e-6);
     }
@@ -251,9 +283,15 @@ fn switching_sliding_where_the_field_above_ceases_to_lead_away() {
     // sin(t - p) falls through 7/10.
     let falls = PI - math::atan(0.7 / 0.51_f64.sqrt());
     let exact = landing() - falls;
-    for change in both_ways(Rhythm::Meet, exact - 0.11, exact + 0.1) {
-        check(&change, SequenceBifurcation::SwitchingSliding, exact);
-        assert!(change.own[0] < -0.1 && change.other[0].abs() < 1e-8);
+    let (ends, expected) = (
+        (exact - 0.11, exact + 0.1),
+        (SequenceBifurcation::SwitchingSliding, exact),
+    );
+    for change in both_ways(Rhythm::Meet, ends, expected)
+        .into_iter()
+        .flatten()
+    {
+        assert!(change.own[0] < -0.1 && change.other[0].abs() < 1e-6);
         assert!((change.other[1] + 0.51_f64.sqrt()).abs() < 1e-6);
     }
 }
@@ -261,9 +299,8 @@ fn switching_sliding_where_the_field_above_ceases_to_lead_away() {
 #[test]
 fn a_contact_grazes_where_its_function_touches_zero() {
     // p - cos t.
-    for change in both_ways(Rhythm::Lift, 0.8, 1.2) {
-        check(&change, SequenceBifurcation::ContactGrazing, 1.0);
-    }
+    let expected = (SequenceBifurcation::ContactGrazing, 1.0);
+    assert_eq!(both_ways(Rhythm::Lift, (0.8, 1.2), expected).len(), 6);
 }
 
 #[test]
@@ -282,14 +319,19 @@ fn den_hartog_s_orbits_have_stops_from_his_edge_on() {
             .dynamics()
         };
         let settings = SweepSettings::within(2e3).forced(2.0 * PI / frequency);
-        let options = Options::tol(1e-10);
         let values = [edge - 0.02, edge + 0.03];
         let any = leaked(DenHartogFamily { frequency }).dynamics();
-        let found = swept((family, &any), values, [1.0, 0.0], &settings, &options);
-        let change = only(&found);
-        check(change, SequenceBifurcation::CrossingSliding, edge);
-        assert!(is_same_cycle(&change.before, &[ABOVE, BELOW]));
-        assert!((change.x[0].abs() - edge / (frequency * frequency)).abs() < 1e-8);
+        for (tolerance, options) in accuracies() {
+            let found = swept((family, &any), values, [1.0, 0.0], &settings, &options);
+            let change = only(&found);
+            check(
+                change,
+                (SequenceBifurcation::CrossingSliding, edge),
+                tolerance,
+            );
+            assert!(is_same_cycle(&change.before, &[ABOVE, BELOW]));
+            assert!((change.x[0].abs() - edge / (frequency * frequency)).abs() < 1e-6);
+        }
     }
 }
 
@@ -299,17 +341,19 @@ fn a_loss_of_stability_that_a_value_of_the_sweep_hits_is_located() {
     let focus = 0.5 * LN_10;
     let family = |vd| leaked(Driven { vd }).dynamics();
     for hit in [focus.next_down(), focus, focus.next_up()] {
-        let (settings, options) = (SweepSettings::within(200.0), Options::tol(1e-10));
+        let settings = SweepSettings::within(200.0);
         let any = DrivenFamily.dynamics();
         let (values, start) = ([1.3, hit], [0.55, 0.0]);
-        let found = swept((family, &any), values, start, &settings, &options);
-        let [change] = found.changes.as_slice() else {
-            panic!("{:?}", found.points);
-        };
-        let WhatChanges::Equilibrium { parameter, .. } = &change.what else {
-            panic!("{change:?}");
-        };
-        assert!((parameter - focus).abs() < 1e-12, "{parameter}");
+        for (_, options) in accuracies() {
+            let found = swept((family, &any), values, start, &settings, &options);
+            let [change] = found.changes.as_slice() else {
+                panic!("{:?}", found.points);
+            };
+            let WhatChanges::Equilibrium { parameter, .. } = &change.what else {
+                panic!("{change:?}");
+            };
+            assert!((parameter - focus).abs() < 1e-12, "{parameter}");
+        }
     }
 }
 
@@ -319,7 +363,8 @@ fn the_ends_of_bistability_are_found_by_sweeps_up_and_down() {
     let focus = 0.5 * LN_10;
     let family = |vd| leaked(Driven { vd }).dynamics();
     let settings = SweepSettings::within(3e4);
-    let (any, options) = (DrivenFamily.dynamics(), Options::tol(1e-10));
+    let (any, tolerance) = (DrivenFamily.dynamics(), 1e-10);
+    let options = Options::tol(tolerance);
     let (values_down, start) = (values(1.3, 1.0, 6), [0.55, 0.0]);
     let down = swept((family, &any), values_down, start, &settings, &options);
     let [change] = down.changes.as_slice() else {
@@ -340,7 +385,11 @@ fn the_ends_of_bistability_are_found_by_sweeps_up_and_down() {
     let (values_up, start) = (values(1.0, 2.0, 50), [0.0, 0.0]);
     let up = swept((family, &any), values_up, start, &settings, &options);
     let touch = only(&up);
-    check(touch, SequenceBifurcation::GrazingSliding, touching());
+    check(
+        touch,
+        (SequenceBifurcation::GrazingSliding, touching()),
+        tolerance,
+    );
     assert!(is_same_cycle(&touch.before, &[Mode::Stick, BELOW]));
     assert_eq!(touch.after, [BELOW], "the unstable cycle of slip alone");
     // Between the two values the motion depends on the direction of the sweep.
@@ -386,8 +435,10 @@ pub fn coming_back(damping: f64) -> f64 {
 fn with_static_friction_the_graze_that_ends_stick_and_slip_is_located_and_named() {
     let exact = coming_back(FasterBelt::DAMPING);
     let settings = SweepSettings::within(3e3);
-    let options = Options::tol(1e-11);
-    for width in [0.02, 0.1] {
+    let both = [0.02, 0.1].into_iter();
+    for (width, (tolerance, options)) in
+        both.flat_map(|width| accuracies().map(move |one| (width, one)))
+    {
         let system = |value| AtParameter {
             system: FasterBelt,
             value,
@@ -404,7 +455,11 @@ fn with_static_friction_the_graze_that_ends_stick_and_slip_is_located_and_named(
         );
         assert_eq!(kinds[1], AttractorKind::Equilibrium);
         let change = only(&found);
-        check(change, SequenceBifurcation::GrazingSliding, exact);
+        check(
+            change,
+            (SequenceBifurcation::GrazingSliding, exact),
+            tolerance,
+        );
         assert!(is_same_cycle(&change.before, &[Mode::Stick, BELOW]));
         // Beyond it this orbit does not continue.
         assert_eq!(

@@ -7,12 +7,13 @@ use stickslip::analysis::{
 };
 use stickslip::{Error, Filippov, Method, Options, Scalar, Side, State, math};
 
+use super::branches::{accuracies, is_within};
 use super::systems::{AtParameter, Pitchfork, TwoPitchforks};
 use crate::compiled::{Compiled, traced};
 
 traced!(3: Doubled);
 traced!(2: AtParameter<Doubled>);
-traced!(4: TwoPitchforks);
+traced!(4: TwoPitchforks, Beside);
 
 /// The orbit `c = (cos t, sin t)`, and about it, in a frame that rotates half as fast, the rates `p
 /// u - u³` and `-w`. At `p = 0` its period doubles, to orbits at `u = ±√p`. A boundary at 0.2 is
@@ -123,6 +124,74 @@ fn both_ways_of_the_other_branch_begin_at_a_branch_point() {
         &options,
     );
     assert!(matches!(none, Err(Error::NotFound { .. })), "{none:?}");
+}
+
+/// [`Pitchfork`] with other rates beside the circle, which is at a = 0.
+#[derive(Clone, Copy, Debug)]
+enum Beside {
+    /// `a' = a (p - |a|)`: the other branch has a corner where it meets the circle.
+    Corner,
+    /// `a' = a (p + a/250 - a²)`: the other branch turns back at a = 1/500, which is within the
+    /// first step along it.
+    Turning,
+}
+
+impl Beside {
+    /// The parameter of the orbit at a value of `a`.
+    fn parameter<T: Scalar>(self, a: T) -> T {
+        match self {
+            Beside::Corner => a.abs(),
+            Beside::Turning => a * a - a * 0.004,
+        }
+    }
+}
+
+impl Filippov<4> for Beside {
+    fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 4]) -> [T; 4] {
+        let [x_rate, y_rate, ..] = Pitchfork.field(side, t, x);
+        let grows = x[3] - self.parameter(x[2]);
+        [x_rate, y_rate, x[2] * grows, T::zero()]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 4]) -> T {
+        x[0] - 0.2
+    }
+}
+
+#[test]
+fn a_branch_is_followed_from_a_corner_and_through_a_fold_in_its_first_step() {
+    let settings = ContinuationSettings::over(-0.2, 0.3);
+    for (tolerance, options) in accuracies() {
+        for system in [Beside::Corner, Beside::Turning] {
+            let (any, way) = (system.dynamics(), (2.0 * PI, true, 0));
+            let start = [1.0, 0.0, 0.0, -0.1];
+            let found = switch_branches(&any, start, way, &settings, &options).unwrap();
+            is_within(found.at.parameter, found.at.uncertainty, tolerance);
+            assert_eq!(found.branches.len(), 2);
+            for branch in &found.branches {
+                assert_eq!(branch.stop, Stop::Range, "{system:?} {:?}", branch.points);
+                for point in &branch.points[1..] {
+                    let off = system.parameter(point.x[2]) - point.parameter;
+                    assert!(
+                        off.abs() < 1e3 * tolerance,
+                        "{off:e} at {}",
+                        point.parameter
+                    );
+                }
+                let is_upper = branch.points.last().unwrap().x[2] > 0.0;
+                let folds = usize::from(is_upper && matches!(system, Beside::Turning));
+                assert_eq!(
+                    branch.special.len(),
+                    folds,
+                    "{system:?}: {:?}",
+                    branch.special
+                );
+                for fold in &branch.special {
+                    assert_eq!(fold.what, CycleBifurcation::Fold);
+                    is_within(fold.parameter + 4e-6, fold.uncertainty, tolerance);
+                }
+            }
+        }
+    }
 }
 
 /// Each way follows the closed curve `a² = p (1 - p)` through the other branch point and back.
