@@ -5,8 +5,8 @@ use stickslip_kernels::file::System;
 use stickslip_kernels::study::{BranchOrbit, WholeBranch};
 
 use super::super::changes;
-use super::branch::Other;
-use super::ends::End;
+use super::branch::SideBranch;
+use super::ends::EndDescription;
 use super::special::{angle, change, name_of};
 use crate::render::Table;
 
@@ -126,14 +126,14 @@ pub(super) const NOT_FOUND: &str = "not found";
 /// that are bifurcations come before and after them.
 pub(super) fn rows(
     (number, branch): (usize, &WholeBranch),
-    others: &[Other],
+    others: &[SideBranch],
     system: &System,
     name: &str,
 ) -> Vec<SpecialRow> {
     let [first, last] = branch
         .stops
         .each_ref()
-        .map(|stop| End::of(stop, system, name));
+        .map(|stop| EndDescription::of(stop, system, name));
     let special = branch.special.iter().enumerate().map(|(k, at)| SpecialRow {
         branches: begins(others.iter().filter(|other| other.from == k)),
         ..SpecialRow::of(at, system)
@@ -148,7 +148,7 @@ pub(super) fn rows(
 }
 
 /// The numbers of branches that begin at one place, or that none was found.
-fn begins<'a>(others: impl Iterator<Item = &'a Other>) -> String {
+fn begins<'a>(others: impl Iterator<Item = &'a SideBranch>) -> String {
     let numbers = others.map(|other| match &other.branch {
         Some((number, _)) => number.to_string(),
         None => NOT_FOUND.to_owned(),
