@@ -9,13 +9,13 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::failure::Failure;
-use crate::render::Answer;
+use crate::render::CommandOutput;
 
 /// Prints the output of the program, or its error.
 ///
 /// Exit code 0 on success, 1 if something failed (`error: …` on standard error), 2 for a wrong
 /// command line or file of a system.
-pub(crate) fn finish(outcome: Result<Answer, Failure>) -> ExitCode {
+pub(crate) fn finish(outcome: Result<CommandOutput, Failure>) -> ExitCode {
     let failed = |error: &dyn std::fmt::Display, code: u8| {
         note(&format!("error: {error}"));
         ExitCode::from(code)
@@ -47,19 +47,19 @@ pub(crate) fn note(line: &str) {
 }
 
 /// Computations that take longer than this show their progress.
-const PATIENCE: Duration = Duration::from_secs(2);
+const PROGRESS_DELAY: Duration = Duration::from_secs(2);
 
-/// A progress bar on standard error, if that is a terminal. It appears after [`PATIENCE`].
-pub(crate) struct Patience {
+/// A progress bar on standard error, if that is a terminal. It appears after [`PROGRESS_DELAY`].
+pub(crate) struct DelayedProgressBar {
     begin: Instant,
     template: String,
     bar: OnceLock<ProgressBar>,
 }
 
-impl Patience {
+impl DelayedProgressBar {
     /// A bar with this template of [`ProgressStyle`].
     pub(crate) fn new(template: impl Into<String>) -> Self {
-        Patience {
+        DelayedProgressBar {
             begin: Instant::now(),
             template: template.into(),
             bar: OnceLock::new(),
@@ -68,7 +68,7 @@ impl Patience {
 
     /// Reports that `done` of `all` is finished.
     pub(crate) fn done(&self, done: u64, all: u64) {
-        if self.begin.elapsed() < PATIENCE {
+        if self.begin.elapsed() < PROGRESS_DELAY {
             return;
         }
         let bar = self.bar.get_or_init(|| {
@@ -105,8 +105,8 @@ impl Status {
     }
 }
 
-/// Runs a computation of unknown length, with a spinner after [`PATIENCE`].
-pub(crate) fn patiently<T: Send>(what: &str, work: impl FnOnce(&Status) -> T + Send) -> T {
+/// Runs a computation of unknown length, with a spinner after [`PROGRESS_DELAY`].
+pub(crate) fn with_spinner<T: Send>(what: &str, work: impl FnOnce(&Status) -> T + Send) -> T {
     const TICK: Duration = Duration::from_millis(120);
     let status = Status(ProgressBar::new_spinner().with_message(what.to_owned()));
     status.0.set_draw_target(ProgressDrawTarget::hidden());
@@ -115,7 +115,7 @@ pub(crate) fn patiently<T: Send>(what: &str, work: impl FnOnce(&Status) -> T + S
         let spinner = status.0.clone();
         scope.spawn(move || {
             // The end of the work closes the channel.
-            if wait.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
+            if wait.recv_timeout(PROGRESS_DELAY) == Err(RecvTimeoutError::Timeout) {
                 spinner.set_draw_target(ProgressDrawTarget::stderr());
                 spinner.enable_steady_tick(TICK);
                 let _ = wait.recv();

@@ -1,4 +1,4 @@
-//! Failures as Python exceptions, in Python's words.
+//! Failures as Python exceptions, with the names of Python's arguments.
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -39,7 +39,7 @@ impl Interface for Keywords {
 
     fn nearer(&self) -> &'static str {
         "after a longer transient or from another y0; the motion may also be quasi-periodic or \
-            chaotic, which lyapunov_spectrum tells"
+            chaotic, as lyapunov_spectrum shows"
     }
 }
 
@@ -133,8 +133,9 @@ pub(crate) fn no_period(error: PeriodError) -> PyErr {
                 period = \"…\" to [time] of the file",
         ),
         PeriodError::Wrong { period } => wrong(format!(
-            "the field, a boundary or a jump is not the same after the period {period} of the \
-                system; correct period=… of System, or the period in [time] of the file"
+            "the field, a boundary or a jump is not the same after the period {} of the \
+                system; correct period=… of System, or the period in [time] of the file",
+            readable(period)
         )),
     }
 }

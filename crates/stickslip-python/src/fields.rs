@@ -40,7 +40,7 @@ impl<'py> Fields<'py> {
     }
 
     /// An array of numbers, NaN where there is none.
-    pub(crate) fn known(
+    pub(crate) fn optional_numbers(
         &self,
         name: &str,
         values: impl IntoIterator<Item = Option<f64>>,

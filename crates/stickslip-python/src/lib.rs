@@ -17,10 +17,10 @@ use stickslip_kernels::study;
 
 use errors::{Keywords, failed, no_period, wrong};
 
-/// A system ready to run.
+/// A compiled system.
 #[pyclass(frozen, module = "stickslip._core")]
 struct System {
-    ready: stickslip_kernels::file::System,
+    compiled: stickslip_kernels::file::System,
 }
 
 #[pymethods]
@@ -30,8 +30,8 @@ impl System {
     #[new]
     fn new(name: String, text: String, settings: Vec<(String, f64)>) -> PyResult<Self> {
         let file = SystemFile::parse(Source { name, text }).map_err(wrong)?;
-        let ready = file.with(&settings).map_err(wrong)?;
-        Ok(System { ready })
+        let compiled = file.with(&settings).map_err(wrong)?;
+        Ok(System { compiled })
     }
 
     /// The text of a shipped model, or of a file.
@@ -47,26 +47,26 @@ impl System {
             -1 => Direction::Falling,
             _ => Direction::Both,
         };
-        let ready = self.ready.with_section(function, direction);
-        let ready = ready.map_err(wrong)?;
-        Ok(System { ready })
+        let compiled = self.compiled.with_section(function, direction);
+        let compiled = compiled.map_err(wrong)?;
+        Ok(System { compiled })
     }
 
     #[getter]
     fn name(&self) -> &str {
-        &self.ready.file.name
+        &self.compiled.file.name
     }
 
     #[getter]
     fn states(&self) -> Vec<&str> {
-        let states = self.ready.file.states.iter();
+        let states = self.compiled.file.states.iter();
         states.map(|state| state.name.as_str()).collect()
     }
 
     #[getter]
     fn parameters(&self) -> Vec<(&str, f64)> {
-        let names = self.ready.file.parameters.iter();
-        let values = self.ready.values.iter();
+        let names = self.compiled.file.parameters.iter();
+        let values = self.compiled.values.iter();
         names
             .zip(values)
             .map(|(parameter, &value)| (parameter.name.as_str(), value))
@@ -76,7 +76,7 @@ impl System {
     /// The contacts, followed by the jumps.
     #[getter]
     fn contacts_and_jumps(&self) -> (Vec<&str>, Vec<&str>) {
-        let file = &self.ready.file;
+        let file = &self.compiled.file;
         let contacts = file.contacts.iter().map(|contact| contact.name.as_str());
         let jumps = file.jumps.iter().map(|jump| jump.name.as_str());
         (contacts.collect(), jumps.collect())
@@ -85,7 +85,7 @@ impl System {
     /// Names of the discrete states, which follow the others.
     #[getter]
     fn discrete(&self) -> Vec<&str> {
-        let states = self.ready.file.states.iter();
+        let states = self.compiled.file.states.iter();
         let discrete = states.filter(|state| state.is_discrete);
         discrete.map(|state| state.name.as_str()).collect()
     }
@@ -93,29 +93,29 @@ impl System {
     /// Value of each state at the start, as far as the text specifies it.
     #[getter]
     fn starts(&self) -> Vec<Option<f64>> {
-        self.ready.built.starts.clone()
+        self.compiled.built.starts.clone()
     }
 
     /// Period in time, if the text specifies it.
     #[getter]
     fn period(&self) -> Option<f64> {
-        self.ready.built.period
+        self.compiled.built.period
     }
 
     #[getter]
     fn depends_on_time(&self) -> bool {
-        self.ready.built.depends_on_time
+        self.compiled.built.depends_on_time
     }
 
     /// Warnings about the system from a start, as the program's `check` prints them.
     fn check(&self, py: Python<'_>, start: Option<Vec<f64>>) -> Vec<String> {
-        let period = match self.ready.checked_period() {
+        let period = match self.compiled.checked_period() {
             Err(error @ PeriodError::Wrong { .. }) => Some(no_period(error).value(py).to_string()),
             _ => None,
         };
-        let t = self.ready.built.t_start;
+        let t = self.compiled.built.t_start;
         let start = start.as_deref().map(|x| (t, x));
-        let others = study::warnings(&self.ready, start, &Keywords);
+        let others = study::warnings(&self.compiled, start, &Keywords);
         period.into_iter().chain(others).collect()
     }
 }

@@ -10,12 +10,12 @@ use stickslip::dynamics::{
     Modes, OrbitUnderWay, Passage, Phase, Solution, Step, Summary, Transition, Vector,
 };
 use stickslip::{Ending, Error, TransitionKind};
-use stickslip_kernels::file::System as Ready;
+use stickslip_kernels::file::System as CompiledSystem;
 use stickslip_kernels::kernel::{Run, Watcher, follow};
 
 use crate::errors::{failed, words};
 use crate::fields::{Fields, array};
-use crate::task::{LOOK, Report, look};
+use crate::task::{Report, SIGNAL_INTERVAL, check_signals};
 use crate::{Settings, System};
 
 /// Checks for signals, such as Ctrl-C, at intervals, and reports the progress of the run.
@@ -34,15 +34,15 @@ impl Signals {
         }
     }
 
-    fn look(&mut self, t: f64) -> ControlFlow<()> {
+    fn check_signals(&mut self, t: f64) -> ControlFlow<()> {
         if self.raised.is_some() {
             return ControlFlow::Break(());
         }
-        if self.last.elapsed() < LOOK {
+        if self.last.elapsed() < SIGNAL_INTERVAL {
             return ControlFlow::Continue(());
         }
         self.last = Instant::now();
-        match look(&self.report, t) {
+        match check_signals(&self.report, t) {
             Ok(()) => ControlFlow::Continue(()),
             Err(raised) => {
                 self.raised = Some(raised);
@@ -80,11 +80,11 @@ impl Passages<'_> {
     }
 
     /// Ends the run behind the limit, and where a signal asks for it.
-    fn goes_on(&mut self, step: &Step) -> ControlFlow<()> {
+    fn check_limit(&mut self, step: &Step) -> ControlFlow<()> {
         if step.t_start > self.limit {
             return ControlFlow::Break(());
         }
-        self.signals.look(step.t_end)
+        self.signals.check_signals(step.t_end)
     }
 }
 
@@ -94,7 +94,7 @@ impl Watcher for Passages<'_> {
     }
 
     fn step(&mut self, step: Step, _orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
-        self.goes_on(&step)
+        self.check_limit(&step)
     }
 
     fn passage(&mut self, at: Passage) -> ControlFlow<()> {
@@ -108,7 +108,7 @@ struct Recording<'a> {
     /// Points at ends of steps, or at the requested times.
     points: Vec<(f64, Vector)>,
     /// Requested times that are not yet reached, the next one last.
-    asked: Option<Vec<f64>>,
+    requested: Option<Vec<f64>>,
     phases: Vec<Phase>,
     transitions: Vec<Transition>,
     /// Steps with their solutions, if dense output is requested.
@@ -122,15 +122,15 @@ impl Watcher for Recording<'_> {
     }
 
     fn step(&mut self, step: Step, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
-        let told = self.passages.goes_on(&step);
-        if told.is_continue() {
+        let decision = self.passages.check_limit(&step);
+        if decision.is_continue() {
             self.points_of(&step, orbit);
             self.last = (step.t_end, step.x_end.clone());
         }
         if let Some(steps) = &mut self.steps {
             steps.push((step, orbit.solution()));
         }
-        told
+        decision
     }
 
     fn phase(&mut self, phase: Phase) -> ControlFlow<()> {
@@ -153,10 +153,10 @@ impl Watcher for Recording<'_> {
 impl Recording<'_> {
     /// Records the points in a step.
     fn points_of(&mut self, step: &Step, orbit: &mut dyn OrbitUnderWay) {
-        match &mut self.asked {
-            Some(asked) => {
+        match &mut self.requested {
+            Some(requested) => {
                 let mut solution = None;
-                while let Some(t) = asked.pop_if(|t| *t <= step.t_end) {
+                while let Some(t) = requested.pop_if(|t| *t <= step.t_end) {
                     let x = match t == step.t_end {
                         true => step.x_end.clone(),
                         false => solution.get_or_insert_with(|| orbit.solution())(t),
@@ -176,7 +176,7 @@ impl Recording<'_> {
 
     /// Removes what lies after the event that ends the run.
     fn cut(&mut self, at: &Passage) {
-        let wants_all = self.asked.is_none();
+        let wants_all = self.requested.is_none();
         self.points.retain(|(t, _)| *t <= at.t);
         if wants_all && self.points.last().is_none_or(|(t, _)| *t < at.t) {
             self.points.push((at.t, at.x.clone()));
@@ -203,9 +203,9 @@ struct Solved<'a> {
 /// Follows an orbit. Each event has its own section and its own run. The orbit is the same in all
 /// runs, and the last one records it.
 fn solved<'a>(
-    systems: &[(&Ready, usize)],
+    systems: &[(&CompiledSystem, usize)],
     run: &Run<'_>,
-    (asked, keeps_steps, mut limit): (Option<Vec<f64>>, bool, f64),
+    (requested, keeps_steps, mut limit): (Option<Vec<f64>>, bool, f64),
     signals: &'a mut Signals,
 ) -> Result<Solved<'a>, Error> {
     let mut terminal = None;
@@ -243,18 +243,18 @@ fn solved<'a>(
             limit,
             signals,
         },
-        points: match asked {
+        points: match requested {
             None => vec![start.clone()],
             Some(_) => Vec::new(),
         },
-        asked,
+        requested,
         phases: Vec::new(),
         transitions: Vec::new(),
         steps: keeps_steps.then(Vec::new),
         last: start,
     };
-    if let Some(asked) = &mut recording.asked {
-        while asked.pop_if(|t| *t == run.t).is_some() {
+    if let Some(requested) = &mut recording.requested {
+        while requested.pop_if(|t| *t == run.t).is_some() {
             recording.points.push(recording.last.clone());
         }
     }
@@ -298,15 +298,15 @@ pub(crate) fn solve<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let (t_end, limit) = until;
     let options = settings.options()?;
-    let mut systems: Vec<(&Ready, usize)> = events
+    let mut systems: Vec<(&CompiledSystem, usize)> = events
         .iter()
-        .map(|(system, most)| (&system.ready, *most))
+        .map(|(system, most)| (&system.compiled, *most))
         .collect();
     // Without events the section of the system is not used.
     if systems.is_empty() {
-        systems.push((&system.ready, 0));
+        systems.push((&system.compiled, 0));
     }
-    let asked = t_eval.map(|times| times.as_array().iter().rev().copied().collect());
+    let requested = t_eval.map(|times| times.as_array().iter().rev().copied().collect());
     let (t, x) = start;
     let run = Run {
         t,
@@ -315,11 +315,11 @@ pub(crate) fn solve<'py>(
         options: &options,
     };
     let mut signals = Signals::new(report);
-    let wanted = (asked, dense_output, limit);
+    let wanted = (requested, dense_output, limit);
     let solved = py.detach(|| solved(&systems, &run, wanted, &mut signals));
-    let ready = &system.ready;
-    let solved = solved.map_err(|error| failed(&error, Some(ready)))?;
-    let fields = described(py, ready, solved, (t, x.len()), events.len())?;
+    let compiled = &system.compiled;
+    let solved = solved.map_err(|error| failed(&error, Some(compiled)))?;
+    let fields = described(py, compiled, solved, (t, x.len()), events.len())?;
     fields.ended(signals.raised)
 }
 
@@ -339,7 +339,7 @@ fn kind_name(kind: TransitionKind) -> &'static str {
 /// The result of a run, for Python.
 fn described<'py>(
     py: Python<'py>,
-    system: &Ready,
+    system: &CompiledSystem,
     solved: Solved<'_>,
     (t_start, states): (f64, usize),
     number_of_events: usize,
@@ -402,7 +402,7 @@ fn described<'py>(
 }
 
 /// Status and message of a run that did not fail.
-fn ending(summary: &Summary, system: &Ready) -> (i32, String) {
+fn ending(summary: &Summary, system: &CompiledSystem) -> (i32, String) {
     let (t, x) = (summary.t, (&summary.x).into());
     match summary.ending {
         Ending::EndTime => (

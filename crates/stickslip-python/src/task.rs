@@ -13,7 +13,7 @@ use stickslip::dynamics::Interrupt;
 use stickslip_kernels::file::{SettingError, System};
 
 /// Interval at which a computation checks for interruptions.
-pub(crate) const LOOK: Duration = Duration::from_millis(50);
+pub(crate) const SIGNAL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Callback for progress: the number of finished items, or a time.
 pub(crate) type Report = Option<Py<PyAny>>;
@@ -36,7 +36,7 @@ impl Task {
     }
 
     /// Sets the number of finished items.
-    pub(crate) fn reached(&self, done: usize) {
+    pub(crate) fn set_done(&self, done: usize) {
         self.done.store(done, Ordering::Relaxed);
     }
 
@@ -48,7 +48,7 @@ impl Task {
 
 /// Kind of progress that a computation reports.
 #[derive(Clone, Copy)]
-pub(crate) enum Tells {
+pub(crate) enum ProgressKind {
     Count,
     Time,
 }
@@ -81,7 +81,7 @@ impl<T, E> Outcome<Result<T, E>> {
 }
 
 /// Checks for signals, and calls the progress callback.
-pub(crate) fn look(report: &Report, at: f64) -> PyResult<()> {
+pub(crate) fn check_signals(report: &Report, at: f64) -> PyResult<()> {
     Python::attach(|py| {
         py.check_signals()?;
         match report {
@@ -96,13 +96,13 @@ pub(crate) fn look(report: &Report, at: f64) -> PyResult<()> {
 pub(crate) fn computed<T: Send>(
     py: Python<'_>,
     workers: usize,
-    (report, tells): (&Report, Tells),
+    (report, kind): (&Report, ProgressKind),
     compute: impl FnOnce(&Task) -> T + Send,
 ) -> PyResult<Outcome<T>> {
     let task = Task {
-        interrupt: Arc::new(match tells {
-            Tells::Time => Interrupt::with_time(),
-            Tells::Count => Interrupt::default(),
+        interrupt: Arc::new(match kind {
+            ProgressKind::Time => Interrupt::with_time(),
+            ProgressKind::Count => Interrupt::default(),
         }),
         done: AtomicUsize::new(0),
     };
@@ -122,13 +122,13 @@ pub(crate) fn computed<T: Send>(
                 let _ = done.send(());
                 outcome
             });
-            while let Err(RecvTimeoutError::Timeout) = wait.recv_timeout(LOOK) {
-                let at = match tells {
-                    Tells::Time => task.interrupt.time(),
-                    Tells::Count => task.done.load(Ordering::Relaxed) as f64,
+            while let Err(RecvTimeoutError::Timeout) = wait.recv_timeout(SIGNAL_INTERVAL) {
+                let at = match kind {
+                    ProgressKind::Time => task.interrupt.time(),
+                    ProgressKind::Count => task.done.load(Ordering::Relaxed) as f64,
                 };
                 if raised.is_none()
-                    && let Err(error) = look(report, at)
+                    && let Err(error) = check_signals(report, at)
                 {
                     raised = Some(error);
                     task.interrupt.raise();
@@ -148,7 +148,7 @@ pub(crate) fn computed<T: Send>(
 #[pyfunction]
 #[pyo3(name = "_unwind")]
 pub(crate) fn unwind(py: Python<'_>) -> PyResult<()> {
-    let report = (&None, Tells::Count);
+    let report = (&None, ProgressKind::Count);
     let outcome = computed(py, 1, report, |_| -> PyResult<()> {
         std::panic::resume_unwind(Box::new("on purpose"))
     })?;

@@ -85,8 +85,7 @@ pub fn pile_up_in_words(accumulation: Option<&Accumulation>, span: f64, option: 
     };
     format!(
         "they pile up (Zeno), each phase {ratio:.6} times as long as the one before; at the \
-         accumulation point, t = {} ± {uncertainty:.1e}, x = {x}, {what_follows}",
-        readable(*t)
+         accumulation point, t = {t} ± {uncertainty:.1e}, x = {x}, {what_follows}"
     )
 }
 

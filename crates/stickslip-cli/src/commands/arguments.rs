@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use stickslip::{AtPileUp, AtRepelling, Method, Options};
 
 use crate::failure::Failure;
-use crate::render::{Answer, OutputArguments, Report};
+use crate::render::{CommandOutput, OutputArguments, Report};
 use stickslip_kernels::expression::normal;
 use stickslip_kernels::file::{System, SystemFile, did_you_mean, number};
 
@@ -23,15 +23,14 @@ pub(super) fn seed(text: &str) -> Result<u64, String> {
     number.map_err(|_| "a whole number is expected, 0 at least".to_owned())
 }
 
-/// Which system, with which values.
+/// The system and the values of its parameters.
 #[derive(Debug, Args)]
 pub(super) struct SystemArguments {
     /// File of the system, or name of a shipped model
     #[arg(value_name = "FILE")]
     file: String,
 
-    /// Another value of a parameter, a number or an expression of numbers; may be given several
-    /// times
+    /// Set a parameter to a number or an expression of numbers; can be repeated
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
 }
@@ -64,8 +63,8 @@ fn assignment(option: &str, text: &str) -> Result<(String, f64), Failure> {
     Ok((name.trim().to_owned(), value))
 }
 
-/// Period of a drive from which on the default times hold. With it 2000 units of time are 10 000
-/// periods.
+/// Shortest period of a drive with which the default times apply. 2000 units of time are 10 000
+/// such periods.
 const REFERENCE_PERIOD: f64 = 0.2;
 
 /// Returns the given time, or else the default. For a drive of a shorter period than
@@ -76,7 +75,7 @@ pub(super) fn time_or(given: Option<f64>, default: f64, system: &System) -> f64 
     given.unwrap_or(default * part)
 }
 
-/// Position of a name among the known names.
+/// Position of a name among the existing names.
 pub(super) fn position<'a>(
     what: &str,
     name: &str,
@@ -92,10 +91,10 @@ pub(super) fn position<'a>(
     })
 }
 
-/// From where to where.
+/// The start of an orbit.
 #[derive(Clone, Debug, Args, Serialize, Deserialize)]
 pub(super) struct StartArguments {
-    /// Another value of a state at the start; may be given several times
+    /// Set the start value of a state; can be repeated
     #[arg(long, value_name = "STATE=VALUE")]
     start: Vec<String>,
 
@@ -152,7 +151,7 @@ impl StartArguments {
     pub(super) fn at_zero(&self, system: &System, replaced: &[usize]) -> Result<Vec<f64>, Failure> {
         match self.except(system, replaced)? {
             (t, _) if t != 0.0 && system.built.depends_on_time => Err(Failure::Usage(format!(
-                "the start is at t = {t}, and attractors are looked for from t = 0 on; give \
+                "the start is at t = {t}, but attractors are computed from t = 0 on; give \
                     --t-start 0"
             ))),
             (_, start) => Ok(start),
@@ -160,7 +159,7 @@ impl StartArguments {
     }
 }
 
-/// How steps are made.
+/// The integration method.
 #[derive(Clone, Copy, Debug, Default, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum MethodName {
@@ -215,15 +214,15 @@ fn bound(text: &str) -> Result<f64, std::num::ParseFloatError> {
 /// How to integrate.
 #[derive(Clone, Debug, Args, Serialize, Deserialize)]
 pub(super) struct SolverArguments {
-    /// Relative and absolute error that a step may make, between 1e-15 and 0.1
+    /// Relative and absolute tolerance of each step, between 1e-15 and 0.1
     #[arg(long, value_name = "ERROR", default_value = "1e-12")]
     tol: f64,
 
-    /// Absolute error, where it is to differ from the relative one
+    /// Absolute tolerance; default as --tol
     #[arg(long, value_name = "ERROR")]
     atol: Option<f64>,
 
-    /// Method
+    /// Integration method
     #[arg(long, value_enum, default_value_t)]
     method: MethodName,
 
@@ -231,7 +230,7 @@ pub(super) struct SolverArguments {
     #[arg(long, value_name = "TIME")]
     longest_step: Option<f64>,
 
-    /// Size of a state beyond which the orbit is said to have escaped
+    /// Bound on the size of each state; an orbit beyond it has escaped
     #[arg(long, value_name = "BOUND", default_value = "1e6", value_parser = bound)]
     escape: f64,
 
@@ -239,7 +238,7 @@ pub(super) struct SolverArguments {
     #[arg(long, value_name = "COUNT", default_value = "200000", value_parser = count)]
     most_events: NonZeroUsize,
 
-    /// The same with more steps
+    /// A run with more steps than this ends with an error
     #[arg(long, value_name = "COUNT", default_value = "1000000000", value_parser = count)]
     most_steps: NonZeroUsize,
 
@@ -283,8 +282,8 @@ impl SolverArguments {
     }
 }
 
-/// What every command takes that follows orbits. It stands last in a command's options, for what is
-/// the command's own to come first.
+/// Arguments of every command that follows orbits. They stand last, so that help lists the
+/// command's own options first.
 #[derive(Debug, Args)]
 pub(super) struct RunArguments {
     #[command(flatten)]
@@ -298,7 +297,7 @@ pub(super) struct RunArguments {
 }
 
 /// A system, the start of its orbit, and the options of the solver.
-pub(super) struct Ready {
+pub(super) struct PreparedRun {
     pub(super) system: System,
     pub(super) options: Options,
     pub(super) t: f64,
@@ -321,11 +320,11 @@ impl RunArguments {
     }
 
     /// Reports errors before anything is computed.
-    pub(super) fn ready(&self) -> Result<Ready, Failure> {
+    pub(super) fn prepared(&self) -> Result<PreparedRun, Failure> {
         let system = self.system()?;
         let options = self.solver.options()?;
         let (t, x) = self.start.of(&system)?;
-        Ok(Ready {
+        Ok(PreparedRun {
             system,
             options,
             t,
@@ -333,13 +332,13 @@ impl RunArguments {
         })
     }
 
-    /// Writes what a command computes from this. Errors refer to contacts by name.
-    pub(super) fn answered(
+    /// Runs a command and writes its files. Errors refer to contacts by name.
+    pub(super) fn with_report(
         &self,
-        find: impl FnOnce(&Ready) -> Result<Report, Failure>,
-    ) -> Result<Answer, Failure> {
-        let ready = self.ready()?;
-        let report = find(&ready).map_err(|failure| failure.of(&ready.system))?;
+        find: impl FnOnce(&PreparedRun) -> Result<Report, Failure>,
+    ) -> Result<CommandOutput, Failure> {
+        let prepared = self.prepared()?;
+        let report = find(&prepared).map_err(|failure| failure.of(&prepared.system))?;
         Ok(report.written(self.output.out.as_ref(), &self.output)?)
     }
 }

@@ -3,9 +3,10 @@
 use serde_json::{Value, json};
 use stickslip::Options;
 use stickslip::analysis::{RecurrenceSettings, attractor_of_many, attractors_of_many};
+use stickslip::error::readable;
 
 use crate::failure::{Failure, in_words};
-use crate::render::{Table, by_state, determined_digits, place as within, state_words};
+use crate::render::{Table, by_state, place as within, significant_digits, state_words};
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::{Motion, Outcome};
 
@@ -55,27 +56,27 @@ pub(super) fn columns<'a, R>(
         Motion::Periodic { returns, .. } => Some(returns),
         _ => None,
     };
-    fn there(outcome: &Outcome) -> Option<&Outcome> {
+    fn with_points(outcome: &Outcome) -> Option<&Outcome> {
         (!outcome.points.is_empty()).then_some(outcome)
     }
     table
         .column("motion", move |row| of(row).motion.word())
         .column("period", move |row| {
-            known_period(&of(row).motion, of(row).period_uncertainty)
+            rounded_period(&of(row).motion, of(row).period_uncertainty)
         })
         .column("returns", move |row| returns(of(row)))
         .column("phases", move |row| {
-            there(of(row)).map(|outcome| system.phases(outcome))
+            with_points(of(row)).map(|outcome| system.phases(outcome))
         })
         .column("in_stick", move |row| {
-            there(of(row)).map(|outcome| outcome.in_stick)
+            with_points(of(row)).map(|outcome| outcome.in_stick)
         })
 }
 
 /// Period of a periodic orbit, rounded to its significant digits.
-pub(super) fn known_period(motion: &Motion, uncertainty: f64) -> Option<f64> {
+pub(super) fn rounded_period(motion: &Motion, uncertainty: f64) -> Option<f64> {
     match *motion {
-        Motion::Periodic { period, .. } => Some(determined_digits(period, uncertainty)),
+        Motion::Periodic { period, .. } => Some(significant_digits(period, uncertainty)),
         _ => None,
     }
 }
@@ -112,7 +113,7 @@ pub(super) fn words(system: &System, outcome: &Outcome, until: f64) -> String {
 /// The word for a motion. An undecided one includes the time.
 pub(super) fn since(word: &str, until: f64) -> String {
     if word == Motion::Undecided.word() {
-        format!("{word} after {until}")
+        format!("{word} after {}", readable(until))
     } else {
         word.to_owned()
     }

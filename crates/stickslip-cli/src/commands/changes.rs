@@ -31,6 +31,24 @@ pub(super) fn words(system: &System, change: &Change) -> String {
     }
 }
 
+/// Whether the motion at the next value is not the orbit that is followed through these changes.
+/// `reached` is the class of that motion.
+pub(super) fn lose_attractor(system: &System, changes: &[&Change], reached: &str) -> bool {
+    let ends = |change: &&Change| match change {
+        Change::Sequence { before, after, .. } => before.is_empty() != after.is_empty(),
+        Change::Multiplier { name, .. } => name == "fold",
+        Change::Unlocated => true,
+        Change::Equilibrium { .. } | Change::BoundaryEquilibrium { .. } => false,
+    };
+    let is_other = match changes.last() {
+        Some(Change::Sequence { after, .. }) => {
+            !reached.ends_with(&format!(", {}", system.sequence(after)))
+        }
+        _ => false,
+    };
+    is_other || changes.iter().any(ends)
+}
+
 /// Contacts whose event function vanishes at a change; may be empty.
 pub(super) fn contacts(system: &System, change: &Change) -> String {
     let Change::Sequence { contacts, .. } = change else {

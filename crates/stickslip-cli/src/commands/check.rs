@@ -9,25 +9,25 @@ use super::recording::direction_name;
 use super::sweeping::check_period;
 use super::tangents;
 use crate::failure::{CommandLine, Failure};
-use crate::render::{Answer, Report};
+use crate::render::{CommandOutput, Report};
 use stickslip_kernels::file::{Formula, InputShape, Rate, System};
 use stickslip_kernels::study::tangents::{BoundaryLine, LineResults};
 use stickslip_kernels::study::warnings;
 
-/// Say what was understood of a file
+/// Show how a file is read, and what looks wrong in it
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     #[command(flatten)]
     system: SystemArguments,
 
-    /// Print it as JSON
+    /// Print the result as JSON
     #[arg(long)]
     json: bool,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
+pub(super) fn run(arguments: &Arguments) -> Result<CommandOutput, Failure> {
     let system = arguments.system.system()?;
-    Ok(understood(&system).answer(arguments.json))
+    Ok(understood(&system).output(arguments.json))
 }
 
 /// Lists what was read, line by line.

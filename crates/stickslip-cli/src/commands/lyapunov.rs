@@ -3,12 +3,13 @@
 use plot::*;
 use serde_json::json;
 use stickslip::analysis::{Exponent, Running, Spectrum, SpectrumOptions, lyapunov_spectrum};
+use stickslip::error::readable;
 
-use super::arguments::{Ready, RunArguments, time_or};
+use super::arguments::{PreparedRun, RunArguments, time_or};
 use super::figures;
 use crate::failure::Failure;
-use crate::render::{Answer, Report, Table, within};
-use crate::terminal::patiently;
+use crate::render::{CommandOutput, Report, Table, within};
+use crate::terminal::with_spinner;
 use stickslip_kernels::file::System;
 
 /// Lyapunov exponents of an orbit, from the equations, through slips, sticks and crossings
@@ -16,34 +17,41 @@ use stickslip_kernels::file::System;
 /// Writes exponents.csv, convergence.csv and convergence.svg.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
-    /// Time before measuring; default 200, or 1000 periods of a drive with a period below 0.2
+    /// Transient before the measurement; default 200, or 1000 periods of a drive with a period
+    /// below 0.2
     #[arg(long, value_name = "TIME")]
     transient: Option<f64>,
-    /// Time measured; default 2000, or 10000 periods of a drive with a period below 0.2
+    /// Duration of the measurement; default 2000, or 10000 periods of a drive with a period below
+    /// 0.2
     ///
-    /// Exponents are printed ± four standard errors, and at least ± ln 30 over this time.
+    /// Exponents are printed ± four standard errors, or ± ln 30 over this time if that is larger.
     #[arg(long, value_name = "TIME")]
     duration: Option<f64>,
     #[command(flatten)]
     run: RunArguments,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
-    arguments.run.answered(|ready| {
-        let transient = time_or(arguments.transient, 200.0, &ready.system);
-        let duration = time_or(arguments.duration, 2000.0, &ready.system);
+pub(super) fn run(arguments: &Arguments) -> Result<CommandOutput, Failure> {
+    arguments.run.with_report(|prepared| {
+        let transient = time_or(arguments.transient, 200.0, &prepared.system);
+        let duration = time_or(arguments.duration, 2000.0, &prepared.system);
         let over = SpectrumOptions::over(transient, duration);
-        report(ready, &over.solver(ready.options))
+        report(prepared, &over.solver(prepared.options))
     })
 }
 
-fn report(ready: &Ready, settings: &SpectrumOptions) -> Result<Report, Failure> {
-    let system = &ready.system;
-    let spectrum = patiently("measuring the spectrum", |_| {
-        lyapunov_spectrum(system.dynamics(), (ready.t, ready.x.as_slice()), settings)
+fn report(prepared: &PreparedRun, settings: &SpectrumOptions) -> Result<Report, Failure> {
+    let system = &prepared.system;
+    let spectrum = with_spinner("measuring the spectrum", |_| {
+        lyapunov_spectrum(
+            system.dynamics(),
+            (prepared.t, prepared.x.as_slice()),
+            settings,
+        )
     })?;
     let duration = spectrum.duration;
-    let what = format!("Lyapunov exponents, measured for {duration} time units");
+    let time = readable(duration);
+    let what = format!("Lyapunov exponents, measured for {time} time units");
     let mut report = Report::of(system, what);
     let mut exponents = Vec::new();
     for (k, exponent) in (1..).zip(&spectrum.exponents) {
@@ -105,9 +113,9 @@ fn annihilated(system: &System) -> &'static str {
     let has_discrete = system.file.states.iter().any(|state| state.is_discrete);
     match (system.contacts() > 0, has_discrete) {
         (false, true) => "-∞ (a discrete state has no neighbours)",
-        (false, false) => "-∞ (a jump takes the direction to zero)",
-        (true, false) if system.file.jumps.is_empty() => "-∞ (stick takes the direction to zero)",
-        (true, _) => "-∞ (stick or a jump takes the direction to zero)",
+        (false, false) => "-∞ (a jump annihilates the direction)",
+        (true, false) if system.file.jumps.is_empty() => "-∞ (stick annihilates the direction)",
+        (true, _) => "-∞ (stick or a jump annihilates the direction)",
     }
 }
 

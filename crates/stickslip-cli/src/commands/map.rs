@@ -14,17 +14,19 @@ use super::sweeping::{
 };
 use super::{attractors, exponent, figures};
 use crate::failure::Failure;
-use crate::render::{Answer, Report, Table};
+use crate::render::{CommandOutput, Report, Table};
 use crate::sweep::{BlockError, Store};
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::Motion;
 use stickslip_kernels::study::{Largest, recurrence};
 
-/// Show what the orbit from the start comes to, over a plane of two parameters
+/// Show the attractor of the orbit from the start, over a plane of two parameters
 ///
-/// For each cell: the attractor by its kind and sequence of phases, the largest Lyapunov exponent,
-/// and the part of time in stick. Writes map.csv and map.svg. Finished blocks are in sweep/: after
-/// a kill the same command goes on from there.
+/// The result has, for each cell, the kind of the attractor and its sequence of phases, the largest
+/// Lyapunov exponent, and the fraction of time in stick.
+///
+/// Writes map.csv and map.svg. Finished blocks are in sweep/: after a kill, the same command
+/// resumes from them.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// Range of the first parameter
@@ -35,7 +37,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "NAME=LOW:HIGH")]
     y: String,
 
-    /// Number of cells along each parameter; the values are those in their middles
+    /// Numbers of cells along the parameters; each cell is computed at its centre
     #[arg(long, value_name = "COLUMNSxROWS", default_value = "60x60")]
     grid: String,
 
@@ -51,7 +53,7 @@ pub(super) struct Arguments {
     run: RunArguments,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
+pub(super) fn run(arguments: &Arguments) -> Result<CommandOutput, Failure> {
     sweep(&arguments.sweep, &arguments.run, |system| {
         Map::new(arguments, system)
     })
@@ -157,10 +159,7 @@ impl Sweep for Map {
         let path = out.join("map.csv");
         let found = self.read(store, &path)?;
         let all = found.cells.len();
-        let [x, y] = [0, 1].map(|k: usize| {
-            let range = &self.plane[k];
-            format!("{} from {} to {}", range.name, range.low, range.high)
-        });
+        let [x, y] = self.plane.each_ref().map(ParameterRange::words);
         let mut report = Report::of(system, format!("{all} cells, {x}, {y}"));
         report.field("cells", all).file(path);
         // Attractors come first, in the order of first appearance; other outcomes follow.
@@ -259,7 +258,7 @@ impl Map {
             .column(&y.name, |(at, _)| at[1])
             .column("motion", |(_, cell)| cell.motion.word())
             .column("period", |(_, cell)| {
-                attractors::known_period(&cell.motion, cell.period_uncertainty)
+                attractors::rounded_period(&cell.motion, cell.period_uncertainty)
             })
             .column("phases", |(_, cell)| cell.phases.clone())
             .column("in_stick", |(_, cell)| cell.in_stick);

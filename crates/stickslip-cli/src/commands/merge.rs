@@ -5,15 +5,15 @@ use super::bifurcation::Bifurcation;
 use super::map::Map;
 use super::sweeping::{Sweep, finish, merged};
 use crate::failure::Failure;
-use crate::render::{Answer, OutputArguments};
+use crate::render::{CommandOutput, OutputArguments};
 
 /// Join the shares of a sweep that were computed with --shard, and write its tables and figures
 ///
-/// Refuses gaps, blocks that differ between two shares, and shares or blocks of another sweep, and
-/// names them.
+/// Missing blocks, blocks that differ between two shares, and shares or blocks of another sweep are
+/// errors, which name them.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
-    /// Folders that the shares were computed into
+    /// Output folders of the shares
     #[arg(required = true, value_name = "FOLDER")]
     shares: Vec<String>,
 
@@ -21,7 +21,7 @@ pub(super) struct Arguments {
     output: OutputArguments,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
+pub(super) fn run(arguments: &Arguments) -> Result<CommandOutput, Failure> {
     arguments.output.check()?;
     let merged = merged(&arguments.output.out, &arguments.shares)?;
     match merged.store.plan().command.as_str() {

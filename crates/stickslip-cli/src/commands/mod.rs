@@ -41,7 +41,7 @@ struct CommandLine {
 const AFTER_HELP: &str = "\
 Begin with:
   stickslip new my-system.toml         write an example with comments
-  stickslip check my-system.toml       see what was understood
+  stickslip check my-system.toml       show how it is read
   stickslip simulate my-system.toml    phases and transitions, with figures
 
 Wherever the FILE of a system is asked for, the name of a shipped model will do: belt, forced, \

@@ -6,21 +6,21 @@ use output::{Artifact, WriteError, write_all};
 use stickslip_kernels::file::EXAMPLE;
 
 use crate::failure::Failure;
-use crate::render::{Answer, Report};
+use crate::render::{CommandOutput, Report};
 
-/// Write an example of a system's file, with comments
+/// Write an example of a system file, with comments
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// File to write
     #[arg(value_name = "FILE", default_value = "system.toml")]
     file: PathBuf,
 
-    /// Print as JSON where it was written
+    /// Print the path of the file as JSON
     #[arg(long)]
     json: bool,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
+pub(super) fn run(arguments: &Arguments) -> Result<CommandOutput, Failure> {
     let path = &arguments.file;
     let shown = path.display().to_string();
     if path.exists() {
@@ -48,5 +48,5 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let text = format!("wrote {shown}\nnext: stickslip check {shown}\n");
     let mut report = Report::plain(text, (0, 0));
     report.field("files", [shown]);
-    Ok(report.answer(arguments.json))
+    Ok(report.output(arguments.json))
 }

@@ -1,22 +1,23 @@
 //! `stickslip orbit`: a periodic orbit.
 
-use super::arguments::{Ready, RunArguments};
+use super::arguments::{PreparedRun, RunArguments};
 use super::attractors::family_words;
 use super::recording::Recording;
 use super::search::SearchArguments;
 use super::trajectory;
 use crate::failure::Failure;
-use crate::render::{Answer, Report, Table, by_state, explained};
+use crate::render::{CommandOutput, Report, Table, by_state, explained};
 use stickslip::analysis::{Stability, multipliers};
 use stickslip::dynamics::Section;
 use stickslip::error::readable;
 use stickslip_kernels::kernel::{Run, follow};
 use stickslip_kernels::study::{Extremes, PhasesOfPeriod};
 
-/// Find a periodic orbit: from a run, refined by shooting; period, multipliers, sequence of phases
+/// Find the periodic orbit that a run approaches, by shooting
 ///
-/// Of a driven system the period is a multiple of the one that the file gives. Writes orbit.csv,
-/// multipliers.csv, phases.csv, transitions.csv, portrait.svg and history.svg of one period.
+/// The result has its period, multipliers and sequence of phases. With a drive, the period is a
+/// multiple of the period in the file. Writes orbit.csv, multipliers.csv, phases.csv,
+/// transitions.csv, portrait.svg and history.svg of one period.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     #[command(flatten)]
@@ -25,17 +26,17 @@ pub(super) struct Arguments {
     run: RunArguments,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
+pub(super) fn run(arguments: &Arguments) -> Result<CommandOutput, Failure> {
     arguments
         .run
-        .answered(|ready| report(ready, &arguments.search))
+        .with_report(|prepared| report(prepared, &arguments.search))
 }
 
-fn report(ready: &Ready, search: &SearchArguments) -> Result<Report, Failure> {
-    let Ready {
+fn report(prepared: &PreparedRun, search: &SearchArguments) -> Result<Report, Failure> {
+    let PreparedRun {
         system, options, ..
-    } = ready;
-    let (orbit, periods) = search.periodic_orbit(system, (ready.t, &ready.x), options)?;
+    } = prepared;
+    let (orbit, periods) = search.periodic_orbit(system, (prepared.t, &prepared.x), options)?;
     let (x, t_end) = (orbit.x.as_slice(), orbit.t + orbit.period);
     let mut recording = Recording::new(orbit.t, x, t_end);
     let once = Run {
@@ -58,10 +59,10 @@ fn report(ready: &Ready, search: &SearchArguments) -> Result<Report, Failure> {
         None => String::new(),
     };
     report
-        .line("period", format!("{}{drive}", orbit.period))
+        .line("period", format!("{}{drive}", readable(orbit.period)))
         .field("period", orbit.period)
         .field("periods_of_drive", periods)
-        .line("residual", format!("{:e}", orbit.residual))
+        .line("residual", format!("{:.1e}", orbit.residual))
         .field("residual", orbit.residual)
         .field("t", orbit.t)
         .field("x", by_state(system, x));
@@ -77,9 +78,13 @@ fn report(ready: &Ready, search: &SearchArguments) -> Result<Report, Failure> {
         };
         let imaginary = match multiplier.im {
             0.0 => String::new(),
-            im => format!(" {} {:?} i", if im < 0.0 { "-" } else { "+" }, im.abs()),
+            im => format!(
+                " {} {} i",
+                if im < 0.0 { "-" } else { "+" },
+                readable(im.abs())
+            ),
         };
-        format!("{:?}{imaginary}{note}", multiplier.re)
+        format!("{}{imaginary}{note}", readable(multiplier.re))
     });
     let pairs: Vec<[f64; 2]> = multipliers.iter().map(|m| [m.re, m.im]).collect();
     let stability = Stability::of(multipliers.get(trivial..).unwrap_or_default()).to_string();
@@ -101,7 +106,10 @@ fn report(ready: &Ready, search: &SearchArguments) -> Result<Report, Failure> {
         report.line("phases", phases);
     }
     if system.contacts() > 0 {
-        report.line("stick", format!("{stick} of the period, {percent:.1} %"));
+        report.line(
+            "stick",
+            format!("{} of the period, {percent:.1} %", readable(stick)),
+        );
     }
     report
         .field("phases", system.sequence(&modes))

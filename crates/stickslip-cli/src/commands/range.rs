@@ -3,6 +3,7 @@
 use std::num::NonZeroUsize;
 
 use serde::{Deserialize, Serialize};
+use stickslip::error::readable;
 
 use super::arguments::position;
 use crate::failure::Failure;
@@ -50,8 +51,8 @@ impl StateRange {
             };
             let Some((low, high)) = state.range else {
                 return Err(Failure::Usage(format!(
-                    "from where to where do the starts go in `{}`? Give {option} {}=LOW:HIGH, or \
-                        its range in the file",
+                    "the range of starts in `{}` is missing; give {option} {}=LOW:HIGH, or its \
+                        range in the file",
                     state.name, state.name
                 )));
             };
@@ -71,6 +72,16 @@ impl StateRange {
     pub(super) fn at(&self, part: f64) -> f64 {
         self.low + (self.high - self.low) * part
     }
+
+    /// The range in words, with the name of the state.
+    pub(super) fn words(&self, system: &System) -> String {
+        range_words(&system.file.states[self.state].name, self.low, self.high)
+    }
+}
+
+/// A range in words: `x from 0 to 1`.
+fn range_words(name: &str, low: f64, high: f64) -> String {
+    format!("{name} from {} to {}", readable(low), readable(high))
 }
 
 /// A range of a parameter.
@@ -92,6 +103,11 @@ impl ParameterRange {
         check_ends(low, high, option)?;
         let name = system.file.parameters[number].name.clone();
         Ok(Self { name, low, high })
+    }
+
+    /// The range in words, with the name of the parameter.
+    pub(super) fn words(&self) -> String {
+        range_words(&self.name, self.low, self.high)
     }
 
     /// The system with this value of the parameter.
@@ -130,8 +146,7 @@ pub(super) fn not_too_many(option: &str, points: Option<usize>) -> Result<(), Fa
         return Ok(());
     }
     Err(Failure::Usage(format!(
-        "{option}: these are more than {MOST_POINTS} points; give fewer, and look at one part \
-            after the other"
+        "{option}: these are more than {MOST_POINTS} points; give fewer, or split the range"
     )))
 }
 

@@ -8,7 +8,7 @@ use stickslip::dynamics::{
 use stickslip::{Direction, Mode, TransitionKind};
 
 use crate::render::input_name;
-use crate::terminal::Patience;
+use crate::terminal::DelayedProgressBar;
 use stickslip_kernels::file::{InputShape, System};
 use stickslip_kernels::kernel::Watcher;
 
@@ -99,7 +99,7 @@ pub(super) struct Recording {
     /// Minimum and maximum of each state at the ends of steps so far.
     extent: Vec<(f64, f64)>,
     span: (f64, f64),
-    patience: Patience,
+    progress: DelayedProgressBar,
 }
 
 impl Recording {
@@ -115,7 +115,7 @@ impl Recording {
             }],
             extent: x.iter().map(|&x| (x, x)).collect(),
             span: (t, t_end),
-            patience: Patience::new("following {bar:40} {percent} %, {eta} to go"),
+            progress: DelayedProgressBar::new("following {bar:40} {percent} %, {eta} to go"),
         }
     }
 
@@ -142,7 +142,7 @@ impl Recording {
 
     /// Removes the progress of the run from the terminal.
     pub(super) fn close(&self) {
-        self.patience.clear();
+        self.progress.clear();
     }
 
     /// Intervals of time in which a contact sticks, independent of the other contacts.
@@ -198,7 +198,7 @@ impl Watcher for Recording {
         }
         let (from, to) = self.span;
         let part = ((step.t_end - from) / (to - from)).clamp(0.0, 1.0);
-        self.patience
+        self.progress
             .done((part * FINENESS) as u64, FINENESS as u64);
         ControlFlow::Continue(())
     }

@@ -11,21 +11,20 @@ use super::attractors;
 use super::sweeping::check_period;
 use crate::failure::Failure;
 use crate::render::state_words;
-use crate::terminal::patiently;
+use crate::terminal::with_spinner;
 
-/// How a periodic orbit is looked for.
+/// Settings of the search for a periodic orbit.
 #[derive(Debug, clap::Args, Serialize)]
 pub(super) struct SearchArguments {
-    /// How long the run before is; 0 to shoot from the start. Default 200, or less: at most 1000
-    /// periods of a drive, and without a drive 1000 transitions
+    /// Length of the run before the search; 0 searches from the start. Default 200, but at most
+    /// 1000 periods of a drive or, without a drive, 1000 transitions
     #[arg(long, value_name = "TIME")]
     transient: Option<f64>,
-    /// How long the orbit may take to come back, of a system that does not depend on time; default
-    /// 100
+    /// Longest time of return, for a system that does not depend on time; default 100
     #[arg(long, value_name = "TIME")]
     longest: Option<f64>,
-    /// Periods of the drive in one of the orbit, of a driven system; default the fewest after which
-    /// the run comes back, 16 at most
+    /// Period of the orbit in periods of the drive; default the smallest number after which the run
+    /// returns, at most 16
     #[arg(long, value_name = "COUNT")]
     periods: Option<u32>,
 }
@@ -51,7 +50,7 @@ impl SearchArguments {
         };
         let drive = system.built.period.filter(|_| system.built.depends_on_time);
         self.have_effect(drive)?;
-        let found = patiently("looking for a periodic orbit", |_| {
+        let found = with_spinner("looking for a periodic orbit", |_| {
             search.orbit(system, (t, x), options)
         });
         found.map_err(|error| in_words(error, system))

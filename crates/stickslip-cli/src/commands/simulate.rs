@@ -5,15 +5,15 @@ use stickslip::dynamics::{Passage, Section, Summary};
 use stickslip::error::{Point, readable};
 use stickslip::{Ending, Error};
 
-use super::arguments::{Ready, RunArguments};
+use super::arguments::{PreparedRun, RunArguments};
 use super::recording::{self, KINDS, Occurrence, Recording, direction_name};
 use super::trajectory::{self, transitions};
 use crate::failure::{Failure, in_words};
-use crate::render::{Answer, Report, Table, by_state};
+use crate::render::{CommandOutput, Report, Table, by_state};
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::{Run, follow};
 
-/// Follow an orbit: phases of slip and stick, transitions, passages of the section
+/// Integrate an orbit: phases of slip and stick, transitions, crossings of the section
 ///
 /// Writes phases.csv, transitions.csv, steps.csv (and section.csv, if the file has a section),
 /// portrait.svg and history.svg.
@@ -26,21 +26,21 @@ pub(super) struct Arguments {
     run: RunArguments,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
+pub(super) fn run(arguments: &Arguments) -> Result<CommandOutput, Failure> {
     arguments
         .run
-        .answered(|ready| followed(ready, arguments.t_end))
+        .with_report(|prepared| followed(prepared, arguments.t_end))
 }
 
-fn followed(ready: &Ready, t_end: Option<f64>) -> Result<Report, Failure> {
-    let Ready {
+fn followed(prepared: &PreparedRun, t_end: Option<f64>) -> Result<Report, Failure> {
+    let PreparedRun {
         system,
         options,
         t,
         x,
-    } = ready;
+    } = prepared;
     let t_end = t_end.or(system.built.t_end).ok_or_else(|| {
-        Failure::Usage("when does the run end? Give --t-end, or `end` in [time] of the file".into())
+        Failure::Usage("the end time is missing; give --t-end, or `end` in [time]".into())
     })?;
     let mut recording = Recording::new(*t, x, t_end);
     let run = Run {

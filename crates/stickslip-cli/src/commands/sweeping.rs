@@ -10,31 +10,58 @@ use serde_json::json;
 
 use super::arguments::{RunArguments, count, time_or};
 use crate::failure::Failure;
-use crate::render::{Answer, OutputArguments, OutputError, Report, Table};
+use crate::render::{CommandOutput, OutputArguments, OutputError, Report, Table};
 use crate::sweep::{
-    BlockError, Computed, Definition, Plan, Share, Store, SweepError, Task, run, write_whole,
+    BlockError, Computed, Definition, Plan, Share, Store, SweepError, Task, Writer, run,
+    write_whole,
 };
-use crate::terminal::Patience;
+use crate::terminal::DelayedProgressBar;
 use stickslip_kernels::file::{Source, System, SystemFile};
 use stickslip_kernels::study::MOTION_SEARCH_TIME;
 
-/// How much of a sweep to compute, and by how many.
+/// The part of a sweep to compute, and the number of threads.
 #[derive(Debug, clap::Args)]
 pub(super) struct SweepArguments {
-    /// Compute share I of N only, for another machine or job to compute the rest; `stickslip merge`
+    /// Compute only share I of N; other jobs or machines compute the rest, and `stickslip merge`
     /// joins them
     #[arg(long, value_name = "I/N", default_value_t = Share::WHOLE, hide_default_value = true)]
     shard: Share,
 
-    /// Number of threads; one for each core if not given. It changes no bit of the result
+    /// Number of threads; default one per core. The result does not depend on it
     #[arg(long, value_name = "NUMBER", value_parser = count)]
     threads: Option<NonZeroUsize>,
+
+    #[command(flatten)]
+    resume: ResumeArguments,
 }
 
-/// How long an orbit is followed that comes to no attractor.
+/// Whether to resume from the blocks on disk.
+#[derive(Debug, clap::Args)]
+pub(super) struct ResumeArguments {
+    /// Begin anew: remove what an earlier run of this command has saved in sweep/
+    #[arg(long)]
+    fresh: bool,
+}
+
+impl ResumeArguments {
+    /// Removes the saved blocks of a share, if the command is to begin anew.
+    pub(super) fn prepare(
+        &self,
+        folder: &Path,
+        plan: &Plan,
+        share: Share,
+    ) -> Result<(), SweepError> {
+        match self.fresh {
+            true => Writer::open(folder, plan, share)?.remove_blocks(share),
+            false => Ok(()),
+        }
+    }
+}
+
+/// The longest time in which an orbit must reach an attractor.
 #[derive(Debug, clap::Args)]
 pub(super) struct UntilArguments {
-    /// Time after which an orbit that has come to no attractor is called undecided; default 2000,
+    /// Time after which an orbit that has reached no attractor counts as undecided; default 2000,
     /// or 10000 periods of a drive with a period below 0.2
     #[arg(long, value_name = "TIME")]
     until: Option<f64>,
@@ -46,7 +73,7 @@ impl UntilArguments {
     }
 }
 
-/// How long the largest exponent is measured.
+/// The duration of the measurement of the largest exponent.
 #[derive(Debug, clap::Args)]
 pub(super) struct ExponentArguments {
     /// Time over which the Lyapunov exponent is measured, on the attractor; default 500, or 2500
@@ -141,18 +168,21 @@ pub(super) fn sweep<S: Sweep>(
     arguments: &SweepArguments,
     of: &RunArguments,
     wanted: impl FnOnce(&System) -> Result<S, Failure>,
-) -> Result<Answer, Failure> {
+) -> Result<CommandOutput, Failure> {
     let (system, output) = (of.system()?, &of.output);
     check_period(&system)?;
     let wanted = wanted(&system)?;
     let plan = plan(S::COMMAND, &wanted, wanted.size(), &system)?;
+    let (folder, share) = (folder(&output.out), arguments.shard);
+    arguments.resume.prepare(&folder, &plan, share)?;
     let task = Task {
         plan: &plan,
-        folder: &folder(&output.out),
-        share: arguments.shard,
+        folder: &folder,
+        share,
         threads: arguments.threads,
     };
-    let progress = Patience::new("{bar:40} {pos}/{len} blocks, {elapsed} gone, {eta} to go");
+    let progress =
+        DelayedProgressBar::new("{bar:40} {pos}/{len} blocks, {elapsed} gone, {eta} to go");
     let computed = run(
         &task,
         &|done, all| progress.done(done as u64, all as u64),
@@ -160,15 +190,18 @@ pub(super) fn sweep<S: Sweep>(
     );
     progress.clear();
     let computed = computed?;
-    if arguments.shard.is_whole() {
+    if share.is_whole() {
         finished(&wanted, &system, &computed.store, output)
     } else {
-        Ok(share_done(arguments.shard, &computed).answer(output.json))
+        Ok(share_done(share, &computed).output(output.json))
     }
 }
 
 /// Writes tables and figures of a sweep whose blocks are complete.
-pub(super) fn finish<S: Sweep>(store: &Store, output: &OutputArguments) -> Result<Answer, Failure> {
+pub(super) fn finish<S: Sweep>(
+    store: &Store,
+    output: &OutputArguments,
+) -> Result<CommandOutput, Failure> {
     let (wanted, system) = of_plan::<S>(store.plan())?;
     finished(&wanted, &system, store, output)
 }
@@ -178,7 +211,7 @@ fn finished<S: Sweep>(
     system: &System,
     store: &Store,
     output: &OutputArguments,
-) -> Result<Answer, Failure> {
+) -> Result<CommandOutput, Failure> {
     let mut report = wanted.report(system, store, output.out.as_ref())?;
     report.field("arguments", wanted);
     Ok(report.written(&store.staging()?, output)?)
@@ -246,8 +279,8 @@ fn share_done(share: Share, computed: &Computed) -> Report {
     let (new, old, repaired) = (computed.new, computed.old, computed.repaired.len());
     let folder = computed.store.folder().display().to_string();
     let text = format!(
-        "share {share}: {} blocks, {old} of them there before, {repaired} damaged and computed \
-         anew\n\
+        "share {share}: {} blocks, {old} of them from earlier runs, {repaired} damaged and \
+         recomputed\n\
          wrote {folder}\n\
          join all shares with `stickslip merge --out DIR FOLDER...`\n",
         new + old

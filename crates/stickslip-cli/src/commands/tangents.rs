@@ -9,7 +9,7 @@ use stickslip::error::readable;
 use super::arguments::{StartArguments, SystemArguments, position};
 use super::figures;
 use crate::failure::Failure;
-use crate::render::{Answer, OutputArguments, Report, Table};
+use crate::render::{CommandOutput, OutputArguments, Report, Table};
 use stickslip_kernels::file::System;
 use stickslip_kernels::study::tangents::{BoundaryLine, LineResults, TangentPoint, Zone, ZoneKind};
 
@@ -35,7 +35,7 @@ pub(super) struct Arguments {
     /// Contact; default the first
     #[arg(long, value_name = "NAME")]
     contact: Option<String>,
-    /// State along which to look; default the first that the boundary's equation leaves free
+    /// State along which to search; default the first that the boundary's equation leaves free
     #[arg(long, value_name = "STATE")]
     along: Option<String>,
     /// Lowest value of that state; default as in [ranges]
@@ -48,7 +48,7 @@ pub(super) struct Arguments {
     output: OutputArguments,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
+pub(super) fn run(arguments: &Arguments) -> Result<CommandOutput, Failure> {
     arguments.output.check()?;
     let system = arguments.system.system()?;
     let start = arguments.start.of(&system)?;
@@ -97,8 +97,8 @@ impl Arguments {
         let line =
             BoundaryLine::through(system, contact, along, whole, start).ok_or_else(|| {
                 Failure::Usage(
-                "there is no line to look along: the boundary must change with one state and leave \
-                    another one free"
+                "there is no line to search along: the boundary must change with one state and \
+                    leave another one free"
                     .to_owned(),
             )
             })?;
@@ -106,7 +106,7 @@ impl Arguments {
         let end = |option: &str, given: Option<f64>, shown: Option<f64>| {
             given.or(shown).ok_or_else(|| {
                 Failure::Usage(format!(
-                    "from where to where of `{}`? Give {option}, or add {} = [lowest, highest] to \
+                    "the range of `{}` is missing; give {option}, or add {} = [lowest, highest] to \
                         [ranges] of the file",
                     state.name, state.name
                 ))

@@ -14,21 +14,21 @@ use stickslip_kernels::file::System;
 
 pub(crate) use table::Table;
 pub(crate) use words::{
-    by_state, determined_digits, explained, input_name, place, rounded, state_words, within,
+    by_state, explained, input_name, place, significant_digits, state_words, within,
 };
 
 /// Final output of a command.
-pub(crate) struct Answer {
+pub(crate) struct CommandOutput {
     /// For standard output.
     pub(crate) text: String,
     /// An error that occurred after the results were computed.
     pub(crate) failure: Option<String>,
 }
 
-/// What to write, and where.
+/// Folder and formats of the output.
 #[derive(Debug, clap::Args)]
 pub(crate) struct OutputArguments {
-    /// Folder for the files; made if it does not exist
+    /// Folder for the files; created if it does not exist
     #[arg(long, value_name = "DIR", default_value = "stickslip-output")]
     pub(crate) out: String,
 
@@ -98,7 +98,7 @@ pub(crate) struct Report {
     tables: Vec<Artifact>,
     figures: Vec<(String, String)>,
     /// Files that have been written already.
-    there: Vec<PathBuf>,
+    written: Vec<PathBuf>,
     failure: Option<String>,
 }
 
@@ -187,7 +187,7 @@ impl Report {
 
     /// Adds a file that has been written already.
     pub(crate) fn file(&mut self, path: PathBuf) -> &mut Self {
-        self.there.push(path);
+        self.written.push(path);
         self
     }
 
@@ -208,13 +208,13 @@ impl Report {
     }
 
     /// The output of a command that writes no files.
-    pub(crate) fn answer(self, as_json: bool) -> Answer {
+    pub(crate) fn output(self, as_json: bool) -> CommandOutput {
         let text = if as_json {
             format!("{:#}\n", Json::Object(self.json))
         } else {
             self.text
         };
-        Answer {
+        CommandOutput {
             text,
             failure: self.failure,
         }
@@ -225,7 +225,7 @@ impl Report {
         mut self,
         staging: &Path,
         output: &OutputArguments,
-    ) -> Result<Answer, OutputError> {
+    ) -> Result<CommandOutput, OutputError> {
         let mut artifacts = std::mem::take(&mut self.tables);
         for (name, svg) in std::mem::take(&mut self.figures) {
             if output.png {
@@ -237,11 +237,11 @@ impl Report {
             artifacts.push(Artifact::text(format!("{name}.svg"), svg));
         }
         let written = output::write_all_by(staging, Path::new(&output.out), &artifacts)?;
-        let paths = [std::mem::take(&mut self.there), written].concat();
+        let paths = [std::mem::take(&mut self.written), written].concat();
         self.text.push('\n');
         self.text.push_str(&output::listing(&paths));
         let paths = paths.iter().map(|path| path.display().to_string());
         self.field("files", paths.collect::<Json>());
-        Ok(self.answer(output.json))
+        Ok(self.output(output.json))
     }
 }

@@ -3,6 +3,7 @@
 use serde::Serialize;
 use serde_json::{Value as Json, json};
 use stickslip::dynamics::Modes;
+use stickslip::error::readable;
 use stickslip::math;
 use stickslip_kernels::file::System;
 
@@ -11,18 +12,13 @@ pub(super) fn exact(value: f64) -> String {
     format!("{value:?}")
 }
 
-/// Rounds a number to twelve significant digits, so that rounding errors are not shown.
-pub(crate) fn rounded(value: f64) -> f64 {
-    to_digits(value, 12)
-}
-
 /// Rounds a number to significant digits.
 fn to_digits(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
 }
 
 /// Rounds a number to its significant digits: the rounding is larger than the uncertainty.
-pub(crate) fn determined_digits(value: f64, uncertainty: f64) -> f64 {
+pub(crate) fn significant_digits(value: f64, uncertainty: f64) -> f64 {
     const MOST: f64 = 12.0;
     let digits = 1.0 + math::log10(value.abs() / (2.0 * uncertainty)).floor();
     to_digits(value, digits.clamp(1.0, MOST) as usize)
@@ -32,7 +28,7 @@ pub(crate) fn determined_digits(value: f64, uncertainty: f64) -> f64 {
 pub(crate) fn within(value: f64, uncertainty: f64) -> String {
     const MOST: f64 = 16.0;
     if !(uncertainty > 0.0 && uncertainty.is_finite()) {
-        return format!("about {}", to_digits(value, 4));
+        return format!("about {}", readable(to_digits(value, 4)));
     }
     let decimals = (1.0 - math::log10(uncertainty).floor()).max(0.0);
     if decimals > MOST {
@@ -56,7 +52,7 @@ pub(crate) fn place(value: f64, uncertainty: f64) -> String {
     if uncertainty > 1e-12 * value.abs() {
         within(value, uncertainty)
     } else {
-        rounded(value).to_string()
+        readable(value)
     }
 }
 

@@ -13,7 +13,7 @@ pub(super) enum Decoded {
     /// A complete block, with its content.
     Complete(Vec<u8>),
     /// A block of another sweep.
-    Stranger,
+    OtherSweep,
     /// A damaged block, and what is wrong with it.
     Damaged(&'static str),
 }
@@ -60,7 +60,7 @@ pub(super) fn decode(fingerprint: &str, index: usize, bytes: &[u8]) -> Decoded {
     }
     // This check comes last, because a damaged block may have any fingerprint.
     if sweep != fingerprint {
-        return Decoded::Stranger;
+        return Decoded::OtherSweep;
     }
     Decoded::Complete(content.to_vec())
 }
@@ -106,7 +106,7 @@ mod tests {
     fn a_renamed_block_and_one_of_another_sweep_are_told_apart() {
         let block = encode("ours", 7, b"x");
         assert!(matches!(decode("ours", 8, &block), Decoded::Damaged(_)));
-        assert_eq!(decode("theirs", 7, &block), Decoded::Stranger);
+        assert_eq!(decode("theirs", 7, &block), Decoded::OtherSweep);
     }
 
     #[test]

@@ -12,8 +12,8 @@ pub type BlockError = Box<dyn std::error::Error + Send + Sync>;
 /// them.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
-    /// A folder cannot be made.
-    #[error("cannot make the folder {}: {source}; choose another with --out", path.display())]
+    /// A folder cannot be created.
+    #[error("cannot create the folder {}: {source}; choose another with --out", path.display())]
     CreateFolder {
         /// The folder.
         path: PathBuf,
@@ -29,7 +29,7 @@ pub enum SweepError {
         source: io::Error,
     },
     /// A file cannot be written.
-    #[error("cannot write {}: {source}; finished blocks are on disk, and the same command goes on \
+    #[error("cannot write {}: {source}; finished blocks are on disk, and the same command resumes \
         from them", path.display())]
     Write {
         /// The file.
@@ -44,7 +44,7 @@ pub enum SweepError {
         /// The folder of the sweep.
         folder: PathBuf,
     },
-    /// A manifest that cannot be understood.
+    /// A manifest that cannot be read.
     #[error("{} is no manifest of a sweep ({reason}); put the right one back, or choose another \
         folder", path.display())]
     BadManifest {
@@ -55,7 +55,7 @@ pub enum SweepError {
     },
     /// The folder holds another sweep.
     #[error("{} holds another sweep: {what} was {old} there and is {new} now; old and new blocks \
-        are not mixed: give the old value to go on with it, delete the folder, or choose another \
+        are not mixed: give the old value to resume it, delete the folder, or choose another \
         with --out", folder.display())]
     Differs {
         /// The folder of the sweep.
@@ -69,15 +69,15 @@ pub enum SweepError {
     },
     /// A block that belongs to another sweep.
     #[error(
-        "{} is a block of another sweep; move it away, and the same command goes on",
+        "{} is a block of another sweep; move it away, and repeat the same command",
         path.display()
     )]
-    Stranger {
+    BlockOfOtherSweep {
         /// The file.
         path: PathBuf,
     },
     /// A block that is damaged.
-    #[error("block {block} in {} is {damage}; the same command computes it anew", folder.display())]
+    #[error("block {block} in {} is {damage}; the same command recomputes it", folder.display())]
     Damaged {
         /// Its index.
         block: usize,
@@ -118,7 +118,7 @@ pub enum SweepError {
     /// A share of another sweep among those to merge.
     #[error("{} and {} are shares of two sweeps: {what} is {one} in the first and {two} in the \
         second; merge shares of one sweep", first.display(), second.display())]
-    StrangeShare {
+    ShareOfOtherSweep {
         /// The folder that was given first.
         first: PathBuf,
         /// The folder that does not belong to it.
@@ -173,7 +173,7 @@ impl SweepError {
             Self::Share { .. }
                 | Self::Differs { .. }
                 | Self::NoSweep { .. }
-                | Self::StrangeShare { .. }
+                | Self::ShareOfOtherSweep { .. }
         )
     }
 

@@ -22,9 +22,10 @@ pub struct Merged {
 /// one of them. Everything is checked before anything is written.
 ///
 /// # Errors
-/// [`SweepError::NoSweep`] for a folder without one, [`SweepError::StrangeShare`] for a share of
-/// another sweep, [`SweepError::Stranger`] for a block of another one, [`SweepError::Gaps`],
-/// [`SweepError::Overlap`]; [`SweepError::Differs`] if `out` holds another sweep; those of files.
+/// [`SweepError::NoSweep`] for a folder without one, [`SweepError::ShareOfOtherSweep`] for a share
+/// of another sweep, [`SweepError::BlockOfOtherSweep`] for a block of another one,
+/// [`SweepError::Gaps`], [`SweepError::Overlap`]; [`SweepError::Differs`] if `out` holds another
+/// sweep; those of files.
 pub fn merge(out: &Path, folders: &[impl AsRef<Path>]) -> Result<Merged, SweepError> {
     let sources = folders
         .iter()
@@ -87,7 +88,7 @@ pub fn merge(out: &Path, folders: &[impl AsRef<Path>]) -> Result<Merged, SweepEr
 fn same_sweep(first: &Store, second: &Store) -> Result<(), SweepError> {
     match first.plan().difference(second.plan()) {
         None => Ok(()),
-        Some((what, one, two)) => Err(SweepError::StrangeShare {
+        Some((what, one, two)) => Err(SweepError::ShareOfOtherSweep {
             first: first.folder().to_owned(),
             second: second.folder().to_owned(),
             what,

@@ -84,7 +84,7 @@ impl Store {
     ///
     /// # Errors
     /// Those of `each`; [`SweepError::Damaged`] at a block that is not there or not whole,
-    /// [`SweepError::Stranger`], [`SweepError::Read`].
+    /// [`SweepError::BlockOfOtherSweep`], [`SweepError::Read`].
     pub fn for_each<E: From<SweepError>>(
         &self,
         mut each: impl FnMut(usize, &[u8]) -> Result<(), E>,
@@ -109,14 +109,14 @@ impl Store {
     /// The content of `block`, or what is wrong with it. `None` if there is no such file.
     ///
     /// # Errors
-    /// [`SweepError::Stranger`], [`SweepError::Read`].
+    /// [`SweepError::BlockOfOtherSweep`], [`SweepError::Read`].
     pub fn find(&self, block: usize) -> Result<Option<BlockContent>, SweepError> {
         let path = self.path(block);
         match fs::read(&path) {
             Ok(bytes) => match decode(&self.fingerprint, block, &bytes) {
                 Decoded::Complete(content) => Ok(Some(Ok(content))),
                 Decoded::Damaged(damage) => Ok(Some(Err(damage))),
-                Decoded::Stranger => Err(SweepError::Stranger { path }),
+                Decoded::OtherSweep => Err(SweepError::BlockOfOtherSweep { path }),
             },
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
             Err(source) => Err(SweepError::Read { path, source }),
@@ -131,7 +131,7 @@ impl Store {
                 index < self.plan.blocks() && self.path(index).ends_with(&name)
             });
             if !known {
-                return Err(SweepError::Stranger {
+                return Err(SweepError::BlockOfOtherSweep {
                     path: blocks(&self.folder).join(name),
                 });
             }
@@ -186,6 +186,30 @@ impl Writer {
             store: Store::of(folder, plan.clone(), Some(lock))?,
             staging,
         })
+    }
+
+    /// Removes the blocks of a share, so that it is computed anew. With the whole sweep, blocks
+    /// beyond those of the plan are removed too.
+    ///
+    /// # Errors
+    /// [`SweepError::Read`], [`SweepError::Write`].
+    pub fn remove_blocks(&self, share: Share) -> Result<(), SweepError> {
+        let paths: Vec<PathBuf> = if share.is_whole() {
+            let names = block_names(&self.store.folder)?.into_iter();
+            names
+                .map(|name| blocks(&self.store.folder).join(name))
+                .collect()
+        } else {
+            let chains = share.chains(&self.store.plan).flatten();
+            chains.map(|block| self.store.path(block)).collect()
+        };
+        for path in paths {
+            match fs::remove_file(&path) {
+                Err(error) if !is_absent(&error) => return Err(SweepError::write(&path)(error)),
+                _ => {}
+            }
+        }
+        Ok(())
     }
 
     /// Writes a block, either completely or not at all. It replaces a previous version.

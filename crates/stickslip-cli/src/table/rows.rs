@@ -198,7 +198,8 @@ impl<'a> Rows<'a> {
             return Ok(());
         };
         let [(_, from), (line, to)] = [self.times[gap - 1], self.times[gap]];
-        let cause = if to > from {
+        let (is_forward, from, to) = (to > from, readable(from), readable(to));
+        let cause = if is_forward {
             format!(
                 "the time goes from {from} to {to}, not on by dt = {}; cut the file at the gap, \
                  correct --dt if it was given, or give --columns and --dt if this is not the time",

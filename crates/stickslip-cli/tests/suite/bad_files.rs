@@ -49,7 +49,7 @@ type Case = (
     &'static str,
 );
 
-const CASES: [Case; 63] = [
+const CASES: [Case; 69] = [
     // The file itself.
     (
         "name = \"test\"\n",
@@ -89,9 +89,51 @@ const CASES: [Case; 63] = [
     (
         "mu0 = 0.4",
         "mu0 = 0.4\nmu0 = 0.5",
-        "duplicate key",
+        "the parameter `mu0` stands twice in [parameters]",
         "mu0",
-        "the file must be TOML",
+        "remove one of the two",
+    ),
+    (
+        "x = \"m\"\n",
+        "x = \"m\"\nx = \"mm\"\n",
+        "the state `x` stands twice in [states]",
+        "x",
+        "remove one of the two",
+    ),
+    (
+        "[start]\n",
+        "[start]\nv = 0\n",
+        "the state `v` stands twice in [start]",
+        "v",
+        "remove one of the two",
+    ),
+    (
+        "meaning = \"velocity\"",
+        "unit = \"m\"",
+        "the entry `unit` stands twice in [states]",
+        "unit",
+        "remove one of the two",
+    ),
+    (
+        "w = 1.5",
+        "w = 0",
+        "this is infinite where `2*pi` is 6.28318530718 and `w` is 0",
+        "2*pi/w",
+        "a parameter",
+    ),
+    (
+        "description = \"a block\"",
+        "name = \"a block\"",
+        "the entry `name` stands twice in the head of the file",
+        "name",
+        "remove one of the two",
+    ),
+    (
+        "[ranges]",
+        "[states]",
+        "the table [states] stands twice in the file",
+        "states",
+        "below one header",
     ),
     ("mu0 = 0.4", "μ0 = 0.4", "", "μ", "in quotes: \"μ0\""),
     ("[states]", "[states", "", "", "the file must be TOML"),
@@ -134,7 +176,7 @@ const CASES: [Case; 63] = [
     (
         "\"2*pi/w\"",
         "\"-2*pi/w\"",
-        "the period is -4.1887902047863905, but must be positive",
+        "the period is -4.18879020479, but must be positive",
         "\"-2*pi/w\"",
         "",
     ),

@@ -675,6 +675,61 @@ fn a_wrong_file_is_shown_with_line_and_column() {
         .stderr(contains("help: did you mean `mu0`?"));
 }
 
+/// What rounding adds to a number is shown to programs alone.
+#[test]
+fn numbers_are_printed_without_rounding_errors() {
+    let top = folder();
+    let set = ["check", "belt", "--set", "vp=3*0.15"];
+    program(top.path())
+        .args(set)
+        .assert()
+        .success()
+        .stdout(contains("vp = 0.45  m/s"));
+    let json = json(top.path(), &set);
+    let parameters = json["parameters"].as_array().unwrap();
+    let vp = parameters.iter().find(|one| one["name"] == "vp").unwrap();
+    assert_eq!(vp["value"], 3.0 * 0.15);
+    assert_ne!(vp["value"], 0.45);
+}
+
+#[test]
+fn an_undefined_formula_is_named_with_the_values_in_it() {
+    let file = |definition: &str, friction: &str, rate: &str| {
+        format!(
+            "name = \"test\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nk = 2\n\
+             [definitions]\nspring = \"{definition}\"\n\
+             [contacts.belt]\nboundary = \"v - 1\"\nfriction = \"{friction}\"\n\
+             [field]\nx = \"v\"\nv = \"{rate} - spring - friction(belt)\"\n\
+             [start]\nx = 0.5\nv = 0\n[time]\nend = 1\n"
+        )
+    };
+    let cases = [
+        (
+            file("k*x", "0.4", "ln(x - 3)"),
+            "in `v` of [field], `ln(x - 3)` is not a number where `x - 3` is -2.5",
+        ),
+        (
+            file("k/v", "0.4", "1"),
+            "in `spring` of [definitions], `k/v` is infinite where `k` is 2 and `v` is 0",
+        ),
+        (
+            file("k*x", "sqrt(belt*x)", "1"),
+            "in `friction` of [contacts.belt], `sqrt(belt*x)` is not a number where `belt*x` is \
+             -0.5",
+        ),
+    ];
+    for (text, wanted) in cases {
+        let top = folder();
+        std::fs::write(top.path().join("a.toml"), text).unwrap();
+        program(top.path())
+            .args(["simulate", "a.toml"])
+            .assert()
+            .code(1)
+            .stderr(contains(wanted))
+            .stderr(contains("cannot start at t = 0, x = (0.5, 0)"));
+    }
+}
+
 #[test]
 fn an_orbit_that_escapes_is_written_as_far_as_it_went() {
     let top = folder();

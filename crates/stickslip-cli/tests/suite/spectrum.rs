@@ -85,7 +85,8 @@ fn csv_and_json_hold_the_same_numbers() {
         assert_eq!(Some(&record[3]), exponent["status"].as_str());
     }
     // The note at the end of the table. For 5000 points and more there is none.
-    let note = "What ok is worth was counted on series of 5000 points and more, and not on 3000.";
+    let note = "The reliability of ok was measured on series of at least 5000 points; this series \
+                has 3000.";
     assert_eq!(document["notes"], serde_json::json!([note]));
     let table = succeed(program().arg(&path).args(["--dt", "1"]));
     assert!(table.contains(note), "{table}");
@@ -125,7 +126,8 @@ fn an_exponent_that_is_ok_and_may_be_zero_is_reported() {
     let number = |name: &str| first[name].as_f64().unwrap();
     assert_eq!(first["status"], "ok");
     assert!(number("exponent").abs() < 2.0 * number("stderr"), "{first}");
-    let note = "Zero is within two stderr of exponent 1: that it is ok says nothing of its sign.";
+    let note = "Zero is within two stderr of exponent 1: the sign is uncertain, although the \
+                status is ok.";
     assert_eq!(document["notes"][0], note);
     assert!(run(&[]).contains(note));
 }
@@ -244,7 +246,7 @@ fn writes_a_named_picture() {
         .assert()
         .success()
         .stderr(contains(
-            "exponent 2 is unstable, which is said of the estimate: it changes with \
+            "exponent 2 is unstable, which concerns the estimate: it changes with \
              the size of the neighbourhoods, by more than four standard errors and 5 %, which is \
              bias: try a smaller --step, fewer --neighbours, or more points",
         ))

@@ -98,7 +98,7 @@ fn spurious_exponents_are_marked_in_every_format() {
         .success()
         .stdout(contains("(0.7").and(contains("  spurious  ")))
         .stderr(contains(
-            "exponent 1 is the embedding's own and none of the system's: try --dimension 2",
+            "exponent 1 comes from the embedding, not from the system: try --dimension 2",
         ));
     program(&arguments, &text)
         .arg("--csv")

@@ -42,7 +42,10 @@ fn up_and_down_show_the_hysteresis() {
         .args(["--start", "v=1.8", "--until", "20000", "--out", "d"])
         .assert()
         .success()
-        .stdout(contains("41 values of vd from 1 to 2, up and down"));
+        .stdout(contains("41 values of vd from 1 to 2, up and down"))
+        // The orbit that vanishes is named.
+        .stdout(contains(": lost periodic, period "))
+        .stdout(contains("; reached equilibrium at ("));
     let table = text(top.path().join("d/bifurcation.csv"));
     let cycles = values(&table, "up", "periodic");
     assert_eq!(cycles[0], 1.0);
@@ -108,7 +111,8 @@ fn ways_computed_apart_are_merged_to_what_one_run_gives() {
         .success();
     // A block in the middle of a chain, computed again, is the same.
     std::fs::remove_file(top.path().join("a/sweep/blocks/00000002.block")).unwrap();
-    run(&["--shard", "1/2", "--out", "a"]).stdout(contains("5 blocks, 4 of them there before"));
+    let words = "5 blocks, 4 of them from earlier runs";
+    run(&["--shard", "1/2", "--out", "a"]).stdout(contains(words));
     program(top.path())
         .args(["merge", "--out", "merged", "a", "b"])
         .assert()

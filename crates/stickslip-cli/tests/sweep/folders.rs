@@ -4,9 +4,11 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::json;
-use stickslip_cli::sweep::{Plan, Share, SweepError, Task};
+use stickslip_cli::sweep::{Plan, Share, SweepError, Task, Writer};
 
-use super::common::{block, compute, definition, plan, table, task, undisturbed};
+use super::common::{
+    block, compute, definition, folder, plan, program, table, task, text, undisturbed,
+};
 
 /// The message for a sweep in the folder of another one.
 fn refusal(old: &Plan, new: &Plan) -> String {
@@ -189,4 +191,64 @@ fn shares_are_numbered_from_one() {
         assert!(error.is_usage());
         assert!(error.to_string().contains(&format!("`{wrong}`")), "{error}");
     }
+}
+
+#[test]
+fn only_the_blocks_of_a_share_are_removed() {
+    let plan = plan(4, 2);
+    let folder = tempfile::tempdir().unwrap();
+    let computed = compute(&task(&plan, folder.path())).unwrap();
+    let second = Share::new(2, 2).unwrap();
+    let writer = Writer::open(folder.path(), &plan, second).unwrap();
+    writer.remove_blocks(second).unwrap();
+    let is_there = |block: usize| computed.store.find(block).unwrap().is_some();
+    let there: Vec<usize> = (0..plan.blocks())
+        .filter(|&block| is_there(block))
+        .collect();
+    assert_eq!(there, [0, 1, 4, 5]);
+}
+
+/// What a command reports about its blocks: how many it has computed and found.
+fn blocks_of(folder: &Path, arguments: &[&str]) -> (u64, u64) {
+    let output = program(folder).args(arguments).arg("--json").unwrap();
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let count = |key: &str| json[key].as_u64().unwrap();
+    (count("computed"), count("there_before"))
+}
+
+#[test]
+fn a_sweep_begins_anew_on_request() {
+    let folder = folder();
+    let share = ["basin", "belt", "--grid", "2x4", "--shard", "1/2"];
+    assert_eq!(blocks_of(folder.path(), &share), (2, 0));
+    assert_eq!(blocks_of(folder.path(), &share), (0, 2));
+    let fresh = [&share[..], &["--fresh"]].concat();
+    assert_eq!(blocks_of(folder.path(), &fresh), (2, 0));
+}
+
+#[test]
+fn a_branch_begins_anew_on_request() {
+    let folder = folder();
+    let branch = [
+        "continue",
+        "belt",
+        "--parameter",
+        "vp=0.9:1.1",
+        "--out",
+        "out",
+    ];
+    program(folder.path()).args(branch).assert().success();
+    let table = text(folder.path().join("out/branch.csv"));
+    // A block beyond those of the branch, as of a curve in two parameters.
+    let further = folder.path().join("out/sweep/blocks/00000042.block");
+    fs::write(&further, "").unwrap();
+    program(folder.path()).args(branch).assert().success();
+    assert!(further.exists());
+    program(folder.path())
+        .args(branch)
+        .arg("--fresh")
+        .assert()
+        .success();
+    assert!(!further.exists());
+    assert_eq!(text(folder.path().join("out/branch.csv")), table);
 }

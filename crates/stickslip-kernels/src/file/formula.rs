@@ -13,7 +13,7 @@ pub struct Formula {
     /// The expression as written.
     pub text: String,
     /// The text that was parsed, to which positions in the tree refer.
-    parsed: String,
+    parsed: Box<str>,
     place: TextPosition,
 }
 
@@ -35,7 +35,7 @@ impl Formula {
                 span: 0..whole.len(),
             },
             text: value.to_string(),
-            parsed: value.to_string(),
+            parsed: value.to_string().into(),
             place: TextPosition {
                 text: Some(whole.start),
                 whole,
@@ -63,7 +63,7 @@ impl Formula {
         };
         match parse(text) {
             Ok(tree) => {
-                let parsed = text.to_owned();
+                let parsed = text.into();
                 let text = in_one_line(text);
                 Ok(Formula {
                     tree,

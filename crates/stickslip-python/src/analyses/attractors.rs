@@ -9,24 +9,24 @@ use rayon::prelude::*;
 use stickslip::Error;
 use stickslip::analysis::{attractor_of_many, basin_while};
 use stickslip::dynamics::Vector;
-use stickslip_kernels::file::System as Ready;
+use stickslip_kernels::file::System as CompiledSystem;
 use stickslip_kernels::kernel::{Change, Motion, Outcome};
 use stickslip_kernels::study::{ChangeBetween, Diagram, Largest, recurrence};
 
 use crate::errors::{Failure, failed, no_period, words, wrong};
 use crate::fields::{Fields, array};
-use crate::task::{Report, Task, Tells, computed};
+use crate::task::{ProgressKind, Report, Task, computed};
 use crate::{Settings, System};
 
 /// Start state of the orbit: as given, or that of the system.
-fn begins(system: &Ready, given: Option<&[f64]>) -> Result<Vec<f64>, Failure> {
+fn start_state(system: &CompiledSystem, given: Option<&[f64]>) -> Result<Vec<f64>, Failure> {
     let start = given.map(<[f64]>::to_vec);
     let start = start.or_else(|| system.start());
     start.ok_or_else(|| wrong("the system has no start: give y0").into())
 }
 
 /// Checks whether attractors can be searched.
-fn check(system: &Ready, longest: f64) -> PyResult<()> {
+fn check(system: &CompiledSystem, longest: f64) -> PyResult<()> {
     system.checked_period().map_err(no_period)?;
     let settings = recurrence(system, longest);
     settings
@@ -35,15 +35,15 @@ fn check(system: &Ready, longest: f64) -> PyResult<()> {
 }
 
 /// The motion that an orbit reaches.
-struct Reached {
+struct ReachedMotion {
     motion: Motion,
     phases: String,
     in_stick: f64,
 }
 
-impl Reached {
-    fn of(outcome: &Outcome, system: &Ready) -> Self {
-        Reached {
+impl ReachedMotion {
+    fn of(outcome: &Outcome, system: &CompiledSystem) -> Self {
+        ReachedMotion {
             motion: outcome.motion.clone(),
             phases: system.phases(outcome),
             in_stick: match outcome.points.is_empty() {
@@ -54,7 +54,7 @@ impl Reached {
     }
 }
 
-impl Reached {
+impl ReachedMotion {
     /// Why the run failed, if it did.
     fn reason(&self) -> &str {
         match &self.motion {
@@ -66,30 +66,30 @@ impl Reached {
 
 /// Adds motions, with the reason of each failure. Where an interruption left one out, the texts are
 /// empty.
-fn motions(fields: &Fields<'_>, found: &[Option<Reached>]) -> PyResult<()> {
-    let text = |of: fn(&Reached) -> &str| {
+fn motions(fields: &Fields<'_>, found: &[Option<ReachedMotion>]) -> PyResult<()> {
+    let text = |of: fn(&ReachedMotion) -> &str| {
         let texts = found.iter().map(|one| one.as_ref().map_or("", of));
         texts.collect::<Vec<_>>()
     };
     fields.texts("kind", text(|one| one.motion.word()))?;
     fields.texts("phases", text(|one| &one.phases))?;
-    fields.texts("reason", text(Reached::reason))?;
+    fields.texts("reason", text(ReachedMotion::reason))?;
     let cycles = found.iter().map(|one| match one.as_ref()?.motion {
         Motion::Periodic { period, returns } => Some((period, returns)),
         _ => None,
     });
-    fields.known("period", cycles.clone().map(|one| Some(one?.0)))?;
+    fields.optional_numbers("period", cycles.clone().map(|one| Some(one?.0)))?;
     fields.integers(
         "returns",
         cycles.map(|one| one.map_or(0, |one| one.1 as i64)),
     )?;
     let in_stick = found.iter().map(|one| Some(one.as_ref()?.in_stick));
-    fields.known("in_stick", in_stick)
+    fields.optional_numbers("in_stick", in_stick)
 }
 
 /// Adds outcomes of orbits, with the points of their attractors.
-fn outcomes(fields: &Fields<'_>, system: &Ready, found: &[Outcome]) -> PyResult<()> {
-    let reached = found.iter().map(|one| Some(Reached::of(one, system)));
+fn outcomes(fields: &Fields<'_>, system: &CompiledSystem, found: &[Outcome]) -> PyResult<()> {
+    let reached = found.iter().map(|one| Some(ReachedMotion::of(one, system)));
     motions(fields, &reached.collect::<Vec<_>>())?;
     let points = PyList::empty(fields.py());
     for one in found {
@@ -111,7 +111,7 @@ fn exponents(
         .into_iter()
         .enumerate()
     {
-        fields.known(name, numbers.iter().map(|one| one[k]))?;
+        fields.optional_numbers(name, numbers.iter().map(|one| one[k]))?;
     }
     Ok(())
 }
@@ -129,12 +129,12 @@ pub(crate) fn bifurcation_diagram<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let (parameter, values) = along;
     let (longest, duration, locates) = how;
-    let (ready, options) = (&system.ready, settings.options()?);
-    check(ready, longest)?;
-    let outcome = computed(py, 0, (&report, Tells::Count), |task| {
+    let (compiled, options) = (&system.compiled, settings.options()?);
+    check(compiled, longest)?;
+    let outcome = computed(py, 0, (&report, ProgressKind::Count), |task| {
         let (mut found, mut changes, mut last) = (Vec::new(), Vec::new(), None);
         let follow = || -> Result<(), Failure> {
-            let system = task.system(ready)?;
+            let system = task.system(compiled)?;
             let diagram = Diagram {
                 system: &system,
                 parameter: &parameter,
@@ -144,7 +144,7 @@ pub(crate) fn bifurcation_diagram<'py>(
                 options: &options,
             };
             for value in values {
-                let start = |here: &Ready| begins(here, x.as_deref());
+                let start = |here: &CompiledSystem| start_state(here, x.as_deref());
                 let (at, between, end) = diagram.at(value, last.as_ref(), start, &words)?;
                 if task.is_stopped() {
                     break;
@@ -159,31 +159,31 @@ pub(crate) fn bifurcation_diagram<'py>(
         let ended = follow();
         ((found, changes), ended)
     })?;
-    let ((found, changes), raised) = outcome.partial(|error: Failure| error.raised(ready))?;
+    let ((found, changes), raised) = outcome.partial(|error: Failure| error.raised(compiled))?;
     let fields = Fields::new(py);
     fields.numbers("parameter", found.iter().map(|at| at.value))?;
     exponents(&fields, duration, found.iter().map(|at| at.largest))?;
     let all: Vec<Outcome> = found.into_iter().map(|at| at.outcome).collect();
-    outcomes(&fields, ready, &all)?;
+    outcomes(&fields, compiled, &all)?;
     let changes = ChangeBetween::along(changes);
-    fields.fields("changes", located(py, ready, &changes)?)?;
+    fields.fields("changes", located(py, compiled, &changes)?)?;
     fields.ended(raised)
 }
 
 /// Changes of an attractor as a table.
 fn located<'py>(
     py: Python<'py>,
-    system: &Ready,
+    system: &CompiledSystem,
     changes: &[ChangeBetween],
 ) -> PyResult<Fields<'py>> {
     let all = || changes.iter().map(|at| &at.change);
     let table = Fields::new(py);
     table.texts("name", all().map(Change::name))?;
-    table.known("parameter", all().map(Change::parameter))?;
-    table.known("uncertainty", all().map(Change::uncertainty))?;
+    table.optional_numbers("parameter", all().map(Change::parameter))?;
+    table.optional_numbers("uncertainty", all().map(Change::uncertainty))?;
     table.numbers("from_value", changes.iter().map(|at| at.values.0))?;
     table.numbers("to_value", changes.iter().map(|at| at.values.1))?;
-    table.known("period", all().map(Change::period))?;
+    table.optional_numbers("period", all().map(Change::period))?;
     let phases = |change: &Change| match change {
         Change::Sequence { before, after, .. } => (system.sequence(before), system.sequence(after)),
         _ => (String::new(), String::new()),
@@ -209,18 +209,18 @@ pub(crate) fn parameter_map<'py>(
     report: Report,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (longest, duration, workers) = how;
-    let (ready, options) = (&system.ready, settings.options()?);
-    check(ready, longest)?;
+    let (compiled, options) = (&system.compiled, settings.options()?);
+    check(compiled, longest)?;
     let [(name, columns), (other, rows)] = &plane;
     // The memory for a cell must not grow with the number of its points.
-    type Cell = Option<(Reached, Largest)>;
-    let cell = |system: &Ready, task: &Task, index: usize| -> Result<Cell, Failure> {
+    type Cell = Option<(ReachedMotion, Largest)>;
+    let cell = |system: &CompiledSystem, task: &Task, index: usize| -> Result<Cell, Failure> {
         if task.is_stopped() {
             return Ok(None);
         }
         let (column, row) = (columns[index % columns.len()], rows[index / columns.len()]);
         let here = system.with_values(&[(name, column), (other, row)])?;
-        let start = begins(&here, x.as_deref())?;
+        let start = start_state(&here, x.as_deref())?;
         let recurrence = recurrence(&here, longest);
         let reached = attractor_of_many(here.dynamics(), &*start, &recurrence, &options)?;
         let outcome = Outcome::of(&reached, &|error| words(error, &here));
@@ -232,10 +232,10 @@ pub(crate) fn parameter_map<'py>(
             return Ok(None);
         }
         task.count();
-        Ok(Some((Reached::of(&outcome, system), largest)))
+        Ok(Some((ReachedMotion::of(&outcome, system), largest)))
     };
-    let outcome = computed(py, workers, (&report, Tells::Count), |task| {
-        let system = task.system(ready)?;
+    let outcome = computed(py, workers, (&report, ProgressKind::Count), |task| {
+        let system = task.system(compiled)?;
         let cells = (0..columns.len() * rows.len()).into_par_iter();
         let cells = cells
             .with_max_len(1)
@@ -245,7 +245,7 @@ pub(crate) fn parameter_map<'py>(
     let raised = outcome.raised;
     let cells = match outcome.found {
         Ok(cells) => cells,
-        Err(error) => return Err(raised.unwrap_or_else(|| error.raised(ready))),
+        Err(error) => return Err(raised.unwrap_or_else(|| error.raised(compiled))),
     };
     let (reached, largest): (Vec<_>, Vec<_>) = cells.into_iter().map(Option::unzip).unzip();
     let fields = Fields::new(py);
@@ -270,9 +270,9 @@ pub(crate) fn basins<'py>(
     report: Report,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (longest, workers) = how;
-    let (ready, options) = (&system.ready, settings.options()?);
-    check(ready, longest)?;
-    let settings = recurrence(ready, longest);
+    let (compiled, options) = (&system.compiled, settings.options()?);
+    check(compiled, longest)?;
+    let settings = recurrence(compiled, longest);
     let starts = starts.as_array();
     let states = starts.ncols();
     let starts: Vec<Vector> = starts
@@ -280,24 +280,25 @@ pub(crate) fn basins<'py>(
         .into_iter()
         .map(|row| Vector::from_iterator(states, row.iter().copied()))
         .collect();
-    let outcome = computed(py, workers, (&report, Tells::Count), |task| {
-        let system = task.system(ready)?;
-        let asked = || match task.is_stopped() {
+    let outcome = computed(py, workers, (&report, ProgressKind::Count), |task| {
+        let system = task.system(compiled)?;
+        let go_on = || match task.is_stopped() {
             true => ControlFlow::Break(()),
             false => {
                 task.count();
                 ControlFlow::Continue(())
             }
         };
-        let found = basin_while(system.dynamics(), starts, &settings, &options, asked);
+        let found = basin_while(system.dynamics(), starts, &settings, &options, go_on);
         Ok(found?)
     })?;
     let found = outcome.found;
-    let (attractors, reached) = found.map_err(|error: Failure| error.raised(ready))?;
+    let (attractors, reached) = found.map_err(|error: Failure| error.raised(compiled))?;
     let attractors = attractors.iter();
-    let attractors = attractors.map(|one| Outcome::of(one, &|error: &Error| words(error, ready)));
+    let attractors =
+        attractors.map(|one| Outcome::of(one, &|error: &Error| words(error, compiled)));
     let fields = Fields::new(py);
-    outcomes(&fields, ready, &attractors.collect::<Vec<_>>())?;
+    outcomes(&fields, compiled, &attractors.collect::<Vec<_>>())?;
     let reached = reached.iter().map(|one| one.map_or(-1, |one| one as i64));
     fields.integers("reached", reached)?;
     fields.ended(outcome.raised)

@@ -9,7 +9,7 @@ use stickslip::analysis::{
     ContinuationSettings, CycleBifurcation, PartialBranch, PeriodicOrbit, SpecialPoint,
 };
 use stickslip::dynamics::Vector;
-use stickslip_kernels::file::System as Ready;
+use stickslip_kernels::file::System as CompiledSystem;
 use stickslip_kernels::kernel::Change;
 use stickslip_kernels::study::{Along, BranchEnd, DirectedBranch, WholeBranch, only_once};
 
@@ -17,12 +17,12 @@ use super::Start;
 use super::orbits::{Search, approached};
 use crate::errors::Failure;
 use crate::fields::{Fields, complex};
-use crate::task::{Report, Task, Tells, computed};
+use crate::task::{ProgressKind, Report, Task, computed};
 use crate::{Settings, System};
 
 /// Follows the branch through an orbit in one direction. After an interruption it is what was found
 /// before, since results that are computed during one are unreliable.
-fn way(
+fn directed_branch(
     along: &Along<'_>,
     (orbit, x): (&PeriodicOrbit, &[f64]),
     is_upwards: bool,
@@ -84,9 +84,9 @@ pub(crate) fn continuation<'py>(
     let (t, x) = start;
     let (parameter, low, high) = range;
     let (step, most_points) = how;
-    let (ready, options) = (&system.ready, settings.options()?);
-    let outcome = computed(py, 2, (&report, Tells::Count), |task| {
-        let system = task.system(ready)?;
+    let (compiled, options) = (&system.compiled, settings.options()?);
+    let outcome = computed(py, 2, (&report, ProgressKind::Count), |task| {
+        let system = task.system(compiled)?;
         let along = Along::new(&system, &parameter, (low, high))?;
         let mut settings = ContinuationSettings {
             step,
@@ -98,8 +98,9 @@ pub(crate) fn continuation<'py>(
         settings.forced = system.built.depends_on_time.then_some(orbit.period);
         let x = along.at_zero(&orbit, &options)?;
         let begin = (&orbit, &*[x.as_slice(), &[along.value]].concat());
-        let way = |is_upwards| way(&along, begin, is_upwards, (&settings, &options), task);
-        let (down, up) = rayon::join(|| way(false), || way(true));
+        let directed =
+            |is_upwards| directed_branch(&along, begin, is_upwards, (&settings, &options), task);
+        let (down, up) = rayon::join(|| directed(false), || directed(true));
         let ((mut down, low), (mut up, high)) = (down?, up?);
         only_once(&mut down, &mut up);
         Ok::<_, Failure>(along.joined([(down, low), (up, high)])?)
@@ -107,13 +108,17 @@ pub(crate) fn continuation<'py>(
     let (branch, raised) = match outcome.found {
         Ok(branch) => (branch, outcome.raised),
         // Before the branch begins nothing is kept.
-        Err(error) => return Err(outcome.raised.unwrap_or_else(|| error.raised(ready))),
+        Err(error) => return Err(outcome.raised.unwrap_or_else(|| error.raised(compiled))),
     };
-    described(py, ready, &branch)?.ended(raised)
+    described(py, compiled, &branch)?.ended(raised)
 }
 
 /// A branch for Python.
-fn described<'py>(py: Python<'py>, system: &Ready, branch: &WholeBranch) -> PyResult<Fields<'py>> {
+fn described<'py>(
+    py: Python<'py>,
+    system: &CompiledSystem,
+    branch: &WholeBranch,
+) -> PyResult<Fields<'py>> {
     let states = system.states();
     let orbits = || branch.points.iter().map(|point| &point.orbit);
     let fields = Fields::new(py);
@@ -148,8 +153,8 @@ fn described<'py>(py: Python<'py>, system: &Ready, branch: &WholeBranch) -> PyRe
     let table = Fields::new(py);
     table.texts("name", special.iter().map(|at| &at.name))?;
     table.numbers("parameter", special.iter().map(|at| at.parameter))?;
-    table.known("uncertainty", special.iter().map(|at| at.uncertainty))?;
-    table.known("period", special.iter().map(|at| at.period))?;
+    table.optional_numbers("uncertainty", special.iter().map(|at| at.uncertainty))?;
+    table.optional_numbers("period", special.iter().map(|at| at.period))?;
     table.texts("before", special.iter().map(|at| &at.phases[0]))?;
     table.texts("after", special.iter().map(|at| &at.phases[1]))?;
     table.rows("y", special.iter().map(|at| &at.x), states)?;
@@ -171,7 +176,7 @@ struct Row {
 }
 
 impl Row {
-    fn of(at: &SpecialPoint, system: &Ready) -> Self {
+    fn of(at: &SpecialPoint, system: &CompiledSystem) -> Self {
         let (name, phases) = match &at.what {
             CycleBifurcation::Sequence(change) => (
                 Change::from(&**change).name(),

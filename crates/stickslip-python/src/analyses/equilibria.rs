@@ -5,12 +5,12 @@ use pyo3::types::PyDict;
 use stickslip::analysis::{
     ContinuationSettings, EquilibriumBifurcation, SpecialEquilibrium, continue_equilibrium,
 };
-use stickslip_kernels::file::System as Ready;
+use stickslip_kernels::file::System as CompiledSystem;
 use stickslip_kernels::study::{Along, BranchEnd, EquilibriaOfBranch, equilibrium};
 
 use crate::errors::Failure;
 use crate::fields::{Fields, complex};
-use crate::task::{Tells, computed};
+use crate::task::{ProgressKind, computed};
 use crate::{Settings, System};
 
 /// The branch of equilibria through the one that the orbit from a start approaches, in both
@@ -27,9 +27,9 @@ pub(crate) fn equilibrium_continuation<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let (parameter, low, high) = range;
     let (step, most_points) = how;
-    let (ready, options) = (&system.ready, settings.options()?);
-    let branch = computed(py, 2, (&None, Tells::Count), |task| {
-        let system = task.system(ready)?;
+    let (compiled, options) = (&system.compiled, settings.options()?);
+    let branch = computed(py, 2, (&None, ProgressKind::Count), |task| {
+        let system = task.system(compiled)?;
         let along = Along::new(&system, &parameter, (low, high))?;
         let settings = ContinuationSettings {
             step,
@@ -45,14 +45,14 @@ pub(crate) fn equilibrium_continuation<'py>(
         let (down, up) = rayon::join(|| direction(false), || direction(true));
         Ok(EquilibriaOfBranch::joined([down?, up?]))
     })?;
-    let branch = branch.whole(|error: Failure| error.raised(ready))?;
-    described(py, ready, &branch)?.ended(None)
+    let branch = branch.whole(|error: Failure| error.raised(compiled))?;
+    described(py, compiled, &branch)?.ended(None)
 }
 
 /// A branch for Python.
 fn described<'py>(
     py: Python<'py>,
-    system: &Ready,
+    system: &CompiledSystem,
     branch: &EquilibriaOfBranch,
 ) -> PyResult<Fields<'py>> {
     let states = system.states();
@@ -84,7 +84,7 @@ fn described<'py>(
         EquilibriumBifurcation::Hopf { frequency } => Some(frequency),
         _ => None,
     });
-    table.known("frequency", frequencies)?;
+    table.optional_numbers("frequency", frequencies)?;
     table.texts("contact", boundaries().map(|at| at.contact))?;
     table.texts("before", boundaries().map(|at| at.modes[0].clone()))?;
     table.texts("after", boundaries().map(|at| at.modes[1].clone()))?;
@@ -104,7 +104,7 @@ struct Boundary {
 }
 
 impl Boundary {
-    fn of(at: &SpecialEquilibrium, system: &Ready) -> Self {
+    fn of(at: &SpecialEquilibrium, system: &CompiledSystem) -> Self {
         match &at.what {
             EquilibriumBifurcation::Boundary {
                 contact,

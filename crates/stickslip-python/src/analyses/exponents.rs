@@ -15,7 +15,7 @@ use stickslip_series::{
 use super::Start;
 use crate::errors::{Failure, computation, option};
 use crate::fields::Fields;
-use crate::task::{Report, Task, Tells, computed};
+use crate::task::{ProgressKind, Report, Task, computed};
 use crate::{Settings, System};
 
 /// The spectrum of Lyapunov exponents.
@@ -30,19 +30,19 @@ pub(crate) fn lyapunov_spectrum<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let (t, x) = start;
     let (transient, duration) = span;
-    let ready = &system.ready;
+    let compiled = &system.compiled;
     let settings = SpectrumOptions::over(transient, duration).solver(settings.options()?);
-    let spectrum = computed(py, 1, (&report, Tells::Time), |task| {
-        let system = task.system(ready)?;
+    let spectrum = computed(py, 1, (&report, ProgressKind::Time), |task| {
+        let system = task.system(compiled)?;
         let start = (t, x.as_slice());
         let found = stickslip::analysis::lyapunov_spectrum(system.dynamics(), start, &settings);
         Ok(found?)
     })?;
-    let spectrum = spectrum.whole(|error: Failure| error.raised(ready))?;
+    let spectrum = spectrum.whole(|error: Failure| error.raised(compiled))?;
     let (exponents, duration) = (&spectrum.exponents, spectrum.duration);
     let fields = Fields::new(py);
     fields.numbers("exponents", exponents.iter().map(Exponent::value))?;
-    fields.known("std_errors", exponents.iter().map(Exponent::std_error))?;
+    fields.optional_numbers("std_errors", exponents.iter().map(Exponent::std_error))?;
     let uncertainties = exponents.iter().map(|one| match one {
         Exponent::Finite { .. } => one.uncertainty(duration),
         Exponent::Annihilated => f64::NAN,
@@ -74,7 +74,7 @@ fn of_series(
 ) -> Result<OfSeries, DataError> {
     let part = |number: usize| {
         move |done: usize, total: usize| {
-            task.reached(PART * number + PART * done / total.max(1));
+            task.set_done(PART * number + PART * done / total.max(1));
             match task.is_stopped() {
                 true => ControlFlow::Break(()),
                 false => ControlFlow::Continue(()),
@@ -124,7 +124,7 @@ pub(crate) fn lyapunov_from_data<'py>(
         dimension,
         theiler: None,
     };
-    let found = computed(py, 0, (&report, Tells::Count), |task| {
+    let found = computed(py, 0, (&report, ProgressKind::Count), |task| {
         of_series(&series, &embedding, task)
     })?;
     let OfSeries { spectrum, embedded } = found.whole(refused)?;

@@ -5,14 +5,14 @@ use pyo3::types::PyDict;
 use stickslip::Options;
 use stickslip::analysis::{PeriodicOrbit, PoincareMap, Stability, multipliers};
 use stickslip::dynamics::Section;
-use stickslip_kernels::file::System as Ready;
+use stickslip_kernels::file::System as CompiledSystem;
 use stickslip_kernels::kernel::{Run, follow};
 use stickslip_kernels::study::{PeriodicSearch, PhasesOfPeriod, SearchError};
 
 use super::Start;
 use crate::errors::Failure;
 use crate::fields::{Fields, complex};
-use crate::task::{Report, Tells, computed};
+use crate::task::{ProgressKind, Report, computed};
 use crate::{Settings, System};
 
 /// Settings of the search for a periodic orbit: duration of the transient and period if given,
@@ -21,7 +21,7 @@ pub(super) type Search = (Option<f64>, Option<f64>, f64, Option<u32>);
 
 /// The periodic orbit that the orbit from a start approaches.
 pub(super) fn approached(
-    system: &Ready,
+    system: &CompiledSystem,
     start: (f64, &[f64]),
     (transient, period, longest, periods): Search,
     options: &Options,
@@ -45,9 +45,9 @@ pub(crate) fn periodic_orbit<'py>(
     settings: Settings,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (t, x) = start;
-    let (ready, options) = (&system.ready, settings.options()?);
-    let orbit = computed(py, 1, (&None, Tells::Count), |task| {
-        let system = task.system(ready)?;
+    let (compiled, options) = (&system.compiled, settings.options()?);
+    let orbit = computed(py, 1, (&None, ProgressKind::Count), |task| {
+        let system = task.system(compiled)?;
         let orbit = approached(&system, (t, &x), search, &options)?;
         let once = Run {
             t: orbit.t,
@@ -59,9 +59,9 @@ pub(crate) fn periodic_orbit<'py>(
         follow(system.dynamics(), &once, &Section::None, &mut phases)?;
         Ok((orbit, phases))
     })?;
-    let (orbit, phases) = orbit.whole(|error: Failure| error.raised(ready))?;
+    let (orbit, phases) = orbit.whole(|error: Failure| error.raised(compiled))?;
     // The first multiplier of an autonomous system is trivial.
-    let trivial = usize::from(!ready.built.depends_on_time);
+    let trivial = usize::from(!compiled.built.depends_on_time);
     let all = multipliers(&orbit.monodromy);
     let stability = Stability::of(all.get(trivial..).unwrap_or_default());
     let fields = Fields::new(py);
@@ -75,7 +75,7 @@ pub(crate) fn periodic_orbit<'py>(
     fields.put("multipliers", complex(py, &all))?;
     fields.put("stability", stability.to_string())?;
     fields.put("in_stick", phases.stick / orbit.period)?;
-    fields.put("phases", ready.sequence(&phases.cycle()))?;
+    fields.put("phases", compiled.sequence(&phases.cycle()))?;
     fields.ended(None)
 }
 
@@ -91,12 +91,12 @@ pub(crate) fn poincare_map<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let (t, x) = start;
     let (returns, longest, with_derivative) = how;
-    let (ready, options) = (&system.ready, settings.options()?);
+    let (compiled, options) = (&system.compiled, settings.options()?);
     let states = x.len();
-    let outcome = computed(py, 1, (&report, Tells::Count), |task| {
+    let outcome = computed(py, 1, (&report, ProgressKind::Count), |task| {
         let mut found = Vec::new();
         let mut follow = || -> Result<(), Failure> {
-            let system = task.system(ready)?;
+            let system = task.system(compiled)?;
             let start = (t, x.as_slice());
             let dynamics = &**system.dynamics();
             let mut map =
@@ -116,11 +116,14 @@ pub(crate) fn poincare_map<'py>(
         let ended = follow();
         (found, ended)
     })?;
-    let (found, raised) = outcome.partial(|error: Failure| error.raised(ready))?;
+    let (found, raised) = outcome.partial(|error: Failure| error.raised(compiled))?;
     let fields = Fields::new(py);
     fields.numbers("t", found.iter().map(|(at, _)| at.t))?;
     fields.rows("y", found.iter().map(|(at, _)| &at.x), states)?;
-    fields.texts("mode", found.iter().map(|(at, _)| ready.letters(&at.mode)))?;
+    fields.texts(
+        "mode",
+        found.iter().map(|(at, _)| compiled.letters(&at.mode)),
+    )?;
     let derivatives = found
         .iter()
         .filter_map(|(_, derivative)| derivative.as_ref());

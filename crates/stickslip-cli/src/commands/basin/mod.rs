@@ -16,7 +16,7 @@ use super::range::{StateRange, grid, not_too_many};
 use super::sweeping::{Sweep, SweepArguments, UntilArguments, sweep, table, to_content};
 use super::{attractors, figures};
 use crate::failure::Failure;
-use crate::render::{Answer, Report, Table, state_words};
+use crate::render::{CommandOutput, Report, Table, state_words};
 use crate::sweep::{BlockError, Store, SweepError};
 use starts::Points;
 use stickslip_kernels::file::System;
@@ -25,15 +25,16 @@ use stickslip_kernels::study::recurrence;
 
 /// Find which attractor each of many starts in a plane leads to
 ///
-/// Attractors are found by recurrence; none need be named. A "recurrent" one comes back near to
-/// all its states and never closes: it is quasi-periodic or chaotic, and `lyapunov` says which.
-/// Starts that escape, fail or are undecided have rows of their own and no number.
+/// Attractors are found by recurrence and need not be known before. A "recurrent" attractor returns
+/// close to each of its states but does not close. It is quasi-periodic or chaotic; `lyapunov`
+/// distinguishes the two. Starts that escape, fail or are undecided have rows of their own and no
+/// number.
 ///
-/// States outside the plane start as the file or --start says. A discrete state can be in the
-/// plane, too: --y n=-0.5:1.5 with two rows of --grid takes it as 0 and as 1.
+/// States outside the plane start at their values in the file, or at those of --start. A discrete
+/// state can be in the plane, too: --y n=-0.5:1.5 with two rows of --grid takes it as 0 and as 1.
 ///
 /// Writes basin.csv with all starts, attractors.csv with the shares and their standard errors, and
-/// basin.svg. Finished blocks are in sweep/: after a kill the same command goes on from there.
+/// basin.svg. Finished blocks are in sweep/: after a kill, the same command resumes from them.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// Range of the first coordinate of the starts; default: the first state, with its range in the
@@ -45,11 +46,11 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "STATE=LOW:HIGH")]
     y: Option<String>,
 
-    /// Starts in the middle of so many cells along each coordinate
+    /// Numbers of cells along the coordinates; a start lies in the middle of each cell
     #[arg(long, value_name = "COLUMNSxROWS", default_value = "100x100")]
     grid: String,
 
-    /// So many random starts instead of a grid
+    /// Number of random starts, instead of a grid
     #[arg(long, value_name = "NUMBER", value_parser = count, conflicts_with = "grid")]
     random: Option<NonZeroUsize>,
 
@@ -66,7 +67,7 @@ pub(super) struct Arguments {
     run: RunArguments,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
+pub(super) fn run(arguments: &Arguments) -> Result<CommandOutput, Failure> {
     sweep(&arguments.sweep, &arguments.run, |system| {
         Basin::new(arguments, system)
     })
@@ -113,9 +114,9 @@ impl Basin {
             let name = &system.file.states[range.state].name;
             if arguments.run.start.sets(name) {
                 return Err(Failure::Usage(format!(
-                    "--start {name}=… has no effect: the starts go through {name} from {} to {}; \
-                     leave it out, or choose another plane with --x and --y",
-                    range.low, range.high
+                    "--start {name}=… has no effect: the starts go through {}; leave it out, or \
+                     choose another plane with --x and --y",
+                    range.words(system)
                 )));
             }
         }
@@ -196,15 +197,12 @@ impl Sweep for Basin {
         let path = out.join("basin.csv");
         let (attractors, reached) = self.read(system, store, &path)?;
         let starts = reached.len();
-        let [x, y] = self.plane.map(|range| {
-            let name = &system.file.states[range.state].name;
-            format!("{name} from {} to {}", range.low, range.high)
-        });
+        let [x, y] = self.plane.map(|range| range.words(system));
         let mut report = Report::of(system, format!("{starts} starts, {x}, {y}"));
         report.field("starts", starts).file(path);
         report.note("attractor   share  std. error  motion");
         // Attractors come first, by number; outcomes that are no attractor follow.
-        let mut in_order: Vec<&Attracting> = attractors.iter().collect();
+        let mut in_order: Vec<&OutcomeShare> = attractors.iter().collect();
         in_order.sort_by_key(|one| one.number.is_none());
         for one in &in_order {
             let number = one.number.map(|number| number.to_string());
@@ -227,7 +225,7 @@ impl Sweep for Basin {
         report
             .field("attractors", json(true))
             .field("no_attractor", json(false));
-        let table = Table::new().column("attractor", |one: &&Attracting| one.number);
+        let table = Table::new().column("attractor", |one: &&OutcomeShare| one.number);
         let table = attractors::columns(system, table, |one| &one.outcome)
             .column("starts", |one| one.starts)
             .column("share", |one| one.share)
@@ -243,7 +241,7 @@ impl Sweep for Basin {
 
 /// An attractor, or an outcome that is no attractor (such as escape), with the starts that lead to
 /// it.
-struct Attracting {
+struct OutcomeShare {
     outcome: Outcome,
     /// Dimension of the family of periodic orbits that this attractor represents. The first orbit
     /// of a family represents it.
@@ -296,7 +294,7 @@ impl Basin {
         system: &System,
         store: &Store,
         path: &Path,
-    ) -> Result<(Vec<Attracting>, Vec<u32>), Failure> {
+    ) -> Result<(Vec<OutcomeShare>, Vec<u32>), Failure> {
         let settings = recurrence(system, self.until);
         let options = self.solver.options()?;
         let (mut known, mut reached) = (Vec::new(), Vec::new());
@@ -328,9 +326,9 @@ impl Basin {
             starts[attractor as usize] += 1;
         }
         let (numbers, all) = (numbers_of(&known), reached.len() as f64);
-        let attracting = |((outcome, number), starts): ((Outcome, _), usize)| {
+        let share_of = |((outcome, number), starts): ((Outcome, _), usize)| {
             let share = starts as f64 / all;
-            Attracting {
+            OutcomeShare {
                 family: outcome.family.unwrap_or(0),
                 outcome,
                 number,
@@ -340,10 +338,10 @@ impl Basin {
             }
         };
         let attractors = known.into_iter().zip(numbers).zip(starts);
-        Ok((attractors.map(attracting).collect(), reached))
+        Ok((attractors.map(share_of).collect(), reached))
     }
 
-    fn json(&self, one: &Attracting, system: &System) -> Value {
+    fn json(&self, one: &OutcomeShare, system: &System) -> Value {
         let mut json = match &one.outcome.motion {
             motion if motion.is_attractor() => attractors::json(&one.outcome, system),
             Motion::Failure(error) => json!({ "motion": "failure", "first_error": error }),
@@ -360,7 +358,7 @@ impl Basin {
     }
 
     /// The plane of starts, coloured by attractor.
-    fn figure(&self, attractors: &[Attracting], reached: &[u32], system: &System) -> Figure {
+    fn figure(&self, attractors: &[OutcomeShare], reached: &[u32], system: &System) -> Figure {
         let axis = |k: usize| {
             let range = &self.plane[k];
             let state = &system.file.states[range.state];

@@ -25,6 +25,17 @@ type Points = Vec<(f64, f64)>;
 /// Selects the points that a panel shows of one pass.
 type Shown = fn(&OneDirection) -> &Points;
 
+/// An attractor at a value, and a motion of another class at the next value.
+pub(super) struct Replacement {
+    pub(super) values: (f64, f64),
+    /// The attractor at the first value, in words.
+    pub(super) lost: String,
+    /// The motion at the second value, in words.
+    pub(super) reached: String,
+    /// The class of that motion.
+    pub(super) class: String,
+}
+
 /// What the figure shows of one pass through the range.
 #[derive(Default)]
 pub(super) struct OneDirection {
@@ -38,10 +49,13 @@ pub(super) struct OneDirection {
     pub(super) changes: Vec<ChangeBetween>,
     /// Intervals of the parameter with the same motion, in the order of the pass, and the motion.
     pub(super) spans: Vec<(f64, f64, String)>,
+    /// The last value and the attractor there in words, if the orbit reached one.
+    last: Option<(f64, String)>,
+    pub(super) replacements: Vec<Replacement>,
 }
 
 impl OneDirection {
-    fn add(&mut self, system: &System, at: &AtValue) {
+    fn add(&mut self, system: &System, at: &AtValue, until: f64) {
         let value = at.value;
         let points = at.outcome.points.iter();
         self.section.extend(points.map(|(_, x)| (value, x[0])));
@@ -53,10 +67,23 @@ impl OneDirection {
         {
             self.exponents.push((value, exponent));
         }
-        let motion = system.class(&at.outcome);
+        let class = system.class(&at.outcome);
+        let words = attractors::words(system, &at.outcome, until);
+        let is_attractor = at.outcome.motion.is_attractor();
+        let here = is_attractor.then(|| (value, words.clone()));
+        let last = std::mem::replace(&mut self.last, here);
         match self.spans.last_mut() {
-            Some(last) if last.2 == motion => last.1 = value,
-            _ => self.spans.push((value, value, motion)),
+            Some(span) if span.2 == class => span.1 = value,
+            _ => {
+                self.spans.push((value, value, class.clone()));
+                self.replacements
+                    .extend(last.map(|(before, lost)| Replacement {
+                        values: (before, value),
+                        lost,
+                        reached: words,
+                        class,
+                    }));
+            }
         }
     }
 }
@@ -95,7 +122,7 @@ impl Bifurcation {
             changes[number].extend(part.changes);
             let mut rows = Vec::new();
             for at in part.found.into_iter().map(Rc::new) {
-                way.add(system, &at);
+                way.add(system, &at, self.until);
                 let points = (0..at.outcome.points.len()).map(Some);
                 let none = at.outcome.points.is_empty().then_some(None);
                 rows.extend(points.chain(none).map(|point| (number, at.clone(), point)));

@@ -8,6 +8,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use stickslip::analysis::AttractorChange;
+use stickslip::error::readable;
 
 use super::arguments::{RunArguments, SolverArguments, StartArguments, count};
 use super::range::{ParameterRange, not_too_many};
@@ -17,35 +18,35 @@ use super::sweeping::{
 };
 use super::{attractors, changes};
 use crate::failure::{Failure, in_words};
-use crate::render::{Answer, Report, Table, place, rounded};
+use crate::render::{CommandOutput, Report, Table, place};
 use crate::sweep::{BlockError, Store};
 use diagram::DIRECTION_NAMES;
 use stickslip_kernels::file::System;
 use stickslip_kernels::study::{AtValue, ChangeBetween, Diagram, ValueEnd, recurrence};
 
-/// Follow attractors over a parameter, up and down, each from the state reached at the value before
+/// Follow attractors along a parameter, up and down
 ///
-/// For each value: the points of the section, the sequence of phases, durations and lengths of
-/// stick, and the largest Lyapunov exponent. Where both ways differ, there is more than one
-/// attractor.
+/// The orbit at each value starts from the last state at the value before. The result has, for each
+/// value, the points of the section, the sequence of phases, durations and lengths of stick, and
+/// the largest Lyapunov exponent. If the two directions differ, there is more than one attractor.
 ///
-/// A change of the phases is located and named by the event function that vanishes there. Where
-/// none does, a multiplier on the unit circle names it: a fold, flip, Neimark-Sacker bifurcation or
-/// branch point. Equilibria are followed to where they lose their stability or come to the
-/// boundary. Where one orbit ends and the run comes to another that began elsewhere, both places
-/// are reported.
+/// A change of the phases is located and named by the event function that vanishes there. If none
+/// vanishes, a multiplier on the unit circle names it: a fold, flip, Neimark-Sacker bifurcation or
+/// branch point. An equilibrium is followed to where it loses its stability or reaches the
+/// boundary. If one orbit ends and the run reaches another that begins elsewhere, both places are
+/// reported.
 ///
 /// Writes bifurcation.csv, sticks.csv, changes.csv and bifurcation.svg. In changes.csv `before` and
-/// `after` are the phases of the orbit that is followed through the change. Where it is unstable
-/// behind the change, the attractor there is another one, whose phases are in bifurcation.csv.
-/// Finished blocks are in sweep/: after a kill the same command goes on from there.
+/// `after` are the phases of the orbit that is followed through the change. If that orbit is
+/// unstable after the change, the attractor there is another one; bifurcation.csv has its phases.
+/// Finished blocks are in sweep/: after a kill, the same command resumes from them.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// The parameter and its range
     #[arg(long, value_name = "NAME=LOW:HIGH")]
     parameter: String,
 
-    /// Number of values, both ends among them
+    /// Number of values, including both ends
     #[arg(long, value_name = "NUMBER", value_parser = count, default_value = "201")]
     values: NonZeroUsize,
 
@@ -61,7 +62,7 @@ pub(super) struct Arguments {
     run: RunArguments,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
+pub(super) fn run(arguments: &Arguments) -> Result<CommandOutput, Failure> {
     sweep(&arguments.sweep, &arguments.run, |system| {
         Bifurcation::new(arguments, system)
     })
@@ -71,7 +72,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
 const IN_BLOCK: usize = 10;
 
 /// Number of passes through the range: up and down.
-const WAYS: NonZeroUsize = NonZeroUsize::MIN.saturating_add(1);
+const DIRECTIONS: NonZeroUsize = NonZeroUsize::MIN.saturating_add(1);
 
 /// Everything that a diagram depends on, except the system.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -182,7 +183,7 @@ impl Sweep for Bifurcation {
     const COMMAND: &'static str = "bifurcation";
 
     fn size(&self) -> (NonZeroUsize, NonZeroUsize) {
-        (WAYS, self.blocks())
+        (DIRECTIONS, self.blocks())
     }
 
     fn block(
@@ -199,14 +200,11 @@ impl Sweep for Bifurcation {
         let directions = self.read(system, store, &paths)?;
         let range = &self.parameter;
         let (values, name) = (self.values, &range.name);
-        let what = format!(
-            "{values} values of {name} from {} to {}, up and down",
-            range.low, range.high
-        );
+        let what = format!("{values} values of {}, up and down", range.words());
         let mut report = Report::of(system, what);
         for (name, way) in DIRECTION_NAMES.into_iter().zip(&directions) {
             for (first, last, motion) in &way.spans {
-                let [first, last] = [*first, *last].map(rounded);
+                let [first, last] = [*first, *last].map(readable);
                 let motion = attractors::since(motion, self.until);
                 report.note(format!("{name:<4}  {first} to {last}: {motion}"));
             }
@@ -216,12 +214,23 @@ impl Sweep for Bifurcation {
                         let uncertainty = change.uncertainty().unwrap_or(0.0);
                         format!("at {}", place(value, uncertainty))
                     }
-                    None => format!("between {} and {}", rounded(values.0), rounded(values.1)),
+                    None => format!("between {} and {}", readable(values.0), readable(values.1)),
                 };
                 report.note(format!(
                     "{name:<4}  {at}: {}",
                     changes::words(system, change)
                 ));
+            }
+            for one in &way.replacements {
+                let between = way.changes.iter().filter(|at| at.values == one.values);
+                let between: Vec<_> = between.map(|at| &at.change).collect();
+                if changes::lose_attractor(system, &between, &one.class) {
+                    let [from, to] = [one.values.0, one.values.1].map(readable);
+                    report.note(format!(
+                        "{name:<4}  between {from} and {to}: lost {}; reached {}",
+                        one.lost, one.reached
+                    ));
+                }
             }
             let spans = way.spans.iter().map(
                 |(first, last, motion)| json!({ "from": first, "to": last, "motion": motion }),

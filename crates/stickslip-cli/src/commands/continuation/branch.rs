@@ -14,25 +14,25 @@ use stickslip_kernels::file::System;
 use stickslip_kernels::study::{Along, WholeBranch, only_once};
 
 use super::super::range::ParameterRange;
-use super::saving::{Saving, saved, saved_or_computed};
+use super::saving::{BranchSaver, saved, saved_or_computed};
 use crate::failure::Failure;
 use crate::sweep::Writer;
 use crate::terminal::Status;
 
 /// The first blocks behind those of both directions. For each special orbit there are two: its
 /// curve in two parameters, and the branches that begin there.
-const CURVES: usize = super::WAYS.get();
+const CURVES: usize = super::DIRECTIONS.get();
 const BRANCHES: usize = CURVES + 1;
 
 /// A branch that begins at a special orbit of the branch with the number 0.
-pub(super) struct Other {
+pub(super) struct SideBranch {
     /// Index of that orbit among the special ones, from 0.
     pub(super) from: usize,
     pub(super) branch: WholeBranch,
 }
 
-/// A second parameter.
-pub(super) struct Also {
+/// A second parameter, for curves of special orbits.
+pub(super) struct SecondParameter {
     pub(super) range: ParameterRange,
     /// Its value on the branch.
     value: f64,
@@ -41,13 +41,13 @@ pub(super) struct Also {
 }
 
 /// A system, and the parameter along which its orbits are continued.
-pub(super) struct Begin<'a> {
+pub(super) struct BranchStart<'a> {
     system: &'a System,
     range: &'a ParameterRange,
     along: Along<'a>,
 }
 
-impl<'a> Begin<'a> {
+impl<'a> BranchStart<'a> {
     pub(super) fn at(system: &'a System, range: &'a ParameterRange) -> Result<Self, Failure> {
         let along = Along::new(system, &range.name, (range.low, range.high))?;
         let value = along.value;
@@ -60,7 +60,7 @@ impl<'a> Begin<'a> {
                 name = range.name
             )));
         }
-        Ok(Begin {
+        Ok(BranchStart {
             system,
             range,
             along,
@@ -96,7 +96,7 @@ impl<'a> Begin<'a> {
         let (settings, x) = self.start((orbit, periods), (settings, options), None)?;
         let far = Mutex::new([(0_usize, self.along.value); 2]);
         let way = |upwards| {
-            let mut saving = Saving::of(writer, usize::from(upwards));
+            let mut saving = BranchSaver::of(writer, usize::from(upwards));
             let observe = |branch: &PartialBranch| {
                 let mut far = far.lock().unwrap_or_else(PoisonError::into_inner);
                 let points = branch.points();
@@ -138,7 +138,10 @@ impl<'a> Begin<'a> {
     }
 
     /// The system with a second parameter as a state.
-    pub(super) fn also(&self, range: ParameterRange) -> Result<Also, Failure> {
+    pub(super) fn second_parameter(
+        &self,
+        range: ParameterRange,
+    ) -> Result<SecondParameter, Failure> {
         let (other, own) = (self.system.file.parameter(&range.name)?, self.along.number);
         let value = self.system.values[other];
         if other == own {
@@ -157,14 +160,14 @@ impl<'a> Begin<'a> {
             )));
         }
         let both = self.system.along_both(other, own)?;
-        Ok(Also { range, value, both })
+        Ok(SecondParameter { range, value, both })
     }
 
     /// Follows each special orbit on the branch in two parameters, except branch points. `None` if
     /// no curve continues from it.
     pub(super) fn curves(
         &self,
-        also: &Also,
+        also: &SecondParameter,
         (orbit, periods): (&PeriodicOrbit, Option<u32>),
         branch: &WholeBranch,
         (settings, options): (&ContinuationSettings, &Options),
@@ -204,13 +207,13 @@ impl<'a> Begin<'a> {
 
     /// The branches that begin at flips and branch points of a branch, in the order of their numbers
     /// from 1.
-    pub(super) fn others(
+    pub(super) fn side_branches(
         &self,
         (orbit, periods): (&PeriodicOrbit, Option<u32>),
         branch: &WholeBranch,
         (settings, options): (&ContinuationSettings, &Options),
         writer: &Writer,
-    ) -> Result<Vec<Other>, Failure> {
+    ) -> Result<Vec<SideBranch>, Failure> {
         let (settings, x) = self.start((orbit, periods), (settings, options), None)?;
         let special = branch.special.iter().enumerate();
         let meets = |at: &SpecialPoint| {
@@ -236,7 +239,7 @@ impl<'a> Begin<'a> {
             };
             let joined = branches.into_iter().map(|way| {
                 let branch = self.joined(begin(&way), way, options)?;
-                Ok(Other { from, branch })
+                Ok(SideBranch { from, branch })
             });
             joined.collect::<Result<Vec<_>, Failure>>()
         };

@@ -3,21 +3,22 @@
 use plot::{BLACK, BLUE, Curve as Line, Figure, GREEN, Legend, ORANGE, PURPLE, Panel, VERMILLION};
 use serde_json::json;
 use stickslip::analysis::{Curve, CurvePoint, CurveStop, SpecialPoint};
+use stickslip::error::readable;
 use stickslip_kernels::file::System;
 
 use super::super::figures;
 use super::super::range::ParameterRange;
-use super::branch::Also;
+use super::branch::SecondParameter;
 use super::special::{json as special_json, name_of, words as special_words};
 use crate::failure::Failure;
-use crate::render::{Report, Table, rounded};
+use crate::render::{Report, Table};
 
 /// Reports the curves, and writes `curves.csv` and `curves.svg`.
 pub(super) fn report(
     report: &mut Report,
     system: &System,
     range: &ParameterRange,
-    also: &Also,
+    also: &SecondParameter,
     curves: &[(SpecialPoint, Option<Curve>)],
 ) -> Result<(), Failure> {
     let (name, other) = (&range.name, &also.range.name);
@@ -28,7 +29,7 @@ pub(super) fn report(
         report.note(match (curve, points.first(), points.last()) {
             (Some(curve), Some(first), Some(last)) => {
                 let end = |point: &CurvePoint, stop: CurveStop| {
-                    let [q, p] = point.parameters.map(rounded);
+                    let [q, p] = point.parameters.map(readable);
                     format!("{other} = {q}, {name} = {p} {}", words(stop))
                 };
                 format!(
@@ -73,8 +74,8 @@ pub(super) fn report(
 fn words(stop: CurveStop) -> &'static str {
     match stop {
         CurveStop::Range => "(an end of a range)",
-        CurveStop::Points => "(as many orbits as were asked for)",
-        CurveStop::AnotherChange => "(another change comes to the same orbit)",
+        CurveStop::Points => "(the largest number of orbits)",
+        CurveStop::AnotherChange => "(another change occurs at the same orbit)",
         CurveStop::NoConvergence => "(no further orbit was found)",
     }
 }
@@ -92,7 +93,7 @@ fn word(stop: CurveStop) -> &'static str {
 fn diagram(
     system: &System,
     range: &ParameterRange,
-    also: &Also,
+    also: &SecondParameter,
     curves: &[(SpecialPoint, Option<Curve>)],
 ) -> Figure {
     const COLORS: [plot::Color; 6] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, BLACK];

@@ -2,15 +2,16 @@
 
 use serde_json::{Value, json};
 use stickslip::analysis::Stop;
+use stickslip::error::readable;
 use stickslip_kernels::file::System;
 use stickslip_kernels::study::BranchEnd;
 
 use super::special::SpecialRow;
 use crate::failure::in_words;
-use crate::render::{rounded, within};
+use crate::render::within;
 
 /// The end of a branch.
-pub(super) struct End {
+pub(super) struct EndDescription {
     /// Name for programs.
     pub(super) stop: &'static str,
     /// Words that follow "it ends".
@@ -22,13 +23,13 @@ pub(super) struct End {
     row: Option<SpecialRow>,
 }
 
-impl End {
+impl EndDescription {
     pub(super) fn of(stop: &Stop, system: &System, name: &str) -> Self {
         let BranchEnd { word, bifurcation } = stop.into();
         let (words, detail) = match *stop {
             Stop::Range => ("at an end of the range".to_owned(), None),
             Stop::Points => (
-                "after as many orbits as were asked for (--points)".to_owned(),
+                "after the largest number of orbits (--points)".to_owned(),
                 None,
             ),
             Stop::Closed => ("where it began: the branch is closed".to_owned(), None),
@@ -51,8 +52,8 @@ impl End {
             } => (
                 format!(
                     "in an equilibrium: Hopf bifurcation at {name} = {}, frequency {}",
-                    rounded(parameter),
-                    rounded(frequency)
+                    readable(parameter),
+                    readable(frequency)
                 ),
                 Some((
                     "hopf",
@@ -63,7 +64,7 @@ impl End {
                 format!(
                     "in an equilibrium on the boundary or at a jump: boundary-equilibrium \
                      bifurcation at {name} = {}",
-                    rounded(parameter)
+                    readable(parameter)
                 ),
                 Some(("boundary_equilibrium", json!(parameter))),
             ),
@@ -95,8 +96,8 @@ impl End {
                     format!(
                         "in {orbit}: at {name} = {}, rates {} and {}",
                         within(parameter, uncertainty),
-                        rounded(comes),
-                        rounded(leaves)
+                        readable(comes),
+                        readable(leaves)
                     ),
                     Some((
                         "homoclinic",
@@ -111,7 +112,7 @@ impl End {
                 )
             }
             Stop::Rest => (
-                "where it comes to rest: it moves a thousandth of what it did".to_owned(),
+                "at rest: its motion has fallen to a thousandth of the first orbit's".to_owned(),
                 None,
             ),
             Stop::Refused(ref error) => {
@@ -124,12 +125,12 @@ impl End {
                 None,
             ),
             Stop::NoConvergence => (
-                "where no further orbit was found; a shorter --step or a smaller --tol may lead on"
+                "where no further orbit was found; a shorter --step or a smaller --tol may help"
                     .to_owned(),
                 None,
             ),
         };
-        End {
+        EndDescription {
             stop: word,
             words,
             detail,

@@ -5,14 +5,15 @@ use serde_json::{Value, json};
 use stickslip::analysis::{
     EquilibriumBifurcation, EquilibriumBranch, EquilibriumPoint, SpecialEquilibrium, Stability,
 };
+use stickslip::error::readable;
 use stickslip_kernels::file::System;
 use stickslip_kernels::study::EquilibriaOfBranch;
 
 use super::super::figures;
 use super::super::range::ParameterRange;
-use super::ends::End;
+use super::ends::EndDescription;
 use crate::failure::Failure;
-use crate::render::{Report, Table, place, rounded};
+use crate::render::{Report, Table, place};
 
 /// Reports the branch, downwards and upwards.
 pub(super) fn report(
@@ -28,14 +29,11 @@ pub(super) fn report(
         stops,
     } = EquilibriaOfBranch::joined(directions);
     let count = points.len();
-    let (low, high) = (range.low, range.high);
-    let mut report = Report::of(
-        system,
-        format!("{count} equilibria over {name} from {low} to {high}"),
-    );
+    let what = format!("{count} equilibria over {}", range.words());
+    let mut report = Report::of(system, what);
     report.field("parameter", range).field("points", count);
     if let Some(at) = points.get(first) {
-        let (value, stability) = (rounded(at.parameter), at.stability());
+        let (value, stability) = (readable(at.parameter), at.stability());
         let begun = format!("begun at {name} = {value}: {stability}");
         report.note(match system.contacts() {
             0 => begun,
@@ -55,9 +53,9 @@ pub(super) fn report(
     let ends: Vec<Value> = ends
         .zip(["downwards", "upwards"])
         .map(|((last, stop), way)| {
-            let End { stop, words, .. } = End::of(stop, system, name);
+            let EndDescription { stop, words, .. } = EndDescription::of(stop, system, name);
             let parameter = last.map(|last| last.parameter);
-            let at = parameter.map_or(f64::NAN, rounded);
+            let at = parameter.map_or_else(String::new, readable);
             report.note(format!("begun {way}, it ends at {name} = {at}, {words}"));
             json!({ "parameter": parameter, "stop": stop })
         })
@@ -73,7 +71,7 @@ pub(super) fn report(
 fn words(at: &SpecialEquilibrium, system: &System) -> String {
     match at.what {
         EquilibriumBifurcation::Hopf { frequency } => {
-            format!("Hopf bifurcation, frequency {}", rounded(frequency))
+            format!("Hopf bifurcation, frequency {}", readable(frequency))
         }
         EquilibriumBifurcation::Boundary {
             contact,

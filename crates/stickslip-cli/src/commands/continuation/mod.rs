@@ -16,38 +16,39 @@ use serde::Serialize;
 use stickslip::analysis::ContinuationSettings;
 use stickslip_kernels::file::System;
 
-use super::arguments::{Ready, RunArguments, SolverArguments, StartArguments, count};
+use super::arguments::{PreparedRun, RunArguments, SolverArguments, StartArguments, count};
 use super::range::ParameterRange;
 use super::search::SearchArguments;
-use super::sweeping::{folder, plan};
+use super::sweeping::{ResumeArguments, folder, plan};
 use crate::failure::Failure;
-use crate::render::{Answer, Report};
+use crate::render::{CommandOutput, Report};
 use crate::sweep::{Share, Writer};
-use crate::terminal::patiently;
-use branch::Begin;
+use crate::terminal::with_spinner;
+use branch::BranchStart;
 
 /// Continue a periodic orbit or an equilibrium along a parameter, stable or not, through folds and
 /// changes of its phases
 ///
-/// The orbit is located at the parameter's present value, of the file or of --set, and followed
-/// both ways by pseudo-arclength. A place is located and named where a multiplier is 1 or -1 or a
-/// pair is on the unit circle, and where the phases change. So is an end of the branch in an
-/// equilibrium, on the boundary or off it, a two-fold, a homoclinic orbit, or a motion at rest. The
-/// period of a drive may depend on the parameter.
+/// The branch begins at the parameter's value in the file, or at that of --set. It is followed in
+/// both directions by pseudo-arclength continuation. Orbits with a multiplier 1 or -1, or with a
+/// pair on the unit circle, are located and named. So are changes of the phases. Ends of the branch
+/// are located, too: equilibria, on a boundary or off it, two-folds, homoclinic orbits, and rest.
+/// The period of a drive may depend on the parameter.
 ///
-/// With --also, each of these places but branch points is followed in two parameters. With
-/// --branches, the tables have a column `branch`: 0 is the branch through the orbit, and the others
-/// are in the order of where they begin. The column `branches` of special.csv has the numbers of
-/// those that begin at an orbit. A branch of one orbit could not be followed from there.
+/// --also follows each of these special orbits, except branch points, in two parameters. --branches
+/// adds a column `branch` to the tables: 0 is the branch through the orbit, and the others are in
+/// the order of their beginnings. The column `branches` of special.csv has the numbers of the
+/// branches that begin at an orbit. A branch of one orbit could not be followed from there.
 ///
-/// With --equilibrium, the equilibrium that the run comes to is followed, into the sliding field
-/// and out of it, too. Folds, branch points, Hopf bifurcations and boundary equilibria are located.
+/// --equilibrium follows the equilibrium that the run approaches, also into the sliding field and
+/// out of it. Folds, branch points, Hopf bifurcations and boundary equilibria are located.
 ///
 /// Writes branch.csv, special.csv and continue.svg; with --also curves.csv and curves.svg; with
-/// --equilibrium equilibria.csv, equilibria-special.csv and equilibria.svg. The branch is saved in
-/// sweep/ as it is followed, and so is each curve and each other branch when it is complete: after
-/// a kill the same command goes on from there, and --also or --branches added to a finished command
-/// use what is saved.
+/// --equilibrium equilibria.csv, equilibria-special.csv and equilibria.svg.
+///
+/// The branch is saved in sweep/ as it is followed, each curve and each further branch when it is
+/// complete. After a kill, the same command resumes from there. --also or --branches can be added
+/// to a finished command, which then uses what is saved.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// The parameter and the range in which the branch is followed
@@ -59,34 +60,38 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "NAME=LOW:HIGH")]
     also: Option<String>,
 
-    /// Follow the branches that begin at flips, of twice the period, and at branch points, too
+    /// Also follow the branches that begin at flips, with twice the period, and at branch points
     #[arg(long)]
     branches: bool,
 
-    /// First and longest step, as a part of the range and of the orbit's size
+    /// First and longest step, as a fraction of the range and of the orbit's size
     #[arg(long, value_name = "PART", default_value_t = 0.02)]
     step: f64,
 
-    /// Orbits on the branch, at most this many each way
+    /// Largest number of orbits in each direction
     #[arg(long, value_name = "NUMBER", value_parser = count, default_value = "1000")]
     points: NonZeroUsize,
 
-    /// Follow the equilibrium that the run comes to, or with --transient 0 the one near the start
-    #[arg(long, conflicts_with_all = ["also", "branches", "periods", "longest"])]
+    /// Follow the equilibrium that the run approaches, or with --transient 0 the one near the start
+    #[arg(long, conflicts_with_all = ["also", "branches", "periods", "longest", "fresh"])]
     equilibrium: bool,
 
     #[command(flatten)]
     search: SearchArguments,
     #[command(flatten)]
+    resume: ResumeArguments,
+    #[command(flatten)]
     run: RunArguments,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
-    let ready = arguments.run.ready()?;
+pub(super) fn run(arguments: &Arguments) -> Result<CommandOutput, Failure> {
+    let prepared = arguments.run.prepared()?;
     if arguments.equilibrium {
-        return arguments.run.answered(|ready| equilibria(arguments, ready));
+        return arguments
+            .run
+            .with_report(|prepared| equilibria(arguments, prepared));
     }
-    let outcome = continued(arguments, &ready).map_err(|failure| failure.of(&ready.system));
+    let outcome = continued(arguments, &prepared).map_err(|failure| failure.of(&prepared.system));
     let (report, writer) = outcome?;
     Ok(report.written(&writer.store.staging()?, &arguments.run.output)?)
 }
@@ -106,18 +111,18 @@ fn settings(
     Ok((range, settings))
 }
 
-fn equilibria(arguments: &Arguments, ready: &Ready) -> Result<Report, Failure> {
-    let (system, options) = (&ready.system, &ready.options);
+fn equilibria(arguments: &Arguments, prepared: &PreparedRun) -> Result<Report, Failure> {
+    let (system, options) = (&prepared.system, &prepared.options);
     let (range, settings) = settings(arguments, system)?;
-    let begin = Begin::at(system, &range)?;
-    let x = arguments.search.equilibrium(system, &ready.x, options)?;
+    let begin = BranchStart::at(system, &range)?;
+    let x = arguments.search.equilibrium(system, &prepared.x, options)?;
     let branches = begin.equilibria(&x, &settings, options)?;
     equilibria::report(system, &range, branches)
 }
 
 /// Everything that the branch depends on, except the system.
 #[derive(Serialize)]
-struct Wanted<'a> {
+struct BranchArguments<'a> {
     parameter: &'a ParameterRange,
     step: f64,
     points: NonZeroUsize,
@@ -127,20 +132,22 @@ struct Wanted<'a> {
 }
 
 /// Number of directions along the branch. Each is saved in a block.
-const WAYS: NonZeroUsize = NonZeroUsize::MIN.saturating_add(1);
+const DIRECTIONS: NonZeroUsize = NonZeroUsize::MIN.saturating_add(1);
 
 /// Follows the branch and what begins on it, and reports them.
-fn continued(arguments: &Arguments, ready: &Ready) -> Result<(Report, Writer), Failure> {
-    let Ready {
+fn continued(arguments: &Arguments, prepared: &PreparedRun) -> Result<(Report, Writer), Failure> {
+    let PreparedRun {
         system, options, ..
-    } = ready;
+    } = prepared;
     let (range, settings) = settings(arguments, system)?;
-    let begin = Begin::at(system, &range)?;
+    let begin = BranchStart::at(system, &range)?;
     let also = arguments.also.as_deref();
     let also = also.map(|text| ParameterRange::new("--also", text, system));
     let also = also.transpose()?;
-    let also = also.map(|other| begin.also(other)).transpose()?;
-    let wanted = Wanted {
+    let also = also
+        .map(|other| begin.second_parameter(other))
+        .transpose()?;
+    let wanted = BranchArguments {
         parameter: &range,
         step: arguments.step,
         points: arguments.points,
@@ -148,25 +155,27 @@ fn continued(arguments: &Arguments, ready: &Ready) -> Result<(Report, Writer), F
         start: &arguments.run.start,
         solver: &arguments.run.solver,
     };
-    let plan = plan("continue", &wanted, (WAYS, NonZeroUsize::MIN), system)?;
+    let plan = plan("continue", &wanted, (DIRECTIONS, NonZeroUsize::MIN), system)?;
     let folder = folder(&arguments.run.output.out);
     Writer::check(&folder, &plan)?;
-    let (orbit, periods) = arguments
-        .search
-        .periodic_orbit(system, (ready.t, &ready.x), options)?;
+    let (orbit, periods) =
+        arguments
+            .search
+            .periodic_orbit(system, (prepared.t, &prepared.x), options)?;
+    arguments.resume.prepare(&folder, &plan, Share::WHOLE)?;
     let writer = Writer::open(&folder, &plan, Share::WHOLE)?;
-    let branch = patiently("following the branch", |status| {
+    let branch = with_spinner("following the branch", |status| {
         begin.branch((&orbit, periods), &settings, options, (&writer, status))
     })?;
     let others = arguments.branches.then(|| {
-        patiently("following the other branches", |_| {
-            begin.others((&orbit, periods), &branch, (&settings, options), &writer)
+        with_spinner("following the other branches", |_| {
+            begin.side_branches((&orbit, periods), &branch, (&settings, options), &writer)
         })
     });
     let others = others.transpose()?;
     let mut report = report::of(system, &range, (&branch, orbit.family), others.as_deref())?;
     if let Some(also) = also {
-        let curves = patiently("following the special orbits in two parameters", |_| {
+        let curves = with_spinner("following the special orbits in two parameters", |_| {
             let how = (&settings, options);
             begin.curves(&also, (&orbit, periods), &branch, how, &writer)
         })?;

@@ -2,18 +2,19 @@
 //! figure.
 
 use serde_json::{Value, json};
+use stickslip::error::readable;
 use stickslip_kernels::file::System;
 use stickslip_kernels::study::{BranchOrbit, WholeBranch};
 
 use super::super::attractors::family_words;
 use super::super::range::ParameterRange;
-use super::branch::Other;
-use super::ends::End;
+use super::branch::SideBranch;
+use super::ends::EndDescription;
 use super::figure;
 use super::special::{json as special_json, name_of, words};
 use super::tables::{columns, rows, special_columns};
 use crate::failure::Failure;
-use crate::render::{Report, explained, place, rounded};
+use crate::render::{Report, explained, place};
 
 /// The report of a branch whose orbits belong to a family of some dimension, and of the others that
 /// begin on it, if they were followed.
@@ -21,21 +22,18 @@ pub(super) fn of(
     system: &System,
     range: &ParameterRange,
     (branch, family): (&WholeBranch, usize),
-    others: Option<&[Other]>,
+    others: Option<&[SideBranch]>,
 ) -> Result<Report, Failure> {
     let (name, points) = (&range.name, &branch.points);
     let orbits = points.len();
-    let what = format!(
-        "{orbits} periodic orbits over {name} from {} to {}",
-        range.low, range.high
-    );
+    let what = format!("{orbits} periodic orbits over {}", range.words());
     let mut report = Report::of(system, what);
     report
         .field("parameter", range)
         .field("points", orbits)
         .field("family_dimension", family);
     if let Some(BranchOrbit { orbit, .. }) = points.get(branch.first) {
-        let [at, period] = [orbit.parameter, orbit.period].map(rounded);
+        let [at, period] = [orbit.parameter, orbit.period].map(readable);
         let phases = explained(system, &orbit.sequence);
         let phases = phases.map_or(String::new(), |phases| format!(", phases {phases}"));
         let stability = orbit.stability();
@@ -93,12 +91,12 @@ fn report_ends(report: &mut Report, system: &System, name: &str, branch: &WholeB
     let ends = branch
         .stops
         .each_ref()
-        .map(|stop| End::of(stop, system, name));
+        .map(|stop| EndDescription::of(stop, system, name));
     let last = [branch.points.first(), branch.points.last()];
     let mut objects = Vec::new();
     for ((last, end), way) in last.into_iter().zip(&ends).zip(["downwards", "upwards"]) {
         if let Some(BranchOrbit { orbit, .. }) = last {
-            let (stability, at, words) = (orbit.stability(), rounded(orbit.parameter), &end.words);
+            let (stability, at, words) = (orbit.stability(), readable(orbit.parameter), &end.words);
             report.note(format!(
                 "begun {way}, {stability} at its last orbit ({name} = {at}), it ends {words}"
             ));
@@ -123,7 +121,7 @@ fn report_ends(report: &mut Report, system: &System, name: &str, branch: &WholeB
 
 /// A branch that begins at another branch, in words and as a JSON object.
 fn of_other(
-    (number, Other { from, branch }): (usize, &Other),
+    (number, SideBranch { from, branch }): (usize, &SideBranch),
     main: &WholeBranch,
     system: &System,
     name: &str,
@@ -134,10 +132,10 @@ fn of_other(
         format!(" from the {} at {name} = {place}", name_of(at))
     });
     let [_, stop] = &branch.stops;
-    let end = End::of(stop, system, name);
+    let end = EndDescription::of(stop, system, name);
     let last = branch.points.last();
     let of_last = last.map_or_else(String::new, |BranchOrbit { orbit, .. }| {
-        let [at, period] = [orbit.parameter, orbit.period].map(rounded);
+        let [at, period] = [orbit.parameter, orbit.period].map(readable);
         let stability = orbit.stability();
         format!(", {stability} at its last orbit ({name} = {at}, period {period})")
     });

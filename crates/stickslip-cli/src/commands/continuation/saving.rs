@@ -43,7 +43,7 @@ pub(super) fn saved_or_computed<T: Serialize + DeserializeOwned>(
 }
 
 /// Saves one direction along a branch in a block.
-pub(super) struct Saving<'a> {
+pub(super) struct BranchSaver<'a> {
     writer: &'a Writer,
     block: usize,
     /// Time of the next save.
@@ -52,9 +52,9 @@ pub(super) struct Saving<'a> {
     outcome: Result<(), SweepError>,
 }
 
-impl<'a> Saving<'a> {
+impl<'a> BranchSaver<'a> {
     pub(super) fn of(writer: &'a Writer, block: usize) -> Self {
-        Saving {
+        BranchSaver {
             writer,
             block,
             due: Instant::now(),

@@ -2,11 +2,11 @@
 
 use serde_json::{Value, json};
 use stickslip::analysis::{CycleBifurcation, SpecialPoint};
+use stickslip::error::readable;
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::Change;
 
 use super::super::changes;
-use crate::render::rounded;
 
 /// The change of the phases at a special orbit, if it is one.
 pub(super) fn change(at: &SpecialPoint) -> Option<Change> {
@@ -24,7 +24,7 @@ pub(super) fn name_of(at: &SpecialPoint) -> String {
 /// A special orbit in words.
 pub(super) fn words(at: &SpecialPoint, system: &System) -> String {
     if let Some(angle) = angle(at) {
-        return format!("{}, angle {}", name_of(at), rounded(angle));
+        return format!("{}, angle {}", name_of(at), readable(angle));
     }
     let Some(change) = change(at) else {
         return name_of(at);

@@ -3,8 +3,8 @@
 use stickslip_kernels::file::System;
 use stickslip_kernels::study::{BranchOrbit, WholeBranch};
 
-use super::branch::Other;
-use super::ends::End;
+use super::branch::SideBranch;
+use super::ends::EndDescription;
 use super::special::SpecialRow;
 use crate::render::Table;
 
@@ -81,14 +81,14 @@ pub(super) fn columns<'a>(
 /// that are bifurcations come before and after them.
 pub(super) fn rows(
     (number, branch): (usize, &WholeBranch),
-    others: &[Other],
+    others: &[SideBranch],
     system: &System,
     name: &str,
 ) -> Vec<SpecialRow> {
     let [first, last] = branch
         .stops
         .each_ref()
-        .map(|stop| End::of(stop, system, name));
+        .map(|stop| EndDescription::of(stop, system, name));
     let special = branch.special.iter().enumerate().map(|(k, at)| SpecialRow {
         branches: begins(others, k),
         ..SpecialRow::of(at, system)
@@ -103,7 +103,7 @@ pub(super) fn rows(
 }
 
 /// The numbers of the branches that begin at a special orbit.
-fn begins(others: &[Other], at: usize) -> String {
+fn begins(others: &[SideBranch], at: usize) -> String {
     let numbered = (1..).zip(others).filter(|(_, other)| other.from == at);
     let numbers = numbered.map(|(number, _)| i32::to_string(&number));
     numbers.collect::<Vec<String>>().join(" ")

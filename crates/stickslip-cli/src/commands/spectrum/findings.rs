@@ -138,7 +138,7 @@ impl Findings {
         let _ = writeln!(
             text,
             "\n\
-             {} tangent direction{}: {}; a value in brackets is none of the system's.\n\
+             {} tangent direction{}: {}; a value in brackets does not belong to the system.\n\
              {}; eps_sensitivity is the change with neighbourhoods of twice the size, a measure of \
              bias.\n\
              Exponents are {UNIT}.",
@@ -194,7 +194,7 @@ impl Findings {
     fn determined(&self) -> String {
         let dimension = self.spectrum.dimension;
         match (0..dimension).filter(|&i| self.is_ok(i)).count() {
-            _ if self.is_noise() => "noise has as many as are looked at, and no exponent".into(),
+            _ if self.is_noise() => "noise has as many as are examined, and no exponent".into(),
             0 => "no exponent is ok".into(),
             1 => "1 exponent is ok".into(),
             ok => format!("{ok} exponents are ok"),
@@ -213,8 +213,8 @@ impl Findings {
         if !around_zero.is_empty() {
             let plural = if around_zero.len() > 1 { "s" } else { "" };
             notes.push(format!(
-                "Zero is within two stderr of exponent{plural} {}: that it is ok says nothing of \
-                    its sign.",
+                "Zero is within two stderr of exponent{plural} {}: the sign is uncertain, although \
+                    the status is ok.",
                 around_zero.join(", ")
             ));
         }
@@ -222,8 +222,8 @@ impl Findings {
         let is_any_ok = (0..spectrum.exponents.len()).any(|i| self.is_ok(i));
         if is_any_ok && rows < COUNTED_POINTS && spectrum.sizes.is_some() {
             notes.push(format!(
-                "What ok is worth was counted on series of {COUNTED_POINTS} points and more, and \
-                    not on {rows}."
+                "The reliability of ok was measured on series of at least {COUNTED_POINTS} points; \
+                    this series has {rows}."
             ));
         }
         notes
@@ -323,7 +323,7 @@ impl Embedded {
         let reversed = if self.reversal.is_conclusive {
             " and by time reversal"
         } else {
-            "; the reversed series does not have the first exponent again and tells nothing"
+            "; the reversed series does not reproduce the first exponent, so it is not conclusive"
         };
         let or_none = |list: String| match list.as_str() {
             "" => "none".to_owned(),
@@ -363,12 +363,12 @@ fn against_divergence(spectrum: &DataSpectrum, divergence: f64, balance: &Balanc
             };
             let sum = with_error((sum, stderr));
             format!(
-                "With the divergence {divergence} the {which} that the data do not tell must \
+                "With the divergence {divergence} the {which} that the data do not determine must \
                     {must} {sum}.\n"
             )
         }
         Balance::Unknown => {
-            "The exponents have no sum to hold against the divergence.\n".to_owned()
+            "The exponents have no sum to compare with the divergence.\n".to_owned()
         }
     }
 }
@@ -387,7 +387,7 @@ fn by_divergence(divergence: &Divergence) -> String {
         format!(" (scatter over blocks of points alone; straight from t = {from} to {to})")
     });
     format!(
-        "Largest exponent by diverging neighbours, fitting no maps:\n  \
+        "Largest exponent from diverging neighbours, without maps:\n  \
             Rosenstein  {}{part}\n  \
             Kantz       {}\n",
         estimate(divergence.by_rosenstein()),
@@ -406,7 +406,7 @@ fn against_surrogates(test: &SurrogateTest) -> String {
     let verdict = if test.is_significant() {
         "the series differs from linear noise"
     } else {
-        "the series does not differ from linear noise: a positive exponent may be the noise's"
+        "the series does not differ from linear noise: a positive exponent may come from noise"
     };
     format!(
         "Surrogates (amplitude-adjusted, {}): {verdict}, p = {:.3}; unpredicted part {} against \

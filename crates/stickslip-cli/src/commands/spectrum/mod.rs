@@ -17,9 +17,9 @@ use stickslip_series::{
 };
 
 use crate::failure::Failure;
-use crate::render::{Answer, OutputArguments, Report};
+use crate::render::{CommandOutput, OutputArguments, Report};
 use crate::table;
-use crate::terminal::{Patience, note};
+use crate::terminal::{DelayedProgressBar, note};
 use findings::{Embedded, Findings};
 
 /// Seed of the surrogates. It is fixed so that results are reproducible.
@@ -84,19 +84,19 @@ pub(super) struct Arguments {
     #[arg(long, value_parser = count, value_name = "POINTS")]
     delay: Option<usize>,
 
-    /// Points that a map goes ahead
+    /// Number of points that a map predicts ahead
     ///
     /// [default: 1; the delay for delayed values]
     #[arg(long, value_parser = count, value_name = "D")]
     step: Option<usize>,
 
-    /// Points so close in time are no neighbours
+    /// Theiler window: closer points in time are not neighbours
     ///
     /// [default: time in which the autocorrelation falls to 1/e]
     #[arg(long, value_parser = count, value_name = "POINTS")]
     theiler: Option<usize>,
 
-    /// Fit a constant beside the linear map of Eq. (25)
+    /// Fit a constant term, too, to the linear map of Eq. (25)
     #[arg(long)]
     affine: bool,
 
@@ -109,7 +109,7 @@ pub(super) struct Arguments {
     )]
     rank_tolerance: f64,
 
-    /// What is made of the local maps
+    /// How exponents are estimated from the local maps
     #[arg(long, value_enum, default_value_t = Method::Extrapolated)]
     estimator: Method,
 
@@ -136,7 +136,7 @@ pub(super) struct Arguments {
     #[arg(long, value_parser = count, value_name = "RANK")]
     rank: Option<usize>,
 
-    /// Reference points are every so many points
+    /// Distance between reference points, in points
     ///
     /// [default: 1; for delayed values with maps over one delay the largest that leaves a third of
     /// all, and 1500]
@@ -149,9 +149,9 @@ pub(super) struct Arguments {
     #[arg(long, value_parser = count, value_name = "COUNT")]
     references: Option<usize>,
 
-    /// Compare with so many surrogates of linear noise, at least 19
+    /// Number of surrogates of linear noise to compare with, at least 19
     ///
-    /// Each takes an estimate of its own.
+    /// Each surrogate takes as long as the series.
     #[arg(long, value_parser = count, value_name = "COUNT")]
     surrogates: Option<usize>,
 
@@ -165,12 +165,12 @@ pub(super) struct Arguments {
 
     /// Folder for a picture, spectrum.svg
     ///
-    /// It is made if it does not exist.
+    /// It is created if it does not exist.
     #[arg(long, value_name = "DIR", visible_alias = "out-dir")]
     out: Option<String>,
 }
 
-/// What is made of the local maps.
+/// How exponents are estimated from the local maps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Method {
     /// From two sizes of the neighbourhoods to size zero, with the error of that
@@ -307,16 +307,17 @@ impl From<DataError> for Failure {
 
 /// Runs `work`, which reports how much is done and how much there is.
 fn counted<T>(what: &str, work: impl FnOnce(Progress<'_>) -> T) -> T {
-    let patience = Patience::new(format!("{what} {{bar:40}} {{percent}} %, {{eta}} to go"));
+    let progress =
+        DelayedProgressBar::new(format!("{what} {{bar:40}} {{percent}} %, {{eta}} to go"));
     let outcome = work(&|done, total| {
-        patience.done(done as u64, total.max(1) as u64);
+        progress.done(done as u64, total.max(1) as u64);
         ControlFlow::Continue(())
     });
-    patience.clear();
+    progress.clear();
     outcome
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
+pub(super) fn run(arguments: &Arguments) -> Result<CommandOutput, Failure> {
     let settings = arguments.settings()?;
     arguments.check()?;
     let source = counted("reading", |report| {
@@ -344,7 +345,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
             };
             report.written(Path::new(folder), &output)?
         }
-        None => report.answer(arguments.json),
+        None => report.output(arguments.json),
     };
     if arguments.csv {
         answer.text = findings.csv()?;

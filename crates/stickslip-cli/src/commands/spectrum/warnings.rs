@@ -66,7 +66,7 @@ pub(super) fn all(findings: &Findings, source: &Table, arguments: &Arguments) ->
     warnings.extend(standing_still(findings, source));
     warnings.extend(source.period().map(|period| format!(
         "every row comes again {period} rows later: the series holds {period} different states, \
-         between which it tells nothing, however long it is; of a periodic motion take a time step \
+         and says nothing of others, however long it is; of a periodic motion take a time step \
          that does not go into the period, of a map this is its cycle"
     )));
     warnings.extend(wrapped(source));
@@ -138,8 +138,8 @@ fn on_a_grid(spectrum: &DataSpectrum, source: &Table) -> Option<String> {
     });
     Some(format!(
         "column {} has only {} different values{step}, as rounded ones or those of few \
-         bits{annihilated}: the rounding acts as noise of 0.3 of that distance, of which stderr \
-         knows nothing; give values with more digits",
+         bits{annihilated}: the rounding acts as noise of 0.3 of that distance, which stderr \
+         does not include; give values with more digits",
         source.names[grid.column], grid.values
     ))
 }
@@ -163,7 +163,7 @@ fn unstable(spectrum: &DataSpectrum) -> Option<String> {
         _ => "",
     };
     Some(format!(
-        "{which} unstable, which is said of the estimate: it changes with the size of the \
+        "{which} unstable, which concerns the estimate: it changes with the size of the \
          neighbourhoods, {by} and 5 %, which is bias: try a smaller --step, fewer --neighbours, \
          {affine}{quadratic}or more points"
     ))
@@ -208,7 +208,7 @@ fn embedding(findings: &Findings) -> Vec<String> {
     }
     if embedded.is_spurious(0) {
         warnings.push(format!(
-            "exponent 1 is the embedding's own and none of the system's: try --dimension {}",
+            "exponent 1 comes from the embedding, not from the system: try --dimension {}",
             choice.embedding.dimension.saturating_sub(1)
         ));
     }
