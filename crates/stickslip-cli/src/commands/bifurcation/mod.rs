@@ -32,9 +32,9 @@ use stickslip_kernels::study::{AtValue, ChangeBetween, Diagram, ValueEnd, recurr
 ///
 /// A change of the phases is located and named by the event function that vanishes there. If none
 /// vanishes, a multiplier on the unit circle names it: a fold, flip, Neimark-Sacker bifurcation or
-/// branch point. An equilibrium is followed to where it loses its stability or reaches the
-/// boundary. If one orbit ends and the run reaches another that begins elsewhere, both places are
-/// reported.
+/// branch point. An equilibrium is followed to where it loses its stability or ends at the
+/// boundary; `continue --equilibrium` also finds where it passes the boundary and goes on. If one
+/// orbit ends and the run reaches another that begins elsewhere, both places are reported.
 ///
 /// Writes bifurcation.csv, sticks.csv, changes.csv and bifurcation.svg. In changes.csv `before` and
 /// `after` are the phases of the orbit that is followed through the change. If that orbit is
