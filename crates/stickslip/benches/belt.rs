@@ -1,8 +1,8 @@
-//! Speed of the solver on a block on a belt beside the floor under it: as many calls of the same field, each
-//! fed by the one before, as the stages of a Runge–Kutta step are. The ratio of the two is what the
-//! driver, the step-size control, the dense output and the search for events cost. Both are
-//! measured in the same run, and the ratio at the end in alternation, so that a machine whose speed
-//! drifts does not matter.
+//! Speed of the solver on a block on a belt beside the floor under it: as many calls of the same
+//! field, each fed by the one before, as the stages of a Runge–Kutta step are. The ratio of the two
+//! is what the driver, the step-size control, the dense output and the search for events cost. Both
+//! are measured in the same run, and the ratio at the end in alternation, so that a machine whose
+//! speed drifts does not matter.
 
 #[path = "../examples/common/belt.rs"]
 mod belt;

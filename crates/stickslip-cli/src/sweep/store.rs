@@ -192,9 +192,17 @@ impl Writer {
     /// beyond those of the plan are removed too.
     ///
     /// # Errors
-    /// [`SweepError::Read`], [`SweepError::Write`].
+    /// [`SweepError::Read`], [`SweepError::Write`]; [`SweepError::Busy`] if another process computes
+    /// a share of the whole sweep.
     pub fn remove_blocks(&self, share: Share) -> Result<(), SweepError> {
+        let folder = &self.store.folder;
+        let mut locks = Vec::new();
         let paths: Vec<PathBuf> = if share.is_whole() {
+            for staging in share_folders(folder)? {
+                if staging != self.staging {
+                    locks.push(lock(&staging, share, folder, &[])?);
+                }
+            }
             let names = block_names(&self.store.folder)?.into_iter();
             names
                 .map(|name| blocks(&self.store.folder).join(name))
@@ -254,6 +262,20 @@ fn block_names(folder: &Path) -> Result<Vec<String>, SweepError> {
     }
     names.sort();
     Ok(names)
+}
+
+/// The folders of shares that have begun, with their locks.
+fn share_folders(folder: &Path) -> Result<Vec<PathBuf>, SweepError> {
+    let path = folder.join("work");
+    let entries = fs::read_dir(&path).map_err(SweepError::read(&path))?;
+    let mut folders = Vec::new();
+    for entry in entries {
+        let entry = entry.map_err(SweepError::read(&path))?;
+        if entry.file_name().to_string_lossy().contains("-of-") {
+            folders.push(entry.path());
+        }
+    }
+    Ok(folders)
 }
 
 /// Whether there is no sweep in `folder` yet. A sweep that exists must be the wanted one.

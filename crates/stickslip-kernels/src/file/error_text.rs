@@ -148,7 +148,6 @@ pub trait Interface {
             Error::NotConverged { .. } => format!("{error}, {}", self.nearer()),
             Error::Escaped { .. } => format!("{error} ({})", self.name("escape")),
             Error::TooMany { name, .. } => error.to_string().replace(name, &self.name(name)),
-            Error::NotFound { .. } => format!("{error}; give a larger {}", self.name("longest")),
             Error::NoUniqueFuture { t, x } => format!(
                 "the orbit has no unique future after t = {}, x = {x}: both fields lead away from \
                  the boundary; choose one with {}, or start elsewhere",

@@ -2,7 +2,7 @@
 
 use stickslip::{Error, Filippov, Scalar, Side, math};
 
-/// `m x'' = k1 z - k2 z³ - T(x' - belt_speed)` for a support that moves, `z = x - amplitude sin ωt`.
+/// `m x'' = k1 z - k2 z³ - T(x' - belt_speed)`, `z = x - amplitude sin ωt`: the support moves.
 /// Friction decays with slip speed: `T(v) = sgn(v) mu0/(1 + delta |v|)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Block {

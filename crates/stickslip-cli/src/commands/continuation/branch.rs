@@ -229,7 +229,10 @@ impl<'a> BranchStart<'a> {
             let way = (orbit.period, upwards, number);
             let branches = saved_or_computed(writer, (BRANCHES + 2 * from, ""), || {
                 let along = &self.along.dynamics;
-                Ok(switch_branches(along, &*x, way, &settings, options)?.branches)
+                match switch_branches(along, &*x, way, &settings, options) {
+                    Err(Error::NotFound { .. }) => Ok(Vec::new()),
+                    switched => Ok(switched?.branches),
+                }
             })?;
             // Downwards, the branch ends with its first orbit.
             let begin = |way: &Branch| Branch {

@@ -30,7 +30,7 @@ pub struct SwitchedBranch {
 ///
 /// # Errors
 /// Those of [`super::continue_periodic_orbit`]; [`Error::NotFound`] where the branch has no such
-/// point.
+/// point, or no other branch was found there.
 pub fn switch_branches<Kind>(
     system: &impl AsDynamics<Kind>,
     x: impl Components,
