@@ -202,8 +202,7 @@ impl<'a> Begin<'a> {
         followed.into_par_iter().map(curve).collect()
     }
 
-    /// The branches that begin at flips and branch points of a branch, in the order of their numbers
-    /// from 1.
+    /// The branches that begin at flips and branch points of a branch. Their numbers are from 1.
     pub(super) fn others(
         &self,
         (orbit, periods): (&PeriodicOrbit, Option<u32>),

@@ -84,8 +84,8 @@ fn it_is_followed_round_a_fold_on_a_boundary_that_moves_with_the_parameter() {
             panic!("{:?}", found.special);
         };
         assert_eq!(fold.what, CycleBifurcation::Fold);
-        // The focus in the sliding field to which the inner cycle shrinks. The boundary is elsewhere at
-        // every parameter.
+        // The focus in the sliding field to which the inner cycle shrinks. The boundary is
+        // elsewhere at every parameter.
         is_hopf_at_zero(found.stop);
         is_within(fold.parameter + 1.0, fold.uncertainty, tolerance);
         for (k, point) in found.points.iter().enumerate() {
