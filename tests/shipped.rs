@@ -3,12 +3,32 @@
 use replication::paper::models::{
     BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading,
 };
-use stickslip::dynamics::Section;
+use std::ops::ControlFlow;
+
+use stickslip::dynamics::{Section, Transition};
 use stickslip::{Filippov, Method, Options, State, solve};
 use stickslip_kernels::file::SystemFile;
-use stickslip_kernels::kernel::{Run, follow};
+use stickslip_kernels::kernel::{Run, Watcher, follow};
 
-/// Followed through crossings and sticks, to rounding.
+/// Records the transitions of a run.
+#[derive(Default)]
+struct Transitions(Vec<Transition>);
+
+impl Watcher for Transitions {
+    fn transition(&mut self, at: Transition) -> ControlFlow<()> {
+        self.0.push(at);
+        ControlFlow::Continue(())
+    }
+}
+
+/// Largest difference, relative to values above 1.
+fn apart(file: &[f64], model: &[f64]) -> f64 {
+    let each = file.iter().zip(model);
+    each.map(|(a, b)| (a - b).abs() / b.abs().max(1.0))
+        .fold(0.0, f64::max)
+}
+
+/// Compares every transition and the end, to rounding.
 fn assert_same<S: Filippov<N>, const N: usize>(name: &str, model: &S, t_end: f64) {
     let file = SystemFile::open(name).unwrap().with(&[]).unwrap();
     let x = &file.start().unwrap()[..];
@@ -23,9 +43,24 @@ fn assert_same<S: Filippov<N>, const N: usize>(name: &str, model: &S, t_end: f64
             t_end,
             options,
         };
-        let end = follow(file.dynamics(), &run, &Section::None, &mut ()).unwrap();
-        let apart = end.x.iter().zip(&orbit.x_end).map(|(a, b)| (a - b).abs());
-        assert!(apart.fold(0.0, f64::max) <= 1e-12, "{name}, {method:?}");
+        let mut seen = Transitions::default();
+        let end = follow(file.dynamics(), &run, &Section::None, &mut seen).unwrap();
+        assert_eq!(seen.0.len(), orbit.transitions.len(), "{name}, {method:?}");
+        for (file, model) in seen.0.iter().zip(&orbit.transitions) {
+            let what = format!("{name}, {method:?}: {file:?}, {model:?}");
+            assert_eq!(
+                (file.kind, file.contact),
+                (model.kind, model.contact),
+                "{what}"
+            );
+            assert!(apart(&[file.t], &[model.t]) <= 1e-12, "{what}");
+            assert!(
+                apart(file.x.as_slice(), model.x.as_slice()) <= 1e-12,
+                "{what}"
+            );
+        }
+        let off = apart(end.x.as_slice(), orbit.x_end.as_slice());
+        assert!(off <= 1e-12, "{name}, {method:?}: {off:e}");
     }
 }
 

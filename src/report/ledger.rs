@@ -198,7 +198,11 @@ impl Ledger {
             sign: signs(&self.computed.bracket[figure as usize])[k],
             spread: self.spread.search.spread[figure as usize][k],
         });
-        if exponent.is_some_and(|exponent| exponent.is_undetermined(claim)) {
+        let is_undetermined = match exponent {
+            Some(exponent) => exponent.is_undetermined(claim),
+            None => self.settings_decide(id),
+        };
+        if is_undetermined {
             for one in &mut findings {
                 one.undetermined |= one.reading == Reading::CorrectedData;
             }
@@ -226,7 +230,20 @@ impl Ledger {
         all.filter(move |one| lifts_off || *one != Correction::ClippedNormalForce)
     }
 
-    /// Another reading of "close to zero": that of the estimate from data.
+    /// Whether some settings of the estimator confirm a statement on spectra and others do not.
+    fn settings_decide(&self, id: ClaimId) -> bool {
+        let Spread { search, .. } = &self.spread;
+        let counts = &search.confirmed_statements;
+        let confirmed = match id {
+            ClaimId::S5ZeroExponent => counts.zero,
+            ClaimId::S5TwoZeroExponents => counts.two_zeros,
+            ClaimId::S5PositiveExponent => counts.positive,
+            _ => return false,
+        };
+        confirmed > 0 && confirmed < search.spread[0][0].settings
+    }
+
+    /// How near to zero the estimate from data comes.
     fn nearest_to_zero(&self) -> String {
         let nearest = self.computed.bracket.each_ref().map(|data| {
             let exponents = data.from_data.exponents.iter();

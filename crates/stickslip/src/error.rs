@@ -201,7 +201,7 @@ pub enum Error {
         x: Point,
     },
     /// The flag of [`crate::dynamics::Interrupt`] was raised.
-    #[error("the run was interrupted at t = {t}, x = {x}")]
+    #[error("the run was interrupted at t = {t}, x = {x}; start it again for a result")]
     Interrupted {
         /// Time reached.
         t: f64,

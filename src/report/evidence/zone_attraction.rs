@@ -76,7 +76,8 @@ fn statement_findings((attracting, least_pull): (usize, f64), sweeps: &[Sweep]) 
     let line = format!(
         "at the critical friction {attracting} of {ZONE_POSITIONS} positions in the zone attract, \
          and the weaker field has at least {pull} m/s² there; “strongly” is not tested, for the \
-         paper gives no measure; Fig. 7 states no drive, so that of Fig. 8 is used with both; {each}"
+         paper gives no measure; Fig. 7 states no drive, so that of Fig. 8 is used with both; \
+         {each}"
     );
     vec![statement(Exact, parts, line)]
 }

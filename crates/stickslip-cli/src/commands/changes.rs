@@ -37,9 +37,9 @@ pub(super) fn lose_attractor(system: &System, changes: &[&Change], reached: &str
     let ends = |change: &&Change| match change {
         Change::Sequence { before, after, .. } => before.is_empty() != after.is_empty(),
         Change::Multiplier { name, .. } => name == "fold",
-        Change::Unlocated
-        | Change::Equilibrium { .. }
-        | Change::BoundaryEquilibrium { .. } => false,
+        Change::Unlocated | Change::Equilibrium { .. } | Change::BoundaryEquilibrium { .. } => {
+            false
+        }
     };
     let is_other = match changes.last() {
         Some(Change::Sequence { after, .. }) => {

@@ -192,7 +192,7 @@ impl Writer {
     /// beyond those of the plan are removed too.
     ///
     /// # Errors
-    /// [`SweepError::Read`], [`SweepError::Write`]; [`SweepError::Busy`] if another process computes
+    /// [`SweepError::Read`], [`SweepError::Write`]; [`SweepError::Busy`] if another process works on
     /// a share of the whole sweep.
     pub fn remove_blocks(&self, share: Share) -> Result<(), SweepError> {
         let folder = &self.store.folder;

@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use stickslip::error::readable;
 
+use super::formula::{not_finite, where_operands};
 use super::names::{FURTHER_FUNCTIONS, Meaning, did_you_mean, is_function};
 use super::problem::Problem;
-use super::undefined::{not_finite, where_operands};
 use super::{Formula, InputEntry, InputShape, Rate, SystemFile};
 use crate::expression::{
     Binary, Expression, ExpressionKind, FUNCTIONS, Function, Graph, Id, NotANumber,

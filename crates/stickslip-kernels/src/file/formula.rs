@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use stickslip::error::readable;
+
 use super::problem::{Problem, Source};
 use crate::expression::{Expression, ExpressionKind, parse};
 
@@ -106,5 +108,23 @@ impl TextPosition {
             Some(begin) => begin + span.start..begin + span.end,
             None => self.whole.clone(),
         }
+    }
+}
+
+/// A value that is not finite, in words.
+pub(super) fn not_finite(value: f64) -> &'static str {
+    match value.is_nan() {
+        true => "not a number",
+        false => "infinite",
+    }
+}
+
+/// The values of operands, in words that follow "is infinite".
+pub(super) fn where_operands(operands: &[(String, f64)]) -> String {
+    let words = operands.iter();
+    let words = words.map(|(operand, value)| format!("`{operand}` is {}", readable(*value)));
+    match words.collect::<Vec<_>>().join(" and ") {
+        none if none.is_empty() => none,
+        words => format!(" where {words}"),
     }
 }

@@ -211,8 +211,8 @@ impl System {
         System::new(file, self.values.clone(), self.interrupt.clone())
     }
 
-    /// The same system, whose orbits end when `interrupt` is raised. This also holds for systems derived
-    /// from it.
+    /// The same system, whose orbits end when `interrupt` is raised. This also holds for systems
+    /// derived from it.
     ///
     /// # Errors
     /// See [`SystemFile::with`].

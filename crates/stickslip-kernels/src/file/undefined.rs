@@ -2,9 +2,8 @@
 
 use std::fmt;
 
-use stickslip::error::readable;
-
 use super::builder::{Builder, Inputs, Scope};
+use super::formula::{not_finite, where_operands};
 use super::{Contact, Formula, Meaning, Rate, System};
 use crate::expression::{Expression, ExpressionKind, Graph, Tape};
 use crate::kernel::sides_to_check;
@@ -31,24 +30,6 @@ impl fmt::Display for UndefinedPart {
             "in {key}, `{part}` is {what}{}",
             where_operands(&self.operands)
         )
-    }
-}
-
-/// A value that is not finite, in words.
-pub(super) fn not_finite(value: f64) -> &'static str {
-    match value.is_nan() {
-        true => "not a number",
-        false => "infinite",
-    }
-}
-
-/// The values of operands, in words that follow "is infinite".
-pub(super) fn where_operands(operands: &[(String, f64)]) -> String {
-    let words = operands.iter();
-    let words = words.map(|(operand, value)| format!("`{operand}` is {}", readable(*value)));
-    match words.collect::<Vec<_>>().join(" and ") {
-        none if none.is_empty() => none,
-        words => format!(" where {words}"),
     }
 }
 

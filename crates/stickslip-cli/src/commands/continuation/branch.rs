@@ -205,8 +205,7 @@ impl<'a> BranchStart<'a> {
         followed.into_par_iter().map(curve).collect()
     }
 
-    /// The branches that begin at flips and branch points of a branch, in the order of their numbers
-    /// from 1.
+    /// The branches that begin at flips and branch points of a branch, in their order.
     pub(super) fn side_branches(
         &self,
         (orbit, periods): (&PeriodicOrbit, Option<u32>),

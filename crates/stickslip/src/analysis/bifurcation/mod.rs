@@ -231,8 +231,8 @@ fn sweep_of<'a>(
 /// **The parameter is the last state of `system`**, as in [`super::continue_periodic_orbit`]. The
 /// orbits and equilibria on both sides are followed towards each other as branches, to the first
 /// change of phases, fold, boundary or loss of stability. `forcing` is the period of the forcing.
-/// The tolerances of `options` bound the precision; 1e-13 is appropriate. Where a value of the sweep
-/// hits a change, they must resolve a millionth of the interval.
+/// The tolerances of `options` bound the precision; 1e-13 is appropriate. Where a value of the
+/// sweep hits a change, they must resolve a millionth of the interval.
 ///
 /// # Errors
 /// [`Error::Parameter`] where `system` does not have one state more than the systems of the sweep.

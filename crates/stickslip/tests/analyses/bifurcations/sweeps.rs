@@ -81,9 +81,9 @@ fn both_ways(
     rhythm: Rhythm,
     (from, to): (f64, f64),
     (name, exact): (SequenceBifurcation, f64),
-) -> Vec<[SequenceChange; 2]> {
+) -> Vec<(f64, [SequenceChange; 2])> {
     let both = accuracies().map(|(tolerance, options)| {
-        [(from, to), (to, from)].map(|(from, to)| {
+        let ways = [(from, to), (to, from)].map(|(from, to)| {
             let settings = SweepSettings::within(400.0).forced(2.0 * PI);
             let family = |p| leaked(Beat { rhythm, p }).dynamics();
             let any = leaked(BeatFamily(rhythm)).dynamics();
@@ -91,9 +91,20 @@ fn both_ways(
             let found = swept((family, &any), values, [-0.5], &settings, &options);
             check(only(&found), (name, exact), tolerance);
             only(&found).clone()
-        })
+        });
+        (tolerance, ways)
     });
     both.collect()
+}
+
+/// The same, one after the other, each with its tolerance.
+fn each_way(
+    rhythm: Rhythm,
+    ends: (f64, f64),
+    expected: (SequenceBifurcation, f64),
+) -> impl Iterator<Item = (f64, SequenceChange)> {
+    let found = both_ways(rhythm, ends, expected).into_iter();
+    found.flat_map(|(tolerance, ways)| ways.map(|change| (tolerance, change)))
 }
 
 /// A value of a sweep may hit the graze at p = 1, or lie where the orbit crosses by less than the
@@ -112,7 +123,7 @@ fn a_change_that_a_value_hits_is_located() {
             assert_eq!(change.bifurcation, SequenceBifurcation::GrazingSliding);
             // The place may be that of the value itself.
             is_within(
-                0.5 * (change.parameter - 1.0),
+                0.9 * (change.parameter - 1.0),
                 change.uncertainty,
                 tolerance,
             );
@@ -210,12 +221,13 @@ fn a_flip_that_a_value_of_the_sweep_hits_is_reported_once() {
 fn grazing_sliding_where_the_orbit_touches_the_boundary() {
     // y = sin t under y = p.
     let expected = (SequenceBifurcation::GrazingSliding, 1.0);
-    for [up, down] in both_ways(Rhythm::Touch, (0.8, 1.2), expected) {
+    for (tolerance, [up, down]) in both_ways(Rhythm::Touch, (0.8, 1.2), expected) {
         for change in [&up, &down] {
-            assert!((change.x[0] - 1.0).abs() < 1e-6);
+            assert!((change.x[0] - 1.0).abs() < 100.0 * tolerance);
             // It is tangent from below, with the curvature of the sine. From above it is pushed
             // down.
-            assert!(change.own[0].abs() < 1e-3 && (change.own[1] - 1.0).abs() < 1e-3);
+            assert!(change.own[0].abs() < 10.0 * tolerance.sqrt());
+            assert!((change.own[1] - 1.0).abs() < 1e-3);
             assert_eq!(change.other[0], -1.0);
         }
         assert_eq!(down.before, [BELOW]);
@@ -228,10 +240,7 @@ fn grazing_sliding_where_the_orbit_touches_the_boundary() {
 fn adding_sliding_where_the_stick_touches_its_edge() {
     // The field above points down by 1 - p cos t, at least by 1 - p.
     let expected = (SequenceBifurcation::AddingSliding, 1.0);
-    for change in both_ways(Rhythm::Part, (0.9, 1.1), expected)
-        .into_iter()
-        .flatten()
-    {
+    for (_, change) in each_way(Rhythm::Part, (0.9, 1.1), expected) {
         let long = [ABOVE, Mode::Stick, BELOW, Mode::Stick];
         let short = [Mode::Stick, BELOW];
         let (a, b) = (&change.before, &change.after);
@@ -268,11 +277,8 @@ fn crossing_sliding_where_the_field_above_begins_to_lead_away() {
         (exact - 0.11, exact + 0.1),
         (SequenceBifurcation::CrossingSliding, exact),
     );
-    for change in both_ways(Rhythm::Meet, ends, expected)
-        .into_iter()
-        .flatten()
-    {
-        assert!(change.own[0] < -0.1 && change.other[0].abs() < 1e-6);
+    for (tolerance, change) in each_way(Rhythm::Meet, ends, expected) {
+        assert!(change.own[0] < -0.1 && change.other[0].abs() < 100.0 * tolerance);
         // Away from the boundary at cos(t - p) = √0.51.
         assert!((change.other[1] - 0.51_f64.sqrt()).abs() < 1e-6);
     }
@@ -287,11 +293,8 @@ fn switching_sliding_where_the_field_above_ceases_to_lead_away() {
         (exact - 0.11, exact + 0.1),
         (SequenceBifurcation::SwitchingSliding, exact),
     );
-    for change in both_ways(Rhythm::Meet, ends, expected)
-        .into_iter()
-        .flatten()
-    {
-        assert!(change.own[0] < -0.1 && change.other[0].abs() < 1e-6);
+    for (tolerance, change) in each_way(Rhythm::Meet, ends, expected) {
+        assert!(change.own[0] < -0.1 && change.other[0].abs() < 100.0 * tolerance);
         assert!((change.other[1] + 0.51_f64.sqrt()).abs() < 1e-6);
     }
 }
@@ -300,7 +303,7 @@ fn switching_sliding_where_the_field_above_ceases_to_lead_away() {
 fn a_contact_grazes_where_its_function_touches_zero() {
     // p - cos t.
     let expected = (SequenceBifurcation::ContactGrazing, 1.0);
-    assert_eq!(both_ways(Rhythm::Lift, (0.8, 1.2), expected).len(), 6);
+    both_ways(Rhythm::Lift, (0.8, 1.2), expected);
 }
 
 #[test]
