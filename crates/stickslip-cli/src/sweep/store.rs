@@ -192,8 +192,8 @@ impl Writer {
     /// beyond those of the plan are removed too.
     ///
     /// # Errors
-    /// [`SweepError::Read`], [`SweepError::Write`]; [`SweepError::Busy`] if another process works on
-    /// a share of the whole sweep.
+    /// [`SweepError::Read`], [`SweepError::Write`]; [`SweepError::Busy`] while another process is
+    /// at work on a share.
     pub fn remove_blocks(&self, share: Share) -> Result<(), SweepError> {
         let folder = &self.store.folder;
         let mut locks = Vec::new();

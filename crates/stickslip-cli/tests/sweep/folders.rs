@@ -251,16 +251,4 @@ fn a_branch_begins_anew_on_request() {
         .success();
     assert!(!further.exists());
     assert_eq!(text(folder.path().join("out/branch.csv")), table);
-    // The branch's own blocks are written again, and not read.
-    let own = folder.path().join("out/sweep/blocks/00000000.block");
-    let written = || fs::metadata(&own).unwrap().modified().unwrap();
-    let before = written();
-    program(folder.path()).args(branch).assert().success();
-    assert_eq!(written(), before);
-    program(folder.path())
-        .args(branch)
-        .arg("--fresh")
-        .assert()
-        .success();
-    assert!(written() > before);
 }

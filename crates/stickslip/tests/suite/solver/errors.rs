@@ -431,6 +431,6 @@ fn times_outside_an_orbit() {
             ),
             "{error}"
         );
-        assert_says(&error, &[&t.to_string(), "covers 0 to 1"]);
+        assert_says(&error, &[&t.to_string(), "covers 0.0 to 1.0"]);
     }
 }
