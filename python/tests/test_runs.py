@@ -285,18 +285,17 @@ def test_import_is_fast_and_needs_numpy_only():
     assert min(float(time) for time, _ in found) < 0.15 and found[0][1] == b"0"
 
 
-def test_a_call_takes_less_than_fifty_microseconds():
-    import time
-
+def test_a_call_is_a_few_calls_of_functions():
+    # Its own cost, some twenty microseconds, without a clock: calls of functions, also built-in ones.
     system, x = oscillator(), ss.state("x")
     for events in (None, [ss.event(x - 9)]):
-        best = np.inf
-        for _ in range(20):
-            begin = time.process_time()
-            for _ in range(100):
-                ss.solve_ivp(system, (0, 0.01), [1, 0], events=events)
-            best = min(best, (time.process_time() - begin) / 100)
-        assert best < 50e-6
+        calls = []
+        sys.setprofile(lambda _, event, __: calls.append(event))
+        try:
+            ss.solve_ivp(system, (0, 0.01), [1, 0], events=events)
+        finally:
+            sys.setprofile(None)
+        assert sum(event in ("call", "c_call") for event in calls) < 250
 
 
 @st.composite
