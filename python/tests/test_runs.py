@@ -286,7 +286,7 @@ def test_import_is_fast_and_needs_numpy_only():
 
 
 def test_a_call_is_a_few_calls_of_functions():
-    # Its own cost, some twenty microseconds, without a clock: calls of functions, also built-in ones.
+    # Its cost without a clock: calls of functions, built-in ones included.
     system, x = oscillator(), ss.state("x")
     for events in (None, [ss.event(x - 9)]):
         calls = []
