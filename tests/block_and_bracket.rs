@@ -10,22 +10,7 @@ use replication::paper::models::{
 use stickslip::{Error, Fate, Filippov, Options, Side, State, fate, run, solve};
 
 fn rig() -> Rig {
-    Rig {
-        mass: 1.7,
-        inertia: 0.31,
-        arm: 0.4,
-        k1: 120.0,
-        k2: 45.0,
-        k3: 60.0,
-        c1: 0.4,
-        c2: 0.7,
-        gravity: 9.81,
-        mu0: 0.6,
-        delta: 2.3,
-        belt_speed: 0.8,
-    }
-    .checked()
-    .unwrap()
+    crate::models::rig().checked().unwrap()
 }
 
 fn exact(caption: &Caption) -> BlockAndBracket {

@@ -9,7 +9,8 @@ use stickslip::analysis::Visibility;
 use stickslip::system::Unchecked;
 use stickslip::{Error, Fate, Filippov, Side, State, fate};
 
-fn rig() -> Rig {
+/// A rig in physical units with no special values.
+pub fn rig() -> Rig {
     Rig {
         mass: 1.7,
         inertia: 0.31,

@@ -414,8 +414,10 @@ def _parts(formulas: Iterable[Expression]) -> set[Any]:
             same = type(known) is type(part) and _described(known) == _described(part)
             if not same:
                 kinds = sorted({_kind(known), _kind(part)})
-                what = f"two {kinds[0]}s" if len(kinds) == 1 else f"a {kinds[0]} and a {kinds[1]}"
-                raise ValueError(f"{what} have the name {part.name}; give one another name")
+                what = f"two {kinds[0]}s"
+                if len(kinds) > 1:
+                    what = f"one {kinds[0]} and one {kinds[1]}"
+                raise ValueError(f"{part.name} is the name of {what}; give one another name")
             continue
         found[part.name] = part
         for inner in _inner(part):

@@ -198,15 +198,13 @@ impl Writer {
         let folder = &self.store.folder;
         let mut locks = Vec::new();
         let paths: Vec<PathBuf> = if share.is_whole() {
-            for staging in share_folders(folder)? {
+            for (share, staging) in shares_begun(folder)? {
                 if staging != self.staging {
                     locks.push(lock(&staging, share, folder, &[])?);
                 }
             }
-            let names = block_names(&self.store.folder)?.into_iter();
-            names
-                .map(|name| blocks(&self.store.folder).join(name))
-                .collect()
+            let names = block_names(folder)?.into_iter();
+            names.map(|name| blocks(folder).join(name)).collect()
         } else {
             let chains = share.chains(&self.store.plan).flatten();
             chains.map(|block| self.store.path(block)).collect()
@@ -264,18 +262,19 @@ fn block_names(folder: &Path) -> Result<Vec<String>, SweepError> {
     Ok(names)
 }
 
-/// The folders of shares that have begun, with their locks.
-fn share_folders(folder: &Path) -> Result<Vec<PathBuf>, SweepError> {
+/// The shares that have begun, each with the folder of its lock.
+fn shares_begun(folder: &Path) -> Result<Vec<(Share, PathBuf)>, SweepError> {
     let path = folder.join("work");
     let entries = fs::read_dir(&path).map_err(SweepError::read(&path))?;
-    let mut folders = Vec::new();
+    let mut begun = Vec::new();
     for entry in entries {
         let entry = entry.map_err(SweepError::read(&path))?;
-        if entry.file_name().to_string_lossy().contains("-of-") {
-            folders.push(entry.path());
+        let name = entry.file_name().to_string_lossy().replace("-of-", "/");
+        if let Ok(share) = name.parse() {
+            begun.push((share, entry.path()));
         }
     }
-    Ok(folders)
+    Ok(begun)
 }
 
 /// Whether there is no sweep in `folder` yet. A sweep that exists must be the wanted one.

@@ -208,6 +208,27 @@ fn only_the_blocks_of_a_share_are_removed() {
     assert_eq!(there, [0, 1, 4, 5]);
 }
 
+#[test]
+fn blocks_of_a_share_that_another_process_computes_are_not_removed() {
+    let plan = plan(4, 2);
+    let folder = tempfile::tempdir().unwrap();
+    // What it returns holds a lock until it is dropped.
+    drop(compute(&task(&plan, folder.path())).unwrap());
+    let blocks = || fs::read_dir(folder.path().join("blocks")).unwrap().count();
+    assert_eq!(blocks(), plan.blocks());
+    let begun = Writer::open(folder.path(), &plan, Share::new(1, 2).unwrap()).unwrap();
+    let whole = Writer::open(folder.path(), &plan, Share::WHOLE).unwrap();
+    let error = whole.remove_blocks(Share::WHOLE).unwrap_err();
+    assert!(
+        matches!(&error, SweepError::Busy { share, .. } if share == "1/2"),
+        "{error}"
+    );
+    assert_eq!(blocks(), plan.blocks());
+    drop(begun);
+    whole.remove_blocks(Share::WHOLE).unwrap();
+    assert_eq!(blocks(), 0);
+}
+
 /// What a command reports about its blocks: how many it has computed and found.
 fn blocks_of(folder: &Path, arguments: &[&str]) -> (u64, u64) {
     let output = program(folder).args(arguments).arg("--json").unwrap();

@@ -79,8 +79,7 @@ impl Frame {
     }
 
     /// Modified Gram–Schmidt: returns the length that remains of each vector after subtracting its
-    /// projections on those before it. `None` if the square of one of them
-    /// underflows or overflows.
+    /// projections on those before it. `None` if the square of one of them underflows or overflows.
     pub(super) fn orthonormalise(&mut self) -> Option<Vec<f64>> {
         self.gram_schmidt(self.len(), 0.0)
     }
