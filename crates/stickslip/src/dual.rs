@@ -91,7 +91,7 @@ impl<T: Scalar> Div for Dual<T> {
 
 /// A value and its first three derivatives with respect to one variable.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Dual3<T> {
+pub struct Dual3<T> {
     pub re: T,
     pub v1: T,
     pub v2: T,

@@ -8,8 +8,7 @@ use super::view::View;
 use super::{Carrying, Guard, Modes, Moment, SmoothFlow, Step, Vector};
 use crate::dual::Dual;
 use crate::filippov::{
-    Direction, Flow, GuardGradient, Method, Settled, Switched, UseFlow, Velocity, flow_path,
-    gradient,
+    Direction, Flow, GuardGradient, Method, Settled, Switched, UseFlow, Velocity, gradient,
 };
 use crate::interval::Interval;
 use crate::ode::control::squared_error;
@@ -235,7 +234,7 @@ impl<J: Jumps<N>, const N: usize> UseFlow<N> for JumpJet<'_, J, N> {
 
     fn with<F: Flow<N>>(self, flow: &F) -> [f64; 4] {
         let JumpJet(jump, Timed { t, x }) = self;
-        let path = flow_path(t, components(&x), |t, x| flow.field(t, x));
+        let path = flow.path(t, &x);
         let g = jump.guard(path.0, &path.1);
         [g.re, g.v1, g.v2, g.v3]
     }
@@ -247,8 +246,8 @@ struct Guards;
 impl<const N: usize> UseFlow<N> for Guards {
     type Output = &'static [usize];
 
-    fn with<F: Flow<N>>(self, _flow: &F) -> &'static [usize] {
-        F::GUARDS
+    fn with<F: Flow<N>>(self, flow: &F) -> &'static [usize] {
+        flow.guards()
     }
 }
 
@@ -281,7 +280,9 @@ impl<const N: usize> UseFlow<N> for StaysClear<'_, N> {
     type Output = bool;
 
     fn with<F: Flow<N>>(self, flow: &F) -> bool {
-        F::GUARDS.iter().all(|&i| flow.is_clear(i, self.0, self.1))
+        flow.guards()
+            .iter()
+            .all(|&i| flow.is_clear(i, self.0, self.1))
     }
 }
 

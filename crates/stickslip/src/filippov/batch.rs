@@ -14,10 +14,10 @@ use super::options::Options;
 use super::recordings::Recordings;
 use super::stepper::Stepper;
 use super::switched::{Switched, UseFlow};
-use super::taylor::{Ends, OfFlow, step_ratio};
+use super::taylor::{Ends, step_ratio};
 use crate::taylor::recorded_calls::LinearNumbers;
 use crate::taylor::row::{CoefficientRow, Lanes};
-use crate::taylor::series::{Expansion, Series, in_rows};
+use crate::taylor::series::{Expansion, Series};
 use crate::taylor::sweep::{CoefficientRows, MIN_ROWS};
 
 /// Number of orbits that are expanded together: one vector of the widest machines, two of others.
@@ -126,8 +126,8 @@ where
     fn call(self) -> Self::Output {
         let (first, all) = (self.first, self.plan.rows);
         let SeriesStarts { t, x, h, order } = self.plan.begin;
-        let flow = OfFlow(self.flow);
-        let expansion = in_rows(CoefficientRows { first, all }, (*t, *h), x, *order, &flow)?;
+        let into = CoefficientRows { first, all };
+        let expansion = self.flow.expand(into, (*t, *h), x, *order)?;
         if expansion.lanes_differ || expansion.value_read || expansion.overflowed {
             return Ok(None);
         }

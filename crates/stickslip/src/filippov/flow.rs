@@ -4,7 +4,10 @@ use crate::dual::{Dual, Dual3};
 use crate::interval::Interval;
 use crate::ode::{Linear, Timed};
 use crate::scalar::Scalar;
-use crate::system::{Filippov, Side, State, components};
+use crate::system::{Filippov, Mode, Side, State, components};
+use crate::taylor::row::Lanes;
+use crate::taylor::series::{Expansion, Functions, in_rows};
+use crate::taylor::sweep::CoefficientRows;
 
 /// Rate of the boundary function along the vector `f` at `(t, x)`: `∂h/∂t + ∇h·f`, the normal
 /// component of the field relative to a moving Σ (the first Lie derivative where `f` is a field of
@@ -123,12 +126,12 @@ fn is_positive(range: Interval) -> bool {
 
 /// A smooth flow that lasts while all its guards are positive.
 pub trait Flow<const N: usize> {
-    /// The indices of the guards, [`CONTACT`] among them.
-    const GUARDS: &'static [usize];
     /// Whether one guard costs as much as all of them, so that all are evaluated together.
     const TOGETHER: bool = false;
     /// Whether the user's functions are interpreted.
     const INTERPRETED: bool;
+    /// The indices of the guards, [`CONTACT`] among them.
+    fn guards(&self) -> &'static [usize];
     /// Number of calls of the user's field in one evaluation.
     fn field_calls(&self) -> u64;
     /// dx/dt.
@@ -137,6 +140,19 @@ pub trait Flow<const N: usize> {
     fn guard<T: Scalar>(&self, i: usize, t: T, x: &[T; N]) -> T;
     /// The field and all `G` guards. A guard that does not exist is constant.
     fn field_and_guards<T: Scalar, const G: usize>(&self, t: T, x: &[T; N]) -> ([T; N], [T; G]);
+
+    /// The series of the solution and of the `G` guards; see [`in_rows`].
+    #[inline(always)]
+    fn expand<const L: usize, const G: usize>(
+        &self,
+        into: CoefficientRows<'_, L>,
+        time: (Lanes<L>, Lanes<L>),
+        x: &[Lanes<L>; N],
+        order: usize,
+    ) -> Result<Expansion<G>, usize> {
+        in_rows(into, time, x, order, &OfFlow(self))
+    }
+
     /// Projects `x` onto the manifold of the flow, from which rounding has moved it.
     fn settle(&self, t: f64, x: State<N>) -> State<N>;
     /// Projects `x` onto the boundary where guard `i` has become zero.
@@ -164,7 +180,7 @@ pub trait Flow<const N: usize> {
             return guards.map_or([false; G], |guards| guards.map(is_positive));
         }
         let mut clear = [true; G];
-        for &i in Self::GUARDS {
+        for &i in self.guards() {
             clear[i] = self.is_clear(i, t, x);
         }
         clear
@@ -176,27 +192,24 @@ pub trait Flow<const N: usize> {
         self.field(t, components(x)).into()
     }
 
-    /// Guard `i` at a state.
-    #[inline(always)]
+    /// Guard `i` at a state, compiled once.
+    #[inline(never)]
     fn guard_at(&self, i: usize, t: f64, x: &State<N>) -> f64 {
         self.guard(i, t, components(x))
     }
 
     /// All `G` guards at a state.
-    #[inline(always)]
     fn guards_at<const G: usize>(&self, t: f64, x: &State<N>) -> [f64; G] {
         self.field_and_guards(t, components(x)).1
     }
 
     /// Rate of guard `i` along the vector `f`.
-    #[inline(always)]
     fn rate<T: Scalar>(&self, i: usize, t: T, x: &[T; N], f: &[T; N]) -> T {
         let along: [_; N] = std::array::from_fn(|j| Dual::new(x[j], f[j]));
         self.guard(i, Dual::new(t, T::one()), &along).eps
     }
 
     /// Slope of time and state with guard `i` as independent variable: `(1, f)/rate`.
-    #[inline(always)]
     fn henon_slope(&self, i: usize, at: &Timed<N>) -> Timed<N> {
         let x = components(&at.x);
         let f = self.field(at.t, x);
@@ -207,16 +220,21 @@ pub trait Flow<const N: usize> {
         }
     }
 
+    /// The solution through `(t, x)` with its first three time derivatives; see [`flow_path`].
+    fn path(&self, t: f64, x: &State<N>) -> (Dual3<f64>, [Dual3<f64>; N]) {
+        flow_path(t, components(x), |t, x| self.field(t, x))
+    }
+
     /// Value and first three time derivatives of guard `i` along the flow.
     fn jet(&self, i: usize, t: f64, x: &State<N>) -> [f64; 4] {
-        let path = flow_path(t, components(x), |t, x| self.field(t, x));
+        let path = self.path(t, x);
         let g = self.guard(i, path.0, &path.1);
         [g.re, g.v1, g.v2, g.v3]
     }
 
     /// The same of all `G` guards.
     fn jets<const G: usize>(&self, t: f64, x: &State<N>) -> [[f64; 4]; G] {
-        let path = flow_path(t, components(x), |t, x| self.field(t, x));
+        let path = self.path(t, x);
         let guards = self.field_and_guards(path.0, &path.1).1;
         guards.map(|g| [g.re, g.v1, g.v2, g.v3])
     }
@@ -239,88 +257,92 @@ pub(crate) fn flow_path<T: Scalar, const N: usize>(
     (time, path)
 }
 
-/// Slip on one side of Σ: ends where the boundary function reaches zero.
-pub(crate) struct Slip<'a, S, const ABOVE: bool> {
-    pub system: &'a S,
-    /// Sign of the contact function.
-    pub contact: f64,
-}
+/// The field of a flow and its guards.
+pub(super) struct OfFlow<'a, F: ?Sized>(pub(super) &'a F);
 
-impl<S, const ABOVE: bool> Slip<'_, S, ABOVE> {
-    const SIDE: Side = if ABOVE { Side::Above } else { Side::Below };
-}
-
-impl<S: Filippov<N>, const ABOVE: bool, const N: usize> Flow<N> for Slip<'_, S, ABOVE> {
-    const GUARDS: &'static [usize] = &[0, CONTACT];
-    const INTERPRETED: bool = S::INTERPRETED;
-
+impl<F: Flow<N> + ?Sized, const N: usize, const G: usize> Functions<N, G> for OfFlow<'_, F> {
     #[inline(always)]
+    fn at<T: Scalar>(&self, t: T, x: &[T; N]) -> ([T; N], [T; G]) {
+        self.0.field_and_guards(t, x)
+    }
+}
+
+/// A flow of interpreted functions. These take longer than a call, so that each is compiled once for
+/// each type of number and not wherever it is used.
+pub(crate) struct Called<'f, F>(pub &'f F);
+
+impl<F: Flow<N>, const N: usize> Flow<N> for Called<'_, F> {
+    const TOGETHER: bool = F::TOGETHER;
+    const INTERPRETED: bool = F::INTERPRETED;
+
+    fn guards(&self) -> &'static [usize] {
+        self.0.guards()
+    }
     fn field_calls(&self) -> u64 {
-        1
+        self.0.field_calls()
     }
-
-    #[inline(always)]
+    #[inline(never)]
     fn field<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; N] {
-        self.system.field(Self::SIDE, t, x)
+        self.0.field(t, x)
     }
-
-    #[inline(always)]
+    #[inline(never)]
     fn guard<T: Scalar>(&self, i: usize, t: T, x: &[T; N]) -> T {
-        if i == CONTACT {
-            contact_guard(self.system, t, x, self.contact)
-        } else {
-            self.system.boundary(t, x) * Self::SIDE.sign()
-        }
+        self.0.guard(i, t, x)
     }
-
-    #[inline(always)]
+    #[inline(never)]
     fn field_and_guards<T: Scalar, const G: usize>(&self, t: T, x: &[T; N]) -> ([T; N], [T; G]) {
-        let mut guards = [T::one(); G];
-        guards[0] = self.guard(0, t, x);
-        guards[CONTACT] = self.guard(CONTACT, t, x);
-        (self.field(t, x), guards)
+        self.0.field_and_guards(t, x)
     }
-
-    fn settle(&self, _t: f64, x: State<N>) -> State<N> {
-        x
+    fn settle(&self, t: f64, x: State<N>) -> State<N> {
+        self.0.settle(t, x)
     }
-
     fn land(&self, i: usize, t: f64, x: State<N>) -> State<N> {
-        if i == CONTACT {
-            x
-        } else {
-            project(self.system, t, x)
-        }
+        self.0.land(i, t, x)
     }
 }
 
-/// Stick (sliding on Σ): ends where either field stops pushing towards Σ. Guard 0 is the normal
-/// component of the field below, guard 1 minus that of the field above.
-pub(crate) struct Stick<'a, S> {
+/// The flow of one contact in a mode. A slip ends where the boundary function reaches zero, guard 0.
+/// Stick, which is sliding on Σ, ends where either field stops pushing towards Σ: guard 0 is the
+/// normal component of the field below, guard 1 minus that of the field above.
+///
+/// The mode is a value and not a type, so that the solver is compiled once for all of them.
+pub(crate) struct OneContactFlow<'a, S> {
     pub system: &'a S,
+    pub mode: Mode,
     /// Sign of the contact function.
     pub contact: f64,
 }
 
-impl<S> Stick<'_, S> {
-    /// The side that the body is released to when guard `i` fails.
-    pub(crate) fn side_of_guard(i: usize) -> Side {
-        if i == 0 { Side::Below } else { Side::Above }
-    }
+/// The side that a body in stick is released to when guard `i` fails.
+pub(crate) fn side_of_guard(i: usize) -> Side {
+    if i == 0 { Side::Below } else { Side::Above }
 }
 
-impl<S: Filippov<N>, const N: usize> Flow<N> for Stick<'_, S> {
-    const GUARDS: &'static [usize] = &[0, 1, CONTACT];
+impl<S: Filippov<N>, const N: usize> Flow<N> for OneContactFlow<'_, S> {
     const INTERPRETED: bool = S::INTERPRETED;
 
     #[inline(always)]
+    fn guards(&self) -> &'static [usize] {
+        match self.mode {
+            Mode::Slip(_) => &[0, CONTACT],
+            Mode::Stick => &[0, 1, CONTACT],
+        }
+    }
+
+    #[inline(always)]
     fn field_calls(&self) -> u64 {
-        2
+        match self.mode {
+            Mode::Slip(_) => 1,
+            Mode::Stick => 2,
+        }
     }
 
     #[inline(always)]
     fn field<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; N] {
-        sliding_field(self.system, t, x)
+        match self.mode {
+            Mode::Slip(side) => self.system.field(side, t, x),
+            Mode::Stick => sliding_field(self.system, t, x),
+        }
     }
 
     #[inline(always)]
@@ -328,26 +350,71 @@ impl<S: Filippov<N>, const N: usize> Flow<N> for Stick<'_, S> {
         if i == CONTACT {
             return contact_guard(self.system, t, x, self.contact);
         }
-        let side = Self::side_of_guard(i);
-        let f = self.system.holding(side, t, x);
-        normal_component(self.system, t, x, &f) * -side.sign()
+        match self.mode {
+            Mode::Slip(side) => self.system.boundary(t, x) * side.sign(),
+            Mode::Stick => {
+                let side = side_of_guard(i);
+                let f = self.system.holding(side, t, x);
+                normal_component(self.system, t, x, &f) * -side.sign()
+            }
+        }
     }
 
     #[inline(always)]
     fn field_and_guards<T: Scalar, const G: usize>(&self, t: T, x: &[T; N]) -> ([T; N], [T; G]) {
-        let (field, [a1, a2]) = sliding(self.system, t, x);
         let mut guards = [T::one(); G];
-        (guards[0], guards[1]) = (a1, -a2);
+        let field = match self.mode {
+            Mode::Slip(_) => {
+                guards[0] = self.guard(0, t, x);
+                self.field(t, x)
+            }
+            Mode::Stick => {
+                let (field, [a1, a2]) = sliding(self.system, t, x);
+                (guards[0], guards[1]) = (a1, -a2);
+                field
+            }
+        };
         guards[CONTACT] = contact_guard(self.system, t, x, self.contact);
         (field, guards)
     }
 
-    fn settle(&self, t: f64, x: State<N>) -> State<N> {
-        project(self.system, t, x)
+    /// In each copy the mode is a constant, so that the compiler knows where the coefficients are.
+    #[inline(always)]
+    fn expand<const L: usize, const G: usize>(
+        &self,
+        into: CoefficientRows<'_, L>,
+        time: (Lanes<L>, Lanes<L>),
+        x: &[Lanes<L>; N],
+        order: usize,
+    ) -> Result<Expansion<G>, usize> {
+        macro_rules! in_mode {
+            ($mode:expr) => {{
+                let flow = Self {
+                    mode: $mode,
+                    ..*self
+                };
+                in_rows(into, time, x, order, &OfFlow(&flow))
+            }};
+        }
+        match self.mode {
+            Mode::Slip(Side::Below) => in_mode!(Mode::Slip(Side::Below)),
+            Mode::Slip(Side::Above) => in_mode!(Mode::Slip(Side::Above)),
+            Mode::Stick => in_mode!(Mode::Stick),
+        }
     }
 
-    fn land(&self, _i: usize, t: f64, x: State<N>) -> State<N> {
-        project(self.system, t, x)
+    fn settle(&self, t: f64, x: State<N>) -> State<N> {
+        match self.mode {
+            Mode::Slip(_) => x,
+            Mode::Stick => project(self.system, t, x),
+        }
+    }
+
+    fn land(&self, i: usize, t: f64, x: State<N>) -> State<N> {
+        match self.mode {
+            Mode::Slip(_) if i == CONTACT => x,
+            Mode::Slip(_) | Mode::Stick => project(self.system, t, x),
+        }
     }
 }
 

@@ -3,7 +3,8 @@
 use super::check::check;
 use super::flow::gradient;
 use super::flow::{
-    CONTACT, GUARDS, Slip, Stick, boundary_gradient, flow_path, normal_component, sliding_field,
+    CONTACT, GUARDS, OneContactFlow, boundary_gradient, flow_path, normal_component, side_of_guard,
+    sliding_field,
 };
 use super::guard::Event;
 use super::observer::{Transition, TransitionKind};
@@ -49,12 +50,11 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
 
     #[inline(always)]
     fn with_flow<U: UseFlow<N>>(&self, mode: Mode, contact: f64, user: U) -> U::Output {
-        let system = self;
-        match mode {
-            Mode::Slip(Side::Below) => user.with(&Slip::<_, false> { system, contact }),
-            Mode::Slip(Side::Above) => user.with(&Slip::<_, true> { system, contact }),
-            Mode::Stick => user.with(&Stick { system, contact }),
-        }
+        user.with_flow(&OneContactFlow {
+            system: self,
+            mode,
+            contact,
+        })
     }
 
     #[inline(always)]
@@ -123,7 +123,7 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
                 self.branch(from, &run.at),
                 Vanishes(event, &run.options),
             );
-        let tangent = vanishes.then(|| Stick::<S>::side_of_guard(event.guard));
+        let tangent = vanishes.then(|| side_of_guard(event.guard));
         let departure = departure_at(self, run, tangent)?;
         let next = departure.next_mode(run.options.at_repelling);
         Ok(match next {

@@ -236,7 +236,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
 
     /// Records which guards have left their zero.
     pub(crate) fn record_departures<F: Flow<N>>(&mut self, flow: &F) {
-        for &guard in F::GUARDS {
+        for &guard in flow.guards() {
             let departs = self.orders[guard] > 0;
             if departs && has_left_zero::<F, N>(flow, guard, &self.at, &self.options) {
                 self.orders[guard] = 0;

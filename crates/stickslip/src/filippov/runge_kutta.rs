@@ -239,28 +239,14 @@ impl<const N: usize, const G: usize> Run<N, G> {
         // Nearly every step returns here: it is certainly far from any event.
         let times = Interval::new(origin.t, origin.t + origin.h);
         let clear: [bool; G] = origin.flow.are_clear(times, &dense.enclosure());
-        // The first guards are written out, not looped over, so that each has its own compiled
-        // code.
-        macro_rules! consider {
-            ($guard:expr) => {
-                match self.first_event_of($guard, origin, dense, &clear, self.orders[$guard]) {
-                    Ok(Some(event)) if first.is_none_or(|first| event.at.t < first.at.t) => {
-                        first = Some(event);
-                    }
-                    Ok(_) => {}
-                    Err(Undefined) => is_undefined = true,
+        for &guard in origin.flow.guards() {
+            match self.first_event_of(guard, origin, dense, &clear, self.orders[guard]) {
+                Ok(Some(event)) if first.is_none_or(|first| event.at.t < first.at.t) => {
+                    first = Some(event);
                 }
-            };
-        }
-        consider!(0);
-        if F::GUARDS.contains(&1) {
-            consider!(1);
-        }
-        if F::GUARDS.contains(&2) {
-            consider!(2);
-        }
-        for guard in 3..G {
-            consider!(guard);
+                Ok(_) => {}
+                Err(Undefined) => is_undefined = true,
+            }
         }
         match first {
             Some(event) => Ok(Some(event)),

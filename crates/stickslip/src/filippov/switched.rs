@@ -4,7 +4,7 @@
 use std::fmt::Debug;
 use std::hash::Hash;
 
-use super::flow::{Flow, gradient};
+use super::flow::{Called, Flow, gradient};
 use super::guard::Event;
 use super::observer::{Transition, TransitionKind};
 use super::options::Options;
@@ -205,6 +205,19 @@ pub struct StickingPoint<K, B, const N: usize, const G: usize> {
 pub trait UseFlow<const N: usize> {
     type Output;
     fn with<F: Flow<N>>(self, flow: &F) -> Self::Output;
+
+    /// Works with the flow or, where its functions are interpreted, by calls of it.
+    #[inline(always)]
+    fn with_flow<F: Flow<N>>(self, flow: &F) -> Self::Output
+    where
+        Self: Sized,
+    {
+        if const { F::INTERPRETED } {
+            self.with(&Called(flow))
+        } else {
+            self.with(flow)
+        }
+    }
 }
 
 /// The velocity at a point.

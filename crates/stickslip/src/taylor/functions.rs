@@ -249,7 +249,7 @@ impl<const L: usize> Scalar for Jet<'_, L> {
         }
         self.first()[0]
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn exceeds(self, other: Self) -> bool {
         let (a0, b0) = (self.first(), other.first());
         let exceeds = a0[0] > b0[0];

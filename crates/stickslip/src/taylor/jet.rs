@@ -15,6 +15,9 @@ use Jet::{Linear, One, Series, Zero};
 /// Numbers that are constant or linear in time need no row, and operations on them are folded. Zero
 /// and one are variants of their own, known without a look at the value. So derivatives of dual
 /// numbers that are zero or one cost nothing.
+///
+/// The compiler must see which variant a number is, so that operations are inlined. In builds with
+/// debug assertions the longest are not: to compile them at each place takes most of a build.
 #[derive(Clone, Copy)]
 pub(crate) enum Jet<'a, const L: usize> {
     Zero,
@@ -323,7 +326,7 @@ impl<'a, const L: usize> Jet<'a, L> {
     }
 
     /// A sum or difference. Above order 1 the result does not depend on a linear summand.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn combined(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
         match (self, other) {
             (Series(a), Series(b)) => {
@@ -400,7 +403,7 @@ impl<const L: usize> Sub for Jet<'_, L> {
 
 impl<const L: usize> Mul for Jet<'_, L> {
     type Output = Self;
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn mul(self, other: Self) -> Self {
         match (self, other) {
             (Zero, _) | (_, Zero) => Zero,
@@ -423,7 +426,7 @@ impl<const L: usize> Mul for Jet<'_, L> {
 
 impl<const L: usize> Div for Jet<'_, L> {
     type Output = Self;
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn div(self, other: Self) -> Self {
         match (self, other) {
             (Zero, _) => Zero,

@@ -42,7 +42,8 @@ impl<'a> Recorded<'a> {
         self.location.or(other.location).map(|(_, sweep)| sweep)
     }
 
-    #[inline(always)]
+    /// Not inlined: a call is recorded once and repeated often.
+    #[inline(never)]
     fn recorded(self, operation: Operation, other: Self, constant: f64) -> Self {
         match self.sweep(other) {
             Some(sweep) => sweep.record(operation, [self, other], constant),

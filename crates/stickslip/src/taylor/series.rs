@@ -20,7 +20,7 @@ pub(crate) trait Functions<const N: usize, const W: usize> {
 
 /// A function of the solution that is not constant.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Watched {
+pub struct Watched {
     /// The function's row.
     pub row: usize,
     /// Whether it is linear in state and time.
@@ -29,7 +29,7 @@ pub(crate) struct Watched {
 
 /// Description of an expansion.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Expansion<const W: usize> {
+pub struct Expansion<const W: usize> {
     /// The watched functions; `None` for constant ones.
     pub watched: [Option<Watched>; W],
     /// Number of comparisons that the expansion depends on.

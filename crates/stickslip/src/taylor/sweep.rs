@@ -18,7 +18,7 @@ pub(crate) const MIN_ROWS: usize = 32;
 /// inlined. Writing through an argument changes no local variable. So the compiler can evaluate the
 /// counters of a sweep, and with them the row of each number.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct CoefficientRows<'a, const L: usize> {
+pub struct CoefficientRows<'a, const L: usize> {
     pub(crate) first: &'a [CoefficientRow<L>; MIN_ROWS],
     pub(crate) all: &'a [CoefficientRow<L>],
 }

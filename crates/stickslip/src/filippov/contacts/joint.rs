@@ -452,15 +452,18 @@ const CONTACT_NUMBERS: [usize; 64] = {
 };
 
 impl<S: Contacts<N, M>, const N: usize, const M: usize> Flow<N> for Joint<'_, S, M> {
-    const GUARDS: &'static [usize] = {
-        assert!(
-            1 <= M && M <= CONTACT_NUMBERS.len(),
-            "a system has 1 to 64 contacts"
-        );
-        CONTACT_NUMBERS.split_at(M).0
-    };
     const TOGETHER: bool = M > 1;
     const INTERPRETED: bool = S::INTERPRETED;
+
+    fn guards(&self) -> &'static [usize] {
+        const {
+            assert!(
+                1 <= M && M <= CONTACT_NUMBERS.len(),
+                "a system has 1 to 64 contacts"
+            );
+            CONTACT_NUMBERS.split_at(M).0
+        }
+    }
 
     #[inline(always)]
     fn field_calls(&self) -> u64 {

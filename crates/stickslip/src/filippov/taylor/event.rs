@@ -204,7 +204,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         let step_series = &self.step_series;
         let mut first: Option<LocatedEvent<N>> = None;
         let at_end = OnceCell::new();
-        for &guard in F::GUARDS {
+        for &guard in flow.guards() {
             let Some(function) = self.expansion.watched[guard] else {
                 continue;
             };
@@ -268,7 +268,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     pub(super) fn holds_at_end<F: Flow<N>>(&self, run: &Run<N, G>, flow: &F) -> bool {
         let (end, _) = self.end(run);
         let at_end = OnceCell::new();
-        F::GUARDS.iter().all(|&guard| {
+        flow.guards().iter().all(|&guard| {
             let by_series = self.end_of_step.guards[guard];
             let may_differ = |is_linear: bool| !is_linear || self.expansion.choices > 0;
             !self.expansion.watched[guard].is_some_and(|function| may_differ(function.is_linear))

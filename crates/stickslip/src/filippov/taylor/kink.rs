@@ -79,7 +79,7 @@ pub(super) fn guard_jump<F: Flow<N>, const N: usize>(
     at: &Timed<N>,
     options: &Options,
 ) -> Option<Event<N>> {
-    F::GUARDS.iter().find_map(|&guard| {
+    flow.guards().iter().find_map(|&guard| {
         let value: f64 = flow.guard_at(guard, at.t, &at.x);
         let blur = uncertainty(flow, guard, at, &options.tolerance());
         (-value > blur.by_tolerance + blur.by_rounding).then(|| Event {

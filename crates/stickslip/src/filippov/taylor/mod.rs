@@ -12,18 +12,17 @@ use kink::{guard_jump, record_reversal};
 use step_series::{Polynomial, StepSeries, origin, powers};
 pub(super) use step_size::{MAX_GROWTH, step_ratio};
 
-use super::flow::Flow;
+use super::flow::{Flow, OfFlow};
 use super::options::Options;
 use super::pile_up::Burst;
 use super::run::{Run, Trial};
 use crate::error::Error;
 use crate::math;
 use crate::ode::{Dop853, RungeKutta, Timed};
-use crate::scalar::Scalar;
 use crate::system::State;
 use crate::taylor::recorded_calls::RecordedCalls;
 use crate::taylor::row::{CoefficientRow, Lanes};
-use crate::taylor::series::{Expansion, Functions, Series, in_rows};
+use crate::taylor::series::{Expansion, Series};
 use crate::taylor::sweep::{CoefficientRows, MIN_ROWS};
 use crate::taylor::{MAX_COEFFICIENTS, MAX_ORDER};
 
@@ -75,16 +74,6 @@ pub(crate) struct TaylorStepper<const N: usize, const G: usize> {
     tie_step: f64,
 }
 
-/// The field of a flow and its guards.
-pub(super) struct OfFlow<'a, F>(pub(super) &'a F);
-
-impl<F: Flow<N>, const N: usize, const G: usize> Functions<N, G> for OfFlow<'_, F> {
-    #[inline(always)]
-    fn at<T: Scalar>(&self, t: T, x: &[T; N]) -> ([T; N], [T; G]) {
-        self.0.field_and_guards(t, x)
-    }
-}
-
 /// Expands the series of one orbit. Not inlined; see [`CoefficientRows`].
 #[inline(never)]
 fn expand_alone<F: Flow<N>, const N: usize, const G: usize>(
@@ -96,13 +85,13 @@ fn expand_alone<F: Flow<N>, const N: usize, const G: usize>(
     flow: &F,
     (repeated, expansion): (&mut Option<&mut RecordedCalls<N, G>>, &mut Expansion<G>),
 ) -> Result<(), usize> {
-    let (into, flow) = (CoefficientRows { first, all }, OfFlow(flow));
+    let into = CoefficientRows { first, all };
     *expansion = if const { F::INTERPRETED } {
         let mut temporary = RecordedCalls::default();
         let repeated = repeated.as_deref_mut().unwrap_or(&mut temporary);
-        repeated.expand(into, time, x, order, &flow)?
+        repeated.expand(into, time, x, order, &OfFlow(flow))?
     } else {
-        in_rows(into, time, x, order, &flow)?
+        flow.expand(into, time, x, order)?
     };
     Ok(())
 }
