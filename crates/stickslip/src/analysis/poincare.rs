@@ -6,7 +6,7 @@ use crate::dynamics::{
     Components, Dynamics, DynamicsRef, Matrix, Modes, Moment, OrbitProgress, OrbitUnderWay,
     Passage, Section, Step, Typed, Vector, watched,
 };
-use crate::error::Error;
+use crate::error::{Error, require};
 use crate::filippov::{EventFunctions, Options, Switched};
 
 /// A return to a section.
@@ -270,13 +270,8 @@ fn moment((t, x): (f64, impl Components)) -> Moment {
 
 /// The options for returns within a given time: no step need be longer.
 fn bounded(longest: f64, options: &Options) -> Result<Options, Error> {
-    if !(longest > 0.0 && longest.is_finite()) {
-        return Err(Error::Option {
-            name: "longest",
-            value: longest,
-            bound: "positive and finite",
-        });
-    }
+    let is_positive = longest > 0.0 && longest.is_finite();
+    require(is_positive, "longest", longest, "positive and finite")?;
     Ok(options.longest_step(options.longest_step.min(longest)))
 }
 

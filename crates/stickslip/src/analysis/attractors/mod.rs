@@ -19,7 +19,7 @@ use std::ops::ControlFlow;
 use crate::dynamics::{
     AsDynamics, Components, Dynamics, Modes, Moment, OrbitUnderWay, Section, Typed, Vector,
 };
-use crate::error::Error;
+use crate::error::{Error, require};
 use crate::filippov::{EventFunctions, Options, Strobe, Switched};
 use crate::system::Mode;
 use search::Search;
@@ -74,13 +74,6 @@ impl RecurrenceSettings {
     /// # Errors
     /// [`Error::Option`] with name, value and bound of the first that is not allowed.
     pub fn check(&self) -> Result<(), Error> {
-        let require = |good: bool, name, value, bound| {
-            if good {
-                Ok(())
-            } else {
-                Err(Error::Option { name, value, bound })
-            }
-        };
         let positive = |value: f64| value > 0.0 && value.is_finite();
         let finite = "positive and finite";
         require(positive(self.longest), "longest", self.longest, finite)?;
