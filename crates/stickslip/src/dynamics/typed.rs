@@ -17,7 +17,7 @@ use super::{
 };
 use crate::dual::Dual;
 use crate::error::Error;
-use crate::filippov::{EventFunctions, Method, Options, Switched, gradient, side_by_side};
+use crate::filippov::{EventFunctions, Method, Options, Switched, gradient, seeded, side_by_side};
 use crate::ode::Timed;
 use crate::system::components;
 
@@ -249,11 +249,10 @@ where
         let (of, jump) = (self.view(), number - self.contacts);
         let Timed { t, x } = of.timed(at);
         let states = self.states;
-        // Column `states` is the derivative by time.
-        let along = |k: usize| {
-            let seed = |is_it: bool| f64::from(u8::from(is_it));
-            let x = std::array::from_fn(|i| Dual::new(x[i], seed(i == k)));
-            self.jumps.set(jump, Dual::new(t, seed(k == states)), &x)
+        let along = |direction: usize| {
+            let (t, x) = seeded(&here, direction);
+            let change = of.jumps.set(jump, t, &x);
+            Vector::from_fn(states, |i, _| change[i].eps)
         };
         let by_state = (0..states).map(along);
         let columns: Vec<Vector> = by_state

@@ -8,8 +8,7 @@
 //! chosen silently. Both fields may be tangent, with an equilibrium on one side to which the other
 //! field leads back. The state then rests on that side.
 
-use super::flow::{GUARDS, flow_path, normal_component};
-use super::options::AtRepelling;
+use super::flow::{GUARDS, flow_path, normal_component, seeded};
 use super::uncertainty::{RELATIVE_ROUNDING, STATE_ROUNDING};
 use crate::dual::{Dual, Dual3};
 use crate::scalar::Scalar;
@@ -104,14 +103,13 @@ impl LieDerivatives {
         let (mut spread, mut shift) = ([[0.0; 4]; G], [[0.0; 4]; G]);
         // Direction N is time.
         for direction in 0..=N {
-            let seed = |at: usize| f64::from(u8::from(at == direction));
-            let seeded = std::array::from_fn(|i| Dual::new(x[i], seed(i)));
             let (size, slack) = if direction < N {
                 (x[direction].abs(), slack)
             } else {
                 (t.abs(), 0.0)
             };
-            let functions = path(Dual::new(t, seed(N)), &seeded);
+            let (dual_t, dual_x) = seeded(&Timed { t, x: *x }, direction);
+            let functions = path(dual_t, &dual_x);
             for (i, h) in functions.iter().enumerate() {
                 for (k, derivative) in [h.re, h.v1, h.v2, h.v3].into_iter().enumerate() {
                     values[i][k] = derivative.re;
@@ -213,14 +211,16 @@ fn one_derivative<const N: usize>(
     slack: f64,
     along: impl Fn(Dual<f64>, &[Dual<f64>; N]) -> (Dual<f64>, [Dual<f64>; N]),
 ) -> (f64, f64) {
-    let (derivative, f) = along(Dual::new(t, 1.0), &components(x).map(|x| Dual::new(x, 0.0)));
+    let in_direction = |direction: usize| {
+        let (t, x) = seeded(&Timed { t, x: *x }, direction);
+        along(t, &x)
+    };
+    let (derivative, f) = in_direction(N);
     let (mut spread, mut shift) = (derivative.eps.abs() * t.abs(), 0.0);
     // Its change along the field is the next derivative.
     let mut next = derivative.eps;
     for direction in 0..N {
-        let seed = |at: usize| f64::from(u8::from(at == direction));
-        let seeded = std::array::from_fn(|i| Dual::new(x[i], seed(i)));
-        let change = along(Dual::new(t, 0.0), &seeded).0.eps;
+        let change = in_direction(direction).0.eps;
         spread += change.abs() * x[direction].abs();
         shift += change.abs() * slack;
         next += change * f[direction].re;
