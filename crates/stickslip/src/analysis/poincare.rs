@@ -84,7 +84,7 @@ impl<'a> PoincareMap<'a> {
         S: Switched<N, G> + Send + Sync,
         V: EventFunctions<N, 1> + Send + Sync,
     {
-        let typed = Typed::<&S, S, &V, _, N, G>::with_section(system, section);
+        let typed = Typed::<&S, S, &V, _, _, N, G>::with_section(system, section);
         let at = moment(start);
         let options = bounded(longest, options)?;
         let orbit = watched(&typed, &at, &options)?;

@@ -267,7 +267,7 @@ where
     S: Switched<N, G> + Send + Sync,
     V: EventFunctions<N, 1> + Send + Sync,
 {
-    let typed = Typed::<&S, S, &V, _, N, G>::with_section(system, section);
+    let typed = Typed::<&S, S, &V, _, _, N, G>::with_section(system, section);
     seek(&typed, &Section::Own, x0.vector(), settings, options)
 }
 
