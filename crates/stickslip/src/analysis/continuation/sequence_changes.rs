@@ -7,8 +7,8 @@ use super::tangent_line::TangentLine;
 use crate::analysis::cycle::{
     Cycle, Margin, MarginKind, Outline, Path, SAFETY, SequenceChange, Shooting, Zero, describe,
 };
-use crate::dynamics::{Moment, OrbitProgress, Section, Vector};
-use crate::filippov::Direction;
+use crate::analysis::passages::passages;
+use crate::dynamics::{Moment, Vector};
 
 /// A change of the phases.
 pub(super) struct Change {
@@ -163,23 +163,11 @@ impl Continuation<'_> {
     /// The time after which an orbit first returns to near one of its states.
     fn return_time(&self, from: &Moment, orbit: &Cycle) -> Option<f64> {
         let (system, options) = (self.shooting.system, self.shooting.options);
-        let mode = system.begin(from, from.t + orbit.period, options, &Section::None);
-        let section = Section::Plane {
-            point: from.x.clone(),
-            normal: system.flow(mode.ok()?.mode(), from).velocity(from),
-            direction: Direction::Rising,
-        };
-        let t_end = from.t + MOST_PERIODS * orbit.period;
-        let mut run = system.begin(from, t_end, options, &section).ok()?;
-        loop {
-            match run.step().ok()? {
-                OrbitProgress::Passage(at) if (&at.x - &from.x).norm() <= NEAR * orbit.extent => {
-                    return Some(at.t - from.t);
-                }
-                OrbitProgress::End(_) => return None,
-                _ => {}
-            }
-        }
+        let span = MOST_PERIODS * orbit.period;
+        let is_near = |at: &Moment| (&at.x - &from.x).norm() <= NEAR * orbit.extent;
+        let passages = passages(system, (from, span), from, options, is_near).ok()?;
+        let nearby = passages.last().filter(|at| is_near(at))?;
+        Some(nearby.t - from.t)
     }
 
     /// The change at which segments vanish, the first of them at a place on the line.
