@@ -430,6 +430,19 @@ pub enum Error {
     },
 }
 
+/// Checks a setting of the solver or of an analysis.
+pub(crate) fn require(
+    is_allowed: bool,
+    name: &'static str,
+    value: f64,
+    bound: &'static str,
+) -> Result<(), Error> {
+    if is_allowed {
+        return Ok(());
+    }
+    Err(Error::Option { name, value, bound })
+}
+
 /// Significant digits of a number in a message. Rounding errors stay behind them.
 const READABLE_DIGITS: usize = 12;
 

@@ -47,7 +47,8 @@ fn of_one_contact(
         OneContact: Filippov<N>,
     {
         let system = (system, section, switching);
-        let typed = Typed::<_, OneContact, _, _, N, GUARDS>::padded(system, states, contacts);
+        let typed =
+            Typed::<_, OneContact, _, _, Switching, N, GUARDS>::padded(system, states, contacts);
         Box::new(typed.interrupted_by(interrupt))
     }
     let (size, room) = ((states, contacts), extras.1.room());
@@ -73,7 +74,7 @@ fn of_many_contacts(
         (states, contacts): (usize, usize),
     ) -> Box<dyn Dynamics> {
         let system = (Several(system), section, switching);
-        let typed = Typed::<_, Several<ManyContacts>, _, _, N, M>::padded(system, states, contacts);
+        let typed = Typed::<_, Several<_>, _, _, Switching, N, M>::padded(system, states, contacts);
         Box::new(typed.interrupted_by(interrupt))
     }
     let (size, room) = ((states, contacts), extras.1.room());

@@ -4,7 +4,6 @@
 mod attractors;
 mod basin;
 mod bifurcation;
-mod boundary_equilibrium;
 mod continuation;
 mod critical;
 mod cycle;
@@ -14,6 +13,7 @@ mod lyapunov;
 mod monodromy;
 pub mod motion;
 mod multipliers;
+mod passages;
 mod periodic;
 mod poincare;
 mod stability;

@@ -3,11 +3,12 @@
 use super::attractors::SOLVER_TOLERANCES;
 use super::cycle::{Cycle, Outline, Shooting};
 use super::monodromy::{flow_derivative, velocity_in};
+use super::passages::{passages, plane};
 use crate::dynamics::{
     AsDynamics, Components, Dynamics, Matrix, Modes, Moment, OrbitProgress, Section, Vector, run,
 };
 use crate::error::Error;
-use crate::filippov::{Direction, Options};
+use crate::filippov::Options;
 use crate::orbit::Ending;
 
 /// A periodic orbit.
@@ -160,11 +161,7 @@ pub fn find_periodic_orbit<Kind>(
             | OrbitProgress::Kink(_) => {}
         }
     };
-    orbit.watch(&Section::Plane {
-        point: start.x.clone(),
-        normal: velocity_in(system, mode, &start),
-        direction: Direction::Rising,
-    });
+    orbit.watch(&plane(system, mode, &start));
     // Within the error of the run, all returns are equally good.
     let error = SOLVER_TOLERANCES * (options.atol + options.rtol * start.x.norm());
     let mut returns = Vec::new();
@@ -244,8 +241,9 @@ fn shortest(
             part
         }
         None => {
-            let passages = passages(system, (&start, orbit.period), &start, options)?;
-            let first = passages.into_iter().find(|at| closes(&at.x));
+            let closes = |at: &Moment| closes(&at.x);
+            let passages = passages(system, (&start, orbit.period), &start, options, closes)?;
+            let first = passages.last().filter(|at| closes(at));
             // It may be the end of the orbit.
             let part = first.map(|at| at.t - start.t);
             part.filter(|part| *part < 0.75 * orbit.period)
@@ -382,37 +380,11 @@ fn passage_time(
     state: &Moment,
     options: &Options,
 ) -> Result<Option<f64>, Error> {
-    let passages = passages(system, (&cycle.anchor, cycle.period), state, options)?;
+    let anchor = (&cycle.anchor, cycle.period);
+    let passages = passages(system, anchor, state, options, |_| false)?;
     let off = |at: &Moment| (&at.x - &state.x).norm();
     let nearest = passages
         .into_iter()
         .min_by(|a, b| off(a).total_cmp(&off(b)));
     Ok(nearest.map(|at| at.t))
-}
-
-/// Where the orbit from a start passes, within a time, the plane through a state that is
-/// perpendicular to the flow there.
-fn passages(
-    system: &dyn Dynamics,
-    (start, span): (&Moment, f64),
-    state: &Moment,
-    options: &Options,
-) -> Result<Vec<Moment>, Error> {
-    let mode = system
-        .begin(state, state.t + span, options, &Section::None)?
-        .mode();
-    let plane = Section::Plane {
-        point: state.x.clone(),
-        normal: velocity_in(system, mode, state),
-        direction: Direction::Rising,
-    };
-    let mut run = system.begin(start, start.t + span, options, &plane)?;
-    let mut passages = Vec::new();
-    loop {
-        match run.step()? {
-            OrbitProgress::Passage(at) => passages.push(at.moment()),
-            OrbitProgress::End(_) => return Ok(passages),
-            _ => {}
-        }
-    }
 }

@@ -6,7 +6,7 @@ use crate::dynamics::{
     Components, Dynamics, DynamicsRef, Matrix, Modes, Moment, OrbitProgress, OrbitUnderWay,
     Passage, Section, Step, Typed, Vector, watched,
 };
-use crate::error::Error;
+use crate::error::{Error, require};
 use crate::filippov::{EventFunctions, Options, Switched};
 
 /// A return to a section.
@@ -84,7 +84,7 @@ impl<'a> PoincareMap<'a> {
         S: Switched<N, G> + Send + Sync,
         V: EventFunctions<N, 1> + Send + Sync,
     {
-        let typed = Typed::<&S, S, &V, _, N, G>::with_section(system, section);
+        let typed = Typed::<&S, S, &V, _, _, N, G>::with_section(system, section);
         let at = moment(start);
         let options = bounded(longest, options)?;
         let orbit = watched(&typed, &at, &options)?;
@@ -270,13 +270,8 @@ fn moment((t, x): (f64, impl Components)) -> Moment {
 
 /// The options for returns within a given time: no step need be longer.
 fn bounded(longest: f64, options: &Options) -> Result<Options, Error> {
-    if !(longest > 0.0 && longest.is_finite()) {
-        return Err(Error::Option {
-            name: "longest",
-            value: longest,
-            bound: "positive and finite",
-        });
-    }
+    let is_positive = longest > 0.0 && longest.is_finite();
+    require(is_positive, "longest", longest, "positive and finite")?;
     Ok(options.longest_step(options.longest_step.min(longest)))
 }
 

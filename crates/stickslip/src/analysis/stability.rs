@@ -42,9 +42,7 @@ impl Stability {
             Stability::Unstable
         }
     }
-}
 
-impl Stability {
     /// From the eigenvalues of an equilibrium: a pair may be imaginary to 1e-6 of the largest.
     pub(super) fn of_eigenvalues(eigenvalues: &[Complex<f64>]) -> Self {
         let sizes = eigenvalues.iter().map(|value| value.norm());

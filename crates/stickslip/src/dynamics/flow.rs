@@ -1,7 +1,6 @@
 //! The smooth flow of one mode of a typed system.
 
 use std::cell::OnceCell;
-use std::marker::PhantomData;
 
 use super::jumps::Jumps;
 use super::view::View;
@@ -163,21 +162,7 @@ where
             states: self.view.states,
         };
         let vector = self.view.state(vector.as_slice());
-        let tolerance = how.tolerance;
-        // A Taylor step is longer than one of DOP853 would be; halving covers that as well. A fixed
-        // step is kept.
-        let carried =
-            match how.method {
-                Method::Dop853 | Method::Taylor => self.with_flow_of_field(
-                    Carried::<Dop853, N>::new(piece, vector, MAX_HALVINGS, tolerance),
-                ),
-                Method::Dop853Fixed { .. } => {
-                    self.with_flow_of_field(Carried::<Dop853, N>::new(piece, vector, 0, tolerance))
-                }
-                Method::Rk4 { .. } => {
-                    self.with_flow_of_field(Carried::<Rk4, N>::new(piece, vector, 0, tolerance))
-                }
-            };
+        let carried = self.with_flow_of_field(Carried { piece, vector, how });
         self.view.vector(&carried)
     }
 
@@ -303,39 +288,36 @@ struct Piece<const N: usize> {
     states: usize,
 }
 
-/// Carries a tangent vector over a piece by method `M`: the piece is integrated again on dual
-/// numbers.
+/// Carries a tangent vector over a piece: the piece is integrated again on dual numbers.
 ///
 /// Step-size control bounds the error of the state, which may not bound the vector's error: a state
 /// near an equilibrium allows steps of any length. The piece is then halved, up to a given number
 /// of times, until the vector is accurate, too.
-struct Carried<M, const N: usize> {
+struct Carried<const N: usize> {
     piece: Piece<N>,
     vector: State<N>,
-    halvings: u32,
-    tolerance: f64,
-    method: PhantomData<M>,
+    how: Carrying,
 }
 
-impl<M, const N: usize> Carried<M, N> {
-    fn new(piece: Piece<N>, vector: State<N>, halvings: u32, tolerance: f64) -> Self {
-        Carried {
-            piece,
-            vector,
-            halvings,
-            tolerance,
-            method: PhantomData,
-        }
-    }
-}
-
-impl<M: RungeKutta, const N: usize> UseFlow<N> for Carried<M, N> {
+impl<const N: usize> UseFlow<N> for Carried<N> {
     type Output = State<N>;
 
     #[inline(always)]
     fn with<F: Flow<N>>(self, flow: &F) -> State<N> {
-        let (piece, vector) = (&self.piece, &self.vector);
-        advanced::<M, F, N>(flow, piece, vector, self.halvings, self.tolerance).1
+        let Carried { piece, vector, how } = &self;
+        // A Taylor step is longer than one of DOP853 would be; halving covers that as well. A fixed
+        // step is kept.
+        let halvings = match how.method {
+            Method::Dop853 | Method::Taylor => MAX_HALVINGS,
+            Method::Dop853Fixed { .. } | Method::Rk4 { .. } => 0,
+        };
+        let (_, carried) = match how.method {
+            Method::Rk4 { .. } => {
+                advanced::<Rk4, F, N>(flow, piece, vector, halvings, how.tolerance)
+            }
+            _ => advanced::<Dop853, F, N>(flow, piece, vector, halvings, how.tolerance),
+        };
+        carried
     }
 }
 

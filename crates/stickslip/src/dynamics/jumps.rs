@@ -129,45 +129,6 @@ impl<const N: usize> Jumps<N> for NoJumps {
     }
 }
 
-impl<J: Jumps<N>, const N: usize> Jumps<N> for &J {
-    fn count(&self) -> usize {
-        (**self).count()
-    }
-    fn direction(&self, jump: usize) -> Direction {
-        (**self).direction(jump)
-    }
-    fn when<T: Scalar>(&self, jump: usize, t: T, x: &[T; N]) -> T {
-        (**self).when(jump, t, x)
-    }
-    fn set<T: Scalar>(&self, jump: usize, t: T, x: &[T; N]) -> [T; N] {
-        (**self).set(jump, t, x)
-    }
-    fn most(&self, jump: usize) -> Option<u64> {
-        (**self).most(jump)
-    }
-    fn is_discrete(&self, state: usize) -> bool {
-        (**self).is_discrete(state)
-    }
-    fn is_constant_between_jumps(&self, state: usize) -> bool {
-        (**self).is_constant_between_jumps(state)
-    }
-    fn next_kink(&self, t: f64, x: &[f64], t_end: f64) -> f64 {
-        (**self).next_kink(t, x, t_end)
-    }
-    fn inputs(&self) -> usize {
-        (**self).inputs()
-    }
-    fn kinks(&self, input: usize, t: f64, x: &[f64]) -> bool {
-        (**self).kinks(input, t, x)
-    }
-    fn clock<T: Scalar>(&self, input: usize, t: T, x: &[T; N]) -> T {
-        (**self).clock(input, t, x)
-    }
-    fn hold(&self, input: usize, t: f64, x: &mut [f64]) {
-        (**self).hold(input, t, x)
-    }
-}
-
 /// A system with jumps. Every analysis accepts it like the system alone.
 #[derive(Clone, Copy, Debug)]
 pub struct WithJumps<S, J> {

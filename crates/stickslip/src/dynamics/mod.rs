@@ -14,7 +14,6 @@ mod section;
 mod typed;
 mod view;
 
-use batch::one_by_one;
 use nalgebra::{DMatrix, DVector};
 
 use crate::error::{Error, Point};
@@ -222,10 +221,7 @@ pub trait Dynamics: Send + Sync {
         options: &Options,
         section: &Section,
         listener: &mut Listener<'_>,
-    ) -> Vec<Result<(), Error>> {
-        let begin = |start: &Moment| self.begin(start, t_end, options, section);
-        one_by_one(begin, starts, listener)
-    }
+    ) -> Vec<Result<(), Error>>;
 
     /// Begins an orbit that stays in a mode to its end regardless of the guards, with contact lost
     /// or kept as at `inside`.
@@ -243,9 +239,6 @@ pub trait Dynamics: Send + Sync {
     /// The smooth flow of a mode, with contact lost or kept as at a moment.
     fn flow<'a>(&'a self, mode: Modes, at: &Moment) -> Box<dyn SmoothFlow + 'a>;
 
-    /// The modes by the sides on which a state lies; exactly on a boundary, stick.
-    fn mode_by_side(&self, at: &Moment) -> Modes;
-
     /// The contacts that stick in a mode, with the gradients of their boundary functions.
     fn normals(&self, mode: Modes, at: &Moment) -> Vec<(usize, Vector)>;
 
@@ -254,12 +247,6 @@ pub trait Dynamics: Send + Sync {
 
     /// Whether no second contact comes to zero in the same instant.
     fn is_one_at_a_time(&self, at: &Transition) -> bool;
-
-    /// The mode of a run that ends at its start because its future is not unique.
-    fn undecided(&self) -> Modes;
-
-    /// Number of jumps.
-    fn jumps(&self) -> usize;
 
     /// Whether a component of the state takes discrete values, which jumps set.
     fn is_discrete(&self, state: usize) -> bool;
@@ -408,11 +395,6 @@ impl<'a> std::ops::Deref for DynamicsRef<'a> {
 pub trait AsDynamics<Kind> {
     /// The dynamics.
     fn dynamics(&self) -> DynamicsRef<'_>;
-
-    /// The dynamics of a system, which it then owns.
-    fn into_dynamics<'a>(self) -> DynamicsRef<'a>
-    where
-        Self: Sized + 'a;
 }
 
 /// Marks a [`Filippov`] system of `N` states as [`AsDynamics`].
@@ -426,14 +408,7 @@ pub struct AtRunTime;
 
 impl<S: Filippov<N> + Send + Sync, const N: usize> AsDynamics<OneContact<N>> for S {
     fn dynamics(&self) -> DynamicsRef<'_> {
-        DynamicsRef::Owned(Box::new(Typed::<&S, S, _, _, N, _>::new(self)))
-    }
-
-    fn into_dynamics<'a>(self) -> DynamicsRef<'a>
-    where
-        S: 'a,
-    {
-        DynamicsRef::Owned(Box::new(Typed::<S, S, _, _, N, _>::new(self)))
+        DynamicsRef::Owned(Box::new(Typed::<&S, S, _, _, _, N, _>::new(self)))
     }
 }
 
@@ -442,14 +417,7 @@ where
     S: Contacts<N, M> + Send + Sync,
 {
     fn dynamics(&self) -> DynamicsRef<'_> {
-        DynamicsRef::Owned(Box::new(Typed::<&Self, Self, _, _, N, M>::new(self)))
-    }
-
-    fn into_dynamics<'a>(self) -> DynamicsRef<'a>
-    where
-        S: 'a,
-    {
-        DynamicsRef::Owned(Box::new(Typed::<Self, Self, _, _, N, M>::new(self)))
+        DynamicsRef::Owned(Box::new(Typed::<&Self, Self, _, _, _, N, M>::new(self)))
     }
 }
 
@@ -463,28 +431,14 @@ where
 {
     fn dynamics(&self) -> DynamicsRef<'_> {
         let system = (&self.system, NoSection, &self.jumps);
-        DynamicsRef::Owned(Box::new(Typed::<&S, S, _, _, N, _>::padded(system, N, 1)))
-    }
-
-    fn into_dynamics<'a>(self) -> DynamicsRef<'a>
-    where
-        Self: 'a,
-    {
-        let system = (self.system, NoSection, self.jumps);
-        DynamicsRef::Owned(Box::new(Typed::<S, S, _, _, N, _>::padded(system, N, 1)))
+        let typed = Typed::<&S, S, _, &J, J, N, _>::padded(system, N, 1);
+        DynamicsRef::Owned(Box::new(typed))
     }
 }
 
 impl<'d> AsDynamics<AtRunTime> for DynamicsRef<'d> {
     fn dynamics(&self) -> DynamicsRef<'_> {
         DynamicsRef::Borrowed(&**self)
-    }
-
-    fn into_dynamics<'a>(self) -> DynamicsRef<'a>
-    where
-        Self: 'a,
-    {
-        self
     }
 }
 
@@ -558,27 +512,11 @@ pub(crate) struct Orbit {
 }
 
 impl Orbit {
-    /// Integrates and stores the whole orbit.
-    ///
-    /// # Errors
-    /// Those of [`crate::solve`].
-    pub fn solve(
-        dynamics: &dyn Dynamics,
-        start: &Moment,
-        t_end: f64,
-        options: &Options,
-    ) -> Result<Self, Error> {
-        match Orbit::solve_to_failure(dynamics, start, t_end, options)? {
-            (orbit, None) => Ok(orbit),
-            (_, Some(error)) => Err(error),
-        }
-    }
-
     /// Integrates and stores the orbit up to its end or its failure, which is returned as well.
     ///
     /// # Errors
     /// Those of [`crate::Integration::new`].
-    pub fn solve_to_failure(
+    pub fn solve(
         dynamics: &dyn Dynamics,
         start: &Moment,
         t_end: f64,

@@ -79,10 +79,8 @@ where
             options: *options,
             search: None,
             reported: 0,
-            is_ready: false,
             observer: None,
             unobserved: None,
-            is_stopping: false,
         })
     }
 }
@@ -124,12 +122,9 @@ pub(super) struct Run<'a, S: Switched<N, G>, V, J, const N: usize, const G: usiz
     search: Option<EventSearch<'a, S, TypedSection<'a, S, V, J, N, G>, N, 1, G>>,
     /// How many passages of the last step have been reported.
     reported: usize,
-    /// Whether the next step is prepared.
-    is_ready: bool,
     observer: Option<&'a mut dyn Observer<N, S::Mode>>,
     /// Items that the observer has not received yet.
     unobserved: Option<Progress<N, S::Mode>>,
-    is_stopping: bool,
 }
 
 impl<'a, S, V, J, const N: usize, const G: usize> Run<'a, S, V, J, N, G>
@@ -167,17 +162,13 @@ where
     }
 
     fn next(&mut self) -> Result<Option<OrbitProgress>, Error> {
-        let is_ready = std::mem::take(&mut self.is_ready);
-        if !is_ready && let Some(progress) = self.before_step()? {
+        if !self.integration.is_ready()
+            && let Some(progress) = self.before_step()?
+        {
             return Ok(Some(progress));
         }
-        let progress = if is_ready && self.integration.advance()? {
-            Progress::Step
-        } else if self.integration.prepare()? {
-            self.is_ready = true;
+        let Some(progress) = self.integration.go_on()? else {
             return Ok(None);
-        } else {
-            self.integration.report()?
         };
         self.unobserved = self.observer.is_some().then_some(progress);
         Ok(Some(match &progress {
@@ -214,8 +205,7 @@ where
             return Ok(Some(OrbitProgress::Passage(self.view.passage(&passage))));
         }
         if let (Some(observer), Some(progress)) = (&mut self.observer, self.unobserved.take()) {
-            let (integration, is_stopping) = (&mut self.integration, &mut self.is_stopping);
-            if let Some(summary) = notify(integration, &progress, *observer, is_stopping)? {
+            if let Some(summary) = notify(&mut self.integration, &progress, *observer)? {
                 return Ok(Some(OrbitProgress::End(self.view.summary(&summary))));
             }
         }

@@ -3,7 +3,7 @@
 use super::Section;
 use super::jumps::Jumps;
 use super::view::View;
-use crate::filippov::{Direction, EventFunctions, Strobe, Switched, Velocity};
+use crate::filippov::{Direction, EventFunctions, Plane, Strobe, Switched, Velocity};
 use crate::ode::Timed;
 use crate::scalar::Scalar;
 use crate::system::State;
@@ -31,11 +31,11 @@ where
                 point,
                 normal,
                 direction,
-            } => FunctionKind::Plane {
+            } => FunctionKind::Plane(Plane {
                 point: self.state(point.as_slice()),
                 normal: self.state(normal.as_slice()),
                 direction: *direction,
-            },
+            }),
             Section::Strobe(strobe) => FunctionKind::Strobe(*strobe),
             Section::Turning => FunctionKind::Turning,
             Section::Own => FunctionKind::Own,
@@ -69,11 +69,7 @@ pub(super) struct TypedSection<'a, S, V, J, const N: usize, const G: usize> {
 #[derive(Clone, Copy)]
 enum FunctionKind<const N: usize> {
     Nothing,
-    Plane {
-        point: State<N>,
-        normal: State<N>,
-        direction: Direction,
-    },
+    Plane(Plane<N>),
     Strobe(Strobe),
     Turning,
     Own,
@@ -91,10 +87,7 @@ where
     fn values<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; 1] {
         match self.kind {
             FunctionKind::Nothing => [T::one()],
-            FunctionKind::Plane { point, normal, .. } => {
-                let height = |sum: T, i: usize| sum + (x[i] - point[i]) * normal[i];
-                [(0..N).fold(T::zero(), height)]
-            }
+            FunctionKind::Plane(plane) => plane.values(t, x),
             FunctionKind::Strobe(strobe) => strobe.values(t, x),
             FunctionKind::Turning => {
                 let here = Timed {
@@ -113,7 +106,7 @@ where
 
     fn direction(&self, number: usize) -> Direction {
         match self.kind {
-            FunctionKind::Plane { direction, .. } => direction,
+            FunctionKind::Plane(plane) => plane.direction,
             FunctionKind::Turning => Direction::Falling,
             FunctionKind::Nothing | FunctionKind::Strobe(_) => Direction::Both,
             FunctionKind::Own => self.own.direction(number),
@@ -123,7 +116,7 @@ where
 
     fn is_as_smooth_as_state(&self, number: usize) -> bool {
         match self.kind {
-            FunctionKind::Nothing | FunctionKind::Plane { .. } | FunctionKind::Turning => true,
+            FunctionKind::Nothing | FunctionKind::Plane(_) | FunctionKind::Turning => true,
             FunctionKind::Own => self.own.is_as_smooth_as_state(number),
             FunctionKind::Strobe(_) | FunctionKind::Jump(_) => false,
         }

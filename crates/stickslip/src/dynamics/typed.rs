@@ -15,27 +15,26 @@ use super::{
     Dynamics, KinkShift, Matrix, Modes, Moment, OrbitUnderWay, Section, SmoothFlow, Step,
     Transition, Vector,
 };
-use crate::dual::Dual;
 use crate::error::Error;
-use crate::filippov::{EventFunctions, Method, Options, Switched, gradient, side_by_side};
+use crate::filippov::{EventFunctions, Method, Options, Switched, gradient, seeded, side_by_side};
 use crate::ode::Timed;
 use crate::system::components;
 
-/// A typed system, owned or borrowed, with its own event function.
+/// A typed system and its jumps, owned or borrowed, with its own event function.
 ///
 /// The type may have room for more states and contacts than the system has. The spare states are
 /// constant zero; the spare contacts slip above and never reach zero.
-pub struct Typed<T, S, V, J, const N: usize, const G: usize> {
+pub struct Typed<T, S, V, U, J, const N: usize, const G: usize> {
     pub(super) system: T,
     pub(super) section: V,
-    jumps: J,
+    jumps: U,
     pub(super) states: usize,
     pub(super) contacts: usize,
     interrupt: Option<Arc<Interrupt>>,
-    kind: PhantomData<fn() -> S>,
+    kind: PhantomData<fn() -> (S, J)>,
 }
 
-impl<T, S, const N: usize, const G: usize> Typed<T, S, NoSection, NoJumps, N, G>
+impl<T, S, const N: usize, const G: usize> Typed<T, S, NoSection, NoJumps, NoJumps, N, G>
 where
     T: Borrow<S>,
     S: Switched<N, G>,
@@ -46,7 +45,7 @@ where
     }
 }
 
-impl<T, S, V, const N: usize, const G: usize> Typed<T, S, V, NoJumps, N, G>
+impl<T, S, V, const N: usize, const G: usize> Typed<T, S, V, NoJumps, NoJumps, N, G>
 where
     T: Borrow<S>,
     S: Switched<N, G>,
@@ -57,14 +56,15 @@ where
     }
 }
 
-impl<T, S, V, J, const N: usize, const G: usize> Typed<T, S, V, J, N, G>
+impl<T, S, V, U, J, const N: usize, const G: usize> Typed<T, S, V, U, J, N, G>
 where
     T: Borrow<S>,
     S: Switched<N, G>,
+    U: Borrow<J>,
 {
     /// A system, its own event function and its jumps, with fewer states and contacts than the type
     /// has room for: the first ones are used.
-    pub fn padded((system, section, jumps): (T, V, J), states: usize, contacts: usize) -> Self {
+    pub fn padded((system, section, jumps): (T, V, U), states: usize, contacts: usize) -> Self {
         Typed {
             system,
             section,
@@ -85,7 +85,7 @@ where
         View {
             system: self.system.borrow(),
             own: &self.section,
-            jumps: &self.jumps,
+            jumps: self.jumps.borrow(),
             states: self.states,
             contacts: self.contacts,
             interrupt: self.interrupt.as_deref(),
@@ -93,12 +93,13 @@ where
     }
 }
 
-impl<T, S, V, J, const N: usize, const G: usize> Dynamics for Typed<T, S, V, J, N, G>
+impl<T, S, V, U, J, const N: usize, const G: usize> Dynamics for Typed<T, S, V, U, J, N, G>
 where
     T: Borrow<S> + Send + Sync,
     S: Switched<N, G>,
     V: EventFunctions<N, 1> + Send + Sync,
-    J: Jumps<N> + Send + Sync,
+    U: Borrow<J> + Send + Sync,
+    J: Jumps<N>,
 {
     fn states(&self) -> usize {
         self.states
@@ -129,7 +130,7 @@ where
         let of = self.view();
         // Compiled functions would be compiled once more for the lanes. Jumps and inputs need the
         // solution over every step, so that lanes do not pay.
-        let has_jumps = self.jumps.count() + self.jumps.inputs() > 0;
+        let has_jumps = of.jumps.count() + of.jumps.inputs() > 0;
         if const { !S::INTERPRETED } || has_jumps || options.method != Method::Taylor {
             let begin = |start: &Moment| of.begin(start, t_end, options, section);
             return one_by_one(begin, starts, listener);
@@ -162,12 +163,6 @@ where
         Box::new(TypedFlow::new(self.view(), mode, at))
     }
 
-    fn mode_by_side(&self, at: &Moment) -> Modes {
-        let of = self.view();
-        let Timed { t, x } = of.timed(at);
-        of.modes(of.system.mode_by_side(t, &x))
-    }
-
     fn normals(&self, mode: Modes, at: &Moment) -> Vec<(usize, Vector)> {
         if !mode.any_sticks() {
             return Vec::new();
@@ -188,20 +183,12 @@ where
         of.system.is_one_at_a_time(&of.typed_transition(at))
     }
 
-    fn undecided(&self) -> Modes {
-        self.view().modes(S::UNDECIDED)
-    }
-
-    fn jumps(&self) -> usize {
-        self.jumps.count()
-    }
-
     fn is_discrete(&self, state: usize) -> bool {
-        self.jumps.is_discrete(state)
+        self.view().jumps.is_discrete(state)
     }
 
     fn is_constant_between_jumps(&self, state: usize) -> bool {
-        self.jumps.is_constant_between_jumps(state)
+        self.view().jumps.is_constant_between_jumps(state)
     }
 
     fn kink(&self, at: &Moment) -> Option<usize> {
@@ -211,7 +198,7 @@ where
     fn kink_shifts(&self, step: &Step) -> Vec<KinkShift> {
         let (of, t) = (self.view(), step.t_end);
         let mut shifts = Vec::new();
-        let inputs = self.jumps.inputs();
+        let inputs = of.jumps.inputs();
         if inputs == 0 {
             return shifts;
         }
@@ -219,11 +206,11 @@ where
         let mut x = of.with_inputs(step.t_start, of.state(step.x_end.as_slice()));
         for input in 0..inputs {
             let before = Timed { t, x };
-            self.jumps.hold(input, t, x.as_mut_slice());
+            of.jumps.hold(input, t, x.as_mut_slice());
             if x == before.x {
                 continue;
             }
-            let (slopes, in_time) = gradient(|t, x| self.jumps.clock(input, t, x), &before);
+            let (slopes, in_time) = gradient(|t, x| of.jumps.clock(input, t, x), &before);
             let gradient = of.vector(&slopes);
             if gradient.amax() == 0.0 || in_time == 0.0 {
                 continue;
@@ -240,36 +227,31 @@ where
 
     fn clock(&self, input: usize, at: &Moment) -> (f64, Vector, f64) {
         let (of, at) = (self.view(), self.view().timed(at));
-        let (slopes, in_time) = gradient(|t, x| self.jumps.clock(input, t, x), &at);
-        let value = self.jumps.clock(input, at.t, components(&at.x));
+        let (slopes, in_time) = gradient(|t, x| of.jumps.clock(input, t, x), &at);
+        let value = of.jumps.clock(input, at.t, components(&at.x));
         (value, of.vector(&slopes), in_time)
     }
 
     fn reset(&self, number: usize, at: &Moment) -> Reset {
         let (of, jump) = (self.view(), number - self.contacts);
-        let Timed { t, x } = of.timed(at);
+        let here = of.timed(at);
+        let Timed { t, x } = here;
         let states = self.states;
-        // Column `states` is the derivative by time.
-        let along = |k: usize| {
-            let seed = |is_it: bool| f64::from(u8::from(is_it));
-            let x = std::array::from_fn(|i| Dual::new(x[i], seed(i == k)));
-            self.jumps.set(jump, Dual::new(t, seed(k == states)), &x)
+        let along = |direction: usize| {
+            let (t, x) = seeded(&here, direction);
+            let change = of.jumps.set(jump, t, &x);
+            Vector::from_fn(states, |i, _| change[i].eps)
         };
-        let by_state = (0..states).map(along);
-        let columns: Vec<Vector> = by_state
-            .chain([along(states)])
-            .map(|column| Vector::from_fn(states, |i, _| column[i].eps))
-            .collect();
-        let here = Timed { t, x };
+        let columns: Vec<Vector> = (0..states).map(along).collect();
         let (gradient, in_time) = match of.kinked(&here) {
-            Some(input) => gradient(|t, x| self.jumps.clock(input, t, x), &here),
-            None => gradient(|t, x| self.jumps.when(jump, t, x), &here),
+            Some(input) => gradient(|t, x| of.jumps.clock(input, t, x), &here),
+            None => gradient(|t, x| of.jumps.when(jump, t, x), &here),
         };
         Reset {
-            after: of.vector(&self.jumps.set(jump, t, components(&x)).into()),
+            after: of.vector(&of.jumps.set(jump, t, components(&x)).into()),
             by_state: Matrix::from_fn(states, states, |i, j| columns[j][i]),
-            by_time: columns[states].clone(),
-            value: self.jumps.when(jump, t, components(&x)),
+            by_time: along(N),
+            value: of.jumps.when(jump, t, components(&x)),
             gradient: of.vector(&gradient),
             in_time,
         }
@@ -285,7 +267,7 @@ where
 
 /// An orbit of a borrowed system that reports the passages of its own section.
 pub(crate) fn watched<'a, S, V, const N: usize, const G: usize>(
-    of: &Typed<&'a S, S, &'a V, NoJumps, N, G>,
+    of: &Typed<&'a S, S, &'a V, NoJumps, NoJumps, N, G>,
     start: &Moment,
     options: &Options,
 ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error>

@@ -95,7 +95,8 @@ where
     }
 
     pub(super) fn modes(&self, mode: S::Mode) -> Modes {
-        S::erased(mode, self.contacts)
+        let modes = S::of_contacts(&mode);
+        Modes::new(&modes[..self.contacts.min(modes.len())])
     }
 
     /// A phase, and the jump that ends it.

@@ -2,7 +2,6 @@
 
 use super::guard::Event;
 use super::integration::{Due, Integration, Progress};
-use super::observer::TransitionKind;
 use super::options::AtPileUp;
 use super::pile_up::GeometricSeries;
 use super::switched::Switched;
@@ -77,10 +76,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
         let from = self.mode;
         self.mode = self.pile_up.mode_after(event.at.t).unwrap_or(from);
         self.run.from = self.run.at;
-        let contact = S::contact_of(event.guard);
-        let of = |mode| S::erased(mode, S::CONTACTS).get(contact);
-        let kind = TransitionKind::between(of(from), of(self.mode));
-        self.transition((kind, contact), from, event.residual)
+        Progress::Transition(self.change_of(S::contact_of(event.guard), from, event.residual))
     }
 
     /// The step to the accumulation point, or as far as the run goes.

@@ -5,15 +5,14 @@ use std::ops::ControlFlow;
 use rayon::prelude::*;
 
 use super::batch::{self, LANES, side_by_side};
-use super::integration::{Integration, Progress};
+use super::integration::Integration;
 use super::observer::Observer;
 use super::options::{Method, Options};
-use super::solve::{Failure, notify, run};
+use super::solve::{Failure, notify_of, run};
 use super::stepper::Stepper;
 use super::switched::Switched;
-use crate::error::Error;
 use crate::ode::Timed;
-use crate::orbit::{Ending, Summary};
+use crate::orbit::Summary;
 use crate::system::State;
 
 /// Number of orbits that run or wait to be reported at one time. Chosen: it bounds the memory, and
@@ -124,11 +123,6 @@ type Outcome<const N: usize> = Result<Summary<N>, Failure<Summary<N>>>;
 struct Member<'a, S: Switched<N, G>, O, const N: usize, const G: usize> {
     integration: Integration<'a, S, N, G>,
     observer: &'a mut O,
-    /// Whether the next step is prepared.
-    is_ready: bool,
-    /// Whether the observer watches it.
-    is_watched: bool,
-    is_stopping: bool,
 }
 
 impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: usize>
@@ -149,19 +143,7 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
             integration: begun
                 .map_err(|error| Err(Failure::new(error, Summary::before_first_step(t, x))))?,
             observer,
-            is_ready: false,
-            is_watched: true,
-            is_stopping: false,
         })
-    }
-
-    /// Informs the observer. Returns the outcome if the run has ended.
-    fn notify(&mut self, progress: Result<Progress<N, S::Mode>, Error>) -> Option<Outcome<N>> {
-        let (integration, is_stopping) = (&mut self.integration, &mut self.is_stopping);
-        let notified = progress
-            .and_then(|progress| notify(integration, &progress, self.observer, is_stopping));
-        let failed = |error| Failure::new(error, self.integration.summary(Ending::Failed));
-        notified.map_err(failed).transpose()
     }
 }
 
@@ -177,29 +159,13 @@ where
     }
 
     fn watches_step(&mut self) -> bool {
-        self.is_watched = self.observer.watches_steps();
-        self.is_watched
+        self.observer.watches_steps()
     }
 
     fn go_on(&mut self) -> Option<Outcome<N>> {
         loop {
-            let progress = if std::mem::take(&mut self.is_ready) {
-                match self.integration.advance() {
-                    Ok(true) if self.is_watched => Ok(Progress::Step),
-                    Ok(_) => continue,
-                    Err(error) => Err(error),
-                }
-            } else {
-                match self.integration.prepare() {
-                    Ok(true) => {
-                        self.is_ready = true;
-                        return None;
-                    }
-                    Ok(false) => self.integration.report(),
-                    Err(error) => Err(error),
-                }
-            };
-            let outcome = self.notify(progress);
+            let progress = self.integration.go_on().transpose()?;
+            let outcome = notify_of(&mut self.integration, progress, self.observer);
             if outcome.is_some() {
                 return outcome;
             }

@@ -423,14 +423,22 @@ pub(crate) fn gradient<const N: usize>(
     function: impl Fn(Dual<f64>, &[Dual<f64>; N]) -> Dual<f64>,
     at: &Timed<N>,
 ) -> (State<N>, f64) {
-    let Timed { t, x } = *at;
-    let frozen = Dual::new(t, 0.0);
-    let gradient = State::from_fn(|k, _| {
-        let seeded = std::array::from_fn(|j| Dual::new(x[j], f64::from(u8::from(k == j))));
-        function(frozen, &seeded).eps
-    });
-    let constant = std::array::from_fn(|j| Dual::new(x[j], 0.0));
-    (gradient, function(Dual::new(t, 1.0), &constant).eps)
+    let along = |direction: usize| {
+        let (t, x) = seeded(at, direction);
+        function(t, &x).eps
+    };
+    (State::from_fn(|k, _| along(k)), along(N))
+}
+
+/// Time and state with the derivative 1 in one direction; direction `N` is time.
+#[inline(always)]
+pub(crate) fn seeded<const N: usize>(
+    at: &Timed<N>,
+    direction: usize,
+) -> (Dual<f64>, [Dual<f64>; N]) {
+    let seed = |of: usize| f64::from(u8::from(of == direction));
+    let x = std::array::from_fn(|i| Dual::new(at.x[i], seed(i)));
+    (Dual::new(at.t, seed(N)), x)
 }
 
 /// Gradient of the boundary function in the state, and its time derivative.

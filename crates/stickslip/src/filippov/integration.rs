@@ -67,6 +67,10 @@ pub struct Integration<'a, S: Switched<N, G>, const N: usize, const G: usize = G
     /// Recorded calls of the system's functions, if these are interpreted.
     pub(super) recordings: Recordings<S::Mode, S::Branch, N, G>,
     pub(super) due: Due,
+    /// Whether the next step is prepared.
+    is_ready: bool,
+    /// Whether the observer has asked for the end of the run at the end of a phase.
+    pub(super) is_stopping: bool,
 }
 
 /// What the next call of [`Integration::step`] begins with.
@@ -123,24 +127,14 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         system.check(&start, t_end, options)?;
         let mut run = Run::new((start, states), t_end, options)?;
         let (mode, due) = match system.first_mode(&mut run)? {
-            Some((mode, orders)) => {
+            Next::Mode(mode, orders) => {
                 run.orders = orders;
                 (mode, Due::Begin)
             }
-            None => (S::UNDECIDED, Due::End(Ending::Repelling)),
+            Next::End(ending) => (S::UNDECIDED, Due::End(ending)),
         };
-        Ok(Integration {
-            system,
-            run,
-            stepper,
-            mode,
-            branch: system.branch(mode, &start),
-            last_mode: mode,
-            pile_up: PileUpDetector::new(&start, mode),
-            sticking_point: None,
-            recordings: Recordings::default(),
-            due,
-        })
+        let begun = Self::begun(system, run, stepper, (mode, &start));
+        Ok(Integration { due, ..begun })
     }
 
     /// An integration that stays in a mode to its end regardless of the guards. Contact is lost or
@@ -158,10 +152,21 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         system.check(&start.0, t_end, options)?;
         let mut run = Run::new(start, t_end, options)?;
         run.is_prescribed = true;
-        Ok(Integration {
+        let stepper = Stepper::new(options);
+        Ok(Self::begun(system, run, stepper, (mode, inside)))
+    }
+
+    /// An integration in a mode, before its first step.
+    fn begun(
+        system: &'a S,
+        run: Run<N, G>,
+        stepper: Stepper<N, G>,
+        (mode, inside): (S::Mode, &Timed<N>),
+    ) -> Self {
+        Integration {
             system,
             run,
-            stepper: Stepper::new(options),
+            stepper,
             mode,
             branch: system.branch(mode, inside),
             last_mode: mode,
@@ -169,7 +174,9 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             sticking_point: None,
             recordings: Recordings::default(),
             due: Due::Begin,
-        })
+            is_ready: false,
+            is_stopping: false,
+        }
     }
 
     /// Takes the next step and reports it, or reports a consequence of the last one. Each call
@@ -184,13 +191,29 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     #[inline]
     pub fn step(&mut self) -> Result<Progress<N, S::Mode>, Error> {
         loop {
-            if !self.prepare()? {
-                return self.report();
-            }
-            if self.advance()? {
-                return Ok(Progress::Step);
+            if let Some(progress) = self.go_on()? {
+                return Ok(progress);
             }
         }
+    }
+
+    /// Takes the step that was prepared, if there is one, or continues until the next one is
+    /// prepared. Returns what happened, or `None` if a step was prepared.
+    #[inline(always)]
+    pub(crate) fn go_on(&mut self) -> Result<Option<Progress<N, S::Mode>>, Error> {
+        if std::mem::take(&mut self.is_ready) && self.advance()? {
+            return Ok(Some(Progress::Step));
+        }
+        self.is_ready = self.prepare()?;
+        if self.is_ready {
+            return Ok(None);
+        }
+        self.report().map(Some)
+    }
+
+    /// Whether the next step is prepared.
+    pub(crate) fn is_ready(&self) -> bool {
+        self.is_ready
     }
 
     /// The last step, with the solution over it; of zero length before the first.
@@ -211,7 +234,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     /// Continues until a step is to be taken, or an item is to be reported first. Returns whether
     /// it is a step.
     #[inline(always)]
-    pub(crate) fn prepare(&mut self) -> Result<bool, Error> {
+    fn prepare(&mut self) -> Result<bool, Error> {
         match self.due {
             Due::Step => {}
             Due::Begin => {
@@ -245,7 +268,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
 
     /// Tries a step. Returns whether it was taken.
     #[inline(always)]
-    pub(crate) fn advance(&mut self) -> Result<bool, Error> {
+    fn advance(&mut self) -> Result<bool, Error> {
         self.due = match self.work(Work::Advance) {
             Ok(Trial::NoStep) => return Ok(false),
             Ok(Trial::Step) => Due::AfterStep,
@@ -260,7 +283,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     }
 
     /// The next item to be reported before the next step.
-    pub(crate) fn report(&mut self) -> Result<Progress<N, S::Mode>, Error> {
+    fn report(&mut self) -> Result<Progress<N, S::Mode>, Error> {
         if let (Due::Event | Due::Switch, Some(event)) = (self.due, self.run.event) {
             match self.conclude(&event) {
                 Err(error) => {
@@ -302,7 +325,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
 
     /// Projects the state onto Σ if a stick phase begins.
     fn land(&mut self) {
-        if S::any_sticks(self.mode) {
+        if S::of_contacts(&self.mode).contains(&Mode::Stick) {
             let settled = Settled(self.run.at);
             self.run.at.x = self.system.with_flow(self.mode, self.branch, settled);
         }
@@ -322,7 +345,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             self.run.orders[guard] = 2;
             self.due = Due::Step;
             let touch = (TransitionKind::Touch, S::contact_of(guard));
-            return Ok(self.transition(touch, mode, residual));
+            return Ok(Progress::Transition(self.transition(touch, mode, residual)));
         }
         let mut branch = self.branch;
         let Some(kind) = self.system.event_within_mode(guard, &mut branch) else {
@@ -333,7 +356,8 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         self.branch = branch;
         self.run.orders[guard] = 1;
         self.due = Due::Begin;
-        Ok(self.transition((kind, S::contact_of(guard)), mode, residual))
+        let within = self.transition((kind, S::contact_of(guard)), mode, residual);
+        Ok(Progress::Transition(within))
     }
 
     /// Continues from the end of a phase to the next mode or to the end of the run.
@@ -347,7 +371,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             self.run.from = self.run.at;
             self.due = Due::Begin;
             let entry = (TransitionKind::StickEntry, point.contact);
-            return Ok(self.transition(entry, from, 0.0));
+            return Ok(Progress::Transition(self.transition(entry, from, 0.0)));
         }
         // At a two-fold of one contact the rules would end the run, or rounding would decide how
         // long it sticks.
@@ -361,33 +385,47 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
                 .pile_up
                 .error(&event.at, Some(&series), false, &self.run.options));
         }
-        let next = match self
+        let next = self
             .system
-            .switch(&mut self.run, from, &mut self.branch, event)?
-        {
-            Next::Mode(next) => next,
+            .switch(&mut self.run, from, &mut self.branch, event)?;
+        let (to, orders) = match next {
+            Next::Mode(to, orders) => (to, orders),
             Next::End(ending) => {
                 self.due = Due::End(ending);
                 return Ok(Progress::End(self.summary(ending)));
             }
         };
-        self.record_event(next.contact, next.to)?;
-        self.mode = next.to;
-        self.run.orders = next.orders;
+        let contact = S::contact_of(event.guard);
+        self.record_event(contact, to)?;
+        self.mode = to;
+        self.run.orders = orders;
         self.run.from = self.run.at;
         self.due = Due::Begin;
-        Ok(self.transition((next.kind, next.contact), from, event.residual))
+        let change = self.change_of(contact, from, event.residual);
+        Ok(Progress::Transition(change))
+    }
+
+    /// The transition at the present state into the present mode, by a contact whose mode changes.
+    pub(super) fn change_of(
+        &self,
+        contact: usize,
+        from: S::Mode,
+        residual: f64,
+    ) -> Transition<N, S::Mode> {
+        let [before, after] = [&from, &self.mode].map(|mode| S::of_contacts(mode)[contact]);
+        let kind = TransitionKind::between(before, after);
+        self.transition((kind, contact), from, residual)
     }
 
     /// A transition at the present state into the present mode.
-    pub(super) fn transition(
+    fn transition(
         &self,
         (kind, contact): (TransitionKind, usize),
         from: S::Mode,
         residual: f64,
-    ) -> Progress<N, S::Mode> {
+    ) -> Transition<N, S::Mode> {
         let Timed { t, x } = self.run.at;
-        Progress::Transition(Transition {
+        Transition {
             t,
             x,
             kind,
@@ -395,7 +433,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             to: self.mode,
             contact,
             residual,
-        })
+        }
     }
 
     /// Counts a transition of a contact into `mode`.

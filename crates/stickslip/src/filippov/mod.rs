@@ -33,8 +33,7 @@ pub(crate) use batch::{Member, side_by_side};
 pub use contacts::{Contacts, Several};
 pub(crate) use ensemble::{ORBITS_AT_ONCE, task_size};
 pub use ensemble::{Start, ensemble};
-pub(crate) use flow::Flow;
-pub(crate) use flow::gradient;
+pub(crate) use flow::{Flow, gradient, seeded};
 pub use flow::{boundary_gradient, normal_component, sliding_field};
 pub use integration::{Integration, Progress};
 pub use observer::{

@@ -11,10 +11,10 @@ use super::observer::{Transition, TransitionKind};
 use super::options::{AtRepelling, Options};
 use super::rules::{
     Departure, Fate, LeadingDerivative, LieDerivatives, Visibility, WithStaticFriction, departure,
-    equilibrium_side, on_boundary,
+    departure_by, on_boundary,
 };
 use super::run::Run;
-use super::switched::{Next, PROJECTION_STEPS, StickingPoint, Switch, Switched, UseFlow, Vanishes};
+use super::switched::{Next, PROJECTION_STEPS, StickingPoint, Switched, UseFlow, Vanishes};
 use super::two_fold::two_fold;
 use super::uncertainty::RELATIVE_ROUNDING;
 use crate::dual::Dual;
@@ -66,18 +66,14 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
     }
 
     /// Off Σ the side decides. On Σ, to rounding, the rules decide.
-    fn first_mode(
-        &self,
-        run: &mut Run<N, GUARDS>,
-    ) -> Result<Option<(Mode, [usize; GUARDS])>, Error> {
+    fn first_mode(&self, run: &mut Run<N, GUARDS>) -> Result<Next<Mode, GUARDS>, Error> {
         let Timed { t, x } = &run.at;
         let h = self.boundary(*t, components(x));
         let side = if h < 0.0 { Side::Below } else { Side::Above };
         if !on_boundary(self, side, *t, x, run.slack()) {
-            return Ok(Some((Mode::Slip(side), [0; GUARDS])));
+            return Ok(Next::Mode(Mode::Slip(side), [0; GUARDS]));
         }
-        let departure = departure_at(self, run, None)?;
-        Ok(departure.next_mode(run.options.at_repelling))
+        next(self, run, None)
     }
 
     fn event_within_mode(&self, guard: usize, contact: &mut f64) -> Option<TransitionKind> {
@@ -108,13 +104,7 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
                 AtRepelling::GoAbove => Side::Above,
             };
             if two_fold.visibility(chosen) == Visibility::Visible {
-                let to = Mode::Slip(chosen);
-                return Ok(Next::Mode(Switch {
-                    to,
-                    orders: [2, 0, 0],
-                    kind: TransitionKind::between(from, to),
-                    contact: 0,
-                }));
+                return Ok(Next::Mode(Mode::Slip(chosen), [2, 0, 0]));
             }
         }
         let vanishes = from == Mode::Stick
@@ -124,17 +114,7 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
                 Vanishes(event, &run.options),
             );
         let tangent = vanishes.then(|| side_of_guard(event.guard));
-        let departure = departure_at(self, run, tangent)?;
-        let next = departure.next_mode(run.options.at_repelling);
-        Ok(match next {
-            Some((to, orders)) => Next::Mode(Switch {
-                to,
-                orders,
-                kind: TransitionKind::between(from, to),
-                contact: 0,
-            }),
-            None => Next::End(Ending::Repelling),
-        })
+        next(self, run, tangent)
     }
 
     fn guard_at_collapse(&self, run: &Run<N, GUARDS>, mode: Mode) -> Option<usize> {
@@ -216,18 +196,10 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
         }
     }
 
-    fn any_sticks(mode: Mode) -> bool {
-        mode == Mode::Stick
-    }
-
-    fn change(from: Mode, to: Mode) -> (TransitionKind, usize) {
-        (TransitionKind::between(from, to), 0)
-    }
-
     const CONTACTS: usize = 1;
 
-    fn erased(mode: Mode, contacts: usize) -> Modes {
-        Modes::new(&[mode][..contacts.min(1)])
+    fn of_contacts(mode: &Mode) -> &[Mode] {
+        std::slice::from_ref(mode)
     }
 
     fn restored(modes: Modes) -> Mode {
@@ -291,18 +263,40 @@ fn static_over_kinetic<S: Filippov<N>, const N: usize>(system: &S, at: &Timed<N>
     at_rest / apart([&fields[0].1, &fields[1].1])
 }
 
-/// The fate of a point of Σ. `tangent` names the side whose normal component, by the holding
+/// What follows a point of Σ. `tangent` names the side whose normal component, by the holding
 /// fields, is known to vanish: a stick phase has just ended there.
+fn next<S: Filippov<N>, const N: usize>(
+    system: &S,
+    run: &mut Run<N, GUARDS>,
+    tangent: Option<Side>,
+) -> Result<Next<Mode, GUARDS>, Error> {
+    let Departure { fate, orders } = departure_at(system, run, tangent)?;
+    let [below, above, _] = orders;
+    Ok(match (fate, run.options.at_repelling) {
+        (Fate::Slip(side), _) => Next::Mode(Mode::Slip(side), orders),
+        (Fate::Stick, _) => Next::Mode(Mode::Stick, orders),
+        (Fate::Repelling, AtRepelling::Stop) => Next::End(Ending::Repelling),
+        (Fate::Repelling, AtRepelling::GoBelow) => {
+            Next::Mode(Mode::Slip(Side::Below), [below + 1, 0, 0])
+        }
+        (Fate::Repelling, AtRepelling::GoAbove) => {
+            Next::Mode(Mode::Slip(Side::Above), [above + 1, 0, 0])
+        }
+    })
+}
+
+/// The fate of a point of Σ.
 fn departure_at<S: Filippov<N>, const N: usize>(
     system: &S,
     run: &mut Run<N, GUARDS>,
     tangent: Option<Side>,
 ) -> Result<Departure, Error> {
-    let ratio = static_over_kinetic(system, &run.at);
+    let (at, slack, calls) = (run.at, run.slack(), &mut run.counters.field_calls);
+    let ratio = static_over_kinetic(system, &at);
     if ratio == 1.0 {
-        return Ok(departure_by(system, run, tangent));
+        return Ok(departure_by(system, (&at, slack), tangent, calls));
     }
-    let Timed { t, x } = run.at;
+    let Timed { t, x } = at;
     let too_weak = |ratio| Error::StaticBelowKinetic {
         t,
         x: Point::from(&x),
@@ -312,30 +306,13 @@ fn departure_at<S: Filippov<N>, const N: usize>(
     if ratio < 1.0 - RELATIVE_ROUNDING {
         return Err(too_weak(ratio));
     }
-    let held = departure_by(&WithStaticFriction(system), run, tangent);
+    let held = departure_by(&WithStaticFriction(system), (&at, slack), tangent, calls);
     if held.fate == Fate::Stick {
         return Ok(held);
     }
-    let slip = departure_by(system, run, None);
+    let slip = departure_by(system, (&at, slack), None, calls);
     if slip.fate == Fate::Stick {
         return Err(too_weak(ratio));
     }
     Ok(slip)
-}
-
-/// The same by the fields of one kind of friction.
-fn departure_by<S: Filippov<N>, const N: usize>(
-    system: &S,
-    run: &mut Run<N, GUARDS>,
-    tangent: Option<Side>,
-) -> Departure {
-    let (slack, Timed { t, x }) = (run.slack(), run.at);
-    let mut of = |side| {
-        let leading = LeadingDerivative::new(system, side, t, &x, slack, tangent == Some(side));
-        run.counters.field_calls += leading.calls;
-        leading
-    };
-    let [below, above] = [Side::Below, Side::Above].map(&mut of);
-    let rests = equilibrium_side(system, t, &x, [&below, &above]);
-    departure(below, above, rests)
 }

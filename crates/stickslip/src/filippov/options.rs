@@ -1,6 +1,6 @@
 //! Settings of the solver.
 
-use crate::error::Error;
+use crate::error::{Error, require};
 use crate::ode::Tolerance;
 
 /// Which integrator makes the steps.
@@ -251,13 +251,6 @@ impl Options {
     /// # Errors
     /// [`Error::Option`] with name, value and bound of the first that is not allowed.
     pub fn check(&self) -> Result<(), Error> {
-        let require = |good: bool, name, value, bound| {
-            if good {
-                Ok(())
-            } else {
-                Err(Error::Option { name, value, bound })
-            }
-        };
         let tolerances = "between 1e-15 and 0.1";
         let allowed = |tol: f64| (MIN_TOLERANCE..=MAX_TOLERANCE).contains(&tol);
         require(allowed(self.rtol), "rtol", self.rtol, tolerances)?;

@@ -3,7 +3,7 @@
 
 use super::integration::{Due, Integration};
 use super::observer::Transition;
-use super::switched::{Switched, Velocity};
+use super::switched::{Next, Switched, Velocity};
 use super::taylor::MAX_GROWTH;
 use crate::error::Error;
 use crate::ode::Timed;
@@ -90,21 +90,12 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
             return Ok(None);
         }
         self.decide_mode()?;
-        if self.mode == from {
+        let modes = [&from, &self.mode].map(S::of_contacts);
+        let Some(contact) = modes[0].iter().zip(modes[1]).position(|(a, b)| a != b) else {
             return Ok(None);
-        }
-        let (kind, contact) = S::change(from, self.mode);
+        };
         self.record_event(contact, self.mode)?;
-        let Timed { t, x } = self.run.at;
-        Ok(Some(Transition {
-            t,
-            x,
-            kind,
-            from,
-            to: self.mode,
-            contact,
-            residual: 0.0,
-        }))
+        Ok(Some(self.change_of(contact, from, 0.0)))
     }
 
     /// The velocity at the present state.
@@ -133,12 +124,12 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
             self.system.check(&at, t_end, &self.run.options)?;
         }
         self.due = match self.system.first_mode(&mut self.run)? {
-            Some((mode, orders)) => {
+            Next::Mode(mode, orders) => {
                 self.mode = mode;
                 self.run.orders = orders;
                 Due::Begin
             }
-            None => Due::End(Ending::Repelling),
+            Next::End(ending) => Due::End(ending),
         };
         self.branch = self.system.branch(self.mode, &self.run.at);
         Ok(())

@@ -8,12 +8,12 @@
 //! chosen silently. Both fields may be tangent, with an equilibrium on one side to which the other
 //! field leads back. The state then rests on that side.
 
-use super::flow::{GUARDS, flow_path, normal_component};
-use super::options::AtRepelling;
+use super::flow::{GUARDS, flow_path, normal_component, seeded};
 use super::uncertainty::{RELATIVE_ROUNDING, STATE_ROUNDING};
 use crate::dual::{Dual, Dual3};
+use crate::ode::Timed;
 use crate::scalar::Scalar;
-use crate::system::{Filippov, Mode, Side, State, components};
+use crate::system::{Filippov, Side, State, components};
 
 /// The fate of a point of Σ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,26 +35,6 @@ pub(crate) struct Departure {
     /// vanish at the start. It is 0 away from zero, 1 where the motion leaves Σ across, and 2 where
     /// it leaves from a tangent point.
     pub orders: [usize; GUARDS],
-}
-
-impl Departure {
-    /// The mode that follows, and how many derivatives of each of its guards vanish at the start.
-    /// `None` if Σ repels and no side was chosen.
-    pub(super) fn next_mode(self, at_repelling: AtRepelling) -> Option<(Mode, [usize; GUARDS])> {
-        let [below, above, _] = self.orders;
-        let side = match (self.fate, at_repelling) {
-            (Fate::Slip(side), _) => return Some((Mode::Slip(side), self.orders)),
-            (Fate::Stick, _) => return Some((Mode::Stick, self.orders)),
-            (Fate::Repelling, AtRepelling::Stop) => return None,
-            (Fate::Repelling, AtRepelling::GoBelow) => Side::Below,
-            (Fate::Repelling, AtRepelling::GoAbove) => Side::Above,
-        };
-        let order = match side {
-            Side::Below => below,
-            Side::Above => above,
-        };
-        Some((Mode::Slip(side), [order + 1, 0, 0]))
-    }
 }
 
 /// Kind of a tangency of a field's orbit with Σ.
@@ -104,14 +84,13 @@ impl LieDerivatives {
         let (mut spread, mut shift) = ([[0.0; 4]; G], [[0.0; 4]; G]);
         // Direction N is time.
         for direction in 0..=N {
-            let seed = |at: usize| f64::from(u8::from(at == direction));
-            let seeded = std::array::from_fn(|i| Dual::new(x[i], seed(i)));
             let (size, slack) = if direction < N {
                 (x[direction].abs(), slack)
             } else {
                 (t.abs(), 0.0)
             };
-            let functions = path(Dual::new(t, seed(N)), &seeded);
+            let (dual_t, dual_x) = seeded(&Timed { t, x: *x }, direction);
+            let functions = path(dual_t, &dual_x);
             for (i, h) in functions.iter().enumerate() {
                 for (k, derivative) in [h.re, h.v1, h.v2, h.v3].into_iter().enumerate() {
                     values[i][k] = derivative.re;
@@ -213,14 +192,16 @@ fn one_derivative<const N: usize>(
     slack: f64,
     along: impl Fn(Dual<f64>, &[Dual<f64>; N]) -> (Dual<f64>, [Dual<f64>; N]),
 ) -> (f64, f64) {
-    let (derivative, f) = along(Dual::new(t, 1.0), &components(x).map(|x| Dual::new(x, 0.0)));
+    let in_direction = |direction: usize| {
+        let (t, x) = seeded(&Timed { t, x: *x }, direction);
+        along(t, &x)
+    };
+    let (derivative, f) = in_direction(N);
     let (mut spread, mut shift) = (derivative.eps.abs() * t.abs(), 0.0);
     // Its change along the field is the next derivative.
     let mut next = derivative.eps;
     for direction in 0..N {
-        let seed = |at: usize| f64::from(u8::from(at == direction));
-        let seeded = std::array::from_fn(|i| Dual::new(x[i], seed(i)));
-        let change = along(Dual::new(t, 0.0), &seeded).0.eps;
+        let change = in_direction(direction).0.eps;
         spread += change.abs() * x[direction].abs();
         shift += change.abs() * slack;
         next += change * f[direction].re;
@@ -291,7 +272,7 @@ impl LeadingDerivative {
 
 /// The side on which a point of Σ is an equilibrium to rounding. Both fields are tangent to Σ, so
 /// that no sliding field is determined, and the other field leads back to it.
-pub(crate) fn equilibrium_side<S: Filippov<N>, const N: usize>(
+fn equilibrium_side<S: Filippov<N>, const N: usize>(
     system: &S,
     t: f64,
     x: &State<N>,
@@ -358,19 +339,27 @@ impl<S: Filippov<N>, const N: usize> Filippov<N> for WithStaticFriction<'_, S> {
 /// assert_eq!(fate(&belt, 0.0, &State::from([1.5, 1.0])), Fate::Slip(Side::Below));
 /// ```
 pub fn fate<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<N>) -> Fate {
-    let held = fate_by(&WithStaticFriction(system), t, x);
-    if held == Fate::Stick {
-        return held;
+    let at = (&Timed { t, x: *x }, 0.0);
+    let held = departure_by(&WithStaticFriction(system), at, None, &mut 0);
+    if held.fate == Fate::Stick {
+        return held.fate;
     }
-    fate_by(system, t, x)
+    departure_by(system, at, None, &mut 0).fate
 }
 
-/// The same for one kind of friction.
-fn fate_by<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<N>) -> Fate {
-    let of = |side| LeadingDerivative::new(system, side, t, x, 0.0, false);
+/// The fate of a point of Σ by the fields of one kind of friction. `tangent` names the side whose
+/// normal component is known to vanish. The calls of the field are added to `calls`.
+pub(crate) fn departure_by<S: Filippov<N>, const N: usize>(
+    system: &S,
+    (Timed { t, x }, slack): (&Timed<N>, f64),
+    tangent: Option<Side>,
+    calls: &mut u64,
+) -> Departure {
+    let of = |side| LeadingDerivative::new(system, side, *t, x, slack, tangent == Some(side));
     let [below, above] = [Side::Below, Side::Above].map(of);
-    let rests = equilibrium_side(system, t, x, [&below, &above]);
-    departure(below, above, rests).fate
+    *calls += below.calls + above.calls;
+    let rests = equilibrium_side(system, *t, x, [&below, &above]);
+    departure(below, above, rests)
 }
 
 #[cfg(test)]

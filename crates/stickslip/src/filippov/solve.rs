@@ -145,29 +145,37 @@ pub fn run<S: Switched<N, G>, O: Observer<N, S::Mode> + ?Sized, const N: usize, 
         Ok(integration) => integration,
         Err(error) => return Err(Failure::new(error, Summary::before_first_step(t0, x0))),
     };
-    let mut is_stopping = false;
     loop {
-        let notified = match integration.step() {
-            Ok(progress) => notify(&mut integration, &progress, observer, &mut is_stopping),
-            Err(error) => Err(error),
-        };
-        match notified {
-            Ok(None) => {}
-            Ok(Some(summary)) => return Ok(summary),
-            Err(error) => return Err(Failure::new(error, integration.summary(Ending::Failed))),
+        let progress = integration.step();
+        if let Some(outcome) = notify_of(&mut integration, progress, observer) {
+            return outcome;
         }
     }
 }
 
+/// Reports what happened to `observer`. Returns the outcome if the run has ended.
+#[inline(always)]
+pub(super) fn notify_of<S, O, const N: usize, const G: usize>(
+    integration: &mut Integration<'_, S, N, G>,
+    progress: Result<Progress<N, S::Mode>, Error>,
+    observer: &mut O,
+) -> Option<Result<Summary<N>, Failure<Summary<N>>>>
+where
+    S: Switched<N, G>,
+    O: Observer<N, S::Mode> + ?Sized,
+{
+    let notified = progress.and_then(|progress| notify(integration, &progress, observer));
+    let failed = |error| Failure::new(error, integration.summary(Ending::Failed));
+    notified.map_err(failed).transpose()
+}
+
 /// Reports progress to `observer`. Returns the end of the run, if it has ended or the observer asks
-/// for it. An observer that stops at the end of a phase still receives the transition;
-/// `is_stopping` stores that.
+/// for it. An observer that stops at the end of a phase still receives the transition.
 #[inline(always)]
 pub(crate) fn notify<S, O, const N: usize, const G: usize>(
     integration: &mut Integration<'_, S, N, G>,
     progress: &Progress<N, S::Mode>,
     observer: &mut O,
-    is_stopping: &mut bool,
 ) -> Result<Option<Summary<N>>, Error>
 where
     S: Switched<N, G>,
@@ -182,11 +190,11 @@ where
             integration.run.check_escape()?;
         }
         Progress::PhaseEnd(phase) => {
-            *is_stopping = observer.phase(phase).is_break();
+            integration.is_stopping = observer.phase(phase).is_break();
             return Ok(None);
         }
         Progress::Transition(at) => {
-            if observer.transition(at).is_continue() && !*is_stopping {
+            if observer.transition(at).is_continue() && !integration.is_stopping {
                 return Ok(None);
             }
         }

@@ -15,7 +15,7 @@ use crate::error::Error;
 use crate::ode::Timed;
 use crate::orbit::Ending;
 use crate::scalar::Scalar;
-use crate::system::State;
+use crate::system::{Mode, State};
 
 /// A switched system: what [`crate::solve`] and [`crate::run`] take. [`crate::Filippov`] systems
 /// are switched systems of one contact, and [`crate::Several`] of several. The trait is sealed.
@@ -72,10 +72,9 @@ pub trait Switched<const N: usize, const G: usize> {
     #[doc(hidden)]
     fn slip_field<T: Scalar>(&self, mode: Self::Mode, t: T, x: &[T; N]) -> Option<[T; N]>;
 
-    /// The mode at a start, and how many derivatives of each guard vanish there; `None` if it is
-    /// not unique.
+    /// The mode at a start.
     #[doc(hidden)]
-    fn first_mode(&self, run: &mut Run<N, G>) -> Result<FirstMode<Self::Mode, G>, Error>;
+    fn first_mode(&self, run: &mut Run<N, G>) -> Result<Next<Self::Mode, G>, Error>;
 
     /// The kind of an event that does not end the mode; the branch may change. `None` if the event
     /// ends the mode.
@@ -132,10 +131,6 @@ pub trait Switched<const N: usize, const G: usize> {
         0
     }
 
-    /// The kind of a change of mode, and the first contact whose mode changes.
-    #[doc(hidden)]
-    fn change(from: Self::Mode, to: Self::Mode) -> (TransitionKind, usize);
-
     /// The mode reported for a run that ends at its start because its future is not unique.
     #[doc(hidden)]
     const UNDECIDED: Self::Mode;
@@ -148,42 +143,25 @@ pub trait Switched<const N: usize, const G: usize> {
     #[doc(hidden)]
     fn normals(&self, mode: Self::Mode, at: &Timed<N>) -> Vec<(usize, State<N>)>;
 
-    /// Whether any contact sticks.
-    #[doc(hidden)]
-    fn any_sticks(mode: Self::Mode) -> bool;
-
     /// Number of contacts.
     #[doc(hidden)]
     const CONTACTS: usize;
 
-    /// The modes of the first `contacts` contacts.
+    /// The modes of the contacts.
     #[doc(hidden)]
-    fn erased(mode: Self::Mode, contacts: usize) -> Modes;
+    fn of_contacts(mode: &Self::Mode) -> &[Mode];
 
     /// The mode from the modes of contacts; contacts that are not listed slip above.
     #[doc(hidden)]
     fn restored(modes: Modes) -> Self::Mode;
 }
 
-/// The mode at a start, and how many derivatives of each of its guards vanish there, if there is a
-/// unique one.
-pub type FirstMode<K, const G: usize> = Option<(K, [usize; G])>;
-
-/// What follows the end of a mode.
+/// What follows a start or the end of a mode.
 pub enum Next<K, const G: usize> {
-    /// Into a mode.
-    Mode(Switch<K, G>),
+    /// A mode, and how many derivatives of each of its guards vanish.
+    Mode(K, [usize; G]),
     /// Nothing: the future is not unique.
     End(Ending),
-}
-
-/// A change of mode.
-pub struct Switch<K, const G: usize> {
-    pub to: K,
-    /// How many derivatives of each guard of the new mode vanish.
-    pub orders: [usize; G],
-    pub kind: TransitionKind,
-    pub contact: usize,
 }
 
 /// Newton steps from an extrapolated accumulation point onto the boundaries. Each squares the

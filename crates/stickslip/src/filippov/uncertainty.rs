@@ -1,6 +1,6 @@
 //! The uncertainty of a guard at a state.
 
-use super::flow::Flow;
+use super::flow::{Flow, seeded};
 use crate::dual::Dual;
 use crate::ode::{Timed, Tolerance};
 
@@ -77,10 +77,8 @@ fn propagate<const N: usize, const G: usize>(
     }; G];
     // Direction N is time, which the tolerance does not affect.
     for direction in 0..=N {
-        let seed = |at: usize| f64::from(u8::from(at == direction));
-        let x = std::array::from_fn(|k| Dual::new(at.x[k], seed(k)));
-        let guards = guards(Dual::new(at.t, seed(N)), &x);
-        for (blur, guard) in blurs.iter_mut().zip(guards) {
+        let (t, x) = seeded(at, direction);
+        for (blur, guard) in blurs.iter_mut().zip(guards(t, &x)) {
             let slope = guard.eps.abs();
             if direction < N {
                 let size = at.x[direction].abs();

@@ -88,6 +88,16 @@ impl<'a, const L: usize> LinearJet<'a, L> {
 }
 
 impl<'a, const L: usize> Sweep<'a, L> {
+    /// Time.
+    #[inline(always)]
+    pub(super) fn time(&'a self, t: Lanes<L>, h: Lanes<L>) -> Jet<'a, L> {
+        Linear(LinearJet {
+            value: t,
+            slope: h,
+            sweep: Some(self),
+        })
+    }
+
     /// A new number with a row of its own.
     #[inline(always)]
     pub(super) fn number(&'a self, newest: Lanes<L>, is_linear: bool) -> Jet<'a, L> {

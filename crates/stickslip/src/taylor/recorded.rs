@@ -1,60 +1,120 @@
 //! A number whose operations are recorded; see [`super::recording`]. It has one lane; the recording
 //! can be repeated in several.
 
+use std::cell::RefCell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::functions::Flat;
 use super::jet::Jet;
-use super::recording::{Location, Operation};
-use super::sweep::Sweep;
+use super::recording::{Instruction, Location, Operation, Recording};
+use super::row::Lanes;
+use super::sweep::{CoefficientRows, Sweep};
 use crate::scalar::Scalar;
+
+/// A sweep of order 0 whose operations are recorded.
+#[derive(Debug)]
+pub(super) struct Recorder<'a> {
+    pub(super) sweep: Sweep<'a, 1>,
+    recording: RefCell<Recording>,
+}
+
+impl<'a> Recorder<'a> {
+    /// Begins a recording. Time is the first linear number, and the state's components have the
+    /// first rows.
+    pub(super) fn new(rows: CoefficientRows<'a, 1>, (t, h): (Lanes<1>, Lanes<1>)) -> Self {
+        let sweep = Sweep::new(rows, 0);
+        let recording = RefCell::new(Recording::begin(sweep.time(t, h)));
+        Recorder { sweep, recording }
+    }
+
+    /// The number that the sweep has at a location.
+    pub(super) fn at(&'a self, location: Location, number: Jet<'a, 1>) -> Recorded<'a> {
+        let location = Some((location, self));
+        Recorded { number, location }
+    }
+
+    /// The location of a number, also of a constant.
+    pub(super) fn location(&self, number: Recorded<'_>) -> Location {
+        match number.location {
+            Some((location, _)) => location,
+            None => self.recording.borrow_mut().constant(number.number),
+        }
+    }
+
+    fn instruction(
+        &self,
+        operation: Operation,
+        of: [Recorded<'_>; 2],
+        constant: f64,
+    ) -> Instruction {
+        Instruction {
+            operation,
+            of: of.map(|number| self.location(number)),
+            constant: constant.to_bits(),
+        }
+    }
+
+    /// Performs an operation and records it.
+    #[inline(never)]
+    fn record(
+        &'a self,
+        operation: Operation,
+        of: [Recorded<'a>; 2],
+        constant: f64,
+    ) -> Recorded<'a> {
+        let instruction = self.instruction(operation, of, constant);
+        let mut recording = self.recording.borrow_mut();
+        let numbers = of.map(|number| number.number);
+        let (number, location) = recording.record(instruction, numbers, &self.sweep);
+        let location = location.map(|location| (location, self));
+        Recorded { number, location }
+    }
+
+    /// The recording.
+    pub(super) fn end(self) -> Recording {
+        self.recording.into_inner()
+    }
+}
 
 /// A number at order 0.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Recorded<'a> {
     pub(super) number: Jet<'a, 1>,
     /// The number's location, unless it is constant.
-    location: Option<(Location, &'a Sweep<'a, 1>)>,
+    location: Option<(Location, &'a Recorder<'a>)>,
 }
 
 impl<'a> Recorded<'a> {
-    /// The number that a sweep has at a location.
-    pub(super) fn at(location: Location, number: Jet<'a, 1>, sweep: &'a Sweep<'a, 1>) -> Self {
-        let location = Some((location, sweep));
-        Recorded { number, location }
-    }
-
     /// A constant.
     #[inline(always)]
-    pub(super) fn constant_of(number: Jet<'a, 1>) -> Self {
+    fn constant_of(number: Jet<'a, 1>) -> Self {
         let location = None;
         Recorded { number, location }
     }
 
-    /// The number's location, unless it is constant.
-    pub(super) fn location(self) -> Option<Location> {
-        self.location.map(|(location, _)| location)
-    }
-
-    /// The sweep of either number, unless both are constant.
+    /// The recorder of either number, unless both are constant.
     #[inline(always)]
-    fn sweep(self, other: Self) -> Option<&'a Sweep<'a, 1>> {
-        self.location.or(other.location).map(|(_, sweep)| sweep)
+    fn recorder(self, other: Self) -> Option<&'a Recorder<'a>> {
+        self.location
+            .or(other.location)
+            .map(|(_, recorder)| recorder)
     }
 
     /// Not inlined: a call is recorded once and repeated often.
     #[inline(never)]
     fn recorded(self, operation: Operation, other: Self, constant: f64) -> Self {
-        match self.sweep(other) {
-            Some(sweep) => sweep.record(operation, [self, other], constant),
+        match self.recorder(other) {
+            Some(recorder) => recorder.record(operation, [self, other], constant),
             None => Recorded::constant_of(operation.of(self.number, other.number, constant)),
         }
     }
 
-    #[inline(always)]
+    /// Records the result of a comparison.
     fn check(self, operation: Operation, other: Self) {
-        if let Some(sweep) = self.sweep(other) {
-            sweep.check(operation, [self, other]);
+        if let Some(recorder) = self.recorder(other) {
+            let instruction = recorder.instruction(operation, [self, other], 0.0);
+            let row = recorder.sweep.next_row();
+            recorder.recording.borrow_mut().check(instruction, row);
         }
     }
 
@@ -152,10 +212,9 @@ impl Scalar for Recorded<'_> {
     fn sin_cos(self) -> (Self, Self) {
         let sine = self.unary(Operation::SineCosine, 0.0);
         let cosine = match sine.location {
-            Some((Location::InRow(row), sweep)) => Recorded::at(
+            Some((Location::InRow(row), recorder)) => recorder.at(
                 Location::InRow(row + 1),
-                sweep.stored_number(row as usize + 1),
-                sweep,
+                recorder.sweep.stored_number(row as usize + 1),
             ),
             _ => Recorded::constant_of(self.number.cos()),
         };

@@ -1,13 +1,12 @@
 //! Series of interpreted functions: one call serves many series.
 
-use std::cell::RefCell;
-
 use pulp::{Arch, NullaryFnOnce};
 
-use super::recorded::Recorded;
+use super::recorded::Recorder;
 use super::recording::{LinearNumber, Location, Recording, Replay};
 use super::row::{Lanes, lanes};
 use super::series::{Expansion, Functions, outcome, watched_rows};
+use super::steps::Steps;
 use super::sweep::{CoefficientRows, Sweep};
 use super::{MAX_ORDER, inverse};
 
@@ -30,6 +29,10 @@ pub(crate) type LinearNumbers<const L: usize> = Vec<LinearNumber<L>>;
 #[derive(Debug)]
 struct RecordedCall<const N: usize, const W: usize> {
     recording: Recording,
+    /// Steps for the orders above 0.
+    steps: Steps,
+    /// Whether the recording can be repeated: no value was read.
+    is_complete: bool,
     field: [Location; N],
     watched: [Location; W],
     /// Whether a watched function is linear in time.
@@ -70,7 +73,7 @@ impl<const N: usize, const W: usize> RecordedCalls<N, W> {
         linear_numbers: &mut LinearNumbers<L>,
     ) -> Result<Option<Expansion<W>>, usize> {
         let usable = self.in_order().map(|i| &self.calls[i]);
-        for call in usable.filter(|call| call.recording.is_complete()) {
+        for call in usable.filter(|call| call.is_complete) {
             if call.room > into.all.len() {
                 return Err(call.room);
             }
@@ -114,7 +117,7 @@ impl<const N: usize, const W: usize> RecordedCalls<N, W> {
     ) -> Result<bool, usize> {
         for i in self.in_order() {
             let call = &mut self.calls[i];
-            if !call.recording.is_complete() {
+            if !call.is_complete {
                 continue;
             }
             if call.room > into.all.len() {
@@ -137,7 +140,7 @@ impl<const N: usize, const W: usize> RecordedCalls<N, W> {
     /// Keeps a call. It replaces one that cannot be repeated or, if there are too many, the next
     /// one after the latest.
     fn keep(&mut self, call: RecordedCall<N, W>) {
-        let useless = |call: &RecordedCall<N, W>| !call.recording.is_complete();
+        let useless = |call: &RecordedCall<N, W>| !call.is_complete;
         self.latest = match self.calls.iter().position(useless) {
             Some(useless) => useless,
             None if self.calls.len() < MAX_CALLS => self.calls.len(),
@@ -170,38 +173,37 @@ impl<const N: usize, const W: usize> RecordedCall<N, W> {
         x: &[Lanes<1>; N],
         functions: &impl Functions<N, W>,
     ) -> Result<Self, usize> {
-        let recording = RefCell::new(Recording::default());
-        let sweep = Sweep::recorded(into, &recording);
-        let time = sweep.time(t, h);
-        *recording.borrow_mut() = Recording::begin(time);
-        let time = Recorded::at(Location::Linear(0), time, &sweep);
+        let recorder = Recorder::new(into, (t, h));
+        let sweep = &recorder.sweep;
+        let time = recorder.at(Location::Linear(0), sweep.time(t, h));
         let mut state = [time; N];
         for (i, (number, newest)) in state.iter_mut().zip(*x).enumerate() {
-            *number = Recorded::at(Location::InRow(i as u32), sweep.state(newest), &sweep);
+            *number = recorder.at(Location::InRow(i as u32), sweep.state(newest));
         }
         let (field, watched) = functions.at(time, &state);
         let taken = sweep.next_row();
-        let (field, locations) = {
-            let mut recording = recording.borrow_mut();
-            let mut location = |number| recording.location(number);
-            (field.map(&mut location), watched.map(&mut location))
-        };
+        let field = field.map(|number| recorder.location(number));
+        let locations = watched.map(|number| recorder.location(number));
         let watched = watched_rows(watched.map(|function| function.number));
         let mut rows = locations.iter().zip(&watched);
         let watches_linear =
             rows.any(|(location, row)| matches!(location, Location::Linear(_)) && row.is_some());
-        let room = sweep.next_row() + sweep.choices.get();
-        let expansion = outcome(&sweep, watched, into.all.len())?;
+        let rows = sweep.next_row();
+        let room = rows + sweep.choices.get();
+        let expansion = outcome(sweep, watched, into.all.len())?;
+        let is_complete = !sweep.value_read.get();
+        let recording = recorder.end();
         let wanted = field.into_iter().chain(locations);
-        recording.borrow_mut().end(wanted, &sweep);
         Ok(RecordedCall {
+            steps: Steps::of(&recording, wanted, rows),
+            recording,
+            is_complete,
             field,
             watched: locations,
             watches_linear,
             taken,
             room,
             expansion,
-            recording: recording.take(),
         })
     }
 
@@ -228,6 +230,7 @@ impl<const N: usize, const W: usize> RecordedCall<N, W> {
         };
         HigherOrders {
             replay,
+            steps: &self.steps,
             into,
             h,
             order,
@@ -242,6 +245,7 @@ impl<const N: usize, const W: usize> RecordedCall<N, W> {
 /// all systems.
 struct HigherOrders<'a, const L: usize> {
     replay: Replay<'a, L>,
+    steps: &'a Steps,
     into: CoefficientRows<'a, L>,
     h: Lanes<L>,
     order: usize,
@@ -262,7 +266,7 @@ impl<const L: usize> HigherOrders<'_, L> {
                 let slope = self.replay.coefficient(*location, k - 1, rows);
                 row.set(k, lanes(|l| slope[l] * (self.h[l] * per_order)));
             }
-            self.replay.repeat(self.into, k);
+            self.steps.repeat(&self.replay, self.into, k);
             if !self.watched.is_empty() {
                 self.store_watched(&Sweep::new(self.into, k));
             }

@@ -13,9 +13,7 @@ use std::collections::BTreeMap;
 
 use super::functions::Flat;
 use super::jet::{Jet, LinearJet};
-use super::recorded::Recorded;
 use super::row::{CoefficientRow, Lanes};
-use super::steps::Steps;
 use super::sweep::{CoefficientRows, Sweep};
 use crate::scalar::Scalar;
 
@@ -70,7 +68,7 @@ pub(super) struct Instruction {
     pub(super) operation: Operation,
     pub(super) of: [Location; 2],
     /// The bits of the constant operand.
-    constant: u64,
+    pub(super) constant: u64,
 }
 
 impl Instruction {
@@ -99,15 +97,12 @@ pub(crate) struct LinearNumber<const L: usize> {
 
 /// The recorded operations.
 #[derive(Debug, Default)]
-pub(crate) struct Recording {
-    instructions: Vec<RecordedInstruction>,
+pub(super) struct Recording {
+    pub(super) instructions: Vec<RecordedInstruction>,
     /// Index into `instructions` for every instruction that has a result.
     results: BTreeMap<Instruction, usize>,
     /// Time is the first entry.
-    linear_numbers: Vec<LinearNumber<1>>,
-    /// Steps for the orders above 0.
-    steps: Steps,
-    is_complete: bool,
+    pub(super) linear_numbers: Vec<LinearNumber<1>>,
 }
 
 /// A recording as it is repeated in `L` lanes, with its linear numbers there.
@@ -181,8 +176,7 @@ impl<const L: usize> LinearNumber<L> {
 }
 
 impl Recording {
-    /// Begins a recording. Time is the first linear number, and the state's components have the
-    /// first rows.
+    /// Begins a recording; see [`super::recorded::Recorder::new`].
     pub(super) fn begin(time: Jet<'_, 1>) -> Self {
         Recording {
             linear_numbers: vec![LinearNumber::of(time)],
@@ -190,18 +184,9 @@ impl Recording {
         }
     }
 
-    /// Whether the recording can be repeated.
-    pub(super) fn is_complete(&self) -> bool {
-        self.is_complete
-    }
-
-    /// The location of a number. A constant is added to the linear numbers unless it is there
-    /// already.
-    pub(super) fn location(&mut self, number: Recorded<'_>) -> Location {
-        if let Some(location) = number.location() {
-            return location;
-        }
-        let linear = LinearNumber::of(number.number);
+    /// The location of a constant, which is added to the linear numbers unless it is there already.
+    pub(super) fn constant(&mut self, number: Jet<'_, 1>) -> Location {
+        let linear = LinearNumber::of(number);
         let known = self
             .linear_numbers
             .iter()
@@ -215,21 +200,14 @@ impl Recording {
         self.linear_numbers.len() - 1
     }
 
-    /// Performs an operation and records it. The result of an operation recorded before is reused.
+    /// Performs an operation and records it; returns its result and the location of that, unless it
+    /// is constant. The result of an operation recorded before is reused.
     pub(super) fn record<'a>(
         &mut self,
-        operation: Operation,
-        [a, b]: [Recorded<'a>; 2],
-        constant: f64,
+        instruction: Instruction,
+        [a, b]: [Jet<'a, 1>; 2],
         sweep: &'a Sweep<'a, 1>,
-    ) -> Recorded<'a> {
-        let of = [self.location(a), self.location(b)];
-        let bits = constant.to_bits();
-        let instruction = Instruction {
-            operation,
-            of,
-            constant: bits,
-        };
+    ) -> (Jet<'a, 1>, Option<Location>) {
         if let Some(&known) = self.results.get(&instruction)
             && let RecordedInstruction {
                 result: Some(location),
@@ -238,16 +216,16 @@ impl Recording {
             } = self.instructions[known]
         {
             let number = number_at(location, &self.linear_numbers, sweep).with_linearity(is_linear);
-            return Recorded::at(location, number, sweep);
+            return (number, Some(location));
         }
         let first = sweep.next_row();
-        let number = operation.of(a.number, b.number, constant);
+        let number = instruction.operation.of(a, b, instruction.constant());
         let location = match number {
             Jet::Series(series) => Location::InRow(series.row as u32),
             Jet::Linear(LinearJet { sweep: Some(_), .. }) => {
                 Location::Linear(self.push(LinearNumber::of(number)) as u32)
             }
-            Jet::Zero | Jet::One | Jet::Linear(_) => return Recorded::constant_of(number),
+            Jet::Zero | Jet::One | Jet::Linear(_) => return (number, None),
         };
         // A result that is one of the operands is not a new number.
         let is_new = !matches!(number, Jet::Series(series) if series.row < first);
@@ -261,36 +239,17 @@ impl Recording {
                 is_linear: number.is_linear(),
             });
         }
-        Recorded::at(location, number, sweep)
+        (number, Some(location))
     }
 
-    /// Records the result of a comparison.
-    pub(super) fn check(
-        &mut self,
-        operation: Operation,
-        of: [Recorded<'_>; 2],
-        sweep: &Sweep<'_, 1>,
-    ) {
-        let of = of.map(|number| self.location(number));
-        let instruction = Instruction {
-            operation,
-            of,
-            constant: 0,
-        };
+    /// Records the result of a comparison, before which so many rows were taken.
+    pub(super) fn check(&mut self, instruction: Instruction, rows: usize) {
         self.instructions.push(RecordedInstruction {
             instruction,
-            first: sweep.next_row() as u32,
+            first: rows as u32,
             result: None,
             is_linear: false,
         });
-    }
-
-    /// Completes the recording; the numbers at the locations `wanted` are needed.
-    pub(super) fn end(&mut self, wanted: impl Iterator<Item = Location>, sweep: &Sweep<'_, 1>) {
-        let is_constant = |linear: u32| self.linear_numbers[linear as usize].is_constant;
-        self.steps
-            .make(&self.instructions, wanted, is_constant, sweep.next_row());
-        self.is_complete = !sweep.value_read.get();
     }
 
     /// The linear numbers in `L` lanes. Constants are set; [`Recording::repeat_first`] computes the
@@ -419,12 +378,6 @@ impl<const L: usize> Replay<'_, L> {
     #[inline(always)]
     pub(super) fn linear_number(&self, number: u32) -> &LinearNumber<L> {
         &self.linear_numbers[number as usize]
-    }
-
-    /// Repeats an order above 0.
-    #[inline(always)]
-    pub(super) fn repeat(&self, rows: CoefficientRows<'_, L>, order: usize) {
-        self.recording.steps.repeat(self, rows, order);
     }
 
     /// Repeats one instruction at an order above 0. So many rows and comparisons come before it.

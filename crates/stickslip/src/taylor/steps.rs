@@ -4,7 +4,7 @@
 //! and is skipped, unless its row is needed. Unused results are omitted.
 
 use super::functions::unless_overflowed;
-use super::recording::{Instruction, Location, Operation, RecordedInstruction, Replay};
+use super::recording::{Instruction, Location, Operation, RecordedInstruction, Recording, Replay};
 use super::row::{CoefficientRow, Lanes, lanes, lanes_of, product, quotient};
 use super::sweep::CoefficientRows;
 use super::{MAX_ORDER, inverse};
@@ -92,7 +92,7 @@ impl Source {
     }
 }
 
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Steps(Vec<Step>);
 
 /// What later steps need of a row.
@@ -156,24 +156,24 @@ fn step_kind(
 }
 
 impl Steps {
-    /// Builds the steps of instructions that took `rows`, if the numbers at the locations `wanted`
-    /// are needed.
-    pub(super) fn make(
-        &mut self,
-        instructions: &[RecordedInstruction],
+    /// The steps of a recording that took `rows`, if the numbers at the locations `wanted` are
+    /// needed.
+    pub(super) fn of(
+        recording: &Recording,
         wanted: impl Iterator<Item = Location>,
-        is_constant: impl Fn(u32) -> bool,
         rows: usize,
-    ) {
+    ) -> Self {
+        let instructions = &recording.instructions;
+        let is_constant = |linear: u32| recording.linear_numbers[linear as usize].is_constant;
         let uses = uses(instructions, wanted, &is_constant, rows);
         let mut rows: Vec<Source> = (0..rows as u32).map(Source::itself).collect();
-        self.0.clear();
+        let mut steps = Vec::new();
         for (i, recorded) in instructions.iter().enumerate() {
             if !is_used(recorded, &uses) {
                 continue;
             }
             let row = recorded.result.map_or(recorded.first, Location::number);
-            let step = match step_kind(&recorded.instruction, &is_constant) {
+            let step = match step_kind(&recorded.instruction, is_constant) {
                 Some((kind, of, constant)) => {
                     let [a, b] = of.map(|row| rows[row as usize]);
                     let first = row;
@@ -204,8 +204,9 @@ impl Steps {
                     Step::of(kind, recorded.first, [Source::itself(number); 2], 0.0)
                 }
             };
-            self.0.push(step);
+            steps.push(step);
         }
+        Steps(steps)
     }
 
     /// Performs all steps at one order.

@@ -1,11 +1,8 @@
 //! One sweep through a function: one order of every number in it.
 
-use std::cell::{Cell, RefCell};
+use std::cell::Cell;
 
 use super::inverse;
-use super::jet::{Jet, LinearJet};
-use super::recorded::Recorded;
-use super::recording::{Operation, Recording};
 use super::row::{CoefficientRow, Lanes, lanes};
 
 /// Number of rows that there are at least, whose places the compiler knows. Chosen: few fields of
@@ -44,8 +41,6 @@ pub(crate) struct Sweep<'a, const L: usize> {
     pub(super) lanes_differ: Cell<bool>,
     /// Whether there was a division by an overflowed number.
     pub(super) overflowed: Cell<bool>,
-    /// The recording of the operations, if they are recorded.
-    recording: Option<&'a RefCell<Recording>>,
 }
 
 impl<'a, const L: usize> Sweep<'a, L> {
@@ -61,18 +56,7 @@ impl<'a, const L: usize> Sweep<'a, L> {
             value_read: Cell::new(false),
             lanes_differ: Cell::new(false),
             overflowed: Cell::new(false),
-            recording: None,
         }
-    }
-
-    /// Time.
-    #[inline(always)]
-    pub(super) fn time(&'a self, t: Lanes<L>, h: Lanes<L>) -> Jet<'a, L> {
-        Jet::Linear(LinearJet {
-            value: t,
-            slope: h,
-            sweep: Some(self),
-        })
     }
 
     #[inline(always)]
@@ -153,42 +137,5 @@ impl<'a, const L: usize> Sweep<'a, L> {
     #[inline(always)]
     pub(super) fn slope(&self, newest: Lanes<L>) -> Lanes<L> {
         lanes(|l| newest[l] * self.order as f64)
-    }
-}
-
-impl<'a> Sweep<'a, 1> {
-    /// The sweep at order 0 with its operations recorded.
-    #[inline(always)]
-    pub(super) fn recorded(
-        rows: CoefficientRows<'a, 1>,
-        recording: &'a RefCell<Recording>,
-    ) -> Self {
-        Sweep {
-            recording: Some(recording),
-            ..Sweep::new(rows, 0)
-        }
-    }
-
-    /// Performs an operation at order 0 and records it.
-    #[inline(never)]
-    pub(super) fn record(
-        &'a self,
-        operation: Operation,
-        [a, b]: [Recorded<'a>; 2],
-        constant: f64,
-    ) -> Recorded<'a> {
-        match self.recording {
-            Some(recording) => recording
-                .borrow_mut()
-                .record(operation, [a, b], constant, self),
-            None => Recorded::constant_of(operation.of(a.number, b.number, constant)),
-        }
-    }
-
-    /// Records the result of a comparison.
-    pub(super) fn check(&'a self, operation: Operation, of: [Recorded<'a>; 2]) {
-        if let Some(recording) = self.recording {
-            recording.borrow_mut().check(operation, of, self);
-        }
     }
 }

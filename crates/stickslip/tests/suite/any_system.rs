@@ -65,7 +65,9 @@ macro_rules! typed {
                 $any::$name(*self)
             }
             fn dynamics(&self) -> stickslip::dynamics::DynamicsRef<'_> {
-                stickslip::dynamics::AsDynamics::into_dynamics(self.any())
+                use stickslip::dynamics::{DynamicsRef, Typed};
+                let owned = Typed::<$any, $any, _, _, _, $n, 3>::new(self.any());
+                DynamicsRef::Owned(Box::new(owned))
             }
         })*
     };

@@ -55,11 +55,11 @@ impl History {
     }
 
     /// Fraction of the duration of the phases that is spent in stick; none without phases.
-    pub fn in_stick(&self, sticks: impl Fn(Modes) -> bool) -> Option<f64> {
+    pub fn in_stick(&self) -> Option<f64> {
         let (mut total, mut in_stick) = (0.0, 0.0);
         for phase in &self.phases {
             total += phase.duration();
-            if sticks(phase.mode) {
+            if phase.mode.any_sticks() {
                 in_stick += phase.duration();
             }
         }

@@ -19,7 +19,7 @@ use std::ops::ControlFlow;
 use crate::dynamics::{
     AsDynamics, Components, Dynamics, Modes, Moment, OrbitUnderWay, Section, Typed, Vector,
 };
-use crate::error::Error;
+use crate::error::{Error, require};
 use crate::filippov::{EventFunctions, Options, Strobe, Switched};
 use crate::system::Mode;
 use search::Search;
@@ -74,13 +74,6 @@ impl RecurrenceSettings {
     /// # Errors
     /// [`Error::Option`] with name, value and bound of the first that is not allowed.
     pub fn check(&self) -> Result<(), Error> {
-        let require = |good: bool, name, value, bound| {
-            if good {
-                Ok(())
-            } else {
-                Err(Error::Option { name, value, bound })
-            }
-        };
         let positive = |value: f64| value > 0.0 && value.is_finite();
         let finite = "positive and finite";
         require(positive(self.longest), "longest", self.longest, finite)?;
@@ -274,7 +267,7 @@ where
     S: Switched<N, G> + Send + Sync,
     V: EventFunctions<N, 1> + Send + Sync,
 {
-    let typed = Typed::<&S, S, &V, _, N, G>::with_section(system, section);
+    let typed = Typed::<&S, S, &V, _, _, N, G>::with_section(system, section);
     seek(&typed, &Section::Own, x0.vector(), settings, options)
 }
 

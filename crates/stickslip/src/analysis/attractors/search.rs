@@ -366,7 +366,7 @@ impl<'a> Search<'a> {
             kind,
             AttractorKind::Equilibrium | AttractorKind::EquilibriumSet
         );
-        let by_phases = self.history.in_stick(|mode| mode.any_sticks());
+        let by_phases = self.history.in_stick();
         let in_stick = by_phases
             .filter(|_| !is_equilibrium)
             .unwrap_or_else(|| f64::from(u8::from(mode.any_sticks())));

@@ -7,12 +7,9 @@ use super::attractors::{Attractor, AttractorKind, RecurrenceSettings, attractor_
 use super::continuation::CycleBifurcation;
 use super::cycle::SequenceChange;
 use super::lyapunov::{Exponent, SpectrumOptions, spectrum_of};
-use crate::dynamics::{AsDynamics, Components, DynamicsRef, Moment, Vector};
+use crate::dynamics::{AsDynamics, Components, Dynamics, Moment, Vector};
 use crate::error::Error;
 use crate::filippov::Options;
-
-/// Constructs the system for each value of the parameter.
-type Family<'a> = dyn Fn(f64) -> DynamicsRef<'a> + 'a;
 
 /// Settings of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -191,37 +188,36 @@ pub fn sweep<S: AsDynamics<Kind>, Kind>(
     settings: &SweepSettings,
     options: &Options,
 ) -> Result<Vec<SweepPoint>, Error> {
-    let family = |parameter| family(parameter).into_dynamics();
-    let mut parameters = parameters.into_iter();
-    sweep_of(&family, &mut parameters, x0.vector(), settings, options)
+    let mut x = x0.vector();
+    let of_each = parameters.into_iter().map(|parameter| {
+        let system = family(parameter);
+        point(&*system.dynamics(), parameter, &mut x, settings, options)
+    });
+    of_each.collect()
 }
 
-fn sweep_of<'a>(
-    family: &'a Family<'a>,
-    parameters: &mut dyn Iterator<Item = f64>,
-    mut x: Vector,
+/// The attractor from a state, which becomes that with which the next value continues.
+fn point(
+    system: &dyn Dynamics,
+    parameter: f64,
+    x: &mut Vector,
     settings: &SweepSettings,
     options: &Options,
-) -> Result<Vec<SweepPoint>, Error> {
-    let mut points = Vec::new();
-    for parameter in parameters {
-        let system = family(parameter);
-        let reached = attractor_of(&*system, x.clone(), &settings.recurrence, options)?;
-        if let Some(next) = carried_on(&reached, &settings.recurrence) {
-            x.clone_from(next);
-        }
-        let exponent = settings.spectrum.and_then(|spectrum| {
-            let (t, x) = (0.0, x.clone());
-            let spectrum = spectrum_of(&*system, Moment { t, x }, &spectrum).ok()?;
-            spectrum.exponents.first().copied()
-        });
-        points.push(SweepPoint {
-            parameter,
-            reached,
-            exponent,
-        });
+) -> Result<SweepPoint, Error> {
+    let reached = attractor_of(system, x.clone(), &settings.recurrence, options)?;
+    if let Some(next) = carried_on(&reached, &settings.recurrence) {
+        x.clone_from(next);
     }
-    Ok(points)
+    let exponent = settings.spectrum.and_then(|spectrum| {
+        let (t, x) = (0.0, x.clone());
+        let spectrum = spectrum_of(system, Moment { t, x }, &spectrum).ok()?;
+        spectrum.exponents.first().copied()
+    });
+    Ok(SweepPoint {
+        parameter,
+        reached,
+        exponent,
+    })
 }
 
 /// Locates the changes between the attractors at neighbouring values of a sweep: where the kind of

@@ -1,14 +1,12 @@
 //! Curves of special orbits in two parameters.
 
-use std::ops::ControlFlow;
-
 use super::steps::{Continuation, Junction, SHORTEST_STEP};
 use super::tangent_line::{TangentLine, Units};
 use super::{
     ContinuationSettings, CycleBifurcation, SpecialPoint, check_start, critical, parameter_of,
 };
 use crate::analysis::critical::Critical;
-use crate::analysis::cycle::{Cycle, Margin, MarginKind, Outline, Path, Shooting};
+use crate::analysis::cycle::{Cycle, Margin, MarginKind, Outline, Path, Shooting, unit};
 use crate::dynamics::{AsDynamics, Components, Vector};
 use crate::error::Error;
 use crate::filippov::Options;
@@ -82,18 +80,16 @@ pub fn continue_change<Kind>(
     check_start(&x, 2, settings)?;
     let place = x.len() - 2;
     let value = x[place];
-    let by_other = Vector::from_fn(place + 1, |i, _| f64::from(u8::from(i == place)));
+    let by_other = unit(place + 1, place);
     let start = (x, period, upwards);
     let fixed = Some((&by_other, value));
     let mut continuation = Continuation::begin(system, start, settings, (fixed, options))?;
-    continuation.wanted = Some((|_| true, number));
-    continuation.go_on(&mut |_| ControlFlow::Continue(()));
     let not_found = |what| Error::NotFound {
         what,
         t: 0.0,
         span: period,
     };
-    let junction = continuation.junction.take();
+    let junction = continuation.seek(|_| true, number);
     let junction = junction.ok_or(not_found("a special orbit on the branch"))?;
     let condition = Condition::of(&junction);
     let condition = condition.ok_or(not_found("a curve of the special orbit"))?;

@@ -3,11 +3,12 @@
 
 use super::steps::Continuation;
 use super::{EquilibriumBifurcation, Stop, continue_equilibrium, parameter_of, with_parameter};
-use crate::analysis::boundary_equilibrium::{Approach, ModeEquilibrium, ends_in};
+use crate::analysis::attractors::equilibrium::{equilibrium_near, least_guard};
+use crate::analysis::critical::zero_between;
 use crate::analysis::cycle::{Cycle, MarginKind};
 use crate::analysis::lagrange::weights;
-use crate::dynamics::{DynamicsRef, Modes, Moment, Orbit, OrbitProgress, Section, Vector, run};
-use crate::filippov::Direction;
+use crate::analysis::passages::passages;
+use crate::dynamics::{DynamicsRef, Modes, Moment, Orbit, Vector, run};
 
 /// Extent below which an orbit may be about to shrink to a point, as a fraction of the widest
 /// one's. Chosen: there the Hopf point or two-fold is close, and a bifurcation of other orbits is
@@ -22,6 +23,17 @@ const AT_REST: f64 = 1e-3;
 /// Chosen: far above the tolerances, and far below the distance of two orbits, unless they are next
 /// to a fold.
 const SAME_ORBIT: f64 = 1e-6;
+
+/// Largest distance of an orbit from the equilibrium in which it ends, as a fraction of the widest
+/// orbit's extent. Chosen.
+const LARGEST_DISTANCE: f64 = 1e-2;
+
+/// Largest distance of that equilibrium at the end, in extents of the last orbit. Chosen.
+const LARGEST_SHIFT: f64 = 10.0;
+
+/// Least relative decrease of the distance between two orbits that is extrapolated. The
+/// extrapolated parameter is then at most a thousand steps away.
+const LEAST_DECREASE: f64 = 1e-3;
 
 impl Continuation<'_> {
     /// The end to which the orbits shrink, if they do: an equilibrium, a two-fold, or rest.
@@ -57,20 +69,65 @@ impl Continuation<'_> {
             .then_some(Stop::BoundaryEquilibrium { parameter })
     }
 
-    /// The parameter at which the last two orbits end in an equilibrium that reaches the edge of
-    /// its mode's domain, and that equilibrium.
+    /// The parameter at which the last two orbits end in an equilibrium of one mode, and that
+    /// equilibrium (di Bernardo, Budd, Champneys & Kowalczyk 2008, Ch. 5). Their transitions
+    /// approach it while it approaches the edge of its mode's domain. The orbits shrink to it, or
+    /// pass it ever more slowly.
     pub(in crate::analysis) fn ends_at(&self) -> Option<(f64, Vector)> {
-        if self.settings.forced.is_some() {
+        let (before, last) = (&self.branch.before, &self.branch.last);
+        let modes = before.outline.modes();
+        if self.settings.forced.is_some() || modes.len() < 2 {
             return None;
         }
-        let system = self.shooting.system;
-        let states = self.shooting.states;
-        let held = |parameter: f64, mode, x: &Vector| {
-            ModeEquilibrium::near(system, mode, &with_parameter(x.clone(), parameter), states)
+        let mut modes = modes.into_iter();
+        modes.find_map(|mode| self.ends_in(mode, [before, last]))
+    }
+
+    /// The same for the equilibrium of a mode.
+    fn ends_in(&self, mode: Modes, [before, last]: [&Cycle; 2]) -> Option<(f64, Vector)> {
+        let (system, states) = (self.shooting.system, self.shooting.states);
+        let equilibrium = |parameter: f64, x: &Vector| {
+            let x = with_parameter(x.clone(), parameter);
+            Some(equilibrium_near(system, mode, 0.0, &x, states)?.x)
         };
-        let orbits = [&self.branch.before, &self.branch.last]
-            .map(|cycle| Approach::of(parameter_of(cycle), cycle));
-        ends_in(&orbits, self.branch.widest, states, held)
+        // Its distance from the nearest transition, and the state there.
+        let near = |one: &Cycle| {
+            let distance = |at: &Moment| {
+                let equilibrium = equilibrium(parameter_of(one), &at.x)?;
+                let away = (equilibrium - &at.x).rows(0, states).amax();
+                Some((away, at.x.clone()))
+            };
+            let nearest = one.begins.iter().filter_map(distance);
+            nearest.min_by(|a, b| a.0.total_cmp(&b.0))
+        };
+        let ((further, _), (distance, mut x)) = (near(before)?, near(last)?);
+        let here = parameter_of(last);
+        let ahead = (here - parameter_of(before)) * distance / (further - distance);
+        if distance * (1.0 + LEAST_DECREASE) >= further
+            || distance >= LARGEST_DISTANCE * self.branch.widest
+            || ahead == 0.0
+        {
+            return None;
+        }
+        let start = x.clone();
+        // The smallest guard of the mode: positive where the mode holds.
+        let mut guard = |parameter: f64| {
+            x = equilibrium(parameter, &x)?;
+            let at = Moment {
+                t: 0.0,
+                x: x.clone(),
+            };
+            Some(least_guard(system, mode, &at))
+        };
+        let beyond = here + 2.0 * ahead;
+        let [one, other] = [guard(here)?, guard(beyond)?];
+        if one * other > 0.0 {
+            return None;
+        }
+        let end = zero_between((here, one), (beyond, other), &mut guard)?;
+        guard(end)?;
+        let shift = (&x - start).rows(0, states).amax();
+        (shift <= LARGEST_SHIFT * last.extent).then_some((end, x))
     }
 
     /// The parameter at which crossing orbits shrink to a two-fold, as they do if they meet the
@@ -168,8 +225,10 @@ impl Continuation<'_> {
             x: with_parameter(stuck.x.clone(), self.parameter() + further),
         };
         let (system, options) = (self.shooting.system, self.shooting.options);
-        Orbit::solve(system, &start, stuck.t + last.period, options).is_ok_and(|orbit| {
-            orbit.transitions.is_empty() && orbit.phases.iter().all(|one| one.mode.any_sticks())
+        let orbit = Orbit::solve(system, &start, stuck.t + last.period, options);
+        orbit.is_ok_and(|(orbit, failed)| {
+            let is_stuck = orbit.phases.iter().all(|one| one.mode.any_sticks());
+            failed.is_none() && orbit.transitions.is_empty() && is_stuck
         })
     }
 
@@ -221,23 +280,8 @@ impl Continuation<'_> {
             }
             return Some(off(&run(system, start, start.t + later, options).ok()?.x));
         }
-        let t_end = start.t + found.period;
-        let begun = system.begin(place, place.t + found.period, options, &Section::None);
-        let section = Section::Plane {
-            point: place.x.clone(),
-            normal: system.flow(begun.ok()?.mode(), place).velocity(place),
-            direction: Direction::Rising,
-        };
-        let mut orbit = system.begin(start, t_end, options, &section).ok()?;
-        let mut nearest = off(&start.x);
-        loop {
-            match orbit.step().ok()? {
-                OrbitProgress::Passage(at) if off(&at.x).norm() < nearest.norm() => {
-                    nearest = off(&at.x);
-                }
-                OrbitProgress::End(_) => return Some(nearest),
-                _ => {}
-            }
-        }
+        let passages = passages(system, (start, found.period), place, options, |_| false).ok()?;
+        let all = std::iter::once(start).chain(&passages).map(|at| off(&at.x));
+        all.min_by(|a, b| a.norm().total_cmp(&b.norm()))
     }
 }

@@ -10,7 +10,7 @@ use super::steps::SHORTEST_STEP;
 use super::tangent_line::LEAST_COSINE;
 use super::{ContinuationSettings, Stop, check_rate, check_start};
 use crate::analysis::attractors::equilibrium::{
-    ZERO, along_boundaries, equations, jacobian_of, least_guard, without_constant,
+    ZERO, along_boundaries, equations, holds, jacobian_of, without_constant,
 };
 use crate::analysis::cycle::{Function, Path, Zero, at_least, unit};
 use crate::analysis::multipliers::eigenvalues;
@@ -175,7 +175,7 @@ pub fn continue_equilibrium<Kind>(
     };
     let by_parameter = unit(last + 1, last);
     let near = |mode: Modes| continuation.solve(mode, &at.x, &by_parameter);
-    let is_held = |one: &Equilibrium| continuation.least_guard(one) > 0.0;
+    let is_held = |one: &Equilibrium| holds(system, one.mode, &one.at);
     let modes = std::iter::once(mode).chain((0..mode.iter().count()).flat_map(|k| others(mode, k)));
     let first = modes.filter_map(near).find(is_held);
     let first = first
@@ -292,6 +292,12 @@ impl Path for EquilibriaOnLine<'_> {
 }
 
 impl EquilibriumContinuation<'_> {
+    /// The equilibria on a line.
+    fn on<'l>(&'l self, line: &'l EquilibriumTangent) -> EquilibriaOnLine<'l> {
+        let continuation = self;
+        EquilibriaOnLine { continuation, line }
+    }
+
     /// The equilibrium of a mode near a guess, in the plane through it across a row.
     fn solve(&self, mode: Modes, guess: &Vector, row: &Vector) -> Option<Equilibrium> {
         // Plain Newton steps converge within ten, unless the Jacobian is nearly singular.
@@ -382,10 +388,6 @@ impl EquilibriumContinuation<'_> {
         is_line && line.is_some_and(moves)
     }
 
-    fn least_guard(&self, one: &Equilibrium) -> f64 {
-        least_guard(self.system, one.mode, &one.at)
-    }
-
     /// The tangent of the branch at an equilibrium, in the direction in which the product with a
     /// row grows.
     fn tangent(&self, one: &Equilibrium, row: &Vector) -> Option<EquilibriumTangent> {
@@ -413,10 +415,7 @@ impl EquilibriumContinuation<'_> {
         (last, next): (&Equilibrium, &Equilibrium),
         length: f64,
     ) -> Vec<(Zero<Equilibrium>, EquilibriumBifurcation)> {
-        let path = EquilibriaOnLine {
-            continuation: self,
-            line,
-        };
+        let path = self.on(line);
         let width = self.units[self.units.len() - 1];
         let heading = |one: &Equilibrium| Some(self.tangent(one, &line.row)?.heading() / width);
         let branch = |one: &Equilibrium| Some(one.along.determinant() / heading(one)?);
@@ -489,12 +488,8 @@ impl EquilibriumContinuation<'_> {
             }
             let line = self.tangent(&one, &by_parameter)?;
             let is_held = |line: &EquilibriumTangent| {
-                let path = EquilibriaOnLine {
-                    continuation: self,
-                    line,
-                };
-                let beyond = path.on(STEP_BEYOND * self.settings.step);
-                beyond.is_some_and(|beyond| self.least_guard(&beyond) > 0.0)
+                let beyond = self.on(line).on(STEP_BEYOND * self.settings.step);
+                beyond.is_some_and(|beyond| holds(self.system, beyond.mode, &beyond.at))
             };
             let back = self.tangent(&one, &-&line.row);
             let line = std::iter::once(line).chain(back).find(is_held)?;
@@ -565,10 +560,7 @@ impl EquilibriumContinuation<'_> {
     /// The equilibrium after a step on a line, or at the end of the range if that comes first; and
     /// whether it does.
     fn next(&self, line: &EquilibriumTangent, step: f64) -> Option<(Equilibrium, bool)> {
-        let path = EquilibriaOnLine {
-            continuation: self,
-            line,
-        };
+        let path = self.on(line);
         let (low, high) = self.settings.range;
         let next = path.on(step)?;
         let end = next.parameter().clamp(low, high);

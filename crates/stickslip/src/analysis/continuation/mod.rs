@@ -21,7 +21,7 @@ use super::critical::Critical;
 use super::cycle::{Cycle, SequenceChange, Shooting};
 use super::stability::Stability;
 use crate::dynamics::{AsDynamics, Components, Modes, Vector};
-use crate::error::Error;
+use crate::error::{Error, require};
 use crate::filippov::Options;
 pub use curve::{Curve, CurvePoint, CurveStop, continue_change};
 pub use equilibrium::{
@@ -78,16 +78,10 @@ impl ContinuationSettings {
         let forced = self.forced.unwrap_or(1.0);
         let is_forced = forced > 0.0 && forced.is_finite();
         let wide = "a range of positive, finite width";
-        let checks = [
-            (is_range, "range", width, wide),
-            (is_step, "step", self.step, "positive and at most 1"),
-            (most >= 2, "most_points", most as f64, "at least 2"),
-            (is_forced, "forced", forced, "positive and finite"),
-        ];
-        let failed = checks.into_iter().find(|(is_good, ..)| !is_good);
-        failed.map_or(Ok(()), |(_, name, value, bound)| {
-            Err(Error::Option { name, value, bound })
-        })
+        require(is_range, "range", width, wide)?;
+        require(is_step, "step", self.step, "positive and at most 1")?;
+        require(most >= 2, "most_points", most as f64, "at least 2")?;
+        require(is_forced, "forced", forced, "positive and finite")
     }
 }
 

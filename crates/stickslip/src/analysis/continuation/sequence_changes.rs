@@ -1,30 +1,34 @@
 //! Changes of the phases along a branch: where they are, which margin vanishes, and the orbits
 //! behind them.
 
-use super::parameter_of;
-use super::steps::{Continuation, FIRST_BEHIND_CHANGE};
+use super::steps::Continuation;
 use super::tangent_line::TangentLine;
+use super::{CycleBifurcation, Stop, parameter_of, with_parameter};
 use crate::analysis::cycle::{
-    Cycle, Margin, MarginKind, Outline, Path, SAFETY, SequenceChange, Shooting, Zero, describe,
+    Cycle, Margin, MarginKind, Outline, Path, SAFETY, Shooting, Zero, describe,
 };
-use crate::dynamics::{Moment, OrbitProgress, Section, Vector};
-use crate::filippov::Direction;
+use crate::analysis::passages::passages;
+use crate::dynamics::{Moment, Vector};
 
 /// A change of the phases.
 pub(super) struct Change {
     /// The orbit at the change.
     pub at: Zero,
     /// The line on which it was located.
-    pub line: TangentLine,
+    line: TangentLine,
     /// The margin that vanishes there.
-    pub margin: Margin,
+    margin: Margin,
     /// The first orbit behind it, and the line on which the branch goes on from there.
-    pub behind: Option<(Cycle, TangentLine)>,
+    behind: Option<(Cycle, TangentLine)>,
 }
 
 /// Distance beyond a change at which the orbit behind it is sought, as a fraction of a step.
 /// Chosen: nearer, rounding decides the phases; farther, the next change may lie before it.
 pub(super) const STEP_BEYOND: f64 = 1e-3;
+
+/// First step behind a change of the phases, as a fraction of the longest one. Chosen: a fold is
+/// often next to the change, and later steps grow by 1.4 each.
+const FIRST_BEHIND_CHANGE: f64 = 0.02;
 
 /// Segments may vanish at once if, by their tangents, they vanish within this multiple of the
 /// distance to the first. Chosen: tangents predict the distance to a factor of two or so, since
@@ -57,7 +61,7 @@ impl Continuation<'_> {
         let mut first: Option<(Zero, Margin)> = None;
         let mut is_undecided = false;
         let violated = next.margins.iter();
-        for margin in violated.filter(|margin| self.shooting.is_violated(margin)) {
+        for margin in violated.filter(|margin| margin.is_violated(self.shooting.options)) {
             let Some(before) = last.margin_like(margin) else {
                 is_undecided = true;
                 continue;
@@ -163,23 +167,11 @@ impl Continuation<'_> {
     /// The time after which an orbit first returns to near one of its states.
     fn return_time(&self, from: &Moment, orbit: &Cycle) -> Option<f64> {
         let (system, options) = (self.shooting.system, self.shooting.options);
-        let mode = system.begin(from, from.t + orbit.period, options, &Section::None);
-        let section = Section::Plane {
-            point: from.x.clone(),
-            normal: system.flow(mode.ok()?.mode(), from).velocity(from),
-            direction: Direction::Rising,
-        };
-        let t_end = from.t + MOST_PERIODS * orbit.period;
-        let mut run = system.begin(from, t_end, options, &section).ok()?;
-        loop {
-            match run.step().ok()? {
-                OrbitProgress::Passage(at) if (&at.x - &from.x).norm() <= NEAR * orbit.extent => {
-                    return Some(at.t - from.t);
-                }
-                OrbitProgress::End(_) => return None,
-                _ => {}
-            }
-        }
+        let span = MOST_PERIODS * orbit.period;
+        let is_near = |at: &Moment| (&at.x - &from.x).norm() <= NEAR * orbit.extent;
+        let passages = passages(system, (from, span), from, options, is_near).ok()?;
+        let nearby = passages.last().filter(|at| is_near(at))?;
+        Some(nearby.t - from.t)
     }
 
     /// The change at which segments vanish, the first of them at a place on the line.
@@ -312,20 +304,46 @@ impl Continuation<'_> {
         })
     }
 
-    /// Describes a change.
-    pub(super) fn described(&self, change: &Change) -> SequenceChange {
+    /// Records a change of the phases and continues behind it.
+    pub(super) fn pass_change(&mut self, change: Change) -> Option<Stop> {
         let Change {
-            at, margin, behind, ..
+            at,
+            line,
+            margin,
+            behind,
         } = change;
         let parameter = at.parameter;
         let after = behind.as_ref();
         let after = after.map_or(Vec::new(), |(cycle, _)| cycle.outline.modes());
-        describe(
+        let described = describe(
             self.shooting.system,
-            (&at.solution, margin),
+            (&at.solution, &margin),
             (parameter, self.at_least(parameter, at.uncertainty)),
             [self.branch.last.outline.modes(), after],
-        )
+        );
+        let what = CycleBifurcation::Sequence(Box::new(described));
+        self.record_special(what, at, line, Some(margin));
+        if self.junction.is_some() {
+            return Some(Stop::Points);
+        }
+        let Some((next, line)) = behind else {
+            let offset = (parameter - self.parameter()).signum() * self.branch.units.width;
+            let beyond = |at: &Moment| Moment {
+                t: at.t,
+                x: with_parameter(at.x.clone(), parameter + STEP_BEYOND * offset),
+            };
+            let mut starts = self.branch.last.begins.iter().map(beyond);
+            let refused = starts.find_map(|start| self.refused(&start));
+            return refused.or(Some(Stop::SequenceEnds));
+        };
+        if !self.is_in_range(&next) {
+            return Some(Stop::Range);
+        }
+        // A fold may lie next to it.
+        self.branch.step = FIRST_BEHIND_CHANGE * self.settings.step;
+        self.take(next);
+        self.branch.line = Some(line);
+        None
     }
 }
 

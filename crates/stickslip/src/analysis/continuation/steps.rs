@@ -2,13 +2,12 @@
 
 use std::ops::ControlFlow;
 
-use super::sequence_changes::{Change, STEP_BEYOND};
 use super::tangent_line::{TangentLine, Units};
 use super::{
     Branch, BranchPoint, ContinuationSettings, CycleBifurcation, PartialBranch, SpecialPoint, Stop,
-    check_rate, check_start, critical, parameter_of, with_parameter,
+    check_rate, check_start, critical, parameter_of,
 };
-use crate::analysis::cycle::{Cycle, Margin, Outline, Shooting};
+use crate::analysis::cycle::{Cycle, Margin, Outline, Shooting, Zero};
 use crate::dynamics::{Dynamics, Modes, Moment, Vector, run};
 use crate::error::Error;
 use crate::filippov::Options;
@@ -23,10 +22,6 @@ pub(super) const SHORTEST_STEP: f64 = 1e-7;
 
 /// First step of a branch, as a fraction of the longest one. Chosen: later steps grow by 1.4 each.
 pub(super) const FIRST_STEP: f64 = 0.1;
-
-/// First step behind a change of the phases, as a fraction of the longest one. Chosen: a fold is
-/// often next to the change, and later steps grow by 1.4 each.
-pub(super) const FIRST_BEHIND_CHANGE: f64 = 0.02;
 
 /// Longest step, as a fraction of the orbit's own extent, where the branch may end as that
 /// vanishes. Chosen: an orbit that shrinks is then followed through ten orbits or more for each
@@ -196,6 +191,13 @@ impl<'a> Continuation<'a> {
         }
     }
 
+    /// Follows the branch to one of the special orbits of a kind, by its number counted from 0.
+    pub(super) fn seek(&mut self, is_wanted: IsWanted, number: usize) -> Option<Junction> {
+        self.wanted = Some((is_wanted, number));
+        self.go_on(&mut |_| ControlFlow::Continue(()));
+        self.junction.take()
+    }
+
     /// Whether the line leads out of the range.
     fn leaves_range(&self) -> bool {
         let heading = self.branch.line.as_ref().map_or(0.0, TangentLine::heading);
@@ -305,7 +307,7 @@ impl<'a> Continuation<'a> {
     }
 
     /// Whether an orbit lies in the parameter's range.
-    fn is_in_range(&self, cycle: &Cycle) -> bool {
+    pub(super) fn is_in_range(&self, cycle: &Cycle) -> bool {
         let (low, high) = self.settings.range;
         (low..=high).contains(&parameter_of(cycle))
     }
@@ -321,7 +323,7 @@ impl<'a> Continuation<'a> {
     }
 
     /// Why the system cannot be integrated over a period from a moment of the last orbit, if so.
-    fn refused(&self, start: &Moment) -> Option<Stop> {
+    pub(super) fn refused(&self, start: &Moment) -> Option<Stop> {
         let (system, options) = (self.shooting.system, self.shooting.options);
         let error = run(system, start, start.t + self.branch.last.period, options).err()?;
         let is_of_friction = matches!(
@@ -354,43 +356,6 @@ impl<'a> Continuation<'a> {
         why
     }
 
-    /// Records a change of the phases and continues behind it.
-    fn pass_change(&mut self, change: Change) -> Option<Stop> {
-        let described = self.described(&change);
-        let point = SpecialPoint {
-            parameter: described.parameter,
-            uncertainty: described.uncertainty,
-            behind: self.branch.points.len(),
-            x: change.at.solution.anchor.x.clone(),
-            period: change.at.solution.period,
-            what: CycleBifurcation::Sequence(Box::new(described)),
-        };
-        let (cycle, line) = (change.at.solution.clone(), change.line.clone());
-        self.record_special(point, cycle, line, Some(change.margin.clone()));
-        if self.junction.is_some() {
-            return Some(Stop::Points);
-        }
-        let Some((next, line)) = change.behind else {
-            let offset =
-                (change.at.parameter - self.parameter()).signum() * self.branch.units.width;
-            let beyond = |at: &Moment| Moment {
-                t: at.t,
-                x: with_parameter(at.x.clone(), change.at.parameter + STEP_BEYOND * offset),
-            };
-            let mut starts = self.branch.last.begins.iter().map(beyond);
-            let refused = starts.find_map(|start| self.refused(&start));
-            return refused.or(Some(Stop::SequenceEnds));
-        };
-        if !self.is_in_range(&next) {
-            return Some(Stop::Range);
-        }
-        // A fold may lie next to it.
-        self.branch.step = FIRST_BEHIND_CHANGE * self.settings.step;
-        self.take(next);
-        self.branch.line = Some(line);
-        None
-    }
-
     /// Continues from this orbit.
     pub(super) fn take(&mut self, next: Cycle) {
         self.branch.widest = self.branch.widest.max(next.extent);
@@ -402,11 +367,20 @@ impl<'a> Continuation<'a> {
     /// Records a special orbit. The continuation stops there if that was asked for.
     pub(super) fn record_special(
         &mut self,
-        at: SpecialPoint,
-        cycle: Cycle,
+        what: CycleBifurcation,
+        zero: Zero,
         line: TangentLine,
         margin: Option<Margin>,
     ) {
+        let cycle = zero.solution;
+        let at = SpecialPoint {
+            parameter: zero.parameter,
+            uncertainty: self.at_least(zero.parameter, zero.uncertainty),
+            what,
+            behind: self.branch.points.len(),
+            x: cycle.anchor.x.clone(),
+            period: cycle.period,
+        };
         self.branch.special.push(at.clone());
         match &mut self.wanted {
             Some((is_wanted, number)) if is_wanted(&at.what) => match number.checked_sub(1) {

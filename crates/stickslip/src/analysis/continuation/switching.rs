@@ -45,14 +45,12 @@ pub fn switch_branches<Kind>(
     let is_wanted = |what: &CycleBifurcation| {
         matches!(what, CycleBifurcation::Flip | CycleBifurcation::BranchPoint)
     };
-    continuation.wanted = Some((is_wanted, number));
-    continuation.go_on(&mut |_| ControlFlow::Continue(()));
     let not_found = |what| Error::NotFound {
         what,
         t: 0.0,
         span: period,
     };
-    let junction = continuation.junction.take();
+    let junction = continuation.seek(is_wanted, number);
     let junction = junction.ok_or(not_found("a flip or branch point on the branch"))?;
     let Junction {
         at, cycle, line, ..

@@ -2,7 +2,7 @@
 
 use super::steps::Continuation;
 use super::tangent_line::{TangentLine, bordered};
-use super::{CycleBifurcation, SpecialPoint, Stop, critical, parameter_of};
+use super::{CycleBifurcation, Stop, critical, parameter_of};
 use crate::analysis::critical::zero_between;
 use crate::analysis::cycle::{Cycle, Function, Path, SAFETY, Shooting, Zero, at_least};
 use crate::analysis::lagrange::weights;
@@ -19,7 +19,6 @@ impl Continuation<'_> {
         // Distance at which a fold and a branch point are one, as a fraction of the step. Chosen:
         // each is located at least ten times as precisely.
         const SAME_POINT: f64 = 0.1;
-        let behind = self.branch.points.len();
         let shooting = self.shooting;
         let of = |cycle: &Cycle| critical(cycle, &shooting);
         let length = line.place(&next);
@@ -88,15 +87,7 @@ impl Continuation<'_> {
             zeros.retain(|(zero, _)| zero.s < flip.s);
         }
         for (zero, what) in zeros {
-            let point = SpecialPoint {
-                parameter: zero.parameter,
-                uncertainty: self.at_least(zero.parameter, zero.uncertainty),
-                what,
-                behind,
-                x: zero.solution.anchor.x.clone(),
-                period: zero.solution.period,
-            };
-            self.record_special(point, zero.solution, line.clone(), None);
+            self.record_special(what, zero, line.clone(), None);
         }
         if let Some(flip) = flip {
             return Some(Stop::Flip {

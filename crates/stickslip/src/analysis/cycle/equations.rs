@@ -1,8 +1,7 @@
 //! The equations for a periodic orbit as segments, with their derivatives by the unknowns.
 
 use super::pieces::{FlowDerivative, Piece};
-use super::shooting::ULPS;
-use super::{Outline, Segment, Shooting, unit};
+use super::{Outline, Segment, Shooting, ULPS, unit};
 use crate::dynamics::{Matrix, Moment, Vector};
 use crate::filippov::Options;
 

@@ -1,9 +1,8 @@
 //! Margins: how far a periodic orbit is from each change of its phases.
 
-use super::Outline;
 use super::pieces::Piece;
-use super::shooting::TOLERANCES;
-use crate::dynamics::{Dynamics, Modes, Moment, SmoothFlow};
+use super::{Outline, closeness};
+use crate::dynamics::{Dynamics, Modes, Moment};
 use crate::filippov::Options;
 use crate::system::{Mode, Side};
 
@@ -57,69 +56,23 @@ impl Margin {
 
     /// Whether it is below zero by more than the tolerances allow.
     pub fn is_violated(&self, options: &Options) -> bool {
-        self.relative() < -TOLERANCES * options.rtol.max(options.atol)
-    }
-
-    /// The margin of the same kind at about the same time, among those of an orbit with a period.
-    pub fn like<'m>(&self, margins: &'m [Margin], period: f64) -> Option<&'m Margin> {
-        // Fraction of the period. Chosen: in one step of a branch, times move by less.
-        const SAME_TIME: f64 = 0.1;
-        let off = |margin: &&Margin| {
-            let way = (margin.at.t - self.at.t) / period;
-            (way - way.round()).abs()
-        };
-        let is_alike = |margin: &&Margin| (margin.part, margin.kind) == (self.part, self.kind);
-        let alike = margins.iter().filter(is_alike);
-        let nearest = alike.min_by(|a, b| off(a).total_cmp(&off(b)))?;
-        (off(&nearest) <= SAME_TIME).then_some(nearest)
-    }
-
-    /// At the end of a slip: the flow in which the contact would stick, and the smallest of its
-    /// guards there.
-    pub fn landing<'s>(
-        &self,
-        system: &'s dyn Dynamics,
-    ) -> Option<(Box<dyn SmoothFlow + 's>, usize)> {
-        let flow = system.flow(self.incoming.with(self.contact, Mode::Stick), &self.at);
-        let guards = flow.guards().into_iter();
-        let own = guards.filter(|guard| guard.contact == self.contact && !guard.goes_on);
-        let value = |number: usize| flow.guard(number, &self.at);
-        let least = own.min_by(|a, b| value(a.number).total_cmp(&value(b.number)))?;
-        Some((flow, least.number))
+        self.relative() < -closeness(options)
     }
 }
 
-/// First and second time derivative of a contact's distance from the boundary, along the fields of
-/// both sides. On each side the distance is positive.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Rates {
-    /// On the side from which the orbit comes.
-    pub own: [f64; 2],
-    /// On the other side.
-    pub other: [f64; 2],
-}
-
-impl Rates {
-    pub fn none() -> Self {
-        let none = [f64::NAN; 2];
-        Rates {
-            own: none,
-            other: none,
-        }
-    }
-
-    /// At a point where a slip on `side` reaches the boundary.
-    pub fn at(system: &dyn Dynamics, mode: Modes, contact: usize, side: Side, at: &Moment) -> Self {
-        let of = |side| {
-            let mode = mode.with(contact, Mode::Slip(side));
-            let [_, first, second, _] = system.flow(mode, at).guard_jet(contact, at);
-            [first, second]
-        };
-        Rates {
-            own: of(side),
-            other: of(side.opposite()),
-        }
-    }
+/// First and second time derivative of a contact's distance from the boundary where a slip on
+/// `side` reaches it: along the field of this side, then along that of the other. On each side the
+/// distance is positive.
+pub(super) fn rates(
+    system: &dyn Dynamics,
+    (mode, contact, side): (Modes, usize, Side),
+    at: &Moment,
+) -> [[f64; 2]; 2] {
+    [side, side.opposite()].map(|side| {
+        let mode = mode.with(contact, Mode::Slip(side));
+        let [_, first, second, _] = system.flow(mode, at).guard_jet(contact, at);
+        [first, second]
+    })
 }
 
 /// The margins at the events: whether a slip that ends on the boundary sticks there, its speed of
@@ -164,18 +117,21 @@ pub(super) fn at_events(system: &dyn Dynamics, outline: &Outline, pieces: &[Piec
             });
         }
         if let (Mode::Slip(side), false) = (before.mode.get(begin.contact), begin.is_of_contact) {
-            let stuck = margin(MarginKind::Landing, 0.0, 0.0).landing(system);
+            let stuck = system.flow(before.mode.with(begin.contact, Mode::Stick), at);
+            let guards = stuck.guards().into_iter();
+            let own = guards.filter(|guard| guard.contact == begin.contact && !guard.goes_on);
+            let values = own.map(|guard| stuck.guard(guard.number, at));
             // Positive where it would stick.
-            let least = stuck.map_or(f64::NAN, |(flow, guard)| flow.guard(guard, at));
+            let least = values.min_by(f64::total_cmp).unwrap_or(f64::NAN);
             let sticks = segment.mode.get(begin.contact) == Mode::Stick;
-            let rates = Rates::at(system, before.mode, begin.contact, side, at);
-            let scale = rates.own[0].abs() + rates.other[0].abs();
+            let [[own, _], [other, _]] = rates(system, (before.mode, begin.contact, side), at);
+            let scale = own.abs() + other.abs();
             let landing = if sticks { least } else { -least };
             // Where the fields of both sides agree, no holding force is determined.
             if landing.is_finite() {
                 margins.push(margin(MarginKind::Landing, landing, scale));
             }
-            margins.push(margin(MarginKind::Arrival, -rates.own[0], scale));
+            margins.push(margin(MarginKind::Arrival, -own, scale));
         }
     }
     margins

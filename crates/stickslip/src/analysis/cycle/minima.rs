@@ -1,10 +1,9 @@
 //! The smallest values of the guards within the phases of a periodic orbit, and at those ends of a
 //! phase that belong to another contact.
 
-use super::Outline;
-use super::margin::{Margin, MarginKind};
+use super::margin::{Margin, MarginKind, at_events};
 use super::pieces::Piece;
-use super::shooting::TOLERANCES;
+use super::{Outline, Shooting, closeness};
 use crate::dynamics::{Dynamics, Moment};
 use crate::filippov::Options;
 
@@ -23,9 +22,44 @@ struct Sample {
     jet: [f64; 4],
 }
 
+impl Shooting<'_> {
+    /// The margins of the orbit to each change of its phases.
+    pub(super) fn margins(&self, outline: &Outline, pieces: &[Piece]) -> Vec<Margin> {
+        let mut margins = minima(self.system, outline, pieces, self.options);
+        for margin in &mut margins {
+            self.refine(outline, pieces, margin);
+        }
+        margins.extend(at_events(self.system, outline, pieces));
+        margins
+    }
+
+    /// Computes a minimum by a step that ends there: within a step, the error is larger than at its
+    /// ends.
+    fn refine(&self, outline: &Outline, pieces: &[Piece], margin: &mut Margin) {
+        let MarginKind::Minimum(guard) = margin.kind else {
+            return;
+        };
+        let (segment, t) = (&outline.segments[margin.part], margin.at.t);
+        let steps = pieces[margin.part].steps.iter();
+        let mut steps = steps.filter(|(step, _)| step.t_start < t && t < step.t_end);
+        let Some((step, _)) = steps.next() else {
+            return;
+        };
+        let begin = Moment {
+            t: step.t_start,
+            x: step.x_start.clone(),
+        };
+        if let Some(piece) = self.piece(segment, begin, t - step.t_start, self.options) {
+            margin.at.x = piece.end.x;
+            let flow = self.system.flow(segment.mode, &segment.inside);
+            margin.value = flow.guard(guard, &margin.at);
+        }
+    }
+}
+
 /// The smallest values of all guards within the segments, and at those ends that belong to another
 /// contact.
-pub(super) fn minima(
+fn minima(
     system: &dyn Dynamics,
     outline: &Outline,
     pieces: &[Piece],
@@ -63,7 +97,7 @@ pub(super) fn minima(
             // A rate that is zero to within the tolerances has no sign. So a minimum at a zero of
             // another contact's velocity is one minimum, on whichever side rounding puts it.
             let rates = samples.iter().map(|one| one.jet[1].abs());
-            let still = TOLERANCES * options.rtol.max(options.atol) * rates.fold(0.0, f64::max);
+            let still = closeness(options) * rates.fold(0.0, f64::max);
             let falls = |one: &Sample| one.jet[1] < -still;
             let between = |a: &Sample, b: &Sample| (if a.step == b.step { a.s } else { 0.0 }, b.s);
             let length = |step: usize| piece.steps[step].0.t_end - piece.steps[step].0.t_start;

@@ -16,14 +16,44 @@ mod pieces;
 mod sequence_change;
 mod shooting;
 
-use crate::dynamics::{Matrix, Moment, Vector};
+use crate::dynamics::{Dynamics, Matrix, Moment, Vector};
+use crate::filippov::Options;
 pub(super) use margin::{Margin, MarginKind};
 pub(super) use outline::Outline;
 use outline::{Cut, Segment, segment_to_cut};
 pub(super) use path::{Function, Path, SAFETY, Zero, at_least};
 pub(super) use sequence_change::describe;
 pub use sequence_change::{SequenceBifurcation, SequenceChange};
-pub(super) use shooting::Shooting;
+
+/// Number of tolerances within which an orbit closes and its event functions vanish: an allowance
+/// for the errors of about as many steps.
+const TOLERANCES: f64 = 100.0;
+
+/// Units in the last place that a step may leave in a residual: about one for each stage.
+const ULPS: f64 = 16.0;
+
+/// Relative error within which an orbit closes and its event functions vanish.
+fn closeness(options: &Options) -> f64 {
+    TOLERANCES * options.atol.max(options.rtol)
+}
+
+/// The equations for a periodic orbit of a system.
+#[derive(Clone, Copy)]
+pub(crate) struct Shooting<'a> {
+    pub system: &'a dyn Dynamics,
+    /// Number of components that are states; parameters follow them.
+    pub states: usize,
+    /// The period, where the forcing prescribes it.
+    pub forced: Option<f64>,
+    /// Extent of the widest orbit so far.
+    pub extent: f64,
+    /// Dimension of the families to which the orbits belong.
+    pub family: usize,
+    /// An additional equation where two parameters are unknown: the product of the unknowns with a
+    /// row has a given value.
+    pub plane: Option<(&'a Vector, f64)>,
+    pub options: &'a Options,
+}
 
 /// A vector of this length with a 1 at a place.
 pub(crate) fn unit(count: usize, place: usize) -> Vector {
@@ -101,7 +131,16 @@ impl Cycle {
 
     /// The margin of the same kind as one of a nearby orbit, at about the same time.
     pub fn margin_like(&self, other: &Margin) -> Option<&Margin> {
-        other.like(&self.margins, self.period)
+        // Fraction of the period. Chosen: in one step of a branch, times move by less.
+        const SAME_TIME: f64 = 0.1;
+        let off = |margin: &&Margin| {
+            let way = (margin.at.t - other.at.t) / self.period;
+            (way - way.round()).abs()
+        };
+        let is_alike = |margin: &&Margin| (margin.part, margin.kind) == (other.part, other.kind);
+        let alike = self.margins.iter().filter(is_alike);
+        let nearest = alike.min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        (off(&nearest) <= SAME_TIME).then_some(nearest)
     }
 
     /// The margin nearest to zero, among those at the times of some segments of another orbit.

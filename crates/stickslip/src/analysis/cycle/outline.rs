@@ -117,8 +117,7 @@ impl Outline {
         // Length of the run in periods: at most one until the first transition, and at most one and
         // a half until it recurs.
         const SPAN: f64 = 2.5;
-        let (orbit, failed) =
-            Orbit::solve_to_failure(system, start, start.t + SPAN * period, options)?;
+        let (orbit, failed) = Orbit::solve(system, start, start.t + SPAN * period, options)?;
         if orbit.end.t < start.t + period {
             return Err(failed.unwrap_or_else(|| orbit.end.no_future_error()));
         }

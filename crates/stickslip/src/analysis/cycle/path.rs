@@ -1,7 +1,6 @@
 //! Solutions along a path, by their arclength.
 
-use super::Cycle;
-use super::shooting::ULPS;
+use super::{Cycle, ULPS};
 use crate::analysis::critical::zero_between;
 use crate::filippov::Options;
 

@@ -1,8 +1,6 @@
 //! Integrated segments, and the derivatives of the flow over them.
 
-use super::margin::{self, Margin, MarginKind};
-use super::minima::minima;
-use super::{Outline, Segment, Shooting};
+use super::{Segment, Shooting};
 use crate::analysis::monodromy::{TangentMap, velocity_in};
 use crate::analysis::tangent::Tangent;
 use crate::dynamics::{Matrix, Moment, OrbitProgress, Solution, Step, Vector};
@@ -103,39 +101,6 @@ impl Shooting<'_> {
             end = run.now();
         }
         (end.t == t_end || t_end <= begin.t).then_some(Piece { begin, end, steps })
-    }
-
-    /// The margins of the orbit to each change of its phases.
-    pub(super) fn margins(&self, outline: &Outline, pieces: &[Piece]) -> Vec<Margin> {
-        let mut margins = minima(self.system, outline, pieces, self.options);
-        for margin in &mut margins {
-            self.refine(outline, pieces, margin);
-        }
-        margins.extend(margin::at_events(self.system, outline, pieces));
-        margins
-    }
-
-    /// Computes a minimum by a step that ends there: within a step, the error is larger than at its
-    /// ends.
-    fn refine(&self, outline: &Outline, pieces: &[Piece], margin: &mut Margin) {
-        let MarginKind::Minimum(guard) = margin.kind else {
-            return;
-        };
-        let (segment, t) = (&outline.segments[margin.part], margin.at.t);
-        let steps = pieces[margin.part].steps.iter();
-        let mut steps = steps.filter(|(step, _)| step.t_start < t && t < step.t_end);
-        let Some((step, _)) = steps.next() else {
-            return;
-        };
-        let begin = Moment {
-            t: step.t_start,
-            x: step.x_start.clone(),
-        };
-        if let Some(piece) = self.piece(segment, begin, t - step.t_start, self.options) {
-            margin.at.x = piece.end.x;
-            let flow = self.system.flow(segment.mode, &segment.inside);
-            margin.value = flow.guard(guard, &margin.at);
-        }
     }
 
     /// The derivative, by state and time, of the state in which a segment begins. A change of the

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::Cycle;
-use super::margin::{Margin, MarginKind, Rates};
+use super::margin::{Margin, MarginKind, rates};
 use crate::dynamics::{Dynamics, Modes, Vector};
 use crate::system::Mode;
 
@@ -103,36 +103,38 @@ const FIELDS_AGREE: f64 = 1e-6;
 
 /// The name, and the first and second rates of the contact's distance along the fields of both
 /// sides.
-fn name(system: &dyn Dynamics, margin: &Margin) -> (SequenceBifurcation, Rates) {
+fn name(system: &dyn Dynamics, margin: &Margin) -> (SequenceBifurcation, [[f64; 2]; 2]) {
+    let none = [[f64::NAN; 2]; 2];
     if margin.other.is_some() {
-        return (SequenceBifurcation::Coincidence, Rates::none());
+        return (SequenceBifurcation::Coincidence, none);
     }
     if margin.is_of_jump {
-        return (SequenceBifurcation::JumpGrazing, Rates::none());
+        return (SequenceBifurcation::JumpGrazing, none);
     }
     if margin.is_contact_function {
-        return (SequenceBifurcation::ContactGrazing, Rates::none());
+        return (SequenceBifurcation::ContactGrazing, none);
     }
     let Mode::Slip(side) = margin.incoming.get(margin.contact) else {
-        return (SequenceBifurcation::AddingSliding, Rates::none());
+        return (SequenceBifurcation::AddingSliding, none);
     };
-    let rates = Rates::at(system, margin.incoming, margin.contact, side, &margin.at);
+    let slip = (margin.incoming, margin.contact, side);
+    let rates = rates(system, slip, &margin.at);
+    let [[own, _], [other, second]] = rates;
     let is_tangent = match margin.kind {
         MarginKind::Minimum(_) | MarginKind::Arrival => true,
         // Where the fields agree, both are tangent. Those at ends of phases are coincidences.
         MarginKind::Landing | MarginKind::Duration | MarginKind::End(_) | MarginKind::Begin(_) => {
-            rates.own[0].abs() <= (1.0 + FIELDS_AGREE) * rates.other[0].abs()
+            own.abs() <= (1.0 + FIELDS_AGREE) * other.abs()
         }
     };
     // Where the fields agree, rounding decides the signs of both rates. The distance on one side is
     // the negative of that on the other.
-    let [own, other] = [rates.own[0], rates.other[0]];
     let differ = (own + other).abs() > FIELDS_AGREE * (own.abs() + other.abs());
-    let name = match (is_tangent, rates.other) {
-        (true, [rate, _]) if rate < 0.0 && differ => SequenceBifurcation::GrazingSliding,
-        (true, _) => SequenceBifurcation::Grazing,
-        (false, [_, second]) if second > 0.0 => SequenceBifurcation::CrossingSliding,
-        (false, _) => SequenceBifurcation::SwitchingSliding,
+    let name = match is_tangent {
+        true if other < 0.0 && differ => SequenceBifurcation::GrazingSliding,
+        true => SequenceBifurcation::Grazing,
+        false if second > 0.0 => SequenceBifurcation::CrossingSliding,
+        false => SequenceBifurcation::SwitchingSliding,
     };
     (name, rates)
 }
@@ -144,7 +146,7 @@ pub(crate) fn describe(
     (parameter, uncertainty): (f64, f64),
     [before, after]: [Vec<Modes>; 2],
 ) -> SequenceChange {
-    let (bifurcation, rates) = name(system, margin);
+    let (bifurcation, [own, other]) = name(system, margin);
     let contacts = [margin.contact].into_iter().chain(margin.other);
     SequenceChange {
         parameter,
@@ -153,8 +155,8 @@ pub(crate) fn describe(
         contacts: contacts.collect(),
         x: margin.at.x.clone(),
         residual: margin.relative().abs(),
-        own: rates.own,
-        other: rates.other,
+        own,
+        other,
         period: at.period,
         before,
         after,

@@ -3,20 +3,13 @@
 use super::equations::Equations;
 use super::newton::newton_solution;
 use super::pieces::Piece;
-use super::{Cut, Cycle, Margin, Outline, segment_to_cut};
+use super::{Cut, Cycle, Outline, Shooting, TOLERANCES, ULPS, closeness, segment_to_cut};
 use crate::dynamics::{Dynamics, Modes, Moment, Vector};
 use crate::filippov::Options;
 
 /// Number of Newton iterations allowed. Chosen: from a guess with one digit, five iterations reach
 /// rounding. More are of use where the Jacobian is nearly singular.
 const MOST_ITERATIONS: usize = 14;
-
-/// Number of tolerances within which an orbit closes and its event functions vanish: an allowance
-/// for the errors of about as many steps.
-pub(super) const TOLERANCES: f64 = 100.0;
-
-/// Units in the last place that a step may leave in a residual: about one for each stage.
-pub(super) const ULPS: f64 = 16.0;
 
 /// Largest residual that is attributed to rounding, as a fraction of the orbit's extent. Chosen:
 /// orbits next to a saddle amplify rounding by up to ten digits.
@@ -30,24 +23,6 @@ const FARTHEST: f64 = 100.0;
 /// which any orbit returns to within the tolerances. Chosen: there the velocities differ by about
 /// 1.
 const SAME_VELOCITY: f64 = 1e-4;
-
-/// The equations for a periodic orbit of a system.
-#[derive(Clone, Copy)]
-pub(crate) struct Shooting<'a> {
-    pub system: &'a dyn Dynamics,
-    /// Number of components that are states; parameters follow them.
-    pub states: usize,
-    /// The period, where the forcing prescribes it.
-    pub forced: Option<f64>,
-    /// Extent of the widest orbit so far.
-    pub extent: f64,
-    /// Dimension of the families to which the orbits belong.
-    pub family: usize,
-    /// An additional equation where two parameters are unknown: the product of the unknowns with a
-    /// row has a given value.
-    pub plane: Option<(&'a Vector, f64)>,
-    pub options: &'a Options,
-}
 
 impl<'a> Shooting<'a> {
     /// For orbits of a system near an outline, in which all components are states.
@@ -68,14 +43,10 @@ impl<'a> Shooting<'a> {
         }
     }
 
-    /// Whether a margin is below zero by more than the tolerances allow.
-    pub fn is_violated(&self, margin: &Margin) -> bool {
-        margin.is_violated(self.options)
-    }
-
     /// Whether an orbit has the phases of its sequence.
     pub fn is_valid(&self, cycle: &Cycle) -> bool {
-        !cycle.margins.iter().any(|margin| self.is_violated(margin))
+        let mut margins = cycle.margins.iter();
+        !margins.any(|margin| margin.is_violated(self.options))
     }
 
     /// As [`Shooting::solve`]; in a family, the orbit nearest to the guess.
@@ -103,7 +74,7 @@ impl<'a> Shooting<'a> {
     /// Solves the equations near a guess. `row` is the last equation where a parameter is unknown:
     /// the product of the unknowns with it has a given value.
     pub fn solve(&self, guess: &Outline, row: Option<(&Vector, f64)>) -> Option<Cycle> {
-        let by_tolerance = TOLERANCES * self.options.atol.max(self.options.rtol);
+        let by_tolerance = closeness(self.options);
         let farthest = guess.begin.x.amax() + FARTHEST * self.extent;
         let bounded = self.options.escape(self.options.escape.min(farthest));
         let guessed = guess.period();
@@ -164,14 +135,14 @@ impl<'a> Shooting<'a> {
     /// Whether no segment of an orbit with a period has a negative duration. Where two segments
     /// vanish at once, the second does so to within the tolerances.
     pub fn lasts(&self, outline: &Outline, period: f64) -> bool {
-        let by_tolerance = TOLERANCES * self.options.atol.max(self.options.rtol);
+        let by_tolerance = closeness(self.options);
         let mut segments = outline.segments.iter();
         segments.all(|one| one.duration >= -by_tolerance * period)
     }
 
     /// Residual allowed in the equations, in the unit of the states.
     fn closes_to(&self, equations: &Equations) -> f64 {
-        let by_tolerance = TOLERANCES * self.options.atol.max(self.options.rtol);
+        let by_tolerance = closeness(self.options);
         by_tolerance.max(equations.rounding.min(LARGEST_ROUNDING * self.extent))
     }
 
@@ -201,7 +172,7 @@ impl<'a> Shooting<'a> {
         (guessed, extent): (f64, f64),
         (iterations, family): (usize, usize),
     ) -> Option<Cycle> {
-        let by_tolerance = TOLERANCES * self.options.atol.max(self.options.rtol);
+        let by_tolerance = closeness(self.options);
         let period = outline.period();
         let [start, end] = &equations.velocities;
         let is_near = (period - guessed).abs() <= 0.3 * guessed;

@@ -1,5 +1,6 @@
 //! The orthonormal frame.
 
+use crate::analysis::cycle::unit;
 use crate::dynamics::{Matrix, Vector};
 use crate::math;
 
@@ -32,7 +33,7 @@ impl Frame {
             alive: vec![true; count],
         };
         if frame.orthonormalise().is_none() {
-            frame.columns = (0..count).map(|j| axis(states, j)).collect();
+            frame.columns = (0..count).map(|j| unit(states, j)).collect();
         }
         frame
     }
@@ -165,7 +166,7 @@ impl Frame {
         for j in dead {
             // The axis with the largest component outside: at least 1/√N.
             let outside = |i: usize| {
-                let mut axis = axis(states, i);
+                let mut axis = unit(states, i);
                 for column in &basis {
                     take_out(column, &mut axis);
                 }
@@ -190,10 +191,6 @@ impl Frame {
 fn take_out(unit: &Vector, vector: &mut Vector) {
     let part = unit.dot(vector);
     *vector -= unit * part;
-}
-
-fn axis(states: usize, i: usize) -> Vector {
-    Vector::from_fn(states, |k, _| f64::from(u8::from(k == i)))
 }
 
 #[cfg(test)]
@@ -260,7 +257,7 @@ mod tests {
     #[test]
     fn a_kernel_takes_as_many_vectors_as_it_has_directions() {
         let directions = Frame::generic(3, 3).columns;
-        let axes = || [0, 1, 2].map(|i| axis(3, i));
+        let axes = || [0, 1, 2].map(|i| crate::analysis::cycle::unit(3, i));
         let [x, y, z] = axes();
         assert_eq!(Frame::generic(3, 3).collapse(columns([x, y])), [1, 2]);
         let mut all = Frame::generic(3, 3);

@@ -157,7 +157,7 @@ where
     O: Observer<N, S::Mode> + ?Sized,
 {
     let start = Moment { t, x: x.vector() };
-    let dynamics = Typed::<&S, S, _, _, N, G>::new(system);
+    let dynamics = Typed::<&S, S, _, _, _, N, G>::new(system);
     measured(&dynamics, start, (settings, N), |at, t_end, options| {
         observed(system, (at, t_end), options, &mut watcher)
     })

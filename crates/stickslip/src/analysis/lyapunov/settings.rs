@@ -1,6 +1,6 @@
 //! Settings of the measurement and of its report.
 
-use crate::error::Error;
+use crate::error::{Error, require};
 use crate::filippov::Options;
 
 /// Settings of [`super::lyapunov_spectrum`]. Times are in the system's own unit.
@@ -64,13 +64,6 @@ impl SpectrumOptions {
     /// # Errors
     /// [`Error::Option`] with name, value and bound of the first that is not allowed.
     pub fn check(&self) -> Result<(), Error> {
-        let require = |good: bool, name, value, bound| {
-            if good {
-                Ok(())
-            } else {
-                Err(Error::Option { name, value, bound })
-            }
-        };
         let transient = self.transient >= 0.0 && self.transient.is_finite();
         require(
             transient,

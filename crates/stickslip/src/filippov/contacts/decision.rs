@@ -8,6 +8,7 @@ use crate::error::{Error, Point};
 use crate::filippov::flow::{Flow, flow_path};
 use crate::filippov::rules::LieDerivatives;
 use crate::filippov::run::Run;
+use crate::filippov::switched::Next;
 use crate::filippov::uncertainty::{RELATIVE_ROUNDING, STATE_ROUNDING, Uncertainty, uncertainties};
 use crate::ode::Timed;
 use crate::system::{Mode, Side, components};
@@ -43,7 +44,7 @@ struct InitialDerivatives<const M: usize> {
 impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     /// The mode that follows, and how many derivatives of each guard vanish. Contacts that are not
     /// to be decided are away from zero: none of theirs vanish.
-    pub(super) fn mode(mut self, run: &mut Run<N, M>) -> Result<([Mode; M], [usize; M]), Error> {
+    pub(super) fn mode(mut self, run: &mut Run<N, M>) -> Result<Next<[Mode; M], M>, Error> {
         let decided: Vec<usize> = (0..M)
             .filter(|&i| self.open[i] || self.released == Some(i))
             .collect();
@@ -75,7 +76,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
                 }
             }
             let Some((i, mode)) = change else {
-                return Ok((self.modes, orders));
+                return Ok(Next::Mode(self.modes, orders));
             };
             self.modes[i] = mode;
             if !self.can_hold(i) {

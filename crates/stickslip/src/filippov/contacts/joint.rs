@@ -3,7 +3,7 @@
 use super::Contacts;
 use super::equations::solve;
 use crate::dual::{Dual, Dual3};
-use crate::filippov::flow::{Flow, flow_path};
+use crate::filippov::flow::{Flow, flow_path, seeded};
 use crate::filippov::rules::LieDerivatives;
 use crate::ode::{Linear, Timed};
 use crate::scalar::Scalar;
@@ -431,9 +431,8 @@ pub(super) fn gradients<S: Contacts<N, M>, const N: usize, const M: usize>(
 ) -> [State<N>; M] {
     let mut gradients = [State::from([0.0; N]); M];
     for k in 0..N {
-        let seeded = std::array::from_fn(|j| Dual::new(x[j], f64::from(u8::from(k == j))));
-        let h = system.boundaries(Dual::new(t, 0.0), &seeded);
-        for (gradient, h) in gradients.iter_mut().zip(h) {
+        let (t, x) = seeded(&Timed { t, x: *x }, k);
+        for (gradient, h) in gradients.iter_mut().zip(system.boundaries(t, &x)) {
             gradient[k] = h.eps;
         }
     }

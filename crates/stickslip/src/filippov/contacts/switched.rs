@@ -12,7 +12,7 @@ use crate::filippov::observer::{Transition, TransitionKind};
 use crate::filippov::options::{AtPileUp, Options};
 use crate::filippov::run::Run;
 use crate::filippov::switched::{
-    Next, PROJECTION_STEPS, StickingPoint, Switch, Switched, UseFlow, Vanishes,
+    Next, PROJECTION_STEPS, StickingPoint, Switched, UseFlow, Vanishes,
 };
 use crate::filippov::uncertainty::{STATE_ROUNDING, uncertainties};
 use crate::ode::Timed;
@@ -89,7 +89,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
 
     /// Off its boundary a contact's side decides. Contacts on their boundaries, to rounding, are
     /// decided together. If that decides nothing, they may hold as where transitions accumulate.
-    fn first_mode(&self, run: &mut Run<N, M>) -> Result<Option<([Mode; M], [usize; M])>, Error> {
+    fn first_mode(&self, run: &mut Run<N, M>) -> Result<Next<[Mode; M], M>, Error> {
         let Timed { t, x } = run.at;
         let modes = self
             .0
@@ -105,7 +105,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
         };
         let undecided = match decision.mode(run) {
             Err(error) if run.options.at_pile_up == AtPileUp::Rest => error,
-            decided => return decided.map(Some),
+            decided => return decided,
         };
         let sticking = match &undecided {
             Error::NoUniqueMode {
@@ -120,7 +120,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
         };
         let is_here = |point: &StickingPoint<_, _, N, M>| (point.at.x - x).amax() <= run.slack();
         match sticking.filter(is_here) {
-            Some(point) => Ok(Some((point.to, point.orders))),
+            Some(point) => Ok(Next::Mode(point.to, point.orders)),
             None => Err(undecided),
         }
     }
@@ -142,12 +142,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
             *branch = still_shared;
             let mut orders = [0; M];
             orders[contact] = 1;
-            return Ok(Next::Mode(Switch {
-                to,
-                orders,
-                kind: TransitionKind::between(from[contact], to[contact]),
-                contact,
-            }));
+            return Ok(Next::Mode(to, orders));
         }
         let mut open = self.at_zero(run, &from);
         let mut modes = from;
@@ -169,13 +164,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
             open,
             released,
         };
-        let (to, orders) = decision.mode(run)?;
-        Ok(Next::Mode(Switch {
-            to,
-            orders,
-            kind: TransitionKind::between(from[contact], to[contact]),
-            contact,
-        }))
+        decision.mode(run)
     }
 
     fn stick_at_accumulation(
@@ -262,19 +251,10 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
             .collect()
     }
 
-    fn any_sticks(mode: [Mode; M]) -> bool {
-        mode.contains(&Mode::Stick)
-    }
-
-    fn change(from: [Mode; M], to: [Mode; M]) -> (TransitionKind, usize) {
-        let first = (0..M).find(|&i| from[i] != to[i]).unwrap_or(0);
-        (TransitionKind::between(from[first], to[first]), first)
-    }
-
     const CONTACTS: usize = M;
 
-    fn erased(mode: [Mode; M], contacts: usize) -> Modes {
-        Modes::new(&mode[..contacts.min(M)])
+    fn of_contacts(mode: &[Mode; M]) -> &[Mode] {
+        mode
     }
 
     fn restored(modes: Modes) -> [Mode; M] {
