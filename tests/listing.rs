@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use proptest::prelude::*;
 use replication::paper::claim_id::ClaimId;
 use replication::paper::listing::{
-    Crossing, Defect, Defects, Direction, Motion, Run, Sample, Setup, Zone, ZoneEnd, run, run_with,
+    Crossing, Defect, Defects, Motion, Run, Sample, Setup, Zone, ZoneEnd, run, run_with,
 };
 use replication::paper::models::ForcedOscillator;
 use replication::paper::published::Claims;
@@ -161,9 +161,9 @@ fn as_printed_it_has_the_published_class_and_deflections() {
     assert!(
         deflections
             .iter()
-            .all(|c| c.direction == Direction::Up && c.at.x1 < -0.7)
+            .all(|c| c.to == Side::Above && c.at.x1 < -0.7)
     );
-    assert!(repairs.iter().all(|c| c.direction == Direction::Down));
+    assert!(repairs.iter().all(|c| c.to == Side::Below));
 }
 
 #[test]

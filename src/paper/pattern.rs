@@ -1,10 +1,8 @@
 //! Measurements of Fig. 8's motion, with one definition for the listing, its limit and the exact
 //! solution.
 
-use super::listing::{
-    Crossing, Direction, Instant, LEAST_COMPARED, Motion, Run, Stick, pattern_begin,
-};
-use stickslip::{Mode, Phase, Side, State};
+use super::listing::{Crossing, Instant, LEAST_COMPARED, Motion, Run, Stick, pattern_begin};
+use stickslip::{Mode, Phase, Side};
 
 /// Tolerance for two events of an accurate solution to be equal (m, s). It is far above the
 /// solver's tolerance and far below the printed digits.
@@ -58,22 +56,16 @@ impl Pattern {
     /// 1e-6 s over at least the last six forcing periods. `None` if nothing repeats within eight.
     /// The first phase and a phase cut off at `t_end` are not complete stick phases.
     pub fn of_phases(phases: &[Phase<2>], t_end: f64, forcing_period: f64) -> Option<Pattern> {
-        let instant = |t: f64, x: &State<2>| Instant { t, x1: x[0] };
         let complete = |phase: &&Phase<2>| phase.mode == Mode::Stick && phase.t_end != t_end;
         let sticks = phases.iter().skip(1).filter(complete);
-        let sticks = sticks.map(|phase| Stick {
-            entry: instant(phase.t_start, &phase.x_start),
-            exit: instant(phase.t_end, &phase.x_end),
-        });
+        let sticks = sticks.map(Stick::of);
         let crossings = phases.windows(2).filter_map(|pair| {
-            let direction = match (pair[0].mode, pair[1].mode) {
-                (Mode::Slip(Side::Below), Mode::Slip(Side::Above)) => Direction::Up,
-                (Mode::Slip(Side::Above), Mode::Slip(Side::Below)) => Direction::Down,
-                _ => return None,
+            let (Mode::Slip(from), Mode::Slip(to)) = (pair[0].mode, pair[1].mode) else {
+                return None;
             };
-            Some(Crossing {
-                at: instant(pair[1].t_start, &pair[1].x_start),
-                direction,
+            (from != to).then(|| Crossing {
+                at: Instant::of(pair[1].t_start, &pair[1].x_start),
+                to,
                 after_exit: false,
             })
         });
@@ -151,7 +143,7 @@ impl Pattern {
 enum EventKind {
     Entry,
     Exit,
-    Crossing(Direction),
+    Crossing(Side),
 }
 
 /// All events on Σ up to the end of the last stick phase or, without stick, up to the last
@@ -194,7 +186,7 @@ impl Events {
             })
             .collect();
         let crossings = self.crossings.iter();
-        all.extend(crossings.map(|one| (EventKind::Crossing(one.direction), one.at)));
+        all.extend(crossings.map(|one| (EventKind::Crossing(one.to), one.at)));
         all.retain(|(_, at)| self.end.is_some_and(|end| at.t <= end));
         all.sort_by(|one, other| one.1.t.total_cmp(&other.1.t));
         all

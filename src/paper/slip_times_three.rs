@@ -4,9 +4,9 @@
 //! Two defects of the Appendix remain in the limit. Its in-place stages move the state by three
 //! steps along the field while the clock advances by one. So a slip phase runs three times too fast
 //! relative to the forcing; a stick phase does not. And a stick phase ends only at the upper end of
-//! the zone that it entered. The lower end, which may pass the body, is not tested. [`run`] injects
-//! both or either of them into the event-exact solver ([`InjectedDefects`]). The result does not
-//! depend on the listing's arithmetic, nor on any published number.
+//! the zone that it entered. The lower end, which may pass the body, is not tested. [`settled`]
+//! injects both or either of them into the event-exact solver ([`InjectedDefects`]). The result
+//! does not depend on the listing's arithmetic, nor on any published number.
 
 use std::ops::ControlFlow;
 
@@ -18,7 +18,7 @@ use crate::paper::{TOLERANCE, bounded};
 use stickslip::filippov::first_zero;
 use stickslip::{
     Error, Filippov, Mode, Observer, Options, Phase, Scalar, Side, State, Transition,
-    TransitionKind, run as integrate,
+    TransitionKind, run,
 };
 
 /// The forced oscillator with the state moving `factor` times too fast relative to the time.
@@ -69,48 +69,26 @@ impl InjectedDefects {
     };
 }
 
-/// The motion that Fig. 8's oscillator settles on from the listing's start, with the defects
-/// `injected`, over the length of the listing's run.
+/// The motion that Fig. 8's oscillator settles on from the listing's start, on Σ in a stick phase,
+/// with the defects `injected`, over the length of the listing's run.
 ///
 /// # Errors
-/// Those of [`run`]; [`Error::NotFound`] if nothing repeats.
+/// The solver's; [`Error::NotFound`] if nothing repeats, or a stick phase begins in no zone or does
+/// not end.
 pub fn settled(injected: InjectedDefects) -> Result<Pattern, Error> {
-    let model = ForcedOscillator::default();
-    let zones = model.stick_zones()?;
-    let start = Setup::default().state();
-    let phases = run(injected, &model, &zones, start, END, &bounded(TOLERANCE))?;
-    let pattern = Pattern::of_phases(&phases, END, model.period());
-    pattern.ok_or_else(|| not_found("a motion that repeats", 0.0, END))
-}
-
-/// Runs the forced oscillator with the defects `injected` from `(0, x0)`, on Σ in a stick phase, to
-/// `t_end`. Returns its phases in order of time. `zones` are the stick zones (lower end, upper end)
-/// in `z = x₁ − A sin(ωt)`, Eq. (24).
-///
-/// # Errors
-/// Those of [`stickslip::run`]; [`Error::NotFound`] if a stick phase begins in no zone or does not
-/// end.
-pub fn run(
-    injected: InjectedDefects,
-    model: &ForcedOscillator,
-    zones: &[(f64, f64)],
-    x0: State<2>,
-    t_end: f64,
-    options: &Options,
-) -> Result<Vec<Phase<2>>, Error> {
-    let hastened = FasterSlip {
-        model,
-        factor: injected.slip,
-    };
+    let model = &ForcedOscillator::default();
+    let factor = injected.slip;
+    let hastened = FasterSlip { model, factor };
+    let (zones, options) = (model.stick_zones()?, bounded(TOLERANCE));
     let mut collected = StopAtEvent {
         phases: Vec::new(),
         event: TransitionKind::StickEntry,
     };
-    let (mut t, mut x) = (0.0, x0);
-    loop {
+    let (mut t, mut x) = (0.0, Setup::default().state());
+    while t < END {
         let (released, at) = match injected.one_sided_exit {
-            true => upper_exit(model, zones, t, &x)?,
-            false => either_exit(model, t, &x, t_end, options)?,
+            true => upper_exit(model, &zones, t, &x)?,
+            false => either_exit(model, t, &x, &options)?,
         };
         if released > t {
             collected.phases.push(Phase {
@@ -121,16 +99,14 @@ pub fn run(
                 x_end: at,
             });
         }
-        if released >= t_end {
+        if released >= END {
             break;
         }
-        let slip = integrate(&hastened, released, at, t_end, options, &mut collected)?;
-        if slip.t >= t_end {
-            break;
-        }
+        let slip = run(&hastened, released, at, END, &options, &mut collected)?;
         (t, x) = (slip.t, slip.x);
     }
-    Ok(collected.phases)
+    let pattern = Pattern::of_phases(&collected.phases, END, model.period());
+    pattern.ok_or_else(|| not_found("a motion that repeats", 0.0, END))
 }
 
 /// Keeps phases and stops at the first event of one kind.
@@ -158,14 +134,13 @@ fn either_exit(
     model: &ForcedOscillator,
     t: f64,
     x: &State<2>,
-    t_end: f64,
     options: &Options,
 ) -> Result<(f64, State<2>), Error> {
     let mut stick = StopAtEvent {
         phases: Vec::new(),
         event: TransitionKind::StickExit,
     };
-    integrate(model, t, *x, t_end, options, &mut stick)?;
+    run(model, t, *x, END, options, &mut stick)?;
     let first = stick.phases.first();
     let sticks = first.filter(|phase| phase.mode == Mode::Stick);
     Ok(sticks.map_or((t, *x), |phase| (phase.t_end, phase.x_end)))

@@ -37,9 +37,7 @@ mod setup;
 mod step;
 
 pub use defects::{Defect, Defects};
-pub use record::{
-    Crossing, Direction, Instant, Motion, Run, Sample, Stick, StickPhase, Zone, ZoneEnd,
-};
+pub use record::{Crossing, Instant, Motion, Run, Sample, Stick, StickPhase, Zone, ZoneEnd};
 pub(super) use record::{LEAST_COMPARED, pattern_begin};
 pub use setup::{END, PRINTED_STEP, Setup};
 
@@ -112,9 +110,9 @@ impl Recorder {
                     self.run.phases.push(StickPhase { stick, zone, end });
                 }
             }
-            Some(Event::Crossing(direction)) => self.run.crossings.push(Crossing {
+            Some(Event::Crossing(to)) => self.run.crossings.push(Crossing {
                 at,
-                direction,
+                to,
                 after_exit: self.after_exit,
             }),
             None => {}

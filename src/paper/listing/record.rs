@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use stickslip::Mode;
+use stickslip::{Mode, Phase, Side, State};
 
 /// Amount by which a pattern is shortened, in forcing periods. An event exactly one pattern before
 /// the end belongs to the previous pattern, and its time may jitter.
@@ -40,15 +40,12 @@ pub enum ZoneEnd {
 impl Zone {
     /// The zone that contains `x1` at the forcing `xs`, both in metres (lines 90–101).
     pub(super) fn holding(x1: f64, tangent_points: &[f64; 6], xs: f64) -> Option<Zone> {
-        let [t1, t2, t3, t4, t5, t6] = tangent_points.map(|z| z + xs);
         // In the order of the listing. The order matters where zones meet.
-        let zones = [
-            (Zone::Lower, t6..=t5),
-            (Zone::Middle, t4..=t3),
-            (Zone::Upper, t2..=t1),
-        ];
-        let mut zones = zones.into_iter();
-        Some(zones.find(|(_, ends)| ends.contains(&x1))?.0)
+        let mut zones = [Zone::Lower, Zone::Middle, Zone::Upper].into_iter();
+        zones.find(|zone| {
+            let (upper, lower) = ends(Some(*zone), tangent_points);
+            (lower + xs..=upper + xs).contains(&x1)
+        })
     }
 }
 
@@ -58,22 +55,8 @@ impl Zone {
 /// [`Zone::holding`] may round differently. The listing's `k` is then −1, and `T[-1]` is the last
 /// tangent point. Its neighbour `T[k+1]`, read only with the mended exit test, is the first.
 pub(super) fn ends(zone: Option<Zone>, tangent_points: &[f64; 6]) -> (f64, f64) {
-    let [t1, t2, t3, t4, t5, t6] = *tangent_points;
-    match zone {
-        Some(Zone::Upper) => (t1, t2),
-        Some(Zone::Middle) => (t3, t4),
-        Some(Zone::Lower) => (t5, t6),
-        None => (t6, t1),
-    }
-}
-
-/// Direction of a passage through the belt's speed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Direction {
-    /// From slower than the belt to faster.
-    Up,
-    /// From faster than the belt to slower.
-    Down,
+    let (upper, lower) = zone.map_or((5, 0), |zone| (2 * zone as usize, 2 * zone as usize + 1));
+    (tangent_points[upper], tangent_points[lower])
 }
 
 /// The state after one pass of the loop.
@@ -103,6 +86,13 @@ pub struct Instant {
     pub x1: f64,
 }
 
+impl Instant {
+    /// The time and the position of a state.
+    pub(crate) fn of(t: f64, x: &State<2>) -> Instant {
+        Instant { t, x1: x[0] }
+    }
+}
+
 /// A stick phase, from its entry to its exit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stick {
@@ -113,6 +103,14 @@ pub struct Stick {
 }
 
 impl Stick {
+    /// From a stick phase of an accurate solution.
+    pub(crate) fn of(phase: &Phase<2>) -> Stick {
+        Stick {
+            entry: Instant::of(phase.t_start, &phase.x_start),
+            exit: Instant::of(phase.t_end, &phase.x_end),
+        }
+    }
+
     /// Length `|Σu|` in metres.
     pub fn length(&self) -> f64 {
         self.exit.x1 - self.entry.x1
@@ -140,8 +138,8 @@ pub struct StickPhase {
 pub struct Crossing {
     /// Time and position.
     pub at: Instant,
-    /// Direction.
-    pub direction: Direction,
+    /// The side to which it leads.
+    pub to: Side,
     /// Whether it is the first step after a stick phase. Then it is not a crossing of the motion
     /// but the correction of a wrong side from
     /// [`Defect::ReversedExitSide`](super::Defect::ReversedExitSide).

@@ -1,7 +1,7 @@
 //! One pass of the listing's loop (lines 28–79).
 
 use super::defects::Defect;
-use super::record::{Direction, Instant, Motion, Sample, Zone, ZoneEnd, ends};
+use super::record::{Instant, Motion, Sample, Zone, ZoneEnd, ends};
 use super::setup::Setup;
 use crate::paper::stages::{in_time, in_velocity};
 use stickslip::{Mode, Side, State, math};
@@ -17,8 +17,8 @@ pub(super) enum Event {
     Entry(Option<Zone>),
     /// It left the stick zone through an end.
     Exit(ZoneEnd),
-    /// It passed the belt's speed without sticking.
-    Crossing(Direction),
+    /// It passed the belt's speed without sticking, to this side.
+    Crossing(Side),
 }
 
 /// The loop's variables.
@@ -53,32 +53,21 @@ impl<'a> Machine<'a> {
     fn starting_mode(&self) -> Mode {
         let [_, x1, x2] = self.x;
         let speed = self.setup.model.belt_speed;
+        let [t1, t2, t3, t4, ..] = self.setup.tangent_points;
         if x2 != speed {
-            let below = x2 < speed;
-            return Mode::Slip(if below { Side::Below } else { Side::Above });
+            return slip_above(x2 >= speed);
         }
-        if self.setup.defects.has(Defect::StartUpTest) {
-            let [t1, t2, t3, t4, ..] = self.setup.tangent_points;
-            let inside = (x1 >= t2 && x1 <= t1) || (x1 >= t4 && x1 <= t3);
-            return if inside {
-                Mode::Stick
-            } else {
-                Mode::Slip(Side::Above)
-            };
-        }
-        match self.zone {
-            Some(_) => Mode::Stick,
-            None => self.side_of_spring(x1, self.xs),
+        match self.setup.defects.has(Defect::StartUpTest) {
+            true if (t2..=t1).contains(&x1) || (t4..=t3).contains(&x1) => Mode::Stick,
+            true => Mode::Slip(Side::Above),
+            false if self.zone.is_some() => Mode::Stick,
+            false => self.side_of_spring(),
         }
     }
 
     /// The side to which both fields point outside a zone, and the tangent one at a zone's end.
-    fn side_of_spring(&self, x1: f64, xs: f64) -> Mode {
-        if self.spring(x1 - xs) > 0.0 {
-            Mode::Slip(Side::Above)
-        } else {
-            Mode::Slip(Side::Below)
-        }
+    fn side_of_spring(&self) -> Mode {
+        slip_above(self.spring(self.x[1] - self.xs) > 0.0)
     }
 
     pub(super) fn instant(&self) -> Instant {
@@ -117,7 +106,7 @@ impl<'a> Machine<'a> {
     pub(super) fn advance(&mut self) -> Option<Event> {
         match self.mode {
             Mode::Stick => self.stick(),
-            Mode::Slip(_) => self.slip(),
+            Mode::Slip(side) => self.slip(side),
         }
     }
 
@@ -146,14 +135,9 @@ impl<'a> Machine<'a> {
             (ZoneEnd::Upper, upper)
         };
         self.move_to(self.stick_exit(start, moved, zone_end, xs));
-        self.mode = if setup.defects.has(Defect::ReversedExitSide) {
-            if self.zone == Some(Zone::Middle) {
-                Mode::Slip(Side::Above)
-            } else {
-                Mode::Slip(Side::Below)
-            }
-        } else {
-            self.side_of_spring(self.x[1], self.xs)
+        self.mode = match setup.defects.has(Defect::ReversedExitSide) {
+            true => slip_above(self.zone == Some(Zone::Middle)),
+            false => self.side_of_spring(),
         };
         Some(Event::Exit(end))
     }
@@ -185,15 +169,12 @@ impl<'a> Machine<'a> {
     }
 
     /// Lines 47–78.
-    fn slip(&mut self) -> Option<Event> {
+    fn slip(&mut self, side: Side) -> Option<Event> {
         let setup = self.setup;
         let speed = setup.model.belt_speed;
         let start = self.x;
-        let moved = self.slip_step(start);
-        let crossed = match self.mode {
-            Mode::Slip(Side::Below) => moved[2] >= speed,
-            _ => moved[2] <= speed,
-        };
+        let moved = self.slip_step(side, start);
+        let crossed = (moved[2] - speed) * side.sign() <= 0.0;
         if !crossed {
             self.move_to([start[0] + setup.h, moved[1], moved[2]]);
             return None;
@@ -204,23 +185,20 @@ impl<'a> Machine<'a> {
         } else {
             start
         };
-        let landed = self.henon_step(origin);
+        let landed = self.henon_step(side, origin);
         self.move_to([landed[0], landed[1], speed]);
-        Some(self.arrive())
+        Some(self.arrive(side))
     }
 
     /// `x2'` in metres per second squared (lines 83–84). The friction is `μ0/(pole − x2)`. The pole
     /// is `vp + 1` below the belt's speed and `vp − 1` above it (line 25).
-    fn acceleration(&self, t: f64, x: &State<2>) -> f64 {
+    fn acceleration(&self, side: Side, t: f64, x: &State<2>) -> f64 {
         let model = &self.setup.model;
         let xs = match self.setup.defects.has(Defect::FrozenForcing) {
             true => self.xs,
             false => model.support(t),
         };
-        let pole = match self.mode {
-            Mode::Slip(Side::Below) => model.belt_speed + 1.0,
-            _ => model.belt_speed - 1.0,
-        };
+        let pole = model.belt_speed - side.sign();
         (1.0 / model.mass) * (self.spring(x[0] - xs) + model.mu0 / (pole - x[1]))
     }
 
@@ -233,18 +211,18 @@ impl<'a> Machine<'a> {
     }
 
     /// The caller's loop sets the clock (lines 60 and 76).
-    fn slip_step(&self, [t, x1, x2]: [f64; 3]) -> [f64; 3] {
+    fn slip_step(&self, side: Side, [t, x1, x2]: [f64; 3]) -> [f64; 3] {
         let in_place = self.setup.defects.has(Defect::InPlaceStages);
-        let field = |t, x: &State<2>| State::from([x[1], self.acceleration(t, x)]);
+        let field = |t, x: &State<2>| State::from([x[1], self.acceleration(side, t, x)]);
         let start = (t, State::from([x1, x2]));
         let end = in_time(in_place, self.setup.h, start, field);
         [t, end[0], end[1]]
     }
 
-    fn henon_step(&self, [t, x1, x2]: [f64; 3]) -> [f64; 3] {
+    fn henon_step(&self, side: Side, [t, x1, x2]: [f64; 3]) -> [f64; 3] {
         let defects = &self.setup.defects;
         let speed = self.setup.model.belt_speed;
-        let h = if self.mode == Mode::Slip(Side::Above) && defects.has(Defect::S2StepSign) {
+        let h = if side == Side::Above && defects.has(Defect::S2StepSign) {
             x2 - speed
         } else {
             speed - x2
@@ -256,7 +234,7 @@ impl<'a> Machine<'a> {
         };
         let in_place = defects.has(Defect::InPlaceStages);
         let slope = |t, x: &State<2>| {
-            let per_velocity = 1.0 / self.acceleration(t, x);
+            let per_velocity = 1.0 / self.acceleration(side, t, x);
             (per_velocity, State::from([x[1] * per_velocity, 1.0]))
         };
         let start = (t, State::from([x1, x2]));
@@ -265,7 +243,7 @@ impl<'a> Machine<'a> {
     }
 
     /// Stick or cross, by the transition function of Eq. (19) (lines 53–58).
-    fn arrive(&mut self) -> Event {
+    fn arrive(&mut self, side: Side) -> Event {
         let model = &self.setup.model;
         let inverse_mass = 1.0 / model.mass;
         let s = self.spring(self.x[1] - self.xs);
@@ -275,11 +253,11 @@ impl<'a> Machine<'a> {
             self.mode = Mode::Stick;
             return Event::Entry(self.zone);
         }
-        let (other_side, direction) = match self.mode {
-            Mode::Slip(Side::Below) => (Side::Above, Direction::Up),
-            _ => (Side::Below, Direction::Down),
-        };
-        self.mode = Mode::Slip(other_side);
-        Event::Crossing(direction)
+        self.mode = Mode::Slip(side.opposite());
+        Event::Crossing(side.opposite())
     }
+}
+
+fn slip_above(above: bool) -> Mode {
+    Mode::Slip(if above { Side::Above } else { Side::Below })
 }

@@ -26,17 +26,9 @@ impl BeltOscillator {
     /// # Errors
     /// [`Error::Parameter`] where a parameter is not allowed, or k1 or k2 is not positive.
     pub fn tangent_points(&self) -> Result<Vec<BeltTangency>, Error> {
-        let model = self.checked()?;
-        let points = Cubic::new(self.k1, self.k2)?.tangent_points(self.mu0)?;
         // The acceleration below is (k1 z − k2 z³ + μ0)/m: it vanishes where k2 z³ − k1 z = +μ0.
-        Ok(classified(
-            &model,
-            self.belt_speed,
-            &points,
-            Side::Below,
-            0.0,
-            0.0,
-        ))
+        let (spring, belt) = ((self.k1, self.k2, self.mu0), (self.belt_speed, Side::Below));
+        tangencies(self, spring, belt, (0.0, 0.0))
     }
 
     /// The stick zones as intervals (lower end, upper end) of x₁, the largest first.
@@ -56,18 +48,9 @@ impl ForcedOscillator {
     /// # Errors
     /// [`Error::Parameter`] where a parameter is not allowed, or k1 or k2 is not positive.
     pub fn tangent_points(&self, t: f64) -> Result<Vec<BeltTangency>, Error> {
-        let model = self.checked()?;
-        let points = Cubic::new(self.k1, self.k2)?.tangent_points(self.mu0)?;
         // The acceleration below is (k2 z³ − k1 z + μ0)/m: it vanishes where k2 z³ − k1 z = −μ0.
-        let offset = self.support(t);
-        Ok(classified(
-            &model,
-            self.belt_speed,
-            &points,
-            Side::Above,
-            t,
-            offset,
-        ))
+        let (spring, belt) = ((self.k1, self.k2, self.mu0), (self.belt_speed, Side::Above));
+        tangencies(self, spring, belt, (t, self.support(t)))
     }
 
     /// The stick zones as intervals (lower end, upper end) of `z = x₁ − A sin(ωt)`, the largest
@@ -84,30 +67,27 @@ impl ForcedOscillator {
 
 /// The points at time `t`, displaced by `offset`. `plus` is the side that is tangent where the
 /// cubic equals +μ0.
-fn classified<S: Filippov<2>>(
+fn tangencies<S: Filippov<2>>(
     model: &S,
-    belt_speed: f64,
-    points: &[TangentPoint],
-    plus: Side,
-    t: f64,
-    offset: f64,
-) -> Vec<BeltTangency> {
-    let mut tangencies = Vec::new();
-    for point in points {
-        let sides: &[Side] = match point.balance {
-            Balance::Plus => &[plus],
-            Balance::Minus => &[plus.opposite()],
-            Balance::Both => &[Side::Below, Side::Above],
+    (k1, k2, mu0): (f64, f64, f64),
+    (belt_speed, plus): (f64, Side),
+    (t, offset): (f64, f64),
+) -> Result<Vec<BeltTangency>, Error> {
+    model.check_parameters()?;
+    let of_point = |point: TangentPoint| {
+        let sides = match point.balance {
+            Balance::Plus => vec![plus],
+            Balance::Minus => vec![plus.opposite()],
+            Balance::Both => vec![Side::Below, Side::Above],
         };
         let position = point.z + offset;
         let x = State::from([position, belt_speed]);
-        for &side in sides {
-            tangencies.push(BeltTangency {
-                position,
-                side,
-                visibility: visibility(model, side, t, &x),
-            });
-        }
-    }
-    tangencies
+        sides.into_iter().map(move |side| BeltTangency {
+            position,
+            side,
+            visibility: visibility(model, side, t, &x),
+        })
+    };
+    let points = Cubic::new(k1, k2)?.tangent_points(mu0)?;
+    Ok(points.into_iter().flat_map(of_point).collect())
 }

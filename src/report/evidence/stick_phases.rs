@@ -101,7 +101,6 @@ pub(super) fn of_model(model: &ForcedOscillator) -> Result<Vec<ModelPhase>, Erro
 
 fn of_start(model: &ForcedOscillator, x: State<2>) -> Result<Vec<ModelPhase>, Error> {
     let orbit = follow(model, 0.0, x)?;
-    let instant = |t: f64, x: &State<2>| Instant { t, x1: x[0] };
     let phases = stick_exits(&orbit).map(|(at, side, phase)| {
         let steps = orbit.steps.iter();
         let within = steps.filter(|one| one.t_start >= phase.t_start && one.t_end <= phase.t_end);
@@ -110,10 +109,7 @@ fn of_start(model: &ForcedOscillator, x: State<2>) -> Result<Vec<ModelPhase>, Er
             [step.x_start, middle, step.x_end]
         });
         ModelPhase {
-            stick: Stick {
-                entry: instant(phase.t_start, &phase.x_start),
-                exit: instant(at.t, &at.x),
-            },
+            stick: Stick::of(phase),
             speed_error: largest(states.map(|x| (x[1] - model.belt_speed).abs())),
             visible: visibility(model, side, at.t, &at.x) == Visibility::Visible,
         }
