@@ -118,10 +118,7 @@ fn around(data: &Convergence, published: [f64; 4]) -> Panel {
 
 /// Description of the picture for screen readers.
 fn about_scan(scan: &Scan) -> String {
-    let sticking = scan.printed().map_or(0, |point| {
-        point.counts[StartClass::StickSlip as usize]
-            + point.counts[StartClass::StickSlipTwo as usize]
-    });
+    let sticking = scan.printed().map_or(0, ParameterPoint::sticking);
     format!(
         "One strip for each of {} parameters, multiplied by a factor from one half to two. At each \
          factor a column shows in which parts the starts escape, settle on slip only, on \

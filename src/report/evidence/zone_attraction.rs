@@ -9,7 +9,7 @@ use crate::paper::reading::Reading::Exact;
 use crate::report::belt_positions;
 use crate::report::digits::small;
 use crate::report::finding::{Finding, statement};
-use crate::report::scan::{ParameterPoint, StartClass, StickSlip, starts};
+use crate::report::scan::{ParameterPoint, StickSlip, starts};
 use crate::text::joined;
 use stickslip::{Error, Fate, Filippov, Side, fate};
 
@@ -125,11 +125,7 @@ impl Sweep {
             let cycle = |motion: &StickSlip| (motion.period, motion.lengths.len());
             let mut cycles: Vec<Cycle> = point.stick_slip.iter().map(cycle).collect();
             cycles.sort_unstable();
-            let of = |class: StartClass| point.counts[class as usize];
-            Ok((
-                cycles,
-                of(StartClass::StickSlip) + of(StartClass::StickSlipTwo),
-            ))
+            Ok((cycles, point.sticking()))
         };
         let points = (1..=FRICTION_VALUES).into_par_iter().map(at);
         let mut points = points.collect::<Result<Vec<Cycles>, Error>>()?;

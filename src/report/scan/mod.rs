@@ -130,8 +130,8 @@ impl Scan {
         let Some(printed) = self.printed() else {
             return "Nothing was scanned.".into();
         };
-        let [escape, slip_only, other, two, unsettled] = printed.counts;
-        let (sticking, starts) = (other + two, self.starts);
+        let [escape, slip_only, .., unsettled] = printed.counts;
+        let (sticking, starts) = (printed.sticking(), self.starts);
         let mut text = format!(
             "At the printed parameters {sticking} of {starts} starts lead to a stick–slip motion \
              ({slip_only} slip only, {escape} escape, {unsettled} unsettled)."

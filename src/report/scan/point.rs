@@ -167,6 +167,12 @@ impl ParameterPoint {
         })
     }
 
+    /// Number of starts that lead to stick–slip.
+    pub fn sticking(&self) -> usize {
+        let [_, _, other, two, _] = self.counts;
+        other + two
+    }
+
     /// The stick–slip motion nearest to the published lengths among those that `allowed` accepts,
     /// and its distance.
     pub fn nearest(
