@@ -1,13 +1,32 @@
-//! Terminal output shared by all programs of the replication: results, exit codes and progress.
+//! Output shared by all programs of the replication: results, errors, files, exit codes, progress.
 
 use std::fmt::Display;
 use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
 use indicatif::ProgressBar;
 #[cfg(feature = "report")]
 use indicatif::ProgressStyle;
+use output::Artifact;
+
+/// What ends a program: the error of a part, or a message with the value and the remedy.
+pub type ProgramError = Box<dyn std::error::Error + Send + Sync>;
+
+/// Writes files into a folder, which `option` chooses, and returns their paths.
+///
+/// # Errors
+/// That of [`output::write_all`], with the option that helps.
+pub(crate) fn write(
+    folder: &Path,
+    files: &[Artifact],
+    option: &str,
+) -> Result<Vec<PathBuf>, ProgramError> {
+    output::write_all(folder, files).map_err(|error| {
+        format!("{error}; check the disk, or choose another folder with {option}").into()
+    })
+}
 
 /// Prints a program's result or its error. `what` names the result if printing fails.
 ///
@@ -76,6 +95,13 @@ mod tests {
     fn the_exit_code_says_whether_something_failed() {
         same(finish("text", Ok::<_, &str>(String::new())), 0);
         same(finish("text", Err("no such thing")), 1);
+    }
+
+    #[test]
+    fn a_write_error_names_the_option_that_helps() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        let error = write(&file.path().join("sub"), &[], "--out-dir").unwrap_err();
+        assert!(error.to_string().contains("--out-dir"));
     }
 
     #[test]

@@ -5,9 +5,9 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser};
 
-use super::{FigureError, FigureSpec, rows};
+use super::{FigureSpec, rows};
 use crate::paper::published::Claims;
-use crate::terminal;
+use crate::terminal::{self, ProgramError};
 use output::Artifact;
 
 /// Arguments of a figure program.
@@ -70,10 +70,13 @@ fn command<D>(figure: &FigureSpec<D>) -> clap::Command {
 ///
 /// # Errors
 /// The error of the step that fails. Files are written last, so an error leaves none behind.
-pub fn run<D>(figure: &FigureSpec<D>, arguments: &Arguments) -> Result<String, FigureError> {
+pub fn run<D>(figure: &FigureSpec<D>, arguments: &Arguments) -> Result<String, ProgramError> {
     if arguments.png && !cfg!(feature = "png") {
         // Reported before the long computation.
-        return Err(FigureError::PngNotBuilt);
+        let remedy = "cargo build -p stickslip-replication --profile figures --no-default-features \
+            --features png";
+        let built = "this program was built without PNG output";
+        return Err(format!("{built}; rebuild it with `{remedy}`").into());
     }
     let claims = Claims::committed()?;
     let data = figure.compute()?;
@@ -89,7 +92,7 @@ pub fn run<D>(figure: &FigureSpec<D>, arguments: &Arguments) -> Result<String, F
         name: name("png"),
         bytes,
     }));
-    let paths = output::write_all(&arguments.out_dir, &artifacts)?;
+    let paths = terminal::write(&arguments.out_dir, &artifacts, "--out-dir")?;
     Ok(format!(
         "{}\n\n{}\n{}",
         figure.title,

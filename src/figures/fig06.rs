@@ -1,14 +1,31 @@
 //! Fig. 6: the friction law of Eq. (2).
 
 use super::rows::Row;
-use super::{ComputeError, FigureError, FigureSpec, side_by_side};
+use super::{FigureSpec, side_by_side};
 use crate::paper::claim_id::ClaimId;
-use crate::paper::models::friction::{Force, Friction};
 use crate::paper::reading::Reading::Exact;
+use crate::terminal::ProgramError;
 use plot::{
     Axis, BLACK, BLUE, Color, Curve, Dash, Figure, GREY, Guide, Legend, Note, Panel, Position,
     VERMILLION,
 };
+
+/// `T(v) = sgn(v) μ₀ / (1 + δ|v|)`, Eq. (2), for a unit normal force; at `v = 0` any force in
+/// `[-μ₀, μ₀]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Friction {
+    /// Coefficient of static friction.
+    pub mu0: f64,
+    /// Decay of kinetic friction, s/m.
+    pub delta: f64,
+}
+
+impl Friction {
+    /// Coefficient of kinetic friction `μ₀/(1 + δ|v|)` at the relative velocity `v`, m/s.
+    fn coefficient(&self, v: f64) -> f64 {
+        self.mu0 / (1.0 + self.delta * v.abs())
+    }
+}
 
 /// One friction law and its graph.
 #[derive(Clone, Debug)]
@@ -48,26 +65,27 @@ pub const FIG06: FigureSpec<Data> = FigureSpec {
     draw,
 };
 
-fn compute() -> Result<Data, ComputeError> {
+fn compute() -> Result<Data, ProgramError> {
     let root = 3f64.sqrt();
-    let graph = |mu0, text, delta| -> Result<Graph, ComputeError> {
-        let law = Friction::new(mu0, delta)?;
-        Ok(Graph {
+    let graph = |mu0, text, delta| {
+        let law = Friction { mu0, delta };
+        let points = sample(&law);
+        Graph {
             law,
             mu0: text,
-            points: sample(&law),
-        })
+            points,
+        }
     };
     Ok(Data {
         by_mu0: [
-            graph(root / 18.0, "√3/18", 1.0)?,
-            graph(root / 9.0, "√3/9", 1.0)?,
-            graph(2.0 * root / 9.0, "2√3/9", 1.0)?,
+            graph(root / 18.0, "√3/18", 1.0),
+            graph(root / 9.0, "√3/9", 1.0),
+            graph(2.0 * root / 9.0, "2√3/9", 1.0),
         ],
         by_delta: [
-            graph(root / 9.0, "√3/9", 0.5)?,
-            graph(root / 9.0, "√3/9", 1.0)?,
-            graph(root / 9.0, "√3/9", 3.0)?,
+            graph(root / 9.0, "√3/9", 0.5),
+            graph(root / 9.0, "√3/9", 1.0),
+            graph(root / 9.0, "√3/9", 3.0),
         ],
     })
 }
@@ -87,17 +105,17 @@ fn numbers(data: &Data) -> Vec<Row> {
     rows
 }
 
-fn draw(data: &Data) -> Result<String, FigureError> {
+fn draw(data: &Data) -> Result<String, ProgramError> {
     let mut a = panel("(a)", "*δ* = 1 s/m");
     for (graph, (color, dash)) in data.by_mu0.iter().zip(LINES) {
         a.add(curve(graph, color, dash).legend(&format!("*μ*_0 = {}", graph.mu0)));
     }
     let [_, paper, _] = &data.by_mu0;
     let sticking = Note::new(Position::Fraction(0.76, 0.2), "sticking: |*T*| ≤ *μ*_0");
-    a.add(sticking.arrow((0.0, -0.4 * paper.law.mu0())));
+    a.add(sticking.arrow((0.0, -0.4 * paper.law.mu0)));
     let mut b = panel("(b)", &format!("*μ*_0 = {}", paper.mu0));
     for (graph, (color, dash)) in data.by_delta.iter().zip(LINES) {
-        b.add(curve(graph, color, dash).legend(&format!("*δ* = {} s/m", graph.law.delta())));
+        b.add(curve(graph, color, dash).legend(&format!("*δ* = {} s/m", graph.law.delta)));
     }
     for panel in [&mut a, &mut b] {
         // Drawn again on top: all graphs share the vertical part, where dashes of the others would
@@ -141,16 +159,9 @@ fn curve(graph: &Graph, color: Color, dash: Dash) -> Curve {
 /// The graph from left to right, with both ends of the vertical part at `v = 0`.
 fn sample(law: &Friction) -> Vec<(f64, f64)> {
     let speed = |i: u32| V_MAX * f64::from(i) / f64::from(SAMPLES);
-    let left = (1..=SAMPLES).rev().map(|i| -speed(i));
-    let right = (1..=SAMPLES).map(speed);
-    let mut points = Vec::new();
-    for v in left.chain([0.0]).chain(right) {
-        match law.force(v) {
-            Force::Kinetic(force) => points.push((v, force)),
-            Force::Static { limit } => points.extend([(v, -limit), (v, limit)]),
-        }
-    }
-    points
+    let right = (0..=SAMPLES).map(|i| (speed(i), law.coefficient(speed(i))));
+    let left = right.clone().rev().map(|(v, force)| (-v, -force));
+    left.chain(right).collect()
 }
 
 /// Whether the force decreases with the velocity on either side of the vertical part.
@@ -163,10 +174,18 @@ fn decreases(points: &[(f64, f64)]) -> bool {
 mod tests {
     use super::*;
 
+    fn law(delta: f64) -> Friction {
+        Friction { mu0: 0.2, delta }
+    }
+
+    #[test]
+    fn half_the_friction_is_left_at_the_speed_one_over_delta() {
+        assert_eq!(law(4.0).coefficient(0.25), 0.1);
+    }
+
     #[test]
     fn the_vertical_part_spans_both_signs() {
-        let law = Friction::new(0.2, 1.0).unwrap();
-        let points = sample(&law);
+        let points = sample(&law(4.0));
         let at_rest: Vec<f64> = points.iter().filter(|p| p.0 == 0.0).map(|p| p.1).collect();
         assert_eq!(at_rest, [-0.2, 0.2]);
         assert!(points.windows(2).all(|pair| pair[0].0 <= pair[1].0));
@@ -174,7 +193,6 @@ mod tests {
 
     #[test]
     fn constant_friction_does_not_count_as_decreasing() {
-        assert!(!decreases(&sample(&Friction::new(0.2, 0.0).unwrap())));
-        assert!(decreases(&sample(&Friction::new(0.2, 0.1).unwrap())));
+        assert!(!decreases(&sample(&law(0.0))) && decreases(&sample(&law(0.1))));
     }
 }

@@ -5,10 +5,11 @@
 use crate::numbers::bisect;
 use std::f64::consts::PI;
 
+use super::FigureSpec;
 use super::rows::Row;
-use super::{ComputeError, FigureError, FigureSpec};
 use crate::paper::models::BeltOscillator;
 use crate::paper::reading::Reading::Exact;
+use crate::terminal::ProgramError;
 use plot::{
     Axis, BLACK, BLUE, Color, Curve, Dash, Figure, GREEN, Legend, Markers, ORANGE, Panel, Shape,
     VERMILLION,
@@ -64,7 +65,7 @@ pub const LOCATOR: FigureSpec<[LocatorMethod; 5]> = FigureSpec {
     draw,
 };
 
-fn compute() -> Result<[LocatorMethod; 5], ComputeError> {
+fn compute() -> Result<[LocatorMethod; 5], ProgramError> {
     let belt = BeltOscillator {
         k1: -1.0,
         k2: 0.0,
@@ -118,7 +119,7 @@ fn numbers(methods: &[LocatorMethod; 5]) -> Vec<Row> {
     rows
 }
 
-fn draw(methods: &[LocatorMethod; 5]) -> Result<String, FigureError> {
+fn draw(methods: &[LocatorMethod; 5]) -> Result<String, ProgramError> {
     let mut panel = Panel::new(
         Axis::decades("step *h*, s", (-3.05, 0.05)),
         Axis::decades("error of the event's time, s", (-14.8, 0.3)),

@@ -69,9 +69,7 @@ pub enum Quantity {
     /// One of several numbers that a claim publishes together. It is counted from 1 in the order of
     /// computation.
     Member(ClaimId, usize),
-    /// A further quantity of a claim, for which the paper gives no value.
-    Detail(ClaimId, String),
-    /// A quantity outside all claims.
+    /// A quantity for which the paper gives no value.
     Other(String),
 }
 
@@ -80,7 +78,6 @@ impl fmt::Display for Quantity {
         match self {
             Quantity::Claim(id) => id.fmt(f),
             Quantity::Member(id, k) => write!(f, "{id}.{k}"),
-            Quantity::Detail(id, detail) => write!(f, "{id}.{detail}"),
             Quantity::Other(name) => f.write_str(name),
         }
     }

@@ -98,20 +98,16 @@ impl Claim {
     /// Parses a row.
     ///
     /// # Errors
-    /// [`PublishedError`] with the column that is wrong.
-    pub(crate) fn of_record(record: &csv::StringRecord) -> Result<Claim, PublishedError> {
+    /// A message with the column that is wrong.
+    pub(crate) fn of_record(record: &csv::StringRecord) -> Result<Claim, String> {
         if record.len() != 10 {
             let fields = record.len();
-            let reason = format!("a row has {fields} fields, the table has 10 columns");
-            return Err(PublishedError::Malformed { reason });
+            return Err(format!("a row has {fields} fields, but must have 10"));
         }
         let text = |column: usize| record[column].to_owned();
         let (id, published) = (&record[0], &record[3]);
-        let wrong = |column, value: &str, allowed| PublishedError::Field {
-            id: id.to_owned(),
-            column,
-            value: value.to_owned(),
-            allowed,
+        let wrong = |column: &str, value: &str, allowed: &str| {
+            format!("row {id:?}: {column} is {value:?}, but must be {allowed}")
         };
         let kinds = "value, set, curve, statement or identity";
         let kind = ClaimKind::named(&record[2]).ok_or_else(|| wrong("kind", &record[2], kinds))?;
@@ -127,9 +123,7 @@ impl Claim {
             let allowed = "one number, with its digits, for a value";
             return Err(wrong("published", published, allowed));
         }
-        let unknown = || PublishedError::Unknown {
-            name: id.to_owned(),
-        };
+        let unknown = || format!("{id:?} is none of the claims in src/paper/claim_id.rs");
         Ok(Claim {
             id: ClaimId::named(id).ok_or_else(unknown)?,
             location: text(1),
@@ -191,9 +185,9 @@ impl Claims {
     /// The table in the repository.
     ///
     /// # Errors
-    /// [`PublishedError`] where it is malformed.
-    pub fn committed() -> Result<&'static Claims, PublishedError> {
-        static COMMITTED: LazyLock<Result<Claims, PublishedError>> =
+    /// As [`Claims::parse`].
+    pub fn committed() -> Result<&'static Claims, String> {
+        static COMMITTED: LazyLock<Result<Claims, String>> =
             LazyLock::new(|| Claims::parse(CLAIMS));
         COMMITTED.as_ref().map_err(Clone::clone)
     }
@@ -201,24 +195,25 @@ impl Claims {
     /// Reads a table with the columns `id, where, kind, published, digits, unit, what it says`.
     ///
     /// # Errors
-    /// [`PublishedError`] with the row and the column that are wrong, or with a name that is
-    /// unknown, duplicated or missing.
-    pub fn parse(table: &str) -> Result<Claims, PublishedError> {
+    /// A message with the row and the column that are wrong, or with a name that is unknown,
+    /// duplicated or missing.
+    pub fn parse(table: &str) -> Result<Claims, String> {
         let mut reader = csv::Reader::from_reader(table.as_bytes());
         let rows = reader
             .records()
-            .map(|record| Claim::of_record(&record.map_err(malformed)?))
-            .collect::<Result<Vec<Claim>, _>>()?;
+            .map(|record| Claim::of_record(&record.map_err(|error| error.to_string())?))
+            .collect::<Result<Vec<Claim>, String>>()
+            .map_err(|cause| format!("data/claims.csv: {cause}; correct the row"))?;
         let all = ClaimId::ALL
             .iter()
             .map(|id| {
                 let of: Vec<&Claim> = rows.iter().filter(|claim| claim.id == *id).collect();
                 match of[..] {
                     [claim] => Ok(claim.clone()),
-                    _ => Err(PublishedError::NotOnce {
-                        id: *id,
-                        rows: of.len(),
-                    }),
+                    _ => Err(format!(
+                        "data/claims.csv has {} rows {id}; give it one",
+                        of.len()
+                    )),
                 }
             })
             .collect::<Result<_, _>>()?;
@@ -250,56 +245,6 @@ impl Claims {
     }
 }
 
-/// Why the table or one of its rows cannot be used.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum PublishedError {
-    /// The text is not CSV with the same number of fields in each row.
-    #[error(
-        "the table of published values is malformed ({reason}); give every row the fields of the \
-            first"
-    )]
-    Malformed {
-        /// The parser's message.
-        reason: String,
-    },
-    /// A field has a value that is not allowed.
-    #[error("row {id:?}: {column} is {value:?}, but must be {allowed}; correct the row")]
-    Field {
-        /// Name of the row.
-        id: String,
-        /// The column.
-        column: &'static str,
-        /// Its content.
-        value: String,
-        /// The allowed values.
-        allowed: &'static str,
-    },
-    /// A row has an unknown name.
-    #[error(
-        "{name:?} is the name of no claim; correct it, or add it to ClaimId in \
-            src/paper/claim_id.rs"
-    )]
-    Unknown {
-        /// The name.
-        name: String,
-    },
-    /// A claim has no row, or more than one.
-    #[error("data/claims.csv has {rows} rows {id}; give it one")]
-    NotOnce {
-        /// The claim.
-        id: ClaimId,
-        /// Number of rows.
-        rows: usize,
-    },
-}
-
-fn malformed(error: csv::Error) -> PublishedError {
-    PublishedError::Malformed {
-        reason: error.to_string(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -309,7 +254,7 @@ mod tests {
         row(&format!("eq12.critical_points,{rest}")).unwrap()
     }
 
-    fn row(row: &str) -> Result<Claim, PublishedError> {
+    fn row(row: &str) -> Result<Claim, String> {
         let fields = row.split(',').chain(["", "", ""]);
         Claim::of_record(&fields.collect())
     }
@@ -346,11 +291,8 @@ mod tests {
     }
 
     #[test]
-    fn malformed_rows_are_typed_errors() {
-        assert!(matches!(
-            row("a,b,value"),
-            Err(PublishedError::Malformed { .. })
-        ));
+    fn malformed_rows_are_refused_with_their_column() {
+        assert!(row("a,b,value").unwrap_err().contains("6 fields"));
         for (rest, expected) in [
             ("b,number,1,4,m,x", "kind"),
             ("b,value,1,four,m,x", "digits"),
@@ -359,10 +301,8 @@ mod tests {
             ("b,value,1;2,4,m,x", "published"),
             ("b,set,1;two,4,m,x", "published"),
         ] {
-            match row(&format!("eq12.critical_points,{rest}")) {
-                Err(PublishedError::Field { column, .. }) => assert_eq!(column, expected),
-                other => panic!("{rest}: {other:?}"),
-            }
+            let error = row(&format!("eq12.critical_points,{rest}")).unwrap_err();
+            assert!(error.contains(&format!(": {expected} is ")), "{error}");
         }
     }
 
@@ -379,13 +319,14 @@ mod tests {
         let without = CLAIMS.replacen(one_line, "", 1);
         let id = ClaimId::Eq12CriticalPoints;
         for (table, rows) in [(without, 0), (format!("{CLAIMS}{one_line}\n"), 2)] {
-            let not_once = PublishedError::NotOnce { id, rows };
-            assert_eq!(Claims::parse(&table), Err(not_once));
+            let not_once = Claims::parse(&table).unwrap_err();
+            assert!(
+                not_once.contains(&format!("has {rows} rows {id};")),
+                "{not_once}"
+            );
         }
         let stranger = one_line.replacen("eq12.", "eq99.", 1);
-        assert!(matches!(
-            Claims::parse(&format!("{CLAIMS}{stranger}\n")),
-            Err(PublishedError::Unknown { .. })
-        ));
+        let unknown = Claims::parse(&format!("{CLAIMS}{stranger}\n")).unwrap_err();
+        assert!(unknown.contains("none of the claims"), "{unknown}");
     }
 }

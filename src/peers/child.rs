@@ -6,13 +6,15 @@
 //! `curve,INDEX,SOLVER,SETTING,TOLERANCE,COMPILE_S,EVENTS` and
 //! `cannot,SOLVER,SETTING,TOLERANCE,REASON`; the second by `seconds,INDEX,PER_CALL`.
 
+use std::ffi::OsStr;
+use std::fmt::Display;
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
-use super::error::PeersError;
 use super::event::Event;
 use super::measurement::Measurement;
+use crate::terminal::ProgramError;
 
 /// A line of an answer.
 #[derive(Clone, Debug, PartialEq)]
@@ -111,12 +113,9 @@ impl PeerProcess {
     /// `problems`.
     ///
     /// # Errors
-    /// [`PeersError::Start`].
-    pub fn start(python: &Path, scripts: &Path, problems: &Path) -> Result<Self, PeersError> {
-        let failed = |source| PeersError::Start {
-            program: python.to_owned(),
-            source,
-        };
+    /// A program that cannot be started.
+    pub fn start(python: &Path, scripts: &Path, problems: &Path) -> Result<Self, ProgramError> {
+        let failed = |error| not_started(python.as_os_str(), error);
         let mut child = Command::new(python)
             .arg(scripts.join("peers.py"))
             .arg(problems)
@@ -138,30 +137,32 @@ impl PeerProcess {
     /// Sends a command and returns the answer.
     ///
     /// # Errors
-    /// [`PeersError::Ended`], [`PeersError::Answer`].
-    pub fn ask(&mut self, command: &str) -> Result<Vec<Answer>, PeersError> {
-        let ended = |cause: String| PeersError::Ended {
-            command: command.into(),
-            cause,
+    /// A process that ends; a line that is no answer.
+    pub fn ask(&mut self, command: &str) -> Result<Vec<Answer>, ProgramError> {
+        let ended = |cause: &dyn Display| {
+            format!(
+                "the peers' process ended while '{command}' was under way ({cause}); its own \
+                 message stands above"
+            )
         };
         if let Some(input) = &mut self.input {
             writeln!(input, "{command}")
                 .and_then(|()| input.flush())
-                .map_err(|error| ended(error.to_string()))?;
+                .map_err(|error| ended(&error))?;
         }
         let mut answers = Vec::new();
         loop {
             let mut text = String::new();
             let read = self.output.read_line(&mut text);
-            if read.map_err(|error| ended(error.to_string()))? == 0 {
-                return Err(ended("it closed its output".into()));
+            if read.map_err(|error| ended(&error))? == 0 {
+                return Err(ended(&"it closed its output").into());
             }
             self.line += 1;
             let text = text.trim_end();
             match parse(text) {
                 Ok(Answer::Done) => return Ok(answers),
                 Ok(answer) => answers.push(answer),
-                Err(cause) => return Err(self.malformed_answer(text.into(), cause)),
+                Err(cause) => return Err(self.malformed_answer(text, &cause)),
             }
         }
     }
@@ -170,21 +171,30 @@ impl PeerProcess {
     ///
     /// # Errors
     /// As [`PeerProcess::ask`].
-    pub fn time(&mut self, curve: usize, batch: f64) -> Result<f64, PeersError> {
+    pub fn time(&mut self, curve: usize, batch: f64) -> Result<f64, ProgramError> {
         let command = format!("time {curve} {batch}");
         match self.ask(&command)?[..] {
             [Answer::Seconds(index, seconds)] if index == curve => Ok(seconds),
             ref other => {
                 let cause = format!("one line 'seconds,{curve},…' is due");
-                Err(self.malformed_answer(format!("{other:?}"), cause))
+                Err(self.malformed_answer(&format!("{other:?}"), &cause))
             }
         }
     }
 
-    fn malformed_answer(&self, text: String, cause: String) -> PeersError {
-        let line = self.line;
-        PeersError::Answer { line, text, cause }
+    fn malformed_answer(&self, text: &str, cause: &str) -> ProgramError {
+        format!(
+            "line {} of the peers' process, '{text}': {cause}",
+            self.line
+        )
+        .into()
     }
+}
+
+/// The message on a program that cannot be started.
+pub fn not_started(program: &OsStr, error: std::io::Error) -> ProgramError {
+    let (program, remedy) = (program.display(), "leave it out to measure without peers");
+    format!("cannot start {program}: {error}; check --python, or {remedy}").into()
 }
 
 impl Drop for PeerProcess {

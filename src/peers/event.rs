@@ -2,7 +2,6 @@
 
 use std::str::FromStr;
 
-use super::error::PeersError;
 use crate::numbers::largest;
 use crate::text::described;
 
@@ -77,11 +76,10 @@ pub fn event_time_error(events: &[Event], reference: &[Event]) -> Result<f64, St
 
 /// Reads the file of a problem: `problem,event,kind,t,…`. It has times to 30 decimals. They are
 /// rounded to doubles, so that errors below half a unit in the last place are not seen.
-pub(super) fn parse(problem: &'static str, text: &str) -> Result<Vec<Event>, PeersError> {
-    let wrong = |line: usize, cause: String| PeersError::Reference {
-        problem,
-        line,
-        cause,
+pub(super) fn parse(problem: &str, text: &str) -> Result<Vec<Event>, String> {
+    let wrong = |line: usize, cause: String| {
+        let remedy = format!("run data/references/generate.py {problem}");
+        format!("reference of {problem}, line {line}: {cause}; {remedy}")
     };
     let mut events: Vec<Event> = Vec::new();
     for (index, line) in text.lines().enumerate().skip(1) {
@@ -284,9 +282,7 @@ mod tests {
             ("p,1,entry,2.0,0\np,2,exit,1.0,0\n", "line 1"),
             ("", "line 1"),
         ] {
-            let error = parse("p", &format!("{head}{rest}"))
-                .unwrap_err()
-                .to_string();
+            let error = parse("p", &format!("{head}{rest}")).unwrap_err();
             assert!(
                 error.contains(line) && error.contains("generate.py"),
                 "{error}"

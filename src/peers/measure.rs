@@ -4,13 +4,13 @@ use std::hint::black_box;
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
-use super::child::{Answer, PeerProcess};
+use super::child::{Answer, PeerProcess, not_started};
 use super::compare::most_accurate;
-use super::error::PeersError;
 use super::event::{Event, event_time_error};
 use super::measurement::Measurement;
 use super::problem::{Problem, SOLVERS, Solver};
 use crate::numbers::median;
+use crate::terminal::ProgramError;
 
 /// A sample is the mean over as many calls as take this long (s). That is thousands of times the
 /// clock's resolution.
@@ -38,7 +38,7 @@ pub fn problem(
     rounds: u32,
     peers: Option<&mut PeerProcess>,
     versions: &mut Vec<(String, String)>,
-) -> Result<Vec<Measurement>, PeersError> {
+) -> Result<Vec<Measurement>, ProgramError> {
     let reference = problem.reference()?;
     let mut entries = ours(problem, &reference)?;
     let mut peers = peers;
@@ -82,7 +82,7 @@ pub fn problem(
 fn ours(
     problem: &Problem,
     reference: &[Event],
-) -> Result<Vec<(Measurement, TimedSolver)>, PeersError> {
+) -> Result<Vec<(Measurement, TimedSolver)>, ProgramError> {
     let mut entries = Vec::new();
     for solver in SOLVERS {
         let ready = solver.ready(problem)?;
@@ -123,7 +123,7 @@ fn with_error(mut row: Measurement, events: &[Event], reference: &[Event]) -> Me
 }
 
 /// Seconds per run of our solver.
-fn time(problem: &Problem, solver: &Solver, tolerance: f64) -> Result<f64, PeersError> {
+fn time(problem: &Problem, solver: &Solver, tolerance: f64) -> Result<f64, ProgramError> {
     let (ready, options) = (solver.ready(problem)?, solver.options(tolerance));
     let mut events = Vec::new();
     let begin = Instant::now();
@@ -143,13 +143,13 @@ fn time(problem: &Problem, solver: &Solver, tolerance: f64) -> Result<f64, Peers
 /// starts, compiles and solves once.
 ///
 /// # Errors
-/// [`PeersError::Start`], [`PeersError::Process`].
+/// A process that cannot be started or fails.
 pub fn processes(
     rows: &mut [Measurement],
     is_timed: impl Fn(&Measurement) -> bool,
     rounds: u32,
     command: impl Fn(&Measurement) -> Option<Command>,
-) -> Result<(), PeersError> {
+) -> Result<(), ProgramError> {
     let mut best = most_accurate(rows);
     best.retain(|&i| is_timed(&rows[i]) && rows[i].error.is_some());
     let mut samples = vec![Vec::new(); best.len()];
@@ -166,20 +166,17 @@ pub fn processes(
     Ok(())
 }
 
-fn time_process(command: &mut Command) -> Result<f64, PeersError> {
+fn time_process(command: &mut Command) -> Result<f64, ProgramError> {
     let begin = Instant::now();
     let status = command
         .stdout(Stdio::null())
         .status()
-        .map_err(|source| PeersError::Start {
-            program: command.get_program().into(),
-            source,
-        })?;
+        .map_err(|error| not_started(command.get_program(), error))?;
     let spent = begin.elapsed().as_secs_f64();
-    if status.success() {
-        Ok(spent)
-    } else {
-        let command = format!("{command:?}");
-        Err(PeersError::Process { command, status })
+    match status.success() {
+        true => Ok(spent),
+        false => {
+            Err(format!("'{command:?}' failed with {status}; run it by hand to see why").into())
+        }
     }
 }

@@ -2,7 +2,6 @@
 
 use std::str::FromStr;
 
-use super::error::PeersError;
 use super::problem::Problem;
 use crate::numbers::median;
 use crate::text;
@@ -73,18 +72,17 @@ pub fn csv(rows: &[Measurement]) -> String {
 /// Parses such a CSV. Each row has its median in place of its rounds.
 ///
 /// # Errors
-/// [`PeersError::Table`] with the line that is not as [`csv`] writes it, or that names an unknown
-/// problem.
-pub fn read(text: &str, problems: &[Problem]) -> Result<Vec<Measurement>, PeersError> {
+/// A message with the line that is not as [`csv`] writes it, or that names an unknown problem.
+pub fn read(text: &str, problems: &[Problem]) -> Result<Vec<Measurement>, String> {
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
         .flexible(true)
         .from_reader(text.as_bytes());
     let mut rows = Vec::new();
     for (index, record) in reader.records().enumerate() {
-        let wrong = |cause: String| PeersError::Table {
-            line: index + 1,
-            cause,
+        let wrong = |cause: String| {
+            let line = index + 1;
+            format!("bench.csv, line {line}: {cause}; measure again with `peers`")
         };
         let record = record.map_err(|error| wrong(error.to_string()))?;
         let cells: Vec<&str> = record.iter().collect();
@@ -183,11 +181,10 @@ mod tests {
             ("one,decay,,,,2.5,,,,,", "'2.5' is no count"),
             ("one,decay", "2 cells"),
         ] {
-            let error = read(&format!("{head}\n{line}\n"), &problems).unwrap_err();
-            let text = error.to_string();
+            let text = read(&format!("{head}\n{line}\n"), &problems).unwrap_err();
             assert!(text.contains("line 2") && text.contains(cause), "{text}");
         }
-        let error = read("solver,problem\n", &problems).unwrap_err().to_string();
+        let error = read("solver,problem\n", &problems).unwrap_err();
         assert!(
             error.contains("line 1") && error.contains("median_s"),
             "{error}"

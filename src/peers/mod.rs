@@ -4,7 +4,6 @@
 mod child;
 mod compare;
 mod draw;
-mod error;
 mod event;
 mod measure;
 mod measurement;
@@ -16,12 +15,11 @@ use std::process::{Command, ExitCode};
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::terminal;
+use crate::terminal::{self, ProgramError};
 use crate::text::joined;
 use output::Artifact;
 
-use child::PeerProcess;
-use error::PeersError;
+use child::{PeerProcess, not_started};
 use event::Event;
 use measurement::Measurement;
 use problem::{Problem, SOLVERS, Solver, problems};
@@ -168,14 +166,14 @@ pub fn main() -> ExitCode {
 ///
 /// # Errors
 /// The error of the step that fails. Files are written last, so an error leaves none behind.
-fn run(all: &MeasureArguments) -> Result<String, PeersError> {
+fn run(all: &MeasureArguments) -> Result<String, ProgramError> {
     let chosen = match &all.problems[..] {
         [] => problems()?,
         chosen => chosen.to_vec(),
     };
     // Reported before the long computation.
     for folder in [&all.folders.report_dir, &all.folders.figures_dir] {
-        output::write_all(folder, &[])?;
+        terminal::write(folder, &[], OPTIONS)?;
     }
     let start = |python: &PathBuf| PeerProcess::start(python, &all.scripts, &all.numbers);
     let mut peers = all.python.as_ref().map(start).transpose()?;
@@ -189,10 +187,8 @@ fn run(all: &MeasureArguments) -> Result<String, PeersError> {
     drop(peers);
     if all.process_rounds > 0 {
         terminal::print_note("timing whole processes");
-        let ours = std::env::current_exe().map_err(|source| PeersError::Start {
-            program: "peers".into(),
-            source,
-        })?;
+        let ours = std::env::current_exe();
+        let ours = ours.map_err(|error| not_started("peers".as_ref(), error))?;
         let is_timed = |row: &Measurement| {
             let mut names = all.process_problems.iter().map(|one| one.name);
             names.any(|name| name == row.problem)
@@ -244,7 +240,7 @@ fn write(
     rows: &[Measurement],
     text: &str,
     problems: &[Problem],
-) -> Result<String, PeersError> {
+) -> Result<String, ProgramError> {
     let table = measurement::csv(rows);
     // The rows as the table has them, so that picture and README can be regenerated from it.
     let rows = measurement::read(&table, problems)?;
@@ -253,9 +249,13 @@ fn write(
         Artifact::text("bench.csv", table),
         Artifact::text("bench.txt", text),
     ];
-    let mut paths = output::write_all(&all.folders.report_dir, &tables)?;
+    let mut paths = terminal::write(&all.folders.report_dir, &tables, OPTIONS)?;
     let picture = Artifact::text("bench.svg", svg);
-    paths.extend(output::write_all(&all.folders.figures_dir, &[picture])?);
+    paths.extend(terminal::write(
+        &all.folders.figures_dir,
+        &[picture],
+        OPTIONS,
+    )?);
     // Some of the problems, or our solvers alone, do not make the whole table.
     if all.problems.is_empty() && all.python.is_some() {
         paths.extend(write_page(&all.folders, &rows)?);
@@ -264,42 +264,44 @@ fn write(
 }
 
 /// Draws the figure from the table of an earlier run, without measuring again.
-fn redraw(folders: &Folders) -> Result<String, PeersError> {
+fn redraw(folders: &Folders) -> Result<String, ProgramError> {
     let path = folders.report_dir.join("bench.csv");
-    let table = std::fs::read_to_string(&path).map_err(|source| PeersError::Input {
-        path: path.clone(),
-        source,
+    let table = std::fs::read_to_string(&path).map_err(|error| {
+        let path = path.display();
+        format!("cannot read {path}: {error}; choose its folder with --report-dir")
     })?;
     let all = problems()?;
     let rows = measurement::read(&table, &all)?;
     let is_measured = |problem: &Problem| rows.iter().any(|row| row.problem == problem.name);
     let measured: Vec<Problem> = all.into_iter().filter(is_measured).collect();
     let picture = Artifact::text("bench.svg", draw::draw(&rows, &measured)?);
-    let mut paths = output::write_all(&folders.figures_dir, &[picture])?;
+    let mut paths = terminal::write(&folders.figures_dir, &[picture], OPTIONS)?;
     paths.extend(write_page(folders, &rows)?);
     Ok(output::listing(&paths))
 }
 
 /// Updates the page of speeds, if the tables are written into the project's own folder.
-fn write_page(folders: &Folders, rows: &[Measurement]) -> Result<Vec<PathBuf>, PeersError> {
+fn write_page(folders: &Folders, rows: &[Measurement]) -> Result<Vec<PathBuf>, ProgramError> {
     let top = Path::new("");
     let text = std::fs::read_to_string(top.join(SPEED_PAGE)).ok();
     let new = text.and_then(|text| {
         report::SECTION_MARKERS.replace_section(&text, &report::block(rows, OWN_SOLVER))
     });
     match new.filter(|_| folders.report_dir == Path::new(TABLES)) {
-        Some(new) => Ok(output::write_all(top, &[Artifact::text(SPEED_PAGE, new)])?),
+        Some(new) => terminal::write(top, &[Artifact::text(SPEED_PAGE, new)], OPTIONS),
         None => Ok(Vec::new()),
     }
 }
 
+/// The options that choose the folders.
+const OPTIONS: &str = "--report-dir and --figures-dir";
 const SPEED_PAGE: &str = "docs/speed.md";
 /// The project's folder of tables, and the default of `--report-dir`.
 const TABLES: &str = "report";
 /// Our solver in the page of speeds.
 const OWN_SOLVER: &str = "stickslip Taylor";
 
-fn solve_one(one: &SolveArguments) -> Result<String, PeersError> {
+fn solve_one(one: &SolveArguments) -> Result<String, ProgramError> {
     let mut events = Vec::new();
     let options = one.solver.options(one.tolerance);
     let ready = one.solver.ready(&one.problem)?;

@@ -3,9 +3,9 @@
 
 use std::ops::ControlFlow;
 
-use super::error::PeersError;
 use super::event::{self, Event, EventKind};
 use crate::paper::models::{BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading};
+use crate::terminal::ProgramError;
 use crate::text::joined;
 use stickslip::dynamics::{DynamicsRef, Section, Transition as AnyTransition};
 use stickslip::{
@@ -157,16 +157,16 @@ impl Problem {
     /// The events of its reference, which has thirty digits.
     ///
     /// # Errors
-    /// [`PeersError::Reference`] with the line that is wrong.
-    pub fn reference(&self) -> Result<Vec<Event>, PeersError> {
+    /// A message with the line that is wrong.
+    pub fn reference(&self) -> Result<Vec<Event>, String> {
         event::parse(self.name, self.reference)
     }
 
     /// Computes the events up to the end time. `events` is cleared first, and its memory is reused.
     ///
     /// # Errors
-    /// [`PeersError::Solve`] with the solver's error.
-    pub fn solve(&self, options: &Options, events: &mut Vec<Event>) -> Result<(), PeersError> {
+    /// The solver's error, with the problem and the tolerance.
+    pub fn solve(&self, options: &Options, events: &mut Vec<Event>) -> Result<(), ProgramError> {
         events.clear();
         let result = match self.system {
             System::Belt(system, start) => self.events(&system, start, options, events),
@@ -174,18 +174,18 @@ impl Problem {
             System::Moving(system, start) => self.events(&system, start, options, events),
             System::Bracket(system, start) => self.events(&system, start, options, events),
         };
-        result.map_err(|source| PeersError::Solve {
-            problem: self.name,
-            tolerance: options.rtol,
-            source,
-        })
+        result.map_err(|error| self.unsolved(options, error))
+    }
+
+    fn unsolved(&self, options: &Options, error: stickslip::Error) -> ProgramError {
+        format!("{} at tolerance {:e}: {error}", self.name, options.rtol).into()
     }
 
     /// The problem by its formulas, as a system from a file is.
     ///
     /// # Errors
-    /// [`PeersError::Formulas`].
-    fn by_formulas(&self) -> Result<PreparedProblem<'_>, PeersError> {
+    /// A message if they branch on values.
+    fn by_formulas(&self) -> Result<PreparedProblem<'_>, String> {
         fn traced<S: Filippov<N>, const N: usize>(
             system: &S,
             start: [f64; N],
@@ -200,8 +200,8 @@ impl Problem {
             System::Moving(system, start) => traced(system, *start),
             System::Bracket(system, start) => traced(system, *start),
         };
-        let problem = self.name;
-        let (system, start) = traced.ok_or(PeersError::Formulas { problem })?;
+        let branches = "branches on values, which formulas cannot say";
+        let (system, start) = traced.ok_or_else(|| format!("problem {} {branches}", self.name))?;
         Ok(PreparedProblem::ByFormulas(self, system, start))
     }
 
@@ -232,7 +232,7 @@ impl PreparedProblem<'_> {
     ///
     /// # Errors
     /// As [`Problem::solve`].
-    pub fn solve(&self, options: &Options, events: &mut Vec<Event>) -> Result<(), PeersError> {
+    pub fn solve(&self, options: &Options, events: &mut Vec<Event>) -> Result<(), ProgramError> {
         let (problem, system, x) = match self {
             PreparedProblem::Compiled(problem) => return problem.solve(options, events),
             PreparedProblem::ByFormulas(problem, system, x) => (problem, system, x),
@@ -246,11 +246,8 @@ impl PreparedProblem<'_> {
             options,
         };
         let ended = follow(system, &run, &Section::None, &mut EventRecorder(events));
-        ended.map(drop).map_err(|source| PeersError::Solve {
-            problem: problem.name,
-            tolerance: options.rtol,
-            source,
-        })
+        let ended = ended.map(drop);
+        ended.map_err(|error| problem.unsolved(options, error))
     }
 }
 
@@ -346,8 +343,8 @@ impl Solver {
     /// A problem in the form that it takes.
     ///
     /// # Errors
-    /// [`PeersError::Formulas`].
-    pub fn ready<'a>(&self, problem: &'a Problem) -> Result<PreparedProblem<'a>, PeersError> {
+    /// A message if it takes formulas and the problem has none.
+    pub fn ready<'a>(&self, problem: &'a Problem) -> Result<PreparedProblem<'a>, String> {
         match self.by_formulas {
             true => problem.by_formulas(),
             false => Ok(PreparedProblem::Compiled(problem)),

@@ -3,7 +3,6 @@
 
 use sha2::{Digest, Sha256};
 
-use super::error::ReadingsError;
 use super::plan::{self, Plan};
 use super::scoring::{
     ConfirmedStatements, ExponentSpread, PairCounts, RowsByRole, count_matching, for_each_exponent,
@@ -69,13 +68,12 @@ impl CommittedSearch {
     /// Reads the table.
     ///
     /// # Errors
-    /// [`ReadingsError::Incomplete`] if a configuration of the full search is missing or has other
-    /// settings; [`ReadingsError::Published`].
-    pub fn read() -> Result<CommittedSearch, ReadingsError> {
+    /// A message if a configuration of the full search is missing or has other settings.
+    pub fn read() -> Result<CommittedSearch, String> {
         CommittedSearch::of(TABLE)
     }
 
-    fn of(table: &str) -> Result<CommittedSearch, ReadingsError> {
+    fn of(table: &str) -> Result<CommittedSearch, String> {
         let plan = Plan::full()?;
         let (published, target) = (&plan.published, &plan.target);
         let rows: Vec<ConfigurationRow> =
@@ -83,10 +81,12 @@ impl CommittedSearch {
         let groups = plan.groups.iter();
         let expected: Vec<[String; 4]> = groups.flat_map(|one| plan::keys(&plan, one)).collect();
         let same = rows.iter().map(|row| &row.key).eq(&expected);
-        let incomplete = || ReadingsError::Incomplete {
-            file: FILE,
-            actual: rows.len(),
-            expected: expected.len(),
+        let incomplete = || {
+            let (actual, expected) = (rows.len(), expected.len());
+            format!(
+                "{FILE} is not the table of the full search: {actual} of {expected} configurations \
+                 can be read, or they were made with other settings; make it with `make readings`"
+            )
         };
         if !(same && table.starts_with(&plan.heading())) {
             return Err(incomplete());
@@ -183,8 +183,8 @@ mod tests {
             ),
             TABLE.replacen(",quasi-periodic,", ",quasi,", 1),
         ] {
-            let refused = CommittedSearch::of(&other);
-            assert!(matches!(refused, Err(ReadingsError::Incomplete { .. })));
+            let refused = CommittedSearch::of(&other).unwrap_err();
+            assert!(refused.contains("not the table of the full search"));
         }
     }
 

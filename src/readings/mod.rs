@@ -8,7 +8,6 @@
 //! estimator's settings alone move an exponent.
 
 mod committed;
-mod error;
 mod orbit;
 mod plan;
 mod scoring;
@@ -28,16 +27,15 @@ use std::time::{Duration, Instant};
 use clap::Parser;
 use rayon::prelude::*;
 
-use crate::terminal;
-use output::{Artifact, write_all};
+use crate::terminal::{self, ProgramError};
+use output::Artifact;
 
 pub use committed::{CommittedSearch, Match};
-pub use error::ReadingsError;
 use plan::Plan;
 pub use plan::{Integrator, ZERO_SIZE};
 pub use scoring::{ConfirmedStatements, ExponentSpread, PairCounts, ValueRange, sources_in_words};
 pub use significance::{MatchLevel, Share};
-use store::{Store, TABLE};
+use store::{OPTION, Store, TABLE};
 pub use table::{ConfigurationRow, OrbitVerdict, other_motions};
 
 /// Name of the summary.
@@ -113,8 +111,8 @@ pub fn main() -> ExitCode {
 /// Searches, writes the table as it grows, then the summary, and returns the summary.
 ///
 /// # Errors
-/// [`ReadingsError`] if a file cannot be read or written, or threads cannot be started.
-pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
+/// A file that cannot be read or written; threads that cannot be started.
+pub fn run(arguments: &Arguments) -> Result<String, ProgramError> {
     let begin = Instant::now();
     let limit = arguments.time_limit;
     let late = || limit.is_some_and(|limit| begin.elapsed() >= limit);
@@ -154,16 +152,15 @@ pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()
-        .map_err(|error| ReadingsError::Threads {
-            threads,
-            reason: error.to_string(),
+        .map_err(|error| {
+            format!("cannot start {threads} threads: {error}; give fewer with --threads")
         })?;
     let outcome = pool.install(work);
     bar.finish_and_clear();
     outcome?;
     let store = store.into_inner().unwrap_or_else(PoisonError::into_inner);
     let text = summary::summary(&plan, &store.rows());
-    write_all(&arguments.out, &[Artifact::text(SUMMARY, &text)])?;
+    terminal::write(&arguments.out, &[Artifact::text(SUMMARY, &text)], OPTION)?;
     let folder = arguments.out.display();
     Ok(text + &format!("\nwrote {TABLE} and {SUMMARY} into {folder}\n"))
 }

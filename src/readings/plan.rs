@@ -9,7 +9,7 @@ use super::table::{ConfigurationRow, Twelve};
 use crate::figures::block_and_bracket::{DIVERGED, DT, START, TOLERANCE};
 use crate::paper::claim_id::SpectrumFigure;
 use crate::paper::models::{Amplitude, Caption, CaptionOrder, Reading, Unloading};
-use crate::paper::published::{Claim, Claims, PublishedError};
+use crate::paper::published::{Claim, Claims};
 use crate::text::joined;
 use stickslip::analysis::motion::Criterion;
 
@@ -89,8 +89,6 @@ pub struct Plan {
     pub spread: Vec<Setting>,
 }
 
-/// The captions of Figs. 10–12.
-pub const CAPTIONS: [Caption; 3] = [Caption::FIG10, Caption::FIG11, Caption::FIG12];
 /// Limit on the number of steps of an orbit. It allows for the shortest fixed steps and for some
 /// hundred thousand events.
 pub const STEP_LIMIT: usize = 3_000_000;
@@ -116,8 +114,8 @@ impl Plan {
     /// All readings, over the time window of the paper.
     ///
     /// # Errors
-    /// [`PublishedError`] if the table of claims lacks an exponent.
-    pub fn full() -> Result<Plan, PublishedError> {
+    /// A message if the table of claims lacks an exponent.
+    pub fn full() -> Result<Plan, String> {
         let mut integrators = vec![Integrator::Exact];
         integrators.extend([2e-2, 5e-3].map(Integrator::FourthOrder));
         integrators.extend([0.2, 0.1, 5e-2, 2e-2, 1e-2, 5e-3, 1e-3].map(Integrator::InPlace));
@@ -139,7 +137,7 @@ impl Plan {
     ///
     /// # Errors
     /// As [`Plan::full`].
-    pub fn quick() -> Result<Plan, PublishedError> {
+    pub fn quick() -> Result<Plan, String> {
         let (published, target) = published()?;
         Ok(Plan {
             name: "quick",
@@ -183,7 +181,7 @@ impl Plan {
     /// code.
     pub fn heading(&self) -> String {
         let numbers = |list: &[f64]| joined(list, " ");
-        let captions = CAPTIONS.iter().map(|caption| {
+        let captions = Caption::ALL.iter().map(|caption| {
             let (numbers, start) = (numbers(&caption.numbers), numbers(&caption.start));
             format!("{numbers} from {start}")
         });
@@ -221,7 +219,7 @@ impl Plan {
 /// The published exponents of Figs. 10–12, the largest first.
 pub type Exponents = [[Claim; 4]; 3];
 
-fn published() -> Result<(Exponents, Twelve), PublishedError> {
+fn published() -> Result<(Exponents, Twelve), String> {
     let claims = Claims::committed()?;
     let ids = SpectrumFigure::ALL.map(SpectrumFigure::exponents);
     let published = ids.map(|four| four.map(|id| claims.of(id).clone()));

@@ -1,12 +1,13 @@
 //! Integration and estimation for each configuration.
 
 use super::orbit::{Outcome, follow};
-use super::plan::{self, CAPTIONS, Group, Plan};
+use super::plan::{self, Group, Plan};
 use super::scoring::scores;
 use super::settings::{Setting, Unit};
 use super::table::{self, ConfigurationRow, OrbitVerdict};
 use crate::figures::block_and_bracket::DT;
 use crate::numbers::extent;
+use crate::paper::models::Caption;
 use stickslip_series::{Neighbourhood, Series, data_spectrum};
 
 /// A series with its spread `√Σ var`, and the same with every column scaled by its range.
@@ -45,7 +46,7 @@ fn with_spread(rows: &[[f64; 4]]) -> Option<(Series, f64)> {
 /// All rows of a group. A figure's exponents are estimated only if they can count. Either the
 /// reading keeps all three motions, or this motion is of the published kind.
 pub fn group_rows(group: &Group, plan: &Plan) -> Vec<ConfigurationRow> {
-    let outcomes = CAPTIONS.map(|caption| follow(group, &caption, plan));
+    let outcomes = Caption::ALL.map(|caption| follow(group, &caption, plan));
     let classes = outcomes.each_ref().map(Outcome::verdict);
     let kept = classes.iter().all(|class| class.is_bounded());
     let (mut sizes, mut series) = ([[f64::NAN; 2]; 3], [const { Err(table::NO_SERIES) }; 3]);
@@ -84,7 +85,7 @@ pub fn group_rows(group: &Group, plan: &Plan) -> Vec<ConfigurationRow> {
 pub fn motions(plan: &Plan, row: &ConfigurationRow) -> [String; 3] {
     let group = plan.groups.iter().find(|group| group.has(row));
     let mut motions = row.motions();
-    for (figure, caption) in CAPTIONS.iter().enumerate() {
+    for (figure, caption) in Caption::ALL.iter().enumerate() {
         let again = group.filter(|_| row.classes[figure] == OrbitVerdict::Escaped);
         if let Some(Outcome::Escaped(t)) = again.map(|group| follow(group, caption, plan)) {
             motions[figure] = format!("escaped at t = {t:.1}");

@@ -1,16 +1,18 @@
 //! The table on disk. It is complete at any time and is continued after a kill.
 
 use std::io::ErrorKind::{NotADirectory, NotFound};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use super::error::ReadingsError;
 use super::plan::{self, Group, Plan};
 use super::scoring::scores;
 use super::table::ConfigurationRow;
-use output::{Artifact, write_all};
+use crate::terminal::{self, ProgramError};
+use output::Artifact;
 
 /// Name of the table.
 pub const TABLE: &str = "readings.csv";
+/// The option that chooses its folder.
+pub const OPTION: &str = "--out";
 
 /// The rows of every finished group.
 pub struct Store<'a> {
@@ -24,19 +26,23 @@ impl<'a> Store<'a> {
     /// are ignored.
     ///
     /// # Errors
-    /// [`ReadingsError::Read`], [`ReadingsError::OtherSearch`].
-    pub fn open(plan: &'a Plan, folder: &'a Path) -> Result<Store<'a>, ReadingsError> {
+    /// A table that cannot be read, or is of another search.
+    pub fn open(plan: &'a Plan, folder: &'a Path) -> Result<Store<'a>, ProgramError> {
         let path = folder.join(TABLE);
         let text = match std::fs::read(&path) {
             // Invalid UTF-8 is damage: the line will not parse.
             Ok(bytes) => String::from_utf8_lossy(&bytes).into_owned(),
             // If the path is not a folder, creating it will report that.
             Err(error) if matches!(error.kind(), NotFound | NotADirectory) => String::new(),
-            Err(source) => return Err(ReadingsError::Read { path, source }),
+            Err(error) => {
+                let path = path.display();
+                let remedy = "choose another folder with --out";
+                return Err(format!("cannot read {path}: {error}; {remedy}").into());
+            }
         };
         // Cut off within the heading: nothing is lost.
         if !plan.heading().starts_with(&text) {
-            same_search(&text, plan, path)?;
+            same_search(&text, plan, &path)?;
         }
         let complete = text.rfind('\n').map_or("", |end| &text[..end]);
         let sound = |row: &ConfigurationRow| row.scores == scores(&row.exponents, &plan.target);
@@ -67,8 +73,8 @@ impl<'a> Store<'a> {
     /// Adds a group and rewrites the table.
     ///
     /// # Errors
-    /// [`ReadingsError::Write`].
-    pub fn add(&mut self, group: usize, rows: Vec<ConfigurationRow>) -> Result<(), ReadingsError> {
+    /// As [`Store::write`].
+    pub fn add(&mut self, group: usize, rows: Vec<ConfigurationRow>) -> Result<(), ProgramError> {
         self.done[group] = Some(rows);
         self.write()
     }
@@ -76,30 +82,29 @@ impl<'a> Store<'a> {
     /// Writes the table.
     ///
     /// # Errors
-    /// [`ReadingsError::Write`].
-    pub fn write(&self) -> Result<(), ReadingsError> {
+    /// A folder or file that cannot be written.
+    pub fn write(&self) -> Result<(), ProgramError> {
         let mut text = self.plan.heading() + &ConfigurationRow::header();
         for row in self.done.iter().flatten().flatten() {
             text += &row.line();
         }
         let table = Artifact::text(TABLE, text);
-        write_all(self.folder, &[table])?;
+        terminal::write(self.folder, &[table], OPTION)?;
         Ok(())
     }
 }
 
 /// Whether the lines before the table are those of this search.
-fn same_search(text: &str, plan: &Plan, path: PathBuf) -> Result<(), ReadingsError> {
+fn same_search(text: &str, plan: &Plan, path: &Path) -> Result<(), String> {
     let heading = plan.heading();
     let lines = text.lines().chain(std::iter::repeat("nothing"));
     let mut pairs = (1..).zip(heading.lines().zip(lines));
     match pairs.find(|(_, (expected, actual))| expected != actual) {
-        Some((line, (expected, actual))) => Err(ReadingsError::OtherSearch {
-            path,
-            line,
-            actual: actual.to_owned(),
-            expected: expected.to_owned(),
-        }),
+        Some((line, (expected, actual))) => Err(format!(
+            "{} is not of this search: its line {line} is '{actual}' and should be '{expected}'; \
+             move it away or choose another folder with --out",
+            path.display()
+        )),
         None => Ok(()),
     }
 }

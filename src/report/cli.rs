@@ -5,14 +5,12 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-use super::ReportError;
 use super::ledger::{Ledger, TICKS};
 use super::page::{Report, page};
 use super::{draw, readme, tables};
-use crate::figures::FigureError;
 use crate::paper::published::Claims;
-use crate::terminal;
-use output::{Artifact, listing, write_all};
+use crate::terminal::{self, ProgramError};
+use output::{Artifact, listing};
 
 const ABOUT: &str = "Judges every claim of the paper by computation: values under each reading, \
     digits in agreement, verdict, evidence; the matrix of the listing's defects, its convergence, \
@@ -53,24 +51,25 @@ pub fn main() -> ExitCode {
 /// Computes, writes the files, and returns the ledger and the text for the terminal.
 ///
 /// # Errors
-/// [`ReportError`]. Folders are created first, so that an unwritable one is reported before the
-/// computation. Files are written last.
+/// That of the part that fails. Folders are created first, so that an unwritable one is reported
+/// before the computation. Files are written last.
 pub fn run(
     arguments: &Arguments,
     tick: &(dyn Fn() + Sync),
-) -> Result<(Ledger, String), ReportError> {
+) -> Result<(Ledger, String), ProgramError> {
     // Reported before the long computation.
     for folder in FOLDERS {
-        write_all(&arguments.out_dir.join(folder), &[]).map_err(FigureError::from)?;
+        terminal::write(&arguments.out_dir.join(folder), &[], OPTION)?;
     }
-    let ledger = Ledger::compute(tick)?;
+    let ledger = Ledger::compute(tick);
+    let ledger = ledger.map_err(|error| format!("cannot make the ledger: {error}"))?;
     let written = write(&ledger, &arguments.out_dir)?;
     let text = summary(&ledger) + &written;
     Ok((ledger, text))
 }
 
 /// Draws and writes everything, and lists the files written.
-fn write(ledger: &Ledger, folder: &Path) -> Result<String, FigureError> {
+fn write(ledger: &Ledger, folder: &Path) -> Result<String, ProgramError> {
     let published = Claims::committed()?.published_stick_numbers();
     let convergence = draw::convergence(&ledger.convergence, published)?;
     let scan = draw::scan(&ledger.scan)?;
@@ -89,17 +88,20 @@ fn write(ledger: &Ledger, folder: &Path) -> Result<String, FigureError> {
         Artifact::text("claims.csv", tables::claims(ledger)),
         Artifact::text("index.html", page(&report)),
     ];
-    let mut paths = write_all(&folder.join(FOLDERS[1]), &figures)?;
+    let mut paths = terminal::write(&folder.join(FOLDERS[1]), &figures, OPTION)?;
     if let Some(readme) = new_readme(folder, ledger) {
-        paths.extend(write_all(folder, &[Artifact::text(README, readme)])?);
+        let readme = Artifact::text(README, readme);
+        paths.extend(terminal::write(folder, &[readme], OPTION)?);
     }
-    paths.extend(write_all(&folder.join(FOLDERS[0]), &pages)?);
+    paths.extend(terminal::write(&folder.join(FOLDERS[0]), &pages, OPTION)?);
     Ok(listing(&paths))
 }
 
 /// The folders of the pages and of the figures.
 const FOLDERS: [&str; 2] = ["report", "figures"];
 const README: &str = "README.md";
+/// The option that chooses their folder.
+const OPTION: &str = "--out-dir";
 
 /// The README with the present table; `None` if there is no README or it lacks the marks.
 fn new_readme(folder: &Path, ledger: &Ledger) -> Option<String> {

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::paper::published::{Claim, Digits, scale};
+use stickslip::math::pow;
 
 /// Digits of values that are published in closed form: those that [`ROUNDING`] leaves.
 ///
@@ -48,14 +49,14 @@ pub fn agreement(claim: &Claim, value: f64) -> Option<Agreement> {
         Digits::None => return None,
         Digits::Exact => {
             let scale = scale(published);
-            let near = |d: &u32| off <= 0.5 * ten_to(-f64::from(*d)) * scale;
+            let near = |d: &u32| off <= 0.5 * pow(10.0, -f64::from(*d)) * scale;
             let agreeing = (1..=EXACT_DIGITS).take_while(near).count();
             (agreeing as u32, EXACT_DIGITS)
         }
         Digits::Decimals(decimals) => {
             let printed = significant(published, decimals);
             let near = |missing_digits: &u32| {
-                off <= 0.5 * ten_to(f64::from(*missing_digits) - decimals as f64)
+                off <= 0.5 * pow(10.0, f64::from(*missing_digits) - decimals as f64)
             };
             // The last digit agrees if rounding gives it, as the claim requires.
             let missing_digits = match claim.agrees(value) {
@@ -73,11 +74,6 @@ fn significant(published: f64, decimals: usize) -> u32 {
     let text = format!("{:.decimals$}", published.abs());
     let digits = text.chars().filter(char::is_ascii_digit);
     digits.skip_while(|&c| c == '0').count().max(1) as u32
-}
-
-/// A power of ten.
-pub(super) fn ten_to(power: f64) -> f64 {
-    stickslip::math::pow(10.0, power)
 }
 
 /// Replaces the hyphen before a number by a minus sign; hyphens in words remain.

@@ -3,10 +3,11 @@
 
 use std::fmt;
 
-use super::digits::{minus, ten_to};
+use super::digits::minus;
 use crate::paper::published::{Claim, Digits};
 use crate::readings::{ExponentSpread, ValueRange};
 use crate::text::described;
+use stickslip::math;
 
 described! {
     /// Sign of a Lyapunov exponent; zero within its error.
@@ -68,7 +69,7 @@ impl ExponentCheck {
         let Digits::Decimals(decimals) = claim.digits else {
             return false;
         };
-        let wide = |of: ValueRange| of.largest - of.least > ten_to(-(decimals as f64));
+        let wide = |of: ValueRange| of.largest - of.least > math::pow(10.0, -(decimals as f64));
         self.spread.unidentified > 0 || self.spread.values.is_none_or(wide)
     }
 

@@ -1,13 +1,14 @@
 //! The figures for the ledger: computed once, each with its table and its picture.
 
 use super::exponent::Sign;
+use crate::figures::FigureSpec;
 use crate::figures::block_and_bracket::{self, FIG10, FIG11, FIG12};
 use crate::figures::fig04::{self, FIG04};
 use crate::figures::fig06::FIG06;
 use crate::figures::fig07::{self, FIG07};
 use crate::figures::fig08::{self, FIG08};
 use crate::figures::rows::Row;
-use crate::figures::{FigureError, FigureSpec};
+use crate::terminal::ProgramError;
 
 /// A picture on the page, and the numbers behind it.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,8 +46,8 @@ impl Picture {
     /// The picture of a figure.
     ///
     /// # Errors
-    /// [`FigureError`] if it cannot be drawn.
-    pub fn of<D>(figure: &FigureSpec<D>, data: &D) -> Result<Picture, FigureError> {
+    /// A failure to draw.
+    pub fn of<D>(figure: &FigureSpec<D>, data: &D) -> Result<Picture, ProgramError> {
         Ok(Picture {
             figure: figure.name,
             title: figure.title,
@@ -61,7 +62,7 @@ impl Picture {
 fn computed<D>(
     figure: &FigureSpec<D>,
     tick: &(dyn Fn() + Sync),
-) -> Result<(D, Picture), FigureError> {
+) -> Result<(D, Picture), ProgramError> {
     let data = figure.compute()?;
     let picture = Picture::of(figure, &data)?;
     tick();
@@ -72,8 +73,8 @@ impl Computed {
     /// Computes all figures and calls `tick` after each.
     ///
     /// # Errors
-    /// [`FigureError`] of the first figure that fails.
-    pub fn compute(tick: &(dyn Fn() + Sync)) -> Result<Computed, FigureError> {
+    /// That of the first figure that fails.
+    pub fn compute(tick: &(dyn Fn() + Sync)) -> Result<Computed, ProgramError> {
         let ((fig04, fig06), (fig07, fig08)) = rayon::join(
             || (computed(&FIG04, tick), computed(&FIG06, tick)),
             || (computed(&FIG07, tick), computed(&FIG08, tick)),

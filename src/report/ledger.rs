@@ -1,6 +1,5 @@
 //! The ledger: every claim of the paper, the findings of all readings, and the verdict.
 
-use super::ReportError;
 use super::accuracy::Accuracy;
 use super::cause::{Cause, Injection};
 use super::convergence::{self, Convergence};
@@ -21,6 +20,7 @@ use crate::paper::claim_id::{ClaimId, SpectrumFigure};
 use crate::paper::published::{Claim, Claims, Digits};
 use crate::paper::reading::{Reading, Role};
 use crate::readings::ZERO_SIZE;
+use crate::terminal::ProgramError;
 use stickslip_series::Status;
 
 /// One claim, the findings of all readings, and the verdict.
@@ -124,8 +124,8 @@ impl Ledger {
     /// Computes everything; `tick` is called [`TICKS`] times, from any thread.
     ///
     /// # Errors
-    /// [`ReportError`] of the first part that fails.
-    pub fn compute(tick: &(dyn Fn() + Sync)) -> Result<Ledger, ReportError> {
+    /// That of the first part that fails.
+    pub fn compute(tick: &(dyn Fn() + Sync)) -> Result<Ledger, ProgramError> {
         let claims = Claims::committed()?;
         let published = claims.published_stick_numbers();
         let computed = Computed::compute(tick)?;

@@ -32,38 +32,12 @@ pub mod spread;
 pub mod tables;
 pub mod verdict;
 
-use crate::figures::FigureError;
 use crate::paper::bounded;
 use crate::paper::models::BeltOscillator;
-use crate::paper::published::PublishedError;
-use crate::readings::ReadingsError;
 use stickslip::analysis::{Visibility, tangency};
 use stickslip::{
-    Error, Failure, Filippov, Mode, Orbit, Phase, Side, State, Transition, TransitionKind, solve,
+    Error, Filippov, Mode, Orbit, Phase, Side, State, Transition, TransitionKind, solve,
 };
-
-/// Why the report failed.
-#[derive(Debug, thiserror::Error)]
-pub enum ReportError {
-    /// Error of a figure, or of writing a file.
-    #[error(transparent)]
-    Figure(#[from] FigureError),
-    /// Error of the solver.
-    #[error("cannot make the ledger: {0}")]
-    Solver(#[from] Error),
-    /// The table of claims is malformed.
-    #[error("cannot make the ledger: {0}")]
-    Published(#[from] PublishedError),
-    /// The committed search over readings is incomplete.
-    #[error("cannot make the ledger: {0}")]
-    Readings(#[from] ReadingsError),
-}
-
-impl<R> From<Failure<R>> for ReportError {
-    fn from(failure: Failure<R>) -> ReportError {
-        ReportError::Solver(failure.error)
-    }
-}
 
 /// The orbit of model 2 or another from a time and a state over a span, or until it escapes, and
 /// whether it does.

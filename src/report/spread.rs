@@ -4,10 +4,10 @@
 
 use rayon::prelude::*;
 
-use super::ReportError;
 use crate::figures::block_and_bracket::{FigureSet, SETS, TOLERANCE, class};
 use crate::paper::models::{Caption, Reading};
 use crate::readings::{CommittedSearch, ConfigurationRow, Integrator, other_motions};
+use crate::terminal::ProgramError;
 use crate::text::joined;
 use stickslip::analysis::motion::Class;
 use stickslip::{Error, Options};
@@ -29,8 +29,8 @@ impl Spread {
     /// Reads the search and computes the corrected captions, and calls `tick` after each of these.
     ///
     /// # Errors
-    /// [`ReportError`].
-    pub fn compute(tick: &(dyn Fn() + Sync)) -> Result<Spread, ReportError> {
+    /// The solver's; a message if the search is not complete.
+    pub fn compute(tick: &(dyn Fn() + Sync)) -> Result<Spread, ProgramError> {
         let search = CommittedSearch::read()?;
         let of_caption = |(name, caption)| {
             let set = FigureSet { caption, ..SETS[0] };

@@ -1,9 +1,9 @@
 //! The orbit, its spectra, and the outcome of the equations as printed.
 
 use super::recorder::{DT, END, OrbitRecorder, START};
-use crate::figures::ComputeError;
 use crate::paper::claim_id::SpectrumFigure;
 use crate::paper::models::{BlockAndBracket, Caption, Reading};
+use crate::terminal::ProgramError;
 use stickslip::analysis::motion::{Class, Criterion, Evidence, SystemKind};
 use stickslip::analysis::{Spectrum, SpectrumOptions, lyapunov_spectrum_watched};
 use stickslip::{Error, Locator, Method, Options, State, run};
@@ -101,16 +101,14 @@ pub struct Data {
     pub samples: usize,
     /// The part of the orbit that is drawn.
     pub curve: Vec<[f64; 4]>,
-    /// The first few of its section points.
-    pub turning_points: Vec<[f64; 4]>,
-    /// All section points: the block's turning points.
+    /// The section points: the block's turning points.
     pub section: Vec<[f64; 4]>,
     /// The reading `as-printed`.
     pub literal: AsPrintedOutcome,
 }
 
 /// Computes one of the three figures.
-pub(super) fn compute(set: &'static FigureSet) -> Result<Data, ComputeError> {
+pub(super) fn compute(set: &'static FigureSet) -> Result<Data, ProgramError> {
     let model = BlockAndBracket::from_caption(&set.caption, &Reading::exact())?;
     // Two independent sequential runs: the result does not depend on the number of threads.
     let exact = || measure(&model, set, Options::tol(TOLERANCE));
@@ -126,7 +124,6 @@ pub(super) fn compute(set: &'static FigureSet) -> Result<Data, ComputeError> {
         best_of_readings: data_spectrum(&series, &best_common_settings())?,
         samples: samples.states.len(),
         curve: record.curve,
-        turning_points: section.iter().take(16).copied().collect(),
         section,
         literal: literal?,
         model,

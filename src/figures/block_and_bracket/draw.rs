@@ -3,11 +3,12 @@
 use super::compute::{AsPrintedOutcome, Data};
 use super::numbers::{compare, quality};
 use super::recorder::{END, START};
-use crate::figures::{FigureError, belt_line, side_by_side};
+use crate::figures::{belt_line, side_by_side};
 use crate::numbers::extent;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::models::Caption;
-use crate::paper::published::{Claims, PublishedError};
+use crate::paper::published::Claims;
+use crate::terminal::ProgramError;
 use crate::text::joined;
 use plot::*;
 use stickslip::analysis::Exponent;
@@ -42,7 +43,7 @@ fn description(data: &Data) -> String {
     )
 }
 
-pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
+pub(super) fn draw(data: &Data) -> Result<String, ProgramError> {
     let (set, size) = (data.set, (770.0, 800.0));
     let below = vec![(0.9, running(data)?.into()), (1.1, table(data)?.into())];
     let figure = Figure::new(set.figure.name(), size, set.title, &description(data));
@@ -86,7 +87,7 @@ fn block(data: &Data) -> Panel {
     let points = curve().map(|x| (x[0], x[1]));
     panel.add(Curve::new(points).color(BLUE).width(width(data)));
     if matches!(data.exact.class, Class::Periodic(_)) {
-        let turning_points = data.turning_points.iter().map(|x| (x[0], x[1]));
+        let turning_points = data.section.iter().take(16).map(|x| (x[0], x[1]));
         panel.add(Markers::new(turning_points).open().legend("section point"));
     }
     panel
@@ -133,7 +134,7 @@ fn scaled(exponent: f64) -> f64 {
     math::log10(1.0 + exponent.abs() / LINEAR_RANGE).copysign(exponent)
 }
 
-fn running(data: &Data) -> Result<Panel, PublishedError> {
+fn running(data: &Data) -> Result<Panel, ProgramError> {
     let claims = Claims::committed()?;
     let published = data.set.figure.exponents().map(|id| claims.value(id));
     let convergence = || data.exact.spectrum.convergence.iter();
@@ -230,7 +231,7 @@ fn section_points(distinct: usize, returns: usize) -> String {
     }
 }
 
-fn table(data: &Data) -> Result<Table, PublishedError> {
+fn table(data: &Data) -> Result<Table, ProgramError> {
     let claims = Claims::committed()?;
     let published = |id: ClaimId| claims.of(id).published.clone();
     let mut table = Table::new(["", "published", "from equations", "from data"])

@@ -1,9 +1,10 @@
 //! The orbits, the tangent points and the cycle.
 
-use crate::figures::{ComputeError, crossing, normals, phase_plane};
+use crate::figures::{crossing, normals, phase_plane};
 use crate::numbers::{change_points, not_found};
 use crate::paper::TOLERANCE;
 use crate::paper::models::{BeltOscillator, BeltTangency};
+use crate::terminal::ProgramError;
 use stickslip::analysis::{multipliers, periodic_orbit};
 use stickslip::scalar::Dual;
 use stickslip::{Error, Filippov, Mode, Options, Scalar, Side, State, Transition, solve};
@@ -60,7 +61,7 @@ const SETTLING_TIME: f64 = 60.0;
 /// cycle above it.
 const FURTHER_STARTS: [(f64, f64); 2] = [(-0.4, 0.4), (-0.6, 1.5)];
 
-pub(super) fn compute() -> Result<Data, ComputeError> {
+pub(super) fn compute() -> Result<Data, ProgramError> {
     let model = BeltOscillator::default();
     let options = Options::tol(TOLERANCE);
     let tangents = model.tangent_points()?;

@@ -1,7 +1,8 @@
 //! The picture of Fig. 4.
 
 use super::compute::Data;
-use crate::figures::{FigureError, belt_line};
+use crate::figures::belt_line;
+use crate::terminal::ProgramError;
 use plot::*;
 use stickslip::analysis::Visibility;
 
@@ -22,7 +23,7 @@ fn description(data: &Data) -> String {
     )
 }
 
-pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
+pub(super) fn draw(data: &Data) -> Result<String, ProgramError> {
     let title = "Fig. 4: orbits of the belt oscillator and its limit cycle";
     let figure = Figure::new("fig04", (658.0, 640.0), title, &description(data));
     let figure = figure

@@ -4,7 +4,7 @@ mod compute;
 mod draw;
 
 use super::FigureSpec;
-use crate::figures::rows::{Quantity, Row};
+use crate::figures::rows::Row;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::reading::Reading::Exact;
 use crate::text::joined;
@@ -41,8 +41,8 @@ fn numbers(data: &Data) -> Vec<Row> {
         rows.extend(Row::members(id, Exact, values, unit));
     }
     rows.extend((1..).zip(&data.tangents).map(|(k, tangent): (usize, _)| {
-        let quantity = Quantity::Detail(ClaimId::Fig04Visibility, k.to_string());
-        Row::word(quantity, Exact, kind(tangent.visibility))
+        let name = format!("{}.{k}", ClaimId::Fig04Visibility);
+        Row::word(name, Exact, kind(tangent.visibility))
     }));
     rows.extend(limit_cycle(data));
     rows.extend(statements(data));

@@ -1,9 +1,9 @@
 //! The transition function, its oscillating zeros and their bifurcation.
 
-use crate::figures::ComputeError;
 use crate::numbers::bisect;
 use crate::paper::models::ForcedOscillator;
 use crate::paper::models::cubic::{Cubic, TangentPoint};
+use crate::terminal::ProgramError;
 use stickslip::Error;
 
 /// The data of the figure. The drawn curves are for `k₁ = 1 N/m`, `k₂ = 1 N/m³`, as in the paper.
@@ -70,9 +70,9 @@ pub(super) const Z_MAX: f64 = 1.35;
 /// Forcing periods shown in (b).
 const PERIODS_SHOWN: f64 = 2.0;
 
-pub(super) fn compute() -> Result<Data, ComputeError> {
+pub(super) fn compute() -> Result<Data, ProgramError> {
     let spring = Cubic::new(1.0, 1.0)?;
-    let critical = spring.critical_mu0()[1];
+    let critical = spring.critical_mu0();
     let unequal = Cubic::new(3.0, 12.0)?;
     Ok(Data {
         spring,

@@ -1,7 +1,8 @@
 //! The picture of Fig. 7.
 
 use super::compute::{Branches, Data, SigmaGraph, TangentPointMotion, Z_MAX};
-use crate::figures::{FigureError, side_by_side};
+use crate::figures::side_by_side;
+use crate::terminal::ProgramError;
 use plot::{
     Axis, BLACK, BLUE, Band, Color, Curve, Dash, Figure, GREY, Guide, LIGHT_GREY, Legend, MID_GREY,
     Markers, Note, Panel, Region, VERMILLION,
@@ -11,7 +12,7 @@ use plot::{
 const EDGES: [(Color, Dash); 2] = [(BLUE, Dash::Solid), (VERMILLION, Dash::Dashed)];
 
 /// The SVG.
-pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
+pub(super) fn draw(data: &Data) -> Result<String, ProgramError> {
     let title = "Tangent points: transition function, oscillation, bifurcation";
     let description = "Panel a: the transition function σ against z. Without friction it touches \
         the axis from above at z = −1, 0 and 1; with μ0 = 2√3/9 it is negative between ±2/√3 and \

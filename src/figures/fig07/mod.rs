@@ -4,7 +4,7 @@ mod compute;
 mod draw;
 
 use super::FigureSpec;
-use crate::figures::rows::{Quantity, Row};
+use crate::figures::rows::Row;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::reading::Reading::Exact;
 use compute::compute;
@@ -131,5 +131,5 @@ fn branches(data: &Data) -> Vec<Row> {
 }
 
 fn detail(id: ClaimId, name: &str, count: usize) -> Row {
-    Row::count(Quantity::Detail(id, name.to_owned()), Exact, count)
+    Row::count(format!("{id}.{name}"), Exact, count)
 }

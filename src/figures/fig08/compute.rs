@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::figures::{ComputeError, crossing, time_curve};
+use crate::figures::{crossing, time_curve};
 use crate::numbers::not_found;
 use crate::paper::listing::{self, END, Motion, Sample, Setup};
 use crate::paper::models::ForcedOscillator;
@@ -10,6 +10,7 @@ use crate::paper::pattern::{Pattern, two_periodic};
 use crate::paper::published::LAST_DIGIT;
 use crate::paper::slip_times_three::{self, InjectedDefects};
 use crate::paper::{SETTLING_TOLERANCE, TOLERANCE, bounded};
+use crate::terminal::ProgramError;
 use stickslip::analysis::{Destination, destination, multipliers, periodic_orbit_forced};
 use stickslip::{Error, Mode, Options, Side, State, solve};
 
@@ -86,7 +87,7 @@ const PERIODS_SHOWN: f64 = 2.0;
 /// Forcing periods in which a pattern of any length repeats: three times the longest.
 const PERIODS_COMPARED: f64 = 3.0 * Motion::LONGEST_PATTERN as f64;
 
-pub(super) fn compute() -> Result<Data, ComputeError> {
+pub(super) fn compute() -> Result<Data, ProgramError> {
     let model = ForcedOscillator::default();
     let zones = model.stick_zones()?;
     let options = Options::tol(TOLERANCE);
@@ -103,7 +104,7 @@ pub(super) fn compute() -> Result<Data, ComputeError> {
 fn as_printed(
     model: &ForcedOscillator,
     zones: &[(f64, f64)],
-) -> Result<ListingMotion, ComputeError> {
+) -> Result<ListingMotion, ProgramError> {
     let mut trajectory = Vec::new();
     let mut stuck: Vec<[(f64, f64); 2]> = Vec::new();
     let mut sticking = false;

@@ -1,9 +1,10 @@
 //! The picture of Fig. 8.
 
 use super::compute::Data;
-use crate::figures::{FigureError, belt_line, side_by_side};
+use crate::figures::{belt_line, side_by_side};
 use crate::numbers::extent;
 use crate::paper::listing::{Crossing, PRINTED_STEP};
+use crate::terminal::ProgramError;
 use plot::*;
 use stickslip::math;
 
@@ -50,7 +51,7 @@ fn periods(count: usize) -> String {
     }
 }
 
-pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
+pub(super) fn draw(data: &Data) -> Result<String, ProgramError> {
     let printed_side = HalfFigure::of(data, &data.as_printed.trajectory, BLUE);
     let exact_side = HalfFigure::of(data, &data.exact.trajectory, VERMILLION);
     let power = number(math::log10(PRINTED_STEP), 0);

@@ -71,18 +71,9 @@ impl Cubic {
         2.0 * self.force(z) * self.stiffness(z) / (m * m)
     }
 
-    /// Critical points of `σ`, m: `{0, ±√(k₁/k₂), ±√(k₁/(3k₂))}`, Eq. (12) and (22), in the paper's
-    /// order.
-    pub fn critical_points(&self) -> [f64; 5] {
-        let far = (self.k1 / self.k2).sqrt();
-        let near = (self.k1 / (3.0 * self.k2)).sqrt();
-        [0.0, far, -far, near, -near]
-    }
-
-    /// Values of `μ₀` at which `σ` touches the axis: `{0, ±(2k₁/3)√(k₁/(3k₂))}`, Eq. (13) and (23).
-    pub fn critical_mu0(&self) -> [f64; 3] {
-        let critical = 2.0 * self.k1 / 3.0 * (self.k1 / (3.0 * self.k2)).sqrt();
-        [0.0, critical, -critical]
+    /// The positive `μ₀` at which `σ` touches the axis: `(2k₁/3)√(k₁/(3k₂))`, Eq. (13) and (23).
+    pub fn critical_mu0(&self) -> f64 {
+        2.0 * self.k1 / 3.0 * (self.k1 / (3.0 * self.k2)).sqrt()
     }
 
     /// All zeros of `σ`, from the largest to the smallest: the paper's numbering 1, 2, … of tangent
@@ -104,7 +95,7 @@ impl Cubic {
         // With z = aw and a = 2√(k1/3k2) the equation is 4w³ - 3w = ±r, and 4cos³θ - 3cos θ = cos
         // 3θ.
         let a = 2.0 * (self.k1 / (3.0 * self.k2)).sqrt();
-        let r = mu0 / self.critical_mu0()[1];
+        let r = mu0 / self.critical_mu0();
         // Roots for +μ₀. Those for -μ₀ are their mirror images.
         let plus: Vec<TangentPoint> = if (r - 1.0).abs() <= 4.0 * f64::EPSILON {
             vec![
@@ -234,7 +225,7 @@ mod tests {
         for mu0 in [
             2.0 * 3f64.sqrt() / 9.0,
             2.0 / (3.0 * 3f64.sqrt()),
-            unit().critical_mu0()[1],
+            unit().critical_mu0(),
         ] {
             let points = unit().tangent_points(mu0).unwrap();
             let expected = [
@@ -262,16 +253,8 @@ mod tests {
     }
 
     #[test]
-    fn critical_points_and_values() {
-        let near = 0.577_350_269_189_625_8;
-        let expected = [0.0, 1.0, -1.0, near, -near];
-        for (found, z) in unit().critical_points().into_iter().zip(expected) {
-            assert_near(found, z);
-        }
-        let [zero, plus, minus] = unit().critical_mu0();
-        assert_eq!(zero, 0.0);
-        assert_eq!(plus, -minus);
-        assert_near(plus, 0.384_900_179_459_750_5);
+    fn the_critical_friction() {
+        assert_near(unit().critical_mu0(), 0.384_900_179_459_750_5);
     }
 
     #[test]
@@ -307,7 +290,7 @@ mod tests {
         #[test]
         fn residuals_are_rounding_errors(k1 in 0.01..100.0, k2 in 0.01..100.0, r in 1e-6..50.0) {
             let spring = Cubic::new(k1, k2).unwrap();
-            let mu0 = r * spring.critical_mu0()[1];
+            let mu0 = r * spring.critical_mu0();
             for point in spring.tangent_points(mu0).unwrap() {
                 let target = if point.balance == Balance::Plus { mu0 } else { -mu0 };
                 // Half a unit in the last place of z changes the force by this, plus the rounding
@@ -322,7 +305,9 @@ mod tests {
             let spring = Cubic::new(k1, k2).unwrap();
             let span = (k1 / k2).sqrt();
             let size = k1 * k1 * span;
-            for z in spring.critical_points() {
+            // Eqs. (12) and (22).
+            let near = (k1 / (3.0 * k2)).sqrt();
+            for z in [0.0, span, -span, near, -near] {
                 prop_assert!(spring.sigma_slope(z, 1.0).abs() <= 1e-14 * size);
                 // The formula for the slope against a difference of sigma.
                 let step = 1e-5 * span;
@@ -337,7 +322,7 @@ mod tests {
         fn the_count_follows_the_regime(k1 in 0.01..100.0, k2 in 0.01..100.0, r in 1e-6..3.0) {
             prop_assume!(f64::abs(r - 1.0) > 1e-12);
             let spring = Cubic::new(k1, k2).unwrap();
-            let points = spring.tangent_points(r * spring.critical_mu0()[1]).unwrap();
+            let points = spring.tangent_points(r * spring.critical_mu0()).unwrap();
             prop_assert_eq!(points.len(), if r < 1.0 { 6 } else { 2 });
             prop_assert!(points.windows(2).all(|pair| pair[0].z > pair[1].z));
             let mirrored: Vec<f64> = points.iter().rev().map(|point| -point.z).collect();

@@ -4,7 +4,6 @@ mod belt;
 mod block_and_bracket;
 pub mod cubic;
 mod forced;
-pub mod friction;
 mod parameters;
 mod tangent_points;
 

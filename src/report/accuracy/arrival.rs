@@ -4,10 +4,9 @@ use super::errors::{EXACT_TOLERANCE, EventErrors};
 use crate::numbers::not_found;
 use crate::paper::listing::{Defects, END, Run, Setup, run};
 use crate::paper::models::ForcedOscillator;
-use crate::report::ReportError;
 use stickslip::ode::{Rk4, Timed, henon_step};
 use stickslip::{
-    Filippov, Locator, Method, Mode, Options, Orbit, Side, State, TransitionKind, solve,
+    Error, Filippov, Locator, Method, Mode, Options, Orbit, Side, State, TransitionKind, solve,
 };
 
 /// Time of a run before the event (s), not a multiple of any step.
@@ -27,7 +26,7 @@ pub(super) struct Arrival<'a> {
 
 impl<'a> Arrival<'a> {
     /// The last crossing from one side on the settled orbit.
-    pub(super) fn from(model: &'a ForcedOscillator, from: Side) -> Result<Self, ReportError> {
+    pub(super) fn from(model: &'a ForcedOscillator, from: Side) -> Result<Self, Error> {
         let options = Options::tol(EXACT_TOLERANCE);
         let settled = solve(model, 0.0, Setup::default().state(), END, &options)?;
         let mut transitions = settled.transitions.iter();
@@ -58,13 +57,13 @@ impl<'a> Arrival<'a> {
     fn measure(
         &self,
         method: &'static str,
-        locate: impl Fn(f64, f64) -> Result<f64, ReportError>,
-    ) -> Result<EventErrors, ReportError> {
+        locate: impl Fn(f64, f64) -> Result<f64, Error>,
+    ) -> Result<EventErrors, Error> {
         EventErrors::measure(method, (self.from, self.t), locate)
     }
 
     /// RK4 with fixed steps, then one Hénon step onto Σ from the state before the crossing.
-    pub(super) fn stated(&self) -> Result<EventErrors, ReportError> {
+    pub(super) fn stated(&self) -> Result<EventErrors, Error> {
         self.measure("arrival by RK4 and Hénon step from", |h, part| {
             let step = self.step(h, part);
             let method = Method::Rk4 { step };
@@ -76,7 +75,7 @@ impl<'a> Arrival<'a> {
     }
 
     /// The same with the step printed in Sect. 3: `vp − x2` from below, `x2 − vp` from above.
-    pub(super) fn as_in_the_text(&self) -> Result<EventErrors, ReportError> {
+    pub(super) fn as_in_the_text(&self) -> Result<EventErrors, Error> {
         let gap = |at: &Timed<2>| self.model.boundary(at.t, at.x.as_ref());
         self.measure(
             "arrival by the step that Sect. 3 prints, from",
@@ -92,7 +91,7 @@ impl<'a> Arrival<'a> {
                         break;
                     }
                     if next.t > self.t + LEAD_TIME {
-                        return Err(not_found("a crossing of Σ", self.t0, 2.0 * LEAD_TIME).into());
+                        return Err(not_found("a crossing of Σ", self.t0, 2.0 * LEAD_TIME));
                     }
                     at = next;
                 }
@@ -104,7 +103,7 @@ impl<'a> Arrival<'a> {
     }
 
     /// One Hénon step alone from an exact state. Its error is of one order higher.
-    pub(super) fn single(&self) -> Result<EventErrors, ReportError> {
+    pub(super) fn single(&self) -> Result<EventErrors, Error> {
         self.measure("arrival by one Hénon step of RK4 alone from", |h, part| {
             let t = self.t - part * h;
             let x = self.orbit.at(t)?;
@@ -119,7 +118,7 @@ impl<'a> Arrival<'a> {
         &self,
         method: &'static str,
         defects: Defects,
-    ) -> Result<EventErrors, ReportError> {
+    ) -> Result<EventErrors, Error> {
         self.measure(method, |h, part| {
             let outcome = run(&Setup {
                 defects,
@@ -131,7 +130,7 @@ impl<'a> Arrival<'a> {
             });
             let what = "a crossing of Σ by the listing";
             let first = first_on_belt(&outcome);
-            Ok(first.ok_or_else(|| not_found(what, self.t0, 2.0 * LEAD_TIME))?)
+            first.ok_or_else(|| not_found(what, self.t0, 2.0 * LEAD_TIME))
         })
     }
 
@@ -157,9 +156,9 @@ impl<'a> Arrival<'a> {
     }
 }
 
-fn first_transition(orbit: &Orbit<2>, t: f64) -> Result<f64, ReportError> {
+fn first_transition(orbit: &Orbit<2>, t: f64) -> Result<f64, Error> {
     let first = orbit.transitions.first().map(|at| at.t);
-    Ok(first.ok_or_else(|| not_found("a crossing of Σ", t, 2.0 * LEAD_TIME))?)
+    first.ok_or_else(|| not_found("a crossing of Σ", t, 2.0 * LEAD_TIME))
 }
 
 /// Time at which the listing first reaches the belt's speed.

@@ -3,9 +3,8 @@
 use crate::numbers::ROUNDING;
 use crate::paper::listing::PRINTED_STEP;
 use crate::paper::published::HALF_DIGIT;
-use crate::report::ReportError;
-use stickslip::Side;
 use stickslip::statistics::PowerLaw;
+use stickslip::{Error, Side};
 
 /// Tolerance of the exact orbits. Single Hénon steps are compared with them, so that it is ten
 /// times finer than that of other accurate solutions.
@@ -36,8 +35,8 @@ impl EventErrors {
     pub(super) fn measure(
         method: &'static str,
         (side, t): (Side, f64),
-        locate: impl Fn(f64, f64) -> Result<f64, ReportError>,
-    ) -> Result<EventErrors, ReportError> {
+        locate: impl Fn(f64, f64) -> Result<f64, Error>,
+    ) -> Result<EventErrors, Error> {
         // A missing event counts as an infinite error.
         let error = |h: f64| {
             STEP_FRACTIONS
@@ -45,11 +44,11 @@ impl EventErrors {
                 .try_fold(0.0, |worst: f64, part| {
                     let off = (locate(h, part)? - t).abs();
                     let off = if off.is_nan() { f64::INFINITY } else { off };
-                    Ok::<f64, ReportError>(worst.max(off))
+                    Ok::<f64, Error>(worst.max(off))
                 })
         };
         let errors = STEPS.into_iter().map(|h| Ok((h, error(h)?)));
-        let errors = errors.collect::<Result<Vec<_>, ReportError>>()?;
+        let errors = errors.collect::<Result<Vec<_>, Error>>()?;
         Ok(EventErrors {
             method,
             side,

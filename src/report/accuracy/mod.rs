@@ -10,12 +10,11 @@ pub use release::{Release, Releases};
 
 use arrival::Arrival;
 
-use super::ReportError;
 use super::finding::Finding;
 use crate::paper::listing::{Defect, Defects};
 use crate::paper::models::ForcedOscillator;
 use crate::paper::reading::Reading;
-use stickslip::Side;
+use stickslip::{Error, Side};
 
 /// Errors of event times on the stated models' own orbits.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,8 +39,8 @@ impl Accuracy {
     /// Measures all errors.
     ///
     /// # Errors
-    /// [`ReportError`].
-    pub fn compute() -> Result<Accuracy, ReportError> {
+    /// The solver's.
+    pub fn compute() -> Result<Accuracy, Error> {
         let model = ForcedOscillator::default();
         let up = Arrival::from(&model, Side::Below)?;
         let down = Arrival::from(&model, Side::Above)?;

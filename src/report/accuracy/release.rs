@@ -4,7 +4,7 @@ use super::errors::{EXACT_TOLERANCE, EventErrors, STEPS};
 use crate::numbers::{ROUNDING, not_found};
 use crate::paper::listing::{Defect, Defects, Setup, run};
 use crate::paper::models::{BeltOscillator, ForcedOscillator};
-use crate::report::{ReportError, stick_exits, until_escape};
+use crate::report::{stick_exits, until_escape};
 use stickslip::math;
 use stickslip::ode::{Rk4, Timed, henon_step};
 use stickslip::{Error, Filippov, Options, Side, State, Transition, solve};
@@ -76,8 +76,8 @@ impl Releases {
     /// Measures all releases.
     ///
     /// # Errors
-    /// [`ReportError`].
-    pub(super) fn compute() -> Result<Releases, ReportError> {
+    /// The solver's.
+    pub(super) fn compute() -> Result<Releases, Error> {
         let belt = BeltOscillator::default();
         let forced = ForcedOscillator::default();
         let of_belt = on_belt(&belt)?;
@@ -103,7 +103,7 @@ fn release<S: Filippov<2>>(
     belt_speed: f64,
     event: &Event,
     shift: impl Fn(f64, f64) -> f64,
-) -> Result<Release, ReportError> {
+) -> Result<Release, Error> {
     // The step h2 from the state of the stick phase before the step that passes the point.
     let with = |method, side, slope: &dyn Fn(&Timed<2>) -> f64| {
         EventErrors::measure(method, (side, event.t), |h, part| {
@@ -129,7 +129,7 @@ fn release<S: Filippov<2>>(
 }
 
 /// The release with the distance to the moving tangent point as the independent variable.
-fn moving(model: &ForcedOscillator, event: &Event) -> Result<EventErrors, ReportError> {
+fn moving(model: &ForcedOscillator, event: &Event) -> Result<EventErrors, Error> {
     let tangent_point = event.x1 - model.support(event.t);
     let swapped = |at: &Timed<2>| {
         let speed = model.amplitude * model.omega * math::cos(model.omega * at.t);
@@ -154,7 +154,7 @@ fn listing(
     defects: Defects,
     model: &ForcedOscillator,
     event: &Event,
-) -> Result<EventErrors, ReportError> {
+) -> Result<EventErrors, Error> {
     let defects = match defects.has(Defect::StartUpTest) {
         true => defects.flipped(Defect::StartUpTest),
         false => defects,
@@ -171,7 +171,7 @@ fn listing(
         });
         let exit = outcome.phases.first().map(|phase| phase.stick.exit.t);
         let what = "the end of a stick phase of the listing";
-        Ok(exit.ok_or_else(|| not_found(what, before.t, 4.0 * h))?)
+        exit.ok_or_else(|| not_found(what, before.t, 4.0 * h))
     })
 }
 

@@ -10,7 +10,6 @@ use crate::figures::block_and_bracket::{DIVERGED, START, TOLERANCE};
 use crate::figures::rows::Value;
 use crate::orbit_records::TurningPoints;
 use crate::paper::models::{BlockAndBracket, Caption, CaptionOrder, Reading};
-use crate::report::ReportError;
 use crate::report::spread::mended_captions;
 use stickslip::analysis::motion::{Class, Criterion, Evidence, SystemKind};
 use stickslip::{Error, Observer, Options, State, StepRecord, run, solve};
@@ -18,12 +17,6 @@ use stickslip::{Error, Observer, Options, State, StepRecord, run, solve};
 /// The section is recorded from the start of the published series to here: over a hundred
 /// oscillations.
 const SECTION_END: f64 = 4500.0;
-/// The figures and their captions.
-const FIGURES: [(&str, Caption); 3] = [
-    ("Fig. 10", Caption::FIG10),
-    ("Fig. 11", Caption::FIG11),
-    ("Fig. 12", Caption::FIG12),
-];
 
 /// Records the largest component of an orbit before the series begins, and its section after that.
 struct TransientAndSection<'a> {
@@ -121,7 +114,7 @@ impl MotionOutcome {
 pub(super) fn signs() -> Result<Proof, Error> {
     let mut all = Vec::new();
     let mut holds = true;
-    for (name, caption) in FIGURES {
+    for (figure, caption) in (10..).zip(Caption::ALL) {
         let (printed, corrected) = rayon::join(
             || outcome(&caption, &Reading::as_printed(), START),
             || outcome(&caption, &Reading::exact(), START),
@@ -129,8 +122,8 @@ pub(super) fn signs() -> Result<Proof, Error> {
         let (printed, corrected) = (printed?, corrected?);
         holds &= matches!(printed, MotionOutcome::Diverges(_));
         holds &= matches!(corrected, MotionOutcome::Bounded(_));
-        all.push(printed.proof_result(&format!("{name}, as printed")));
-        all.push(corrected.proof_result(&format!("{name}, corrected")));
+        all.push(printed.proof_result(&format!("Fig. {figure}, as printed")));
+        all.push(corrected.proof_result(&format!("Fig. {figure}, corrected")));
     }
     Ok(Proof::new("signs", all, holds))
 }
@@ -145,7 +138,7 @@ const SPREAD_FRACTION: f64 = 1e-2;
 
 /// Spreads (standard deviations) of the sampled states along their principal directions, the
 /// largest first.
-fn spreads(caption: &Caption) -> Result<[f64; 4], ReportError> {
+fn spreads(caption: &Caption) -> Result<[f64; 4], Error> {
     let model = BlockAndBracket::from_caption(caption, &Reading::exact())?;
     let options = Options::tol(TOLERANCE);
     let orbit = solve(
@@ -167,10 +160,10 @@ fn spreads(caption: &Caption) -> Result<[f64; 4], ReportError> {
     Ok(values.map(|value| value.max(0.0).sqrt()))
 }
 
-pub(super) fn four_states() -> Result<Proof, ReportError> {
+pub(super) fn four_states() -> Result<Proof, Error> {
     let mut shown: Vec<Value> = Vec::new();
     let mut holds = true;
-    for (_, caption) in FIGURES {
+    for caption in Caption::ALL {
         let spreads = spreads(&caption)?;
         let is_one = |spread: &&f64| **spread > SPREAD_FRACTION * spreads[0];
         let directions = spreads.iter().filter(is_one).count();
@@ -183,23 +176,23 @@ pub(super) fn four_states() -> Result<Proof, ReportError> {
 /// Values of static friction (mg), for the heading's order, which gives none.
 const FRICTIONS: [f64; 4] = [0.3, 0.7, 1.0, 2.0];
 
-pub(super) fn order_of_captions() -> Result<Proof, ReportError> {
+pub(super) fn order_of_captions() -> Result<Proof, Error> {
     let mut all = Vec::new();
     let mut holds = true;
-    for (figure, caption) in &FIGURES[1..] {
+    for (figure, caption) in (11..).zip(&Caption::ALL[1..]) {
         let [_, xi2, _, xi4, xi5, sixth, seventh, ..] = caption.numbers;
         let (ratio, stiffness) = (seventh / sixth, xi4 - 1.0);
-        let what = format!("{figure}: seventh number over sixth");
+        let what = format!("Fig. {figure}: seventh number over sixth");
         all.push(ProofResult::new(what, ratio, "1"));
         all.push(ProofResult::new(
-            format!("{figure}: xi4 - 1 = k3/k2"),
+            format!("Fig. {figure}: xi4 - 1 = k3/k2"),
             stiffness,
             "1",
         ));
         holds &= (ratio - stiffness).abs() < 1e-3 && xi2 == 0.0 && xi5 == 0.0;
         let corrected = by_section(caption, &Reading::exact())?;
         holds &= corrected.is_open();
-        all.push(corrected.proof_result(&format!("{figure}, corrected order")));
+        all.push(corrected.proof_result(&format!("Fig. {figure}, corrected order")));
         let headed = FRICTIONS.par_iter().map(|&mu0| {
             let reading = Reading {
                 order: CaptionOrder::Heading { mu0 },
@@ -210,13 +203,15 @@ pub(super) fn order_of_captions() -> Result<Proof, ReportError> {
         let headed = headed.collect::<Result<Vec<MotionOutcome>, Error>>()?;
         for (mu0, outcome) in FRICTIONS.into_iter().zip(headed) {
             holds &= !outcome.is_open();
-            all.push(outcome.proof_result(&format!("{figure}, order of the heading, mu0 = {mu0}")));
+            all.push(
+                outcome.proof_result(&format!("Fig. {figure}, order of the heading, mu0 = {mu0}")),
+            );
         }
     }
     Ok(Proof::new("order_of_captions", all, holds))
 }
 
-pub(super) fn caption_of_fig10() -> Result<Proof, ReportError> {
+pub(super) fn caption_of_fig10() -> Result<Proof, Error> {
     let [_, _, _, xi4, _, mu0, xi6, ..] = Caption::FIG10.numbers;
     let (ratio, stiffness) = (xi6 / mu0, xi4 - 1.0);
     let mut all = vec![

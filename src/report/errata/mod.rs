@@ -10,11 +10,11 @@ mod shifts;
 
 use std::collections::BTreeMap;
 
-use super::ReportError;
 use super::accuracy::Accuracy;
 use super::matrix::Matrix;
 use crate::paper::listing::Defect;
-use crate::paper::published::{Claims, PublishedError};
+use crate::paper::published::Claims;
+use crate::terminal::ProgramError;
 pub use proof::{Proof, ProofResult};
 
 /// A misprint or defect.
@@ -39,13 +39,13 @@ const MISPRINTS: &str = include_str!("../../../data/errata.csv");
 /// All misprints, in the order of the paper, some from results computed elsewhere.
 ///
 /// # Errors
-/// [`ReportError`].
+/// The solver's; a message where a misprint has no proof.
 pub fn errata(
     claims: &Claims,
     matrix: &Matrix,
     accuracy: &Accuracy,
     of_statements: &[Proof],
-) -> Result<Vec<Erratum>, ReportError> {
+) -> Result<Vec<Erratum>, ProgramError> {
     let mut proofs = vec![
         sections_two_to_four::unit_of_mu0(),
         sections_two_to_four::critical_points(claims),
@@ -70,17 +70,16 @@ pub fn errata(
 
 /// The misprints of a table, each with its proof. Results take their descriptions from the table if
 /// it has them.
-fn misprints_with_proofs(table: &str, proofs: Vec<Proof>) -> Result<Vec<Erratum>, PublishedError> {
-    let malformed = |reason: String| PublishedError::Malformed { reason };
+fn misprints_with_proofs(table: &str, proofs: Vec<Proof>) -> Result<Vec<Erratum>, String> {
     let named = proofs.into_iter().map(|proof| (proof.misprint, proof));
     let mut proofs: BTreeMap<&str, Proof> = named.collect();
     let mut all = Vec::new();
     for row in csv::Reader::from_reader(table.as_bytes()).into_records() {
-        let row = row.map_err(|error| malformed(error.to_string()))?;
+        let row = row.map_err(|error| format!("data/errata.csv: {error}"))?;
         let cell = |k| row.get(k).unwrap_or_default().to_owned();
         let name = cell(0);
         let proof = proofs.remove(&*name);
-        let proof = proof.ok_or_else(|| malformed(format!("nothing proves misprint {name:?}")))?;
+        let proof = proof.ok_or_else(|| format!("nothing proves misprint {name:?}"))?;
         let labels = cell(4);
         let label = |label| str::strip_suffix(label, ']')?.split_once(" [");
         let mut labels = labels.split(" | ").filter_map(label);
@@ -91,8 +90,9 @@ fn misprints_with_proofs(table: &str, proofs: Vec<Proof>) -> Result<Vec<Erratum>
         }
         if labels.next().is_some() || shown.iter().any(|one| one.what.is_empty()) {
             let values = shown.len();
-            let reason = format!("{name:?} has not one label for each of its {values} values");
-            return Err(malformed(reason));
+            return Err(format!(
+                "{name:?} has not one label for each of its {values} values"
+            ));
         }
         all.push(Erratum {
             name,
@@ -104,9 +104,7 @@ fn misprints_with_proofs(table: &str, proofs: Vec<Proof>) -> Result<Vec<Erratum>
         });
     }
     match proofs.keys().next() {
-        Some(name) => Err(malformed(format!(
-            "data/errata.csv has no misprint {name:?}"
-        ))),
+        Some(name) => Err(format!("data/errata.csv has no misprint {name:?}")),
         None => Ok(all),
     }
 }

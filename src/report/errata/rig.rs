@@ -3,7 +3,6 @@
 use super::proof::Proof;
 use crate::paper::TOLERANCE;
 use crate::paper::models::{BlockAndBracket, Caption, Reading, Rig, Unloading};
-use crate::report::ReportError;
 use stickslip::{Error, Options, State, solve};
 
 /// A block and a bracket in SI units, undamped as in the captions.
@@ -37,7 +36,7 @@ fn rig_state(rig: &Rig, start: &State<4>) -> Result<State<4>, Error> {
 }
 
 /// Newton's law in SI units, compared with two ways to write the normal force with ξ6.
-pub(super) fn friction_counted_twice() -> Result<Proof, ReportError> {
+pub(super) fn friction_counted_twice() -> Result<Proof, Error> {
     let rig = rig(9.81, 1.0);
     let start = State::from([0.0, 0.01, 0.0, -0.05]);
     let newton = rig_state(&rig, &start)?;
@@ -53,7 +52,7 @@ pub(super) fn friction_counted_twice() -> Result<Proof, ReportError> {
     };
     caption.numbers[..5].copy_from_slice(&first);
     caption.numbers[5..].copy_from_slice(&last);
-    let with = |unloading| -> Result<f64, ReportError> {
+    let with = |unloading| -> Result<f64, Error> {
         let reading = Reading {
             unloading,
             ..Reading::exact()
@@ -72,7 +71,7 @@ pub(super) fn friction_counted_twice() -> Result<Proof, ReportError> {
 }
 
 /// Two rigs with different units of time have the same Eq. (27).
-pub(super) fn unit_of_time() -> Result<Proof, ReportError> {
+pub(super) fn unit_of_time() -> Result<Proof, Error> {
     let slow = rig(9.81, 1.0);
     // Four times the stiffness and, to keep the unit of length, four times gravity. Speeds double.
     let fast = Rig {

@@ -13,6 +13,8 @@ pub struct Caption {
 }
 
 impl Caption {
+    /// Those of Figs. 10, 11 and 12.
+    pub const ALL: [Caption; 3] = [Caption::FIG10, Caption::FIG11, Caption::FIG12];
     /// Fig. 10, "two-periodic".
     pub const FIG10: Caption = Caption {
         numbers: [0.237, 0.0, 0.613, 1.888, 0.0, 1.300, 1.115, 0.330, 0.930],
